@@ -1,4 +1,4 @@
-"""Shared by the scripts that compare with Blender's Cycles, and by their Blender sides."""
+"""Shared by the scripts that compare with Blender's Cycles."""
 import math
 import os
 import statistics
@@ -30,21 +30,3 @@ def verdict_of(ratio, error, limit):
     """Whether two standard errors on either side of the ratio are entirely within the limit about 1, or outside it."""
     off = abs(ratio - 1.0)
     return "within" if off + 2.0 * error <= limit else "outside" if off - 2.0 * error > limit else "undecided"
-
-
-def set_cycles(scene, job):
-    """Cycles as Reframe renders: unclamped, all caustics, a box filter, and linear pixels. Runs in Blender."""
-    render, cycles = scene.render, scene.cycles
-    render.engine = "CYCLES"
-    render.resolution_x, render.resolution_y = job["size"]
-    render.resolution_percentage = 100
-    render.threads_mode, render.threads = "FIXED", job["threads"]
-    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
-    scene.view_settings.view_transform = "Raw"
-    cycles.device, cycles.samples, cycles.pixel_filter_type = "CPU", job["samples"], "BOX"
-    cycles.filter_width = 1.0
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = job["bounces"]
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
-    cycles.caustics_reflective = cycles.caustics_refractive = True
-    cycles.light_sampling_threshold = 0.0
-    cycles.use_adaptive_sampling = cycles.use_denoising = False

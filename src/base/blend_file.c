@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#define EXPORT "export it by blender -b %.300s -P scripts/blender-export.py -- scene.glb"
+#define EXPORT "export it by blender -b %.300s -P scripts/blender/export.py -- scene.glb"
 
 static bool starts_with( const void* bytes, size_t size, const char* magic, size_t length )
 {

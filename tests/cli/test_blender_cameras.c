@@ -75,7 +75,7 @@ static Difference compare( const char* ours, const char* cycles )
 static void render_camera( const char* name )
 {
     const CliResult* done = cli_run(
-        BLENDER "cameras.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- %s.glb --camera %s > log", name, name );
+        BLENDER "cameras.blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- %s.glb --camera %s > log", name, name );
     assert_int_equal( done->status, 0 );
     assert_non_null( strstr( done->err, "warning: the film's exposure of 2 is ignored" ) );
     assert_non_null( strstr( done->err, "warning: the compositor's nodes are left out" ) );

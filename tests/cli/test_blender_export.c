@@ -1,4 +1,4 @@
-// scripts/blender-export.py on a scene made in Blender; skipped where Blender or the numpy
+// scripts/blender/export.py on a scene made in Blender; skipped where Blender or the numpy
 // that its exporter needs is missing.
 #include "support/blender_run.h"
 
@@ -209,7 +209,7 @@ static void test_export_keeps_the_scene( void** state )
         skip();
     cli_write( "make.py", s_make, sizeof s_make - 1 );
     assert_int_equal( cli_run( BLENDER "--python-exit-code 9 -P make.py > log 2>&1" )->status, 0 );
-#define EXPORT BLENDER "t.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+#define EXPORT BLENDER "t.blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
     const CliResult* refused = cli_run( EXPORT "t.glb --camera Nobody > log" );
     assert_int_equal( refused->status, 1 );
     assert_non_null( strstr( refused->err, "no camera 'Nobody' in the scene: it has Eye" ) );
@@ -254,7 +254,7 @@ static void test_world_becomes_the_environment( void** state )
     cli_write( "make.py", s_make, sizeof s_make - 1 );
     cli_write( "world.py", s_make_world, sizeof s_make_world - 1 );
     assert_int_equal( cli_run( BLENDER "--python-exit-code 9 -P make.py -P world.py > log 2>&1" )->status, 0 );
-#define EXPORT_SKY BLENDER "sky.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+#define EXPORT_SKY BLENDER "sky.blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
     cli_write( "a b-sky.exr", "", 0 ); // a map in the way
     const CliResult* done = cli_run( EXPORT_SKY "'a b.glb' > log" );
     assert_int_equal( done->status, 1 );
@@ -313,7 +313,7 @@ static void expect_same_picture( const char* name, const char* cycles )
     rf_destroy_image( image + 1 );
 }
 
-#define SCRIPT REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+#define SCRIPT REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
 #define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/"
 
 // Frames 101 to 110 at 29.97 frames/s, of 64x36 pixels that are not square, by a zooming and shifted lens.

@@ -1,4 +1,4 @@
-// What scripts/blender-export.py cannot carry is named, with the object: small scenes made inside Blender
+// What scripts/blender/export.py cannot carry is named, with the object: small scenes made inside Blender
 // (support/blender_losses.py) are exported, and the warnings read. Skipped where Blender or its numpy is missing.
 #include "support/blender_run.h"
 
@@ -24,7 +24,7 @@ static void export_and_expect( const char* scene, const char* const told[MOST] )
                          scene ),
                 0, NULL );
     const CliResult* done = cli_run(
-        BLENDER "%s.blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- %s.glb --bake-cache cache > log", scene, scene );
+        BLENDER "%s.blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- %s.glb --bake-cache cache > log", scene, scene );
     assert_int_equal( done->status, 0 );
     int count = 0, lines = 0;
     for ( ; told[count] != NULL; ++count )

@@ -19,7 +19,7 @@
 #include <cmocka.h>
 
 #define EXPORT( scene )                                                                                                          \
-    BLENDER scene ".blend -P " REFRAME_SOURCE_DIR "/scripts/blender-export.py -- " scene ".glb --bake-cache cache "
+    BLENDER scene ".blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- " scene ".glb --bake-cache cache "
 #define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/blender_materials.py -- . "
 
 static double mean_of( const char* name )
@@ -114,7 +114,7 @@ static void test_means_are_those_of_cycles( void** state )
     for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
     {
         const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
-                                                 "/scripts/blender-export.py -- %s.glb --bake 128 --bake-cache cache",
+                                                 "/scripts/blender/export.py -- %s.glb --bake 128 --bake-cache cache",
                                          scenes[i].name, scenes[i].name );
         assert_int_equal( done->status, 0 );
         assert_null( strstr( done->err, "Traceback" ) );
@@ -156,7 +156,7 @@ static void test_mixtures_of_gloss( void** state )
     for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
     {
         const CliResult* done = cli_run( BLENDER "%s.blend -P " REFRAME_SOURCE_DIR
-                                                 "/scripts/blender-export.py -- %s.glb --bake 64 --bake-cache cache",
+                                                 "/scripts/blender/export.py -- %s.glb --bake 64 --bake-cache cache",
                                          scenes[i], scenes[i] );
         assert_int_equal( done->status, 0 );
         assert_null( strstr( done->out, "baked" ) ); // images are carried unchanged

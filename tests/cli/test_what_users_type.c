@@ -54,7 +54,7 @@ static void test_units_and_patterns( void** state )
 static void test_blend_files_are_recognised( void** state )
 {
     (void)state;
-    static const char advice[] = "export it by blender -b a.blend -P scripts/blender-export.py -- scene.glb\n";
+    static const char advice[] = "export it by blender -b a.blend -P scripts/blender/export.py -- scene.glb\n";
     static const struct
     {
         const char *bytes, *said;

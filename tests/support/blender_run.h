@@ -9,7 +9,7 @@
 
 // another Python first in the path would hide the numpy of Debian's
 #define BLENDER "PATH=/usr/bin:$PATH ${REFRAME_BLENDER:-blender} -b "
-#define BLENDER_SCRIPT REFRAME_SOURCE_DIR "/scripts/blender-export.py -- "
+#define BLENDER_SCRIPT REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
 // Runs a script of tests/support/ in an empty Blender.
 #define BLENDER_MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/"
 

@@ -5,12 +5,10 @@ import urllib.parse
 
 import bpy
 
-from . import embed, rays, shader_tree
-from .animated import tell_animation
-from .command_line import refuse
-from .hiding import animated_paths
-from .messages import fail, warn
-from .names import panorama_of
+from . import glb, plans, shader_tree
+from .messages import fail, refuse, warn
+from .moves import animated_paths, tell_animation
+from .versions import panorama_of
 
 LARGEST_MAP = 8192  # pixels across
 SKY_MAP = 2048  # if no image determines the size
@@ -68,7 +66,7 @@ def render_map(world, across, exact, path):
     copy.cycles_visibility.camera = True
     if any(n.type == "LIGHT_PATH" for n in nodes_behind(copy.node_tree.get_output_node("CYCLES"))):
         shader_tree.flatten(copy.node_tree)
-        rays.give_constants(copy.node_tree, "diffuse")
+        plans.give_constants(copy.node_tree, "diffuse")
     copy.cycles.sampling_method = "NONE"
     camera = bpy.data.objects.new("reframe map", bpy.data.cameras.new("reframe map"))
     camera.data.type = "PANO"
@@ -139,7 +137,7 @@ def keep_world(scene, args):
         environment["radiance"] = radiance
     else:
         if args.embed:
-            path = embed.map_path()
+            path = glb.map_path()
         else:
             path = map_path(args)
             refuse(args, path)

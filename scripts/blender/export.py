@@ -1,6 +1,6 @@
 """Exports a .blend as .glb for Reframe, in background mode:
 
-    blender -b scene.blend -P scripts/blender-export.py -- out.glb [--camera NAME] [--frames A-B[xSTEP]]
+    blender -b scene.blend -P scripts/blender/export.py -- out.glb [--camera NAME] [--frames A-B[xSTEP]]
         [--bake SIZE | --no-bake] [--bake-cache FOLDER] [--embed] [--overwrite]
 
 Uses Blender's own glTF exporter and adds what it leaves out. The camera is baked
@@ -21,25 +21,24 @@ import os
 import sys
 
 sys.dont_write_bytecode = True  # no __pycache__ beside the installed or checked-out script
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
 import bpy  # noqa: E402
-from blender_export.messages import fail, repeat_warnings, warn  # noqa: E402
+from blender.messages import fail, frame_range, parse, repeat_warnings, warn  # noqa: E402
 
 try:
     import numpy  # noqa: F401
 except ImportError:  # Debian's Blender 4 comes without it
     fail("this Blender's Python has no numpy, which its glTF exporter needs: install it (Debian: python3-numpy)")
-from blender_export import cameras, clipping, command_line, effects, geometry, glb, hiding, lights, materials, moves, sky  # noqa: E402
-from blender_export.in_view import InView  # noqa: E402
+from blender import cameras, geometry, glb, lights, materials, moves, sky  # noqa: E402
 
 
 def watch(scene, camera, follow, numbers):
     """Goes through the frames; returns the camera's recorder and the names of what else moves. Ends in the first."""
-    frames = hiding.Frames(scene)
+    frames = moves.Frames(scene)
     frames.set(numbers[0])
     recorder, watcher = cameras.Recorder(scene, camera, follow), moves.Watcher(scene, bpy.context.view_layer)
-    clipped, in_view = clipping.Clipping(scene), InView(scene, bpy.context.evaluated_depsgraph_get())
+    clipped, in_view = cameras.Clipping(scene), lights.InView(scene, bpy.context.evaluated_depsgraph_get())
     few = {numbers[0], numbers[len(numbers) // 2], numbers[-1]}  # counting instances takes time
     for number in numbers:
         frames.set(number)
@@ -61,15 +60,15 @@ def rate_of(scene):
 
 
 def main():
-    args = command_line.parse(__doc__.split("\n")[0])
+    args = parse(__doc__.split("\n")[0])
     scene = bpy.context.scene
-    first, last, step = command_line.frame_range(scene, args.frames)
+    first, last, step = frame_range(scene, args.frames)
     scene.frame_start, scene.frame_end = first, last
     camera = cameras.find_camera(scene, args.camera)
     name = camera.name
     scene.frame_set(first)
     sky.refuse_early(scene, args)
-    effects.warn_of_effects(scene, camera)
+    cameras.warn_of_effects(scene, camera)
     geometry.settle(scene)
     recorder, moving, in_view = watch(scene, camera, args.camera is None, range(first, last + 1, step))
     cameras.tell_others(scene, name)

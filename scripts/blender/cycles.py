@@ -1,6 +1,6 @@
-"""The Blender side of compare-cycles: renders a .glb with Cycles, matching Reframe's conventions.
+"""The Blender side of the comparison with Cycles: renders a .glb with Cycles, matching Reframe's conventions.
 
-  blender -b --factory-startup --python-exit-code 1 -P cycles-render.py -- JOB.json
+  blender -b --factory-startup --python-exit-code 1 -P cycles.py -- JOB.json
 
 The job names the .glb, size, samples, seeds, bounces, where Cycles' pictures go and
 which of Reframe's to read beside them. The means of all of them are written to the
@@ -16,10 +16,6 @@ import sys
 import bmesh
 import bpy
 import numpy
-
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-import cycleslib  # noqa: E402
 
 numpy.bool = bool  # the importer of Blender 3.4 uses a name that numpy has removed
 
@@ -114,6 +110,24 @@ def set_world(scene, job, gltf):
     links.new(sky.outputs["Color"], color)
 
 
+def set_cycles(scene, job):
+    """Cycles as Reframe renders: unclamped, all caustics, a box filter, and linear pixels. Runs in Blender."""
+    render, cycles = scene.render, scene.cycles
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y = job["size"]
+    render.resolution_percentage = 100
+    render.threads_mode, render.threads = "FIXED", job["threads"]
+    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.view_settings.view_transform = "Raw"
+    cycles.device, cycles.samples, cycles.pixel_filter_type = "CPU", job["samples"], "BOX"
+    cycles.filter_width = 1.0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = job["bounces"]
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.light_sampling_threshold = 0.0
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+
+
 def set_up(job, gltf):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=job["scene"], convert_lighting_mode="COMPAT")
@@ -129,7 +143,7 @@ def set_up(job, gltf):
     scene.camera.data.clip_start = 1e-3
     set_world(scene, job, gltf)
     scene.frame_set(0)
-    cycleslib.set_cycles(scene, job)
+    set_cycles(scene, job)
 
 
 def mean(file_name):
@@ -153,4 +167,5 @@ def main():
         json.dump({"cycles": [mean(n) for n in job["cycles"]], "reframe": [mean(n) for n in job["reframe"]]}, file)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,11 +1,65 @@
-"""What moves or changes, and stands still in Reframe: everything but the camera."""
+"""Objects that are hidden in some frames: the viewport, which Blender evaluates outside of a render, follows the render's switch."""
 import hashlib
 
 import bpy
 import numpy
 
-from . import hiding
 from .messages import list_names, warn
+
+SWITCHES = ("hide_render", "hide_viewport")
+OF_RENDERS = ("show_render", "render_levels", "render_steps")  # of modifiers, whose viewport's values are set once
+
+
+def actions_of(o):
+    """The keys of an object: those of its action, and of its strips."""
+    animation = o.animation_data
+    if animation is None:
+        return []
+    actions = [animation.action] + [strip.action for track in animation.nla_tracks for strip in track.strips]
+    return [action for action in actions if action is not None]
+
+
+def animated_paths(o):
+    """The properties of an object that keys, strips or drivers change."""
+    curves = [curve for action in actions_of(o) for curve in action.fcurves]
+    return {curve.data_path for curve in curves + list(o.animation_data.drivers if o.animation_data is not None else [])}
+
+
+def follow(o):
+    """Drives the viewport's switch by that of renders; the object is evaluated in all frames then, also where it is hidden."""
+    for action in actions_of(o):
+        for curve in [c for c in action.fcurves if c.data_path == "hide_viewport"]:
+            action.fcurves.remove(curve)  # Blender hides by the keys before it looks at the driver
+    o.driver_remove("hide_viewport")
+    driver = o.driver_add("hide_viewport").driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.type = "SINGLE_PROP"
+    variable.targets[0].id, variable.targets[0].data_path = o, "hide_render"
+
+
+class Frames:
+    """Sets frames, with all objects hidden that are hidden in renders of them."""
+
+    def __init__(self, scene):
+        self.scene = scene
+        self.switched = [o for o in bpy.data.objects if animated_paths(o) & set(SWITCHES)]
+        for o in self.switched:
+            follow(o)
+
+    def set(self, number):
+        before = [o.hide_viewport for o in self.switched]
+        self.scene.frame_set(number)
+        if before != [o.hide_viewport for o in self.switched]:
+            self.scene.frame_set(number)  # Blender hides by the drivers' values one evaluation late
+
+
+def changes_in_renders(o):
+    """Is a modifier switched in renders? In the viewport it is as in the first frame."""
+    return any(path.startswith("modifiers[") and path.endswith(OF_RENDERS) for path in animated_paths(o))
+
+
+# What moves or changes, and stands still in Reframe: everything but the camera.
 
 GEOMETRY = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 LAMP = ("energy", "size", "size_y", "spread", "spot_size", "spot_blend", "shadow_soft_size", "angle")  # each for some kinds
@@ -77,7 +131,7 @@ class Watcher:
         now = {o.name: state_of(o.evaluated_get(depsgraph)) for o in self.objects if not o.hide_render}
         if self.first is None:
             self.first = now
-            self.moving = {o.name for o in self.objects if o.name in now and hiding.changes_in_renders(o)}
+            self.moving = {o.name for o in self.objects if o.name in now and changes_in_renders(o)}
         self.hidden |= set(now) ^ set(self.first)
         self.moving.update(n for n in now
                            if n in self.first and max(abs(a - b) for a, b in zip(now[n], self.first[n])) > 1e-6)
@@ -104,3 +158,37 @@ class Watcher:
             if names:
                 warn("%s: %s: taken as in the first frame" % (list_names(sorted(names)), what))
         return sorted(self.moving | self.hidden)
+
+
+# What changes by keys, drivers or frames of a film within a tree of nodes, all of which is taken as in the first frame.
+
+FILMS = ("SEQUENCE", "MOVIE")
+
+
+def trees_within(tree):
+    """A tree and those of its groups."""
+    found, left = [], [tree]
+    while left:
+        tree = left.pop()
+        if tree is not None and tree not in found:
+            found.append(tree)
+            left += [n.node_tree for n in tree.nodes if n.type == "GROUP"]
+    return found
+
+
+def is_film(node):
+    """Does an image node show another picture in another frame?"""
+    if getattr(node, "image", None) is None or node.image.source not in FILMS:
+        return False
+    user = getattr(node, "image_user", None)
+    return user is not None and user.use_auto_refresh and user.frame_duration > 1
+
+
+def tell_animation(tree, tell):
+    """Calls tell(node, text) for each node that changes; the node is None for what is not of one node."""
+    for part in trees_within(tree):
+        for path in sorted(animated_paths(part)):
+            tell(part.nodes.get(path.split('"')[1]) if path.startswith('nodes["') else None, "animated or driven: taken as in the first frame")
+        for node in part.nodes:
+            if is_film(node):
+                tell(node, "shows the frames of a film: taken as in the first frame")

@@ -1,6 +1,6 @@
-"""The Blender side of compare-materials: a .blend of spheres, one for each material, rendered with Cycles.
+"""The Blender side of the comparison of materials: a .blend of spheres, one for each material, rendered with Cycles.
 
-  blender -b --factory-startup --python-exit-code 1 -P material-spheres.py -- JOB.json
+  blender -b --factory-startup --python-exit-code 1 -P spheres.py -- JOB.json
 
 In the scene "even" the spheres hang far apart in a uniform white world, in "room" in a closed grey
 room under one lamp. The camera looks at sphere N in frame N. The job's "made" lists the materials in
@@ -15,8 +15,8 @@ import sys
 import bpy
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-import cycleslib  # noqa: E402
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+from blender.cycles import set_cycles  # noqa: E402
 
 RADIUS = 0.5
 DISTANCE = 5.0  # of the camera from a sphere
@@ -229,7 +229,7 @@ def put_world(scene, brightness):
 def make(job):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    cycleslib.set_cycles(scene, job)
+    set_cycles(scene, job)
     made, absent = make_materials(job["materials"] or list(MATERIALS))
     spacing = SPACING[job["light"]]
     places = put_spheres(made, spacing)

@@ -1,0 +1,329 @@
+"""The channels of glTF's material, which a shader tree is folded into."""
+import dataclasses
+import math
+from collections import namedtuple
+
+import bpy
+import numpy
+
+from .versions import socket
+
+Ref = namedtuple("Ref", "node output")  # a channel that varies: name of the node, number of its output
+
+F0_OF_GLTF = 0.04  # reflectance of an index of 1.5, which KHR_materials_specular multiplies
+LAYER = "reframe bake"  # the coordinates of the baked textures
+NUMBERS = ("alpha", "roughness", "metallic")  # baked together, in R, G and B
+MEANS = (("specular", "f0", "transmission"), ("ior", "clearcoat", "clearcoat_roughness"))
+WORDS = {"base": "colour", "metallic": "metallic", "roughness": "roughness", "emission": "emission", "alpha": "alpha",
+         "normal": "normal", "specular": "specular", "f0": "specular", "transmission": "transmission", "ior": "IOR",
+         "clearcoat": "clearcoat", "clearcoat_roughness": "roughness of the clearcoat"}
+
+
+@dataclasses.dataclass
+class Surface:
+    """Channels are numbers, colours of three, or a Ref; None where the shader leaves it open."""
+    base: object = None
+    metallic: object = None
+    roughness: object = None
+    specular: object = None  # 0: Lambert, 1: a dielectric coat over it
+    f0: object = None  # of the coat, relative to F0_OF_GLTF
+    transmission: object = None
+    ior: object = None
+    clearcoat: object = 0.0
+    clearcoat_roughness: object = 0.0
+    alpha: object = 1.0
+    emission: object = (0.0, 0.0, 0.0)
+    normal: object = None  # a Ref, or None
+    one_sided: bool = False
+    thin: bool = False  # what it transmits is not refracted, also on a closed mesh
+    principled: bool = False  # Blender's own model, or a mixture with it
+    added: bool = False  # the coat takes nothing from the base
+    scale: float = 1.0  # of the base, and
+    lift: tuple = (0.0, 0.0, 0.0)  # what is added to it, when it is exported: images are carried unchanged
+    is_flat: bool = False  # metal whose colour is the same at all angles
+    gain: tuple = (1.0, 1.0, 1.0)  # of gloss whose facets lose no light to each other
+    covered: float = 1.0  # of the base, on average, what the coat leaves: it is divided by this
+
+
+WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+COLOURS = ("base", "emission")
+
+
+def is_constant(value):
+    return not isinstance(value, Ref)
+
+
+def f0_of(ior):
+    return ((ior - 1.0) / (ior + 1.0)) ** 2 / F0_OF_GLTF
+
+
+def finish(surface):
+    """Closes what was left open, clamps constants; emission becomes that of the part which is there."""
+    s = surface
+    for name, value in (("base", WHITE), ("metallic", 0.0), ("roughness", 1.0), ("specular", 0.0), ("f0", 1.0),
+                        ("transmission", 0.0), ("ior", 1.5)):
+        if getattr(s, name) is None:
+            setattr(s, name, value)
+    for name in ("metallic", "roughness", "specular", "transmission", "clearcoat", "clearcoat_roughness", "alpha"):
+        if is_constant(getattr(s, name)):
+            setattr(s, name, min(max(float(getattr(s, name)), 0.0), 1.0))
+    if is_constant(s.base):
+        s.base = tuple(min(max(c, 0.0), 1.0) for c in s.base)
+    if is_constant(s.emission):
+        s.emission = tuple(c if c > 0.0 and math.isfinite(c) else 0.0 for c in s.emission)
+    return s
+
+
+# Which inputs Blender's exporter carries as they are: images in ordinary coordinates.
+
+COLOUR_SPACES = ("sRGB",)
+DATA_SPACES = ("Non-Color", "Linear", "Linear Rec.709", "Raw")
+PICTURES = 64  # an image is grey if the channels of so many of its pixels agree
+
+_grey = {}
+
+
+def is_read(image):
+    """Is the image there? Asking for a pixel loads it."""
+    return image is not None and image.size[0] > 0 and (image.has_data or len(image.pixels) > 0)
+
+
+def is_grey(image):
+    key = image.name_full
+    if key not in _grey:
+        count = image.size[0] * image.size[1]
+        pixels = numpy.empty(count * image.channels, numpy.float32)
+        image.pixels.foreach_get(pixels)
+        some = pixels.reshape(count, image.channels)[::max(count // PICTURES ** 2, 1)]
+        _grey[key] = image.channels < 3 or float(abs(some[:, :3] - some[:, :1]).max()) < 0.02
+    return _grey[key]
+
+
+def coordinates_of(node):
+    """A hashable description of the coordinates of an image node, or None if glTF has none such."""
+    turn = ()
+    if not node.inputs["Vector"].is_linked:
+        return "", turn
+    source = node.inputs["Vector"].links[0].from_socket
+    if source.node.type == "MAPPING":
+        mapping = source.node
+        if mapping.vector_type != "POINT" or any(i.is_linked for i in mapping.inputs[1:]):
+            return None
+        where, angle, scale = (tuple(mapping.inputs[n].default_value) for n in ("Location", "Rotation", "Scale"))
+        if angle[0] != 0.0 or angle[1] != 0.0 or not mapping.inputs["Vector"].is_linked:
+            return None
+        turn = (where[:2], angle[2], scale[:2])
+        source = mapping.inputs["Vector"].links[0].from_socket
+    if source.node.type == "UVMAP" and not source.node.from_instancer:
+        return source.node.uv_map, turn
+    if source.node.type == "TEX_COORD" and source.name == "UV" and not source.node.from_instancer:
+        return "", turn
+    return None
+
+
+def plain_image(node, spaces):
+    """Is this an image node whose pixels glTF can carry?"""
+    image = node.image
+    return (node.type == "TEX_IMAGE" and is_read(image) and image.source in ("FILE", "GENERATED") and not image.is_float and
+            node.projection == "FLAT" and node.extension in ("REPEAT", "EXTEND") and
+            image.colorspace_settings.name in spaces and coordinates_of(node) is not None)
+
+
+def image_behind_factor(node):
+    """The image node that a node multiplies by a constant, which the exporter makes a factor; else the node itself."""
+    if node.type == "MIX" and node.data_type == "RGBA" and node.blend_type == "MULTIPLY" and not node.clamp_result:
+        if node.inputs[0].is_linked or node.inputs[0].default_value != 1.0:
+            return node
+        pair = node.inputs[6:8]
+    elif node.type == "MATH" and node.operation == "MULTIPLY" and not node.use_clamp:
+        pair = node.inputs[0:2]
+    else:
+        return node
+    linked = [s for s in pair if s.is_linked]
+    numbers = [v for s in pair if not s.is_linked for v in (s.default_value if s.type == "RGBA" else (s.default_value,))]
+    if len(linked) != 1 or min(numbers) < 0.0 or max(numbers) > 1.0:
+        return node
+    source = linked[0].links[0].from_socket
+    return source.node if source.name == "Color" or source.node.type == "SEPARATE_COLOR" else node
+
+
+def strength_of(folder, ref):
+    """Where emission is a colour times a number: the colour, and the number."""
+    node = folder.nodes[ref.node]
+    if node.type != "VECT_MATH" or node.operation != "MULTIPLY" or not node.inputs[0].is_linked or node.inputs[1].is_linked:
+        return ref, 1.0
+    factor = tuple(node.inputs[1].default_value)
+    return (folder.ref(node.inputs[0].links[0].from_socket), factor[0]) if len(set(factor)) == 1 else (ref, 1.0)
+
+
+def colour_source(folder, ref):
+    node = folder.nodes[ref.node]
+    behind = image_behind_factor(node)
+    if behind != node:
+        return behind if plain_image(behind, COLOUR_SPACES) else None
+    if node.type == "TEX_IMAGE" and node.outputs[ref.output].name == "Color" and plain_image(node, COLOUR_SPACES):
+        return node
+    return None
+
+
+def number_source(folder, ref):
+    """The image node behind a number: the channel of an image, or a grey image."""
+    node = image_behind_factor(folder.nodes[ref.node])
+    if node != folder.nodes[ref.node] and node.type == "TEX_IMAGE":
+        return node if plain_image(node, DATA_SPACES) and is_grey(node.image) else None
+    if node.type == "SEPARATE_COLOR" and node.mode == "RGB" and node.inputs[0].is_linked:
+        source = node.inputs[0].links[0].from_socket
+        good = source.node.type == "TEX_IMAGE" and source.name == "Color" and plain_image(source.node, DATA_SPACES)
+        return source.node if good else None
+    if node.type == "TEX_IMAGE" and node.outputs[ref.output].name == "Color" and plain_image(node, DATA_SPACES):
+        return node if is_grey(node.image) else None
+    return None
+
+
+def normal_source(folder, ref):
+    node = folder.nodes[ref.node]
+    if node.type != "NORMAL_MAP" or node.space != "TANGENT" or node.inputs["Strength"].is_linked:
+        return None
+    if not node.inputs["Color"].is_linked:
+        return None
+    source = node.inputs["Color"].links[0].from_socket
+    good = source.node.type == "TEX_IMAGE" and source.name == "Color" and plain_image(source.node, DATA_SPACES)
+    if not good or coordinates_of(source.node)[0] not in ("", node.uv_map):
+        return None
+    return source.node
+
+
+def alpha_source(folder, ref, base):
+    """The alpha of the image whose colours are the base; of any image if the base is constant."""
+    node = folder.nodes[ref.node]
+    if node.type != "TEX_IMAGE" or node.outputs[ref.output].name != "Alpha" or not plain_image(node, COLOUR_SPACES):
+        return None
+    if is_constant(base):
+        return node
+    other = colour_source(folder, base)
+    same = other is not None and other.image == node.image and coordinates_of(other) == coordinates_of(node)
+    return node if same else None
+
+
+def carried(folder, s):
+    """The names of the channels that vary and that the exporter carries as they are."""
+    found = set()
+    if isinstance(s.base, Ref) and colour_source(folder, s.base):
+        found.add("base")
+    if isinstance(s.emission, Ref) and colour_source(folder, strength_of(folder, s.emission)[0]):
+        found.add("emission")
+    if isinstance(s.normal, Ref) and normal_source(folder, s.normal):
+        found.add("normal")
+    if isinstance(s.alpha, Ref) and alpha_source(folder, s.alpha, s.base):
+        found.add("alpha")
+    if isinstance(s.alpha, Ref) and "alpha" not in found:
+        found.discard("base")  # they share a texture
+    if "alpha" not in found and isinstance(s.base, Ref) and "base" not in found:
+        found.discard("alpha")
+    numbers = {n: number_source(folder, getattr(s, n)) for n in ("metallic", "roughness") if isinstance(getattr(s, n), Ref)}
+    places = {coordinates_of(node) if node is not None else None for node in numbers.values()}
+    if len(places) == 1 and None not in places:
+        found.update(numbers)
+    return found
+
+
+# Baked pixels as images of 8 bits, and the nodes that show them to the exporter.
+
+STEP = 0.6 / 255.0  # a texture that varies less is a constant
+
+
+def srgb(linear):
+    linear = numpy.clip(linear, 0.0, 1.0)
+    return numpy.where(linear <= 0.0031308, linear * 12.92, 1.055 * numpy.power(linear, 1.0 / 2.4) - 0.055)
+
+
+def picture(name, rgb, alpha=None, data=True):
+    """A packed image of 8 bits from encoded values."""
+    height, width = rgb.shape[:2]
+    image = bpy.data.images.new(name, width, height, alpha=alpha is not None, is_data=data)
+    pixels = numpy.ones((height, width, 4), numpy.float32)
+    pixels[:, :, :3] = rgb
+    if alpha is not None:
+        pixels[:, :, 3] = alpha
+        image.alpha_mode = "CHANNEL_PACKED"
+    image.pixels.foreach_set(numpy.clip(pixels, 0.0, 1.0).ravel())
+    image.pack()
+    return image
+
+
+def is_flat(pixels):
+    return float((pixels.max(axis=(0, 1)) - pixels.min(axis=(0, 1))).max()) < STEP
+
+
+def make_textures(name, result):
+    """The images of a job by channel."""
+    textures = {}
+    numbers = result.get("numbers")
+    alpha = numbers[:, :, 0] if numbers is not None else None
+    if "base" in result:
+        varies = alpha is not None and alpha.min() < 1.0 - STEP
+        textures["base"] = picture(name + " base", srgb(result["base"]), alpha if varies else None, data=False)
+    if "emission" in result:
+        strength = max(float(result["emission"].max()), 1e-6)
+        textures["emission"] = (picture(name + " emission", srgb(result["emission"] / strength), data=False), strength)
+    if "normal" in result:
+        textures["normal"] = picture(name + " normal", result["normal"])
+    if numbers is not None:
+        both = numbers.copy()
+        both[:, :, 0] = 1.0
+        textures["numbers"] = picture(name + " roughness, metallic", both)
+    return textures
+
+
+def means_of(plan, result):
+    """Constants for the channels of a plan that do not vary after all, or whose mean is taken."""
+    means = {}
+    numbers = result.get("numbers")
+    alpha_varies = "alpha" in plan.baked and not is_flat(numbers[:, :, 0:1])
+    for n in plan.baked:
+        if n in NUMBERS:
+            pixels = numbers[:, :, NUMBERS.index(n)][:, :, None]
+        else:
+            pixels = result[n]
+        if is_flat(pixels) and n != "normal" and not (n == "base" and alpha_varies):
+            mean = pixels.mean(axis=(0, 1))
+            means[n] = tuple(float(max(v, 0.0)) for v in mean) if len(mean) == 3 else float(min(max(mean[0], 0.0), 1.0))
+    for i, group in enumerate(MEANS):
+        for n, pixels in zip(group, numpy.moveaxis(result.get("means %d" % i, numpy.zeros((1, 1, 3))), 2, 0)):
+            if n in plan.averaged:
+                means[n] = float(max(pixels.mean(), 0.0))
+    return means
+
+
+def link_textures(tree, principled, textures, names):
+    """Feeds channels from images over the baked coordinates; returns the strength of a baked emission."""
+    place = tree.nodes.new("ShaderNodeUVMap")
+    place.uv_map = LAYER
+
+    def show(image):
+        node = tree.nodes.new("ShaderNodeTexImage")
+        node.image, node.extension = image, "EXTEND"
+        tree.links.new(place.outputs[0], node.inputs["Vector"])
+        return node
+
+    strength = None
+    if "base" in names or "alpha" in names:
+        node = show(textures["base"])
+        tree.links.new(node.outputs["Color"], principled.inputs["Base Color"])
+        if "alpha" in names:
+            tree.links.new(node.outputs["Alpha"], principled.inputs["Alpha"])
+    if "emission" in names:
+        image, strength = textures["emission"]
+        tree.links.new(show(image).outputs["Color"], socket(principled, "Emission"))
+    if "normal" in names:
+        node = tree.nodes.new("ShaderNodeNormalMap")
+        node.uv_map = LAYER
+        tree.links.new(show(textures["normal"]).outputs["Color"], node.inputs["Color"])
+        tree.links.new(node.outputs[0], principled.inputs["Normal"])
+    if "metallic" in names or "roughness" in names:
+        split = tree.nodes.new("ShaderNodeSeparateColor")
+        tree.links.new(show(textures["numbers"]).outputs["Color"], split.inputs[0])
+        for n, channel in (("metallic", "Blue"), ("roughness", "Green")):
+            if n in names:
+                tree.links.new(split.outputs[channel], principled.inputs[n.capitalize()])
+    return strength

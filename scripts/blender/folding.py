@@ -1,0 +1,628 @@
+"""A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
+from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, f0_of, is_constant
+from .gloss import (Layers, Shell, as_coat, as_gloss, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, of_sheen, reflected,
+                    schlick, tell_multiple, views)
+from .shader_tree import Values
+from .versions import IS_4, is_principled_2, socket
+
+LEFT_OUT = {  # shaders without equivalent, and what is kept of them
+    "BSDF_TRANSLUCENT": "light that shines through: taken as diffuse",
+    "SUBSURFACE_SCATTERING": "subsurface scattering: taken as diffuse",
+    "BSDF_VELVET": "velvet: taken as diffuse",
+    "BSDF_TOON": "toon shading: taken as diffuse",
+    "BSDF_HAIR": "hair: taken as diffuse",
+    "BSDF_HAIR_PRINCIPLED": "hair: taken as diffuse",
+    "EEVEE_SPECULAR": "a shader of Eevee: taken as diffuse",
+    "HOLDOUT": "a holdout: taken as black",
+}
+
+
+class Folder(Values):
+    """Surfaces of the shaders of a tree."""
+
+    def fold(self, socket):
+        if not socket.is_linked or not socket.links[0].is_valid:
+            return Surface(base=BLACK, specular=0.0)
+        source = socket.links[0].from_socket
+        node = source.node
+        if source.type != "SHADER":  # a colour where a shader belongs is emitted
+            return Surface(base=BLACK, specular=0.0, emission=self.ref(source))
+        if node.type == "MIX_SHADER":
+            return self.fold_mix(node)
+        if node.type == "ADD_SHADER":
+            return self.fold_sum(self.fold(node.inputs[0]), self.fold(node.inputs[1]), node)
+        make = getattr(self, "of_" + node.type.lower(), None)
+        if make is not None:
+            return make(node)
+        if node.type not in LEFT_OUT:
+            self.warn(node, "its shader is unknown here: taken as black")
+            return Surface(base=BLACK, specular=0.0)
+        self.warn(node, LEFT_OUT[node.type])
+        colour = next((i for i in node.inputs if i.name in ("Color", "Diffuse Color", "Base Color")), None)
+        return Surface(base=self.read(colour) if colour is not None and node.type != "HOLDOUT" else BLACK, specular=0.0,
+                       normal=self.normal_of(node))
+
+    def normal_of(self, node):
+        socket = node.inputs.get("Normal")
+        value = self.read(socket) if socket is not None and socket.is_linked else None
+        return value if isinstance(value, Ref) else None
+
+    def of_bsdf_sheen(self, node):
+        self.warn(node, "sheen: taken as diffuse")
+        return sheen(self, node)
+
+    def of_bsdf_diffuse(self, node):
+        roughness, colour = (self.read(node.inputs[name]) for name in ("Roughness", "Color"))
+        if roughness != 0.0:
+            self.warn(node, "its roughness (Oren-Nayar): taken as Lambert")
+            if IS_4 and is_constant(roughness) and is_constant(colour):
+                colour = rough_diffuse(colour, roughness)
+        return Surface(base=colour, specular=0.0, normal=self.normal_of(node))
+
+    def of_bsdf_glossy(self, node):
+        if "Anisotropy" in node.inputs and node.type == "BSDF_GLOSSY":
+            return glossy(self, node)
+        if node.type == "BSDF_GLOSSY" and getattr(node, "distribution", "") == "SHARP":
+            roughness = 0.0
+        else:
+            roughness = self.read(node.inputs["Roughness"])
+            tell_multiple(self, node)
+        return Surface(base=self.read(node.inputs["Color"]), metallic=1.0, roughness=roughness, normal=self.normal_of(node),
+                       scale=gloss_of_3(roughness) if node.distribution == "GGX" else 1.0)
+
+    def of_bsdf_metallic(self, node):
+        return metallic(self, node)
+
+    def of_bsdf_anisotropic(self, node):
+        if self.read(node.inputs["Anisotropy"]) != 0.0:
+            self.warn(node, "anisotropy: taken as equally rough in all directions")
+        return self.of_bsdf_glossy(node)
+
+    def of_bsdf_glass(self, node):
+        self.tell_distribution(node)
+        if IS_4 and node.type == "BSDF_GLASS" and self.read(node.inputs["Color"]) != WHITE:
+            self.warn(node, "the colour of its reflection: taken as white")
+        roughness = 0.0 if node.distribution == "SHARP" else self.read(node.inputs["Roughness"])
+        return Surface(base=self.read(node.inputs["Color"]), metallic=0.0, roughness=roughness, specular=1.0, transmission=1.0,
+                       ior=self.read(node.inputs["IOR"]), normal=self.normal_of(node))
+
+    def tell_distribution(self, node):
+        """Beckmann's facets lose less light to each other than those of GGX, multiple scattering none."""
+        rough = self.read(node.inputs["Roughness"])
+        if node.distribution in ("BECKMANN", "MULTI_GGX") and (not is_constant(rough) or rough > 0.25):
+            self.warn(node, "rough glass of the distribution %s: taken as GGX, up to 4 %% darker" % node.distribution.replace("_", " ").lower())
+
+    def of_bsdf_refraction(self, node):
+        self.warn(node, "refraction without reflection: taken as glass")
+        return self.of_bsdf_glass(node)
+
+    def of_bsdf_transparent(self, node):
+        colour = self.read(node.inputs["Color"])
+        if colour == WHITE:
+            return Surface(alpha=0.0)
+        if not is_constant(colour):
+            self.warn(node, "its colour varies: what passes is not tinted")
+            return Surface(alpha=0.0)
+        # a pane that neither bends nor reflects, only tints
+        return Surface(base=colour, metallic=0.0, roughness=0.0, specular=1.0, transmission=1.0, ior=1.0)
+
+    def of_emission(self, node):
+        light = self.times(self.read(node.inputs["Color"]), self.read(node.inputs["Strength"]), True)
+        return Surface(base=BLACK, specular=0.0, emission=light)
+
+    of_background = of_emission
+
+    def of_bsdf_principled(self, node):
+        if is_principled_2(node):
+            return principled(self, node)
+        get = lambda name: self.read(node.inputs[name])  # noqa: E731
+        for name, what in (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen", "sheen: left out"),
+                           ("Anisotropic", "anisotropy: taken as equally rough in all directions")):
+            if get(name) != 0.0:
+                self.warn(node, what)
+        tell_multiple(self, node, get("Metallic"))
+        if get("Transmission") != 0.0 and (not is_constant(get("Roughness")) or get("Roughness") > 0.25):
+            self.warn(node, "rough glass: up to 7 % brighter or darker than in Blender, with a roughness above 0.7 up to a third brighter")
+        base = self.blend(get("Base Color"), get("Subsurface Color"), get("Subsurface"), True)
+        specular, ior = get("Specular"), get("IOR")
+        alpha = get("Alpha")
+        light = self.times(get("Emission"), self.times(get("Emission Strength"), alpha), True)
+        coat = 0.0 if specular == 0.0 else 1.0  # without it Cycles leaves the lobe out, also at grazing angles
+        return Surface(base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=coat,
+                       f0=self.times(specular, 0.08 / F0_OF_GLTF), transmission=get("Transmission"), ior=ior,
+                       clearcoat=get("Clearcoat"), clearcoat_roughness=get("Clearcoat Roughness"), alpha=alpha, emission=light,
+                       normal=self.normal_of(node), principled=True)
+
+    # mixtures
+
+    def fold_mix(self, node):
+        factor = node.inputs[0]
+        source = factor.links[0].from_socket if factor.is_linked else None
+        if (glass := as_glass(self, node, source)) is not None:
+            return glass
+        a, b = self.fold(node.inputs[1]), self.fold(node.inputs[2])
+        if source is not None and source.node.type == "NEW_GEOMETRY" and source.name == "Backfacing":
+            if b.emission != a.emission:
+                a.one_sided = b.emission == BLACK and a.emission != BLACK
+            elif b != a:
+                self.warn(node, "its back looks different: taken as the front")
+            return a
+        if source is not None and source.node.type in ("FRESNEL", "LAYER_WEIGHT"):
+            one = as_one(self, a, b, source, node)
+            if one is not None:
+                return one
+        t = self.read(factor)
+        if is_constant(t):
+            t = min(max(t, 0.0), 1.0)
+        else:
+            t = self.number("ADD", t, 0.0, clamp=True)
+        return self.mixed(a, b, t, node)
+
+    def mixed(self, a, b, t, node):
+        if t == 0.0:
+            return a
+        if t == 1.0:
+            return b
+        self.settle_base(a)
+        self.settle_base(b)
+        one = as_gloss(self, a, b, (self.rest(t), t), node)
+        if one is not None:
+            return one
+        if a.normal != b.normal and a.normal is not None and b.normal is not None:
+            self.warn(node, "its shaders have different normals: that of the first is taken")
+        light = self.blend(a.emission, b.emission, t, True)
+        left, right = self.times(a.alpha, self.rest(t)), self.times(b.alpha, t)
+        alpha = self.plus(left, right) if a.alpha != b.alpha else a.alpha
+        if a.alpha == b.alpha:
+            share = t
+        elif is_constant(alpha) and is_constant(right):
+            share = right / alpha if alpha > 0.0 else t
+        elif right == 0.0 or left == 0.0:
+            share = 0.0 if right == 0.0 else 1.0
+        else:
+            share = self.number("DIVIDE", right, self.number("MAXIMUM", alpha, 1e-6))
+        out = Surface(alpha=alpha, emission=light, normal=a.normal if a.normal is not None else b.normal)
+        for name in ("base", "metallic", "roughness", "specular", "f0", "transmission", "ior", "clearcoat", "clearcoat_roughness"):
+            mine, other = self.alike(name, a, b)
+            colours = name == "base" or any(isinstance(v, tuple) and is_constant(v) for v in (mine, other))
+            setattr(out, name, self.blend(mine, other, share, colours))
+        out.one_sided, out.thin = a.one_sided or b.one_sided, a.thin or b.thin
+        out.principled, out.added = a.principled or b.principled, a.added or b.added
+        self.share_of_glass(a, b, share, out, node)
+        return out
+
+    def share_of_glass(self, a, b, share, out, node):
+        """Glass and what lets nothing pass have one colour in glTF: each gets its own light by its share of the transmission."""
+        values = (a.base, b.base, out.transmission, share)
+        if None in values or not all(is_constant(v) for v in values) or a.base == b.base or 0.0 in (a.alpha, b.alpha):
+            return
+        passes = [s.transmission or 0.0 for s in (a, b)]
+        if passes[0] == passes[1] or not all(is_constant(p) for p in passes):
+            return
+        weights = [w * sum(s.base) for w, s in ((1.0 - share, a), (share, b))]
+        if min(weights) > 0.0:
+            out.transmission = sum(w * p for w, p in zip(weights, passes)) / sum(weights)
+        if min(weights) > 0.0 and max(abs(x / sum(a.base) - y / sum(b.base)) for x, y in zip(a.base, b.base)) > 0.02:
+            self.warn(node, "a mixture of glass with a surface of another colour: both have the mean of the two")
+
+    def settle_base(self, s):
+        """In a mixture the base itself is scaled, and no coat takes from it."""
+        if (s.scale, s.lift) != (1.0, BLACK):
+            base = self.plus(self.times(s.base, (s.scale,) * 3, True), s.lift, True)
+            s.base = tuple(min(max(c, 0.0), 1.0) for c in base) if is_constant(base) else base
+            s.scale, s.lift, s.covered, s.added = 1.0, BLACK, 1.0, True
+
+    def alike(self, name, a, b):
+        """A channel of both sides of a mixture, as values that can be blended."""
+        mine, other = getattr(a, name), getattr(b, name)
+        if name in ("metallic", "transmission") and a.base != BLACK and b.base != BLACK:
+            # open means none, unless the shader is black, which has a share of no lobe
+            mine = 0.0 if mine is None and a.alpha != 0.0 else mine
+            other = 0.0 if other is None and b.alpha != 0.0 else other
+        if name == "f0" and mine is not None and other is not None and mine != other:
+            if is_constant(mine) and is_constant(other):
+                return tuple(v if isinstance(v, tuple) else (v,) * 3 for v in (mine, other))
+            return tuple(sum(v) / 3.0 if is_constant(v) and isinstance(v, tuple) else v for v in (mine, other))
+        return mine, other
+
+    def fold_sum(self, a, b, node):
+        for one, other in ((a, b), (b, a)):
+            if one.base == BLACK and one.alpha == 1.0 and one.specular == 0.0 and one.transmission in (None, 0.0):
+                other.emission = self.plus(other.emission, one.emission, True)
+                if other.alpha == 0.0:
+                    self.warn(node, "light of a surface that is not there otherwise: it hides half of what is behind")
+                    other.alpha, other.base, other.specular = 0.5, BLACK, 0.0
+                return other
+        if a.alpha == 0.0 or b.alpha == 0.0:
+            self.warn(node, "a sum with what passes straight through: taken as half of each")
+            return self.mixed(a, b, 0.5, node)
+        self.settle_base(a)
+        self.settle_base(b)
+        one = as_gloss(self, a, b, (1.0, 1.0), node)
+        if one is not None:
+            return one
+        weights = [sum(s.base) if s.base is not None and is_constant(s.base) else None for s in (a, b)]
+        t = 0.5 if None in weights or sum(weights) == 0.0 else weights[1] / sum(weights)
+        light = self.plus(a.emission, b.emission, True)
+        base = self.plus(a.base, b.base, True)
+        out = self.mixed(a, b, t, node)
+        out.base = tuple(min(c, 1.0) for c in base) if is_constant(base) else self.vector("MINIMUM", base, WHITE)
+        out.emission = light
+        return out
+
+
+# Principled of Blender 4 as a surface of glTF that reflects as much (gloss.py).
+
+TOLD = 0.015  # differences are named from here on
+BETWEEN = 0.5  # what is taken for a roughness that varies
+FEW = 0.25, 0.85  # roughnesses for which that is checked
+PRINCIPLED_LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
+            ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
+WHITER = 1.01  # than white: from here on metal becomes a coat
+
+
+def known(value, otherwise):
+    return value if is_constant(value) else otherwise
+
+
+def tell_difference(folder, node, ratio, why):
+    """`ratio`: of what is reflected here and in Blender."""
+    if abs(ratio - 1.0) > TOLD:
+        folder.warn(node, "%s: reflects up to %.0f %% %s than in Blender" % (why, 100.0 * abs(ratio - 1.0), "less" if ratio < 1.0 else "more"))
+
+
+def tell_spread(folder, node, ratios, why):
+    most = max(abs(r - 1.0) for r in ratios)
+    if most > TOLD:
+        folder.warn(node, "%s: what it reflects differs from Blender's by up to %.0f %%" % (why, 100.0 * most))
+
+
+def farthest(ratios):
+    return max(ratios, key=lambda r: abs(r - 1.0))
+
+
+def tint_of(folder, node, name):
+    """A tint, which has one value per material."""
+    value = folder.read(node.inputs[name])
+    if is_constant(value):
+        return tuple(max(c, 0.0) for c in value)
+    folder.warn(node, "%s varies: taken as white" % name.lower())
+    return WHITE
+
+
+def tell_lost(folder, node):
+    for name, what in PRINCIPLED_LEFT_OUT:
+        if (name in node.inputs or name == "Subsurface") and folder.read(socket(node, name)) != 0.0:
+            folder.warn(node, what)
+    film = node.inputs.get("Thin Film Thickness")
+    thickness = folder.read(film) if film is not None else 0.0
+    if not is_constant(thickness) or thickness > 0.1:  # nanometres
+        folder.warn(node, "a thin film: left out")
+    if folder.read(socket(node, "Clearcoat")) != 0.0 and node.inputs["Coat Normal"].is_linked:
+        folder.warn(node, "the normal of the clear coat: taken as that of the shape")
+
+
+class Principled:
+    """The node's values."""
+
+    def __init__(self, folder, node):
+        get = lambda name: folder.read(socket(node, name))  # noqa: E731
+        self.folder, self.node = folder, node
+        self.base, self.metallic, self.roughness = get("Base Color"), get("Metallic"), get("Roughness")
+        self.ior, self.level, self.transmission = get("IOR"), get("Specular"), get("Transmission")
+        self.coat, self.coat_roughness = get("Clearcoat"), get("Clearcoat Roughness")
+        self.coat_ior = get("Coat IOR")
+        self.tint = tint_of(folder, node, "Specular Tint")
+        if self.coat != 0.0 and not is_constant(self.coat_ior):
+            folder.warn(node, "coat IOR varies: taken as 1.5")
+        self.coat_tint = tint_of(folder, node, "Coat Tint") if self.coat != 0.0 else WHITE
+        rough = node.inputs.get("Diffuse Roughness")
+        self.diffuse_roughness = known(folder.read(rough), 0.0) if rough is not None else 0.0
+        self.sheen = self.sheen_of(get("Sheen"), get("Sheen Roughness"))
+        self.is_multiple = node.distribution == "MULTI_GGX"
+
+    def sheen_of(self, weight, roughness):
+        """What it reflects on average, in each colour."""
+        if weight == 0.0:
+            return BLACK
+        tint = tint_of(self.folder, self.node, "Sheen Tint")
+        values = (weight, roughness, self.base, self.metallic)
+        if self.transmission != 0.0 or not all(is_constant(v) for v in values):
+            self.folder.warn(self.node, "sheen: left out")
+            return BLACK
+        self.folder.warn(self.node, "sheen: its light is taken as diffuse")
+        return tuple(min(max(weight, 0.0) * t * of_sheen(roughness), 1.0) for t in tint)
+
+    def layers(self, roughness=None, metallic=None):
+        within = lambda v: min(max(v, 0.0), 1.0)  # noqa: E731
+        return Layers(within(known(self.metallic, 0.0) if metallic is None else metallic),
+                      within(known(self.roughness, BETWEEN) if roughness is None else roughness), max(known(self.ior, 1.5), 1e-3),
+                      max(known(self.level, 0.5), 0.0), within(known(self.coat, 0.0)), within(known(self.coat_roughness, 0.03)),
+                      known(self.coat_ior, 1.5), self.is_multiple)
+
+    def wanted(self, layers, base):
+        below = [layers.parts(b, t, c, max(self.tint), of_rough_diffuse(min(b, 1.0), self.diffuse_roughness) if self.diffuse_roughness > 0.0 else b)
+                 for b, t, c in zip(base, self.tint, self.coat_tint)]
+        return [s + (1.0 - max(self.sheen)) * b for s, b in zip(self.sheen, below)]
+
+    def f0_of(self, layers):
+        return [min(layers.f0 * t, 1.0) for t in self.tint]
+
+    def opaque(self):
+        layers = self.layers()
+        out = Surface(base=self.base, metallic=self.metallic, roughness=self.roughness, specular=1.0 if layers.f0 > 0.0 else 0.0,
+                      transmission=0.0, ior=1.5, clearcoat=self.coat, clearcoat_roughness=self.coat_roughness,
+                      normal=self.folder.normal_of(self.node))
+        f0 = self.f0_of(layers)
+        f0 = self.fit(out, layers, f0) if is_constant(self.base) and is_constant(self.metallic) else self.fit_image(out, layers, f0)
+        out.f0 = f0[0] / F0_OF_GLTF if len(set(f0)) == 1 else tuple(f / F0_OF_GLTF for f in f0)
+        if not is_constant(self.level):
+            out.f0 = self.folder.times(self.level, 2.0 * f0_of(known(self.ior, 1.5)))
+        elif not is_constant(self.ior):
+            self.folder.warn(self.node, "IOR varies: taken as 1.5")
+        self.tell_varying(out, f0)
+        return out
+
+    def fit(self, out, layers, f0):
+        """Chooses the base; metal that would be brighter than white becomes a coat over it."""
+        wanted = self.wanted(layers, self.base)
+        out.added = True
+        if max(self.base) > 1.0:  # which is reported, and taken as 1
+            return f0
+        shell = Shell(layers, f0, out.specular)
+        bases = [shell.base_for(w, i) for i, w in enumerate(wanted)]
+        if layers.metallic > 0.0 and max(bases) > WHITER:
+            f0 = [(1.0 - layers.metallic) * f + layers.metallic * b for f, b in zip(f0, self.base)]
+            out.metallic, out.specular = 0.0, 1.0
+            shell = Shell(self.layers(metallic=0.0), f0, 1.0)
+            bases = [shell.base_for(w, i) for i, w in enumerate(wanted)]
+        out.base = tuple(min(max(b, 0.0), 1.0) for b in bases)
+        if is_constant(self.coat):
+            out.clearcoat = shell.clearcoat
+        ratios = [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(out.base), wanted)]
+        tell_difference(self.folder, self.node, farthest(ratios), "its colour")
+        return f0
+
+    def fit_image(self, out, layers, f0):
+        """Images are scaled only: the coat makes up for what they cannot."""
+        shell = Shell(layers, f0, out.specular)
+        low, high = (0.2, 0.8) if layers.metallic == 1.0 else (0.0, 1.0)
+        dark, bright = (self.wanted(layers, (b,) * 3) for b in (low, high))
+        slopes = [(b - a) / (high - low) for a, b in zip(dark, bright)]
+        out.scale, out.added = min(sum(slopes) / 3.0 / shell.below, 1.0), True
+        if is_constant(self.coat):
+            out.clearcoat = shell.clearcoat
+        if layers.metallic < 1.0 and out.specular > 0.0:
+            each = (1.0 - layers.metallic) * shell.gloss
+            f0 = [min(max(f + (d - s * low - c) / each, 0.0), 1.0) for f, d, s, c in zip(f0, dark, slopes, shell.coats)]
+            shell = Shell(layers, f0, out.specular)
+        wanted = self.wanted(layers, (0.6,) * 3)
+        here = [c + shell.below * out.scale * 0.6 for c in shell.coats]
+        tell_difference(self.folder, self.node, farthest([h / w for h, w in zip(here, wanted)]), "an image as the colour of rough metal"
+                        if layers.metallic > 0.5 else "an image as its colour")
+        return f0
+
+    def tell_varying(self, out, f0):
+        """What a roughness or metal that varies makes of it."""
+        several = []
+        if not is_constant(self.roughness):
+            several.append(("roughness varies, and is taken as %g for its brightness" % BETWEEN, [self.layers(roughness=r) for r in FEW]))
+        if not is_constant(self.metallic):
+            several.append(("metallic varies, and surfaces are fitted without it", [self.layers(metallic=1.0)]))
+        base = known(self.base, (0.6,) * 3)
+        here = tuple(out.scale * b for b in known(out.base, base))
+        for why, others in several:
+            ratios = []
+            for layers in others:
+                if out.metallic == 0.0 and self.metallic != 0.0 and is_constant(self.metallic):  # metal as a coat
+                    shell = Shell(self.layers(layers.roughness, 0.0), f0, out.specular)
+                else:
+                    shell = Shell(layers, f0, out.specular)
+                ratios += [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(here), self.wanted(layers, base))]
+            tell_spread(self.folder, self.node, ratios, why)
+
+    def dull(self):
+        """The part of a surface that is not glass: no coat covers both."""
+        self.folder.warn(self.node, "glass in part: the rest has no gloss of its own")
+        base = self.base
+        if is_constant(base) and is_constant(self.metallic):
+            base = tuple(min(w, 1.0) for w in self.wanted(self.layers(), base))
+        return Surface(base=base, metallic=0.0, roughness=self.roughness, specular=0.0, transmission=0.0, ior=self.ior,
+                       normal=self.folder.normal_of(self.node))
+
+    def glass(self):
+        if self.tint != WHITE:
+            self.folder.warn(self.node, "the specular tint of glass: left out")
+        self.folder.tell_distribution(self.node)
+        base = self.base
+        if is_constant(base):
+            base = tuple(min(max(c, 0.0), 1.0) ** 0.5 for c in base)  # Cycles takes the root at each surface
+        else:
+            root = self.folder.nodes.new("ShaderNodeGamma")
+            root.inputs["Gamma"].default_value = 0.5
+            self.folder.put(base, root.inputs["Color"])
+            base = self.folder.ref(root.outputs[0])
+        return Surface(base=base, metallic=self.metallic, roughness=self.roughness, specular=1.0, f0=1.0, transmission=1.0, ior=self.ior,
+                       clearcoat=self.coat, clearcoat_roughness=self.coat_roughness, normal=self.folder.normal_of(self.node))
+
+
+def principled(folder, node):
+    tell_lost(folder, node)
+    values = Principled(folder, node)
+    share = values.transmission
+    if share != 0.0 and is_constant(values.metallic) and values.metallic >= 1.0:
+        share = 0.0
+    if share != 0.0 and values.metallic != 0.0:
+        folder.warn(node, "metal and glass in one: both have one colour")
+    if is_constant(share):
+        share = min(max(share, 0.0), 1.0)
+    if share == 0.0:
+        out = values.opaque()
+    elif share == 1.0:
+        out = values.glass()
+    else:
+        out = folder.mixed(values.dull(), values.glass(), share, node)
+    out.alpha = folder.read(node.inputs["Alpha"])
+    light = folder.times(folder.read(socket(node, "Emission")), folder.times(folder.read(node.inputs["Emission Strength"]), out.alpha), True)
+    layers = values.layers()
+    if (layers.coat > 0.0 or values.sheen != BLACK) and light != BLACK:
+        light = folder.times(light, tuple((1.0 - max(values.sheen)) * layers.shine(t) for t in values.coat_tint), True)
+    out.emission = light
+    return out
+
+
+# Glossy, Metallic, Sheen and rough Diffuse of Blender 4 as surfaces of glTF that reflect as much (gloss.py).
+
+FACETS = "MULTI_GGX", "GGX"  # distributions that are modelled
+SMOOTH = 0.0316  # smoother metal is a perfect mirror to Reframe
+
+
+def tell_facets(folder, node, roughness):
+    if getattr(node, "distribution", "GGX") not in FACETS and (not is_constant(roughness) or roughness > 0.25):
+        folder.warn(node, "rough gloss of the distribution %s: taken as GGX" % node.distribution.replace("_", " ").lower())
+
+
+def glossy(folder, node):
+    """Gloss whose colour is the same from everywhere; its energy is kept by a brighter colour."""
+    roughness, colour = folder.read(node.inputs["Roughness"]), folder.read(node.inputs["Color"])
+    if folder.read(node.inputs["Anisotropy"]) != 0.0:
+        folder.warn(node, "anisotropy: taken as equally rough in all directions")
+    tell_facets(folder, node, roughness)
+    out = Surface(base=colour, metallic=1.0, roughness=roughness, normal=folder.normal_of(node), is_flat=True)
+    rough = known(roughness, BETWEEN)
+    straight = mean(rough, views(rough)[1])
+    is_multiple = node.distribution == "MULTI_GGX"
+    wanted = [mean(rough, gloss_of(rough, lambda c, b=b: b + 0.0 * c, is_multiple)) for b in known(colour, (0.6,) * 3)]
+    if is_constant(colour) and is_constant(roughness):
+        out.gain = tuple(w / (straight * c) if c > 0.0 else 1.0 for w, c in zip(wanted, colour))
+    else:
+        base, steep = known(colour, (0.6,) * 3), mean(rough, reflected(rough, schlick))
+        out.is_flat = False
+        tell_difference(folder, node, farthest([(b * (straight - steep) + steep) / max(w, 1e-3) for b, w in zip(base, wanted)]),
+                        "gloss that varies")
+    return out
+
+
+def settle_flat(s):
+    """Gloss that stayed alone, by a coat over what its facets lose: glTF's metal is white at grazing angles."""
+    if not s.is_flat or s.roughness < SMOOTH:
+        return
+    if max(s.base) == 0.0:
+        s.metallic, s.specular = 0.0, 0.0
+        return
+    straight = mean(s.roughness, views(s.roughness)[1])
+    cover(s, s.base, max(s.base), [b * gain * straight for b, gain in zip(s.base, s.gain)])
+
+
+def cover(s, f0, most, wanted):
+    """A coat that reflects f0 straight on and `most` at grazing angles, over a base that makes up for the rest of what is wanted."""
+    straight, steep = mean(s.roughness, views(s.roughness)[1]), mean(s.roughness, reflected(s.roughness, schlick))
+    f0 = [min(f, max(w - most * steep, 0.0) / (straight - steep)) for f, w in zip(f0, wanted)]
+    s.base = tuple(min(max(w - f * (straight - steep) - most * steep, 0.0), 1.0) for f, w in zip(f0, wanted))
+    s.specular, s.f0 = most, tuple(f / F0_OF_GLTF / most for f in f0)
+    s.metallic, s.transmission, s.ior, s.is_flat, s.added = 0.0, 0.0, 1.5, False, True
+
+
+def metallic(folder, node):
+    """A metal by its colours or by its index."""
+    roughness = folder.read(node.inputs["Roughness"])
+    if folder.read(node.inputs["Anisotropy"]) != 0.0:
+        folder.warn(node, "anisotropy: taken as equally rough in all directions")
+    tell_facets(folder, node, roughness)
+    names, make = (("IOR", "Extinction"), of_conductor) if node.fresnel_type == "PHYSICAL_CONDUCTOR" else (("Base Color", "Edge Tint"), of_metal)
+    values = [folder.read(node.inputs[name]) for name in names]
+    out = Surface(base=values[0], metallic=1.0, roughness=roughness, normal=folder.normal_of(node))
+    if not all(is_constant(v) for v in values):
+        folder.warn(node, "its %s varies: taken as of metal that is white at its edges" % " or ".join(n.lower() for n in names))
+        if make is of_conductor:
+            out.base = (0.6,) * 3
+        return out
+    rough = known(roughness, BETWEEN)
+    pairs = [(max(a, 0.0), max(b, 0.0)) for a, b in zip(*values)]
+    pairs = [(min(a, 1.0), min(b, 1.0)) for a, b in pairs] if make is of_metal else pairs
+    steep = mean(rough, reflected(rough, schlick))
+    straight = mean(rough, views(rough)[1])
+    wanted = [mean(rough, gloss_of(rough, make(a, b), node.distribution == "MULTI_GGX")) for a, b in pairs]
+    base = [max((w - steep) / (straight - steep), 0.0) for w in wanted]
+    out.base = tuple(min(b, 1.0) for b in base)
+    if max(base) > WHITER and is_constant(roughness):
+        cover(out, [float(make(a, b)(1.0)) for a, b in pairs], 1.0, wanted)
+        return out
+    here = [b * (straight - steep) + steep for b in out.base]
+    tell_difference(folder, node, farthest([(h + 1e-3) / (w + 1e-3) for h, w in zip(here, wanted)]), "its colour")
+    if not is_constant(roughness):
+        ratios = []
+        for r in FEW:
+            at = mean(r, reflected(r, schlick)), mean(r, views(r)[1])
+            ratios += [(b * (at[1] - at[0]) + at[0]) / max(mean(r, gloss_of(r, make(*p), node.distribution == "MULTI_GGX")), 1e-3)
+                       for b, p in zip(out.base, pairs)]
+        tell_spread(folder, node, ratios, "roughness varies, and is taken as %g for its brightness" % BETWEEN)
+    return out
+
+
+def rough_diffuse(colour, roughness):
+    """A colour that is as bright for Lambert."""
+    return tuple(of_rough_diffuse(min(max(c, 0.0), 1.0), min(max(roughness, 0.0), 1.0)) for c in colour)
+
+
+def sheen(folder, node):
+    """Diffuse of the same brightness."""
+    colour, roughness = (folder.read(node.inputs[name]) for name in ("Color", "Roughness"))
+    share = of_sheen(known(roughness, BETWEEN), node.distribution)
+    return Surface(base=folder.times(colour, (share,) * 3, True), specular=0.0, normal=folder.normal_of(node))
+
+
+# Two shaders mixed by Fresnel's factor, where glTF has that as one surface.
+
+SHARP = 0.1  # reflections of a pane are taken as sharp up to this roughness
+
+
+def ior_of(folder, source):
+    """The index of a Fresnel or Layer Weight node's output; None if it is not constant or no Fresnel factor."""
+    node = source.node
+    if node.type == "FRESNEL":
+        ior = folder.read(node.inputs["IOR"])
+    elif node.type == "LAYER_WEIGHT" and source.name == "Fresnel":
+        blend = folder.read(node.inputs["Blend"])
+        ior = 1.0 / (1.0 - min(blend, 0.99999)) if is_constant(blend) else None
+    else:
+        ior = None
+    return ior if ior is not None and is_constant(ior) else None
+
+
+def as_pane(a, b, ior):
+    """What is transparent under sharp gloss is a thin pane; None if these are not the two."""
+    clear = a.alpha == 0.0
+    tinted = a.alpha == 1.0 and a.transmission == 1.0 and a.ior == 1.0
+    if not (clear or tinted) or not is_constant(b.roughness) or b.roughness > SHARP:
+        return None
+    return Surface(base=WHITE if clear else a.base, metallic=0.0, roughness=0.0, specular=1.0, transmission=1.0, ior=max(ior, 1.0),
+                   thin=True)
+
+
+def as_glass(folder, node, source):
+    """Refraction and reflection mixed by Fresnel's factor are glass; None if these are not the two."""
+    below, above = (i.links[0].from_node if i.is_linked else None for i in node.inputs[1:3])
+    if below is None or above is None or below.type != "BSDF_REFRACTION" or above.type != "BSDF_GLOSSY":
+        return None
+    if source is None or ior_of(folder, source) is None:
+        return None
+    glass, gloss = folder.of_bsdf_glass(below), folder.of_bsdf_glossy(above)
+    if gloss.base != WHITE:
+        folder.warn(node, "the colour of its reflection: taken as white")
+    if gloss.roughness != glass.roughness:
+        folder.warn(node, "the roughness of its reflection: taken as that of its refraction")
+    return glass
+
+
+def as_one(folder, a, b, source, node):
+    """The surface that is `a` under `b` by a factor; None where there is none."""
+    ior = ior_of(folder, source)
+    if ior is None or b.metallic != 1.0 or b.alpha != 1.0:
+        return None
+    pane = as_pane(a, b, ior)
+    if pane is None and is_constant(b.base) and min(b.base) < 0.9 * max(b.base):
+        folder.warn(node, "the colour of its reflection: at grazing angles as bright in all colours as in the brightest")
+    if pane is not None and b.base != WHITE:
+        folder.warn(node, "the colour of its reflection: taken as white")
+    return pane if pane is not None else as_coat(a, b, ior)

@@ -1,1 +1,0 @@
-"""The parts of blender-export.py, which runs inside Blender."""
