@@ -34,7 +34,6 @@ static const char* hint_of( const RfError* error )
             return error->least_memory > 0 ? ": give --memory %zuM or more, or lower --size"
                                            : ": raise --memory, or lower --size or --group";
         case RF_REMEDY_LIMIT: return ": lower --size, --group or --memory, or raise that limit";
-        case RF_REMEDY_HOLD_LESS: return ": give --memory %zuM or more, or leave --hold-all off";
         case RF_REMEDY_ESTIMATOR: return ": choose another by --estimator, or leave that option out";
         case RF_REMEDY_LAYER: return ": name one by --layer";
         case RF_REMEDY_MOTION: return ": choose by --motion X,Y";

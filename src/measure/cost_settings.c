@@ -31,7 +31,6 @@ RfResult rf_resolve_cost_settings( RfCostStudy* s, RfError* error )
     const RfCostJob* job = s->job;
     RfRenderSettings asked = *job->settings;
     asked.noise = asked.flicker = asked.time = 0.0;
-    asked.hold_all = false;
     asked.adaptive = RF_ADAPTIVE_OFF;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
     RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, reuse, error );

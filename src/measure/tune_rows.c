@@ -125,7 +125,6 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     RfRenderSettings asked = *job->settings;
     asked.group = 0; // auto would compute a further plan
     asked.noise = asked.flicker = asked.time = 0.0;
-    asked.hold_all = false;
     asked.adaptive = RF_ADAPTIVE_OFF;
     RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, common, error );
     common->spp = asked.spp;

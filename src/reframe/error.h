@@ -31,7 +31,6 @@ typedef enum RfRemedy
     RF_REMEDY_NONE,            // the text says it all
     RF_REMEDY_MEMORY,          // a larger RfRenderSettings.memory, smaller frames or a smaller group
     RF_REMEDY_LIMIT,           // smaller frames, a smaller group or a smaller RfRenderSettings.memory, or a higher limit
-    RF_REMEDY_HOLD_LESS,       // a larger RfRenderSettings.memory, or no hold_all
     RF_REMEDY_ESTIMATOR,       // another estimator, or none of what this one lacks
     RF_REMEDY_LAYER,           // the name of one of the layers of a file that has several
     RF_REMEDY_MOTION,          // likewise of the motion channels
@@ -47,7 +46,7 @@ typedef struct RfError
     RfResult code;
     char text[1024]; // one line, no newline at the end, truncated where too long
     RfRemedy remedy;
-    size_t least_memory; // with RF_REMEDY_MEMORY and RF_REMEDY_HOLD_LESS: the smallest budget that works, bytes; 0: not known
+    size_t least_memory; // with RF_REMEDY_MEMORY: the smallest budget that works, bytes; 0: not known
 } RfError;
 
 // Writes the line into `error` (which may be NULL), without a remedy, and returns `code`, so

@@ -48,8 +48,6 @@ typedef struct RfMemoryFit
 
 // The fit of a render of `frame_count` frames with resolved settings. Fails with RF_ERROR_MEMORY
 // where the budget is too small: fit->least and error->least_memory are what is needed.
-// With hold_all the held records are not in it, nor is it an error: only rf_render
-// knows how many there are, and says so before it renders.
 RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
                         RfMemoryFit* fit, RfError* error );
 

@@ -184,11 +184,9 @@ typedef struct RfRenderSettings
     size_t memory;          // budget in bytes, beyond scene and BVH; 0: half of what is free
     int queue;              // finished frames, at most, that callbacks->frame is given in a thread of its own
                             // while rendering goes on; fewer where memory is short. 0: it is called in between
-    bool hold_all;          // all hit records of a group at once, as in the paper: for comparison, the pictures are
-                            // the same; else as few as serve the threads
     unsigned aovs;          // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
     RfFrameFiles files;     // rf_default_frame_files where callbacks->frame writes files
-    const RfPieces* pieces; // NULL: whole frames; else not with noise, flicker, time, hold_all or extra samples
+    const RfPieces* pieces; // NULL: whole frames; else not with noise, flicker, time or extra samples
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )

@@ -60,7 +60,7 @@ static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
     group.round = round;
     group.packed = packed;
     group.shared = pass->group->shared; // that of the pass
-    RfPass extra = { &group, rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ), pass->half, pass->weight, 0 };
+    RfPass extra = { &group, rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ), pass->half, pass->weight };
     int jobs = r->sizes.of_estimator.jobs;
     uint64_t samples = 0;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )

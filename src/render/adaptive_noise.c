@@ -106,7 +106,7 @@ static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
     int jobs = r->sizes.of_estimator.jobs, slots = r->memory.batch_slots;
     for ( int half = 0; half < 2; ++half )
     {
-        RfPass pass = { &group, half, half, 1, 0 };
+        RfPass pass = { &group, half, half, 1 };
         for ( int first = 0; first < jobs; first += slots )
         {
             int count = jobs - first < slots ? jobs - first : slots;

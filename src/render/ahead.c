@@ -81,7 +81,6 @@ static RfRenderSettings settings_of( const Look* look, int eyes, int place )
     s.aovs = 0;
     s.files = ( RfFrameFiles ){ 0 };
     s.queue = 0;
-    s.hold_all = false;
     s.pieces = NULL;
     s.seed = rf_mix64( s.seed + (uint64_t)( AHEAD_SEED + look->runs * RF_STOP_PLACES + place ) );
     return s;

@@ -188,13 +188,6 @@ struct RfEstimator
     void ( *add_own_shares )( const void* batch, const void* scratch, float* sum );
     uint64_t ( *count_samples )( const void* batch, float weight, float* sum );
 
-    // Held records (settings.hold_all); all NULL where the estimator has none. `trace_first_hits` is the
-    // part of `trace` that settles how many bytes `serialise` needs. `serialise` returns these
-    // bytes, and writes them unless `memory` is NULL.
-    void ( *trace_first_hits )( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch );
-    size_t ( *serialise )( const RfEstimatorGroup* group, const void* batch, void* memory );
-    void ( *deserialise )( const RfEstimatorGroup* group, const void* memory, void* batch );
-
     // Counts for the plan; NULL where frames share nothing. Adds what a batch that was traced for its own
     // frame alone would find in `group`, where that frame has index `eye`.
     void ( *count_reuse )( const RfEstimatorGroup* group, int eye, void* batch, void* scratch, RfReuseCount* count );

@@ -154,18 +154,11 @@ static RfResult alloc_scratch( const RfEstimatorGroup* group, const RfRenderSize
     return result;
 }
 
-// Held records are allocated later.
-static size_t room_for_batches( const RfRenderSizes* s, const RfRenderMemory* m )
-{
-    size_t room = rf_arena_room( &m->arena );
-    return room > s->held ? room - s->held : 0;
-}
-
 // As many batches at once as serve the threads and fit the budget, at least one.
 static int batch_slots( const RfRenderSizes* s, const RfRenderMemory* m )
 {
     int slots = rf_batches_wanted( s );
-    size_t room = room_for_batches( s, m );
+    size_t room = rf_arena_room( &m->arena );
     if ( s->of_estimator.whole_pass || rf_records_bytes( s, slots ) <= room )
         return slots;
     int fit = (int)( room / ( rf_records_bytes( s, slots ) / (size_t)slots ) ); // upper bound
@@ -179,8 +172,8 @@ static RfResult alloc_more_buffers( const RfRenderSizes* s, RfRenderMemory* m, R
 {
     size_t batches = rf_records_bytes( s, batch_slots( s, m ) );
     RfResult result = RF_OK;
-    while ( result == RF_OK && m->buffer_count < s->buffers && room_for_batches( s, m ) > batches &&
-            room_for_batches( s, m ) - batches >= rf_image_bytes( s ) )
+    while ( result == RF_OK && m->buffer_count < s->buffers && rf_arena_room( &m->arena ) > batches &&
+            rf_arena_room( &m->arena ) - batches >= rf_image_bytes( s ) )
         result = alloc_buffer( s, m, error );
     return result;
 }
@@ -198,7 +191,7 @@ static RfResult alloc_batches( const RfEstimatorGroup* group, const RfRenderSize
 static RfResult check_permitted( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
     size_t permitted = rf_permitted_memory();
-    size_t needed = rf_films_bytes( s ) + rf_image_bytes( s ) + rf_scratch_bytes( s ) + rf_writer_bytes( s ) + s->held +
+    size_t needed = rf_films_bytes( s ) + rf_image_bytes( s ) + rf_scratch_bytes( s ) + rf_writer_bytes( s ) +
                     rf_records_bytes( s, s->of_estimator.whole_pass ? rf_batches_wanted( s ) : 1 );
     if ( needed > permitted )
     {

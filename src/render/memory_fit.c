@@ -84,21 +84,11 @@ static RfResult fail_least( size_t budget, size_t least, const RfRenderSizes* si
         RF_REMEDY_MEMORY, least, error );
 }
 
-static RfResult fail_held( size_t budget, size_t least, RfError* error )
-{
-    char text[RF_BYTES_TEXT_SIZE];
-    rf_format_memory( budget, text );
-    return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "a budget of %s is too small for all hit records of a group", text ),
-                      RF_REMEDY_HOLD_LESS, least, error );
-}
-
 RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemoryFit* fit, RfError* error )
 {
     int wanted = sizes->films;
     *fit = ( RfMemoryFit ){ .least = least_budget( *sizes ) };
     choose( budget, frames, sizes );
-    if ( sizes->films == 0 && sizes->held > 0 )
-        return fail_held( budget, fit->least, error );
     if ( sizes->films == 0 )
         return fail_least( budget, fit->least, sizes, error );
     fit->threads = sizes->threads;
@@ -119,10 +109,5 @@ RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, 
         return rf_fail( error, RF_ERROR_USAGE, "a render needs at least one frame" );
     RfGroupPlan plan = rf_plan_groups( eye_count, settings->group, settings->spp );
     RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );
-    RfResult result = rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
-    if ( result != RF_ERROR_MEMORY || !settings->hold_all )
-        return result;
-    // only rf_render knows the size of held records: it depends on what the rays hit
-    *fit = ( RfMemoryFit ){ .threads = settings->threads, .films = frame_count, .sweeps = 1, .least = fit->least };
-    return RF_OK;
+    return rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
 }

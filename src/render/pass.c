@@ -22,7 +22,7 @@ static void add_aovs( const RfRenderer* r, const RfPass* pass, int eye, const vo
         .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
         .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
         .weight = (float)pass->weight,
-        .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] + (double)pass->traced ),
+        .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] ),
     };
     rf_add_to_aovs( &job, r->settings.estimator->first_hits( scratch ) );
 }

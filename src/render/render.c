@@ -2,7 +2,6 @@
 #include "base/system.h"
 #include "render/ahead.h"
 #include "render/frames.h"
-#include "render/held_records.h"
 #include "render/pass.h"
 #include "render/set_up.h"
 #include "render/settings.h"
@@ -33,8 +32,6 @@ static RfResult render_group( RfRenderer* r, int number, RfError* error )
     RfResult result;
     if ( r->sizes.stopping )
         result = rf_render_until( r, &estimator_group, error );
-    else if ( r->settings.hold_all )
-        result = rf_render_held( r, &estimator_group, &group, error );
     else
         result = render_passes( r, &estimator_group, &group, error );
     return result == RF_OK ? rf_close_films( r, number, error ) : result;

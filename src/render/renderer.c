@@ -6,7 +6,7 @@
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
 {
-    return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight, 0 };
+    return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
 }
 
 static float* sky_of_half( const RfRenderer* r, const RfLiveFilm* live, int half )

@@ -46,7 +46,6 @@ typedef struct RfPass
     int number;
     int half;   // of the films that it goes to
     int weight; // in the mean of a frame
-    int traced; // weight of the passes before it that are traced and not yet accumulated (held records)
 } RfPass;
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number );

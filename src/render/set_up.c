@@ -1,7 +1,6 @@
 #include "render/set_up.h"
 
 #include "base/system.h"
-#include "render/held_records.h"
 #include "render/pass.h"
 #include "render/settings.h"
 
@@ -22,10 +21,7 @@ RfResult rf_set_up_render( RfRenderer* r, int eye_count, RfError* error )
     r->memory.arena = rf_create_arena( settings->memory );
     r->start = r->last_frame = rf_wall_seconds();
     r->frame_count = r->frames_all;
-    RfResult result = settings->hold_all ? rf_count_held( r, error ) : RF_OK;
-    if ( result == RF_OK )
-        result = rf_fit_sizes( settings->memory, r->frames_all, &r->sizes, &r->fit, error );
-    return result;
+    return rf_fit_sizes( settings->memory, r->frames_all, &r->sizes, &r->fit, error );
 }
 
 RfResult rf_alloc_render( RfRenderer* r, RfError* error )

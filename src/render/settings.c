@@ -50,10 +50,6 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the flicker wanted must be 0 to %g, got %g", RF_MAX_FLICKER, s->flicker );
     if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
         return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
-    if ( s->hold_all && rf_is_stopping( s ) )
-        return rf_fail( error, RF_ERROR_USAGE,
-                        "all records of a group can be held only where its passes are known: not with a noise, a flicker or a "
-                        "time to stop at" );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
         return rf_fail( error, RF_ERROR_USAGE, "group must be 0 to %d, got %d", RF_MAX_GROUP, s->group );
     if ( s->max_depth < 1 || s->max_depth > RF_MAX_DEPTH )
@@ -105,14 +101,11 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return lacks( estimator, "gradients", error );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !estimator->has_alpha )
         return lacks( estimator, "alpha", error );
-    if ( s->hold_all &&
-         ( estimator->trace_first_hits == NULL || estimator->serialise == NULL || estimator->deserialise == NULL ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot hold all records of a group", estimator->name );
     if ( s->pieces != NULL && !rf_can_render_pieces( s ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", estimator->name );
-    if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->hold_all || s->adaptive != RF_ADAPTIVE_OFF ) )
+    if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->adaptive != RF_ADAPTIVE_OFF ) )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "pieces are rendered without a noise, a flicker or a time to stop at, held records and extra samples" );
+                        "pieces are rendered without a noise, a flicker or a time to stop at, and without extra samples" );
     return estimator->check != NULL ? estimator->check( s, error ) : RF_OK;
 }
 

@@ -134,5 +134,5 @@ int rf_batches_wanted( const RfRenderSizes* s )
 size_t rf_fixed_bytes( const RfRenderSizes* s )
 {
     size_t ring = rf_arena_size( (size_t)s->ring * sizeof( RfFrameBuffer ) );
-    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) ) + s->held;
+    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) );
 }

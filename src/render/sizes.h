@@ -24,7 +24,6 @@ typedef struct RfRenderSizes
     bool adaptive;   // films may get extra samples
     int materials;   // whose noise is measured for these; 0: all are alike
     RfFrameFiles files;
-    size_t held; // bytes of held records besides the batches, the most of any group; with settings.hold_all only
 } RfRenderSizes;
 
 // Scans the triangles and the environment of a scene, and the eyes of a path. Emitters are divided where the settings make

@@ -5,7 +5,6 @@
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/harvest/harvest_internal.h"
 #include "reuse/connection_share.h"
-#include "reuse/harvest/serialise.h"
 
 static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
 
@@ -119,25 +118,6 @@ static uint64_t count_samples( const void* memory, float weight, float* sum )
     return (uint64_t)all;
 }
 
-static void trace_first_hits( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch )
-{
-    RfHarvest harvest = rf_make_harvest( group );
-    RfRayCounts unused = { 0 };
-    rf_harvest_first_hits( &harvest, job, batch, scratch, &unused );
-}
-
-static size_t serialise( const RfEstimatorGroup* group, const void* batch, void* memory )
-{
-    RfBatchShape shape = rf_batch_shape( group );
-    return rf_serialise_batch( &shape, batch, memory );
-}
-
-static void deserialise( const RfEstimatorGroup* group, const void* memory, void* batch )
-{
-    RfBatchShape shape = rf_batch_shape( group );
-    rf_deserialise_batch( &shape, memory, batch );
-}
-
 static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_memory, void* scratch_memory, RfReuseCount* count )
 {
     RfHitBatch* batch = batch_memory;
@@ -174,8 +154,5 @@ const RfEstimator rf_reuse_estimator = {
     .accumulate = accumulate,
     .add_own_shares = add_own_shares,
     .count_samples = count_samples,
-    .trace_first_hits = trace_first_hits,
-    .serialise = serialise,
-    .deserialise = deserialise,
     .count_reuse = count_reuse,
 };

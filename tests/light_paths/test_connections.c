@@ -44,7 +44,7 @@ static bool same( const Rendered* a, const Rendered* b )
     return memcmp( a->rgb, b->rgb, 3 * a->pixels * (size_t)a->count * sizeof( float ) ) == 0;
 }
 
-static void test_threads_and_held_records_change_no_bit( void** state )
+static void test_threads_change_no_bit( void** state )
 {
     (void)state;
     RfScene scene = make_mirror_room( GLASS_BALL );
@@ -55,16 +55,12 @@ static void test_threads_and_held_records_change_no_bit( void** state )
         Rendered one = render( &scene, settings );
         settings.threads = 3;
         Rendered three = render( &scene, settings );
-        settings.hold_all = true;
-        Rendered held = render( &scene, settings );
         settings.light_paths = RF_LIGHT_PATHS_OFF;
         Rendered off = render( &scene, settings );
         assert_true( same( &one, &three ) );
-        assert_true( same( &one, &held ) );
         assert_false( same( &one, &off ) );
         free_rendered( &one );
         free_rendered( &three );
-        free_rendered( &held );
         free_rendered( &off );
     }
     rf_destroy_scene( &scene );
@@ -135,7 +131,7 @@ static void test_memory_of_light_paths_is_counted( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_threads_and_held_records_change_no_bit ),
+        cmocka_unit_test( test_threads_change_no_bit ),
         cmocka_unit_test( test_without_mirrors_and_glass_nothing_changes ),
         cmocka_unit_test( test_large_emitters_are_left_to_chance ),
         cmocka_unit_test( test_memory_of_light_paths_is_counted ),

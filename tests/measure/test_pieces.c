@@ -193,15 +193,14 @@ static void test_pieces_are_refused_with_what_needs_frames( void** state )
     Setup s;
     begin( &s, 1.0f, PIXELS, false );
     RfPieces pieces = rf_pieces_from( &s.pieces, 0 );
-    for ( int k = 0; k < 3; ++k )
+    for ( int k = 0; k < 2; ++k )
     {
         RfRenderSettings settings = settings_of( 1, "3x3", 1 ), resolved;
         RfError error;
         settings.pieces = &pieces;
         assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, EYES, &settings, &resolved, &error ), RF_OK );
         settings.noise = k == 0 ? 0.1 : 0.0;
-        settings.hold_all = k == 1;
-        settings.adaptive = k == 2 ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
+        settings.adaptive = k == 1 ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
         assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, EYES, &settings, &resolved, &error ), RF_ERROR_USAGE );
     }
     end( &s );

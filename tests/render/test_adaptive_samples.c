@@ -44,20 +44,15 @@ static void check_nothing_else_decides( const RfTracer* tracer, RfRenderSettings
     Rendered all = render( tracer, settings, -1 );
     settings.threads = 3;
     Rendered one = render( tracer, settings, 3 );
-    settings.hold_all = true;
-    Rendered held = render( tracer, settings, -1 );
-    settings.hold_all = false;
     settings.memory = all.stats.fit.least;
     Rendered tight = render( tracer, settings, -1 );
     if ( settings.adaptive == RF_ADAPTIVE_ON ) // else nothing was tested; auto decides for each frame, by a pilot of its own
         assert_true( all.stats.adaptive_frames > 0 && one.stats.adaptive_frames > 0 );
     assert_memory_equal( frame_rgb( &all, 3 ), frame_rgb( &one, 0 ), 3 * all.pixels * sizeof( float ) );
     assert_memory_equal( frame_rgb( &all, 0 ), frame_rgb( &tight, 0 ), 3 * all.pixels * EYES * sizeof( float ) );
-    assert_memory_equal( frame_rgb( &all, 0 ), frame_rgb( &held, 0 ), 3 * all.pixels * EYES * sizeof( float ) );
     assert_true( tight.stats.peak_bytes <= tight.stats.budget_bytes );
     free_rendered( &all );
     free_rendered( &one );
-    free_rendered( &held );
     free_rendered( &tight );
 }
 

@@ -222,7 +222,7 @@ static void check_all_again( const Twice* t, RfRenderSettings settings )
     free_rendered( &again );
 }
 
-// Groups with tiles: threads, some frames only, less memory, all records held.
+// Groups with tiles: threads, some frames only, less memory.
 static void test_mirrors_and_glass_same_bits( void** state )
 {
     (void)state;
@@ -241,9 +241,6 @@ static void test_mirrors_and_glass_same_bits( void** state )
         free_rendered( &some );
         settings.threads = 4;
         check_all_again( &t, settings );
-        settings.hold_all = true;
-        check_all_again( &t, settings );
-        settings.hold_all = false;
         settings.threads = 1;
         settings.memory = t.whole.stats.peak_bytes / 8 * 7;
         check_all_again( &t, settings );

@@ -232,15 +232,12 @@ static void test_what_it_lacks_is_said( void** state )
 {
     (void)state;
     RfError error;
-    RfRenderSettings resolved, adaptive = settings_of( &s_plain ), held = adaptive, aovs = adaptive, none = adaptive;
+    RfRenderSettings resolved, adaptive = settings_of( &s_plain ), aovs = adaptive, none = adaptive;
     assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &adaptive, &resolved, &error ), RF_OK );
     assert_int_equal( resolved.adaptive, RF_ADAPTIVE_OFF ); // auto
     adaptive.adaptive = RF_ADAPTIVE_ON;
     assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &adaptive, &resolved, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no adaptive sampling" ) );
-    held.hold_all = true;
-    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &held, &resolved, &error ), RF_ERROR_USAGE );
-    assert_non_null( strstr( error.text, "'plain' cannot hold" ) );
     aovs.aovs = RF_AOV_BIT( RF_AOV_NORMAL );
     assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &aovs, &resolved, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no" ) );

@@ -589,15 +589,6 @@ void rf_scale_roulette( RfHarvestScratch* scratch, int count )
     }
 }
 
-int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                           RfRayCounts* rays )
-{
-    if ( rf_is_blurred_shape( &harvest->shape ) )
-        batch->lens = rf_draw_lens( harvest, job );
-    RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
-    return harvest_first_hits( &at, job, batch, scratch, rays );
-}
-
 // Beyond the hits; with light paths, connections at all vertices.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {

@@ -54,9 +54,4 @@ bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job );
 // Fills `batch` with the hits of patch job.job; adds the rays traced to `rays`. Returns the camera rays.
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
-// The first part of rf_harvest_batch: camera rays and their hits without any light. That settles
-// the number of hits of each kind, and so the bytes of a serialised copy. Returns the camera rays.
-int rf_harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                           RfRayCounts* rays );
-
 #endif
