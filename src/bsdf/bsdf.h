@@ -13,6 +13,7 @@
 #define REFRAME_BSDF_BSDF_H
 
 #include "base/built_in.h"
+#include "base/fault.h"
 #include "bsdf/models.h"
 
 #define RF_MIN_COS 1e-3f
@@ -20,7 +21,7 @@
 // A delta lobe has an infinite density. This stands for it: so large that a sum
 // with any other density is the same float, and the balance heuristic gives the
 // lobe all the weight without a special case.
-#define RF_DELTA_PDF 0x1p60f
+#define RF_DELTA_PDF ( RF_FAULT( delta_pdf ) ? INFINITY : 0x1p60f )
 
 // Whether this build has the model (base/built_in.h).
 static inline bool rf_is_model_built( RfBsdfKind kind )

@@ -8,6 +8,7 @@
 // over bumps, or the other way round (then it is not quite reciprocal). The last
 // factor, 1 where the two normals agree, cancels the cosine of the surface that
 // callers multiply f by.
+#include "base/fault.h"
 #include "bsdf/lane.h"
 
 #define COAT_F0 0.04f
@@ -37,11 +38,11 @@ typedef struct CoatLobe
 RF_KERNEL CoatLobe coat_lobe( RfVec3 n, RfEyeLane eye, RfVec3 wi, float surface_i, float clearcoat, float alpha )
 {
     float cos_o = eye.cos_o, dot_i = rf_dot( n, wi );
-    float cos_i = rf_maxf( dot_i, 0.0f );
+    float cos_i = RF_FAULT( coat_horizon ) ? dot_i : rf_maxf( dot_i, 0.0f );
     // some directions are sampled below the coat's horizon, which need not be below
     // the surface's: they have a density, though f is 0
     float drawn = surface_i > 0.0f ? 1.0f : 0.0f;
-    float lit = dot_i > 0.0f ? drawn : 0.0f;
+    float lit = dot_i > 0.0f || RF_FAULT( coat_horizon ) ? drawn : 0.0f;
     drawn = cos_o + dot_i > 0.0f ? drawn : 0.0f;
     float turned = cos_i / rf_maxf( surface_i, 1e-12f );
     // along and across n separately, for sharp lobes (see ggx.c)

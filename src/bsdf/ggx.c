@@ -6,6 +6,7 @@
 //
 // Reciprocal and energy-conserving. One of the two lobes is sampled; the specular
 // one by visible normals.
+#include "base/fault.h"
 #include "bsdf/lane.h"
 
 typedef struct Parameters
@@ -49,8 +50,8 @@ RF_KERNEL RfScattering scatter( RfVec3 n, RfEyeLane eye, RfVec3 wi, Parameters p
     // computed separately. For α = 10⁻³ the whole lobe has 1 − cos²θ < 10⁻⁵: the
     // difference would keep two digits only, |n × h|² keeps them all.
     float along = cos_o + cos_i;
-    RfVec3 cross = rf_cross( n, rf_add( eye.wo, wi ) );
-    float across2 = rf_dot( cross, cross );
+    RfVec3 half = rf_add( eye.wo, wi ), cross = rf_cross( n, half );
+    float across2 = RF_FAULT( ggx_across ) ? rf_dot( half, half ) - along * along : rf_dot( cross, cross );
     float length2 = along * along + across2;
 
     // D = α² / (π (α² cos²θ + sin²θ)²)

@@ -9,6 +9,8 @@
 // sampling finds.
 #include "bsdf/glass.h"
 
+#include "base/fault.h"
+
 // The lobes that are no deltas: the base, and rough reflection.
 static RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
 {
@@ -55,7 +57,7 @@ static GlassSample finish_non_delta( const Glass* g, RfEyeLane eye, RfVec3 wi )
 {
     RfScattering s = evaluate( g, eye, wi );
     GlassSample out = { wi, { 0, 0, 0 }, s.pdf_solid_angle };
-    if ( s.pdf_solid_angle > 0.0f )
+    if ( s.pdf_solid_angle > 0.0f || RF_FAULT( glass_no_density ) )
         out.weight = rf_scale( s.f, rf_dot( g->n, wi ) / s.pdf_solid_angle );
     return out;
 }

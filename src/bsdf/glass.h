@@ -2,6 +2,7 @@
 #ifndef REFRAME_BSDF_GLASS_H
 #define REFRAME_BSDF_GLASS_H
 
+#include "base/fault.h"
 #include "bsdf/lane.h"
 
 typedef struct Glass
@@ -35,14 +36,17 @@ static inline Glass glass_of( const RfBsdfLanes* lanes, int i )
 
 // The square of ior cosθt by Snell's law, at most 0 where all is reflected. 1 − sin²θ would lose the digits of grazing angles,
 // where an index of 1 must give cosθo itself.
-static inline float refracted2( float cos_o, float ior ) { return cos_o * cos_o + ( ior - 1.0f ) * ( ior + 1.0f ); }
+static inline float refracted2( float cos_o, float ior )
+{
+    return RF_FAULT( snell ) ? ior * ior - ( 1.0f - cos_o * cos_o ) : cos_o * cos_o + ( ior - 1.0f ) * ( ior + 1.0f );
+}
 
 // Fresnel reflectance of a dielectric for unpolarised light.
 static inline float dielectric( float cos_o, float ior )
 {
     cos_o = rf_maxf( cos_o, 0.0f ); // rounding may turn a grazing facet away
     float t2 = refracted2( cos_o, ior );
-    if ( t2 <= 0.0f )
+    if ( t2 <= 0.0f && !RF_FAULT( total_reflection ) )
         return 1.0f;
     float t = sqrtf( t2 ), dense = ior * ior * cos_o;
     float s = ( cos_o - t ) / ( cos_o + t );
@@ -101,7 +105,7 @@ static inline float base_probability( const Glass* g, float cos_o )
 static inline float reflection_probability( const Glass* g, RfVec3 f )
 {
     float reflected = rf_mean( f ), transmitted = rf_maxf( glass_share( g ) - reflected, 0.0f ) * rf_mean( g->tint );
-    return reflected + transmitted > 0.0f ? reflected / ( reflected + transmitted ) : 1.0f;
+    return reflected + transmitted > 0.0f || RF_FAULT( no_reflection ) ? reflected / ( reflected + transmitted ) : 1.0f;
 }
 
 static inline float smith( float alpha, float cos_theta ) // 1 + 2 Λ
@@ -140,7 +144,7 @@ static inline GlassSample sample_transmission( const Glass* g, RfEyeLane eye, Rf
     if ( cos_i <= 0.0f )
         return out;
     // radiance scales with the squared index
-    float radiance_scale = g->thin ? 1.0f : 1.0f / ( g->ior * g->ior );
+    float radiance_scale = g->thin && !RF_FAULT( radiance_scale ) ? 1.0f : 1.0f / ( g->ior * g->ior );
     float shadow = g->alpha > 0.0f ? 2.0f / ( 1.0f + smith( g->alpha, cos_i ) ) : 1.0f;
     float rest = 1.0f - dielectric( rf_dot( eye.wo, h ), g->ior ); // the metallic fraction is not in the tint
     out.weight = rf_scale( rf_scale( g->tint, rest ), radiance_scale * shadow / probability );

@@ -2,6 +2,7 @@
 #ifndef REFRAME_BSDF_LANE_H
 #define REFRAME_BSDF_LANE_H
 
+#include "base/fault.h"
 #include "bsdf/bsdf.h"
 #include "math/fastmath.h"
 
@@ -32,7 +33,7 @@ typedef struct RfEyeLane
 
 RF_KERNEL RfEyeLane rf_lift_to_horizon( RfVec3 n, RfVec3 wo )
 {
-    float missing = RF_MIN_COS - rf_dot( n, wo );
+    float missing = RF_FAULT( horizon ) ? 0.0f : RF_MIN_COS - rf_dot( n, wo );
     RfVec3 raised = rf_madd( wo, n, rf_maxf( missing, 0.0f ) );
     float inverse = 1.0f / sqrtf( rf_dot( raised, raised ) );
     float scale = missing > 0.0f ? inverse : 1.0f;

@@ -2,6 +2,7 @@
 // for physically based rendering, 1994): f = kd/π + ks (n+2)/(2π) cosⁿα, α from
 // the mirror direction of wo to wi. One of the two lobes is sampled, with
 // probabilities proportional to the means of kd and ks.
+#include "base/fault.h"
 #include "bsdf/lane.h"
 
 // The probability of sampling the diffuse lobe.
@@ -9,8 +10,8 @@ RF_KERNEL float diffuse_probability( RfVec3 diffuse, RfVec3 specular )
 {
     float d = rf_mean( diffuse );
     float sum = d + rf_mean( specular );
-    float ratio = d / ( sum > 0.0f ? sum : 1.0f );
-    return sum > 0.0f ? ratio : 1.0f;
+    float ratio = d / ( sum > 0.0f || RF_FAULT( no_lobe ) ? sum : 1.0f );
+    return sum > 0.0f || RF_FAULT( no_lobe ) ? ratio : 1.0f;
 }
 
 // 1 − cos α = |wi − r|²/2, r the mirror direction. With h = wo + wi that
@@ -21,13 +22,16 @@ RF_KERNEL float one_minus_cos_alpha( RfVec3 n, RfEyeLane eye, RfVec3 wi, float c
 {
     RfVec3 across = rf_cross( n, rf_add( eye.wo, wi ) );
     float along = cos_i - eye.cos_o;
+    if ( RF_FAULT( phong_angle ) )
+        return rf_maxf( 1.0f - rf_dot( rf_sub( rf_scale( n, 2.0f * eye.cos_o ), eye.wo ), wi ), 0.0f );
     return 0.5f * ( rf_dot( across, across ) + along * along );
 }
 
 RF_KERNEL RfScattering scatter( float cos_i, float d, RfVec3 diffuse, RfVec3 specular, float exponent )
 {
     float power = rf_pow_one_minus( rf_minf( d, 1.0f ), exponent );
-    power = d < 1.0f ? power * ( 0.5f * RF_INV_PI ) : 0.0f; // the lobe is limited to a hemisphere, also for n = 0
+    // the lobe is limited to a hemisphere, also for n = 0
+    power = d < 1.0f || RF_FAULT( hemisphere ) ? power * ( 0.5f * RF_INV_PI ) : 0.0f;
     power = cos_i > 0.0f ? power : 0.0f;
     float lit = cos_i > 0.0f ? RF_INV_PI : 0.0f;
     float probability = diffuse_probability( diffuse, specular );
@@ -46,7 +50,8 @@ RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 u, RfVec3 diffuse, RfVe
     RfVec3 axis = rf_vec3( is_diffuse ? n.x : mirror.x, is_diffuse ? n.y : mirror.y, is_diffuse ? n.z : mirror.z );
     float power = is_diffuse ? 1.0f : exponent;
     // cos α = (1 − u)^(1/(n+1)), computed as 1 − cos α, whose digits a sharp lobe needs.
-    float d = rf_one_minus_exp2( rf_log2( 1.0f - u.x ) / ( power + 1.0f ) );
+    float logarithm = rf_log2( 1.0f - u.x ) / ( power + 1.0f );
+    float d = RF_FAULT( phong_sample ) ? 1.0f - rf_exp2( logarithm ) : rf_one_minus_exp2( logarithm );
     d = rf_maxf( d, 0.0f );
     RfVec3 w = rf_scale( rf_azimuth_direction( axis, u.y ), sqrtf( d * ( 2.0f - d ) ) );
     return rf_madd( w, axis, 1.0f - d );

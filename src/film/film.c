@@ -1,5 +1,6 @@
 #include "film/film.h"
 
+#include "base/fault.h"
 #include "film/film_pixel.h"
 
 #include <string.h>
@@ -36,7 +37,7 @@ void rf_end_film_pass( RfFilm* film, int half, double weight )
 {
     film->passes[half] += 1;
     film->weight[half] += weight;
-    if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 )
+    if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 || RF_FAULT( long_sums ) )
         return;
     size_t count = 4 * (size_t)film->width * (size_t)film->height;
     for ( size_t i = 0; i < count; ++i )

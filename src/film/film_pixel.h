@@ -2,6 +2,7 @@
 #ifndef REFRAME_FILM_FILM_PIXEL_H
 #define REFRAME_FILM_FILM_PIXEL_H
 
+#include "base/fault.h"
 #include "film/film.h"
 
 // Sums of one pixel in the two halves.
@@ -24,7 +25,10 @@ static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
 }
 
 // c_h = A_h / B_h; 0 where no sample landed.
-static inline double rf_film_quotient( const double* half, int c ) { return half[3] > 0.0 ? half[c] / half[3] : 0.0; }
+static inline double rf_film_quotient( const double* half, int c )
+{
+    return half[3] > 0.0 || RF_FAULT( empty_half ) ? half[c] / half[3] : 0.0;
+}
 
 // The value of a pixel from one half alone.
 static inline double rf_film_half_value( const RfFilmPixel* p, RfFilmCombine combine, int h, int c )

@@ -1,5 +1,7 @@
 #include "gradient/channel.h"
 
+#include "base/fault.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -59,7 +61,7 @@ static void measure( const RfGradientSystem* system, double norm, double toleran
 {
     rf_system_residual( system, channel->in, channel->index, channel->scale, channel->u, channel->r );
     double residual = rf_system_residual_norm( system, channel->r );
-    channel->residual = residual > 0.0 ? residual / norm : 0.0;
+    channel->residual = residual > 0.0 || RF_FAULT( zero_data ) ? residual / norm : 0.0;
     channel->converged = channel->residual <= tolerance;
 }
 

@@ -1,5 +1,7 @@
 #include "gradient/check.h"
 
+#include "base/fault.h"
+
 #include <math.h>
 
 RfResult rf_check_reconstruct_options( const RfReconstructOptions* options, bool has_weights, RfError* error )
@@ -84,6 +86,6 @@ RfResult rf_check_gradients( const RfGradientImages* in, const RfGradientWeights
     if ( largest > 0.0f )
         frexpf( largest, &exponent );
     exponent = exponent < -120 ? -120 : exponent > 120 ? 120 : exponent;
-    *scale = ldexpf( 1.0f, -exponent );
+    *scale = RF_FAULT( poisson_scale ) ? 1.0f : ldexpf( 1.0f, -exponent );
     return result;
 }

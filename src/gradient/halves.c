@@ -1,3 +1,4 @@
+#include "base/fault.h"
 #include "gradient/check.h"
 #include "gradient/reconstruct.h"
 #include "gradient/solver.h"
@@ -8,11 +9,11 @@ static RfResult check_half( const RfGradientHalf* half, float* scale, RfError* e
 {
     int w = half->images.width, h = half->images.height;
     RfResult result = rf_check_gradients( &half->images, NULL, scale, error );
-    if ( result == RF_OK )
+    if ( result == RF_OK && !RF_FAULT( finite_variance ) )
         result = rf_check_plane( half->variance, w, h, 0, 0, "variance of the primal", error );
-    if ( result == RF_OK )
+    if ( result == RF_OK && !RF_FAULT( finite_variance ) )
         result = rf_check_plane( half->variance_dx, w, h, 1, 0, "variance of dx", error );
-    if ( result == RF_OK )
+    if ( result == RF_OK && !RF_FAULT( finite_variance ) )
         result = rf_check_plane( half->variance_dy, w, h, 0, 1, "variance of dy", error );
     if ( result == RF_OK && !( half->passes > 0.0 && isfinite( half->passes ) ) )
         result = rf_fail( error, RF_ERROR_USAGE, "a half of %g passes has no share in the average", half->passes );

@@ -1,3 +1,4 @@
+#include "base/fault.h"
 #include "gradient/check.h"
 #include "gradient/components.h"
 #include "gradient/solver.h"
@@ -71,7 +72,7 @@ static RfResult solve_weighted( const RfGradientImages* in, const RfGradientWeig
 {
     float largest = fmaxf( largest_of( weights->a, in, 0, 0 ),
                            fmaxf( largest_of( weights->b_x, in, 1, 0 ), largest_of( weights->b_y, in, 0, 1 ) ) );
-    if ( !( largest > 0.0f ) )
+    if ( !( largest > 0.0f ) && !RF_FAULT( all_weights_0 ) )
         return rf_fail( error, RF_ERROR_USAGE, "all weights are 0: nothing tells what the image is" );
     copy_weights( weights->a, in, 0, 0, largest, solver->system.a );
     copy_weights( weights->b_x, in, 1, 0, largest, solver->system.b_x );

@@ -1,5 +1,7 @@
 #include "gradient/system.h"
 
+#include "base/fault.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -31,7 +33,7 @@ void rf_finish_system( RfGradientSystem* system )
     for ( size_t i = 0; i < count; ++i )
     {
         float d = a[i] + b_x[i] + b_w[i] + b_y[i] + b_n[i];
-        inverse[i] = d > 0.0f ? 1.0f / d : 0.0f;
+        inverse[i] = d > 0.0f || RF_FAULT( diagonal_0 ) ? 1.0f / d : 0.0f;
     }
 }
 
@@ -108,5 +110,5 @@ double rf_system_norm( const RfGradientSystem* system, const RfGradientImages* i
         of_gradients += (double)g * (double)g;
     }
     double norm = sqrt( of_primal ) + sqrt( of_gradients );
-    return norm > 0.0 ? norm : 1.0;
+    return norm > 0.0 || RF_FAULT( zero_data ) ? norm : 1.0;
 }

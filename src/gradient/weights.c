@@ -1,6 +1,7 @@
 // Weights: the inverse of variances, which are averaged over neighbours, but for those that are much brighter. A dark wall
 // beside a window would be taken for as uncertain as the window's edge, so that its own value counted for nothing against
 // differences across the edge.
+#include "base/fault.h"
 #include "gradient/reconstruct.h"
 
 #include <math.h>
@@ -135,7 +136,7 @@ void rf_weights_of_half( const RfGradientHalf* half, float* const scratch[2], fl
         smooth( variances[k], brightness, extents[k], steps[k], weights[k] );
         sum += sum_logs( weights[k], extents[k], &count );
     }
-    double typical = count > 0 ? exp( sum / (double)count ) : 1.0;
+    double typical = count > 0 || RF_FAULT( typical ) ? exp( sum / (double)count ) : 1.0;
     for ( int k = 0; k < 3; ++k )
         invert( weights[k], extents[k], h, typical );
 }

@@ -2,6 +2,8 @@
 #ifndef REFRAME_IMAGE_HALF_H
 #define REFRAME_IMAGE_HALF_H
 
+#include "base/fault.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -14,7 +16,7 @@ static inline float rf_clamp_half( float value )
     uint32_t bits;
     memcpy( &bits, &value, sizeof bits );
     uint32_t size = bits & 0x7fffffffu;
-    if ( size >= 0x7f800000u || size <= 0x477fe000u ) // not finite, or in the range
+    if ( size >= 0x7f800000u || size <= 0x477fe000u || RF_FAULT( half_clamp ) ) // not finite, or in the range
         return value;
     return bits >> 31 ? -RF_HALF_MAX : RF_HALF_MAX;
 }

@@ -1,4 +1,6 @@
 #include "light/light.h"
+
+#include "base/fault.h"
 #include "light/tree_create.h"
 #include "scene/leave_out.h"
 
@@ -112,7 +114,7 @@ static void find_bounding_ball( const RfScene* scene, RfLights* lights )
     RfVec3 half = rf_scale( rf_sub( scene->bounds_max, scene->bounds_min ), 0.5f );
     lights->center = rf_add( scene->bounds_min, half );
     lights->radius = rf_maxf( rf_length( half ), 1e-6f * rf_largest_coordinate( lights->center ) );
-    lights->inverse_radius = 1.0f / rf_maxf( lights->radius, 1e-30f );
+    lights->inverse_radius = 1.0f / rf_maxf( lights->radius, RF_FAULT( empty_ball ) ? 0.0f : 1e-30f );
 }
 
 // Power over π, like that of the triangles. For lights at infinity: the flux
@@ -154,7 +156,7 @@ static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t ca
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", capacity );
     double total = lights->of_triangle != NULL ? fill_triangles( scene, lights, powers ) : 0.0;
     total += append_non_area_lights( lights, powers );
-    if ( !( total > 0.0 ) )
+    if ( !( total > 0.0 ) && !RF_FAULT( no_power ) )
         lights->count = 0;
     for ( uint32_t i = 0; i < lights->count; ++i )
         lights->power_fraction[i] = (float)( powers[i] / total );

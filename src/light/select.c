@@ -1,3 +1,4 @@
+#include "base/fault.h"
 #include "light/light.h"
 
 #define SELECT_BLOCK 64 // below 256
@@ -28,7 +29,7 @@ static inline double find_importances( const RfLightNode* node, RfVec3 x, RfVec3
     rf_light_importance( node, x, n, out->of );
     double sum = out->before[0] = 0.0;
     for ( int k = 0; k < RF_LIGHT_CHILDREN; ++k )
-        out->before[k + 1] = sum += (double)out->of[k];
+        out->before[k + 1] = sum = RF_FAULT( importance_sums ) ? (double)( (float)sum + out->of[k] ) : sum + (double)out->of[k];
     return sum;
 }
 

@@ -4,6 +4,8 @@
 // so no direction that emits has density 0.
 #include "light/sky.h"
 
+#include "base/fault.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,11 +25,11 @@ static double luminance_at( const RfEnvironment* e, int x, int y )
 // Mean over a pixel of the interpolated luminance: weights ⅛ ¾ ⅛ along each axis.
 static double mean_luminance( const RfEnvironment* e, int x, int y )
 {
-    double sum = 0.0;
+    double sum = 0.0, side = RF_FAULT( sky_neighbours ) ? 0.0 : 0.125, middle = 1.0 - 2.0 * side;
     for ( int j = -1; j <= 1; ++j )
     {
         for ( int i = -1; i <= 1; ++i )
-            sum += ( i == 0 ? 0.75 : 0.125 ) * ( j == 0 ? 0.75 : 0.125 ) * luminance_at( e, x + i, y + j );
+            sum += ( i == 0 ? middle : side ) * ( j == 0 ? middle : side ) * luminance_at( e, x + i, y + j );
     }
     return sum;
 }

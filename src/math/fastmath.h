@@ -6,6 +6,8 @@
 #ifndef REFRAME_MATH_FASTMATH_H
 #define REFRAME_MATH_FASTMATH_H
 
+#include "base/fault.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -114,7 +116,7 @@ static inline float rf_pow( float x, float n )
 static inline float rf_pow_one_minus( float d, float n )
 {
     float x = 1.0f - d;
-    float lost = ( 1.0f - x ) - d;
+    float lost = RF_FAULT( pow_one_minus ) ? 0.0f : ( 1.0f - x ) - d;
     float value = rf_exp2( n * rf_fused( lost, 1.442695041f, rf_log2( x ) ) );
     float at_zero = n > 0.0f ? 0.0f : 1.0f;
     return x >= FLT_MIN ? value : at_zero;

@@ -3,6 +3,7 @@
 #ifndef REFRAME_MATH_VEC3_H
 #define REFRAME_MATH_VEC3_H
 
+#include "base/fault.h"
 #include "reframe/types.h"
 
 #include <math.h>
@@ -54,7 +55,7 @@ static inline RfVec3 rf_unit_cross( RfVec3 a, RfVec3 b, double* length )
     double y = (double)a.z * (double)b.x - (double)a.x * (double)b.z;
     double z = (double)a.x * (double)b.y - (double)a.y * (double)b.x;
     *length = sqrt( x * x + y * y + z * z );
-    double scale = *length > 0.0 ? 1.0 / *length : 0.0;
+    double scale = *length > 0.0 || RF_FAULT( unit_cross_0 ) ? 1.0 / *length : 0.0;
     return rf_vec3( (float)( x * scale ), (float)( y * scale ), (float)( z * scale ) );
 }
 

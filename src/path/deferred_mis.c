@@ -1,5 +1,6 @@
 // Scattering with deferred MIS: the caller weights the rays, since other cameras or
 // other paths will reuse them.
+#include "base/fault.h"
 #include "path/wavefront.h"
 
 // Floor for the roulette weight: other cameras may see a path that is nearly
@@ -35,7 +36,7 @@ static int scatter_nonspecular( const RfVertexLanes* v, float* const wi[3], RfWa
         write_ray( v, i, wi, 1.0f, pdf, rays, kept );
         float weight = pdf > 0.0f ? rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf : 0.0f;
         wavefront->roulette_scale[v->slot[i]] *= rf_maxf( weight, MIN_ROULETTE_SCALE );
-        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f );
+        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f || RF_FAULT( below_triangle ) ) & ( pdf > 0.0f );
     }
     return kept;
 }

@@ -1,4 +1,5 @@
 // Light samples at the vertices of a wavefront (src/reuse/estimators.md, section 3).
+#include "base/fault.h"
 #include "path/punctual_environment.h"
 #include "path/wavefront.h"
 
@@ -115,7 +116,8 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         float cos_light = points->two_sided[i] > 0.0f ? fabsf( facing ) : facing;
         float cos_x = rf_dot( n, wi );
         float pdf = points->pdf_area[i] * d2 / ( cos_light > 0.0f ? cos_light : 1.0f );
-        int arrives = ( cos_x > 0.0f ) & ( rf_dot( ng, wi ) > 0.0f ) & ( cos_light > 0.0f ) & ( pdf < 1e30f ) & ( d2 > 0.0f );
+        int arrives = ( cos_x > 0.0f ) & ( rf_dot( ng, wi ) > 0.0f || RF_FAULT( below_triangle ) ) & ( cos_light > 0.0f ) &
+                      ( pdf < 1e30f ) & ( d2 > 0.0f );
         float scale = arrives ? cos_x : 0.0f;
         // the BSDFs need a valid direction in every lane
         out->wi[0][i] = arrives ? wi.x : n.x;
@@ -126,7 +128,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         out->radiance_cos[1][i] = points->radiance[1][i] * scale;
         out->radiance_cos[2][i] = points->radiance[2][i] * scale;
         // the far end is lifted off the light, on the side facing the vertex
-        RfVec3 to = rf_madd( z, nz, points->offset[i] * side );
+        RfVec3 to = rf_madd( z, nz, RF_FAULT( light_offset ) ? 0.0f : points->offset[i] * side );
         scratch->o[0][i] = from.x;
         scratch->o[1][i] = from.y;
         scratch->o[2][i] = from.z;
@@ -151,8 +153,8 @@ static void connect_non_area( const RfLights* lights, const RfWavefront* keys, c
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
         RfPunctualEnvironmentSample s = rf_sample_punctual_environment( lights, points->selection[i], key, dimension, u, from );
         float cos_x = rf_dot( n, s.wi );
-        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f &&
-                rf_max_component( s.radiance ) <= RF_MAX_PUNCTUAL_RADIANCE ) )
+        bool is_finite = rf_max_component( s.radiance ) <= RF_MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
+        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && is_finite ) )
             continue;
         float wi[3] = { s.wi.x, s.wi.y, s.wi.z }, radiance[3] = { s.radiance.x, s.radiance.y, s.radiance.z };
         for ( int c = 0; c < 3; ++c )

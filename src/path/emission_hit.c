@@ -1,5 +1,6 @@
 // Emission hit by BSDF sampling: light sampling at the ray's origin could have
 // found it as well (src/reuse/estimators.md, E3).
+#include "base/fault.h"
 #include "path/wavefront.h"
 
 // Where emission goes.
@@ -57,7 +58,8 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
             continue;
         int r = v->ray[i];
         RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
-        float probability = selection_probability( settings, rays, r, triangles[triangle[r]].light );
+        uint32_t light = triangles[triangle[r]].light;
+        float probability = RF_FAULT( selection ) ? 1.0f : selection_probability( settings, rays, r, light );
         float light_pdf = light_pdf_behind( pane_probability, r, v->light_pdf_solid_angle[i] * probability );
         add_arrival( settings, rays, r, emission, light_pdf, to );
     }

@@ -1,4 +1,6 @@
 #include "path/punctual_environment.h"
+
+#include "base/fault.h"
 #include "light/punctual.h"
 
 // Radiance and density in the right ratio, the radiance as large as may be: the density remains far above those
@@ -36,7 +38,8 @@ static RfPunctualEnvironmentSample sample_punctual( const RfLights* lights, cons
     d2 = rf_maxf( d2, least * least );
     float falloff = rf_spot_falloff( p, -rf_dot( p->direction, sample.wi ) ) * rf_range_falloff( d2, p->range ),
           scale = falloff / d2 * RF_DELTA_PDF;
-    if ( rf_max_component( p->intensity ) * scale < RF_MAX_PUNCTUAL_RADIANCE )
+    if ( rf_max_component( p->intensity ) * scale < RF_MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_bright ) ||
+         RF_FAULT( lamp_infinite ) )
         sample.radiance = rf_scale( p->intensity, scale );
     else
         set_bright( p, falloff / (double)d2, probability, &sample );

@@ -1,4 +1,5 @@
 // From rays to vertices: hits, their surfaces, sorted by scattering model.
+#include "base/fault.h"
 #include "path/wavefront.h"
 
 #include "scene/texture_prefetch.h"
@@ -97,7 +98,7 @@ static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint
     if ( index == RF_NO_LIGHT )
         return;
     const RfLight* light = lights->light + index;
-    if ( facing <= 0.0f && !rf_calls_for( light->two_sided, RF_EFFECT_TWO_SIDED_EMISSION ) )
+    if ( facing <= 0.0f && ( RF_FAULT( two_sided ) || !rf_calls_for( light->two_sided, RF_EFFECT_TWO_SIDED_EMISSION ) ) )
         return;
     put( v->emission, i, light->radiance );
     float cos_light = fabsf( facing );
@@ -111,7 +112,7 @@ static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v
     float length2 = rf_dot( n, n );
     n = rf_scale( n, side / sqrtf( rf_maxf( length2, 1e-30f ) ) );
     // normals that face the wrong way or cancel are replaced
-    return rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ? n : ng;
+    return RF_FAULT( shading_normal ) || ( rf_dot( n, ng ) > 0.0f && length2 > 1e-12f ) ? n : ng;
 }
 
 // What the lanes of the vertices are filled from.

@@ -1,4 +1,5 @@
 // The path tracer proper: path tails from the second vertex on.
+#include "base/fault.h"
 #include "path/wavefront.h"
 
 #include <string.h>
@@ -163,7 +164,7 @@ static int scatter_nonspecular_lanes( RfWavefront* wavefront, const RfRayLanes* 
         for ( int c = 0; c < 3; ++c )
             next->throughput[c][kept] = q > 0.0f ? t[c] / q : 0.0f;
         write_ray( v, i, wi, 1.0f, pdf, next, kept );
-        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f ) & ( pdf > 0.0f ) & ( s->random[0][i] < q );
+        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f || RF_FAULT( below_triangle ) ) & ( pdf > 0.0f ) & ( s->random[0][i] < q );
     }
     return kept;
 }
@@ -183,7 +184,7 @@ static int scatter_specular_lanes( RfWavefront* wavefront, const RfRayLanes* ray
             t[c] = rays->throughput[c][r] * s->f[c][i];
         float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
-            next->throughput[c][kept] = q > 0.0f ? t[c] / q : 0.0f;
+            next->throughput[c][kept] = q > 0.0f || RF_FAULT( roulette_0 ) ? t[c] / q : 0.0f;
         write_ray( v, i, wi, side, s->pdf[i], next, kept );
         kept += ( side != 0.0f ) & ( rf_maxf( t[0], rf_maxf( t[1], t[2] ) ) > 0.0f ) & ( s->random[0][i] < q );
     }

@@ -1,12 +1,14 @@
 #include "render/groups.h"
 
+#include "base/fault.h"
+
 #include <math.h>
 #include <stdbool.h>
 
 RfGroupPlan rf_plan_groups( int frames, int half_width, int spp )
 {
     RfGroupPlan plan = { .frames = frames, .spp = spp };
-    plan.eyes = half_width <= ( frames - 1 ) / 2 ? 2 * half_width + 1 : frames;
+    plan.eyes = half_width <= ( frames - 1 ) / 2 || RF_FAULT( group_in_path ) ? 2 * half_width + 1 : frames;
     if ( plan.eyes == frames )
     {
         plan.groups = 1;

@@ -1,5 +1,6 @@
 #include "render/settings.h"
 
+#include "base/fault.h"
 #include "base/remedy.h"
 #include "base/system.h"
 #include "math/vec3.h"
@@ -123,7 +124,7 @@ static bool is_usable( const RfEye* e )
     RfPose own = { e->origin, e->forward, e->up, e->focal, e->axis_x, e->axis_y };
     return is_usable_pose( &own ) && is_finite3( e->right ) && e->focal_x > 0.0f && isfinite( e->focal_x ) &&
            ( !e->moves || ( is_usable_pose( &e->open ) && is_usable_pose( &e->close ) ) ) &&
-           ( e->lens_radius <= 0.0f ||
+           ( ( e->lens_radius <= 0.0f && !RF_FAULT( lens_sharp ) ) ||
              ( e->focus != 0.0f && isfinite( rf_maxf( e->focal, e->focal_x ) * e->lens_radius / e->focus ) ) );
 }
 
@@ -138,7 +139,7 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
                             RF_MAX_IMAGE_SIDE, eyes[k].width, eyes[k].height );
         if ( eyes[k].width != eyes[0].width || eyes[k].height != eyes[0].height )
             return rf_fail( error, RF_ERROR_USAGE, "all frames of a path must have the same size" );
-        if ( !is_usable( eyes + k ) )
+        if ( !is_usable( eyes + k ) && !RF_FAULT( usable_eyes ) )
             return rf_fail( error, RF_ERROR_USAGE,
                             "the eye of frame %d of the path cannot be used: all of it must be finite, its focal length and, "
                             "with a lens, its focus above 0",

@@ -1,5 +1,6 @@
 // The light of hit records, weighted over the eyes that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3).
+#include "base/fault.h"
 #include "reuse/harvest/harvest_internal.h"
 
 #include <string.h>
@@ -73,7 +74,7 @@ static void light_of( const Arrival* arrival, int i, float mixture, float q[3] )
 {
     float both = arrival->light_pdf[i] + mixture;
     float scale_a = both > MIN_PDF ? 1.0f / both : 0.0f;
-    float scale_b = mixture > MIN_PDF ? 1.0f / mixture : 0.0f;
+    float scale_b = mixture > MIN_PDF || RF_FAULT( mixture ) ? 1.0f / mixture : 0.0f;
     for ( int c = 0; c < 3; ++c )
         q[c] = arrival->a[c][i] * scale_a + arrival->b[c][i] * scale_b;
 }

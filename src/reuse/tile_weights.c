@@ -1,5 +1,6 @@
 // The balance weights of the pairs in a tile: which hits see which second
 // vertices, and with what density they would have sampled them.
+#include "base/fault.h"
 #include "reuse/tile_reuse.h"
 
 #include "reuse/tile.h"
@@ -265,7 +266,7 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         for ( int i = 0; i < hits; ++i )
         {
             float all = sum[pairing->vertex[i]]; // 0 where all weights are
-            pairing->weight[i] = fabsf( pairing->weight[i] ) / ( all > 0.0f ? all : 1.0f );
+            pairing->weight[i] = fabsf( pairing->weight[i] ) / ( all > 0.0f && !RF_FAULT( normalised_tiles ) ? all : 1.0f );
         }
         rf_note_weights( pairing->weight, hits, 1.0f );
     }

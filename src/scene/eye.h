@@ -2,6 +2,7 @@
 #ifndef REFRAME_SCENE_EYE_H
 #define REFRAME_SCENE_EYE_H
 
+#include "base/fault.h"
 #include "math/vec3.h"
 #include "reframe/camera.h"
 
@@ -22,6 +23,15 @@ static inline void rf_unit3( double v[3] )
 // rf_eye_matrices of an eye that is relative to an origin.
 void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float world_to_camera[16], float world_to_ndc[16] );
 
+// What rf_cross3 would be in floats, for a fault of base/fault.h.
+static inline void rf_cross3_in_floats( const double a[3], const double b[3], double out[3] )
+{
+    RfVec3 c = rf_cross( rf_vec3( (float)a[0], (float)a[1], (float)a[2] ), rf_vec3( (float)b[0], (float)b[1], (float)b[2] ) );
+    out[0] = (double)c.x;
+    out[1] = (double)c.y;
+    out[2] = (double)c.z;
+}
+
 // rf_make_eye for camera.c, inline: as a plain call gcc 12 gives eyes that differ in the last bits, and
 // all pictures rest on these.
 static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )
@@ -32,6 +42,8 @@ static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up
     double u[3] = { (double)up.x, (double)up.y, (double)up.z }, r[3];
     rf_unit3( f );
     rf_cross3( f, u, r ); // in doubles: up may be nearly parallel to forward
+    if ( RF_FAULT( eye_in_doubles ) )
+        rf_cross3_in_floats( f, u, r );
     rf_unit3( r );
     rf_cross3( r, f, u );
     eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );

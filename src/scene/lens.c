@@ -1,5 +1,7 @@
 #include "scene/lens.h"
 
+#include "base/fault.h"
+
 #include <math.h>
 
 #define PI 3.14159265358979323846
@@ -125,7 +127,8 @@ RfEye rf_sample_eye( const RfEye* eye, RfLensSample sample )
         }
         else
         {
-            out.axis_x += out.focal_x * x / eye->focus;
+            float focus = RF_FAULT( focus_order ) ? eye->focus * eye->focus / eye->focus : eye->focus;
+            out.axis_x += out.focal_x * x / focus;
             out.axis_y -= out.focal * y / eye->focus;
         }
     }

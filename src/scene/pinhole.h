@@ -4,6 +4,7 @@
 #ifndef REFRAME_SCENE_PINHOLE_H
 #define REFRAME_SCENE_PINHOLE_H
 
+#include "base/fault.h"
 #include "scene/eye.h"
 
 #include <float.h>
@@ -29,7 +30,10 @@ static inline RfVec3 rf_pinhole_ray( const RfEye* eye, const float inverse[2], i
 }
 
 // A divisor that is not 0. What lies in the plane of the eye is not seen, whatever the quotient.
-static inline float rf_pinhole_divisor( float depth, float instead ) { return depth != 0.0f ? depth : instead; }
+static inline float rf_pinhole_divisor( float depth, float instead )
+{
+    return depth != 0.0f || RF_FAULT( density_divisor ) ? depth : instead;
+}
 
 // Where a direction from the eye (any length) meets the film: pixels from its centre, +x right, +y up.
 // Returns its part along the viewing direction; the position means nothing unless that is above 0.
@@ -61,15 +65,18 @@ typedef struct RfProjection
 static inline RfProjection rf_project( const RfEye* eye, RfVec3 x, RfVec3 ng )
 {
     RfVec3 v = rf_sub( x, rf_pinhole_origin( eye ) );
-    float depth = rf_dot( v, eye->forward ), ahead = rf_pinhole_divisor( depth, 1.0f );
-    float facing = -rf_dot( v, ng );
+    float depth = rf_dot( v, eye->forward ), facing = -rf_dot( v, ng );
+    depth = RF_FAULT( behind_the_eye ) ? fabsf( depth ) : depth;
+    facing = RF_FAULT( sides ) ? fabsf( facing ) : facing;
+    float ahead = rf_pinhole_divisor( depth, 1.0f );
     float fx = eye->axis_x + rf_dot( v, eye->right ) * ( eye->focal_x / ahead );
     float fy = eye->axis_y - rf_dot( v, eye->up ) * ( eye->focal / ahead );
-    float density = eye->focal_x * eye->focal * facing / rf_pinhole_divisor( depth * depth * depth, FLT_MIN );
-    density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY;
-    density = density < RF_MAX_DENSITY ? density : RF_MAX_DENSITY;
-    int seen = ( depth > 0.0f ) & ( facing > 0.0f ) & ( fx >= 0.0f ) & ( fx < (float)eye->width ) & ( fy >= 0.0f ) &
-               ( fy < (float)eye->height );
+    float depth2 = RF_FAULT( cubed_cosine ) ? rf_dot( v, v ) : depth * depth;
+    float density = eye->focal_x * eye->focal * facing / rf_pinhole_divisor( depth2 * depth, FLT_MIN );
+    density = density > RF_MIN_DENSITY || RF_FAULT( least_density ) ? density : RF_MIN_DENSITY;
+    density = density < RF_MAX_DENSITY || RF_FAULT( largest_density ) ? density : RF_MAX_DENSITY;
+    int on_film = ( fx >= 0.0f ) & ( fx < (float)eye->width ) & ( fy >= 0.0f ) & ( fy < (float)eye->height );
+    int seen = ( depth > 0.0f ) & ( facing > 0.0f ) & ( on_film | RF_FAULT( film_place ) );
     // converted inside the film only: outside, the value may not fit an integer
     int32_t column = (int32_t)( seen ? fx : 0.0f ), row = (int32_t)( seen ? fy : 0.0f );
     return ( RfProjection ){ column, row, density, fx - (float)column, fy - (float)row, seen };

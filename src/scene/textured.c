@@ -1,3 +1,4 @@
+#include "base/fault.h"
 #include "scene/textured_lookup.h"
 
 #include "base/built_in.h"
@@ -83,7 +84,7 @@ void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
     double covered = in->coat_is_added ? covered_share( in->base, coat, in->specular, in->roughness * in->roughness ) : 1.0;
     out->coat_f0 = (float)( covered * coat );
     out->coat_f90 = (float)( covered * in->specular );
-    out->alpha = rf_maxf( (float)( in->roughness * in->roughness ), RF_MIN_ALPHA );
+    out->alpha = rf_maxf( (float)( in->roughness * in->roughness ), RF_FAULT( least_alpha ) ? 0.0f : RF_MIN_ALPHA );
 }
 
 static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, double base[4] )

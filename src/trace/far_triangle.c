@@ -1,5 +1,7 @@
 #include "trace/far_triangle.h"
 
+#include "base/fault.h"
+
 #include <stdlib.h>
 
 // Embree takes the edges, their cross product N, and N·(p0 − o): at most 8 roundings of 2⁻²⁴ each.
@@ -39,7 +41,7 @@ float rf_embree_scale( float reach )
     int exponent;
     frexpf( reach, &exponent );
     bool ordinary = reach == 0.0f || ( exponent > -LEAST_EXPONENT && exponent < LEAST_EXPONENT );
-    return ordinary ? 1.0f : ldexpf( 1.0f, -exponent );
+    return ordinary || RF_FAULT( embree_scale ) ? 1.0f : ldexpf( 1.0f, -exponent );
 }
 
 // How far off its plane Embree may find a triangle that it starts `way` from vertex 0: the products in
@@ -87,7 +89,7 @@ bool rf_cross_plane( const RfTriangleRecord* t, RfVec3 o, RfVec3 d, double* dist
 RfHitPoint rf_hit_far_triangle( const RfTriangleRecord* t, RfVec3 o, RfVec3 d, RfHitPoint interpolated )
 {
     double s;
-    if ( !rf_cross_plane( t, o, d, &s ) || !( s > 0.0 ) )
+    if ( RF_FAULT( far_triangles ) || !rf_cross_plane( t, o, d, &s ) || !( s > 0.0 ) )
         return interpolated;
     RfVec3 p = { (float)( (double)o.x + s * (double)d.x ), (float)( (double)o.y + s * (double)d.y ),
                  (float)( (double)o.z + s * (double)d.z ) };

@@ -1,5 +1,6 @@
 #include "trace/filter.h"
 
+#include "base/fault.h"
 #include "base/float_traps.h"
 #include "base/random.h"
 #include "bsdf/bsdf.h"
@@ -148,7 +149,7 @@ static void filter_hits( const struct RTCFilterFunctionNArguments* args )
             continue;
         Crossing x = { .triangle = bvh->order[bvh->masked_first + number[i]], .u = u[i], .v = v[i] };
         const RfTriangleRecord* t = bvh->triangles + x.triangle;
-        if ( t->far && misses_far( args, i, t ) )
+        if ( t->far && !RF_FAULT( far_filter ) && misses_far( args, i, t ) )
         {
             args->valid[i] = 0;
             continue;

@@ -1,4 +1,5 @@
 // Rays and segments, in packets of 16.
+#include "base/fault.h"
 #include "base/float_traps.h"
 #include "trace/filter.h"
 #include "trace/tracer.h"
@@ -81,7 +82,7 @@ static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], i
     }
     for ( int i = 0; i < RF_PACKET; ++i )
     {
-        ray->tnear[i] = 0.0f;
+        ray->tnear[i] = RF_FAULT( near_0 ) ? 1e-4f : 0.0f;
         ray->tfar[i] = i < lanes ? far : NO_RAY;
         ray->time[i] = 0.0f;
         ray->mask[i] = 0xffffffffu;
@@ -233,10 +234,13 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
         if ( tested > 0 )
         {
             for ( int i = 0; i < RF_PACKET; ++i )
-                ray.tfar[i] = valid[i] != 0 ? 1.0f : NO_RAY;
+                ray.tfar[i] = valid[i] == 0 ? NO_RAY : RF_FAULT( sides ) ? 0.9999f : 1.0f;
             occluded( valid, tracer->bvh.embree_scene, &query, &ray );
             for ( int i = 0; i < lanes; ++i )
-                weight[first + i] = ray.tfar[i] < 0.0f ? 0.0f : weight[first + i] * query.transmittance[i]; // −inf if occluded
+            {
+                bool hidden = ray.tfar[i] < 0.0f && !RF_FAULT( occlusion ); // −inf
+                weight[first + i] = hidden ? 0.0f : weight[first + i] * query.transmittance[i];
+            }
             reset_transmittance( tracer, &query );
             sum += tested;
         }

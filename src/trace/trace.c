@@ -1,3 +1,4 @@
+#include "base/fault.h"
 #include "trace/tracer.h"
 
 #include "base/float_traps.h"
@@ -16,7 +17,8 @@ void rf_set_float_mode( void )
 {
     _MM_SET_FLUSH_ZERO_MODE( _MM_FLUSH_ZERO_ON );
     _MM_SET_DENORMALS_ZERO_MODE( _MM_DENORMALS_ZERO_ON );
-    _MM_SET_ROUNDING_MODE( _MM_ROUND_NEAREST ); // math/fastmath.h rounds by additions
+    if ( !RF_FAULT( rounding ) )
+        _MM_SET_ROUNDING_MODE( _MM_ROUND_NEAREST ); // math/fastmath.h rounds by additions
     rf_enable_float_traps();
 }
 
@@ -63,9 +65,11 @@ static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t 
     r.d2 = rf_sub( load_vec3( t->normals, v[2] ), r.n0 );
     double twice;
     r.ng = rf_unit_cross( r.e1, r.e2, &twice );
+    r.ng = RF_FAULT( unit_cross ) ? rf_normalize( rf_cross( r.e1, r.e2 ) ) : r.ng;
     float largest = rf_maxf( rf_largest_coordinate( r.p0 ), rf_maxf( rf_largest_coordinate( load_vec3( t->positions, v[1] ) ),
                                                                      rf_largest_coordinate( load_vec3( t->positions, v[2] ) ) ) );
-    r.offset = rf_ray_offset( largest );
+    r.offset = RF_FAULT( fixed_offset ) ? 1e-5f : rf_ray_offset( largest );
+    r.offset *= RF_FAULT( ray_offset ) ? 1e-3f : 1.0f;
     r.far = rf_is_far_triangle( t, i, far_error );
     r.flat = rf_dot( r.d1, r.d1 ) == 0.0f && rf_dot( r.d2, r.d2 ) == 0.0f && rf_dot( r.n0, r.ng ) > 0.999999f;
     return r;

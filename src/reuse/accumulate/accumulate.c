@@ -2,6 +2,7 @@
 // its pixel, or to the pixels around it by a pixel filter.
 #include "reuse/accumulate/accumulate.h"
 
+#include "base/fault.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/harvest/harvest.h"
 #include "reuse/weight_range.h"
@@ -318,7 +319,8 @@ static void reprojection_weights( const Accumulation* a, int eye_index, const Rf
     uint32_t bit = 1u << ( eye_index % 32 );
 #pragma omp simd
     for ( int i = 0; i < batch->count; ++i )
-        ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / sum[i] ) : 0.0f;
+        ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / ( RF_FAULT( normalised_frames ) ? sum[i] + ratio[i] : sum[i] ) )
+                                          : 0.0f;
     rf_note_weights( ratio, batch->count, weight );
 }
 
@@ -379,7 +381,8 @@ static void add_direction( const RfDirectionLanes* lanes, int count, bool eq15, 
         for ( int i = 0; i < count; ++i )
         {
             float p = s->mixture[i], both = lanes->light_pdf[i] + p;
-            sum[i] += f[i] * ( ( both > 0.0f ? lanes->a[c][i] / both : 0.0f ) + ( p > 0.0f ? lanes->b[c][i] / p : 0.0f ) );
+            float of_lights = both > 0.0f || RF_FAULT( eq15_mixture ) ? lanes->a[c][i] / both : 0.0f;
+            sum[i] += f[i] * ( of_lights + ( p > 0.0f || RF_FAULT( eq15_mixture ) ? lanes->b[c][i] / p : 0.0f ) );
         }
     }
 }

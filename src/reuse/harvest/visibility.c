@@ -1,5 +1,6 @@
 // Eye visibility of a batch: which eyes of the group see which hits, and with
 // what film density. The tests are packets from the eye (src/reuse/estimators.md, section 8).
+#include "base/fault.h"
 #include "reuse/harvest/harvest_internal.h"
 
 #include "reuse/chains/mirrored.h"
@@ -16,7 +17,7 @@ static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const 
 {
     float least = 0.0f;
     for ( int l = 0; l < harvest->shape.eyes; ++l )
-        least = rf_maxf( least, rf_ray_offset( rf_eye_reach( harvest->eyes + l ) ) );
+        least = RF_FAULT( eye_rounding ) ? 0.0f : rf_maxf( least, rf_ray_offset( rf_eye_reach( harvest->eyes + l ) ) );
     for ( int c = 0; c < 3; ++c )
     {
         const float* restrict p = batch->p[c];
@@ -125,6 +126,8 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     const RfEye* eye = harvest->eyes + batch->eye;
     rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, density, NULL );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
+    if ( RF_FAULT( own_pixel ) )
+        rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, pixel, density, NULL, NULL );
     clear_panes( batch );
     float way[RF_LANES];
     bool partial = batch->densities != NULL && rf_tracer_is_partial( harvest->path.tracer );
