@@ -31,7 +31,7 @@ typedef struct RfArrivals
 } RfArrivals;
 
 // From the third vertex on, paths whose throughput is below this end by Russian roulette. They have cost most of their rays
-// by then: ending them sooner adds more noise than it saves time (src/reuse/measurements.md, "How long paths are followed").
+// by then: ending them sooner adds more noise than it saves time (src/reuse/tried.md).
 #define RF_ROULETTE_BELOW 0.25f
 
 // A thread's wavefront.

@@ -13,7 +13,7 @@
 #define LEAST_GAIN 0.02         // by these figures, which are rough
 #define LOOK_GAIN 0.01          // that justifies a pilot: a coarse look may miss some of it
 // The same with RF_ADAPTIVE_AUTO where materials differ in noise, of which little is known, too: samples that promised a fifth of
-// error times cost brought nothing (src/reuse/measurements.md, "Extra samples").
+// error times cost brought nothing (src/reuse/tried.md).
 #define LEAST_GAIN_NOISY 0.25
 #define LOOK_GAIN_NOISY 0.2
 // Where materials differ in noise: θ from the least to the most, over about so many pixels.

@@ -8,7 +8,7 @@
 #include <string.h>
 
 // Tiles share all light but that of light samples at first hits, which are cheap beside the rest of a path: with tiles there
-// are as many at least (src/reuse/measurements.md, "The second light sample").
+// are as many at least (scripts/bench/RESULTS.md).
 #define DIRECT_SAMPLES 2
 
 static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool connections )
