@@ -1,10 +1,96 @@
 // Light samples at the vertices of a wavefront (src/reuse/estimators.md, section 3).
-#include "base/fault.h"
-#include "path/punctual_environment.h"
+// Emissive triangles are sampled in vector loops; punctual lights and the sky one by one.
 #include "path/wavefront.h"
+
+#include "base/fault.h"
+#include "light/punctual.h"
 
 #include <float.h>
 #include <string.h>
+
+// The direction to the light, the unoccluded radiance, and the length of the shadow
+// segment. A punctual light is a delta: its density is RF_DELTA_PDF, and its radiance has the same factor. Both are
+// smaller by another factor where the radiance would exceed MAX_PUNCTUAL_RADIANCE, which leaves room among the
+// floats for scattering models and throughputs.
+#define MAX_PUNCTUAL_RADIANCE 1e32f
+
+typedef struct NonAreaSample
+{
+    RfVec3 wi, radiance; // of the sky: 1, to be looked up where nothing is in the way
+    float pdf_solid_angle;
+    float distance;
+    bool sky;
+} NonAreaSample;
+
+// Radiance and density in the right ratio, the radiance as large as may be: the density remains far above those
+// of scattering models, which it competes with in MIS.
+static void set_bright( const RfPunctual* p, double scale, float probability, NonAreaSample* sample )
+{
+    double most = (double)rf_max_component( p->intensity ), delta = (double)MAX_PUNCTUAL_RADIANCE / ( most * scale );
+    if ( !( most * scale > 0.0 ) )
+        return;
+    sample->radiance = rf_scale( p->intensity, (float)( (double)MAX_PUNCTUAL_RADIANCE / most ) );
+    sample->pdf_solid_angle = probability * (float)delta;
+}
+
+static NonAreaSample sample_punctual( const RfLights* lights, const RfPunctual* p, float probability, RfVec3 from )
+{
+    NonAreaSample sample = { .pdf_solid_angle = probability * RF_DELTA_PDF };
+    if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
+    {
+        sample.wi = rf_scale( p->direction, -1.0f );
+        sample.distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
+        sample.radiance = rf_scale( p->intensity, RF_DELTA_PDF );
+        return sample;
+    }
+    RfVec3 to_light = rf_sub( p->position, from );
+    float d2 = rf_dot( to_light, to_light );
+    sample.distance = sqrtf( d2 );
+    if ( !( d2 > 0.0f ) )
+    {
+        sample.pdf_solid_angle = 0.0f;
+        return sample;
+    }
+    sample.wi = rf_scale( to_light, 1.0f / sample.distance );
+    // bounds the radiance next to the light
+    float least = 1e-5f * lights->radius;
+    d2 = rf_maxf( d2, least * least );
+    float falloff = rf_spot_falloff( p, -rf_dot( p->direction, sample.wi ) ) * rf_range_falloff( d2, p->range ),
+          scale = falloff / d2 * RF_DELTA_PDF;
+    if ( rf_max_component( p->intensity ) * scale < MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_bright ) ||
+         RF_FAULT( lamp_infinite ) )
+        sample.radiance = rf_scale( p->intensity, scale );
+    else
+        set_bright( p, falloff / (double)d2, probability, &sample );
+    return sample;
+}
+
+static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32_t dimension, const float u[2], float probability,
+                                 RfVec3 from )
+{
+    uint32_t own = dimension & ~RF_DIMENSION_OPPOSITE, half = own == dimension ? 0 : 0x80000000u;
+    uint32_t bits[2] = { rf_random_bits( key, ( own + 1 ) | RF_DIMENSION_TWIN ) ^ half,
+                         rf_random_bits( key, ( own + 2 ) | RF_DIMENSION_TWIN ) ^ half };
+    RfSkySample sky = rf_sample_sky_direction( &lights->sky, bits, u );
+    return ( NonAreaSample ){
+        .wi = sky.wi,
+        .radiance = rf_vec3( 1.0f, 1.0f, 1.0f ),
+        .pdf_solid_angle = sky.pdf_solid_angle * probability,
+        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
+        .sky = true,
+    };
+}
+
+// Samples the light selected at `from`, which must not be a triangle. `u`: the
+// numbers of the two dimensions after `dimension`; the sky uses their twins too.
+static NonAreaSample sample_non_area( const RfLights* lights, RfLightSelection selection, RfRandomKey key, uint32_t dimension,
+                                      const float u[2], RfVec3 from )
+{
+    int number = (int)( selection.light - lights->triangle_count );
+    return rf_calls_for( number < lights->punctual_count, RF_EFFECT_PUNCTUAL_LIGHTS )
+               ? sample_punctual( lights, lights->punctual + number, selection.probability, from )
+               : sample_sky( lights, key, dimension, u, selection.probability, from );
+}
 
 // The sampled points on the lights, gathered for the vector loop.
 typedef struct LightPoints
@@ -151,9 +237,9 @@ static void connect_non_area( const RfLights* lights, const RfWavefront* keys, c
         float u[2] = { scratch->random[0][i], scratch->random[1][i] };
         RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        RfPunctualEnvironmentSample s = rf_sample_punctual_environment( lights, points->selection[i], key, dimension, u, from );
+        NonAreaSample s = sample_non_area( lights, points->selection[i], key, dimension, u, from );
         float cos_x = rf_dot( n, s.wi );
-        bool is_finite = rf_max_component( s.radiance ) <= RF_MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
+        bool is_finite = rf_max_component( s.radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && is_finite ) )
             continue;
         float wi[3] = { s.wi.x, s.wi.y, s.wi.z }, radiance[3] = { s.radiance.x, s.radiance.y, s.radiance.z };
@@ -197,7 +283,7 @@ static void look_up_sky( const RfLights* lights, const LightPoints* points, int 
             continue;
         RfVec3 l = rf_sky_radiance( &lights->sky, rf_vec3( out->wi[0][i], out->wi[1][i], out->wi[2][i] ) );
         float radiance[3] = { l.x, l.y, l.z };
-        bool bounded = rf_max_component( l ) <= RF_MAX_PUNCTUAL_RADIANCE;
+        bool bounded = rf_max_component( l ) <= MAX_PUNCTUAL_RADIANCE;
         for ( int c = 0; c < 3; ++c )
             out->radiance_cos[c][i] = bounded ? radiance[c] * out->radiance_cos[c][i] : 0.0f;
     }

@@ -1,8 +1,218 @@
-// The path tracer proper: path tails from the second vertex on.
-#include "base/fault.h"
+// The path tracer proper: scattering, emission that scattered rays hit, and path tails from the second vertex on.
 #include "path/wavefront.h"
 
+#include "base/fault.h"
+
 #include <string.h>
+
+// Light that a path finds by a chain.
+static void add_event( RfChainLight* chain_light, const RfVertexLanes* v, int i, const float* const wi[3], float pdf )
+{
+    int slot = v->slot[i], at = chain_light->length[slot];
+    if ( !chain_light->open[slot] || at == RF_MAX_CHAIN_LIGHT || !rf_is_chain_event( v, i, pdf ) )
+    {
+        chain_light->open[slot] = false;
+        return;
+    }
+    bool transmits = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i] < 0.0f;
+    chain_light->transmitted[slot] |= (uint16_t)( (unsigned)transmits << at );
+    chain_light->length[slot] += 1;
+}
+
+static void begin_chain( RfChainLight* chain_light, const RfVertexLanes* v, int i )
+{
+    int slot = v->slot[i];
+    for ( int c = 0; c < 3; ++c )
+        chain_light->light[c][slot] = 0.0f;
+    chain_light->transmitted[slot] = 0;
+    chain_light->length[slot] = 0;
+    chain_light->open[slot] = i < rf_record_count( v );
+}
+
+// Notes what happened at the path's `vertex`-th vertices, from which it goes on to wi. The first of them begins it.
+static void note_chain_events( RfChainLight* chain_light, const RfVertexLanes* v, int vertex, const float* const wi[3],
+                               const float* pdf )
+{
+    for ( int i = 0; i < v->count && chain_light != NULL; ++i )
+    {
+        if ( vertex == 1 )
+            begin_chain( chain_light, v, i );
+        else
+            add_event( chain_light, v, i, wi, pdf[i] );
+    }
+}
+
+// Where emission goes.
+typedef struct Receiver
+{
+    bool defer_mis;
+    RfChainLight* chain_light;
+    RfArrivals* arrivals;
+} Receiver;
+
+static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, float light_pdf,
+                                const Receiver* to )
+{
+    RfArrivals* arrivals = to->arrivals;
+    int slot = rays->slot[r];
+    float l[3] = { light.x * rays->throughput[0][r], light.y * rays->throughput[1][r], light.z * rays->throughput[2][r] };
+    if ( to->chain_light != NULL && rf_take_chain_light( to->chain_light, slot, l ) )
+        return;
+    rf_close_chain( to->chain_light, slot, l );
+    if ( to->defer_mis )
+    {
+        for ( int c = 0; c < 3; ++c )
+            arrivals->emitted[c][slot] = l[c];
+        arrivals->light_pdf_solid_angle[slot] = light_pdf;
+        return;
+    }
+    float pdf = rays->pdf_solid_angle[r];
+    float weight = pdf / ( pdf + (float)settings->light_samples * light_pdf );
+    for ( int c = 0; c < 3; ++c )
+        arrivals->rest[c][slot] += l[c] * weight;
+}
+
+// The probability that a light sample at the ray's origin selects this light.
+static float selection_probability( const RfPathSettings* settings, const RfRayLanes* rays, int r, uint32_t light )
+{
+    RfVec3 o = rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] );
+    RfVec3 n = rf_vec3( rays->n[0][r], rays->n[1][r], rays->n[2][r] );
+    return rf_light_probability( rf_tracer_lights( settings->tracer ), settings->light_sampling, light, o, n );
+}
+
+// Behind panes the ray's density is q times as large. Only the quotient of the two
+// densities matters.
+static inline float light_pdf_behind( const float* pane_probability, int r, float light_pdf )
+{
+    return pane_probability != NULL ? light_pdf / pane_probability[r] : light_pdf;
+}
+
+static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v,
+                          const uint32_t* triangle, const float* pane_probability, const Receiver* to )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
+    for ( int i = 0; i < v->count; ++i )
+    {
+        if ( v->light_pdf_solid_angle[i] == 0.0f )
+            continue;
+        int r = v->ray[i];
+        RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
+        uint32_t light = triangles[triangle[r]].light;
+        float probability = RF_FAULT( selection ) ? 1.0f : selection_probability( settings, rays, r, light );
+        float light_pdf = light_pdf_behind( pane_probability, r, v->light_pdf_solid_angle[i] * probability );
+        add_arrival( settings, rays, r, emission, light_pdf, to );
+    }
+}
+
+static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, const uint32_t* triangle,
+                     const float* pane_probability, const Receiver* to )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    if ( !rf_has_sky( lights ) )
+        return;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        if ( triangle[r] != RF_MISS )
+            continue;
+        RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
+        RfVec3 sky = rf_sky_radiance( &lights->sky, d );
+        float light_pdf =
+            rf_sky_pdf_solid_angle( &lights->sky, d ) * selection_probability( settings, rays, r, rf_sky_number( lights ) );
+        add_arrival( settings, rays, r, sky, light_pdf_behind( pane_probability, r, light_pdf ), to );
+    }
+}
+
+void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
+                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfChainLight* chain_light,
+                           RfArrivals* arrivals )
+{
+    Receiver to = { defer_mis, chain_light, arrivals };
+    add_emission( settings, rays, vertices, triangle, pane_probability, &to );
+    add_sky( settings, rays, triangle, pane_probability, &to );
+}
+
+void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count )
+{
+    if ( settings->connector == NULL )
+        return;
+    for ( int i = 0; i < count; ++i )
+    {
+        RfVec3 radiance = rf_vec3( lights->radiance_cos[0][i], lights->radiance_cos[1][i], lights->radiance_cos[2][i] );
+        float lit = rf_luminance( radiance ) / ( (float)settings->light_samples * lights->pdf_solid_angle[i] );
+        wavefront->lit[i] = lit + ( sample > 0 ? wavefront->lit[i] : 0.0f );
+    }
+}
+
+static void begin_trail( const RfVertexLanes* v, int i, int vertex, RfTrail* trail )
+{
+    trail->n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
+    trail->ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
+    trail->start = rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), trail->ng, v->offset[i] );
+    trail->vertex = vertex;
+}
+
+// Counts the delta vertices of paths, after the path's `vertex`-th was scattered from with these densities.
+static void count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
+                          const float* pdf )
+{
+    if ( settings->connector == NULL )
+        return;
+    const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
+    int records = rf_record_count( v );
+    for ( int i = 0; i < v->count; ++i )
+    {
+        uint8_t* deltas = wavefront->deltas + v->slot[i];
+        bool follows = i >= records && vertex > 1 && pdf[i] == RF_DELTA_PDF && *deltas <= RF_MAX_CHAIN &&
+                       rf_is_chain_surface( materials + v->material[i] );
+        wavefront->matte[v->slot[i]] = i < records && rf_is_matte_lane( settings, v, i );
+        if ( i < records )
+            begin_trail( v, i, vertex, settings->connector->trails + v->slot[i] );
+        *deltas = i < records ? 1 : follows ? (uint8_t)( *deltas + 1 ) : RF_NOT_CONNECTED;
+    }
+}
+
+// The emission of a vertex lane that a path has come to by so many delta vertices is shared with connections.
+static void share_emission( const RfPathSettings* settings, const RfLaneScratch* hits, RfVertexLanes* v, int i, int length )
+{
+    const RfConnector* connector = settings->connector;
+    RfTrail* trail = connector->trails + v->slot[i];
+    int r = v->ray[i];
+    if ( length > 0 && connector->connected[v->material[i]] && v->light_pdf_solid_angle[i] > 0.0f )
+    {
+        RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
+        float weight = connector->weigh_chance( connector, trail, length, hits->triangle[r], p );
+        v->light_pdf_solid_angle[i] = weight > 0.0f ? v->light_pdf_solid_angle[i] : 0.0f;
+        for ( int c = 0; c < 3; ++c )
+            v->emission[c][i] *= weight;
+    }
+    if ( i < rf_record_count( v ) || length >= RF_MAX_CHAIN )
+        return;
+    trail->triangle[length] = hits->triangle[r];
+    trail->u[length] = hits->u[r];
+    trail->v[length] = hits->v[r];
+}
+
+// Emission at the end of chains from non-specular vertices is shared with the connector: what was hit shines as much as its weight
+// tells; the sky where nothing was hit is left to the connector. Notes the vertices for what comes.
+static void leave_to_connections( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays,
+                                  RfVertexLanes* vertices )
+{
+    if ( settings->connector == NULL )
+        return;
+    for ( int i = 0; i < vertices->count; ++i )
+    {
+        uint8_t deltas = wavefront->deltas[vertices->slot[i]];
+        if ( deltas != RF_NOT_CONNECTED )
+            share_emission( settings, &wavefront->scratch, vertices, i, deltas - 1 );
+    }
+    bool sky = settings->connector->connected[rf_tracer_scene( settings->tracer )->material_count];
+    for ( int r = 0; r < rays->count && sky; ++r )
+    {
+        uint8_t deltas = wavefront->deltas[rays->slot[r]];
+        for ( int c = 0; c < 3 && deltas > 1 && deltas != RF_NOT_CONNECTED && wavefront->scratch.triangle[r] == RF_MISS; ++c )
+            rays->throughput[c][r] = 0.0f;
+    }
+}
 
 #define ROULETTE_AFTER 3 // vertices
 
@@ -199,8 +409,8 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples );
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension + RF_DIMENSION_SCATTER, wi, s );
-    rf_count_deltas( settings, wavefront, v, vertex, s->pdf );
-    rf_note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, s->pdf );
+    count_deltas( settings, wavefront, v, vertex, s->pdf );
+    note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
     next->count =
         scatter_specular_lanes( wavefront, rays, vertex, next, scatter_nonspecular_lanes( wavefront, rays, vertex, next ) );
@@ -224,7 +434,7 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     rf_count_path_rays( wavefront, rays );
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, 0, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
-    rf_leave_to_connections( settings, wavefront, rays, vertices );
+    leave_to_connections( settings, wavefront, rays, vertices );
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
                           wavefront->chain_light, &wavefront->arrivals );
     return pane_probability;
@@ -260,4 +470,70 @@ void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int
         rays = next;
         next = swap;
     }
+}
+
+// Floor for the roulette weight: other cameras may see a path that is nearly
+// invisible to its own.
+#define MIN_ROULETTE_SCALE 0.1f
+
+// Writes the ray that leaves vertex lane i to lane `at` of the rays.
+static inline void write_deferred_ray( const RfVertexLanes* v, int i, float* const wi[3], float side, float pdf, RfRayLanes* rays,
+                                       int at )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        rays->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
+        rays->d[c][at] = wi[c][i];
+        rays->n[c][at] = v->n[c][i];
+    }
+    rays->pdf_solid_angle[at] = pdf;
+    rays->slot[at] = v->slot[i];
+}
+
+// Lanes that become records: the caller applies f and the weight.
+static int scatter_nonspecular_deferred( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront )
+{
+    RfRayLanes* rays = &wavefront->rays;
+    const RfLaneScratch* s = &wavefront->scratch;
+    int kept = 0, count = rf_record_count( v );
+    for ( int i = 0; i < count; ++i )
+    {
+        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
+        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+        float pdf = s->pdf[i];
+        for ( int c = 0; c < 3; ++c )
+            rays->throughput[c][kept] = 1.0f;
+        write_deferred_ray( v, i, wi, 1.0f, pdf, rays, kept );
+        float weight = pdf > 0.0f ? rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf : 0.0f;
+        wavefront->roulette_scale[v->slot[i]] *= rf_maxf( weight, MIN_ROULETTE_SCALE );
+        kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f || RF_FAULT( below_triangle ) ) & ( pdf > 0.0f );
+    }
+    return kept;
+}
+
+// Specular lanes: the ray carries the weight.
+static int scatter_specular_deferred( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront, int kept )
+{
+    RfRayLanes* rays = &wavefront->rays;
+    const RfLaneScratch* s = &wavefront->scratch;
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        float direction[3] = { wi[0][i], wi[1][i], wi[2][i] };
+        float side = rf_leaving_side( v, i, direction );
+        for ( int c = 0; c < 3; ++c )
+            rays->throughput[c][kept] = s->f[c][i];
+        write_deferred_ray( v, i, wi, side, s->pdf[i], rays, kept );
+        kept += ( side != 0.0f ) & ( rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) > 0.0f );
+    }
+    return kept;
+}
+
+void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* v, int vertex,
+                          float* const wi[3] )
+{
+    uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_SCATTER;
+    rf_scatter_lanes( wavefront, v, dimension, wi, &wavefront->scratch );
+    count_deltas( settings, wavefront, v, vertex, wavefront->scratch.pdf );
+    note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, wavefront->scratch.pdf );
+    wavefront->rays.count = scatter_specular_deferred( v, wi, wavefront, scatter_nonspecular_deferred( v, wi, wavefront ) );
 }

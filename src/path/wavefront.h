@@ -4,9 +4,47 @@
 #ifndef REFRAME_PATH_WAVEFRONT_H
 #define REFRAME_PATH_WAVEFRONT_H
 
-#include "path/chain_light.h"
+#include "path/lanes.h"
 
 #include <string.h>
+
+// Light that a path finds by a chain, a run of mirrors and smooth glass from its first hit to emission. Other hits may follow
+// the same chain (src/reuse/tile).
+#define RF_MAX_CHAIN_LIGHT 16 // vertices of such a chain
+
+// By slot.
+typedef struct RfChainLight
+{
+    RF_ALIGN float light[3][RF_LANES]; // that leaves the chain's first vertex towards the hit; 0: none
+    uint16_t transmitted[RF_LANES];    // bit v: transmission at vertex v of the chain, from 0; else reflection
+    uint8_t length[RF_LANES];          // its vertices
+    bool open[RF_LANES];               // the path has only seen such vertices since its hit, and no emission yet
+} RfChainLight;
+
+// Whether a lane scattered along a ray of density `pdf` as a mirror or smooth glass does. Thin panes are none: rays that pass
+// them by chance do not stop there.
+static inline bool rf_is_chain_event( const RfVertexLanes* v, int i, float pdf )
+{
+    return i >= rf_record_count( v ) && pdf == RF_DELTA_PDF && v->param[RF_PARAM_SHAPE][i] == 0.0f &&
+           v->param[RF_PARAM_IOR][i] >= 0.0f;
+}
+
+// Takes the emission that the path of a slot has hit, with its throughput, if it came there by a chain.
+static inline bool rf_take_chain_light( RfChainLight* chain_light, int slot, const float light[3] )
+{
+    bool taken = chain_light->open[slot] && chain_light->length[slot] > 0 && light[0] + light[1] + light[2] > 0.0f;
+    for ( int c = 0; c < 3 && taken; ++c )
+        chain_light->light[c][slot] = light[c];
+    chain_light->open[slot] = chain_light->open[slot] && !taken;
+    return taken;
+}
+
+// A path that hits emission without a chain has no chain light.
+static inline void rf_close_chain( RfChainLight* chain_light, int slot, const float light[3] )
+{
+    if ( chain_light != NULL && light[0] + light[1] + light[2] > 0.0f )
+        chain_light->open[slot] = false;
+}
 
 typedef struct RfConnector RfConnector;
 
@@ -49,7 +87,7 @@ typedef struct RfWavefront
     uint64_t path_rays, shadow_rays; // counted up
     uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
     uint8_t deltas[RF_LANES];  // with a connector, by slot: one more than the delta vertices since the last non-specular one;
-                               // RF_NOT_LINKED: none yet, or others are among them
+                               // RF_NOT_CONNECTED: none yet, or others are among them
     bool matte[RF_LANES];      // with a connector, by slot: whether the ray left a matte vertex (rf_is_matte)
     float lit[RF_LANES];       // with a connector, by vertex lane: luminance of the irradiance that light samples found there
     RfChainLight* chain_light; // keeps such light apart from the arrivals; NULL: it is among them
@@ -107,9 +145,6 @@ static inline int rf_light_lanes_count( const RfPathSettings* settings )
 {
     return settings->light_samples + ( settings->connector != NULL );
 }
-
-// Fills the vertices of the rays' hits, which are in the scratch, as rf_find_vertices does.
-void rf_fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVertexLanes* vertices, RfLaneScratch* scratch );
 
 // Traces the rays and fills the vertices they hit, sorted by scattering model and
 // by ray within a model. Rays that miss leave no vertex. `coherent` is a hint for
@@ -193,7 +228,7 @@ static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec
 void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
                           float* const wi[3] );
 
-#define RF_NOT_LINKED 255
+#define RF_NOT_CONNECTED 255
 
 // Connections are sought at least as if light came in at this cosine.
 #define RF_LEAST_VPL_COSINE 0.1f
@@ -222,15 +257,6 @@ static inline bool rf_is_matte_lane( const RfPathSettings* settings, const RfVer
 
 // Adds one of a vertex's light samples to wavefront->lit, the first of them (`sample` 0) in place of what is there.
 void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count );
-
-// Counts the delta vertices of paths, after the path's `vertex`-th was scattered from with these densities.
-void rf_count_deltas( const RfPathSettings* settings, RfWavefront* wavefront, const RfVertexLanes* vertices, int vertex,
-                      const float* pdf );
-
-// Emission at the end of chains from non-specular vertices is shared with the connector: what was hit shines as much as its weight
-// tells; the sky where nothing was hit is left to the connector. Notes the vertices for what comes.
-void rf_leave_to_connections( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays,
-                              RfVertexLanes* vertices );
 
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
 void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays );
