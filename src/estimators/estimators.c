@@ -38,7 +38,6 @@ RfRenderSettings rf_default_render_settings( void )
         .spp = 28,
         .group = RF_GROUP_AUTO,
         .tile = s_estimators[0]->tile,
-        .tile_roulette = false,
         .light_paths = RF_LIGHT_PATHS_OFF,
         .kernel_normalization = RF_KERNEL_EXACT,
         .adaptive = RF_ADAPTIVE_AUTO,

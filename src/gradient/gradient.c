@@ -23,8 +23,6 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has exact weights only" );
     if ( s->normalize != RF_NORMALIZE_CROSSFIT )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has no normalisation to choose" );
-    if ( s->tile_roulette )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has a roulette of its own" );
     return RF_OK;
 }
 

@@ -18,15 +18,15 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     const RfRenderSettings* s = &output->settings;
     const RfCameraPath* path = output->path;
     // Numbers as text: no padding bytes, no byte order, and a new setting cannot
-    // be mistaken for an old one.
+    // be mistaken for an old one. The roulette is a constant part.
     char settings[512], tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &s->tile, tile );
     snprintf( settings, sizeof settings,
               "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
-              "tile %s roulette %d",
+              "tile %s roulette 0",
               (unsigned long long)rf_tracer_scene( output->tracer )->content_hash, frame, path->count, path->fps.numerator,
               path->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ),
-              s->max_depth, s->light_samples, (unsigned long long)s->seed, tile, s->tile_roulette );
+              s->max_depth, s->light_samples, (unsigned long long)s->seed, tile );
     uint64_t hash = hash_text( hash_text( path->hash, rf_version() ), settings );
     // 0 and 1 as when adaptive sampling was off or on
     static const int adaptive[] = { [RF_ADAPTIVE_OFF] = 0, [RF_ADAPTIVE_ON] = 1, [RF_ADAPTIVE_AUTO] = 2 };

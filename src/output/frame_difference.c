@@ -59,19 +59,6 @@ static void add_size( const RfOutput* output, const char* name, RfFrameDifferenc
     add_difference( list, count, "size", there, here );
 }
 
-// It is in no header, but in the fingerprint.
-static void add_roulette( const RfOutput* output, const char* name, int frame, RfFrameDifference* list, int* count )
-{
-    char found[64], fingerprint[RF_FINGERPRINT_SIZE];
-    RfOutput other = *output;
-    bool here = output->settings.tile_roulette;
-    other.settings.tile_roulette = !here;
-    rf_frame_fingerprint( &other, frame, fingerprint );
-    if ( rf_read_exr_string( name, rf_key_name( RF_KEY_FINGERPRINT ), found, sizeof found, NULL ) == RF_OK &&
-         strcmp( found, fingerprint ) == 0 )
-        add_difference( list, count, "tile-roulette", here ? "no" : "yes", here ? "yes" : "no" );
-}
-
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
     static const RfKey keys[] = {
@@ -97,6 +84,5 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
                         here != NULL ? option_value( keys[i], here ) : absent_value( keys[i] ) );
     }
     add_size( output, name, list, &count );
-    add_roulette( output, name, frame, list, &count );
     return count;
 }

@@ -99,7 +99,7 @@ enum
 #define RF_DIMENSION_CHAIN_SAMPLES 0x08000000u
 // The vertices of chains, from which camera rays go on to the vertex that is numbered 1.
 #define RF_DIMENSION_CHAINS 0x20000000u
-// Roulette on connections inside a tile, plus the index of the connected path.
+// Russian roulette on the paths of a tile.
 #define RF_DIMENSION_CONNECTIONS 0x40000000u
 // A second word of a dimension, where 32 bits are not enough.
 #define RF_DIMENSION_TWIN 0x80000000u

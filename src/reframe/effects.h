@@ -57,7 +57,6 @@ typedef enum RfWithout
     X( LIGHT_PATHS, "light-paths", IMPOSSIBLE, false, "settings without it" )                                                    \
     X( FRAME_GROUPS, "frame-groups", IMPOSSIBLE, false, "groups of one frame" )                                                  \
     X( TILE_CONNECTIONS, "tile-connections", IMPOSSIBLE, false, "tiles of one pixel" )                                           \
-    X( TILE_ROULETTE, "tile-roulette", IMPOSSIBLE, false, "settings without it" )                                                \
     X( ADAPTIVE, "adaptive", IMPOSSIBLE, false, "settings without it" )                                                          \
     X( STOP_RULE, "stop-rule", IMPOSSIBLE, false, "settings without a noise, a flicker or a time to stop at" )                   \
     X( PIXEL_FILTER, "pixel-filter", IMPOSSIBLE, false, "the box of one pixel" )                                                 \

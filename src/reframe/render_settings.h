@@ -167,7 +167,6 @@ typedef struct RfRenderSettings
     double time;                  // seconds for each frame asked for, on average; 0: as long as it takes
     int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
     RfTile tile;                  // pixels of a frame that reuse each other's paths
-    bool tile_roulette;           // Russian roulette on connections in a tile that contribute little
     RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;

@@ -149,8 +149,6 @@ static void set_reuse( const Source* from )
     else
         set( from, RF_EFFECT_FRAME_GROUPS, groups, groups ? "of up to %d frames" : "frames share nothing", 2 * s->group + 1 );
     set( from, RF_EFFECT_TILE_CONNECTIONS, tiles, tiles ? "tiles of %s pixels" : "no tiles", tile );
-    set( from, RF_EFFECT_TILE_ROULETTE, tiles && s->tile_roulette, s->tile_roulette ? "%s" : "the settings do not ask for it",
-         tiles ? "the settings ask for it" : "no tiles" );
     bool adaptive = s->adaptive == RF_ADAPTIVE_ON || ( s->adaptive == RF_ADAPTIVE_AUTO && groups );
     set( from, RF_EFFECT_ADAPTIVE, adaptive, "%s",
          s->adaptive == RF_ADAPTIVE_ON ? "the settings ask for it"

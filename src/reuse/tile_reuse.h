@@ -21,8 +21,7 @@ typedef struct RfPairingLanes
 {
     // lanes: hits
     RF_ALIGN float wi[3][RF_LANES]; // unit, to the second vertex
-    float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k. 0: occluded, or no vertex. Negative:
-                                    // of that magnitude, but excluded from Σ
+    float weight[RF_LANES];         // ρ, later the balance weight ρ / Σ_k ρ_k. 0: occluded, or no vertex
     int32_t vertex[RF_LANES];       // second vertex of the neighbour path; if it has none 0, with weight 0
     // lanes: glossy second vertices
     float f[3][RF_LANES];
@@ -56,7 +55,6 @@ typedef struct RfTileReuse
     float own_distance2_cos[RF_LANES];    // 1 / G_own
     float own_pane_probability[RF_LANES]; // by slot: q of the panes that the ray to it passed; not set without panes
     float sum[RF_LANES];                  // Σ ρ
-    float cutoff[RF_LANES];               // cutoff of ρ if it excludes the vertex's own path; else 0
     float wi[3][RF_LANES];                // scattered direction of its path
     float pdf[RF_LANES];
     float wo[3][RF_LANES]; // to the receivers of a pairing
@@ -74,7 +72,6 @@ typedef struct RfTileReuseSettings
 {
     const RfPathSettings* path;
     int tile_pixels;       // of a whole tile
-    bool roulette;         // on connections of low weight
     bool path_roulette;    // on paths that bring little light; those that bring none are not connected at all
     bool chain_light;      // is shared (reuse/tile_chains.h)
     const int32_t* source; // of the paths (reuse/tile_copies.h); NULL: each hit has its own

@@ -123,123 +123,33 @@ static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
         weight[i] = rf_maxf( weight[i], least[i] );
 }
 
-// Connections to hits that were unlikely to sample the vertex contribute little, yet
-// cost a ray like the others. If their density is below this fraction of the largest,
-// they are excluded from the balance heuristic (Veach's cutoff heuristic, by densities
-// without visibility, so that it is known before tracing), and receive the light by
-// Russian roulette (PR section 3.6).
-#define CUTOFF 0.1f
-
-// The pairs of one vertex with the members of its tile.
-typedef struct Pairs
-{
-    int count;
-    const int32_t* hit;
-    float* weight[RF_MAX_TILE_PIXELS];
-} Pairs;
-
-static Pairs pairs_of_vertex( RfTileReuse* reuse, int a )
-{
-    int own = reuse->owner[a];
-    Pairs p = { reuse->size[own], reuse->member + reuse->begin[own], { NULL } };
-    for ( int k = 0, s = reuse->rank[own]; k<p.count; ++k, s = s> 0 ? s - 1 : p.count - 1 )
-        p.weight[k] = reuse->pairings[s].weight + p.hit[k];
-    return p;
-}
-
-static float largest( const Pairs* p )
-{
-    float most = 0.0f;
-    for ( int k = 0; k < p->count; ++k )
-        most = rf_maxf( most, *p->weight[k] );
-    return most;
-}
-
-static void queue_pair( Queue* q, const RfTileReuse* reuse, const Pairs* p, RfVec3 from, int k, int own )
-{
-    if ( k != own )
-        queue_segment( q, reuse, from, p->hit[k], p->weight[k] );
-}
-
-// Weights of excluded pairs become negative, or 0 where the roulette kills them.
-static void cut_off( Queue* q, RfRandomKey key, RfTileReuse* reuse, int a )
-{
-    Pairs p = pairs_of_vertex( reuse, a );
-    float limit = CUTOFF * largest( &p );
-    RfVec3 from = lifted( &reuse->second, a );
-    int own = reuse->rank[reuse->owner[a]];
-    bool own_is_counted = *p.weight[own] >= limit;
-    reuse->cutoff[a] = own_is_counted ? 0.0f : limit;
-    for ( int k = 0; k < p.count; ++k )
-    {
-        float w = *p.weight[k];
-        if ( w < limit && !own_is_counted )
-            continue; // see resolve_excluded
-        if ( w < limit )
-            *p.weight[k] = rf_random( key, RF_DIMENSION_CONNECTIONS + (uint32_t)k ) * limit < w ? -limit : 0.0f;
-        queue_pair( q, reuse, &p, from, k, own );
-    }
-}
-
-// The vertex's own path was excluded from MIS. If a counted path sees the vertex,
-// drops its connections; otherwise counts them all.
-static void resolve_excluded( Queue* q, RfTileReuse* reuse, int a )
-{
-    Pairs p = pairs_of_vertex( reuse, a );
-    RfVec3 from = lifted( &reuse->second, a );
-    int own = reuse->rank[reuse->owner[a]];
-    bool seen = false;
-    for ( int k = 0; k < p.count; ++k )
-        seen |= *p.weight[k] >= reuse->cutoff[a];
-    for ( int k = 0; k < p.count; ++k )
-    {
-        if ( seen )
-            *p.weight[k] = 0.0f;
-        else
-            queue_pair( q, reuse, &p, from, k, own );
-    }
-}
-
-static void queue_all( Queue* q, RfTileReuse* reuse, int a )
+// Queues the segments from a second vertex to the other hits of its tile.
+static void queue_vertex( Queue* q, RfTileReuse* reuse, int a )
 {
     RfVec3 from = lifted( &reuse->second, a );
-    int own = reuse->owner[a], size = reuse->size[own];
+    int own = reuse->owner[a], size = reuse->size[own], rank = reuse->rank[own];
     const int32_t* member = reuse->member + reuse->begin[own];
-    for ( int k = 0, s = reuse->rank[own]; k<size; ++k, s = s> 0 ? s - 1 : size - 1 )
+    for ( int k = 0; k < size; ++k )
     {
+        int s = rank >= k ? rank - k : rank - k + size;
         if ( s > 0 )
             queue_segment( q, reuse, from, member[k], reuse->pairings[s].weight + member[k] );
     }
 }
 
-// Tests each connection of a tile once, vertex by vertex. Glossy vertices have no
-// roulette: the light they scatter to an excluded hit is not bounded by what they
-// scatter to the others.
+// Tests each connection of a tile once, vertex by vertex.
 static uint64_t test_connections( const RfTileReuseSettings* settings, const RfVertexLanes* x, RfWavefront* wavefront,
                                   RfTileReuse* reuse )
 {
     Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch, .reuse = reuse };
     const RfVertexLanes* y = &reuse->second;
-    bool in_part = rf_tracer_is_partial( q.tracer );
-    int cut_off_count = settings->roulette && !in_part ? y->first[RF_BSDF_FIRST_GLOSSY] : 0;
     lift_hits( x, reuse );
-    if ( in_part && rf_tracer_is_blended( q.tracer ) )
+    if ( rf_tracer_is_partial( q.tracer ) && rf_tracer_is_blended( q.tracer ) )
         test_own_paths( &q, rf_record_count( x ), reuse );
     for ( int a = 0; a < y->count; ++a )
     {
-        if ( reuse->owner[a] < 0 || rf_is_parallel( reuse, a ) )
-            continue;
-        RfRandomKey key = { wavefront->key_a[y->slot[a]], wavefront->key_b[y->slot[a]] };
-        if ( a < cut_off_count )
-            cut_off( &q, key, reuse, a );
-        else
-            queue_all( &q, reuse, a );
-    }
-    test_segments( &q );
-    for ( int a = 0; a < cut_off_count; ++a )
-    {
-        if ( reuse->owner[a] >= 0 && reuse->cutoff[a] > 0.0f )
-            resolve_excluded( &q, reuse, a );
+        if ( reuse->owner[a] >= 0 && !rf_is_parallel( reuse, a ) )
+            queue_vertex( &q, reuse, a );
     }
     test_segments( &q );
     return q.tested;
@@ -255,7 +165,7 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         const RfPairingLanes* pairing = reuse->pairings + s;
         for ( int i = 0; i < hits; ++i )
         {
-            if ( pairing->weight[i] > 0.0f ) // with the roulette most are 0
+            if ( pairing->weight[i] > 0.0f ) // many are 0
                 sum[pairing->vertex[i]] += pairing->weight[i];
         }
     }
@@ -266,7 +176,7 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         for ( int i = 0; i < hits; ++i )
         {
             float all = sum[pairing->vertex[i]]; // 0 where all weights are
-            pairing->weight[i] = fabsf( pairing->weight[i] ) / ( all > 0.0f && !RF_FAULT( normalised_tiles ) ? all : 1.0f );
+            pairing->weight[i] /= all > 0.0f && !RF_FAULT( normalised_tiles ) ? all : 1.0f;
         }
         rf_note_weights( pairing->weight, hits, 1.0f );
     }

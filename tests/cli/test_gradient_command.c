@@ -27,7 +27,6 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
         { "--adaptive", "the estimator 'gradient' has no adaptive sampling" },
         { "--weights eq15", "the estimator 'gradient' has exact weights only" },
         { "--normalize ratio", "the estimator 'gradient' has no normalisation to choose" },
-        { "--tile-roulette", "the estimator 'gradient' has a roulette of its own" },
     };
     for ( size_t i = 0; i < sizeof s_cases / sizeof s_cases[0]; ++i )
         cli_expect( cli_run( RENDER "-o a.####.exr --frames 1 %s", s_cases[i].options ), 2, s_cases[i].answer );

@@ -100,7 +100,7 @@ static void check_plot( const char* svg, const json_t* tune )
 static void test_command_it_gives_is_taken_by_render( void** state )
 {
     (void)state;
-    static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4";
+    static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --memory 200M --max-depth 4";
     // words of options in the name of a folder, where the checkout may lie, are not options
     cli_expect( cli_run( "mkdir quiet-budget && ln -s $VASE quiet-budget/vase.glb" ), 0, NULL );
     cli_expect(
@@ -117,8 +117,7 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
     assert_non_null( strstr( table, "not tried: the samples would more than double" ) );
-    assert_non_null(
-        strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --no-tile-roulette --memory 200M --max-depth 4" ) );
+    assert_non_null( strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --memory 200M --max-depth 4" ) );
     cli_expect_verdict( table, tune, "the best is " );
     assert_null( strstr( command, " --budget" ) );
     assert_null( strstr( command, " --quiet" ) );

@@ -107,34 +107,6 @@ static RfScene make_fence( void )
     return finish_scene( &b );
 }
 
-// With and without roulette the mean is the same; the roulette does take some.
-static void test_roulette_is_unbiased( void** state )
-{
-    (void)state;
-    RfRenderSettings settings = settings_of( 1, 12 );
-    settings.tile_roulette = true;
-    check_scene( "roulette, diffuse", make_room( ROOM_DIFFUSE ), settings, s_all, 5 );
-    check_scene( "roulette, GGX", make_room( ROOM_GGX ), settings, is_long() ? s_all : s_few, is_long() ? 4 : 2 );
-    check_scene( "roulette, fence", make_fence(), settings, s_few, 2 );
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eye;
-    orbit_eyes( &eye, 1, 0.0f, WIDTH, HEIGHT );
-    uint64_t tests[2];
-    for ( int k = 0; k < 2; ++k )
-    {
-        settings.tile_roulette = k == 1;
-        assert_true( rf_parse_tile( "rooks16", &settings.tile ) );
-        Rendered r = render_all( tracer, &eye, 1, &settings );
-        tests[k] = r.stats.rays.tile;
-        free_rendered( &r );
-    }
-    printf( "roulette: %.3f of the segments\n", (double)tests[1] / (double)tests[0] );
-    assert_true( tests[1] < tests[0] );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
-}
-
 static void test_large_tiles_are_unbiased( void** state )
 {
     (void)state;
@@ -190,7 +162,6 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_rooms_are_unbiased ),
-        cmocka_unit_test( test_roulette_is_unbiased ),
         cmocka_unit_test( test_large_tiles_are_unbiased ),
         cmocka_unit_test( test_light_samples_and_depth_are_unbiased ),
         cmocka_unit_test( test_textures_and_blending_are_unbiased ),

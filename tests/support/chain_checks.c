@@ -32,9 +32,8 @@ const ChainSetting g_all_reuse[4] = {
     { .group = 3, .tile = "3x3", .spp = 7 },
 };
 const ChainSetting g_tiles_and_both[2] = { { .group = 0, .tile = "3x3", .spp = 6 }, { .group = 3, .tile = "3x3", .spp = 7 } };
-const ChainSetting g_adaptive_and_roulette[2] = {
+const ChainSetting g_adaptive[1] = {
     { .group = 3, .tile = "3x3", .spp = 7, .adaptive = true },
-    { .group = 3, .tile = "3x3", .spp = 7, .roulette = true },
 };
 const ChainSetting g_connected[2] = {
     { .group = 0, .tile = "1", .spp = 3, .connected = true },
@@ -176,7 +175,6 @@ static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderS
     settings.group = s->group;
     settings.spp = samples( s->spp );
     settings.adaptive = s->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
-    settings.tile_roulette = s->roulette;
     settings.light_paths = s->connected ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
     assert_true( rf_parse_tile( s->tile, &settings.tile ) );
     FrameImages rendered = rendered_frames( c, tracer, settings );
@@ -185,8 +183,8 @@ static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderS
         char name[96], number[16] = "";
         if ( c->every_frame )
             snprintf( number, sizeof number, ", frame %d", s_frames[f] );
-        snprintf( name, sizeof name, "%s%s, group %d tile %s%s%s%s:", c->what, number, s->group, s->tile,
-                  s->adaptive ? ", adaptive" : "", s->roulette ? ", roulette" : "", s->connected ? ", connected" : "" );
+        snprintf( name, sizeof name, "%s%s, group %d tile %s%s%s:", c->what, number, s->group, s->tile,
+                  s->adaptive ? ", adaptive" : "", s->connected ? ", connected" : "" );
         if ( c->every_frame || f == MIDDLE )
             assert_unbiased( name, rendered.frame + f, reference->frame + f, BLOCK );
     }

@@ -15,7 +15,6 @@ typedef struct ChainSetting
     const char* tile;
     int spp;        // four times as many with REFRAME_LONG
     bool adaptive;  // extra samples
-    bool roulette;  // on connections in tiles
     bool connected; // light paths
 } ChainSetting;
 
@@ -34,8 +33,8 @@ extern const ChainSetting g_all_reuse[4];
 // Tiles, groups of 3 with tiles: what takes half the time.
 extern const ChainSetting g_tiles_and_both[2];
 
-// Groups of 3 with tiles, adaptive or with roulette.
-extern const ChainSetting g_adaptive_and_roulette[2];
+// Groups of 3 with tiles, adaptive.
+extern const ChainSetting g_adaptive[1];
 
 // Path tracing, and groups of 1 with tiles, both with light paths.
 extern const ChainSetting g_connected[2];

@@ -17,7 +17,6 @@ static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_LIGHT_PATHS] = { "--light-paths", "give --light-paths off" },
     [RF_EFFECT_FRAME_GROUPS] = { "--group", "give --group 0" },
     [RF_EFFECT_TILE_CONNECTIONS] = { "--tile", "give --tile 1" },
-    [RF_EFFECT_TILE_ROULETTE] = { "--tile-roulette", "give --no-tile-roulette" },
     [RF_EFFECT_ADAPTIVE] = { "--adaptive", "give --no-adaptive" },
     [RF_EFFECT_STOP_RULE] = { "--noise, --flicker, --time", "leave --noise, --flicker and --time out" },
     [RF_EFFECT_PIXEL_FILTER] = { "--filter", "give --filter box" },

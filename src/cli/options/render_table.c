@@ -128,12 +128,6 @@ static const RfOption s_options[] = {
       .default_text = "auto",
       .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass, and more "
               "where these are noisy; auto: in frames where they pay. --adaptive alone is on, --no-adaptive is off" },
-    { .name = "tile-roulette",
-      .in_file = true,
-      .type = RF_OPTION_BOOL,
-      .value = &rf_render_parse.options.settings.tile_roulette,
-      .default_text = "no",
-      .help = "Russian roulette on the connections in a tile that are worth little" },
     { .name = "light-paths",
       .in_file = true,
       .type = RF_OPTION_CHOICE,

@@ -90,19 +90,14 @@
     }
 
 #define RF_LIGHT_OPTIONS( o )                                                                                                    \
-    { .name = "tile-roulette",                                                                                                   \
-      .type = RF_OPTION_BOOL,                                                                                                    \
-      .value = &( o ).settings.tile_roulette,                                                                                    \
-      .default_text = "no",                                                                                                      \
-      .help = "Russian roulette on the connections in a tile that are worth little" },                                           \
-        { .name = "max-depth",                                                                                                   \
-          .type = RF_OPTION_INT,                                                                                                 \
-          .value = &( o ).settings.max_depth,                                                                                    \
-          .min = 1,                                                                                                              \
-          .max = 1000,                                                                                                           \
-          .meta = "D",                                                                                                           \
-          .default_text = "12",                                                                                                  \
-          .help = "path vertices after the eye" },                                                                               \
+    { .name = "max-depth",                                                                                                       \
+      .type = RF_OPTION_INT,                                                                                                     \
+      .value = &( o ).settings.max_depth,                                                                                        \
+      .min = 1,                                                                                                                  \
+      .max = 1000,                                                                                                               \
+      .meta = "D",                                                                                                               \
+      .default_text = "12",                                                                                                      \
+      .help = "path vertices after the eye" },                                                                                   \
     {                                                                                                                            \
         .name = "light-samples", .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,                        \
         .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .default_text = "1",                                                           \

@@ -52,7 +52,6 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling, NULL },
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
-        .tile_roulette = settings->tile_roulette,
         .weights = settings->weights,
         .alpha = rf_calls_for( ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0, RF_EFFECT_ALPHA ),
         .seed = settings->seed,
@@ -511,12 +510,13 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         note_passed_panes( harvest, scratch, wi );
     if ( rf_reuses_tiles( scratch ) )
     {
-        RfTileReuseSettings settings = { &harvest->path,
-                                         harvest->shape.tile_pixels,
-                                         rf_calls_for( harvest->tile_roulette, RF_EFFECT_TILE_ROULETTE ),
-                                         harvest->path_roulette,
-                                         chain_light,
-                                         harvest->path_source };
+        RfTileReuseSettings settings = {
+            .path = &harvest->path,
+            .tile_pixels = harvest->shape.tile_pixels,
+            .path_roulette = harvest->path_roulette,
+            .chain_light = chain_light,
+            .source = harvest->path_source,
+        };
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else

@@ -17,7 +17,6 @@ typedef struct RfHarvest
     RfPathSettings path;
     RfBatchShape shape;
     RfPatchLayout patches;
-    bool tile_roulette;
     bool path_roulette;         // see RfTileReuseSettings
     const int32_t* path_source; // its `source`
     RfWeights weights;
