@@ -96,7 +96,7 @@ typedef struct RfProgress
     bool relmse_is_lower_bound;
     double flicker; // of the last pair, likewise
     bool flicker_is_lower_bound;
-    double left; // seconds to the end by what is known; NaN: nothing yet
+    double left; // seconds to the end, in proportion to the work done; NaN: not known yet
 } RfProgress;
 
 // Either callback may be NULL. `frame` failing stops the render with its
@@ -142,13 +142,11 @@ typedef struct RfRenderStats
     int spp;     // as rendered: rounded up to what the groups need
     int threads; // as rendered: fewer where memory is short
     RfMemoryFit fit;
-    int missed;           // frames finished with an estimate above settings.noise
-    int flicker_missed;   // the same of pairs and settings.flicker, counted at the later frame
-    bool hurried;         // settings.time was too short for the least: two passes of a frame
-    int adaptive_frames;  // finished frames with extra samples
-    double ahead_seconds; // of a look along the path, from which the time to the end of a noise or flicker is predicted,
-    double ahead_samples; // and its samples, which are not in `rays`; 0: there was none
-    int entry_count;      // of the entries
+    int missed;          // frames finished with an estimate above settings.noise
+    int flicker_missed;  // the same of pairs and settings.flicker, counted at the later frame
+    bool hurried;        // settings.time was too short for the least: two passes of a frame
+    int adaptive_frames; // finished frames with extra samples
+    int entry_count;     // of the entries
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;
 

@@ -35,7 +35,7 @@ void rf_open_films( RfRenderer* r, int number )
             continue;
         RfLiveFilm* live = rf_find_film( r, -1 );
         live->frame = frame;
-        live->noise = live->flicker = live->noise_seen = live->doubt = 0.0;
+        live->noise = live->flicker = live->noise_seen = 0.0;
         live->pair = ( RfPairNoise ){ .variance = (double)NAN, .covariance = (double)NAN };
         for ( int f = 0; f < r->settings.estimator->films; ++f )
             if ( r->settings.pieces != NULL )
@@ -60,8 +60,7 @@ static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFi
                                                .weight = weight,
                                                .noise = rf_prudent_relmse( relmse ) * weight,
                                                .flicker = rf_flicker_doubt( flicker ) * rf_flicker_f1_squared( flicker ) * weight,
-                                               .seen = weight,
-                                               .doubt = rf_prudent_relmse( relmse ) / relmse->likely } );
+                                               .seen = weight } );
 }
 
 // The flicker since the frame before, unknown where that was not rendered; keeps the error of this one for the next.

@@ -15,7 +15,6 @@ typedef struct RfLiveFilm
     RfAovFilm aovs;
     void* pass_state;                  // the estimator's, see RfEstimatorSizes; NULL: none
     double noise, flicker, noise_seen; // as `noise`, `flicker` and `seen` in RfFrameNoise
-    double doubt;                      // likewise, and `pair`
     RfPairNoise pair;
     float* need; // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render
     float most_need;

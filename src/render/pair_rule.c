@@ -50,9 +50,7 @@ RfPairNoise rf_pair_noise( const RfPairNow* pair )
     const RfFlicker* f = &pair->flicker;
     double doubt = rf_flicker_doubt( f ), before = pair->before->weight;
     return ( RfPairNoise ){ .variance = 0.5 * doubt * ( f->before * before + f->now * pair->now->weight ),
-                            .covariance = doubt * f->product * before,
-                            .doubt = doubt,
-                            .lasting = fmin( fmax( f->worst_share / RF_FLICKER_AMBIGUOUS - 1.0, 0.0 ), 1.0 ) };
+                            .covariance = doubt * f->product * before };
 }
 
 double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair )

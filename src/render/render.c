@@ -1,6 +1,5 @@
 // The driver: the groups of the path, their passes, and the frames they finish.
 #include "base/system.h"
-#include "render/ahead.h"
 #include "render/frames.h"
 #include "render/pass.h"
 #include "render/set_up.h"
@@ -48,7 +47,6 @@ static double count_batches( RfRenderer* r )
             continue;
         batches += (double)group.passes * group.eyes * r->sizes.of_estimator.jobs;
         r->stop.units_left += r->sizes.stopping ? rf_group_units( &r->stop, g ) : 0.0;
-        r->stop.groups_left += 1;
     }
     return batches;
 }
@@ -86,8 +84,6 @@ static RfResult render_sweeps( RfRenderer* r, RfError* error )
     for ( int first = 0; first < r->frames_all && result == RF_OK; first += r->frame_count )
     {
         begin_sweep( r, frames, first );
-        for ( int f = 0; f < r->plan.frames && r->forecast.frames != NULL; ++f )
-            r->forecast.frames[f].asked = rf_is_asked( r, f );
         result = render_groups( r, error );
     }
     return result;
@@ -130,8 +126,6 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .flicker_missed = r->stop.flicker_missed,
         .hurried = r->stop.hurried,
         .adaptive_frames = r->adaptive_frames,
-        .ahead_seconds = r->stop.ahead.seconds,
-        .ahead_samples = r->stop.ahead.samples,
         .entry_count = r->memory.arena.entry_count,
     };
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );
@@ -160,14 +154,11 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
         r.settings.threads = r.sizes.threads;
         int before = omp_get_max_threads();
         omp_set_num_threads( r.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
-        result = rf_look_ahead( &r, error );
-        if ( result == RF_OK )
-            result = rf_alloc_render( &r, error );
+        result = rf_alloc_render( &r, error );
         if ( result == RF_OK )
             result = render_and_deliver( &r, error );
         omp_set_num_threads( before );
         free( r.traced_jobs );
-        rf_free_forecast( &r.forecast );
     }
     if ( stats != NULL )
         fill_stats( &r, stats );

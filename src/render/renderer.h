@@ -2,7 +2,6 @@
 #ifndef REFRAME_RENDER_RENDERER_H
 #define REFRAME_RENDER_RENDERER_H
 
-#include "render/forecast.h"
 #include "render/memory.h"
 
 #define RF_NO_FRAME ( -2 ) // not even the one before the first
@@ -28,7 +27,6 @@ typedef struct RfRenderer
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
-    RfForecast forecast;
     double share; // of the work, as last reported
     int frames_done;
     int adaptive_frames; // of these with extra samples

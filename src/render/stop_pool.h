@@ -7,17 +7,6 @@
 // Is all known that the frame is to reach? A frame whose neighbours are not rendered has no flicker of its own.
 bool rf_is_known( const RfStop* stop, const RfFrameNoise* frame );
 
-// Is anything known that predicts the passes to come?
-bool rf_is_any_known( const RfStop* stop, const RfNoiseEstimates* look );
-
-// v of the noise of a frame, and its pair, as they are likely to be, by what is known and by the look ahead.
-typedef struct RfExpected
-{
-    double noise;
-    RfPairNoise pair;
-} RfExpected;
-RfExpected rf_expect( const RfStop* stop, const RfNoiseEstimates* look, int frame );
-
 // Weight that the frame needs for the hardest goal, by the pooled estimates and with `own` by its own, too; NaN: not known.
 double rf_needed_weight( const RfStop* stop, const RfNoiseEstimates* look, const RfFrameNoise* frame, bool own );
 

@@ -14,7 +14,6 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals*
     int share = INT_MAX / plan->eyes < 1024 ? INT_MAX / plan->eyes : 1024;
     return ( RfStop ){
         .goals = *goals,
-        .work_left = (double)NAN,
         .plan = rf_plan_groups( plan->frames, plan->eyes / 2, share * plan->eyes ),
         .scale = share,
         .most = (double)most_spp / plan->eyes,
@@ -39,7 +38,6 @@ RfGroup rf_begin_group( RfStop* stop, int number )
         stop->units_all = stop->units_left;
     stop->units_left -= stop->group_units;
     stop->due = 0.0;
-    stop->groups_left -= stop->groups_left > 0;
     return group;
 }
 
@@ -150,41 +148,37 @@ void rf_note_pass( RfStop* stop, int eyes, double now )
     // pace of about the last twenty passes: it differs along the path
     stop->seconds_done = 0.95 * stop->seconds_done + ( now - stop->last );
     stop->units_done = 0.95 * stop->units_done + eyes;
-    stop->work += eyes;
-    if ( isgreater( stop->work_left, 0.0 ) ) // NaN stays
-        stop->work_left = fmax( stop->work_left - eyes, 0.0 );
     stop->last = now;
+}
+
+// The part of the shares that is done.
+static double part_done( const RfStop* stop )
+{
+    double done = stop->units_all - stop->units_left - stop->group_units * ( 1.0 - stop->group_share );
+    return stop->units_all > 0.0 ? done / stop->units_all : 0.0;
 }
 
 double rf_stop_share( const RfStop* stop, double now )
 {
-    double done = stop->units_all - stop->units_left - stop->group_units * ( 1.0 - stop->group_share );
-    double by_work = stop->units_all > 0.0 ? done / stop->units_all : 0.0;
     double by_time = stop->goals.seconds > 0.0 ? fmin( now / stop->goals.seconds, 1.0 ) : 0.0;
-    return fmax( by_work, by_time );
+    return fmax( part_done( stop ), by_time );
 }
 
 double rf_stop_left( const RfStop* stop, double now )
 {
-    double left = (double)NAN;
-    if ( stop->work > 0.0 )
-        left = ( now - stop->look_seconds - stop->ahead.seconds ) / stop->work * stop->work_left;
-    if ( stop->looks > 0 ) // about one look for each group
-        left += stop->groups_left * stop->look_seconds / stop->looks;
+    double left = (double)NAN, done = part_done( stop );
+    bool has_goal = stop->goals.noise > 0.0 || stop->goals.flicker > 0.0;
+    if ( has_goal && stop->groups_done > 0 )
+        left = now * ( 1.0 - done ) / done;
     if ( stop->goals.seconds > 0.0 )
-        left = fmin( left, fmax( stop->goals.seconds - now, 0.0 ) );
+        left = fmin( left, fmax( stop->goals.seconds - now, 0.0 ) ); // which is all that is known where `left` is NaN
     return left;
-}
-
-void rf_note_look( RfStop* stop, double seconds )
-{
-    stop->look_seconds += seconds;
-    stop->looks += 1;
 }
 
 void rf_end_group( RfStop* stop, int done )
 {
     stop->passes += done;
+    stop->groups_done += 1;
     double share = rf_shares_of( stop, stop->group );
     stop->last_rate = share > 0.0 ? stop->due / share : 0.0; // whole passes would never fall
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );

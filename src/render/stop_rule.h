@@ -34,8 +34,6 @@
 typedef struct RfPairNoise
 {
     double variance, covariance; // NaN: not known
-    double doubt;                // how many times the likely values they are; 0: once
-    double lasting;              // the part of the doubt that more passes are expected to leave, 0 to 1
 } RfPairNoise;
 
 // What is known of a frame's noise.
@@ -48,7 +46,6 @@ typedef struct RfFrameNoise
     double flicker;   // the same of F1² of a pair that the frame is in, as rf_final_flicker has it; NaN: not known
     RfPairNoise pair; // of this frame and the next, from which that of others is guessed
     double seen;      // that weight; 0: neither is known
-    double doubt;     // how many times the likely value `noise` is; 0: once
 } RfFrameNoise;
 
 // What a render is to reach; 0: does not matter.
@@ -59,45 +56,22 @@ typedef struct RfStopGoals
     double seconds; // for all frames
 } RfStopGoals;
 
-#define RF_STOP_PLACES 16
-
-// What a look ahead found around a frame, in small pictures: only its ratio to other places counts.
-typedef struct RfStopPlace
-{
-    int frame;
-    double noise;           // v
-    double variance, apart; // of pairs: of a frame's error, and the part of it that neighbours do not share
-} RfStopPlace;
-
-typedef struct RfStopAhead
-{
-    int count;                          // 0: nothing is known
-    RfStopPlace places[RF_STOP_PLACES]; // ascending
-    double samples, seconds;            // that it took
-} RfStopAhead;
-
 typedef struct RfStop
 {
-    RfStopAhead ahead;
     RfStopGoals goals;
-    RfGroupPlan plan;                      // of the shares
-    double scale;                          // passes of a share in it
-    double most, least;                    // passes for each share
-    double owed;                           // part of a pass, from one group to the next
-    int group;                             // that is rendered
-    double due;                            // passes of this group, as last decided
-    int64_t passes;                        // of all groups before this one
-    double units_left;                     // shares × eyes of all groups after this one
-    double units_all;                      // the same of all groups
-    double group_units;                    // of this group
-    double group_share;                    // of it that is done
-    double work;                           // passes × eyes done in all
-    double work_left;                      // as predicted; NaN: not yet
-    double predicted_at;                   // work done then
+    RfGroupPlan plan;   // of the shares
+    double scale;       // passes of a share in it
+    double most, least; // passes for each share
+    double owed;        // part of a pass, from one group to the next
+    int group;          // that is rendered
+    double due;         // passes of this group, as last decided
+    int64_t passes;     // of all groups before this one
+    double units_left;  // shares × eyes of all groups after this one
+    double units_all;   // the same of all groups
+    double group_units; // of this group
+    double group_share; // of it that is done
+    int groups_done;
     double last_rate;                      // of the last group
-    double look_seconds;                   // spent on estimates,
-    int looks;                             // so many of them
-    int groups_left;                       // after this one
     double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
     int finished_count; // in all
@@ -122,9 +96,6 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals*
 // What a group costs: shares × eyes.
 double rf_group_units( const RfStop* stop, int group );
 
-// Own-frame samples per pixel of so many frames, by a look ahead alone.
-double rf_expected_samples( const RfStop* stop, int frames );
-
 // A group begins. Its `passes` say nothing; the others as in rf_group, with
 // the passes that there really were before it.
 RfGroup rf_begin_group( RfStop* stop, int group );
@@ -137,17 +108,14 @@ int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double 
 // A pass of the group is done.
 void rf_note_pass( RfStop* stop, int eyes, double now );
 
-// Estimates have been made, which took so long.
-void rf_note_look( RfStop* stop, double seconds );
-
 // The group is done, with so many passes.
 void rf_end_group( RfStop* stop, int done );
 
 // Estimated part of the whole render that is done, 0 to 1.
 double rf_stop_share( const RfStop* stop, double now );
 
-// Seconds to the end at the pace so far, by what the latest estimates, as they are likely to be, want of this group and of
-// the shares to come, and by what the last groups took. NaN before there are any.
+// Seconds to the end if the rest of the shares take as long as those that are done. NaN in the first group, which says too
+// little of the passes to come; with a time never more than what is left of it.
 double rf_stop_left( const RfStop* stop, double now );
 
 // Notes a finished frame, with the flicker since the one before (NaN: not known). Tells what it has missed.

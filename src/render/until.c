@@ -17,8 +17,7 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
                              .noise = live->noise,
                              .flicker = live->flicker,
                              .pair = live->pair,
-                             .seen = live->noise_seen,
-                             .doubt = live->doubt };
+                             .seen = live->noise_seen };
 }
 
 // v of F1², to stop by: what a frame of group `number` and the one after it will be.
@@ -79,7 +78,6 @@ static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
         RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
         RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = buffer->rgb } );
         live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
-        live->doubt = rf_prudent_relmse( &relmse ) / relmse.likely;
     }
     if ( r->settings.flicker > 0.0 )
         live->flicker = estimate_flicker( r, number, live );
@@ -109,24 +107,15 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
             continue;
         frames[estimates.count++] = known_of( live );
     }
-    double start = rf_wall_seconds();
-    int made = 0;
     for ( int i = 0; i < estimates.count && has_goal; ++i )
     {
         if ( frames[i].passes < 2 || !wants_estimate( r, &estimates, i ) )
             continue;
         RfLiveFilm* live = rf_find_film( r, frames[i].frame );
         if ( live->noise_seen != frames[i].weight ) // new samples since the last estimate
-        {
             estimate( r, number, live );
-            made += 1;
-        }
         frames[i] = known_of( live );
     }
-    if ( has_goal && r->forecast.frames != NULL )
-        rf_forecast( &r->stop, &estimates, done, &r->forecast );
-    if ( made > 0 )
-        rf_note_look( &r->stop, rf_wall_seconds() - start );
     return estimates;
 }
 

@@ -127,10 +127,6 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
     if ( options->settings.flicker > 0.0 )
         json_object_set_new( json, "flicker",
                              json_pack( "{s:f, s:i}", "wanted", options->settings.flicker, "missed", stats->flicker_missed ) );
-    if ( stats->ahead_samples > 0.0 )
-        json_object_set_new( json, "look_ahead",
-                             json_pack( "{s:o, s:o}", "seconds", rf_json_number( stats->ahead_seconds ), "samples",
-                                        count_json( (uint64_t)stats->ahead_samples ) ) );
     if ( options->settings.time > 0.0 )
         json_object_set_new( json, "time",
                              json_pack( "{s:f, s:b}", "wanted", options->settings.time, "too_short", stats->hurried ) );
