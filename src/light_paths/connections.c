@@ -1,6 +1,421 @@
+// Connects camera vertices to light paths by manifold walks, and to VPLs: finds candidates by footprints, accepts some of them,
+// solves, tests visibility, and adds their light. Connections and scattered rays that find the same light are weighted by the
+// balance heuristic.
 #include "light_paths/connections_internal.h"
 
+#include "scene/textured.h"
+
+#include <math.h>
 #include <string.h>
+
+#define MOST_CANDIDATES 512
+#define EVENLY 0.25f      // of the trial connections, whatever they promise: derivatives err near foci
+#define LEAST_SHARE 0.02f // of trial connections, where other light is so much stronger
+
+// Light paths, or particles, whose footprint holds a camera vertex.
+typedef struct Candidates
+{
+    const RfLightPathConnector* settings;
+    const RfFootprintTree* tree;
+    RfFootprintFound* note; // counts those that are candidates, and keeps them by keep_candidate
+    RfVec3 y, ng, n;
+    int spent, vertex;
+    int count;
+    int kept;
+    uint32_t path[MOST_CANDIDATES];
+    float light[MOST_CANDIDATES]; // that they are expected to bring
+    // second search, where there are more: those numbered next, next + stride …
+    double next, stride;
+    bool thinned;
+} Candidates;
+
+// The trial connections of one lane: each candidate is accepted in proportion to what it is expected to bring.
+typedef struct Acceptance
+{
+    RfRandomKey lane;
+    float scale;  // from find_candidates
+    float trials; // connections wanted
+    float sum;    // that all candidates are expected to bring
+} Acceptance;
+
+// Sets up the search for the candidates of a lane.
+static void begin_candidates( const RfConnectionWork* w, int i, const RfFootprintTree* tree, RfFootprintFound* note,
+                              Candidates* c )
+{
+    const RfVertexLanes* v = w->v;
+    c->settings = w->settings;
+    c->tree = tree;
+    c->note = note;
+    c->y = rf_start_of( v, i );
+    c->ng = rf_lane_of( v->ng, i );
+    c->n = rf_lane_of( v->n, i );
+    c->spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[v->slot[i]] : 0 );
+    c->vertex = w->vertex;
+    c->count = c->kept = 0;
+    c->next = c->stride = 0.0;
+    c->thinned = false;
+}
+
+// Counts a candidate that is expected to bring so much light; keeps it if there is room.
+static void keep_candidate( Candidates* c, uint32_t number, float light )
+{
+    int k = c->count++;
+    if ( c->thinned && (double)k < c->next )
+        return;
+    if ( c->kept == MOST_CANDIDATES )
+        return;
+    c->path[c->kept] = number;
+    c->light[c->kept++] = light;
+    c->next += c->stride;
+}
+
+// Notes a light path, if it may be connected.
+static void note_path( void* user, uint32_t number )
+{
+    Candidates* c = user;
+    const RfLightPath* path = c->settings->paths->path + number;
+    float step[2], miss, spread = 1.0f;
+    if ( c->spent + path->length + 2 > c->settings->path->max_depth )
+        return;
+    RfVec3 apart = rf_sub( c->y, path->at.p );
+    if ( c->settings->normalization == RF_KERNEL_DENSITY )
+    {
+        if ( rf_dot( apart, apart ) > path->at.half.x * path->at.half.x )
+            return;
+    }
+    else if ( !rf_newton_step( &path->end, c->y, c->ng, step, &miss, &spread ) ||
+              !( rf_reach_squared( &path->reach, step[0], step[1] ) <= RF_STEP_MARGIN * RF_STEP_MARGIN ) )
+        return;
+    float light = path->light / spread;
+    if ( c->settings->normalization != RF_KERNEL_DENSITY )
+        light *= rf_connection_weight( c->settings->paths, path->chance, -rf_dot( c->n, path->end.d ), c->vertex );
+    if ( light > 0.0f )
+        keep_candidate( c, number, light );
+}
+
+// Finds candidates; of more than there is room for every k-th. Returns one over the probability of being among them.
+static float find_candidates( Candidates* c, RfRandomKey key )
+{
+    rf_find_footprints( c->tree, c->y, c->note, c );
+    if ( c->count <= MOST_CANDIDATES )
+        return 1.0f;
+    c->stride = (double)c->count / MOST_CANDIDATES;
+    c->next = c->stride * (double)rf_random( key, 0 );
+    c->count = c->kept = 0;
+    c->thinned = true;
+    rf_find_footprints( c->tree, c->y, c->note, c );
+    return (float)c->stride;
+}
+
+// How many of the candidates are accepted.
+static Acceptance weigh_candidates( const RfConnectionWork* w, RfRandomKey lane, float scale, int i, const Candidates* c )
+{
+    Acceptance a = { .lane = lane, .scale = scale };
+    for ( int k = 0; k < c->kept; ++k )
+        a.sum += c->light[k];
+    float promised = a.sum * scale * RF_INV_PI / (float)w->settings->paths->emitted;
+    float share = promised / rf_maxf( promised + w->keys->lit[i], 1e-30f );
+    a.trials = rf_trial_connections( w->settings->paths->share, w->vertex ) * rf_maxf( share, LEAST_SHARE );
+    return a;
+}
+
+// The part of the trial connections that a candidate is offered.
+static float offered_part( const Acceptance* a, const Candidates* c, int k )
+{
+    return ( 1.0f - EVENLY ) * c->light[k] / a->sum + EVENLY / (float)c->kept;
+}
+
+// The key of a candidate, and one over the probability of accepting it; 0: it was not.
+static float accept( const Acceptance* a, const Candidates* c, int k, RfRandomKey* key )
+{
+    *key = rf_pixel_key( (uint64_t)a->lane.a << 32 | a->lane.b, c->path[k] );
+    float accepted = rf_minf( a->trials * offered_part( a, c, k ), 1.0f );
+    return rf_random( *key, RF_DIMENSION_ACCEPT ) < accepted ? a->scale / accepted : 0.0f;
+}
+
+// Adds the light of a connection to its lane.
+static void add_light( RfConnectionWork* w, int i, RfRandomKey key, RfVec3 wi_of, RfVec3 light, float area )
+{
+    RfConnectionLanes* out = w->out;
+    float add[3] = { light.x, light.y, light.z }, weight = rf_luminance( light );
+    w->chosen[i] += weight;
+    bool choose = rf_random( key, RF_DIMENSION_CHOOSE ) * w->chosen[i] < weight || out->found[i] == 0;
+    for ( int c = 0; c < 3; ++c )
+        out->light[c][i] += add[c];
+    out->found[i] += 1;
+    if ( !choose )
+        return;
+    float wi[3] = { wi_of.x, wi_of.y, wi_of.z };
+    out->area[i] = area;
+    for ( int c = 0; c < 3; ++c )
+    {
+        out->wi[c][i] = wi[c];
+        out->one[c][i] = add[c] / weight;
+    }
+}
+
+// The way from a VPL to a point, and the cone of the particles that cover it. False: no light goes there.
+static bool find_way( const RfLightPaths* paths, const RfLightPath* path, RfVec3 y, RfVplConnection* connection,
+                      float* distance2 )
+{
+    RfVec3 way = rf_sub( y, rf_vpl_start( path ) );
+    *distance2 = rf_dot( way, way );
+    connection->d = rf_scale( way, 1.0f / sqrtf( rf_maxf( *distance2, 1e-20f ) ) );
+    connection->cosine = rf_dot( connection->d, path->vpl.ng );
+    if ( !( connection->cosine > 0.0f && *distance2 > 1e-20f ) )
+        return false;
+    connection->cone = rf_vpl_cone( paths, connection->cosine );
+    return true;
+}
+
+// The weight of a connection to a VPL.
+static float weight_of( const Candidates* c, const RfLightPath* path )
+{
+    const RfLightPaths* paths = c->settings->paths;
+    return path->vpl.share *
+           ( 1.0f - rf_own_weight( paths->vpl_connections, path->vpl.area, c->y, c->n, path->at.p, path->vpl.ng ) );
+}
+
+// Notes a particle, if its VPL may be connected.
+static void note_particle( void* user, uint32_t number )
+{
+    Candidates* c = user;
+    const RfLightPaths* paths = c->settings->paths;
+    const RfScatteredPath* particle = paths->scattered + number;
+    const RfLightPath* path = paths->path + particle->path;
+    RfVplConnection connection;
+    float distance2;
+    RfVec3 apart = rf_sub( c->y, particle->at.p );
+    if ( rf_dot( apart, apart ) > particle->at.half.x * particle->at.half.x )
+        return;
+    if ( c->spent + path->length + 3 > c->settings->path->max_depth || !find_way( paths, path, c->y, &connection, &distance2 ) )
+        return;
+    float cos_n = -rf_dot( connection.d, c->n ), cos_g = -rf_dot( connection.d, c->ng );
+    RfVec3 landed = rf_normalize( rf_sub( particle->at.p, rf_vpl_start( path ) ) ), across = rf_cross( landed, connection.d );
+    if ( !( cos_n > 0.0f && cos_g > 0.0f && rf_dot( landed, connection.d ) > 0.0f &&
+            rf_dot( across, across ) <= connection.cone ) )
+        return;
+    float covers = connection.cosine * connection.cone * (float)RF_SCATTERED_PER_PATH;
+    float light = rf_luminance( path->flux ) * connection.cosine * cos_n * weight_of( c, path ) / ( distance2 * covers );
+    if ( light > 0.0f && light < INFINITY )
+        keep_candidate( c, number, light );
+}
+
+// The light that a VPL scatters towards a direction, as a model scatters it.
+static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, RfVec3 d )
+{
+    const RfVpl* vpl = &path->vpl;
+    const RfScene* scene = rf_tracer_scene( tracer );
+    const RfMaterial* m = scene->materials + rf_tracer_triangles( tracer )[vpl->triangle].material;
+    RfMaterial here = *m;
+    if ( m->textured != NULL )
+        rf_material_at( scene, m, vpl->triangle, vpl->u, vpl->v, &here );
+    RfVec3 wi = rf_scale( path->end.d, -1.0f ), f;
+    RfBsdfLanes lanes = { .n = { &vpl->n.x, &vpl->n.y, &vpl->n.z } };
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+    {
+        bool has = rf_has_param( rf_bsdf_model( m->kind )->params & ~RF_PARAMS_OF_HIT, (RfBsdfParam)p );
+        lanes.param[p] = has ? rf_material_param( &here, (RfBsdfParam)p ) : NULL;
+    }
+    const float *wo_in[3] = { &d.x, &d.y, &d.z }, *wi_in[3] = { &wi.x, &wi.y, &wi.z };
+    float* out[3] = { &f.x, &f.y, &f.z };
+    rf_bsdf_evaluate( m->kind, 1, &lanes, wo_in, wi_in, out, NULL );
+    // flux comes through the area, the model asks for irradiance by the shading normal
+    float cosines = rf_dot( vpl->n, wi ) / rf_maxf( rf_dot( vpl->ng, wi ), 1e-6f );
+    return rf_scale( rf_mul( path->flux, f ), cosines * vpl->falloff );
+}
+
+static void test_vpl_visibility( RfConnectionWork* w )
+{
+    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
+    int index[RF_CHAIN_BLOCK], count = 0;
+    for ( int k = 0; k < w->vpl_count; ++k )
+    {
+        const RfVplConnection* connection = w->vpl_connection + k;
+        if ( !connection->open )
+            continue;
+        RfVec3 from = rf_vpl_start( connection->path ), way = rf_sub( rf_start_of( w->v, connection->lane ), from );
+        rf_put_ray( o, d, count, from, way );
+        index[count++] = k;
+    }
+    const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
+    rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
+    w->out->rays += (uint64_t)count;
+    for ( int k = 0; k < count; ++k )
+        w->vpl_connection[index[k]].open = visible[k] > 0.0f;
+}
+
+// Adds the light of all connections to VPLs that wait.
+static void flush_vpls( RfConnectionWork* w )
+{
+    if ( w->vpl_count == 0 )
+        return;
+    test_vpl_visibility( w );
+    if ( w->settings->normalization == RF_KERNEL_EXACT )
+        rf_repeat_vpl_trials( w );
+    float particles = (float)w->settings->paths->emitted * (float)RF_SCATTERED_PER_PATH;
+    for ( int k = 0; k < w->vpl_count; ++k )
+    {
+        const RfVplConnection* connection = w->vpl_connection + k;
+        RfVec3 light = rf_scale( connection->light, rf_vpl_inverse_probability( w, connection ) / particles );
+        float most = rf_max_component( light );
+        if ( connection->open && most > 0.0f && most < INFINITY )
+            add_light( w, connection->lane, connection->key, rf_scale( connection->d, -1.0f ), light, INFINITY );
+    }
+    w->vpl_count = 0;
+}
+
+// The light and the cone of a connection that was accepted.
+static bool prepare_vpl( const RfConnectionWork* w, const Candidates* c, RfVplConnection* connection )
+{
+    float distance2;
+    if ( !find_way( w->settings->paths, connection->path, c->y, connection, &distance2 ) )
+        return false;
+    float cos_cone = sqrtf( rf_maxf( 1.0f - connection->cone, 0.0f ) );
+    connection->versine = connection->cone / ( 1.0f + cos_cone );
+    float sine = sqrtf( rf_maxf( 1.0f - connection->cosine * connection->cosine, 0.0f ) );
+    connection->most = connection->cosine >= cos_cone ? 1.0f : connection->cosine * cos_cone + sine * sqrtf( connection->cone );
+    float scale =
+        -rf_dot( connection->d, c->n ) * connection->cosine / distance2 * weight_of( c, connection->path ) * connection->scale;
+    connection->light = rf_scale( scattered_light( w->settings->path->tracer, connection->path, connection->d ), scale );
+    connection->open = rf_max_component( connection->light ) > 0.0f;
+    connection->repeats = 0.0f;
+    return connection->open;
+}
+
+// Connects a lane to VPLs.
+static void connect_vpls( RfConnectionWork* w, RfRandomKey lane, int i )
+{
+    const RfLightPaths* paths = w->settings->paths;
+    if ( w->settings->normalization == RF_KERNEL_DENSITY || !rf_is_matte_lane( w->settings->path, w->v, i ) )
+        return;
+    Candidates c;
+    begin_candidates( w, i, &paths->scattered_tree, note_particle, &c );
+    lane.a ^= 0x70617265u; // apart from those of light paths
+    Acceptance trials = weigh_candidates( w, lane, find_candidates( &c, lane ), i, &c );
+    for ( int k = 0; k < c.kept; ++k )
+    {
+        RfVplConnection* connection = w->vpl_connection + w->vpl_count;
+        *connection = ( RfVplConnection ){ .lane = i, .path = paths->path + paths->scattered[c.path[k]].path };
+        connection->scale = accept( &trials, &c, k, &connection->key );
+        w->vpl_count += connection->scale > 0.0f && prepare_vpl( w, &c, connection );
+        if ( w->vpl_count == RF_CHAIN_BLOCK )
+            flush_vpls( w );
+    }
+}
+
+// The chain of a trail, from a point of an emitter on. False: light does not go that way.
+static bool follow_back( const RfTracer* tracer, const RfTrail* trail, int length, uint32_t emitter, RfVec3 point,
+                         RfChain* chain )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfLights* lights = rf_tracer_lights( tracer );
+    const RfLight* light = lights->light + triangles[emitter].light;
+    RfVec3 at[RF_MAX_CHAIN + 2]; // from the emitter on
+    at[0] = point;
+    at[length + 1] = trail->start;
+    for ( int k = 0; k < length; ++k )
+    {
+        const RfTriangleRecord* t = triangles + trail->triangle[k];
+        at[length - k] = rf_add( t->p0, rf_add( rf_scale( t->e1, trail->u[k] ), rf_scale( t->e2, trail->v[k] ) ) );
+    }
+    RfEmission e = { .position = point, .range = INFINITY, .light = triangles[emitter].light, .offset = light->offset };
+    e.direction = rf_normalize( rf_sub( at[1], at[0] ) );
+    e.normal = rf_dot( light->normal, e.direction ) < 0.0f ? rf_scale( light->normal, -1.0f ) : light->normal;
+    rf_find_emission_pdf( lights, &e );
+    *chain = ( RfChain ){ .start = e };
+    rf_begin_chain( chain );
+    for ( int k = 0; k < length; ++k )
+    {
+        const RfTriangleRecord* t = triangles + trail->triangle[length - 1 - k];
+        RfVec3 in = rf_sub( at[k], at[k + 1] ), out = rf_sub( at[k + 2], at[k + 1] );
+        bool refracted = ( rf_dot( in, t->ng ) < 0.0f ) != ( rf_dot( out, t->ng ) < 0.0f );
+        chain->events |= (uint32_t)refracted << k;
+        if ( !rf_step_chain( tracer, trail->triangle[length - 1 - k], trail->u[length - 1 - k], trail->v[length - 1 - k],
+                             RF_CHAIN_COPY, ( RfRandomKey ){ 0, 0 }, chain ) )
+            return false;
+        chain->end.d = rf_normalize( out ); // where it went, not where rounding would lead
+    }
+    return true;
+}
+
+// The weight of a scattered ray (RfConnector).
+static float weigh_chance( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point )
+{
+    const RfLightPathConnector* kernel = (const RfLightPathConnector*)(const void*)connector;
+    const RfTracer* tracer = kernel->path->tracer;
+    const RfLightPaths* paths = kernel->paths;
+    RfChain chain;
+    if ( kernel->normalization == RF_KERNEL_DENSITY )
+        return 0.0f;
+    if ( paths->light_count == 0 || !follow_back( tracer, trail, length, triangle, point, &chain ) )
+        return 1.0f;
+    chain.start.pdf_light /= (float)paths->light_cumulative[paths->light_count - 1];
+    float pdf = rf_steer_pdf( paths, &chain );
+    RfReach reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &chain, pdf, trail->start, trail->ng ).reach;
+    float area = rf_chance_area( paths, &chain, rf_reach_area( &reach ), pdf, trail->start );
+    return 1.0f - rf_connection_weight( paths, area, -rf_dot( trail->n, chain.end.d ), trail->vertex );
+}
+
+#define SCATTERED 0.5f // that a surface is taken to scatter of what arrives, beyond the first vertex
+
+const float rf_connection_shares[RF_CONNECTION_SHARES] = { 0.0f, 0.03f, 0.06f, 0.125f, 0.25f, 0.5f, 1.0f };
+
+// How the light of a vertex counts at the first one.
+static float throughput_of( const RfConnectionWork* w, int i )
+{
+    if ( w->vertex == 1 )
+        return 1.0f;
+    int r = w->v->ray[i];
+    return SCATTERED *
+           ( w->rays == NULL
+                 ? 1.0f
+                 : rf_luminance( rf_vec3( w->rays->throughput[0][r], w->rays->throughput[1][r], w->rays->throughput[2][r] ) ) );
+}
+
+// Connections of its way that are found with a share of all light paths (rf_find_footprint).
+static float find_count( const RfLightPaths* paths, const RfConnection* connection, float share )
+{
+    return rf_maxf( rf_minf( paths->connections, share * connection->most ),
+                    rf_minf( paths->rare_connections, share * connection->rare_most ) );
+}
+
+// Counts up the scattered rays that would find light on their own.
+static void count_chance( RfConnectionLanes* out, double light, double found, double through )
+{
+    if ( !( found * through > 0.0 && found < INFINITY ) )
+        return;
+    int octave = (int)floor( log2( found * through ) ) - RF_FIRST_OCTAVE;
+    octave = octave < 0 ? 0 : octave >= RF_CHANCE_OCTAVES ? RF_CHANCE_OCTAVES - 1 : octave;
+    out->chance[octave].rays += light / found;
+    out->chance[octave].square += through * through * light * found;
+}
+
+// Counts up what the square of this light would be with other shares, before its balance weight.
+static void measure_connection( const RfConnectionWork* w, const RfConnection* connection, float light )
+{
+    const RfChain* chain = &connection->chain;
+    float cosine = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ), chance = RF_INV_PI * cosine,
+          through = throughput_of( w, connection->lane );
+    // what a scattered ray that finds the same light brings
+    float found = rf_luminance( rf_mul( chain->start.radiance, chain->weight ) ) * cosine / ( chance * chain->probability );
+    const RfLightPaths* paths = w->settings->paths;
+    count_chance( w->out, (double)light, (double)found, (double)through );
+    float found_now = find_count( paths, connection, paths->share );
+    for ( int k = 0; k < RF_CONNECTION_SHARES; ++k )
+    {
+        float share = rf_connection_shares[k], tried = rf_tried( w->settings->paths, share, w->vertex );
+        float fewer = share > 0.0f ? found_now / find_count( paths, connection, share ) : 0.0f;
+        float weight = share == 0.0f               ? 0.0f
+                       : connection->chance > 0.0f ? tried / ( tried + connection->chance * fewer * chance )
+                                                   : 1.0f;
+        float accepted = rf_minf( w->settings->paths->share * connection->offered, 1.0f ),
+              then = rf_minf( share * connection->offered, 1.0f );
+        float by_connections = share > 0.0f ? weight * weight * light * light * fewer * accepted / then : 0.0f;
+        float by_chance = ( 1.0f - weight ) * ( 1.0f - weight ) * light * found;
+        w->out->moment[k] += (double)( through * through ) * (double)( by_connections + by_chance );
+    }
+}
 
 // The light of a solved connection before its normalisation; 0 where nothing arrives.
 static RfVec3 light_of( const RfConnectionWork* w, const RfConnection* connection )
@@ -27,12 +442,12 @@ static RfVec3 light_of( const RfConnectionWork* w, const RfConnection* connectio
 }
 
 // The area that a connection covers at a matte vertex, where light paths scatter (rf_own_weight).
-static float area_of( const RfConnectionWork* w, const RfConnection* connection, const RfBend* bend )
+static float area_of( const RfConnectionWork* w, const RfConnection* connection, const RfManifoldWalk* walk )
 {
     float step[2], miss, spread;
     if ( !rf_may_scatter( w->settings->path->tracer, &connection->chain ) ||
          !rf_is_matte_lane( w->settings->path, w->v, connection->lane ) ||
-         !rf_newton_step( &connection->chain.end, bend->y, bend->n, step, &miss, &spread ) )
+         !rf_newton_step( &connection->chain.end, walk->y, walk->n, step, &miss, &spread ) )
         return INFINITY;
     return rf_reach_area( &connection->reach ) * spread / w->settings->paths->connections;
 }
@@ -45,27 +460,27 @@ static void solve( RfConnectionWork* w )
     for ( int k = 0; k < w->count; ++k )
     {
         const RfConnection* connection = w->connection + k;
-        RfBend* bend = w->bend + k;
-        bend->at.start = connection->path->start;
-        bend->at.events = connection->path->events;
-        bend->at.length = connection->path->length;
-        bend->at.end = connection->path->end;
-        bend->y = rf_start_of( w->v, connection->lane );
-        bend->n = rf_lane_of( w->v->ng, connection->lane );
-        bend->most = rf_scaled_reach( &connection->path->reach, RF_STEP_MARGIN );
-        bend->active = true;
+        RfManifoldWalk* walk = w->walk + k;
+        walk->at.start = connection->path->start;
+        walk->at.events = connection->path->events;
+        walk->at.length = connection->path->length;
+        walk->at.end = connection->path->end;
+        walk->y = rf_start_of( w->v, connection->lane );
+        walk->n = rf_lane_of( w->v->ng, connection->lane );
+        walk->most = rf_scaled_reach( &connection->path->reach, RF_STEP_MARGIN );
+        walk->active = true;
     }
-    rf_bend_chains( tracer, w->count, w->bend, &w->out->rays );
+    rf_walk_manifold( tracer, w->count, w->walk, &w->out->rays );
     for ( int k = 0; k < w->count; ++k )
     {
         RfConnection* connection = w->connection + k;
-        connection->open = w->bend[k].met;
+        connection->open = w->walk[k].met;
         if ( !connection->open )
             continue;
-        connection->chain = w->bend[k].at;
-        RfVec3 y = w->bend[k].y;
+        connection->chain = w->walk[k].at;
+        RfVec3 y = w->walk[k].y;
         float pdf = rf_steer_pdf( paths, &connection->chain );
-        RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &connection->chain, pdf, y, w->bend[k].n );
+        RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &connection->chain, pdf, y, w->walk[k].n );
         connection->reach = footprint.reach;
         float found = (float)paths->emitted / paths->share * pdf;
         connection->most = found * footprint.most;
@@ -77,7 +492,7 @@ static void solve( RfConnectionWork* w )
         connection->light = connection->open && connection->chance < INFINITY ? light_of( w, connection ) : rf_vec3( 0, 0, 0 );
         connection->open = connection->open && rf_max_component( connection->light ) > 0.0f;
         connection->repeats = 1.0f;
-        connection->area = area_of( w, connection, w->bend + k );
+        connection->area = area_of( w, connection, w->walk + k );
     }
 }
 
@@ -122,29 +537,13 @@ static void add( RfConnectionWork* w, const RfConnection* connection )
         weight *= rf_connection_weight( paths, connection->chance,
                                         rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ), w->vertex );
     if ( paths->measures )
-        rf_measure_connection( w, connection, rf_luminance( connection->light ) * connection->repeats / found );
+        measure_connection( w, connection, rf_luminance( connection->light ) * connection->repeats / found );
     RfVec3 light = rf_scale( connection->light, connection->repeats * weight / found );
     if ( rf_max_component( light ) > 0.0f )
-        rf_add_light( w, connection->lane, connection->key, connection->wi, light, connection->area );
+        add_light( w, connection->lane, connection->key, connection->wi, light, connection->area );
 }
 
-// Photon mapping: what lands around the eye vertex is taken to land there, evenly over the footprint.
-static void estimate_density( RfConnectionWork* w )
-{
-    for ( int k = 0; k < w->count; ++k )
-    {
-        RfConnection* connection = w->connection + k;
-        connection->wi = rf_scale( connection->path->end.d, -1.0f );
-        connection->light = rf_scale( connection->path->flux, connection->scale );
-        connection->reach = ( RfReach ){ { 1.0f, 0.0f }, connection->path->at.half.x, connection->path->at.half.x };
-        connection->repeats = 1.0f;
-        connection->area = INFINITY;
-        connection->open = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ) > 0.0f &&
-                           rf_dot( rf_lane_of( w->v->ng, connection->lane ), connection->wi ) > 0.0f;
-    }
-}
-
-static void bend_connections( RfConnectionWork* w )
+static void walk_to_vertices( RfConnectionWork* w )
 {
     solve( w );
     test_visibility( w );
@@ -157,9 +556,9 @@ static void flush( RfConnectionWork* w )
     if ( w->count == 0 )
         return;
     if ( w->settings->normalization == RF_KERNEL_DENSITY )
-        estimate_density( w );
+        rf_estimate_density( w );
     else
-        bend_connections( w );
+        walk_to_vertices( w );
     for ( int k = 0; k < w->count; ++k )
     {
         if ( w->connection[k].open )
@@ -168,26 +567,26 @@ static void flush( RfConnectionWork* w )
     w->count = 0;
 }
 
-static void connection_lane( RfConnectionWork* w, RfRandomKey lane, int i )
+static void connect_lane( RfConnectionWork* w, RfRandomKey lane, int i )
 {
-    RfCandidates c;
-    rf_begin_candidates( w, i, &w->settings->paths->tree, rf_note_path, &c );
-    float scale = rf_find_candidates( &c, lane );
-    RfAcceptance trials = rf_weigh_candidates( w, lane, scale, i, &c );
+    Candidates c;
+    begin_candidates( w, i, &w->settings->paths->tree, note_path, &c );
+    float scale = find_candidates( &c, lane );
+    Acceptance trials = weigh_candidates( w, lane, scale, i, &c );
     for ( int k = 0; k < c.kept; ++k )
     {
         RfConnection* connection = w->connection + w->count;
         *connection = ( RfConnection ){ .lane = i, .path = w->settings->paths->path + c.path[k] };
-        connection->scale = rf_accept( &trials, &c, k, &connection->key );
-        connection->offered = trials.trials * rf_offered( &trials, &c, k ) / w->settings->paths->share;
+        connection->scale = accept( &trials, &c, k, &connection->key );
+        connection->offered = trials.trials * offered_part( &trials, &c, k ) / w->settings->paths->share;
         w->count += connection->scale > 0.0f;
         if ( w->count == RF_CHAIN_BLOCK )
             flush( w );
     }
 }
 
-void rf_connection_vertices( const RfLightPathConnector* connector, RfWavefront* keys, const RfRayLanes* rays,
-                             const RfVertexLanes* v, int vertex )
+void rf_connect_vertices( const RfLightPathConnector* connector, RfWavefront* keys, const RfRayLanes* rays,
+                          const RfVertexLanes* v, int vertex )
 {
     RfConnectionLanes* out = connector->out;
     RfConnectionWork w; // its arrays are large: they stay as they are
@@ -211,11 +610,11 @@ void rf_connection_vertices( const RfLightPathConnector* connector, RfWavefront*
     {
         int slot = v->slot[i];
         RfRandomKey lane = rf_pixel_key( (uint64_t)keys->key_a[slot] << 32 | keys->key_b[slot], 0x6b65726eu + (uint32_t)vertex );
-        connection_lane( &w, lane, i );
-        rf_connect_vpls( &w, lane, i );
+        connect_lane( &w, lane, i );
+        connect_vpls( &w, lane, i );
     }
     flush( &w );
-    rf_flush_vpls( &w );
+    flush_vpls( &w );
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
@@ -232,7 +631,7 @@ static void sample( const RfConnector* connector, RfWavefront* keys, const RfRay
     const RfLightPathConnector* kernel = (const RfLightPathConnector*)(const void*)connector;
     const RfConnectionLanes* connections = kernel->out;
     int count = rf_record_count( v );
-    rf_connection_vertices( kernel, keys, area == NULL ? rays : NULL, v, vertex );
+    rf_connect_vertices( kernel, keys, area == NULL ? rays : NULL, v, vertex );
     float scale = RF_DELTA_PDF * (float)kernel->path->light_samples;
     for ( int i = 0; i < v->count; ++i )
     {
@@ -251,6 +650,6 @@ static void sample( const RfConnector* connector, RfWavefront* keys, const RfRay
 RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
                                         const RfPathSettings* path, RfConnectionLanes* lanes )
 {
-    RfConnector connector = { sample, paths->vpl_connections, paths->connected, lanes->trail, rf_weigh_chance };
+    RfConnector connector = { sample, paths->vpl_connections, paths->connected, lanes->trail, weigh_chance };
     return ( RfLightPathConnector ){ connector, path, paths, normalization, lanes };
 }

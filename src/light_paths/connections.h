@@ -1,5 +1,5 @@
-// Connections: light paths whose footprint holds an eye vertex are bent so that they reach it, and divided by the probability
-// that such a path is found. src/reuse/estimators.md, section 16.
+// Connections: a light path whose footprint holds a camera vertex is moved by a manifold walk so that it arrives there, and
+// divided by the probability that such a path is found. src/reuse/estimators.md, section 16.
 #ifndef REFRAME_LIGHT_PATHS_CONNECTIONS_H
 #define REFRAME_LIGHT_PATHS_CONNECTIONS_H
 
@@ -47,16 +47,13 @@ typedef struct RfLightPathConnector
     RfConnectionLanes* out;
 } RfLightPathConnector;
 
-// The weight of a scattered ray (RfConnector).
-float rf_weigh_chance( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
-
 // A connector with a workspace; all must outlive it.
 RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
                                         const RfPathSettings* path, RfConnectionLanes* lanes );
 
-// Connections non-specular vertices, their paths' `vertex`-th, to light paths and to their VPLs: connector->out. Random numbers: those
+// Connects non-specular vertices, their paths' `vertex`-th, to light paths and to their VPLs: connector->out. Random numbers: those
 // of the keys of their slots. Adds to keys->path_rays. With the rays that hit the vertices, connections have their weights.
-void rf_connection_vertices( const RfLightPathConnector* connector, RfWavefront* keys, const RfRayLanes* rays,
-                             const RfVertexLanes* vertices, int vertex );
+void rf_connect_vertices( const RfLightPathConnector* connector, RfWavefront* keys, const RfRayLanes* rays,
+                          const RfVertexLanes* vertices, int vertex );
 
 #endif

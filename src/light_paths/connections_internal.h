@@ -3,17 +3,14 @@
 #define REFRAME_LIGHT_PATHS_CONNECTIONS_INTERNAL_H
 
 #include "light_paths/connections.h"
-#include "light_paths/vpls.h"
-#include "light_paths/solve.h"
 
 #define RF_STEP_MARGIN 1.4f // first steps, in reaches of connections
-#define RF_MOST_CANDIDATES 512
 
 // Of the random numbers of a connection; below them those of its repeated trials.
 #define RF_DIMENSION_CHOOSE 0x40000000u
 #define RF_DIMENSION_ACCEPT 0x40000001u
 
-// A light path and the eye vertex that its footprint holds.
+// A light path and the camera vertex that its footprint holds.
 typedef struct RfConnection
 {
     int lane;
@@ -32,7 +29,7 @@ typedef struct RfConnection
     RfVec3 wi, light;
 } RfConnection;
 
-// A particle whose footprint holds an eye vertex, and its VPL.
+// A particle whose footprint holds a camera vertex, and its VPL.
 typedef struct RfVplConnection
 {
     int lane;
@@ -58,29 +55,12 @@ typedef struct RfConnectionWork
     const RfVertexLanes* v;
     RfConnectionLanes* out;
     RfConnection connection[RF_CHAIN_BLOCK];
-    RfBend bend[RF_CHAIN_BLOCK];
+    RfManifoldWalk walk[RF_CHAIN_BLOCK];
     int count;
     RfVplConnection vpl_connection[RF_CHAIN_BLOCK];
     int vpl_count;
     float chosen[RF_LANES]; // the sum of what was drawn from
 } RfConnectionWork;
-
-// Light paths, or particles, whose footprint holds an eye vertex.
-typedef struct RfCandidates
-{
-    const RfLightPathConnector* settings;
-    const RfFootprintTree* tree;
-    RfFootprintFound* note; // counts those that are candidates, and keeps them by rf_keep_candidate
-    RfVec3 y, ng, n;
-    int spent, vertex;
-    int count;
-    int kept;
-    uint32_t path[RF_MOST_CANDIDATES];
-    float light[RF_MOST_CANDIDATES]; // that they are expected to bring
-    // second search, where there are more: those numbered next, next + stride …
-    double next, stride;
-    bool thinned;
-} RfCandidates;
 
 static inline RfVec3 rf_lane_of( const float ( *array )[RF_LANES], int i )
 {
@@ -93,48 +73,17 @@ static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )
     return rf_madd( rf_lane_of( v->p, i ), rf_lane_of( v->ng, i ), v->offset[i] );
 }
 
-// Sets up the search for the candidates of a lane.
-void rf_begin_candidates( const RfConnectionWork* work, int i, const RfFootprintTree* tree, RfFootprintFound* note,
-                          RfCandidates* candidates );
-
-// Counts a candidate that is expected to bring so much light; keeps it if there is room.
-void rf_keep_candidate( RfCandidates* candidates, uint32_t number, float light );
-
-// Notes light paths, and particles.
-RfFootprintFound rf_note_path, rf_note_particle;
-
-// The trial connections of one lane: each candidate is accepted in proportion to what it is expected to bring.
-typedef struct RfAcceptance
-{
-    RfRandomKey lane;
-    float scale;  // from rf_find_candidates
-    float trials; // connections wanted
-    float sum;    // that all candidates are expected to bring
-} RfAcceptance;
-RfAcceptance rf_weigh_candidates( const RfConnectionWork* work, RfRandomKey lane, float scale, int i,
-                                  const RfCandidates* candidates );
-
-// The part of the trial connections that a candidate is offered.
-float rf_offered( const RfAcceptance* acceptance, const RfCandidates* candidates, int k );
-
-// The key of a candidate, and one over the probability of accepting it; 0: it was not.
-float rf_accept( const RfAcceptance* acceptance, const RfCandidates* candidates, int k, RfRandomKey* key );
-
-// Connections a lane to VPLs, and does what is left to do.
-void rf_connect_vpls( RfConnectionWork* work, RfRandomKey lane, int i );
-void rf_flush_vpls( RfConnectionWork* work );
-
-// Adds the light of a connection to its lane.
-void rf_add_light( RfConnectionWork* work, int i, RfRandomKey key, RfVec3 wi, RfVec3 light, float area );
-
-// Counts up what the square of this light would be with other shares, before its balance weight.
-void rf_measure_connection( const RfConnectionWork* work, const RfConnection* connection, float light );
-
-// Finds candidates; of more than there is room for every k-th. Returns one over the probability of being among them.
-float rf_find_candidates( RfCandidates* candidates, RfRandomKey key );
-
-// Counts, for all open connections, the light paths drawn from around the solution until one is found that a connection would bend to the
+// Counts, for all open connections, the light paths drawn from around the solution until one is found from which a walk leads to the
 // same: on average one over the probability of that.
 void rf_repeat_trials( RfConnectionWork* work );
+
+// The same for connections to VPLs: trials until a particle from within the cone covers the vertex.
+void rf_repeat_vpl_trials( RfConnectionWork* work );
+
+// One over the probability that a particle covers the vertex.
+float rf_vpl_inverse_probability( const RfConnectionWork* work, const RfVplConnection* connection );
+
+// Photon mapping: what lands around the camera vertex is taken to land there, evenly over the footprint.
+void rf_estimate_density( RfConnectionWork* work );
 
 #endif

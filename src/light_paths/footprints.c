@@ -1,4 +1,4 @@
-// A tree over boxes around footprints, for all that hold a point.
+// A bounding volume hierarchy over the boxes, split at the median.
 #include "light_paths/footprints.h"
 
 #define LEAF 4

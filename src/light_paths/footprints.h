@@ -1,6 +1,6 @@
 // A tree over footprints, by the boxes around them.
-#ifndef REFRAME_KERNEL_FOOTPRINTS_H
-#define REFRAME_KERNEL_FOOTPRINTS_H
+#ifndef REFRAME_LIGHT_PATHS_FOOTPRINTS_H
+#define REFRAME_LIGHT_PATHS_FOOTPRINTS_H
 
 #include "math/vec3.h"
 

@@ -1,8 +1,244 @@
-#include "light_paths/vpls.h"
+// Draws light paths: their starts at emitters, towards points of mirrors and glass; their footprints where they land; and the
+// particles that are scattered there.
+#include "light_paths/light_paths.h"
 
 #include "base/random.h"
+#include "scene/textured.h"
 
 #include <string.h>
+
+#define MOST_REACH 0.3f       // of directions: a chord
+#define MOST_SHIFT 0.1f       // of the rays of infinite lights, in radii of the scene
+#define RARE_FOOTPRINT 4.0f   // times as large as others, at most
+#define FOOTPRINT_MARGIN 1.3f // over what derivatives or planes tell
+#define LEAST_COSINE 0.2f     // at which light lands, for footprints
+
+static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
+
+// How the chain's end moves over the surface at p: the eigenvectors of what steers it, longer first.
+static bool find_moves( const RfChain* chain, RfVec3 p, RfVec3 normal, RfVec3 moves[2], float axis[2], float stretch[2] )
+{
+    RfVec3 meet, m[2], d = chain->end.d;
+    if ( !rf_meet_plane( &chain->end, p, d, &meet, m ) )
+        return false;
+    float cosine = rf_dot( normal, d ), away = copysignf( rf_maxf( fabsf( cosine ), LEAST_COSINE ), cosine );
+    for ( int k = 0; k < 2; ++k )
+        m[k] = rf_madd( m[k], d, -rf_dot( m[k], normal ) / away );
+    float a = rf_dot( m[0], m[0] ), b = rf_dot( m[0], m[1] ), c = rf_dot( m[1], m[1] ), half = 0.5f * ( a - c );
+    float root = sqrtf( half * half + b * b ), phi = 0.5f * atan2f( b, half );
+    axis[0] = cosf( phi );
+    axis[1] = sinf( phi );
+    moves[0] = rf_add( rf_scale( m[0], axis[0] ), rf_scale( m[1], axis[1] ) );
+    moves[1] = rf_sub( rf_scale( m[1], axis[0] ), rf_scale( m[0], axis[1] ) );
+    stretch[0] = FOOTPRINT_MARGIN * sqrtf( 0.5f * ( a + c ) + root );
+    stretch[1] = FOOTPRINT_MARGIN * rf_length( moves[1] );
+    return stretch[0] > 0.0f;
+}
+
+// How far a footprint of at most this radius allows connections to reach in each axis.
+static void find_most( float radius, float limit, const float stretch[2], float most[2] )
+{
+    most[0] = rf_minf( limit, radius / stretch[0] );
+    most[1] = rf_minf( limit, radius / rf_maxf( stretch[1], 1e-6f * stretch[0] ) );
+}
+
+// As far in both axes as the area takes; what is cut off one is added to the other.
+static void set_reach( float area, const float most[2], RfReach* reach )
+{
+    reach->along = rf_minf( sqrtf( area ), most[0] );
+    reach->across = rf_minf( area / reach->along, most[1] );
+}
+
+RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
+                               RfVec3 normal )
+{
+    RfVec3 moves[2];
+    RfFootprint f = { .most = 0.0f };
+    float stretch[2], limit = chain->start.infinite ? MOST_SHIFT * lights->radius : MOST_REACH;
+    if ( !( pdf > 0.0f ) || !find_moves( chain, p, normal, moves, f.reach.axis, stretch ) )
+        return f;
+    float area = paths->connections / ( RF_PI * (float)paths->emitted * pdf ), most[2], least_most[2];
+    find_most( paths->most_radius, limit, stretch, most );
+    find_most( RARE_FOOTPRINT * paths->most_radius, limit, stretch, least_most );
+    f.most = RF_PI * most[0] * most[1];
+    f.rare_most = RF_PI * least_most[0] * least_most[1];
+    set_reach( area, most, &f.reach );
+    float rare = paths->rare_connections / paths->connections * area;
+    if ( f.reach.along * f.reach.across < rare )
+        set_reach( rare, least_most, &f.reach );
+    RfVec3 a = rf_scale( moves[0], FOOTPRINT_MARGIN * f.reach.along ),
+           b = rf_scale( moves[1], FOOTPRINT_MARGIN * f.reach.across );
+    float thick = sqrtf( rf_length( a ) * rf_length( b ) );
+    f.half = rf_vec3( sqrtf( a.x * a.x + b.x * b.x ) + thick, sqrtf( a.y * a.y + b.y * b.y ) + thick,
+                      sqrtf( a.z * a.z + b.z * b.z ) + thick );
+    f.radius = f.reach.along * stretch[0];
+    return f;
+}
+
+float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float area, float steer_pdf, RfVec3 p )
+{
+    const RfEmission* e = &chain->start;
+    RfVec3 meet, m[2];
+    if ( e->infinite || e->delta_position )
+        return 0.0f;
+    if ( !rf_meet_plane( &chain->end, p, chain->end.d, &meet, m ) )
+        return INFINITY;
+    float spread = fabsf( rf_dot( rf_cross( m[0], m[1] ), chain->end.d ) ), cosine = rf_dot( e->normal, e->direction );
+    float starts = e->pdf_light * e->pdf_area * spread / rf_maxf( cosine, 1e-6f ); // per solid angle at p
+    float connections = (float)paths->emitted * area * steer_pdf * starts;
+    return connections > 0.0f ? 1.0f / connections : INFINITY;
+}
+
+#define MOST_PARTICLE_FOOTPRINT 4.0f // in those of light paths
+#define PARTICLES 0x9e3779b9u        // makes the key of what is scattered
+
+// The bytes of the particles of n light paths, and their layout in memory of that size.
+static size_t scattered_bytes( size_t n )
+{
+    n *= RF_SCATTERED_PER_PATH;
+    return aligned( n * sizeof( RfScatteredPath ) ) + aligned( n * sizeof( uint32_t ) ) +
+           aligned( n * sizeof( RfFootprintNode ) );
+}
+
+static void lay_out_scattered( RfLightPaths* paths, void* memory )
+{
+    size_t n = (size_t)paths->emitted * RF_SCATTERED_PER_PATH;
+    char* at = memory;
+    paths->scattered = (RfScatteredPath*)(void*)at;
+    at += aligned( n * sizeof( RfScatteredPath ) );
+    paths->scattered_tree = ( RfFootprintTree ){ .boxes = (const char*)paths->scattered, .stride = sizeof *paths->scattered };
+    paths->scattered_tree.order = (uint32_t*)(void*)at;
+    paths->scattered_tree.node = (RfFootprintNode*)(void*)( at + aligned( n * sizeof( uint32_t ) ) );
+    paths->vpl_connections = RF_VPL_CONNECTIONS / (float)paths->emitted;
+}
+
+static RfVec3 shading_normal( const RfScene* scene, const RfMaterial* m, const RfTriangleRecord* t, const RfVpl* vpl, float side )
+{
+    RfVec3 n = vpl->ng;
+    if ( !t->flat )
+    {
+        RfVec3 raw = rf_add( t->n0, rf_add( rf_scale( t->d1, vpl->u ), rf_scale( t->d2, vpl->v ) ) );
+        float length2 = rf_dot( raw, raw );
+        raw = rf_scale( raw, side / sqrtf( rf_maxf( length2, 1e-30f ) ) );
+        n = rf_dot( raw, vpl->ng ) > 0.0f && length2 > 1e-12f ? raw : n;
+    }
+    if ( m->textured == NULL || m->textured->refs[RF_TEXTURE_NORMAL].texture < 0 )
+        return n;
+    return rf_scale( rf_normal_at( scene, m, vpl->triangle, vpl->u, vpl->v, rf_scale( n, side ), t->ng ), side );
+}
+
+// Sets path->vpl from where its chain, that of lane `i`, landed.
+static void set_vpl( const RfTracer* tracer, const RfLightPaths* paths, const RfChain* chain, const RfLanding* land, int i,
+                     RfLightPath* path )
+{
+    RfVpl* vpl = &path->vpl;
+    const RfScene* scene = rf_tracer_scene( tracer );
+    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + land->triangle[i];
+    const RfMaterial* m = scene->materials + t->material;
+    RfVec3 wi = rf_scale( path->end.d, -1.0f );
+    float side = rf_dot( t->ng, wi ) < 0.0f ? -1.0f : 1.0f, step[2], miss, spread = 0.0f;
+    *vpl = ( RfVpl ){
+        .ng = rf_scale( t->ng, side ), .triangle = land->triangle[i], .u = land->u[i], .v = land->v[i], .offset = land->offset[i]
+    };
+    vpl->n = shading_normal( scene, m, t, vpl, side );
+    float shape = m->alpha;
+    if ( m->textured != NULL )
+    {
+        RfMaterial here;
+        rf_material_at( scene, m, vpl->triangle, vpl->u, vpl->v, &here );
+        shape = here.alpha;
+    }
+    bool reached = rf_newton_step( &path->end, path->at.p, vpl->ng, step, &miss, &spread );
+    vpl->area = rf_reach_area( &path->reach ) * spread / paths->connections;
+    vpl->share = rf_connection_weight( paths, path->chance, -rf_dot( vpl->n, path->end.d ), 2 );
+    vpl->falloff =
+        rf_emission_falloff( &path->start, chain->way + rf_length( rf_sub( path->at.p, chain->vertex[chain->length - 1].p ) ) );
+    vpl->scatters = reached && rf_may_scatter( tracer, chain ) && vpl->falloff > 0.0f && path->length > 0 &&
+                    rf_is_matte( m->kind, shape ) && rf_dot( vpl->n, wi ) > 0.0f;
+}
+
+float rf_scattered_radius( const RfLightPaths* paths, const RfLightPath* path, RfVec3 hit, RfVec3 ng )
+{
+    RfVec3 way = rf_sub( hit, rf_vpl_start( path ) );
+    float distance = rf_length( way ), inverse = 1.0f / rf_maxf( distance, 1e-20f );
+    float leaves = rf_dot( way, path->vpl.ng ) * inverse, lands = fabsf( rf_dot( way, ng ) ) * inverse;
+    float radius = FOOTPRINT_MARGIN * sqrtf( rf_vpl_cone( paths, leaves ) ) * distance / rf_maxf( lands, LEAST_COSINE );
+    return rf_minf( radius, MOST_PARTICLE_FOOTPRINT * paths->most_radius );
+}
+
+// A direction by the cosine. Particle `number` of the set, from a sequence of low discrepancy (Roberts, R2).
+static RfVec3 draw_direction( RfRandomKey shift, uint32_t number, RfVec3 n )
+{
+    double a = (double)number * 0.75487766624669276 + (double)rf_random( shift, 2 );
+    double b = (double)number * 0.56984029099805327 + (double)rf_random( shift, 3 );
+    float u = (float)( a - floor( a ) ), phi = 2.0f * RF_PI * (float)( b - floor( b ) ), sine = sqrtf( u );
+    RfVec3 t, s;
+    rf_basis( n, &t, &s );
+    RfVec3 across = rf_add( rf_scale( t, sine * cosf( phi ) ), rf_scale( s, sine * sinf( phi ) ) );
+    return rf_normalize( rf_madd( across, n, sqrtf( rf_maxf( 1.0f - u, 0.0f ) ) ) );
+}
+
+// Particles `first` and those that follow it.
+static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* paths, RfRandomKey shift, uint32_t first,
+                               uint32_t count )
+{
+    const RfTriangleRecord* triangles = rf_tracer_triangles( group->tracer );
+    const RfMaterial* materials = rf_tracer_scene( group->tracer )->materials;
+    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], u[RF_CHAIN_BLOCK], v[RF_CHAIN_BLOCK];
+    uint32_t hit[RF_CHAIN_BLOCK], number[RF_CHAIN_BLOCK];
+    int rays = 0;
+    for ( uint32_t k = first; k < first + count; ++k )
+    {
+        const RfLightPath* path = paths->path + k / RF_SCATTERED_PER_PATH;
+        paths->scattered[k].at.half.x = 0.0f;
+        if ( !path->vpl.scatters )
+            continue;
+        RfVec3 from = rf_vpl_start( path ), way = draw_direction( shift, k, path->vpl.ng );
+        rf_put_ray( o, d, rays, from, way );
+        number[rays++] = k;
+    }
+    const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
+    rf_trace_nearest( group->tracer, rays, from, way, false, hit, u, v );
+    for ( int k = 0; k < rays; ++k )
+    {
+        if ( hit[k] == RF_MISS || materials[triangles[hit[k]].material].kind >= RF_BSDF_FIRST_SPECULAR )
+            continue;
+        const RfTriangleRecord* t = triangles + hit[k];
+        uint32_t path = number[k] / RF_SCATTERED_PER_PATH;
+        RfVec3 p = rf_hit_point( t, u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ), rf_vec3( d[0][k], d[1][k], d[2][k] ) ).p;
+        float radius = rf_scattered_radius( paths, paths->path + path, p, t->ng );
+        paths->scattered[number[k]] = ( RfScatteredPath ){ { p, rf_vec3( radius, radius, radius ) }, path };
+    }
+    return (uint64_t)rays;
+}
+
+// Draws what the stored paths scatter. Returns the rays traced.
+static uint64_t scatter_light_paths( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key )
+{
+    RfRandomKey shift = rf_pixel_key( pass_key ^ PARTICLES, UINT32_MAX );
+    uint32_t count = paths->count * RF_SCATTERED_PER_PATH;
+    int blocks = (int)( ( count + RF_CHAIN_BLOCK - 1 ) / RF_CHAIN_BLOCK );
+    uint64_t rays = 0;
+#pragma omp parallel num_threads( group->settings->threads ) reduction( + : rays )
+    {
+        rf_set_float_mode();
+#pragma omp for schedule( dynamic, 4 )
+        for ( int b = 0; b < blocks; ++b )
+        {
+            uint32_t first = (uint32_t)b * RF_CHAIN_BLOCK, left = count - first;
+            rays += scatter_block( group, paths, shift, first, left < RF_CHAIN_BLOCK ? left : RF_CHAIN_BLOCK );
+        }
+    }
+    paths->scattered_count = 0;
+    for ( uint32_t k = 0; k < count; ++k )
+    {
+        if ( paths->scattered[k].at.half.x > 0.0f )
+            paths->scattered[paths->scattered_count++] = paths->scattered[k];
+    }
+    paths->scattered_tree.count = paths->scattered_count;
+    rf_build_footprints( &paths->scattered_tree );
+    return rays;
+}
 
 #define CONNECTIONS 3.0f      // c
 #define MOST_FOOTPRINT 0.05f  // of half the axes, in radii of the scene
@@ -21,20 +257,19 @@ enum
 
 static uint32_t in_blocks( double n ) { return (uint32_t)ceil( n / RF_CHAIN_BLOCK ) * RF_CHAIN_BLOCK; }
 
-uint32_t rf_light_path_count( const RfEstimatorGroup* group )
+// How many light paths serve a pass of a group.
+static uint32_t light_path_count( const RfEstimatorGroup* group )
 {
     double wanted = PATHS_PER_PIXEL * group->width * group->height * group->eye_count;
     uint32_t n = wanted < LEAST_PATHS ? LEAST_PATHS : wanted > MOST_PATHS ? MOST_PATHS : (uint32_t)wanted;
     return in_blocks( (double)n );
 }
 
-static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
-
 size_t rf_light_paths_bytes( const RfEstimatorGroup* group )
 {
-    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
+    size_t n = light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
     return aligned( sizeof( RfLightPaths ) ) + aligned( n * sizeof( RfLightPath ) ) + aligned( n * sizeof( uint32_t ) ) +
-           aligned( n * sizeof( RfFootprintNode ) ) + rf_scattered_bytes( n ) + aligned( s * sizeof( uint32_t ) ) +
+           aligned( n * sizeof( RfFootprintNode ) ) + scattered_bytes( n ) + aligned( s * sizeof( uint32_t ) ) +
            aligned( s * sizeof( double ) ) + aligned( s * sizeof( float ) ) +
            aligned( ( group->traits.materials + 1 ) * sizeof( bool ) ) + aligned( l * sizeof( uint32_t ) ) +
            aligned( l * sizeof( double ) );
@@ -123,7 +358,7 @@ static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
 // The surfaces are listed once; groups at the ends of a camera's path have fewer light paths than others.
 static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
 {
-    size_t n = rf_light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
+    size_t n = light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
     char* at = memory;
     RfLightPaths* paths = take( &at, sizeof *paths );
     paths->share = paths->share > 0.0f ? paths->share : 1.0f;
@@ -138,7 +373,7 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     paths->tree = ( RfFootprintTree ){ .boxes = (const char*)&paths->path->at, .stride = sizeof *paths->path };
     paths->tree.order = take( &at, n * sizeof *paths->tree.order );
     paths->tree.node = take( &at, n * sizeof *paths->tree.node );
-    rf_lay_out_scattered( paths, take( &at, rf_scattered_bytes( n ) ) );
+    lay_out_scattered( paths, take( &at, scattered_bytes( n ) ) );
     paths->connections = CONNECTIONS;
     paths->rare_connections = RARE_CONNECTIONS;
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
@@ -266,7 +501,7 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
         path->light = rf_luminance( path->flux ) / ( path->reach.along * path->reach.across );
         if ( !( path->reach.along > 0.0f && path->light > 0.0f && path->light < INFINITY ) )
             path->length = 0;
-        rf_set_vpl( group->tracer, paths, c, &land, i, path );
+        set_vpl( group->tracer, paths, c, &land, i, path );
     }
     return rays;
 }
@@ -291,5 +526,5 @@ void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory 
     }
     paths->tree.count = paths->count;
     rf_build_footprints( &paths->tree );
-    paths->rays = rays + rf_scatter_light_paths( group, paths, key );
+    paths->rays = rays + scatter_light_paths( group, paths, key );
 }

@@ -1,14 +1,14 @@
-// Light paths: from emitters to mirrors or glass, through them, and to the first surface that can be asked. They know no
-// eye, so a set of them serves all frames of a group. src/reuse/estimators.md, section 16.
+// Light paths: from emitters to mirrors or glass, through them, and to the first non-specular surface. They know no
+// camera, so a set of them serves all frames of a group. src/reuse/estimators.md, section 16.
 #ifndef REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
 #define REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
 
-#include "light_paths/chain.h"
 #include "light_paths/footprints.h"
-#include "light_paths/reach.h"
+#include "light_paths/manifold_walk.h"
+#include "path/wavefront.h"
 #include "render/estimator.h"
 
-#define RF_TRIAL_CONNECTIONS 8.0f        // of an eye's first vertex
+#define RF_TRIAL_CONNECTIONS 8.0f        // of a camera ray's first vertex
 #define RF_TRIAL_CONNECTIONS_BEYOND 1.0f // of others
 #define RF_TRIED 0.3f                    // of these where other light is as strong
 
@@ -55,7 +55,7 @@ typedef struct RfLightPaths
     bool measures;          // connections tell what their error would be with other shares (RfConnectionLanes)
     uint32_t emitted;       // n, with those that came to nothing
     uint32_t count;         // stored
-    float connections;      // c: connections that an eye vertex finds per way in which light comes to it, on average
+    float connections;      // c: connections that a camera vertex finds per way in which light comes to it, on average
     float rare_connections; // likewise, where footprints are cut
     float most_radius;      // of footprints
     RfLightPath* path;
@@ -77,9 +77,6 @@ typedef struct RfLightPaths
     double* light_cumulative; // of their powers
     uint64_t rays;            // traced for this set
 } RfLightPaths;
-
-// How many light paths serve a pass of a group.
-uint32_t rf_light_path_count( const RfEstimatorGroup* group );
 
 // The bytes of a set, and its layout in memory of that size, aligned to 64.
 size_t rf_light_paths_bytes( const RfEstimatorGroup* group );
@@ -132,5 +129,30 @@ typedef struct RfFootprint
 } RfFootprint;
 RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
                                RfVec3 normal );
+
+// Particles: what is scattered where light paths land. A camera vertex in the footprint of a particle is connected to the VPL
+// that it comes from.
+#define RF_SCATTERED_PER_PATH 2u
+#define RF_VPL_CONNECTIONS 3.0f // that a point finds, on average
+
+// Whether VPLs are connected where a chain ends. Not inside of bodies, where flux and radiance scale differently, and nowhere
+// if rays pass surfaces by chance.
+static inline bool rf_may_scatter( const RfTracer* tracer, const RfChain* chain )
+{
+    return !chain->ends_inside && !rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );
+}
+
+// Where rays start at the VPL.
+static inline RfVec3 rf_vpl_start( const RfLightPath* path ) { return rf_madd( path->at.p, path->vpl.ng, path->vpl.offset ); }
+
+// The squared sine of the cone around the way to a point, which leaves the VPL at this cosine: particles whose direction
+// lies in it cover the point. With one over the cosine as many connections are found everywhere.
+static inline float rf_vpl_cone( const RfLightPaths* paths, float cosine )
+{
+    return paths->vpl_connections / ( (float)RF_SCATTERED_PER_PATH * rf_maxf( cosine, RF_LEAST_VPL_COSINE ) );
+}
+
+// The footprints of particles: points further away are not covered. `hit`: where they landed.
+float rf_scattered_radius( const RfLightPaths* paths, const RfLightPath* path, RfVec3 hit, RfVec3 ng );
 
 #endif

@@ -19,15 +19,15 @@
 #define CLOSE 2e-3f
 
 // The chain of a light path bent to a point near to where it lands.
-static bool bend( const RfTracer* tracer, const RfLightPath* path, RfVec3 y, RfVec3 n, RfChain* chain )
+static bool walk( const RfTracer* tracer, const RfLightPath* path, RfVec3 y, RfVec3 n, RfChain* chain )
 {
-    RfBend b = { .y = y, .n = n, .most = rf_scaled_reach( &path->reach, RF_STEP_MARGIN ), .active = true };
+    RfManifoldWalk b = { .y = y, .n = n, .most = rf_scaled_reach( &path->reach, RF_STEP_MARGIN ), .active = true };
     uint64_t rays = 0;
     b.at.start = path->start;
     b.at.events = path->events;
     b.at.length = path->length;
     b.at.end = path->end;
-    rf_bend_chains( tracer, 1, &b, &rays );
+    rf_walk_manifold( tracer, 1, &b, &rays );
     *chain = b.at;
     return b.met;
 }
@@ -82,7 +82,7 @@ static void check_path( const RfTracer* tracer, const RfLightPathConnector* conn
     rf_basis( n, &t, &b );
     n = rf_normalize( rf_madd( n, b, 0.5f ) );
     RfVec3 y = rf_madd( path->at.p, t, 0.3f * rf_minf( path->at.half.x, rf_minf( path->at.half.y, path->at.half.z ) ) );
-    if ( !bend( tracer, path, y, n, &chain ) || !follow( tracer, &chain, y, n, vertex, &trail, &emitter, &point ) )
+    if ( !walk( tracer, path, y, n, &chain ) || !follow( tracer, &chain, y, n, vertex, &trail, &emitter, &point ) )
         return;
     float pdf = rf_steer_pdf( paths, &chain );
     RfReach reach = rf_find_footprint( paths, rf_tracer_lights( tracer ), &chain, pdf, y, n ).reach;

@@ -33,19 +33,19 @@ static bool solve_connection( const LightPathSet* s, const RfLightPath* path, fl
     v->ng[0][0] = n.x;
     v->ng[1][0] = n.y;
     v->ng[2][0] = n.z;
-    RfBend bend = { .y = y, .n = n, .most = rf_scaled_reach( &path->reach, RF_STEP_MARGIN ), .active = true };
+    RfManifoldWalk walk = { .y = y, .n = n, .most = rf_scaled_reach( &path->reach, RF_STEP_MARGIN ), .active = true };
     uint64_t rays = 0;
-    bend.at.start = path->start;
-    bend.at.events = path->events;
-    bend.at.length = path->length;
-    bend.at.end = path->end;
-    rf_bend_chains( s->tracer, 1, &bend, &rays );
-    if ( !bend.met )
+    walk.at.start = path->start;
+    walk.at.events = path->events;
+    walk.at.length = path->length;
+    walk.at.end = path->end;
+    rf_walk_manifold( s->tracer, 1, &walk, &rays );
+    if ( !walk.met )
         return false;
-    *connection = ( RfConnection ){ .path = path, .chain = bend.at, .open = true };
+    *connection = ( RfConnection ){ .path = path, .chain = walk.at, .open = true };
     connection->reach =
-        rf_find_footprint( s->paths, rf_tracer_lights( s->tracer ), &bend.at, rf_steer_pdf( s->paths, &bend.at ), y, n ).reach;
-    return rf_reach_to( &connection->reach, &bend.at.start, &path->start ) <= 1.0f;
+        rf_find_footprint( s->paths, rf_tracer_lights( s->tracer ), &walk.at, rf_steer_pdf( s->paths, &walk.at ), y, n ).reach;
+    return rf_reach_to( &connection->reach, &walk.at.start, &path->start ) <= 1.0f;
 }
 
 // Repeats the trial of one connection as 64 connections with random numbers of their own, `first` and those that follow.
@@ -55,8 +55,8 @@ static void count_repeats( RfConnectionWork* work, const RfConnection* connectio
     {
         work->connection[k] = *connection;
         work->connection[k].repeats = 1.0f;
-        work->bend[k].y = rf_start_of( work->v, 0 );
-        work->bend[k].n = rf_lane_of( work->v->ng, 0 );
+        work->walk[k].y = rf_start_of( work->v, 0 );
+        work->walk[k].n = rf_lane_of( work->v->ng, 0 );
         work->connection[k].key = rf_pixel_key( 77, first + (uint32_t)k );
     }
     work->count = RF_CHAIN_BLOCK;
@@ -66,7 +66,7 @@ static void count_repeats( RfConnectionWork* work, const RfConnection* connectio
 }
 
 // The share of starts, drawn evenly around the solution, from which it is found.
-static double count_found( const LightPathSet* s, const RfConnection* connection, const RfBend* target )
+static double count_found( const LightPathSet* s, const RfConnection* connection, const RfManifoldWalk* target )
 {
     const RfTriangleRecord* triangles = rf_tracer_triangles( s->tracer );
     int found = 0;
@@ -74,8 +74,8 @@ static double count_found( const LightPathSet* s, const RfConnection* connection
     for ( uint32_t k = 0; k < TRIALS; ++k )
     {
         RfRandomKey key = rf_pixel_key( 99, k );
-        RfBend bend = *target;
-        RfChain* chain = &bend.at;
+        RfManifoldWalk walk = *target;
+        RfChain* chain = &walk.at;
         RfVec3 t, b;
         // evenly over the chords, by rejection from the disc around the ellipse
         float r = rf_maxf( connection->reach.along, connection->reach.across ), x, z, chord2;
@@ -98,11 +98,11 @@ static double count_found( const LightPathSet* s, const RfConnection* connection
             continue;
         RfFootprint f = rf_find_footprint( s->paths, rf_tracer_lights( s->tracer ), chain, rf_steer_pdf( s->paths, chain ),
                                            land.p[0], triangles[land.triangle[0]].ng );
-        RfVec3 apart = rf_sub( bend.y, land.p[0] );
-        bend.active = fabsf( apart.x ) <= f.half.x && fabsf( apart.y ) <= f.half.y && fabsf( apart.z ) <= f.half.z;
-        bend.most = rf_scaled_reach( &f.reach, RF_STEP_MARGIN );
-        rf_bend_chains( s->tracer, 1, &bend, &rays );
-        found += bend.met && rf_reach_to( &connection->reach, &connection->chain.start, &chain->start ) <= 0.05f * 0.05f;
+        RfVec3 apart = rf_sub( walk.y, land.p[0] );
+        walk.active = fabsf( apart.x ) <= f.half.x && fabsf( apart.y ) <= f.half.y && fabsf( apart.z ) <= f.half.z;
+        walk.most = rf_scaled_reach( &f.reach, RF_STEP_MARGIN );
+        rf_walk_manifold( s->tracer, 1, &walk, &rays );
+        found += walk.met && rf_reach_to( &connection->reach, &connection->chain.start, &chain->start ) <= 0.05f * 0.05f;
     }
     return (double)found / TRIALS;
 }
@@ -127,7 +127,8 @@ static void test_repeated_trials_are_one_over_the_probability( void** state )
         double sum = 0.0;
         for ( uint32_t k = 0; k < TRIALS; k += RF_CHAIN_BLOCK )
             count_repeats( &work, &connection, k, &sum );
-        RfBend target = { .y = rf_vec3( v.p[0][0], v.p[1][0], v.p[2][0] ), .n = rf_vec3( v.ng[0][0], v.ng[1][0], v.ng[2][0] ) };
+        RfManifoldWalk target = { .y = rf_vec3( v.p[0][0], v.p[1][0], v.p[2][0] ),
+                                  .n = rf_vec3( v.ng[0][0], v.ng[1][0], v.ng[2][0] ) };
         double p = count_found( &s, &connection, &target ), mean = sum / TRIALS;
         // the mean of a geometric distribution has the variance ( 1 − p ) / p²; few trials may know no failure
         double fails = fmax( 1.0 - p, 4.0 / TRIALS ), sigma = sqrt( fails * ( 1.0 + 1.0 / p ) / ( p * p * TRIALS ) );

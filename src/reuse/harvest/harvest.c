@@ -604,7 +604,7 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     rf_trace_hit_tails( &connected, scratch, rays );
     for ( int j = 0; j < harvest->path.light_samples; ++j )
         rf_note_lit( &connected.path, &scratch->wavefront, scratch->direct + j, j, scratch->hits->count );
-    rf_connection_vertices( &connector, &scratch->wavefront, NULL, scratch->hits, 1 );
+    rf_connect_vertices( &connector, &scratch->wavefront, NULL, scratch->hits, 1 );
 }
 
 static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,

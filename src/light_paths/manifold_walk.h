@@ -1,13 +1,57 @@
-// Delta chains seen from the light: from an emitter through mirrors and smooth glass to where they leave. A chain is
-// steered by two numbers, the direction of a light with a place, or the place of a ray of an infinite light; its
-// differentials tell how its end moves (Igehy, Tracing Ray Differentials, 1999), and how its start moves when the end stays.
-// src/reuse/estimators.md, section 16.
-#ifndef REFRAME_KERNEL_CHAIN_H
-#define REFRAME_KERNEL_CHAIN_H
+// Specular chains as seen from the light, and the manifold walk that moves one so that it arrives at a point. A chain goes
+// from an emitter through mirrors and smooth glass to where it leaves. It is steered by two numbers, the direction of a light
+// with a place, or the place of a ray of an infinite light; its differentials tell how its end moves (Igehy, Tracing Ray
+// Differentials, 1999), and how its start moves when the end stays. src/reuse/estimators.md, section 16.
+#ifndef REFRAME_LIGHT_PATHS_MANIFOLD_WALK_H
+#define REFRAME_LIGHT_PATHS_MANIFOLD_WALK_H
 
 #include "base/random.h"
 #include "light/emission.h"
 #include "trace/trace.h"
+
+// How far connections reach in what steers a chain: an ellipse around its start, in the plane of rf_basis of the direction: chords of the sphere of directions, or metres.
+typedef struct RfReach
+{
+    float axis[2];       // unit, of `along`
+    float along, across; // half the axes
+} RfReach;
+
+static inline float rf_reach_area( const RfReach* reach ) { return RF_PI * reach->along * reach->across; }
+
+// The squared distance from its middle; 1: the edge.
+static inline float rf_reach_squared( const RfReach* reach, float x, float y )
+{
+    float a = ( x * reach->axis[0] + y * reach->axis[1] ) / reach->along,
+          b = ( y * reach->axis[0] - x * reach->axis[1] ) / reach->across;
+    return a * a + b * b;
+}
+
+static inline RfReach rf_scaled_reach( const RfReach* reach, float scale )
+{
+    return ( RfReach ){ { reach->axis[0], reach->axis[1] }, scale * reach->along, scale * reach->across };
+}
+
+// The squared distance of a start from the middle. Of directions by Lambert's projection, which keeps areas.
+static inline float rf_reach_to( const RfReach* reach, const RfEmission* middle, const RfEmission* e )
+{
+    RfVec3 t, b, apart = e->infinite ? rf_sub( e->position, middle->position ) : rf_sub( e->direction, middle->direction );
+    rf_basis( middle->direction, &t, &b );
+    float x = rf_dot( apart, t ), y = rf_dot( apart, b ), flat = sqrtf( x * x + y * y );
+    float scale = e->infinite || !( flat > 0.0f ) ? 1.0f : rf_length( apart ) / flat;
+    return rf_reach_squared( reach, scale * x, scale * y );
+}
+
+// A point of the ellipse, evenly for u and v from [0, 1): the chord from the middle, and its unit direction.
+static inline RfVec3 rf_sample_reach( const RfReach* reach, RfVec3 direction, float u, float v, float* chord )
+{
+    RfVec3 t, b;
+    float phi = 2.0f * RF_PI * v, a = reach->along * sqrtf( u ) * cosf( phi ), c = reach->across * sqrtf( u ) * sinf( phi );
+    float x = a * reach->axis[0] - c * reach->axis[1], y = a * reach->axis[1] + c * reach->axis[0];
+    *chord = sqrtf( a * a + c * c );
+    float inverse = *chord > 0.0f ? 1.0f / *chord : 0.0f;
+    rf_basis( direction, &t, &b );
+    return rf_add( rf_scale( t, x * inverse ), rf_scale( b, y * inverse ) );
+}
 
 // A ray with its derivatives by two parameters.
 typedef struct RfRayPair
@@ -113,5 +157,24 @@ static inline float rf_flux_over_radiance( const RfChain* chain )
     }
     return scale;
 }
+
+// A chain on its way to a point.
+typedef struct RfManifoldWalk
+{
+    RfChain at;   // the best so far
+    RfVec3 y;     // to be met
+    RfVec3 n;     // unit geometric normal there
+    RfReach most; // refuses first steps beyond this
+    bool active;
+    bool met; // out: `at` meets y
+} RfManifoldWalk;
+
+// The step of Newton's method from a ray towards y; by how far it misses; the area on the plane per unit of what steers.
+// False: there is none.
+bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss, float* spread );
+
+// Walks the active ones of `count` ≤ RF_CHAIN_BLOCK chains. Of `at` only start, events, length and end need be set. Whether
+// and where it succeeds depends on these and on y alone.
+void rf_walk_manifold( const RfTracer* tracer, int count, RfManifoldWalk* walks, uint64_t* rays );
 
 #endif

@@ -1,0 +1,179 @@
+// What the light of a connection is divided by: the probability that such a connection is found (src/reuse/estimators.md,
+// section 16). Exactly, by repeated trials; by the area that connections reach over, as if all of it led to the vertex; or not
+// at all, as photon mapping does (--kernel-normalization exact, disc and density).
+#include "light_paths/connections_internal.h"
+
+#define MOST_REPEATS 4096 // so many are never needed but for rounding
+#define SAME 0.05f        // solutions closer than this, in reaches, are one
+
+// Draws what steers evenly from all within reach of the solution. False: nothing is emitted there.
+static bool draw_start( const RfConnectionWork* w, const RfConnection* connection, uint32_t trial, RfEmission* e )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    *e = connection->chain.start;
+    float chord;
+    RfVec3 across = rf_sample_reach( &connection->reach, e->direction, rf_random( connection->key, 2 * trial ),
+                                     rf_random( connection->key, 2 * trial + 1 ), &chord );
+    if ( e->infinite )
+    {
+        e->position = rf_madd( e->position, across, chord );
+        return true;
+    }
+    float versine = 0.5f * chord * chord, sine = sqrtf( versine * ( 2.0f - versine ) );
+    RfVec3 d = rf_normalize( rf_madd( rf_scale( across, sine ), e->direction, 1.0f - versine ) );
+    return rf_emit_towards( rf_tracer_lights( tracer ), rf_tracer_scene( tracer ), d, e );
+}
+
+// One more trial of the connections that are pending: light paths from around the solution, until one is found that a walk
+// would lead to the same. Returns how many are pending still.
+static int try_again( RfConnectionWork* w, uint32_t trial, bool* pending )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfLightPaths* paths = w->settings->paths;
+    RfChain* chains[RF_CHAIN_BLOCK];
+    bool active[RF_CHAIN_BLOCK];
+    RfLanding land;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        const RfConnection* connection = w->connection + k;
+        RfManifoldWalk* walk = w->walk + k;
+        chains[k] = &walk->at;
+        walk->active = active[k] = pending[k] && draw_start( w, connection, trial, &walk->at.start );
+        walk->at.events = connection->chain.events;
+        walk->at.length = connection->chain.length;
+        w->out->trials += pending[k];
+    }
+    rf_walk_chains( tracer, RF_CHAIN_COPY, NULL, active, w->count, chains, &land, &w->out->rays );
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfManifoldWalk* walk = w->walk + k;
+        if ( !active[k] || walk->at.length == 0 )
+        {
+            walk->active = false;
+            continue;
+        }
+        const RfConnection* connection = w->connection + k;
+        RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &walk->at, rf_steer_pdf( paths, &walk->at ),
+                                                   land.p[k], triangles[land.triangle[k]].ng );
+        RfFootprintBox box = { land.p[k], footprint.half };
+        walk->most = rf_scaled_reach( &footprint.reach, RF_STEP_MARGIN );
+        walk->active = footprint.reach.along > 0.0f && rf_box_holds( &box, rf_start_of( w->v, connection->lane ) );
+    }
+    rf_walk_manifold( tracer, w->count, w->walk, &w->out->rays );
+    int left = 0;
+    for ( int k = 0; k < w->count; ++k )
+    {
+        if ( !pending[k] )
+            continue;
+        RfConnection* connection = w->connection + k;
+        const RfManifoldWalk* walk = w->walk + k;
+        bool same = walk->met && rf_reach_to( &connection->reach, &connection->chain.start, &walk->at.start ) <= SAME * SAME;
+        pending[k] = !same;
+        connection->repeats += pending[k] ? 1.0f : 0.0f;
+        left += pending[k];
+    }
+    return left;
+}
+
+void rf_repeat_trials( RfConnectionWork* w )
+{
+    bool pending[RF_CHAIN_BLOCK];
+    int left = 0;
+    for ( int k = 0; k < w->count; ++k )
+        left += pending[k] = w->connection[k].open;
+    for ( uint32_t trial = 0; left > 0 && trial < MOST_REPEATS; ++trial )
+        left = try_again( w, trial, pending );
+}
+
+// Draws a direction evenly from the cone. False: a VPL that scatters by the cosine does not take it.
+static bool draw_from_cone( const RfVplConnection* connection, uint32_t trial, RfVec3* d )
+{
+    float versine = connection->versine * rf_random( connection->key, 3 * trial );
+    float phi = 2.0f * RF_PI * rf_random( connection->key, 3 * trial + 1 ), sine = sqrtf( versine * ( 2.0f - versine ) );
+    RfVec3 t, b;
+    rf_basis( connection->d, &t, &b );
+    RfVec3 across = rf_add( rf_scale( t, cosf( phi ) ), rf_scale( b, sinf( phi ) ) );
+    *d = rf_normalize( rf_madd( rf_scale( across, sine ), connection->d, 1.0f - versine ) );
+    return rf_random( connection->key, 3 * trial + 2 ) * connection->most < rf_dot( *d, connection->path->vpl.ng );
+}
+
+// Whether a particle that lands here covers the vertex.
+static bool covers( const RfConnectionWork* w, const RfVplConnection* connection, uint32_t triangle, RfVec3 p )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    if ( rf_tracer_scene( tracer )->materials[t->material].kind >= RF_BSDF_FIRST_SPECULAR )
+        return false;
+    float radius = rf_scattered_radius( w->settings->paths, connection->path, p, t->ng );
+    RfVec3 apart = rf_sub( rf_start_of( w->v, connection->lane ), p );
+    return rf_dot( apart, apart ) <= radius * radius;
+}
+
+// One more trial of the connections that are pending. Returns how many are pending still.
+static int try_vpls_again( RfConnectionWork* w, uint32_t trial, bool* pending )
+{
+    const RfTracer* tracer = w->settings->path->tracer;
+    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], u[RF_CHAIN_BLOCK], v[RF_CHAIN_BLOCK];
+    uint32_t hit[RF_CHAIN_BLOCK];
+    int index[RF_CHAIN_BLOCK], count = 0, left = 0;
+    for ( int k = 0; k < w->vpl_count; ++k )
+    {
+        RfVplConnection* connection = w->vpl_connection + k;
+        RfVec3 way, from = rf_vpl_start( connection->path );
+        left += pending[k];
+        w->out->trials += pending[k];
+        connection->repeats += pending[k] ? 1.0f : 0.0f;
+        if ( !pending[k] || !draw_from_cone( connection, trial, &way ) )
+            continue;
+        rf_put_ray( o, d, count, from, way );
+        index[count++] = k;
+    }
+    const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
+    rf_trace_nearest( tracer, count, from, way, false, hit, u, v );
+    w->out->rays += (uint64_t)count;
+    for ( int k = 0; k < count; ++k )
+    {
+        if ( hit[k] == RF_MISS )
+            continue;
+        RfVec3 p = rf_hit_point( rf_tracer_triangles( tracer ) + hit[k], u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ),
+                                 rf_vec3( d[0][k], d[1][k], d[2][k] ) )
+                       .p;
+        bool found = covers( w, w->vpl_connection + index[k], hit[k], p );
+        pending[index[k]] = !found;
+        left -= found;
+    }
+    return left;
+}
+
+void rf_repeat_vpl_trials( RfConnectionWork* w )
+{
+    bool pending[RF_CHAIN_BLOCK];
+    int left = 0;
+    for ( int k = 0; k < w->vpl_count; ++k )
+        left += pending[k] = w->vpl_connection[k].open;
+    for ( uint32_t trial = 0; left > 0 && trial < MOST_REPEATS; ++trial )
+        left = try_vpls_again( w, trial, pending );
+}
+
+float rf_vpl_inverse_probability( const RfConnectionWork* w, const RfVplConnection* connection )
+{
+    if ( w->settings->normalization == RF_KERNEL_EXACT )
+        return connection->repeats / ( 2.0f * connection->versine * connection->most );
+    return 1.0f / ( connection->cone * connection->cosine );
+}
+
+void rf_estimate_density( RfConnectionWork* w )
+{
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfConnection* connection = w->connection + k;
+        connection->wi = rf_scale( connection->path->end.d, -1.0f );
+        connection->light = rf_scale( connection->path->flux, connection->scale );
+        connection->reach = ( RfReach ){ { 1.0f, 0.0f }, connection->path->at.half.x, connection->path->at.half.x };
+        connection->repeats = 1.0f;
+        connection->area = INFINITY;
+        connection->open = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ) > 0.0f &&
+                           rf_dot( rf_lane_of( w->v->ng, connection->lane ), connection->wi ) > 0.0f;
+    }
+}
