@@ -1,10 +1,74 @@
-// What the library knows of AOVs besides reframe/aov.h.
+// AOVs beside what reframe/aov.h has: their sums while a frame is rendered. They are means over the own-frame samples so far,
+// and counts of the samples that landed.
 #ifndef REFRAME_FILM_AOV_H
 #define REFRAME_FILM_AOV_H
 
+#include "film/film.h"
+#include "film/pixel_filter.h"
+#include "path/lanes.h"
 #include "reframe/aov.h"
+#include "scene/eye.h"
 
 // Are 16 bits enough for it in a file? Those like colour; all others need the range or the precision of 32.
 bool rf_aov_is_half( RfAov aov );
+
+// Of the films of gradients, what differences lack (src/gradient/films.h).
+#define RF_UNSHARED_FILM 4
+
+typedef struct RfAovFilm
+{
+    // per pixel, NULL where not asked for
+    float* mean[RF_AOV_COUNT];   // rf_aov_channels floats; depth: the weight of what is there, too; alpha: two planes, the
+                                 // weight of the camera rays that missed in each half of the film
+    uint32_t* landed;            // RF_AOV_SAMPLES
+    const RfPixelFilter* filter; // of the colour, which albedo and normal have, too; NULL: the plain one
+} RfAovFilm;
+
+// Those that rf_add_to_aovs fills, from first hits.
+#define RF_FIRST_HIT_AOV_BIT( constant, name, letters, half, first_hit, what )                                                   \
+    ( ( first_hit ) ? RF_AOV_BIT( RF_AOV_##constant ) : 0u ) |
+#define RF_FIRST_HIT_AOVS ( RF_AOV_LIST( RF_FIRST_HIT_AOV_BIT ) 0u )
+
+// AOVs that have the pixel filter of the colour, as denoisers and compositors expect. Depth and motion are means over the
+// pixel's own square whatever the filter is: a filter would mix more of what is behind into them.
+#define RF_FILTERED_AOVS ( RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) )
+
+// Floats (or counts) per pixel that an AOV needs while it is rendered; `filtered`: with another than the plain filter.
+int rf_aov_film_floats( RfAov aov, bool filtered );
+
+// Sets all sums and counts to 0.
+void rf_clear_aov_film( RfAovFilm* film, int width, int height );
+
+// The camera rays of a batch and their hits.
+typedef struct RfFirstHits
+{
+    const RfVertexLanes* hits;
+    const RfRayLanes* rays;
+    const int32_t* pixel;      // of each ray, by slot: y·width + x; −1: another ray of the pass has the AOVs of its pixel
+    const float* place[2];     // in it, to the right and down, 0 to 1; NULL with the plain pixel filter
+    const uint16_t* path_rays; // traced so far beyond the camera ray, by slot; NULL: not counted
+} RfFirstHits;
+
+// What a batch adds to: the film of its own frame.
+typedef struct RfAovJob
+{
+    RfAovFilm* film;
+    const RfEye* eye;
+    const RfEye* previous; // of the path; NULL at its ends
+    const RfEye* next;
+    float weight;        // of the pass
+    float weight_before; // of all passes of the film before it
+} RfAovJob;
+
+// Adds the first hits of a batch, at most one in each pixel. Batches without common pixels
+// may be added at the same time.
+void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first );
+
+// With a filter: adds the samples of the pass that has just been traced, with its weight, to rows [first_row, end_row).
+void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight, int first_row, int end_row );
+
+// The image of an AOV: rf_aov_channels floats per pixel. `colour` are the films of the frame, the first its colour,
+// which RF_AOV_VARIANCE is taken from.
+void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image );
 
 #endif

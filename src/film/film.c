@@ -1,7 +1,6 @@
 #include "film/film.h"
 
 #include "base/fault.h"
-#include "film/film_pixel.h"
 
 #include <string.h>
 

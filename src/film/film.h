@@ -3,6 +3,8 @@
 #ifndef REFRAME_FILM_FILM_H
 #define REFRAME_FILM_FILM_H
 
+#include "base/fault.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -77,32 +79,52 @@ void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* s
 // is empty.
 void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
 
-// What can be reported of a film's relMSE.
-typedef struct RfRelmse
+// A pixel of a film in the two halves.
+typedef struct RfFilmPixel
 {
-    double likely;       // the best guess; NaN: unknown
-    double least;        // what it is at least, if the worst pixels really are as bright as they are now
-    double worst_share;  // part of `likely` that its ten worst pixels carry
-    bool is_lower_bound; // `likely` hangs on what these pixels are: only `least` is certain
-} RfRelmse;
+    double half[2][4];
+    double weight[2];
+} RfFilmPixel;
 
-// A figure that nothing more is known of.
-static inline RfRelmse rf_plain_relmse( double relmse ) { return ( RfRelmse ){ .likely = relmse, .least = relmse }; }
-
-// The figure that is reported.
-static inline double rf_reported_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }
-
-// With what is only known to be a lower bound, 19 of 20 true errors are below so many times `likely`.
-#define RF_RELMSE_DOUBT 2.0
-
-// The figure to stop by: what the error hardly exceeds.
-static inline double rf_prudent_relmse( const RfRelmse* r )
+static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
 {
-    return r->is_lower_bound ? RF_RELMSE_DOUBT * r->likely : r->likely;
+    RfFilmPixel p = { .weight = { film->weight[0], film->weight[1] } };
+    for ( int h = 0; h < 2; ++h )
+    {
+        p.weight[h] += film->extra[h] != NULL ? (double)film->extra[h][i] : 0.0;
+        for ( size_t c = 0; c < 4; ++c )
+            p.half[h][c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
+    }
+    return p;
 }
 
-// Estimated relMSE of `rgb`, the combined film, from the difference of the halves; NaN where one
-// of them is empty. How often it holds is in src/render/README.md.
-RfRelmse rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
+// c_h = A_h / B_h; 0 where no sample landed.
+static inline double rf_film_quotient( const double* half, int c )
+{
+    return half[3] > 0.0 || RF_FAULT( empty_half ) ? half[c] / half[3] : 0.0;
+}
+
+// The value of a pixel from one half alone.
+static inline double rf_film_half_value( const RfFilmPixel* p, RfFilmCombine combine, int h, int c )
+{
+    const double* own = p->half[h];
+    switch ( combine )
+    {
+        case RF_FILM_CROSSFIT:
+            return ( own[c] + rf_film_quotient( p->half[1 - h], c ) * ( p->weight[h] - own[3] ) ) / p->weight[h];
+        case RF_FILM_RATIO: return rf_film_quotient( own, c );
+        case RF_FILM_PLAIN: return own[c] / p->weight[h];
+    }
+    return 0.0;
+}
+
+// With variance v per weight the halves differ by v (1/e + 1/o), the whole has
+// v / (e + o): what the square of the difference is multiplied by. 0 where one
+// of them is empty.
+static inline double rf_film_half_share( const RfFilm* film )
+{
+    double e = film->weight[0], o = film->weight[1];
+    return e > 0.0 && o > 0.0 ? e * o / ( ( e + o ) * ( e + o ) ) : 0.0;
+}
 
 #endif

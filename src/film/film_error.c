@@ -1,4 +1,4 @@
-// The estimate of a film's relMSE. Its numerator, the squared difference of the halves, is
+// Estimates the relMSE of a film, and the flicker of two. The relMSE's numerator, the squared difference of the halves, is
 // unbiased in every pixel, with fireflies and with errors that tiles and groups correlate between
 // neighbours. The denominator needs the true value, which a firefly's own value would hide: so it
 // is taken from the surroundings, where it must not depend on the pixel's error.
@@ -15,10 +15,142 @@
 // A glint in one pixel that one sample in ten hits cannot be told from a firefly. Where the sum hangs on
 // that, in its ten worst pixels, only what it is at least can be reported: those pixels with denominators from
 // their own values.
-#include "film/film_pixel.h"
-#include "film/film_surroundings.h"
+#include "film/film_error.h"
 
 #include <math.h>
+#include <string.h>
+
+// A film in coarse cells: what is known of the surroundings of a pixel beyond its direct neighbours.
+#define CELLS 32 // across and down, at most
+
+// Sums over the pixels of a cell, each the mean of its channels.
+typedef struct Cell
+{
+    double half[2];
+    double squared; // of the difference of the halves
+    int pixels;
+} Cell;
+
+typedef struct Surroundings
+{
+    int side; // of a cell, pixels
+    int columns, rows;
+    Cell cells[CELLS][CELLS];
+    Cell all;
+    double share;       // rf_film_half_share
+    double correlation; // of errors in neighbouring pixels: variance of a sum over that of independent ones, at least 1
+} Surroundings;
+
+// The wide surroundings of a pixel.
+typedef struct Around
+{
+    double mean;     // in one half, drawn towards the picture's where it is noisy
+    double variance; // of a pixel of the picture
+} Around;
+
+// The part of a deviation from `mean` that is signal where noise has this variance, if the signal
+// deviates by about as much as the mean itself. 0 to 1.
+static inline double signal_share( double mean, double variance )
+{
+    double signal = mean * mean;
+    return signal > 0.0 ? signal / ( signal + variance ) : 0.0;
+}
+
+#define LEAST_SIDE 8 // pixels
+
+static void add_to_cell( Cell* cell, const double half[2] )
+{
+    double d = half[0] - half[1];
+    cell->half[0] += half[0];
+    cell->half[1] += half[1];
+    cell->squared += d * d;
+    cell->pixels += 1;
+}
+
+static void add_cell( Cell* sum, const Cell* cell )
+{
+    sum->half[0] += cell->half[0];
+    sum->half[1] += cell->half[1];
+    sum->squared += cell->squared;
+    sum->pixels += cell->pixels;
+}
+
+// Mean of the channels in each half.
+static void grey( const RfFilm* film, RfFilmCombine combine, size_t i, double half[2] )
+{
+    RfFilmPixel p = rf_film_pixel( film, i );
+    for ( int h = 0; h < 2; ++h )
+    {
+        half[h] = 0.0;
+        for ( int c = 0; c < 3; ++c )
+            half[h] += rf_film_half_value( &p, combine, h, c ) / 3.0;
+    }
+}
+
+// Errors that are independent add up in their squares, those of a tile in themselves.
+static double correlation_of( const Surroundings* around )
+{
+    double of_sums = 0.0;
+    for ( int row = 0; row < around->rows; ++row )
+    {
+        for ( int column = 0; column < around->columns; ++column )
+        {
+            const Cell* cell = &around->cells[row][column];
+            double d = cell->half[0] - cell->half[1];
+            of_sums += d * d;
+        }
+    }
+    return around->all.squared > 0.0 ? fmax( of_sums / around->all.squared, 1.0 ) : 1.0;
+}
+
+// Sums a film up.
+static void survey( const RfFilm* film, RfFilmCombine combine, Surroundings* around )
+{
+    int longer = film->width > film->height ? film->width : film->height, side = ( longer + CELLS - 1 ) / CELLS;
+    memset( around, 0, sizeof *around );
+    around->side = side = side > LEAST_SIDE ? side : LEAST_SIDE;
+    around->columns = ( film->width + side - 1 ) / side;
+    around->rows = ( film->height + side - 1 ) / side;
+    around->share = rf_film_half_share( film );
+    for ( int y = 0; y < film->height; ++y )
+    {
+        for ( int x = 0; x < film->width; ++x )
+        {
+            double half[2];
+            grey( film, combine, (size_t)y * (size_t)film->width + (size_t)x, half );
+            add_to_cell( &around->cells[y / side][x / side], half );
+        }
+    }
+    for ( int row = 0; row < around->rows; ++row )
+    {
+        for ( int column = 0; column < around->columns; ++column )
+            add_cell( &around->all, &around->cells[row][column] );
+    }
+    around->correlation = correlation_of( around );
+}
+
+// The 3×3 cells around pixel (x, y) without its own values `pixel`, in one half.
+static Around look_wide( const Surroundings* around, int x, int y, int half, const double pixel[2] )
+{
+    int column = x / around->side, row = y / around->side;
+    int left = column > 0 ? column - 1 : 0, right = column + 1 < around->columns ? column + 1 : column;
+    int top = row > 0 ? row - 1 : 0, bottom = row + 1 < around->rows ? row + 1 : row;
+    Cell sum = { .half = { -pixel[0], -pixel[1] }, .squared = -( pixel[0] - pixel[1] ) * ( pixel[0] - pixel[1] ), .pixels = -1 };
+    for ( int i = top; i <= bottom; ++i )
+    {
+        for ( int k = left; k <= right; ++k )
+            add_cell( &sum, &around->cells[i][k] );
+    }
+    double whole = fmax( around->all.half[half] / around->all.pixels, 0.0 );
+    if ( sum.pixels < 1 )
+        return ( Around ){ .mean = whole };
+    double variance = around->share * fmax( sum.squared, 0.0 ) / sum.pixels;
+    double mean = sum.half[half] / sum.pixels;
+    return ( Around ){
+        .mean = whole + signal_share( whole, variance * around->correlation / sum.pixels ) * ( mean - whole ),
+        .variance = variance,
+    };
+}
 
 #define REACH 2 // of the window, pixels to each side
 #define NEAR 1  // of the inner one
@@ -135,11 +267,11 @@ static Window look_around( const Strip* s, int x, int y, int darker, int reach )
 
 // The window's mean, drawn towards the mean of a wider area. Noise is at least that of the wider area:
 // a window without a firefly does not know that there are some.
-static RfAround narrow( const RfSurroundings* around, RfAround wide, const Window* w, double prior )
+static Around narrow( const Surroundings* around, Around wide, const Window* w, double prior )
 {
     double variance = fmax( wide.variance, w->variance / w->count );
-    double share = rf_signal_share( wide.mean, prior * variance * around->correlation / w->count );
-    return ( RfAround ){ .mean = wide.mean + share * ( w->darker / w->count - wide.mean ), .variance = variance };
+    double share = signal_share( wide.mean, prior * variance * around->correlation / w->count );
+    return ( Around ){ .mean = wide.mean + share * ( w->darker / w->count - wide.mean ), .variance = variance };
 }
 
 // How far a pixel's own value is to be trusted, 0 to 1: by what its neighbours' differ beyond their noise.
@@ -151,13 +283,13 @@ static double own_trust( const Window* near, double own )
 }
 
 // Estimate of a pixel's true value.
-static double likely_value( const Strip* s, const RfSurroundings* around, const Pixel* p, int x, int y )
+static double likely_value( const Strip* s, const Surroundings* around, const Pixel* p, int x, int y )
 {
     int darker = p->half[0] < p->half[1] ? 0 : 1;
     Window wide = look_around( s, x, y, darker, REACH ), near = look_around( s, x, y, darker, NEAR );
     if ( near.count == 0 )
         return p->value;
-    RfAround found = narrow( around, rf_look_around( around, x, y, darker, p->half ), &wide, WIDE_PRIOR );
+    Around found = narrow( around, look_wide( around, x, y, darker, p->half ), &wide, WIDE_PRIOR );
     found = narrow( around, found, &near, NEAR_PRIOR );
     double likely = found.mean + own_trust( &near, own_variance( s, p ) ) * ( p->value - found.mean );
     return fmax( likely, fmax( p->half[darker], 0.0 ) );
@@ -175,7 +307,7 @@ static void add( Sum* sum, Term term )
 }
 
 // Adds columns [first, end) of the film.
-static void add_strip( Sum* sum, const RfSurroundings* around, const RfFilm* film, RfFilmCombine combine, const float* rgb,
+static void add_strip( Sum* sum, const Surroundings* around, const RfFilm* film, RfFilmCombine combine, const float* rgb,
                        int first, int end )
 {
     Strip s = {
@@ -220,10 +352,137 @@ RfRelmse rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const fl
     double share = rf_film_half_share( film );
     if ( share == 0.0 )
         return rf_plain_relmse( (double)NAN );
-    RfSurroundings around;
-    rf_survey_film( film, combine, &around );
+    Surroundings around;
+    survey( film, combine, &around );
     Sum sum = { 0 };
     for ( int first = 0; first < film->width; first += STRIP )
         add_strip( &sum, &around, film, combine, rgb, first, first + STRIP < film->width ? first + STRIP : film->width );
     return conclude( &sum, share / ( (double)film->width * (double)film->height ) );
+}
+
+// Errors of a frame, from a film or kept.
+typedef struct Errors
+{
+    const RfFilm* film; // NULL: kept
+    const float* kept;
+    RfFilmCombine combine;
+} Errors;
+
+typedef struct Sums
+{
+    double before, now, product;
+    double worst[WORST]; // squared changes of pixels, descending
+} Sums;
+
+// √(e o) / (e + o) times the difference of the halves: with variance v per weight it has the variance v / (e + o) of the
+// whole. Extra samples make the weights those of the pixel.
+static void error_of_pixel( const RfFilm* film, RfFilmCombine combine, size_t i, double error[3] )
+{
+    RfFilmPixel p = rf_film_pixel( film, i );
+    double e = p.weight[0], o = p.weight[1], scale = sqrt( e * o ) / ( e + o );
+    for ( int c = 0; c < 3; ++c )
+        error[c] = scale * ( rf_film_half_value( &p, combine, 0, c ) - rf_film_half_value( &p, combine, 1, c ) );
+}
+
+static void load_error( const Errors* errors, size_t i, double error[3] )
+{
+    if ( errors->film != NULL )
+        error_of_pixel( errors->film, errors->combine, i, error );
+    else
+        for ( size_t c = 0; c < 3; ++c )
+            error[c] = (double)errors->kept[3 * i + c];
+}
+
+static void keep_worst( double worst[WORST], double value )
+{
+    for ( int k = 0; k < WORST && value > 0.0; ++k )
+    {
+        if ( value <= worst[k] )
+            continue;
+        double next = worst[k];
+        worst[k] = value;
+        value = next;
+    }
+}
+
+static void add_errors( Sums* sums, const double before[3], const double now[3] )
+{
+    double change = 0.0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        sums->before += before[c] * before[c];
+        sums->now += now[c] * now[c];
+        sums->product += before[c] * now[c];
+        change += ( now[c] - before[c] ) * ( now[c] - before[c] );
+    }
+    keep_worst( sums->worst, change );
+}
+
+static size_t pixels_of( const RfFilm* film ) { return (size_t)film->width * (size_t)film->height; }
+
+static RfFlicker flicker_of( const Errors* before, const Errors* now )
+{
+    Sums sums = { 0 };
+    size_t pixels = pixels_of( now->film );
+    for ( size_t i = 0; i < pixels; ++i )
+    {
+        double a[3], b[3];
+        load_error( before, i, a );
+        load_error( now, i, b );
+        add_errors( &sums, a, b );
+    }
+    double change = sums.before + sums.now - 2.0 * sums.product, worst = 0.0, scale = 1.0 / ( 3.0 * (double)pixels );
+    for ( int k = 0; k < WORST; ++k )
+        worst += sums.worst[k];
+    return ( RfFlicker ){ .before = scale * sums.before,
+                          .now = scale * sums.now,
+                          .product = scale * sums.product,
+                          .worst_share = change > 0.0 ? fmin( worst / change, 1.0 ) : 0.0 };
+}
+
+static bool has_halves( const RfFilm* film ) { return rf_film_half_share( film ) > 0.0; }
+
+static RfFlicker unknown( void )
+{
+    return ( RfFlicker ){ .before = (double)NAN, .now = (double)NAN, .product = (double)NAN, .worst_share = (double)NAN };
+}
+
+RfFlicker rf_flicker_of_films( const RfFilm* before, const RfFilm* now, RfFilmCombine combine )
+{
+    if ( !has_halves( before ) || !has_halves( now ) )
+        return unknown();
+    return flicker_of( &( Errors ){ .film = before, .combine = combine }, &( Errors ){ .film = now, .combine = combine } );
+}
+
+RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfFilmCombine combine )
+{
+    if ( !has_halves( now ) )
+        return unknown();
+    return flicker_of( &( Errors ){ .kept = before }, &( Errors ){ .film = now, .combine = combine } );
+}
+
+double rf_film_mean_square( const RfFilm* film, RfFilmCombine combine )
+{
+    size_t pixels = pixels_of( film );
+    double sum = 0.0;
+    for ( size_t i = 0; i < pixels && has_halves( film ); ++i )
+    {
+        double error[3];
+        error_of_pixel( film, combine, i, error );
+        sum += error[0] * error[0] + error[1] * error[1] + error[2] * error[2];
+    }
+    return has_halves( film ) ? sum / ( 3.0 * (double)pixels ) : (double)NAN;
+}
+
+void rf_keep_film_error( const RfFilm* film, RfFilmCombine combine, float* error )
+{
+    size_t pixels = pixels_of( film );
+    for ( size_t i = 0; i < pixels; ++i )
+    {
+        double e[3] = { (double)NAN, (double)NAN, (double)NAN };
+        if ( has_halves( film ) )
+            error_of_pixel( film, combine, i, e );
+        for ( size_t c = 0; c < 3; ++c )
+            error[3 * i + c] = (float)e[c];
+    }
 }

@@ -15,8 +15,9 @@
 #ifndef REFRAME_RENDER_ESTIMATOR_H
 #define REFRAME_RENDER_ESTIMATOR_H
 
-#include "film/aov_film.h"
+#include "film/aov.h"
 #include "film/film.h"
+#include "film/film_error.h"
 #include "film/pixel_filter.h"
 #include "light/divide.h"
 #include "reframe/render.h"

@@ -1,7 +1,7 @@
 #include "render/frames.h"
 
 #include "base/system.h"
-#include "film/film_flicker.h"
+#include "film/film_error.h"
 #include "render/adaptive.h"
 #include "render/pieces.h"
 

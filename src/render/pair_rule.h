@@ -5,7 +5,7 @@
 #ifndef REFRAME_RENDER_PAIR_RULE_H
 #define REFRAME_RENDER_PAIR_RULE_H
 
-#include "film/film_flicker.h"
+#include "film/film_error.h"
 #include "render/stop_rule.h"
 
 // A pair of frames after some passes of a group that holds both, or neither shares any with the other.

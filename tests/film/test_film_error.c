@@ -3,6 +3,7 @@
 // average, against the error relative to the known truth.
 #include "base/random.h"
 #include "film/film.h"
+#include "film/film_error.h"
 #include "measure/error.h"
 
 #include <math.h>

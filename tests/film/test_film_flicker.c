@@ -1,7 +1,7 @@
 // The estimate of F1 from the halves of two films, against the known truth: frames that share most of their samples,
 // some, or none; halves of unequal size; extra samples; fireflies.
 #include "base/random.h"
-#include "film/film_flicker.h"
+#include "film/film_error.h"
 
 #include <math.h>
 #include <setjmp.h>

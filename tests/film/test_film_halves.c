@@ -2,6 +2,7 @@
 // over many pixels, and relMSE from the difference of the halves.
 #include "base/random.h"
 #include "film/film.h"
+#include "film/film_error.h"
 #include "measure/error.h"
 #include "support/statistics.h"
 

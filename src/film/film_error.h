@@ -1,12 +1,39 @@
-// What can be reported of the flicker of two neighbouring frames from the halves of their films
-// (src/reuse/estimators.md, section 17).
-#ifndef REFRAME_FILM_FILM_FLICKER_H
-#define REFRAME_FILM_FILM_FLICKER_H
+// What can be reported of a film's error without a reference, from its two halves: the relMSE of a frame, and the flicker of two
+// neighbouring ones (src/reuse/estimators.md).
+#ifndef REFRAME_FILM_FILM_ERROR_H
+#define REFRAME_FILM_FILM_ERROR_H
 
 #include "film/film.h"
 
 #include <math.h>
 
+// What can be reported of a film's relMSE.
+typedef struct RfRelmse
+{
+    double likely;       // the best guess; NaN: unknown
+    double least;        // what it is at least, if the worst pixels really are as bright as they are now
+    double worst_share;  // part of `likely` that its ten worst pixels carry
+    bool is_lower_bound; // `likely` hangs on what these pixels are: only `least` is certain
+} RfRelmse;
+
+// A figure that nothing more is known of.
+static inline RfRelmse rf_plain_relmse( double relmse ) { return ( RfRelmse ){ .likely = relmse, .least = relmse }; }
+
+// The figure that is reported.
+static inline double rf_reported_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }
+
+// With what is only known to be a lower bound, 19 of 20 true errors are below so many times `likely`.
+#define RF_RELMSE_DOUBT 2.0
+
+// The figure to stop by: what the error hardly exceeds.
+static inline double rf_prudent_relmse( const RfRelmse* r )
+{
+    return r->is_lower_bound ? RF_RELMSE_DOUBT * r->likely : r->likely;
+}
+
+// Estimated relMSE of `rgb`, the combined film, from the difference of the halves; NaN where one
+// of them is empty. How often it holds is in src/render/README.md.
+RfRelmse rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
 // Estimated means over pixels and channels of e_t² of both frames and of the product of their errors. What two frames
 // share is in the product.
 typedef struct RfFlicker
