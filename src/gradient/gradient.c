@@ -1,8 +1,7 @@
 // The row of gradient-domain path reusing in the table of estimators.
 #include "gradient/gradient.h"
 
-#include "gradient/gradient_films.h"
-#include "gradient/picture.h"
+#include "gradient/films.h"
 
 static bool is_tile( const RfTile* tile )
 {

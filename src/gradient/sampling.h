@@ -2,12 +2,59 @@
 // same point inside their pixel, and the same random numbers on the way through mirrors and glass. So they have for direct
 // light, as far as differences are concerned; the values have light samples of their own, else the error of a sample would be
 // that of a whole tile, which no difference tells of.
+//
+// Extended tiles: a film is cut into tiles, anew in every pass, and each tile traces one column of pixels more on its
+// right and one row more below. So every pair of neighbouring pixels lies in one extended tile at least.
+//
+// Tiles of one pixel are gradient-domain path tracing: the path of a pixel is shifted to its four neighbours, by four
+// extended tiles of two pixels, of which the neighbour has no path.
 #ifndef REFRAME_GRADIENT_SAMPLING_H
 #define REFRAME_GRADIENT_SAMPLING_H
 
-#include "gradient/extended_tiles.h"
+#include "base/random.h"
 #include "path/lanes.h"
+#include "reframe/render.h"
 #include "render/estimator.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define RF_MAX_TILE_SIDE 8           // pixels, not extended
+#define RF_LISTED_TILES ( 1024 / 2 ) // of a patch, at most: pairs of pixels
+
+typedef struct RfExtendedTiles
+{
+    int film_width, film_height;
+    int width, height;            // of a tile as it is cut, pixels
+    int across, down;             // tiles, with room for the shift
+    int patch_across, patch_down; // tiles of a patch
+    int patches_x, patches;       // in a row of them; in all
+    bool pairs;                   // tiles of one pixel
+    bool scattered;               // a patch has tiles from all over the film
+} RfExtendedTiles;
+
+// One extended tile on the film: pixels [x0, x1) × [y0, y1), cut to the film.
+typedef struct RfExtendedTile
+{
+    int32_t number; // of the tile in the pass; of a pair: of the pixel with the path, y·width + x
+    int32_t x0, y0, x1, y1;
+    int32_t own_x1, own_y1; // its own pixels, which no other tile of the pass has, end there; of all pairs of a pixel with
+                            // a path the first has it as its own, the others have none: own_x1 = x0
+    int32_t source;         // of a pair: index of the pixel with the path, 0 or 1
+} RfExtendedTile;
+
+RfExtendedTiles rf_lay_out_extended_tiles( const RfTile* tile, bool scattered, int width, int height );
+
+// Pixels of a whole extended tile.
+static inline int rf_extended_pixels( const RfTile* tile )
+{
+    return tile->kind == RF_TILE_NONE ? 2 : ( tile->width + 1 ) * ( tile->height + 1 );
+}
+
+static inline int rf_tile_area( const RfExtendedTile* tile ) { return ( tile->x1 - tile->x0 ) * ( tile->y1 - tile->y0 ); }
+
+// The tiles of a patch that have a pixel of their own on the film, shifted by `pass_key`. Returns how many.
+int rf_list_extended_tiles( const RfExtendedTiles* layout, uint64_t pass_key, int patch, RfExtendedTile* tiles );
 
 // What the films need of a patch.
 typedef struct RfGradientBatch

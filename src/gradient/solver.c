@@ -1,13 +1,212 @@
+// Solves the three channels: directly by a cosine transform where the weights are constant, else by conjugate gradients with
+// the multigrid cycle as preconditioner.
 #include "gradient/solver.h"
 
+#include "base/fault.h"
 #include "trace/trace.h"
 
+#include <fftw3.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
+
+// FFTW plans share tables: one thread at a time.
+static pthread_mutex_t s_planner = PTHREAD_MUTEX_INITIALIZER;
+
+// Eigenvalue k of Dᵀ D for n pixels: 2 − 2 cos(π k / n), without cancellation.
+static double eigenvalue( int k, int n )
+{
+    double s = sin( 0.5 * 3.14159265358979323846 * (double)k / (double)n );
+    return 4.0 * s * s;
+}
+
+RfResult rf_create_transform( int width, int height, float* plane, RfCosineTransform* transform, RfError* error )
+{
+    *transform = ( RfCosineTransform ){ .width = width, .height = height };
+    transform->eigenvalues = malloc( (size_t)width * sizeof *transform->eigenvalues );
+    for ( int x = 0; x < width && transform->eigenvalues != NULL; ++x )
+        transform->eigenvalues[x] = eigenvalue( x, width );
+    pthread_mutex_lock( &s_planner );
+    transform->forward = fftwf_plan_r2r_2d( height, width, plane, plane, FFTW_REDFT10, FFTW_REDFT10, FFTW_ESTIMATE );
+    transform->backward = fftwf_plan_r2r_2d( height, width, plane, plane, FFTW_REDFT01, FFTW_REDFT01, FFTW_ESTIMATE );
+    pthread_mutex_unlock( &s_planner );
+    if ( transform->forward != NULL && transform->backward != NULL && transform->eigenvalues != NULL )
+        return RF_OK;
+    rf_destroy_transform( transform );
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the cosine transform of %dx%d pixels", width, height );
+}
+
+void rf_destroy_transform( RfCosineTransform* transform )
+{
+    pthread_mutex_lock( &s_planner );
+    if ( transform->forward != NULL )
+        fftwf_destroy_plan( transform->forward );
+    if ( transform->backward != NULL )
+        fftwf_destroy_plan( transform->backward );
+    pthread_mutex_unlock( &s_planner );
+    free( transform->eigenvalues );
+    *transform = ( RfCosineTransform ){ 0 };
+}
+
+void rf_solve_constant( const RfCosineTransform* transform, double a, double b_x, double b_y, float* plane )
+{
+    int w = transform->width, h = transform->height;
+    fftwf_execute_r2r( transform->forward, plane, plane );
+    double scale = 0.25 / ( (double)w * (double)h ); // of forward and backward: 2 w · 2 h
+    for ( int y = 0; y < h; ++y )
+    {
+        double row = a + b_y * eigenvalue( y, h );
+        float* values = plane + (size_t)y * (size_t)w;
+        for ( int x = 0; x < w; ++x )
+            values[x] *= (float)( scale / ( row + b_x * transform->eigenvalues[x] ) );
+    }
+    fftwf_execute_r2r( transform->backward, plane, plane );
+}
+
+#define RESTARTS 4              // with the residual computed anew; conjugate gradients in floats drift from it
+#define CONSTANT_TOLERANCE 1e-5 // of the direct solve, whose residual is that of rounding
+
+// Bytes of the vectors of a channel.
+static size_t channel_bytes( int width, int height )
+{
+    return 4 * rf_plane_bytes( width, height ) + rf_multigrid_vector_bytes( width, height );
+}
+
+// Takes the vectors from *memory.
+static void build_channel( const RfMultigrid* grid, char** memory, RfGradientChannel* channel )
+{
+    int width = grid->levels[0].width, height = grid->levels[0].height;
+    channel->u = rf_plane( width, height, memory );
+    channel->r = rf_plane( width, height, memory );
+    channel->p = rf_plane( width, height, memory );
+    channel->q = rf_plane( width, height, memory );
+    rf_build_multigrid_vectors( grid, memory, &channel->multigrid );
+}
+
+static size_t pixels_of( const RfGradientChannel* channel ) { return (size_t)channel->in->width * (size_t)channel->in->height; }
+
+void rf_read_primal( const RfGradientChannel* channel, float* plane )
+{
+    const float* primal = channel->in->primal + channel->index;
+    size_t count = pixels_of( channel );
+    for ( size_t i = 0; i < count; ++i )
+        plane[i] = isfinite( primal[3 * i] ) ? channel->scale * primal[3 * i] : 0.0f;
+}
+
+// Σ a b in doubles, in fixed order.
+static double dot( const float* a, const float* b, size_t count )
+{
+    double sums[4] = { 0.0, 0.0, 0.0, 0.0 };
+    size_t i = 0;
+    for ( ; i + 4 <= count; i += 4 )
+    {
+        for ( size_t k = 0; k < 4; ++k )
+            sums[k] += (double)a[i + k] * (double)b[i + k];
+    }
+    for ( ; i < count; ++i )
+        sums[0] += (double)a[i] * (double)b[i];
+    return ( sums[0] + sums[1] ) + ( sums[2] + sums[3] );
+}
+
+// to += factor · from.
+static void add_times( float* to, double factor, const float* from, size_t count )
+{
+    float f = (float)factor;
+    for ( size_t i = 0; i < count; ++i )
+        to[i] += f * from[i];
+}
+
+// Computes r anew and the relative residual.
+static void measure( const RfGradientSystem* system, double norm, double tolerance, RfGradientChannel* channel )
+{
+    rf_system_residual( system, channel->in, channel->index, channel->scale, channel->u, channel->r );
+    double residual = rf_system_residual_norm( system, channel->r );
+    channel->residual = residual > 0.0 || RF_FAULT( zero_data ) ? residual / norm : 0.0;
+    channel->converged = channel->residual <= tolerance;
+}
+
+// Moves u as a whole to Σ a (I − u) = 0, which the solution fulfils. Where a is small against b, floats would leave
+// the level open else.
+static void set_level( const RfGradientSystem* system, RfGradientChannel* channel )
+{
+    const float* primal = channel->in->primal + channel->index;
+    size_t count = pixels_of( channel );
+    double sum = 0.0, weights = 0.0;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        double a = (double)system->a[i];
+        sum += a > 0.0 ? a * ( (double)( channel->scale * primal[3 * i] ) - (double)channel->u[i] ) : 0.0;
+        weights += a;
+    }
+    float shift = weights > 0.0 ? (float)( sum / weights ) : 0.0f;
+    for ( size_t i = 0; i < count; ++i )
+        channel->u[i] += shift;
+}
+
+// Solves with weights a and 1 exactly, from the u that is there. `system` holds the same weights.
+static void solve_channel_constant( const RfGradientSystem* system, const RfCosineTransform* transform, double a,
+                                    RfGradientChannel* channel )
+{
+    double norm = rf_system_norm( system, channel->in, channel->index, channel->scale );
+    // the second solve is for the rounding of the first: bright pixels_of leave traces everywhere
+    for ( int i = 0; i < 2; ++i )
+    {
+        rf_system_residual( system, channel->in, channel->index, channel->scale, channel->u, channel->r );
+        rf_solve_constant( transform, a, 1.0, 1.0, channel->r );
+        add_times( channel->u, 1.0, channel->r, pixels_of( channel ) );
+    }
+    set_level( system, channel );
+    measure( system, norm, CONSTANT_TOLERANCE, channel );
+}
+
+// Conjugate gradients for the correction to u, until the updated residual is below `bound`.
+static void correct( const RfMultigrid* grid, double bound, int max_iterations, RfGradientChannel* channel )
+{
+    size_t count = pixels_of( channel );
+    float *r = channel->r, *p = channel->p, *q = channel->q; // q is also the preconditioned residual
+    rf_multigrid_cycle( grid, &channel->multigrid, r, q );
+    memcpy( p, q, count * sizeof *p );
+    double product = dot( r, q, count );
+    while ( channel->iterations < max_iterations && product > 0.0 )
+    {
+        rf_system_apply( grid->levels, p, q );
+        double energy = dot( p, q, count );
+        if ( !( energy > 0.0 ) )
+            return;
+        add_times( channel->u, product / energy, p, count );
+        add_times( r, -product / energy, q, count );
+        channel->iterations += 1;
+        if ( rf_system_residual_norm( grid->levels, r ) <= bound )
+            return;
+        rf_multigrid_cycle( grid, &channel->multigrid, r, q );
+        double next = dot( r, q, count );
+        float beta = (float)( next / product );
+        for ( size_t i = 0; i < count; ++i )
+            p[i] = q[i] + beta * p[i];
+        product = next;
+    }
+}
+
+// Solves by conjugate gradients, from the u that is there, to a relative residual of `tolerance`.
+static void solve_channel( const RfMultigrid* grid, double tolerance, int max_iterations, RfGradientChannel* channel )
+{
+    double norm = rf_system_norm( grid->levels, channel->in, channel->index, channel->scale );
+    int last = channel->iterations + max_iterations;
+    measure( grid->levels, norm, tolerance, channel );
+    for ( int i = 0; i < RESTARTS && !channel->converged && channel->iterations < last; ++i )
+    {
+        double before = channel->residual;
+        correct( grid, 0.5 * tolerance * norm, last, channel );
+        measure( grid->levels, norm, tolerance, channel );
+        if ( channel->residual > 0.5 * before )
+            break; // floats give no more
+    }
+}
 
 size_t rf_reconstruct_bytes( int width, int height )
 {
-    return 4 * rf_plane_bytes( width, height ) + rf_multigrid_bytes( width, height ) + 3 * rf_channel_bytes( width, height );
+    return 4 * rf_plane_bytes( width, height ) + rf_multigrid_bytes( width, height ) + 3 * channel_bytes( width, height );
 }
 
 RfResult rf_create_solver( const RfGradientImages* in, float scale, const RfReconstructOptions* options, RfGradientSolver* solver,
@@ -30,7 +229,7 @@ RfResult rf_create_solver( const RfGradientImages* in, float scale, const RfReco
     for ( int c = 0; c < 3; ++c )
     {
         solver->channels[c] = ( RfGradientChannel ){ .in = in, .index = c, .scale = scale };
-        rf_build_channel( &solver->grid, &memory, solver->channels + c );
+        build_channel( &solver->grid, &memory, solver->channels + c );
         rf_read_primal( solver->channels + c, solver->channels[c].u );
     }
     return RF_OK;
@@ -42,7 +241,8 @@ void rf_destroy_solver( RfGradientSolver* solver )
     solver->own = NULL;
 }
 
-void rf_set_constant_weights( double a, RfGradientSolver* solver )
+// Sets constant weights: a, and 1 for gradients.
+static void set_constant_weights( double a, RfGradientSolver* solver )
 {
     RfGradientSystem* system = &solver->system;
     size_t w = (size_t)system->width, count = w * (size_t)system->height;
@@ -63,7 +263,7 @@ void rf_solve_weighted( const RfReconstructOptions* options, RfGradientSolver* s
     for ( int c = 0; c < 3; ++c )
     {
         rf_set_float_mode(); // light that fades out in the dark would take forever in subnormals
-        rf_solve_channel( &solver->grid, options->tolerance, options->max_iterations, solver->channels + c );
+        solve_channel( &solver->grid, options->tolerance, options->max_iterations, solver->channels + c );
     }
 }
 
@@ -71,7 +271,7 @@ RfResult rf_solve_constant_channels( double a, RfGradientSolver* solver, RfError
 {
     RfCosineTransform transform;
     const RfGradientSystem* system = &solver->system;
-    rf_set_constant_weights( a, solver );
+    set_constant_weights( a, solver );
     RfResult result = rf_create_transform( system->width, system->height, solver->channels[0].r, &transform, error );
     if ( result != RF_OK )
         return result;
@@ -79,7 +279,7 @@ RfResult rf_solve_constant_channels( double a, RfGradientSolver* solver, RfError
     for ( int c = 0; c < 3; ++c )
     {
         rf_set_float_mode();
-        rf_solve_channel_constant( system, &transform, a, solver->channels + c );
+        solve_channel_constant( system, &transform, a, solver->channels + c );
     }
     rf_destroy_transform( &transform );
     return RF_OK;

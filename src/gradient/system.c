@@ -1,3 +1,4 @@
+// The system as an operator on planes, its residual, and the multigrid cycle.
 #include "gradient/system.h"
 
 #include "base/fault.h"
@@ -111,4 +112,164 @@ double rf_system_norm( const RfGradientSystem* system, const RfGradientImages* i
     }
     double norm = sqrt( of_primal ) + sqrt( of_gradients );
     return norm > 0.0 || RF_FAULT( zero_data ) ? norm : 1.0;
+}
+
+#define DAMPING 0.8f      // of the Jacobi steps; below 1 they converge for every such matrix
+#define COARSEST_STEPS 16 // Jacobi steps on the coarsest level, of a few pixels
+
+static int half_of( int n ) { return ( n + 1 ) / 2; }
+
+static bool is_coarsest( int width, int height ) { return width <= 2 && height <= 2; }
+
+size_t rf_multigrid_bytes( int width, int height )
+{
+    size_t bytes = 0;
+    while ( !is_coarsest( width, height ) )
+    {
+        width = half_of( width ), height = half_of( height );
+        bytes += 4 * rf_plane_bytes( width, height );
+    }
+    return bytes;
+}
+
+size_t rf_multigrid_vector_bytes( int width, int height )
+{
+    size_t bytes = rf_plane_bytes( width, height );
+    while ( !is_coarsest( width, height ) )
+    {
+        width = half_of( width ), height = half_of( height );
+        bytes += 3 * rf_plane_bytes( width, height );
+    }
+    return bytes;
+}
+
+static float weight_at( const RfGradientSystem* s, const float* plane, int x, int y )
+{
+    return x < s->width && y < s->height ? plane[(size_t)y * (size_t)s->width + (size_t)x] : 0.0f;
+}
+
+static void coarsen( const RfGradientSystem* fine, RfGradientSystem* coarse )
+{
+    for ( int y = 0; y < coarse->height; ++y )
+    {
+        for ( int x = 0; x < coarse->width; ++x )
+        {
+            size_t i = (size_t)y * (size_t)coarse->width + (size_t)x;
+            float a = 0.0f, b_x = 0.0f, b_y = 0.0f;
+            for ( int k = 0; k < 2; ++k )
+            {
+                a += weight_at( fine, fine->a, 2 * x, 2 * y + k ) + weight_at( fine, fine->a, 2 * x + 1, 2 * y + k );
+                b_x += weight_at( fine, fine->b_x, 2 * x + 1, 2 * y + k );
+                b_y += weight_at( fine, fine->b_y, 2 * x + k, 2 * y + 1 );
+            }
+            coarse->a[i] = a;
+            coarse->b_x[i] = 0.5f * b_x; // a pair twice as far apart
+            coarse->b_y[i] = 0.5f * b_y;
+        }
+    }
+    rf_finish_system( coarse );
+}
+
+void rf_coarsen_multigrid( RfMultigrid* grid )
+{
+    for ( int k = 1; k < grid->count; ++k )
+        coarsen( grid->levels + k - 1, grid->levels + k );
+}
+
+void rf_build_multigrid( const RfGradientSystem* system, char** memory, RfMultigrid* grid )
+{
+    grid->count = 1;
+    grid->levels[0] = *system;
+    int width = system->width, height = system->height;
+    while ( !is_coarsest( width, height ) && grid->count < RF_MULTIGRID_LEVELS )
+    {
+        width = half_of( width ), height = half_of( height );
+        RfGradientSystem* level = grid->levels + grid->count++;
+        level->width = width, level->height = height;
+        level->a = rf_plane( width, height, memory );
+        level->b_x = rf_plane( width, height, memory );
+        level->b_y = rf_plane( width, height, memory );
+        level->inverse_diagonal = rf_plane( width, height, memory );
+    }
+}
+
+void rf_build_multigrid_vectors( const RfMultigrid* grid, char** memory, RfMultigridVectors* vectors )
+{
+    for ( int k = 0; k < grid->count; ++k )
+    {
+        int width = grid->levels[k].width, height = grid->levels[k].height;
+        vectors->t[k] = rf_plane( width, height, memory );
+        vectors->x[k] = k > 0 ? rf_plane( width, height, memory ) : NULL;
+        vectors->b[k] = k > 0 ? rf_plane( width, height, memory ) : NULL;
+    }
+}
+
+// x = DAMPING · b / diagonal: a step from 0.
+static void first_step( const RfGradientSystem* s, const float* b, float* x )
+{
+    size_t count = (size_t)s->width * (size_t)s->height;
+    for ( size_t i = 0; i < count; ++i )
+        x[i] = DAMPING * s->inverse_diagonal[i] * b[i];
+}
+
+// One more, through t.
+static void step( const RfGradientSystem* s, const float* b, float* x, float* t )
+{
+    size_t count = (size_t)s->width * (size_t)s->height;
+    rf_system_apply( s, x, t );
+    for ( size_t i = 0; i < count; ++i )
+        x[i] += DAMPING * s->inverse_diagonal[i] * ( b[i] - t[i] );
+}
+
+// Sums of b − t over 2x2 pixels.
+static void restrict_residual( const RfGradientSystem* fine, const RfGradientSystem* coarse, const float* b, const float* t,
+                               float* to )
+{
+    int w = fine->width;
+    memset( to, 0, sizeof( float ) * (size_t)coarse->width * (size_t)coarse->height );
+    for ( int y = 0; y < fine->height; ++y )
+    {
+        const float *row_b = b + (size_t)y * (size_t)w, *row_t = t + (size_t)y * (size_t)w;
+        float* row = to + (size_t)( y / 2 ) * (size_t)coarse->width;
+        for ( int x = 0; x + 1 < w; x += 2 )
+            row[x / 2] += ( row_b[x] - row_t[x] ) + ( row_b[x + 1] - row_t[x + 1] );
+        if ( w % 2 == 1 )
+            row[w / 2] += row_b[w - 1] - row_t[w - 1];
+    }
+}
+
+static void prolong( const RfGradientSystem* fine, const RfGradientSystem* coarse, const float* from, float* x )
+{
+    int w = fine->width;
+    for ( int y = 0; y < fine->height; ++y )
+    {
+        const float* row = from + (size_t)( y / 2 ) * (size_t)coarse->width;
+        float* to = x + (size_t)y * (size_t)w;
+        for ( int k = 0; k < w; ++k )
+            to[k] += row[k / 2];
+    }
+}
+
+static void cycle( const RfMultigrid* grid, const RfMultigridVectors* v, int k, const float* b, float* x )
+{
+    const RfGradientSystem* s = grid->levels + k;
+    first_step( s, b, x );
+    if ( k + 1 == grid->count )
+    {
+        for ( int i = 0; i < COARSEST_STEPS; ++i )
+            step( s, b, x, v->t[k] );
+        return;
+    }
+    step( s, b, x, v->t[k] );
+    rf_system_apply( s, x, v->t[k] );
+    restrict_residual( s, s + 1, b, v->t[k], v->b[k + 1] );
+    cycle( grid, v, k + 1, v->b[k + 1], v->x[k + 1] );
+    prolong( s, s + 1, v->x[k + 1], x );
+    step( s, b, x, v->t[k] );
+    step( s, b, x, v->t[k] );
+}
+
+void rf_multigrid_cycle( const RfMultigrid* grid, const RfMultigridVectors* vectors, const float* r, float* z )
+{
+    cycle( grid, vectors, 0, r, z );
 }

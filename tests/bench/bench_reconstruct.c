@@ -4,9 +4,9 @@
 // Usage: bench_reconstruct [WIDTH HEIGHT]     (default 1920 1080)
 #include "base/random.h"
 #include "base/system.h"
-#include "gradient/multigrid.h"
+#include "gradient/system.h"
 #include "gradient/reconstruct.h"
-#include "gradient/transform.h"
+#include "gradient/solver.h"
 
 #include <math.h>
 #include <omp.h>

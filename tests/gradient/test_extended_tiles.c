@@ -1,5 +1,5 @@
 // In every pass the tiles' own pixels, whose AOVs count, cover the film exactly once, for tiles of any size and film.
-#include "gradient/extended_tiles.h"
+#include "gradient/sampling.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

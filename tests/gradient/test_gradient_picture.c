@@ -1,7 +1,6 @@
 // The picture of the gradient estimator's films: samples that are not finite and solves that do not converge are reported of,
 // and the variance is that of the picture's halves.
-#include "gradient/gradient_films.h"
-#include "gradient/picture.h"
+#include "gradient/films.h"
 
 #include "base/random.h"
 

@@ -1,10 +1,11 @@
 // The films of a frame: its pixels, the differences of neighbours, and the squares of both, from which their
-// variances are estimated. Then the picture that fits them best (E9).
-#ifndef REFRAME_GRADIENT_GRADIENT_FILMS_H
-#define REFRAME_GRADIENT_GRADIENT_FILMS_H
+// variances are estimated; and the picture that fits them best (E9).
+#ifndef REFRAME_GRADIENT_FILMS_H
+#define REFRAME_GRADIENT_FILMS_H
 
-#include "film/aov_film.h"
+#include "film/aov.h"
 #include "gradient/sampling.h"
+#include "render/estimator.h"
 
 enum
 {
@@ -18,5 +19,11 @@ enum
 
 // Adds batches to some rows of the films; returns how many samples landed there.
 uint64_t rf_accumulate_gradients( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count );
+
+// Bytes that rf_finish_gradients works in.
+size_t rf_finish_gradients_bytes( const RfRenderSettings* settings, int width, int height );
+
+// RfEstimator.finish: the reconstruction that the settings ask for.
+RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch );
 
 #endif
