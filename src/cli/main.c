@@ -1,10 +1,9 @@
 // The program: finds the command and runs it.
 #include "cli/commands.h"
-#include "cli/manual.h"
+#include "cli/help.h"
 #include "cli/options/options.h"
-#include "cli/options/synonyms.h"
 #include "cli/messages.h"
-#include "cli/terminate.h"
+#include "cli/signals.h"
 #include "trace/trace.h"
 
 #include <signal.h>

@@ -91,12 +91,12 @@ void rf_print( const char* format, ... )
 
 static void keep_warning( void* user, const char* line )
 {
-    RfToldWarnings* told = user;
-    print_warning( (void*)told->command, line );
-    json_array_append_new( told->lines, rf_json_text( line ) );
+    RfReportedWarnings* reported = user;
+    print_warning( (void*)reported->command, line );
+    json_array_append_new( reported->lines, rf_json_text( line ) );
 }
 
-RfLog rf_keeping_log( RfToldWarnings* told ) { return ( RfLog ){ .fn = keep_warning, .user = told }; }
+RfLog rf_keeping_log( RfReportedWarnings* reported ) { return ( RfLog ){ .fn = keep_warning, .user = reported }; }
 
 json_t* rf_json_text( const char* text )
 {

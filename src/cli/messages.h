@@ -30,14 +30,14 @@ RfLog rf_stderr_log( const char* command );
 void rf_print( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
 
 // Warnings that are printed and kept for a command's JSON.
-typedef struct RfToldWarnings
+typedef struct RfReportedWarnings
 {
     const char* command;
     json_t* lines; // an array of strings; its owner's
-} RfToldWarnings;
+} RfReportedWarnings;
 
-// A log that prints like rf_stderr_log and appends the lines to told->lines. `told` must outlive it.
-RfLog rf_keeping_log( RfToldWarnings* told );
+// A log that prints like rf_stderr_log and appends the lines to reported->lines. `reported` must outlive it.
+RfLog rf_keeping_log( RfReportedWarnings* reported );
 
 // A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
 json_t* rf_json_text( const char* text );

@@ -6,8 +6,8 @@
 #ifndef REFRAME_MEASURE_COST_H
 #define REFRAME_MEASURE_COST_H
 
-#include "measure/cost_fit.h"
 #include "measure/trial.h"
+#include "measure/error.h"
 
 #define RF_COST_LEVELS 12
 #define RF_COST_POSITIONS 3
@@ -75,5 +75,30 @@ typedef struct RfCostPrediction
 // Predicts the cost of reaching `relmse` from a measured curve, and that of F1 = `flicker`.
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep );
 RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep );
+
+// Fits the measurements of `cost`: slopes, and sums of units.
+
+// The slope of log y against log x by unweighted least squares, with Student's t for the
+// scatter about the line. Points that are not above 0 are skipped. Needs at least two points,
+// and three for the interval.
+RfInterval rf_fit_slope( const double* x, const double* y, int count );
+
+// One of the two methods (0: path tracing, 1: with reuse) at one position and sample count.
+typedef struct RfCostPart
+{
+    double relmse; // of a single sample
+    double wall_seconds, cpu_seconds;
+    double samples; // rendered in these seconds
+} RfCostPart;
+
+typedef struct RfCostUnit
+{
+    int passes;
+    RfCostPart parts[2];
+} RfCostUnit;
+
+// All units combined: relMSE of a single sample, weighted by
+// passes because more samples determine it better; seconds of one sample.
+RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part );
 
 #endif

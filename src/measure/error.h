@@ -1,13 +1,50 @@
+// Error of images and sequences, and the confidence intervals of what is measured.
+#ifndef REFRAME_MEASURE_ERROR_H
+#define REFRAME_MEASURE_ERROR_H
+
+#include "reframe/error.h"
+#include "reframe/measure.h"
+
+// A quantity with its confidence interval.
+
+// A quantity and its 95 % confidence interval; NaN where it is not known.
+typedef struct RfInterval
+{
+    double value, low, high;
+} RfInterval;
+
+// The interval of a positive value whose logarithm is known to `margin`.
+RfInterval rf_log_interval( double value, double margin );
+
+// Half the width of the interval of an estimate to which `count` independent pieces of data contribute, by the influence
+// of each: by how much, to first order, the estimate would be lower without it. `variance` is added to that of the
+// estimate. Student's t has as many degrees of freedom as the spread of the influences is known with, by their kurtosis:
+// an estimate that rests on a few large contributions has a wide interval. NaN for fewer than two.
+double rf_influence_margin( const double* influence, int count, double variance );
+
+// The 95 % confidence interval of a mean error, by block averaging over pixels.
+//
+// One observation is the sum of the errors of a block over all frames. The spread between
+// blocks therefore includes the correlation of frames that share samples or have a static
+// error. Neighbouring blocks are correlated too, if errors reach across their borders:
+// filters, tiles, a sample reused at several positions of several frames. So the estimate is
+// repeated with blocks of twice the side, and so on while at least 16 remain, and with
+// horizontal and vertical strips if there are at least 8: what a panning camera drags along
+// stays in its strip. The widest interval is returned (Flyvbjerg, Petersen, "Error estimates
+// on averages of correlated data", 1989, in two dimensions). Student's t accounts for the
+// small number of blocks.
+//
+// A bias that truly varies across the image widens the interval, which errs on the safe side.
+
+// The two-sided 95 % quantile of Student's t, to 0.3 %; freedom ≥ 1.
+double rf_student_quantile( int freedom );
+
 // The error of an image against a reference: relMSE, MSE, bias and maximum, for
 // a single frame or pooled over the frames of a sequence (reframe/measure.h).
 // Sums are accumulated in double, in row and frame order.
 //
 // The 95 % confidence interval of the bias is estimated from blocks of pixels,
 // each pooled over all frames: bias_interval.h.
-#ifndef REFRAME_MEASURE_ERROR_H
-#define REFRAME_MEASURE_ERROR_H
-
-#include "reframe/measure.h"
 
 // True if any pixel is NaN or infinite, so that the measures are undefined.
 static inline bool rf_has_no_error( const RfErrorMetrics* m )

@@ -1,9 +1,115 @@
-#include "measure/plot_axis.h"
+#include "measure/plot.h"
+
+#include "reframe/error.h"
 
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// An axis with its final range, and the coordinates of its ends.
+typedef struct PlotScale
+{
+    bool log;
+    double min, max;
+    double from, to;
+} PlotScale;
+
+#define RF_PLOT_STYLES 6
+
+#define MARGIN 0.06   // fraction of the range, at either end
+#define LONG_AXIS 3.2 // decades; longer axes have ticks at powers of ten only
+
+// True if the axis can show the value: finite and, if logarithmic, above 0.
+static bool plot_has( const RfPlotAxis* axis, double value ) { return isfinite( value ) && ( !axis->log || value > 0.0 ); }
+
+static void extend_range( const RfPlot* plot, bool vertical, double x, double y, double* low, double* high )
+{
+    if ( !plot_has( &plot->x, x ) || !plot_has( &plot->y, y ) )
+        return;
+    double value = vertical ? y : x;
+    *low = fmin( *low, value );
+    *high = fmax( *high, value );
+}
+
+// The range of all points plus a margin; for a single value, a range around it.
+static void find_range( const RfPlot* plot, bool vertical, bool log, double* min, double* max )
+{
+    double low = (double)INFINITY, high = -(double)INFINITY;
+    for ( int s = 0; s < plot->series_count; ++s )
+    {
+        for ( int i = 0; i < plot->series[s].count; ++i )
+            extend_range( plot, vertical, plot->series[s].x[i], plot->series[s].y[i], &low, &high );
+    }
+    if ( low > high )
+        low = high = 1.0;
+    low = log ? log10( low ) : low;
+    high = log ? log10( high ) : high;
+    double air = high > low ? MARGIN * ( high - low ) : log || low == 0.0 ? 0.5 : 0.5 * fabs( low );
+    *min = log ? pow( 10.0, low - air ) : low - air;
+    *max = log ? pow( 10.0, high + air ) : high + air;
+}
+
+// Determines the range of the x axis or, if `vertical`, the y axis, drawn between the
+// coordinates `from` and `to`.
+static PlotScale plot_scale( const RfPlot* plot, bool vertical, double from, double to )
+{
+    const RfPlotAxis* axis = vertical ? &plot->y : &plot->x;
+    PlotScale scale = { axis->log, axis->min, axis->max, from, to };
+    if ( !( axis->min < axis->max ) )
+        find_range( plot, vertical, axis->log, &scale.min, &scale.max );
+    return scale;
+}
+
+// The coordinate of a value.
+static double plot_position( const PlotScale* s, double value )
+{
+    double share = s->log ? log( value / s->min ) / log( s->max / s->min ) : ( value - s->min ) / ( s->max - s->min );
+    return s->from + share * ( s->to - s->from );
+}
+
+static int log_ticks( double min, double max, double* ticks, int room )
+{
+    static const double steps[] = { 1.0, 2.0, 5.0 };
+    double first = floor( log10( min ) ), last = ceil( log10( max ) );
+    bool decades = log10( max / min ) > LONG_AXIS;
+    double by = decades ? fmax( 1.0, ceil( ( last - first ) / room ) ) : 1.0;
+    int count = 0;
+    for ( double decade = first; decade <= last; decade += by )
+    {
+        for ( int i = 0; i < ( decades ? 1 : 3 ); ++i )
+        {
+            double tick = steps[i] * pow( 10.0, decade );
+            if ( tick >= min * ( 1.0 - 1e-9 ) && tick <= max * ( 1.0 + 1e-9 ) && count < room )
+                ticks[count++] = tick;
+        }
+    }
+    return count;
+}
+
+static int linear_ticks( double min, double max, double* ticks, int room )
+{
+    double rough = ( max - min ) / 8.0, power = pow( 10.0, floor( log10( rough ) ) ), step = power;
+    if ( rough > 5.0 * power )
+        step = 10.0 * power;
+    else if ( rough > 2.0 * power )
+        step = 5.0 * power;
+    else if ( rough > power )
+        step = 2.0 * power;
+    int count = 0;
+    for ( double k = ceil( min / step - 1e-9 ); k * step <= max + 1e-9 * step && count < room; k += 1.0 )
+        ticks[count++] = k * step;
+    return count;
+}
+
+int rf_plot_ticks( bool log, double min, double max, double* ticks, int room )
+{
+    if ( !( min < max ) || !isfinite( max - min ) || ( log && min <= 0.0 ) )
+        return 0;
+    return log && max / min > 10.0 ? log_ticks( min, max, ticks, room ) : linear_ticks( min, max, ticks, room );
+}
 
 // Layout, in SVG units.
 #define WIDTH 940.0
@@ -88,7 +194,7 @@ static void draw_ticks( const Paper* p, bool vertical )
     int count = rf_plot_ticks( scale->log, scale->min, scale->max, ticks, RF_PLOT_TICKS );
     for ( int i = 0; i < count; ++i )
     {
-        double at = rf_plot_position( scale, ticks[i] );
+        double at = plot_position( scale, ticks[i] );
         char text[32];
         snprintf( text, sizeof text, "%.6g", ticks[i] );
         if ( vertical )
@@ -142,7 +248,7 @@ static void draw_marker( FILE* file, double x, double y, int style )
 
 static bool is_inside( const Paper* p, double x, double y )
 {
-    return rf_plot_has( &p->plot->x, x ) && rf_plot_has( &p->plot->y, y ) && x >= p->x.min && x <= p->x.max && y >= p->y.min &&
+    return plot_has( &p->plot->x, x ) && plot_has( &p->plot->y, y ) && x >= p->x.min && x <= p->x.max && y >= p->y.min &&
            y <= p->y.max;
 }
 
@@ -153,10 +259,9 @@ static void draw_curve( const Paper* p, const RfPlotSeries* s )
     bool down = false;
     for ( int i = 0; i < s->count; ++i )
     {
-        bool drawn = rf_plot_has( &p->plot->x, s->x[i] ) && rf_plot_has( &p->plot->y, s->y[i] );
+        bool drawn = plot_has( &p->plot->x, s->x[i] ) && plot_has( &p->plot->y, s->y[i] );
         if ( drawn )
-            fprintf( p->file, "%s%.1f %.1f", down ? "L" : "M", rf_plot_position( &p->x, s->x[i] ),
-                     rf_plot_position( &p->y, s->y[i] ) );
+            fprintf( p->file, "%s%.1f %.1f", down ? "L" : "M", plot_position( &p->x, s->x[i] ), plot_position( &p->y, s->y[i] ) );
         down = drawn;
     }
     fprintf( p->file,
@@ -171,7 +276,7 @@ static void draw_points( const Paper* p, const RfPlotSeries* s )
     {
         if ( !is_inside( p, s->x[i], s->y[i] ) )
             continue;
-        double x = rf_plot_position( &p->x, s->x[i] ), y = rf_plot_position( &p->y, s->y[i] );
+        double x = plot_position( &p->x, s->x[i] ), y = plot_position( &p->y, s->y[i] );
         draw_marker( p->file, x, y, s->style % RF_PLOT_STYLES );
         fprintf( p->file, " fill=\"%s\" stroke=\"%s\"", colour,
                  s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
@@ -230,7 +335,7 @@ static void draw_notes( const Paper* p, double y )
         const RfPlotNote* note = p->plot->notes + i;
         if ( !is_inside( p, note->x, note->y ) )
             continue;
-        draw_ring( p, rf_plot_position( &p->x, note->x ), rf_plot_position( &p->y, note->y ) );
+        draw_ring( p, plot_position( &p->x, note->x ), plot_position( &p->y, note->y ) );
         y += 30.0;
         draw_ring( p, LEGEND + 15.0, y );
         draw_text( p->file, LEGEND + 40.0, y + 4.5, "start", " font-weight=\"bold\"", note->text );
@@ -239,7 +344,7 @@ static void draw_notes( const Paper* p, double y )
 
 static void draw( FILE* file, const RfPlot* plot )
 {
-    Paper p = { file, plot, rf_plot_scale( plot, false, LEFT, RIGHT ), rf_plot_scale( plot, true, BOTTOM, TOP ) };
+    Paper p = { file, plot, plot_scale( plot, false, LEFT, RIGHT ), plot_scale( plot, true, BOTTOM, TOP ) };
     fprintf( file,
              "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
              "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" "

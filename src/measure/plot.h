@@ -29,8 +29,6 @@ typedef struct RfPlotSeries
     int style;       // colour and marker, 0 to RF_PLOT_STYLES − 1
 } RfPlotSeries;
 
-#define RF_PLOT_STYLES 6
-
 // A ring around a point, with an explanation below the legend.
 typedef struct RfPlotNote
 {

@@ -23,8 +23,8 @@
 #ifndef REFRAME_MEASURE_TRIAL_H
 #define REFRAME_MEASURE_TRIAL_H
 
-#include "measure/interval.h"
-#include "measure/pieces.h"
+#include "measure/error.h"
+#include "measure/trial_pieces.h"
 #include "scene/eye.h"
 
 // Return false to stop with RF_ERROR_INTERRUPTED.

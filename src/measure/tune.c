@@ -1,9 +1,331 @@
+#include "measure/tune.h"
+
+#include "base/random.h"
+#include "base/remedy.h"
 #include "base/system.h"
-#include "measure/tune_internal.h"
-#include "measure/tune_work.h"
+#include "measure/trial.h"
+#include "measure/tune_rows.h"
 #include "render/settings.h"
+#include "trace/trace.h"
 
 #include <math.h>
+#include <omp.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct TuneWork
+{
+    const RfTuneJob* job;
+    const RfTune* tune;
+    const RfTuneRound* round;
+    RfTestRegion* regions;
+    int rows[RF_TUNE_ROWS], row_count; // candidates
+    int region_frames;
+    int first_position; // index of the first region's position, over all rounds
+    int threads, task_count;
+    RfRenderSettings settings; // for a trial
+    RfTrial* trials;           // by region, then row
+    bool* done;                // same order
+    double deadline;           // +inf: none
+    RfTrialWatch watch;
+    atomic_int next;
+    atomic_bool stop;
+    pthread_mutex_t mutex; // protects the fields below
+    RfResult result;       // the first failure
+    RfError error;
+} TuneWork;
+
+// Plans the rounds. Decisions depend on the arguments only, not on a clock.
+
+#define REGION_FRAMES 7   // approximately, for trying small groups
+#define MIN_PIXELS 2500.0 // four pieces, and what is traced around them
+#define MAX_REGIONS 24
+
+// Fraction of the remaining time for each round.
+static const double s_shares[RF_TUNE_ROUNDS] = { 0.3, 0.33, 0.5, 1.0 };
+static const int s_regions[RF_TUNE_ROUNDS] = { 2, 2, 3, 4 };
+static const int s_passes[RF_TUNE_ROUNDS] = { 2, 4, 4, 4 };
+
+#define FEW 4    // with this many settings left, a round may use all the remaining time
+#define HOPE 0.5 // fraction of the best efficiency below which a row is dropped
+
+int rf_tune_groups( int eyes ) { return eyes < REGION_FRAMES ? ( REGION_FRAMES + eyes / 2 ) / eyes : 1; }
+
+int rf_tune_region_frames( const RfTune* tune, const bool* candidate )
+{
+    int frames = 1;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        int wanted = tune->rows[i].eyes * rf_tune_groups( tune->rows[i].eyes );
+        frames = candidate[i] && wanted > frames ? wanted : frames;
+    }
+    return frames;
+}
+
+double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * passes * row->eyes * rf_tune_groups( row->eyes ); }
+
+double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second )
+{
+    double cost = 0.0;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        const RfTuneRow* row = tune->rows + i;
+        double sample = row->rounds > 0 ? rf_trial_sample_seconds( &row->trial ) : row->cost * cost_second;
+        cost += candidate[i] ? round->regions * round->pixels * rf_tune_row_samples( row, round->passes ) * sample : 0.0;
+    }
+    return cost;
+}
+
+// Pixels per frame such that what is kept of the test regions and the parallel trials fits in half the memory;
+// the other half is for the renders.
+static double pixels_that_fit( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, int regions )
+{
+    int eyes = rf_tune_region_frames( tune, candidate );
+    double bytes = (double)rf_test_region_bytes( eyes, RF_CELL_PIXELS ) * regions +
+                   (double)o->workers * (double)rf_trial_bytes( eyes, RF_CELL_PIXELS );
+    return 0.5 * (double)o->memory / bytes * RF_CELL_PIXELS;
+}
+
+static int count_candidates_in( const RfTune* tune, const bool* candidate )
+{
+    int count = 0;
+    for ( int i = 0; i < tune->count; ++i )
+        count += candidate[i];
+    return count;
+}
+
+bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, RfTuneRound* round )
+{
+    double all = (double)o->width * o->height,
+           seconds = ( count_candidates_in( tune, candidate ) > FEW ? s_shares[o->number] : 1.0 ) * o->left;
+    int passes = s_passes[o->number] > o->passes ? s_passes[o->number] : o->passes;
+    *round = ( RfTuneRound ){ .regions = s_regions[o->number], .passes = passes, .pixels = 1.0 };
+    double each = rf_tune_round_cost( tune, candidate, round, o->cost_second ); // per pixel
+    double pixels = seconds * o->rate / each, most = pixels_that_fit( tune, candidate, o, round->regions );
+    most = most < all ? most : all;
+    double least = MIN_PIXELS < most ? MIN_PIXELS : most;
+    for ( ; pixels < least && round->regions > 1; --round->regions ) // fewer positions rather than too small pieces
+        pixels *= round->regions / ( round->regions - 1.0 );
+    if ( pixels > most ) // more positions from the time left
+        round->regions = (int)fmin( MAX_REGIONS, floor( round->regions * pixels / most ) );
+    round->pixels = fmax( fmin( pixels, most ), least );
+    if ( o->number > 0 && pixels < least )
+        return false;
+    round->seconds = rf_tune_round_cost( tune, candidate, round, o->cost_second ) / o->rate;
+    return true;
+}
+
+// Orders efficiencies, largest first.
+static int descending( const void* a, const void* b )
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return ( x < y ) - ( x > y );
+}
+
+void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate )
+{
+    double sorted[RF_TUNE_ROWS];
+    int count = 0;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        candidate[i] = candidate[i] && isfinite( tune->rows[i].efficiency );
+        if ( candidate[i] )
+            sorted[count++] = tune->rows[i].efficiency;
+    }
+    if ( count == 0 )
+        return;
+    qsort( sorted, (size_t)count, sizeof *sorted, descending );
+    double bar = fmax( HOPE * sorted[0], sorted[kept < count ? kept - 1 : count - 1] );
+    for ( int i = 0; i < tune->count; ++i )
+        candidate[i] = candidate[i] && ( tune->rows[i].efficiency >= bar || rf_is_plain_row( tune->rows + i ) );
+}
+
+double rf_tune_position( int index )
+{
+    double position = 0.0, part = 0.5;
+    for ( int i = index + 1; i > 0; i /= 2, part /= 2.0 )
+        position += i % 2 * part;
+    return position;
+}
+
+#define MAX_WORKERS 256
+
+static bool should_continue( void* user )
+{
+    TuneWork* w = user;
+    const RfTrialWatch* outer = w->job->watch;
+    if ( rf_wall_seconds() > w->deadline ||
+         ( outer != NULL && outer->should_continue != NULL && !outer->should_continue( outer->user ) ) )
+        atomic_store( &w->stop, true );
+    return !atomic_load( &w->stop );
+}
+
+static RfResult make_region( TuneWork* w, int index, RfError* error )
+{
+    const RfTuneJob* job = w->job;
+    int frame = job->frames[(int)( rf_tune_position( w->first_position + index ) * job->frame_count )];
+    RfRenderSettings settings = w->settings;
+    settings.seed = rf_mix64( settings.seed ^ (uint64_t)( w->first_position + index ) ); // other pieces each time
+    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, w->region_frames, w->round->pixels, &settings,
+                                  &w->watch, w->regions + index, error );
+}
+
+static RfResult try_row( TuneWork* w, int region, int k, RfError* error )
+{
+    const RfTuneRow* row = w->tune->rows + w->rows[k];
+    RfRenderSettings settings = rf_tune_settings( row, &w->settings );
+    settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_position + region ) ) );
+    int index = region * w->row_count + k;
+    RfResult result = rf_run_trial( w->job->tracer, w->regions + region, rf_tune_groups( row->eyes ), w->round->passes, &settings,
+                                    &w->watch, w->trials + index, error );
+    w->done[index] = result == RF_OK;
+    return result;
+}
+
+static void* run_worker( void* user )
+{
+    TuneWork* w = user;
+    RfError error;
+    rf_set_float_mode();
+    int task;
+    while ( ( task = atomic_fetch_add( &w->next, 1 ) ) < w->task_count && !atomic_load( &w->stop ) )
+    {
+        RfResult result =
+            w->trials == NULL ? make_region( w, task, &error ) : try_row( w, task / w->row_count, task % w->row_count, &error );
+        if ( result == RF_OK )
+            continue;
+        atomic_store( &w->stop, true );
+        pthread_mutex_lock( &w->mutex );
+        if ( w->result == RF_OK || w->result == RF_ERROR_INTERRUPTED )
+        {
+            w->result = result;
+            w->error = error;
+        }
+        pthread_mutex_unlock( &w->mutex );
+    }
+    return NULL;
+}
+
+// Runs all tasks on as many threads as can be started, including this one.
+static void run_tasks( TuneWork* w, int tasks )
+{
+    pthread_t threads[MAX_WORKERS];
+    int wanted = w->threads < tasks ? w->threads : tasks, count = 0;
+    w->task_count = tasks;
+    atomic_store( &w->next, 0 );
+    // Makes this thread OpenMP's first one, since it outlives the others: libomp 14 looks
+    // at its first thread whenever a tool (ThreadSanitizer's archer) watches a critical section.
+    (void)omp_get_max_threads();
+    while ( count + 1 < wanted && count < MAX_WORKERS && pthread_create( threads + count, NULL, run_worker, w ) == 0 )
+        count += 1;
+    run_worker( w );
+    for ( int i = 0; i < count; ++i )
+        pthread_join( threads[i], NULL );
+}
+
+// Frees what the round holds.
+static void end_tune_work( TuneWork* w )
+{
+    for ( int i = 0; w->regions != NULL && i < w->round->regions; ++i )
+        rf_destroy_test_region( w->regions + i );
+    free( w->regions );
+    free( w->trials );
+    free( w->done );
+    pthread_mutex_destroy( &w->mutex );
+}
+
+// Starts a round. `common` is the job's settings, resolved. Call end_tune_work afterwards.
+static void begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common, const bool* candidate,
+                             const RfTuneRound* round, int first_position, double deadline, TuneWork* w )
+{
+    memset( w, 0, sizeof *w );
+    w->job = job;
+    w->tune = tune;
+    w->round = round;
+    w->deadline = deadline;
+    w->watch = ( RfTrialWatch ){ should_continue, w };
+    pthread_mutex_init( &w->mutex, NULL );
+    w->first_position = first_position;
+    w->region_frames = rf_tune_region_frames( tune, candidate );
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        if ( candidate[i] )
+            w->rows[w->row_count++] = i;
+    }
+    w->threads = common->threads;
+    w->settings = *common;
+    w->settings.threads = 1;
+    w->settings.memory = common->memory / (size_t)common->threads;
+}
+
+static RfResult fail_memory( RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
+}
+
+// Creates the test regions. Fails with RF_ERROR_INTERRUPTED at the deadline.
+static RfResult make_tune_regions( TuneWork* w, RfError* error )
+{
+    w->regions = calloc( (size_t)w->round->regions, sizeof *w->regions );
+    if ( w->regions == NULL )
+        return fail_memory( error );
+    run_tasks( w, w->round->regions );
+    if ( w->result != RF_OK )
+        *error = w->error;
+    return w->result;
+}
+
+// Runs the trials. Fails with RF_ERROR_INTERRUPTED at the deadline.
+static RfResult run_tune_trials( TuneWork* w, RfError* error )
+{
+    size_t count = (size_t)w->round->regions * (size_t)w->row_count;
+    w->done = calloc( count, sizeof *w->done );
+    w->trials = calloc( count, sizeof *w->trials );
+    if ( w->done == NULL || w->trials == NULL )
+        return fail_memory( error );
+    run_tasks( w, (int)count );
+    if ( w->result != RF_OK )
+        *error = w->error;
+    return w->result;
+}
+
+// Adds the trials of the regions at which all rows were tried; returns the number of these
+// regions.
+static int take_tune_trials( const TuneWork* w, RfTune* tune )
+{
+    int complete = 0;
+    for ( int s = 0; s < w->round->regions; ++s )
+    {
+        int done = 0;
+        for ( int k = 0; k < w->row_count; ++k )
+            done += w->done[s * w->row_count + k];
+        if ( done < w->row_count )
+            continue;
+        for ( int k = 0; k < w->row_count; ++k )
+            rf_add_trial( &tune->rows[w->rows[k]].trial, w->trials + s * w->row_count + k );
+        complete += 1;
+    }
+    for ( int k = 0; k < w->row_count && complete > 0; ++k )
+        tune->rows[w->rows[k]].rounds += 1;
+    return complete;
+}
+
+// CPU seconds spent so far.
+static double tune_work_seconds( const TuneWork* w )
+{
+    double cpu = 0.0;
+    for ( int i = 0; w->regions != NULL && i < w->round->regions; ++i )
+        cpu += w->regions[i].seconds;
+    for ( int i = 0; w->trials != NULL && i < w->round->regions * w->row_count; ++i )
+    {
+        const RfTrial* trial = w->trials + i;
+        if ( trial->timed_samples > 0.0 )
+            cpu += rf_trial_sample_seconds( trial ) * trial->samples;
+    }
+    return cpu;
+}
 
 #define OVERTIME 1.1        // times the budget: when the last round is aborted
 #define FIRST_PIXELS 2500.0 // traced of a frame, to measure the speed
@@ -24,19 +346,19 @@ typedef struct Tuner
 
 static RfResult run_round( Tuner* t, const RfTuneRound* round, double deadline, int* complete, RfError* error )
 {
-    RfTuneWork w;
-    rf_begin_tune_work( t->job, t->tune, &t->common, t->candidate, round, t->positions, deadline, &w );
+    TuneWork w;
+    begin_tune_work( t->job, t->tune, &t->common, t->candidate, round, t->positions, deadline, &w );
     *complete = 0;
     double start = rf_wall_seconds();
-    RfResult result = rf_make_tune_regions( &w, error );
+    RfResult result = make_tune_regions( &w, error );
     if ( result == RF_OK )
-        result = rf_run_tune_trials( &w, error );
+        result = run_tune_trials( &w, error );
     if ( w.done != NULL && ( result == RF_OK || result == RF_ERROR_INTERRUPTED ) )
-        *complete = rf_take_tune_trials( &w, t->tune );
-    t->cpu += rf_tune_work_seconds( &w );
+        *complete = take_tune_trials( &w, t->tune );
+    t->cpu += tune_work_seconds( &w );
     t->wall += rf_wall_seconds() - start;
     t->positions += round->regions;
-    rf_end_tune_work( &w );
+    end_tune_work( &w );
     return result;
 }
 
@@ -48,14 +370,14 @@ static RfResult calibrate( Tuner* t, RfError* error )
     RfTuneRound round = { .pixels = fmin( FIRST_PIXELS, all ),
                           .regions = t->common.threads,
                           .passes = rf_usual_passes( &t->common ) };
-    RfTuneWork w;
-    rf_begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, (double)INFINITY, &w );
+    TuneWork w;
+    begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, (double)INFINITY, &w );
     double start = rf_wall_seconds(), cost = 0.0;
-    RfResult result = rf_make_tune_regions( &w, error );
-    double samples = result == RF_OK ? w.regions->samples * round.regions : 1.0, cpu = rf_tune_work_seconds( &w );
+    RfResult result = make_tune_regions( &w, error );
+    double samples = result == RF_OK ? w.regions->samples * round.regions : 1.0, cpu = tune_work_seconds( &w );
     t->cpu += cpu;
     t->wall += rf_wall_seconds() - start;
-    rf_end_tune_work( &w );
+    end_tune_work( &w );
     for ( int k = 0; k < w.row_count; ++k ) // the most expensive row costs about as much as the pilot image, or more
         cost = t->tune->rows[w.rows[k]].cost > cost ? t->tune->rows[w.rows[k]].cost : cost;
     t->cost_second = 1.5 * cpu / ( samples * cost );

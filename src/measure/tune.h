@@ -15,6 +15,9 @@
 
 #include "measure/trial.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
+
 #define RF_TUNE_GROUPS 9
 #define RF_TUNE_TILES 5
 #define RF_TUNE_ROWS ( RF_TUNE_GROUPS * RF_TUNE_TILES )

@@ -1,12 +1,411 @@
 // A finished frame as an EXR file.
-#include "reframe/output.h"
+#include "output/frame_file.h"
 
-#include "output/frame_aovs.h"
-#include "output/frame_attributes.h"
+#include "base/file.h"
+#include "film/aov.h"
+#include "image/atomic_file.h"
+#include "reframe/output.h"
+#include "reframe/render.h"
 #include "scene/eye.h"
 #include "scene/scene.h"
 
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #define MAX_NAME 4096
+
+#define ATTRIBUTE_SIZE RF_EFFECTS_TEXT_SIZE // the longest text that is made here
+
+typedef struct Attributes
+{
+    const char* values[RF_KEY_COUNT]; // NULL: not there
+    char texts[RF_KEY_COUNT][ATTRIBUTE_SIZE];
+    RfExrString strings[RF_KEY_COUNT]; // those that are there
+    int count;
+} Attributes;
+
+#define AOV_CHANNEL_NAME_SIZE 24 // "variance.R"
+
+// The channels of a frame's AOVs, whose values stay the frame's. `names` holds their names.
+typedef struct AovChannels
+{
+    RfExrChannel channels[RF_MAX_AOV_CHANNELS];
+    char names[RF_MAX_AOV_CHANNELS][AOV_CHANNEL_NAME_SIZE];
+    int count;
+} AovChannels;
+
+// The folder that the frames go to.
+
+// The folder of a file name, "." where it has none.
+static RfResult folder_of( const char* path, char* folder, size_t size, RfError* error )
+{
+    const char* slash = strrchr( path, '/' );
+    size_t length = slash == NULL ? 1 : slash == path ? 1 : (size_t)( slash - path );
+    if ( length >= size )
+        return rf_fail( error, RF_ERROR_USAGE, "the name of the output is longer than %d characters", MAX_NAME );
+    memcpy( folder, slash == NULL ? "." : path, length );
+    folder[length] = '\0';
+    return RF_OK;
+}
+
+// Makes the last part of a folder's name where it is missing.
+static RfResult make_folder( const char* folder, RfError* error )
+{
+    struct stat status;
+    if ( stat( folder, &status ) == 0 )
+        return S_ISDIR( status.st_mode ) ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: is not a folder", folder );
+    if ( errno == ENOENT && mkdir( folder, 0777 ) == 0 )
+        return RF_OK;
+    if ( errno == ENOENT )
+        return rf_fail( error, RF_ERROR_IO, "%s: this folder cannot be made, the one that it is to be in is missing", folder );
+    return rf_fail( error, RF_ERROR_IO, "%s: the folder cannot be used: %s", folder, strerror( errno ) );
+}
+
+// Tells before the work, not after it, that frames cannot be written there.
+static RfResult probe_folder( const char* folder, RfError* error )
+{
+    char name[MAX_NAME + 32];
+    snprintf( name, sizeof name, "%s/.reframe-probe-XXXXXX", folder );
+    int file = mkstemp( name );
+    if ( file < 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: no files can be made in this folder: %s", folder, strerror( errno ) );
+    close( file );
+    unlink( name );
+    return RF_OK;
+}
+
+RfResult rf_prepare_output_folder( const char* pattern, RfError* error )
+{
+    char name[MAX_NAME], folder[MAX_NAME];
+    size_t length = pattern != NULL ? strlen( pattern ) : 0;
+    if ( length == 0 || pattern[length - 1] == '/' )
+        return rf_fail( error, RF_ERROR_USAGE, "'%s' names no file", pattern != NULL ? pattern : "" );
+    RfResult result = rf_sequence_name( pattern, 1, name, sizeof name, error );
+    if ( result == RF_OK )
+        result = folder_of( pattern, folder, sizeof folder, error );
+    if ( result == RF_OK )
+        result = make_folder( folder, error );
+    return result == RF_OK ? probe_folder( folder, error ) : result;
+}
+
+void rf_clean_output_folder( const char* pattern )
+{
+    char folder[MAX_NAME];
+    if ( folder_of( pattern, folder, sizeof folder, NULL ) == RF_OK )
+        rf_remove_leftovers( folder );
+}
+
+#define NAME_FITS( constant, name, letters, half, first_hit, what )                                                              \
+    _Static_assert( sizeof( name ) + 2 <= AOV_CHANNEL_NAME_SIZE, "the names of its channels fit" );
+RF_AOV_LIST( NAME_FITS )
+#undef NAME_FITS
+
+static const float s_zero = 0.0f;
+
+// Lists them; those for which 16 bits are enough are written so where `half`. Motion to the frame before
+// and to the frame after is 0 where `still`.
+static void list_aov_channels( const RfFrameResult* frame, bool half, const bool still[2], AovChannels* list )
+{
+    list->count = 0;
+    for ( int i = 0; i < RF_AOV_COUNT; ++i )
+    {
+        const char* letters = rf_aov_letters( (RfAov)i );
+        int channels = frame->aovs[i] != NULL ? rf_aov_channels( (RfAov)i ) : 0;
+        for ( int c = 0; c < channels; ++c )
+        {
+            char* name = list->names[list->count];
+            // motion is x and y to the frame before, then to the frame after
+            bool zero = i == RF_AOV_MOTION && still[c / 2];
+            const char* layer = i == RF_AOV_ALPHA ? "" : rf_aov_name( (RfAov)i );
+            snprintf( name, sizeof list->names[0], "%s%s%c", layer, layer[0] != '\0' ? "." : "", letters[c] );
+            list->channels[list->count++] = ( RfExrChannel ){
+                .name = name,
+                .values = zero ? &s_zero : frame->aovs[i] + c,
+                .stride = zero ? 0 : channels,
+                .half = half && rf_aov_is_half( (RfAov)i ),
+            };
+        }
+    }
+}
+
+// Which render a frame is of.
+
+static uint64_t hash_text( uint64_t hash, const char* text ) { return rf_hash_bytes( hash, text, strlen( text ) + 1 ); }
+
+void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGERPRINT_SIZE] )
+{
+    const RfRenderSettings* s = &output->settings;
+    const RfCameraPath* path = output->path;
+    // Numbers as text: no padding bytes, no byte order, and a new setting cannot
+    // be mistaken for an old one. The roulette is a constant part.
+    char settings[512], tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &s->tile, tile );
+    snprintf( settings, sizeof settings,
+              "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
+              "tile %s roulette 0",
+              (unsigned long long)rf_tracer_scene( output->tracer )->content_hash, frame, path->count, path->fps.numerator,
+              path->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ),
+              s->max_depth, s->light_samples, (unsigned long long)s->seed, tile );
+    uint64_t hash = hash_text( hash_text( path->hash, rf_version() ), settings );
+    // 0 and 1 as when adaptive sampling was off or on
+    static const int adaptive[] = { [RF_ADAPTIVE_OFF] = 0, [RF_ADAPTIVE_ON] = 1, [RF_ADAPTIVE_AUTO] = 2 };
+    snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, adaptive[s->adaptive] );
+    if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF )
+        hash = hash_text( hash, settings );
+    snprintf( settings, sizeof settings, "flicker %.17g", s->flicker );
+    if ( s->flicker > 0.0 ) // a frame without is what it was before it could be asked for
+        hash = hash_text( hash, settings );
+    snprintf( settings, sizeof settings, "filter %s %.17g", rf_filter_name( s->filter ), s->filter_width );
+    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 ) // a box of one pixel is what frames had before there were others
+        hash = hash_text( hash, settings );
+    char aovs[RF_AOVS_TEXT_SIZE];
+    rf_format_aovs( s->aovs, aovs, sizeof aovs );
+    snprintf( settings, sizeof settings, "runs %d", path->run_count );
+    if ( path->run_count > 0 &&
+         path->run_count < path->count ) // a path without is what it was before equal frames were rendered once
+        hash = hash_text( hash, settings );
+    if ( s->aovs != 0 ) // a frame without any is what it was before there were any
+        hash = hash_text( hash, aovs );
+    if ( s->estimator != rf_default_render_settings().estimator ) // likewise
+        hash = hash_text( hash, rf_estimator_name( s->estimator ) );
+    if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+        hash = hash_text( hash, rf_reconstruction_name( s->reconstruction ) );
+    if ( s->light_paths != RF_LIGHT_PATHS_OFF )
+        hash = hash_text( hash_text( hash, rf_light_paths_name( s->light_paths ) ),
+                          rf_kernel_normalization_name( s->kernel_normalization ) );
+    const RfScene* scene = rf_tracer_scene( output->tracer );
+    snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
+              (unsigned long long)scene->effects_left_out );
+    if ( ( scene->effects_forced | scene->effects_left_out ) != 0 ) // likewise
+        hash = hash_text( hash, settings );
+    snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
+}
+
+RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileState* state, RfError* error )
+{
+    char name[MAX_NAME], found[64], wanted[RF_FINGERPRINT_SIZE];
+    struct stat status;
+    *state = RF_FRAME_FILE_MISSING;
+    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
+    if ( result != RF_OK )
+        return result;
+    if ( stat( name, &status ) != 0 )
+        return errno == ENOENT ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
+    if ( S_ISDIR( status.st_mode ) ) // told before the work, and no matter what may be replaced
+        return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
+    *state = RF_FRAME_FILE_UNREADABLE;
+    if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, error ) != RF_OK )
+        return RF_OK;
+    rf_frame_fingerprint( output, frame, wanted );
+    *state = strcmp( found, wanted ) == 0 ? RF_FRAME_FILE_SAME : RF_FRAME_FILE_OTHER;
+    return RF_OK;
+}
+
+static const char* const s_names[RF_KEY_COUNT] = {
+#define RF_KEY_NAME( constant, name ) name,
+    RF_KEY_LIST( RF_KEY_NAME )
+#undef RF_KEY_NAME
+};
+
+const char* rf_key_name( RfKey key ) { return s_names[key]; }
+
+static void put_text( Attributes* a, RfKey key, const char* value ) { a->values[key] = value; }
+
+__attribute__( ( format( printf, 3, 4 ) ) ) static void put( Attributes* a, RfKey key, const char* format, ... )
+{
+    va_list args;
+    va_start( args, format );
+    vsnprintf( a->texts[key], ATTRIBUTE_SIZE, format, args );
+    va_end( args );
+    a->values[key] = a->texts[key];
+}
+
+static void put_settings( Attributes* a, const RfRenderSettings* s )
+{
+    char tile[RF_TILE_NAME_SIZE], aovs[RF_AOVS_TEXT_SIZE];
+    rf_tile_name( &s->tile, tile );
+    rf_format_aovs( s->aovs, aovs, sizeof aovs );
+    put( a, RF_KEY_GROUP, "%d", s->group );
+    put( a, RF_KEY_SPP, "%d", s->spp );
+    put( a, RF_KEY_TILE, "%s", tile );
+    put_text( a, RF_KEY_WEIGHTS, rf_weights_name( s->weights ) );
+    put_text( a, RF_KEY_NORMALIZE, rf_normalize_name( s->normalize ) );
+    put( a, RF_KEY_SEED, "%llu", (unsigned long long)s->seed );
+    put( a, RF_KEY_MAX_DEPTH, "%d", s->max_depth );
+    put( a, RF_KEY_LIGHT_SAMPLES, "%d", s->light_samples );
+    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
+    {
+        put_text( a, RF_KEY_FILTER, rf_filter_name( s->filter ) );
+        put( a, RF_KEY_FILTER_WIDTH, "%.9g", s->filter_width );
+    }
+    if ( s->adaptive != RF_ADAPTIVE_OFF )
+        put_text( a, RF_KEY_ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
+    if ( s->noise > 0.0 )
+        put( a, RF_KEY_NOISE, "%.9g", s->noise );
+    if ( s->flicker > 0.0 )
+        put( a, RF_KEY_FLICKER, "%.9g", s->flicker );
+    if ( s->time > 0.0 )
+        put( a, RF_KEY_TIME, "%.9g", s->time );
+    if ( s->aovs != 0 )
+        put( a, RF_KEY_AOV, "%s", aovs );
+    if ( s->estimator != rf_default_render_settings().estimator )
+        put_text( a, RF_KEY_ESTIMATOR, rf_estimator_name( s->estimator ) );
+    if ( s->light_paths != RF_LIGHT_PATHS_OFF )
+        put_text( a, RF_KEY_LIGHT_PATHS, rf_light_paths_name( s->light_paths ) );
+    if ( s->light_paths != RF_LIGHT_PATHS_OFF && s->kernel_normalization != RF_KERNEL_EXACT )
+        put_text( a, RF_KEY_KERNEL_NORMALIZATION, rf_kernel_normalization_name( s->kernel_normalization ) );
+    if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+        put_text( a, RF_KEY_RECONSTRUCTION, rf_reconstruction_name( s->reconstruction ) );
+}
+
+// Of options: nothing where none was given.
+static void put_effects( Attributes* a, const RfScene* scene )
+{
+    char names[RF_EFFECTS_TEXT_SIZE];
+    rf_format_effects( scene->effects_left_out, names, sizeof names );
+    if ( scene->effects_left_out != 0 )
+        put( a, RF_KEY_NO_EFFECT, "%s", names );
+    rf_format_effects( scene->effects_forced, names, sizeof names );
+    if ( scene->effects_forced != 0 )
+        put( a, RF_KEY_EFFECTS, "%s",
+             ( scene->effects_forced | scene->effects_left_out ) == ( rf_forcible_effects() | scene->effects_left_out ) ? "all"
+                                                                                                                        : names );
+}
+
+static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
+{
+    char fingerprint[RF_FINGERPRINT_SIZE];
+    rf_frame_fingerprint( output, frame->frame, fingerprint );
+    put_text( a, RF_KEY_VERSION, rf_version() );
+    put_text( a, RF_KEY_SCENE, rf_tracer_scene( output->tracer )->path );
+    put_text( a, RF_KEY_CAMERA, output->path->name );
+    put( a, RF_KEY_FRAME, "%d", rf_frame_number( output->path, frame->frame ) );
+    put( a, RF_KEY_FRAMES, "%d", output->path->count );
+    if ( output->path->step > 1 )
+        put( a, RF_KEY_STEP, "%d", output->path->step );
+    if ( isfinite( frame->relmse_estimate ) )
+    {
+        put( a, RF_KEY_RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
+        put_text( a, RF_KEY_RELMSE_IS_LOWER_BOUND, frame->relmse_is_lower_bound ? "yes" : NULL );
+        put( a, RF_KEY_RELMSE_LIKELY, "%.6g", frame->relmse_likely );
+        put( a, RF_KEY_WORST_TEN_SHARE, "%.6g", frame->worst_ten_share );
+    }
+    if ( output->settings.flicker > 0.0 && isfinite( frame->flicker_estimate ) )
+    {
+        put( a, RF_KEY_FLICKER_ESTIMATE, "%.6g", frame->flicker_estimate );
+        put_text( a, RF_KEY_FLICKER_IS_LOWER_BOUND, frame->flicker_is_lower_bound ? "yes" : NULL );
+        put( a, RF_KEY_FLICKER_LIKELY, "%.6g", frame->flicker_likely );
+        put( a, RF_KEY_FLICKER_WORST_TEN_SHARE, "%.6g", frame->flicker_worst_ten_share );
+    }
+    if ( output->settings.noise > 0.0 || output->settings.flicker > 0.0 )
+        put_text( a, RF_KEY_REACHED, frame->reached ? "yes" : "no" );
+    put_effects( a, rf_tracer_scene( output->tracer ) );
+    put_text( a, RF_KEY_CALLS_FOR, output->calls_for );
+    put( a, RF_KEY_NATIVE_SPP, "%.9g", frame->native_spp );
+    put( a, RF_KEY_EFFECTIVE_SPP, "%.6g", frame->effective_spp );
+    put_text( a, RF_KEY_DEVICE, rf_tracer_device( output->tracer ) );
+    put( a, RF_KEY_FINGERPRINT, "%s", fingerprint );
+}
+
+// Fills `attributes` for the file of a frame. They point into `output`.
+static void list_attributes( const RfOutput* output, const RfFrameResult* frame, Attributes* a )
+{
+    for ( int i = 0; i < RF_KEY_COUNT; ++i )
+        a->values[i] = NULL;
+    a->count = 0;
+    put_settings( a, &output->settings );
+    put_frame( a, output, frame );
+    for ( int i = 0; i < RF_KEY_COUNT; ++i )
+    {
+        if ( a->values[i] != NULL )
+            a->strings[a->count++] = ( RfExrString ){ s_names[i], a->values[i] };
+    }
+}
+
+// A value as the option takes it: adaptive sampling that is on is "yes" in files.
+static const char* option_value( RfKey key, const char* value )
+{
+    return key == RF_KEY_ADAPTIVE && strcmp( value, "yes" ) == 0 ? rf_adaptive_name( RF_ADAPTIVE_ON ) : value;
+}
+
+// What a key that is not in a file stands for.
+static const char* absent_value( RfKey key )
+{
+    switch ( key )
+    {
+        case RF_KEY_ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
+        case RF_KEY_NOISE:
+        case RF_KEY_FLICKER:
+        case RF_KEY_TIME: return "0";
+        case RF_KEY_RECONSTRUCTION: return rf_reconstruction_name( RF_RECONSTRUCTION_WEIGHTED );
+        case RF_KEY_LIGHT_PATHS: return rf_light_paths_name( RF_LIGHT_PATHS_OFF );
+        case RF_KEY_KERNEL_NORMALIZATION: return rf_kernel_normalization_name( RF_KERNEL_EXACT );
+        case RF_KEY_AOV:
+        case RF_KEY_NO_EFFECT: return "none";
+        case RF_KEY_EFFECTS: return "auto";
+        case RF_KEY_FILTER: return rf_filter_name( RF_FILTER_BOX );
+        case RF_KEY_FILTER_WIDTH: return "1";
+        case RF_KEY_ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
+        default: return "";
+    }
+}
+
+static void add_difference( RfFrameDifference* list, int* count, const char* name, const char* there, const char* here )
+{
+    if ( *count == RF_MAX_DIFFERENCES || strcmp( there, here ) == 0 )
+        return;
+    RfFrameDifference* difference = list + ( *count )++;
+    difference->name = name;
+    snprintf( difference->there, sizeof difference->there, "%s", there );
+    snprintf( difference->here, sizeof difference->here, "%s", here );
+}
+
+static void add_size( const RfOutput* output, const char* name, RfFrameDifference* list, int* count )
+{
+    const RfEye* eye = output->path->eyes;
+    char there[32], here[32];
+    RfImage image;
+    if ( rf_read_exr( name, &image, NULL ) != RF_OK )
+        return;
+    snprintf( there, sizeof there, "%dx%d", image.width, image.height );
+    snprintf( here, sizeof here, "%dx%d", eye->width, eye->height );
+    rf_destroy_image( &image );
+    add_difference( list, count, "size", there, here );
+}
+
+int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
+{
+    static const RfKey keys[] = {
+        RF_KEY_VERSION,   RF_KEY_FRAME,         RF_KEY_CAMERA,         RF_KEY_FRAMES,      RF_KEY_GROUP,
+        RF_KEY_SPP,       RF_KEY_TILE,          RF_KEY_WEIGHTS,        RF_KEY_NORMALIZE,   RF_KEY_SEED,
+        RF_KEY_MAX_DEPTH, RF_KEY_LIGHT_SAMPLES, RF_KEY_ADAPTIVE,       RF_KEY_NOISE,       RF_KEY_TIME,
+        RF_KEY_AOV,       RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
+        RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION
+    };
+    char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
+    int count = 0;
+    Attributes wanted;
+    RfFrameResult none = { .frame = frame };
+    list_attributes( output, &none, &wanted );
+    if ( rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, NULL ) != RF_OK )
+        return 0;
+    for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
+    {
+        const char* here = wanted.values[keys[i]];
+        bool is_there = rf_read_exr_string( name, rf_key_name( keys[i] ), there, sizeof there, NULL ) == RF_OK;
+        add_difference( list, &count, rf_key_name( keys[i] ) + strlen( "reframe/" ),
+                        is_there ? option_value( keys[i], there ) : absent_value( keys[i] ),
+                        here != NULL ? option_value( keys[i], here ) : absent_value( keys[i] ) );
+    }
+    add_size( output, name, list, &count );
+    return count;
+}
 
 RfFrameFiles rf_default_frame_files( void )
 {
@@ -31,12 +430,12 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
         rf_sequence_name( output->pattern, rf_frame_number( output->path, frame->frame ), name, sizeof name, error );
     if ( result != RF_OK )
         return result;
-    RfAttributes attributes;
-    RfAovChannels aovs;
-    rf_list_attributes( output, frame, &attributes );
+    Attributes attributes;
+    AovChannels aovs;
+    list_attributes( output, frame, &attributes );
     const bool still[2] = { has_same_eye( output->path, frame->frame, frame->frame - 1 ),
                             has_same_eye( output->path, frame->frame, frame->frame + 1 ) };
-    rf_list_aov_channels( frame, output->settings.files.half, still, &aovs );
+    list_aov_channels( frame, output->settings.files.half, still, &aovs );
     RfExrOptions exr = rf_default_exr_options();
     exr.compression = output->settings.files.compression;
     exr.half = output->settings.files.half;

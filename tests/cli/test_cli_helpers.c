@@ -1,8 +1,8 @@
 // Parts of the program that need no scene: frame lists, OpenEXR matrices, fingerprints,
 // the progress line.
-#include "cli/options/frame_list.h"
+#include "cli/options/frames.h"
 #include "cli/render/progress.h"
-#include "cli/render/render_output.h"
+#include "cli/render/render_files.h"
 #include "scene/pinhole.h"
 
 #include <math.h>

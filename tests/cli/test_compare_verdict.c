@@ -1,5 +1,5 @@
 // The verdict of reframe compare in words.
-#include "cli/compare/compare_report.h"
+#include "cli/compare/compare_command.h"
 
 #include <math.h>
 #include <setjmp.h>

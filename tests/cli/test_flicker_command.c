@@ -1,11 +1,11 @@
 // reframe flicker as a script sees it: JSON, files of Reframe and of other programs, and
 // what it refuses.
 #include "cli/commands.h"
-#include "cli/compare/flicker_seams.h"
+#include "cli/compare/flicker_report.h"
 #include "support/command_run.h"
 #include "support/foreign_exr.h"
 #include "image/sequence.h"
-#include "measure/flicker_read.h"
+#include "measure/flicker_sequence.h"
 #include "support/image_support.h"
 
 #include <jansson.h>

@@ -1,7 +1,7 @@
 // reframe report as its user sees it: what the page holds, that no name breaks it, and
 // what is refused. Choice of frames and layers: test_report_frames.c; looks and playback:
 // test_report_browser.c.
-#include "output/frame_attributes.h"
+#include "output/frame_file.h"
 #include "support/cli_run.h"
 #include "support/page_checks.h"
 

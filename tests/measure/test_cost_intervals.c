@@ -1,6 +1,6 @@
 // Slopes and ratios of times against values worked out by hand, and the coverage of their
 // confidence intervals.
-#include "measure/cost_fit.h"
+#include "measure/cost.h"
 #include "measure/trial.h"
 
 #include "base/random.h"

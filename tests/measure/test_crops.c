@@ -1,5 +1,5 @@
 // Windows of the picture: their rays are those of the picture, they cover it evenly, and their margins are not measured.
-#include "measure/crops.h"
+#include "measure/trial_pieces.h"
 
 #include "scene/projection.h"
 

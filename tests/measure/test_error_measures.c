@@ -1,6 +1,5 @@
 // Error measures against closed forms.
 #include "measure/error.h"
-#include "measure/bias_interval.h"
 #include "support/image_support.h"
 
 #include <math.h>

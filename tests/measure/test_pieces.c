@@ -1,5 +1,5 @@
 // Pieces: what is measured in them is what the whole render shows there, for a fraction of its samples.
-#include "measure/pieces.h"
+#include "measure/trial_pieces.h"
 #include "measure/trial.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

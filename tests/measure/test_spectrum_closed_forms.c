@@ -1,8 +1,6 @@
 // Temporal spectrum, seams and slit-scan against closed forms.
 #include "support/flicker_frames.h"
-#include "measure/seams.h"
-#include "measure/slit_scan.h"
-#include "measure/spectrum.h"
+#include "measure/flicker.h"
 
 #include <math.h>
 #include <omp.h>

@@ -1,8 +1,8 @@
 // Scene values of the report page are those of the image, coarser as its budget wants it; AOVs are
 // drawn so that their values can be read back.
 #include "image/half.h"
-#include "page/layer_picture.h"
-#include "page/values.h"
+#include "page/picture.h"
+#include "page/page.h"
 #include "support/image_support.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef REFRAME_TESTS_TUNE_SETUP_H
 #define REFRAME_TESTS_TUNE_SETUP_H
 
-#include "measure/tune_internal.h"
+#include "measure/tune_rows.h"
 #include "support/scene_builder.h"
 
 #define TUNE_EYES 48

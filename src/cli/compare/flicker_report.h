@@ -4,7 +4,6 @@
 
 #include "measure/error.h"
 #include "measure/flicker.h"
-#include "measure/spectrum.h"
 
 #include <jansson.h>
 
@@ -49,5 +48,15 @@ json_t* rf_followed_pair_json( const RfFlickerSums* sums );
 
 // Takes ownership of `pairs`.
 json_t* rf_flicker_json( RfFlickerReport* report );
+
+// Borders of the groups that a sequence was rendered with, from its files.
+
+// Reads group, spp, frame number and number of frames from the header of a file by Reframe.
+// `number` is the frame's in the sequence, whose last frame ends the path where the header does
+// not say. There are no seams (rf_has_seams) where the file is another program's or has no groups.
+RfSeams rf_read_seams( const char* path, int number, int last );
+
+// Groups of `period` frames that follow each other, the first from frame `first` on.
+RfSeams rf_fixed_seams( int period, int first );
 
 #endif

@@ -1,5 +1,7 @@
 #include "cli/options/file_options.h"
 
+#include "cli/options/options.h"
+#include "scene/json/json_document.h"
 #include "scene/json/json_value.h"
 
 #include <string.h>

@@ -1,10 +1,457 @@
 #include "cli/options/options.h"
 
-#include "cli/options/synonyms.h"
-#include "cli/options/written_files.h"
+#include "base/words.h"
+#include "image/sequence.h"
+#include "reframe/error.h"
+#include "reframe/types.h"
 
 #include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+// Words of Blender, pbrt, Mitsuba, ffmpeg, Embree's tutorials and of Unix. Where a word has
+// several meanings, each command takes the first that it has.
+static const char* const s_synonyms[][2] = {
+    { "samples", "spp" },
+    { "samples-per-pixel", "spp" },
+    { "resolution", "size" },
+    { "dimensions", "size" },
+    { "width", "size" },
+    { "height", "size" },
+    { "quality", "noise" },
+    { "error", "noise" },
+    { "noise-threshold", "noise" },
+    { "seconds", "time" },
+    { "seconds", "budget" },
+    { "time-limit", "time" },
+    { "time", "budget" },
+    { "duration", "time" },
+    { "framerate", "fps" },
+    { "frame-rate", "fps" },
+    { "rate", "fps" },
+    { "range", "frames" },
+    { "start", "frames" },
+    { "end", "frames" },
+    { "bounces", "max-depth" },
+    { "max-bounces", "max-depth" },
+    { "depth", "max-depth" },
+    { "cores", "threads" },
+    { "jobs", "threads" },
+    { "cpus", "threads" },
+    { "ram", "memory" },
+    { "layers", "aov" },
+    { "layers", "layer" },
+    { "layer", "aov" },
+    { "passes", "aov" },
+    { "channel", "layer" },
+    { "denoise-layers", "aov" },
+    { "window", "group" },
+    { "block", "tile" },
+    { "bucket", "tile" },
+    { "force", "overwrite" },
+    { "replace", "overwrite" },
+    { "continue", "resume" },
+    { "silent", "quiet" },
+    { "stops", "exposure" },
+    { "ev", "exposure" },
+    { "brightness", "exposure" },
+    { "ground-truth", "reference" },
+    { "units", "scale" },
+    { "view", "camera" },
+    // commands
+    { "diff", "compare" },
+    { "benchmark", "cost" },
+    { "bench", "cost" },
+    { "poisson", "reconstruct" },
+    { "solve", "reconstruct" },
+    { "view", "png" },
+    { "export", "png" },
+    { "import", "convert" },
+    { "html", "report" },
+    { "page", "report" },
+    { "inspect", "info" },
+    { "version", "--version" },
+    { "man", "--man" },
+    { "manual", "--man" },
+};
+
+const char* rf_find_synonym( const char* word, const char* const* words, int count )
+{
+    for ( size_t i = 0; i < sizeof s_synonyms / sizeof s_synonyms[0]; ++i )
+    {
+        for ( int k = 0; k < count && strcmp( s_synonyms[i][0], word ) == 0; ++k )
+        {
+            if ( strcmp( s_synonyms[i][1], words[k] ) == 0 )
+                return words[k];
+        }
+    }
+    return NULL;
+}
+
+// Endings that belong to one kind of file: --json scene.glb is a mistake.
+static const char* const s_kinds[] = { ".json", ".svg", ".png", ".html", ".exr", ".hdr", ".glb", ".gltf",
+                                       ".bin",  ".obj", ".ply", ".fbx",  ".dae", ".jpg", ".jpeg" };
+
+// A file named on the command line.
+typedef struct Named
+{
+    const char* path;
+    const char* option; // NULL: positional
+    const char* writes; // the ending required where it is written, "" for any; NULL: it is read
+} Named;
+
+static bool is_file( const char* path )
+{
+    struct stat status;
+    return path != NULL && strcmp( path, "-" ) != 0 && ( stat( path, &status ) != 0 || S_ISREG( status.st_mode ) );
+}
+
+static bool ends_with( const char* path, const char* ending )
+{
+    size_t length = strlen( path ), more = strlen( ending );
+    return length > more && strcasecmp( path + length - more, ending ) == 0;
+}
+
+static RfResult check_kind( const Named* file, RfError* error )
+{
+    for ( size_t i = 0; i < sizeof s_kinds / sizeof s_kinds[0] && file->writes[0] != '\0'; ++i )
+    {
+        if ( ends_with( file->path, s_kinds[i] ) && strcmp( s_kinds[i], file->writes ) != 0 )
+            return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: ends as a file of another kind: name it %s", file->option,
+                            file->path, file->writes );
+    }
+    return RF_OK;
+}
+
+static RfResult check_pair( const Named* file, const Named* other, RfError* error )
+{
+    if ( !rf_may_be_same_file( file->path, other->path ) )
+        return RF_OK;
+    const char* name = file->option != NULL ? file->option : other->option;
+    if ( name == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: is what is read: choose another name for what is written", file->path );
+    if ( other->option == NULL || file->option == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: would overwrite %s: choose another name", name, file->path,
+                        other->writes != NULL ? "what else is written" : "what is read" );
+    return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: is the file of --%s too: choose another name", name, file->path,
+                    other->option );
+}
+
+static int collect( const RfCommandTable* table, const char* const* files, int file_count, Named* named, int room )
+{
+    int count = 0;
+    for ( int i = 0; i < file_count && count < room; ++i )
+        named[count++] = ( Named ){ .path = files[i], .writes = table->writes_last && i == file_count - 1 ? "" : NULL };
+    for ( int i = 0; i < table->option_count && count < room; ++i )
+    {
+        const RfOption* option = table->options + i;
+        if ( !option->reads && option->writes == NULL )
+            continue;
+        named[count++] = ( Named ){ *(const char* const*)option->value, option->name, option->writes };
+    }
+    return count;
+}
+
+// Compares what is written (options with `writes`, and the last file where the table says
+// `writes_last`) with all files and options with `reads`. Fails with RF_ERROR_USAGE, naming
+// the option. "-" and devices are not checked.
+static RfResult check_written_files( const RfCommandTable* table, const char* const* files, int file_count, RfError* error )
+{
+    Named named[64];
+    int count = collect( table, files, file_count, named, 64 );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( named[i].writes == NULL || !is_file( named[i].path ) )
+            continue;
+        RfResult result = check_kind( named + i, error );
+        for ( int k = 0; k < count && result == RF_OK; ++k )
+        {
+            if ( k != i && is_file( named[k].path ) )
+                result = check_pair( named + i, named + k, error );
+        }
+        if ( result != RF_OK )
+            return result;
+    }
+    return RF_OK;
+}
+
+bool rf_parse_whole( const char* text, long long min, long long max, long long* value )
+{
+    // strtoll skips blanks and takes a plus sign; a number on a command line has neither.
+    if ( !isdigit( (unsigned char)text[text[0] == '-'] ) )
+        return false;
+    char* end;
+    errno = 0;
+    long long number = strtoll( text, &end, 10 );
+    if ( errno != 0 || *end != '\0' || number < min || number > max )
+        return false;
+    *value = number;
+    return true;
+}
+
+static bool parse_unsigned( const char* text, uint64_t* value )
+{
+    if ( !isdigit( (unsigned char)text[0] ) )
+        return false;
+    char* end;
+    errno = 0;
+    unsigned long long number = strtoull( text, &end, 10 );
+    if ( errno != 0 || *end != '\0' )
+        return false;
+    *value = number;
+    return true;
+}
+
+// A decimal number at the start of `text`: no hexadecimal, no "inf" or "nan".
+static bool parse_decimal( const char* text, double* value, const char** rest )
+{
+    size_t length = strspn( text, "+-0123456789.eE" );
+    if ( length == 0 || length > 60 || isspace( (unsigned char)text[0] ) )
+        return false;
+    char copy[64];
+    memcpy( copy, text, length );
+    copy[length] = '\0';
+    char* end;
+    *value = strtod( copy, &end );
+    *rest = text + ( end - copy );
+    return end != copy && isfinite( *value );
+}
+
+static bool parse_real( const RfOption* option, const char* text, double* value )
+{
+    const char* rest;
+    double number;
+    if ( !parse_decimal( text, &number, &rest ) || *rest != '\0' || number < option->min || number > option->max )
+        return false;
+    *value = number;
+    return true;
+}
+
+static bool parse_ratio( const RfOption* option, const char* text, double* value )
+{
+    const char* rest;
+    double number;
+    if ( !parse_decimal( text, &number, &rest ) )
+        return false;
+    if ( *rest == '%' )
+        number /= 100.0;
+    if ( rest[*rest == '%'] != '\0' || number < option->min || number > option->max )
+        return false;
+    *value = number;
+    return true;
+}
+
+// Seconds, or hours, minutes and seconds in this order, each with its letter.
+static bool parse_time( const RfOption* option, const char* text, double* value )
+{
+    static const struct
+    {
+        char letter;
+        double seconds;
+    } units[] = { { 'h', 3600.0 }, { 'm', 60.0 }, { 's', 1.0 } };
+    double number, sum = 0.0;
+    const char* rest = text;
+    if ( parse_real( option, text, value ) )
+        return true;
+    for ( size_t i = 0; i < sizeof units / sizeof units[0] && *rest != '\0'; ++i )
+    {
+        const char* next;
+        if ( !isdigit( (unsigned char)*rest ) || !parse_decimal( rest, &number, &next ) )
+            return false;
+        if ( *next != units[i].letter )
+            continue;
+        sum += number * units[i].seconds;
+        rest = next + 1;
+    }
+    if ( rest == text || *rest != '\0' || sum < option->min || sum > option->max )
+        return false;
+    *value = sum;
+    return true;
+}
+
+static bool parse_memory( const RfOption* option, const char* text, size_t* value )
+{
+    const char* rest;
+    double number;
+    if ( !isdigit( (unsigned char)text[0] ) || !parse_decimal( text, &number, &rest ) )
+        return false;
+    static const char units[] = "KMGT";
+    if ( *rest != '\0' )
+    {
+        const char* unit = strchr( units, toupper( (unsigned char)*rest ) );
+        if ( unit == NULL || rest[1] != '\0' )
+            return false;
+        number = ldexp( number, 10 * (int)( unit - units + 1 ) );
+    }
+    // 2^62 bytes are more than any machine has, and far from overflow.
+    if ( number < option->min || number > 0x1p62 )
+        return false;
+    *value = (size_t)number;
+    return true;
+}
+
+// Two whole numbers with a separator between them.
+static bool parse_pair( const char* text, char separator, long long min, long long max, int* first, int* second )
+{
+    const char* middle = strchr( text, separator );
+    if ( middle == NULL || middle - text > 20 )
+        return false;
+    char head[24];
+    memcpy( head, text, (size_t)( middle - text ) );
+    head[middle - text] = '\0';
+    long long a, b;
+    if ( !rf_parse_whole( head, min, max, &a ) || !rf_parse_whole( middle + 1, min, max, &b ) )
+        return false;
+    *first = (int)a;
+    *second = (int)b;
+    return true;
+}
+
+// Names of sizes, all 16:9.
+static bool parse_size( const RfOption* option, const char* text, RfSize* size )
+{
+    static const struct
+    {
+        const char* name;
+        RfSize size;
+    } names[] = {
+        { "360p", { 640, 360 } },    { "540p", { 960, 540 } },    { "720p", { 1280, 720 } }, { "1080p", { 1920, 1080 } },
+        { "1440p", { 2560, 1440 } }, { "2160p", { 3840, 2160 } }, { "4k", { 3840, 2160 } },  { "4K", { 3840, 2160 } },
+    };
+    for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
+    {
+        if ( strcmp( text, names[i].name ) == 0 && names[i].size.width <= option->max )
+        {
+            *size = names[i].size;
+            return true;
+        }
+    }
+    return parse_pair( text, 'x', (long long)option->min, (long long)option->max, &size->width, &size->height );
+}
+
+static bool parse_fps( const char* text, RfFps* fps )
+{
+    RfFps parsed = { 0, 1 };
+    long long whole;
+    if ( rf_parse_whole( text, 1, 1000000, &whole ) )
+        parsed.numerator = (int)whole;
+    else if ( !parse_pair( text, '/', 1, 100000000, &parsed.numerator, &parsed.denominator ) )
+        return false;
+    *fps = parsed;
+    return true;
+}
+
+static bool parse_int( const RfOption* option, const char* text, int* value )
+{
+    if ( option->keyword != NULL && strcmp( text, option->keyword ) == 0 )
+    {
+        *value = option->keyword_value;
+        return true;
+    }
+    long long whole;
+    if ( !rf_parse_whole( text, (long long)option->min, (long long)option->max, &whole ) )
+        return false;
+    *value = (int)whole;
+    return true;
+}
+
+static bool parse_choice( const RfOption* option, const char* text, int* value )
+{
+    for ( int i = 0; option->choices[i] != NULL; ++i )
+    {
+        if ( strcmp( text, option->choices[i] ) == 0 )
+        {
+            *value = i;
+            return true;
+        }
+    }
+    return false;
+}
+
+// Is the text one of the option's choices?
+static bool is_choice( const RfOption* option, const char* text )
+{
+    int unused;
+    return parse_choice( option, text, &unused );
+}
+
+// Describes the values that an option accepts.
+static void describe_choices( const RfOption* option, char* words, size_t size )
+{
+    size_t used = (size_t)snprintf( words, size, "one of" );
+    for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
+    {
+        const char* comma = option->choices[i + 1] != NULL && i > 0 ? "," : i > 0 ? " or" : "";
+        used += (size_t)snprintf( words + used, size - used, "%s %s", comma, option->choices[i] );
+    }
+}
+
+static void describe_wanted( const RfOption* option, char* words, size_t size )
+{
+    switch ( option->type )
+    {
+        case RF_OPTION_INT:
+            snprintf( words, size, "a whole number from %.0f to %.0f%s%s", option->min, option->max,
+                      option->keyword != NULL ? " or " : "", option->keyword != NULL ? option->keyword : "" );
+            break;
+        case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX ); break;
+        case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
+        case RF_OPTION_RATIO:
+            snprintf( words, size, "a number from %g to %g, or percent such as 1%%", option->min, option->max );
+            break;
+        case RF_OPTION_TIME:
+            snprintf( words, size, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m", option->min, option->max );
+            break;
+        case RF_OPTION_SIZE:
+            snprintf( words, size, "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f, or 720p, 1080p, 1440p, 2160p or 4k",
+                      option->min, option->max );
+            break;
+        case RF_OPTION_MEMORY:
+            snprintf( words, size, "a size such as 512M, 4G or 1.5G, at least %.0f bytes", option->min );
+            break;
+        case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24 or 24000/1001" ); break;
+        case RF_OPTION_CHOICE: describe_choices( option, words, size ); break;
+        case RF_OPTION_STRING: snprintf( words, size, "a value that is not empty" ); break;
+        case RF_OPTION_BOOL: snprintf( words, size, "no value" ); break;
+    }
+}
+
+static bool parse_value( const RfOption* option, const char* text )
+{
+    switch ( option->type )
+    {
+        case RF_OPTION_INT: return parse_int( option, text, option->value );
+        case RF_OPTION_UINT64: return parse_unsigned( text, option->value );
+        case RF_OPTION_REAL: return parse_real( option, text, option->value );
+        case RF_OPTION_RATIO: return parse_ratio( option, text, option->value );
+        case RF_OPTION_TIME: return parse_time( option, text, option->value );
+        case RF_OPTION_SIZE: return parse_size( option, text, option->value );
+        case RF_OPTION_MEMORY: return parse_memory( option, text, option->value );
+        case RF_OPTION_FPS: return parse_fps( text, option->value );
+        case RF_OPTION_CHOICE: return parse_choice( option, text, option->value );
+        case RF_OPTION_STRING: *(const char**)option->value = text; return text[0] != '\0';
+        case RF_OPTION_BOOL: return false;
+    }
+    return false;
+}
+
+RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error )
+{
+    if ( parse_value( option, text ) )
+        return RF_OK;
+    char wanted[256];
+    describe_wanted( option, wanted, sizeof wanted );
+    return rf_fail( error, RF_ERROR_USAGE, "--%s: wants %s, got '%s'", option->name, wanted, text );
+}
 
 #define MAX_OPTIONS 64
 
@@ -80,7 +527,7 @@ static RfResult fail_value( const RfOption* option, bool negated, const char* va
 // A value that may be left out: the next argument counts as one only if it is one of the choices.
 static const char* optional_value( Parse* parse, const RfOption* option )
 {
-    if ( parse->next < parse->argc && rf_is_choice( option, parse->argv[parse->next] ) )
+    if ( parse->next < parse->argc && is_choice( option, parse->argv[parse->next] ) )
         return parse->argv[parse->next++];
     return option->bare;
 }
@@ -180,7 +627,7 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
                         table->command );
     if ( table->file_max > 0 )
         *table->file_total = parse.file_count;
-    return rf_check_written_files( table, files, parse.file_count, error );
+    return check_written_files( table, files, parse.file_count, error );
 }
 
 void rf_format_option( const RfOption* option, char* text, size_t size )

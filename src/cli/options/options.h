@@ -98,10 +98,12 @@ const char* rf_file_dots( const RfCommandTable* table, int i );
 // Parses one value by the option's type (option_values.c).
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
 
-// Is the text one of the option's choices?
-bool rf_is_choice( const RfOption* option, const char* text );
-
 // Parses a whole number from min to max, with nothing before or after it; false otherwise.
 bool rf_parse_whole( const char* text, long long min, long long max, long long* value );
+
+// What other programs call our commands and options.
+
+// The first of our words for `word` that is among `words`, or NULL.
+const char* rf_find_synonym( const char* word, const char* const* words, int count );
 
 #endif

@@ -5,6 +5,7 @@
 #include "cli/options/options.h"
 #include "reframe/camera.h"
 #include "reframe/render.h"
+#include "reframe/effects.h"
 
 // The words of --effects.
 enum
@@ -83,5 +84,13 @@ RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );
 
 void rf_print_render_help( void );
+
+// --effects and --no-effect, and the options that decide on effects.
+
+// Leaves out and forces what the options ask for, before the scene has a path, and warns of pictures that are others then.
+RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene, RfLog* log, RfError* error );
+
+// The option that decides on an effect, such as "--aov albedo"; NULL where the scene or the camera does.
+const char* rf_effect_option( RfEffectId effect );
 
 #endif

@@ -1,7 +1,7 @@
 #include "cli/options/shot.h"
 
-#include "cli/options/effect_options.h"
-#include "cli/options/frame_list.h"
+#include "cli/options/render_options.h"
+#include "cli/options/frames.h"
 #include "cli/messages.h"
 #include "trace/trace.h"
 
@@ -32,7 +32,7 @@ static void keep_runs( RfCameraPath* path )
     path->run_of_frame = NULL;
 }
 
-static RfResult choose_runs( const RfRenderOptions* options, RfShot* shot, RfError* error )
+static RfResult choose_runs( const RfRenderOptions* options, RfLoadedShot* shot, RfError* error )
 {
     int* frames = NULL;
     int count;
@@ -54,10 +54,10 @@ static RfResult choose_runs( const RfRenderOptions* options, RfShot* shot, RfErr
                : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
 }
 
-RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
+RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfLoadedShot* shot,
                        RfError* error )
 {
-    *shot = ( RfShot ){ .frame_count = 0 };
+    *shot = ( RfLoadedShot ){ .frame_count = 0 };
     RfLog log = rf_stderr_log( command );
     RfLens lens;
     RfResult result = rf_open_scene_file( options->scene, &shot->file, error );
@@ -92,7 +92,7 @@ const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char
     return text;
 }
 
-void rf_destroy_shot( RfShot* shot )
+void rf_destroy_shot( RfLoadedShot* shot )
 {
     rf_destroy_tracer( shot->tracer );
     rf_destroy_camera_path( &shot->path );

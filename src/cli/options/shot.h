@@ -7,7 +7,7 @@
 #include "reframe/camera.h"
 #include "scene/json/scene_file.h"
 
-typedef struct RfShot
+typedef struct RfLoadedShot
 {
     RfSceneFile file; // options may point into it
     RfScene scene;
@@ -18,16 +18,16 @@ typedef struct RfShot
     int* asked_runs;
     int asked_count;
     RfTracer* tracer;
-} RfShot;
+} RfLoadedShot;
 
 // Takes a scene file's defaults into the options; the command line overrides them.
 typedef RfResult RfTakeDefaults( const RfField* defaults, void* user, RfError* error );
 
 // Loads what `options` name, after `take` was called with the scene file's defaults, if it
 // has any. The size becomes that of the path. Warnings go to standard error. Free with rf_destroy_shot, on failure too.
-RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfShot* shot,
+RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfLoadedShot* shot,
                        RfError* error );
-void rf_destroy_shot( RfShot* shot );
+void rf_destroy_shot( RfLoadedShot* shot );
 
 // The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
 // caller frees them; NULL where memory ran out.

@@ -1,7 +1,7 @@
 #include "cli/render/render_json.h"
 
 #include "cli/messages.h"
-#include "cli/options/effect_options.h"
+#include "cli/options/render_options.h"
 #include "reframe/scene.h"
 
 #include <stdio.h>

@@ -1,13 +1,291 @@
 #include "cli/report/report_frames.h"
 
-#include "cli/report/report_blocks.h"
 #include "cli/messages.h"
-#include "measure/flicker_read.h"
+#include "cli/report/report_input.h"
+#include "measure/error.h"
+#include "measure/flicker.h"
+#include "measure/flicker_sequence.h"
+#include "page/page.h"
+#include "page/picture.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define LEAST_BITS 2.5 // per pixel; pictures are made smaller rather than coarser
+
+// The usual names, of Reframe and of Blender: the first channel; the others follow by their letters.
+static const struct
+{
+    const char* name;
+    RfLook look;
+    const char *tails[3], *letters;
+} s_known[RF_PAGE_MOST_LAYERS] = {
+    { "albedo", RF_LOOK_LIGHT, { "albedo.R", "DiffCol.R" }, "RGB" },
+    { "normal", RF_LOOK_NORMAL, { "normal.X", "Normal.X" }, "XYZ" },
+    { "depth", RF_LOOK_DEPTH, { "depth.Z", "Depth.Z", "Depth.V" }, "" },
+    { "motion", RF_LOOK_MOTION, { "motion.X", "Vector.X" }, "XY" },
+    { "variance", RF_LOOK_DEVIATION, { "variance.R" }, "RGB" },
+    { "samples", RF_LOOK_SHARE, { "samples.Y" }, "" },
+    { "alpha", RF_LOOK_SHARE, { "A", "Combined.A" }, "" },
+};
+
+static bool is_at_picture( const RfExrName* channel, const RfExrHeader* header )
+{
+    const RfExrWindow* w = &channel->window;
+    return w->x == header->x && w->y == header->y && w->width == header->width && w->height == header->height;
+}
+
+static const char* find_tail( const RfExrHeader* header, const char* tail )
+{
+    size_t end = strlen( tail );
+    for ( int i = 0; i < header->channel_count; ++i )
+    {
+        const char* name = header->channels[i].text;
+        size_t length = strlen( name );
+        if ( length >= end && strcmp( name + length - end, tail ) == 0 && ( length == end || name[length - end - 1] == '.' ) &&
+             is_at_picture( header->channels + i, header ) )
+            return name;
+    }
+    return NULL;
+}
+
+// The channel with the same name but for the last letter.
+static const char* find_sister( const RfExrHeader* header, const char* first, char letter )
+{
+    size_t length = strlen( first );
+    for ( int i = 0; i < header->channel_count; ++i )
+    {
+        const char* name = header->channels[i].text;
+        if ( strlen( name ) == length && memcmp( name, first, length - 1 ) == 0 && name[length - 1] == letter &&
+             is_at_picture( header->channels + i, header ) )
+            return name;
+    }
+    return NULL;
+}
+
+static bool find_layer( const RfExrHeader* header, size_t known, RfPageLayer* layer )
+{
+    *layer = ( RfPageLayer ){ .name = s_known[known].name, .look = s_known[known].look };
+    for ( size_t t = 0; t < 3 && s_known[known].tails[t] != NULL && layer->channels[0] == NULL; ++t )
+        layer->channels[0] = find_tail( header, s_known[known].tails[t] );
+    bool is_there = layer->channels[0] != NULL;
+    for ( int c = 1; c < rf_look_channels( layer->look ) && is_there; ++c )
+    {
+        layer->channels[c] = find_sister( header, layer->channels[0], s_known[known].letters[c] );
+        is_there = layer->channels[c] != NULL;
+    }
+    return is_there;
+}
+
+// Reads the channels of all layers at once: `count` floats for each pixel. NULL where the file lacks one.
+static float* read_all( const RfPageLayers* layers, const char* path, RfExrWindow* window, int* count )
+{
+    const char* names[3 * RF_PAGE_MOST_LAYERS];
+    float* values = NULL;
+    *count = 0;
+    for ( int i = 0; i < layers->count; ++i )
+    {
+        for ( int c = 0; c < rf_look_channels( layers->layers[i].look ); ++c )
+            names[( *count )++] = layers->layers[i].channels[c];
+    }
+    return rf_read_exr_channels( path, names, *count, window, &values, NULL ) == RF_OK ? values : NULL;
+}
+
+static void choose_factor( const RfExrHeader* header, int pictures, double share, RfPageLayers* layers )
+{
+    double bits = share / ( (double)layers->count * pictures ) * 0.75 * 8.0; // of a picture
+    layers->factor = (int)ceil( sqrt( (double)header->width * header->height * LEAST_BITS / bits ) );
+    layers->factor = layers->factor < 1 ? 1 : layers->factor;
+    layers->width = ( header->width + layers->factor - 1 ) / layers->factor;
+    layers->height = ( header->height + layers->factor - 1 ) / layers->factor;
+    layers->bits = fmin( bits / ( (double)layers->width * layers->height ), RF_PICTURE_MAX_BITS );
+}
+
+// Finds the AOVs of the first file, and the ranges of their values in `typical`. `pictures` is the number
+// of frames that the AOVs of this sequence will have, `share` its part of RF_PAGE_LAYER_BYTES.
+static void find_page_layers( const RfPageSequence* sequence, const char* typical, int pictures, double share,
+                              RfPageLayers* layers )
+{
+    *layers = ( RfPageLayers ){ 0 };
+    for ( size_t i = 0; i < RF_PAGE_MOST_LAYERS && pictures > 0; ++i )
+        layers->count += find_layer( &sequence->header, i, layers->layers + layers->count );
+    if ( layers->count == 0 )
+        return;
+    choose_factor( &sequence->header, pictures, share, layers );
+    RfExrWindow window;
+    int stride, at = 0;
+    float* values = read_all( layers, typical, &window, &stride );
+    if ( values == NULL )
+        layers->count = 0;
+    for ( int i = 0; i < layers->count; ++i )
+    {
+        RfPageLayer* layer = layers->layers + i;
+        layer->range = rf_look_range( layer->look, values + at, (size_t)stride, (size_t)window.width * (size_t)window.height );
+        if ( strcmp( layer->name, "alpha" ) == 0 )
+            layer->range = ( RfLookRange ){ 0.0f, 1.0f };
+        at += rf_look_channels( layer->look );
+    }
+    free( values );
+}
+
+// Draws a layer at full size, shrinks and adds it.
+static RfResult add_one( RfPage* page, const RfPageLayers* layers, int index, const char* id, const float* values, int stride,
+                         RfImage* full, const char* path, RfError* error )
+{
+    const RfPageLayer* layer = layers->layers + index;
+    RfImage small = { 0 };
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    rf_draw_look( layer->look, layer->range, values, (size_t)stride, (size_t)full->width * (size_t)full->height, full->rgb );
+    RfResult result = layers->factor > 1 ? rf_shrink_image( full, layers->factor, &small, error ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_encode_picture_within( layers->factor > 1 ? &small : full, layers->bits, path, &bytes, &size, error );
+    if ( result == RF_OK )
+        result = rf_add_page_block( page, id, bytes, size, error );
+    free( bytes );
+    rf_destroy_image( &small );
+    return result;
+}
+
+// Adds their pictures of a frame; *added is false where its file lacks one of them.
+static RfResult add_page_layers( RfPage* page, const RfPageLayers* layers, int track, int number, const char* path, bool* added,
+                                 RfError* error )
+{
+    RfExrWindow window;
+    RfImage full;
+    int stride, at = 0;
+    *added = false;
+    if ( layers->count == 0 )
+        return RF_OK;
+    float* values = read_all( layers, path, &window, &stride );
+    if ( values == NULL )
+        return RF_OK;
+    RfResult result = rf_create_image( window.width, window.height, &full, error );
+    for ( int i = 0; i < layers->count && result == RF_OK; ++i )
+    {
+        char id[48];
+        snprintf( id, sizeof id, "l%d-%d-%d", track, i, number );
+        result = add_one( page, layers, i, id, values + at, stride, &full, path, error );
+        at += rf_look_channels( layers->layers[i].look );
+    }
+    *added = result == RF_OK;
+    rf_destroy_image( &full );
+    free( values );
+    return result;
+}
+
+json_t* rf_page_layers_json( const RfPageLayers* layers )
+{
+    static const char* const looks[] = { "light", "deviation", "normal", "depth", "motion", "share" };
+    json_t* list = json_array();
+    for ( int i = 0; i < layers->count; ++i )
+    {
+        const RfPageLayer* layer = layers->layers + i;
+        json_array_append_new( list,
+                               json_pack( "{s:s, s:s, s:o, s:o, s:i, s:i, s:i}", "name", layer->name, "look", looks[layer->look],
+                                          "low", rf_json_number( layer->range.low ), "high", rf_json_number( layer->range.high ),
+                                          "factor", layers->factor, "width", layers->width, "height", layers->height ) );
+    }
+    return list;
+}
+
+void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
+
+static RfResult add_picture( RfPage* page, RfPageTrack* track, int number, const RfImage* image, const char* path,
+                             RfError* error )
+{
+    RfImage small = { 0 };
+    int factor = track->width > 0 ? ( image->width + track->width - 1 ) / track->width : 1;
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
+    const RfImage* picture = factor > 1 ? &small : image;
+    if ( result == RF_OK )
+        result = rf_encode_picture( picture, path, &bytes, &size, error );
+    char id[32];
+    rf_page_block_id( track, number, id );
+    if ( result == RF_OK )
+        result = rf_add_page_block( page, id, bytes, size, error );
+    track->picture_width = picture->width;
+    track->picture_height = picture->height;
+    track->picture_bytes += size;
+    free( bytes );
+    rf_destroy_image( &small );
+    return result;
+}
+
+static RfResult add_values( RfPage* page, RfPageTrack* track, const char* id, const RfImage* image, int factor, const char* path,
+                            RfError* error )
+{
+    unsigned char* bytes;
+    size_t size;
+    uint64_t before = page->bytes;
+    RfResult result = rf_encode_values( image, factor, path, &bytes, &size, error );
+    if ( result == RF_OK )
+        result = rf_add_page_block( page, id, bytes, size, error );
+    track->value_bytes += page->bytes - before;
+    free( bytes );
+    return result;
+}
+
+RfResult rf_add_page_fine_values( RfPage* page, RfPageTrack* track, int number, int factor, RfError* error )
+{
+    char path[RF_PAGE_NAME_SIZE], id[32];
+    RfImage image;
+    RfExrWindow window;
+    RfResult result = rf_page_frame_path( track->sequence, number, path, error );
+    if ( result == RF_OK )
+        result = rf_read_exr_layer( path, track->sequence->layer, &image, &window, error );
+    if ( result != RF_OK )
+        return result;
+    snprintf( id, sizeof id, "w%d-%d", track->index, number );
+    result = add_values( page, track, id, &image, factor, path, error );
+    rf_destroy_image( &image );
+    track->fine_frame = number;
+    track->fine_factor = factor;
+    return result;
+}
+
+// Adds picture, scene values and AOVs of a frame, an index into track->numbers; `path` is its file.
+static RfResult add_page_blocks( RfPage* page, RfPageTrack* track, int frame, const RfImage* image, const char* path,
+                                 RfError* error )
+{
+    int number = track->numbers[frame];
+    char id[32];
+    RfResult result = add_picture( page, track, number, image, path, error );
+    snprintf( id, sizeof id, "v%d-%d", track->index, number );
+    if ( result == RF_OK && track->value_factor > 0 )
+        result = add_values( page, track, id, image, track->value_factor, path, error );
+    uint64_t before = page->bytes;
+    if ( result == RF_OK )
+        result = add_page_layers( page, &track->layers, track->index, number, path, &track->frames[frame].has_layers, error );
+    track->layer_bytes += page->bytes - before;
+    return result;
+}
+
+// Finds the AOVs of the sequence; the ranges of their values are those of the middle frame.
+static RfResult find_page_aovs( RfPageTrack* track, RfError* error )
+{
+    int pictures = 0, typical = 0;
+    char path[RF_PAGE_NAME_SIZE];
+    for ( int i = 0; i < track->count; ++i )
+    {
+        if ( !rf_has_page_frame( track->sequence, track->numbers[i] ) )
+            continue;
+        typical = pictures == 0 || i <= track->count / 2 ? track->numbers[i] : typical;
+        ++pictures;
+    }
+    if ( pictures == 0 || !( track->layer_share > 0.0 ) )
+        return RF_OK;
+    RfResult result = rf_page_frame_path( track->sequence, typical, path, error );
+    if ( result == RF_OK )
+        find_page_layers( track->sequence, path, pictures, track->layer_share, &track->layers );
+    if ( result == RF_OK && track->layers.count == 0 ) // the middle frame may lack them
+        find_page_layers( track->sequence, track->sequence->first, pictures, track->layer_share, &track->layers );
+    return result;
+}
 
 typedef struct Work
 {
@@ -50,7 +328,7 @@ static size_t count_bad( const RfImage* image )
     return bad;
 }
 
-static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* frame, RfImage* reference, RfError* error )
+static RfResult measure_error( Work* work, RfPageFrame* figures, RfFlickerFrame* frame, RfImage* reference, RfError* error )
 {
     RfErrorMetrics metrics;
     RfResult result = rf_measure_error( &frame->signal, reference, &metrics, error );
@@ -63,7 +341,7 @@ static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* fr
         result = rf_summary_add( &work->errors, &frame->signal, reference, error );
     if ( result != RF_OK )
         return result;
-    told->relmse = metrics.relmse;
+    figures->relmse = metrics.relmse;
     size_t count = 3 * (size_t)reference->width * (size_t)reference->height;
     for ( size_t i = 0; i < count; ++i )
         frame->signal.rgb[i] -= reference->rgb[i];
@@ -73,7 +351,7 @@ static RfResult measure_error( Work* work, RfPageFrame* told, RfFlickerFrame* fr
 
 // Takes what `render` recorded of the frame, in its JSON or in the file. Times are in no
 // image file, so that equal renders give equal files.
-static void take_said( const RfPageSequence* sequence, int number, const char* path, RfPageFrame* told )
+static void take_said( const RfPageSequence* sequence, int number, const char* path, RfPageFrame* figures )
 {
     size_t i;
     const json_t* row;
@@ -81,22 +359,22 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
     {
         if ( rf_json_number_of( row, "frame" ) != number )
             continue;
-        told->relmse = rf_json_number_of( row, "relmse_estimate" );
-        told->seconds = rf_json_number_of( row, "seconds" );
-        told->samples = rf_json_number_of( row, "native_spp" );
-        told->at_least = json_is_true( json_object_get( row, "relmse_is_lower_bound" ) );
-        told->worst_ten_share = rf_json_number_of( row, "worst_ten_share" );
+        figures->relmse = rf_json_number_of( row, "relmse_estimate" );
+        figures->seconds = rf_json_number_of( row, "seconds" );
+        figures->samples = rf_json_number_of( row, "native_spp" );
+        figures->at_least = json_is_true( json_object_get( row, "relmse_is_lower_bound" ) );
+        figures->worst_ten_share = rf_json_number_of( row, "worst_ten_share" );
     }
-    if ( isnan( told->relmse ) )
-        told->relmse = rf_read_exr_number( path, "reframe/relmse-estimate" );
+    if ( isnan( figures->relmse ) )
+        figures->relmse = rf_read_exr_number( path, "reframe/relmse-estimate" );
     char text[8];
-    if ( !told->at_least )
-        told->at_least =
+    if ( !figures->at_least )
+        figures->at_least =
             rf_read_exr_string( path, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
-    if ( isnan( told->worst_ten_share ) )
-        told->worst_ten_share = rf_read_exr_number( path, "reframe/worst-ten-share" );
-    if ( isnan( told->samples ) )
-        told->samples = rf_read_exr_number( path, "reframe/native-spp" );
+    if ( isnan( figures->worst_ten_share ) )
+        figures->worst_ten_share = rf_read_exr_number( path, "reframe/worst-ten-share" );
+    if ( isnan( figures->samples ) )
+        figures->samples = rf_read_exr_number( path, "reframe/native-spp" );
 }
 
 // The pair of this frame and the one before, if both are there. Along the motion only
@@ -132,7 +410,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
 {
     RfPageTrack* track = work->track;
     int number = track->numbers[i];
-    RfPageFrame* told = track->frames + i;
+    RfPageFrame* figures = track->frames + i;
     RfFlickerFrame* frame = work->ring + i % 2;
     char path[RF_PAGE_NAME_SIZE];
     rf_destroy_flicker_frame( frame );
@@ -143,19 +421,19 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     if ( result == RF_OK )
         result = rf_read_flicker_frame( path, &work->layers, &track->sequence->header, track->sequence->first, frame, error );
     if ( result == RF_OK )
-        result = rf_add_page_blocks( work->page, track, i, &frame->signal, path, error );
+        result = add_page_blocks( work->page, track, i, &frame->signal, path, error );
     if ( result != RF_OK )
         return result;
-    told->shown = true;
-    told->bad = count_bad( &frame->signal );
+    figures->shown = true;
+    figures->bad = count_bad( &frame->signal );
     frame->number = number;
-    frame->is_finite = told->bad == 0;
+    frame->is_finite = figures->bad == 0;
     bool has_reference = track->reference != NULL && rf_has_page_frame( track->reference, number );
-    take_said( track->sequence, number, path, told );
+    take_said( track->sequence, number, path, figures );
     if ( track->reference != NULL || track->sequence->is_reference ) // an estimate would not belong there
     {
-        told->relmse = told->worst_ten_share = NAN;
-        told->at_least = false;
+        figures->relmse = figures->worst_ten_share = NAN;
+        figures->at_least = false;
     }
     RfImage reference = { 0 };
     if ( has_reference )
@@ -164,7 +442,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
         result =
             rf_read_aligned( path, track->reference->layer, &track->sequence->header, track->sequence->first, &reference, error );
     if ( result == RF_OK && has_reference )
-        result = measure_error( work, told, frame, &reference, error );
+        result = measure_error( work, figures, frame, &reference, error );
     rf_destroy_image( &reference );
     work->has_frame[i % 2] = !track->sequence->is_reference && ( has_reference || track->reference == NULL );
     return result == RF_OK ? measure_flicker( work, i, error ) : result;
@@ -198,7 +476,7 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
         track->frames[i] =
             ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN };
     find_layers( &work );
-    RfResult result = rf_find_page_aovs( track, error );
+    RfResult result = find_page_aovs( track, error );
     for ( int i = 0; i < track->count && result == RF_OK; ++i )
     {
         result = add_frame( &work, i, error );

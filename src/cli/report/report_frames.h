@@ -1,12 +1,37 @@
-// Adds the frames of a sequence to the page: pictures, error, flicker.
+// AOVs of a sequence on the page, as pictures: those that the files have under the usual names.
 #ifndef REFRAME_CLI_REPORT_REPORT_FRAMES_H
 #define REFRAME_CLI_REPORT_REPORT_FRAMES_H
 
 #include "cli/report/report_input.h"
-#include "cli/report/report_layers.h"
+#include "page/picture.h"
+#include "page/page.h"
 #include "measure/error.h"
 #include "measure/flicker.h"
-#include "page/page.h"
+
+#define RF_PAGE_MOST_LAYERS 7
+#define RF_PAGE_LAYER_BYTES 16e6 // of all AOVs of the page; pictures are made smaller to stay below
+
+typedef struct RfPageLayer
+{
+    const char* name; // "albedo"
+    RfLook look;
+    const char* channels[3]; // full names; they point into the sequence's header
+    RfLookRange range;
+} RfPageLayer;
+
+typedef struct RfPageLayers
+{
+    RfPageLayer layers[RF_PAGE_MOST_LAYERS];
+    int count;
+    int factor; // pictures are smaller by it
+    int width, height;
+    double bits; // per pixel, at most
+} RfPageLayers;
+
+// { name, look, low, high, factor, width, height } of each.
+json_t* rf_page_layers_json( const RfPageLayers* layers );
+
+// Adds the frames of a sequence to the page: pictures, error, flicker.
 
 // Figures of a frame of the page; NaN: not known.
 typedef struct RfPageFrame
@@ -63,5 +88,14 @@ int* rf_page_missing_frames( const RfPageTrack* track, int* count );
 
 // The id of a frame's block.
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] );
+
+// The blocks of a frame on the page: what a person looks at.
+//   s<track>-<number>          the picture, see page/picture.h
+//   v<track>-<number>          scene values, see page/values.h
+//   w<track>-<number>          finer ones, of one frame
+//   l<track>-<layer>-<number>  an AOV, as a picture
+
+// Adds scene values of a frame at a factor of its own.
+RfResult rf_add_page_fine_values( RfPage* page, RfPageTrack* track, int number, int factor, RfError* error );
 
 #endif

@@ -7,6 +7,7 @@
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 #define RF_PAGE_NAME_SIZE 4096
 
@@ -50,5 +51,17 @@ bool rf_has_page_frame( const RfPageSequence* sequence, int frame );
 
 // The file of a frame.
 RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_PAGE_NAME_SIZE], RfError* error );
+
+// A sequence that several machines render, as `reframe report` finds it: the ranges that `plan --nodes` cut, how far each
+// is, and the JSON of the tasks as one.
+
+// The numbers of its "left" as "3, 4, 8-12", truncated with "..." if too long.
+void rf_format_left( const json_t* left, char* text, size_t size );
+
+// Says on standard output what is not finished of a sequence, unless all is, or nothing is known of it (NULL).
+void rf_tell_unfinished( const char* name, const json_t* progress );
+
+// Appends rows to the facts of a page: how many frames are finished, which are not, and each task's share.
+void rf_add_progress_facts( json_t* facts, const json_t* progress );
 
 #endif

@@ -26,9 +26,9 @@ static bool is_common( const RfPageData* data, int frame, double least )
 {
     for ( int i = 0; i < data->track_count; ++i )
     {
-        const RfPageFrame* told = data->tracks[i].frames + frame;
+        const RfPageFrame* figures = data->tracks[i].frames + frame;
         if ( is_compared( data->tracks + i ) &&
-             ( !isgreater( told->relmse, 0.0 ) || ( least >= 0.0 && !isgreaterequal( told->seconds, least ) ) ) )
+             ( !isgreater( figures->relmse, 0.0 ) || ( least >= 0.0 && !isgreaterequal( figures->seconds, least ) ) ) )
             return false;
     }
     return true;

@@ -2,7 +2,7 @@
 #ifndef REFRAME_CLI_REPORT_REPORT_VERDICT_H
 #define REFRAME_CLI_REPORT_REPORT_VERDICT_H
 
-#include "cli/report/report_data.h"
+#include "cli/report/report_command.h"
 
 // { text, basis, worst_frame, worst_sequence }: the sentence, what its figures rest on, and the number of the
 // frame with the largest error and the index of its sequence, null where no error is known or there is one frame.

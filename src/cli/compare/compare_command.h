@@ -1,0 +1,16 @@
+// The results of `compare`: table, verdict in words, JSON.
+#ifndef REFRAME_CLI_COMPARE_COMPARE_COMMAND_H
+#define REFRAME_CLI_COMPARE_COMPARE_COMMAND_H
+
+#include "reframe/image.h"
+#include "reframe/measure.h"
+
+#include <stdbool.h>
+#include <jansson.h>
+
+// The verdict in words: "no bias seen: mean error +0.02 % (95 %: -0.30 to +0.40 %);
+// relMSE 0.0123, about 6.4 % of noise in each channel of a pixel; worst pixel …".
+// `worst_frame` below 0: of a single file, whose number says nothing.
+void rf_error_verdict( const RfErrorMetrics* metrics, int worst_frame, char* text, size_t size );
+
+#endif

@@ -1,0 +1,176 @@
+#include "cli/help.h"
+
+#include "cli/commands.h"
+#include "cli/options/options.h"
+#include "reframe/aov.h"
+#include "reframe/types.h"
+
+int rf_print_commands( const RfCommand* commands, RfHelpPrinter* printer )
+{
+    char help[] = "--help";
+    int status = 0;
+    rf_set_help_printer( printer );
+    for ( int i = 0; commands[i].name != NULL && status == 0; ++i )
+    {
+        char name[32];
+        snprintf( name, sizeof name, "%s", commands[i].name );
+        char* arguments[] = { name, help, NULL };
+        status = commands[i].run( 2, arguments );
+    }
+    rf_set_help_printer( NULL );
+    return status;
+}
+
+// Escapes what roff would interpret.
+static void print_text( const char* text, FILE* file )
+{
+    if ( *text == '.' || *text == '\'' )
+        fputs( "\\&", file );
+    for ( const char* c = text; *c != '\0'; ++c )
+    {
+        if ( *c == '-' )
+            fputs( "\\-", file );
+        else if ( *c == '\\' )
+            fputs( "\\e", file );
+        else
+            fputc( *c, file );
+    }
+}
+
+void rf_print_manual_head( FILE* file )
+{
+    // without a date: equal sources make equal pages
+    fprintf( file, ".TH REFRAME 1 \"\" \"reframe %s\" \"User Commands\"\n", rf_version() );
+    fputs( ".SH NAME\nreframe \\- renders camera animations with frame reuse\n"
+           ".SH SYNOPSIS\n.B reframe\n.I COMMAND\n[\\fIOPTIONS\\fR] \\fIFILES\\fR\n"
+           ".SH DESCRIPTION\n"
+           "Renders camera paths through glTF scenes to sequences of EXR files. Every light path serves all frames\n"
+           "of a group that see its first hit, combined by multiple importance sampling without bias.\n"
+           ".PP\n"
+           "Options may stand in any order; long ones take \\fB\\-\\-name value\\fR or \\fB\\-\\-name=value\\fR, those in\n"
+           "\\fB[no\\-]\\fR have a form with and one without it. In names of frames #### is the frame's number, and\n"
+           "%04d the same.\n",
+           file );
+}
+
+static void print_option( const char* usage, const RfOption* option, FILE* file )
+{
+    fputs( ".TP\n.B ", file );
+    print_text( usage, file );
+    fputc( '\n', file );
+    print_text( option->help, file );
+    if ( option->default_text != NULL )
+    {
+        fputs( " (default: ", file );
+        print_text( option->default_text, file );
+        fputc( ')', file );
+    }
+    fputc( '\n', file );
+}
+
+void rf_print_manual_section( const RfCommandTable* table, FILE* file )
+{
+    fprintf( file, ".SH \"reframe %s\"\n.B reframe %s\n[\\fIOPTIONS\\fR]", table->command, table->command );
+    for ( int i = 0; i < table->file_count; ++i )
+        fprintf( file, " \\fI%s\\fR%s", table->files[i], rf_file_dots( table, i ) );
+    fputs( "\n.PP\n", file );
+    print_text( table->summary, file );
+    fputc( '\n', file );
+    for ( int i = 0; i < table->option_count; ++i )
+    {
+        char usage[128];
+        rf_format_option( table->options + i, usage, sizeof usage );
+        print_option( usage, table->options + i, file );
+    }
+}
+
+// A paragraph for each AOV: its channels and what it is.
+static void print_aovs( FILE* file )
+{
+    static const struct
+    {
+        const char* what;
+        bool half;
+    } rows[RF_AOV_ALPHA] = {
+#define ROW( constant, name, letters, half, first_hit, what ) { what, half },
+        RF_AOV_LIST( ROW )
+#undef ROW
+    };
+    fputs( ".SH LAYERS\nWhat \\fB\\-\\-aov\\fR adds to the files; all but the last two are means over the frame's own samples:\n",
+           file );
+    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
+    {
+        fputs( ".TP\n.B", file );
+        for ( const char* c = rf_aov_letters( (RfAov)i ); *c != '\0'; ++c )
+            fprintf( file, " %s.%c", rf_aov_name( (RfAov)i ), *c );
+        fprintf( file, "\n%s%s\n", rows[i].what, rows[i].half ? "; 16-bit floats unless \\fB\\-\\-float\\fR is given" : "" );
+    }
+}
+
+void rf_print_manual_tail( FILE* file )
+{
+    print_aovs( file );
+    fputs(
+        ".PP\nWhere nothing else is said they are 32-bit floats.\n"
+        ".SH FLICKER\n"
+        "F1 is the root mean square of how much the error changes from one frame to the next, phi its square over the\n"
+        "sum of the two frames' mean square errors: 1 is noise that is independent in each frame, 0 an error that\n"
+        "stands still, 2 one that alternates. Without a reference it is the picture that changes, along the motion\n"
+        "layers over the pixels that were seen before (their share is the coverage), and the size of the error comes from\n"
+        "the variance layers. With a reference and motion layers both are reported, of each pixel and along the motion.\n"
+        "Layers may lie in any part of a file, all with one data window. The border of Reframe's sliding groups is the pairs "
+        "with a frame that lies in fewer groups\n"
+        "than those in the middle of the path, or in cut ones: 2N at each end of it for \\fB\\-\\-group N\\fR.\n"
+        "The spectrum is of windows of 16 frames: slow drift has periods of 8 frames and more, boiling shorter ones.\n"
+        ".SH REPORT\n"
+        "The page is one file that loads nothing else: it opens from a folder, by mail, without a network. Its frames are\n"
+        "the logarithm of light, so that the exposure slider has no bands; they play by the space bar, the arrow keys step\n"
+        "and change the exposure, a click on a curve shows that frame. Frames that a sequence lacks are named, also\n"
+        "where all lack them; pairs whose frames lack the motion layers are left out of the flicker along the motion. With a "
+        "reference\n"
+        "the error can be shown as a picture: grey where there is none, relative to the reference.\n"
+        "Of a folder with more than one sequence name one, as \\fIDIR/shot.####.exr\\fR. Beside the frames it looks for what\n"
+        "\\fBrender \\-\\-json\\fR and \\fBcost \\-\\-json\\fR wrote.\n"
+        ".SH PLANNING\n"
+        "\\fB\\-\\-group auto\\fR takes the smallest group within 10 % of the best gain by fixed costs of rays, of those whose\n"
+        "films take at most half of \\fB\\-\\-memory\\fR, that need not go through the path several times (all of it, by one\n"
+        "thread), and that round \\fB\\-\\-spp\\fR up by at most a quarter: no clock is in it. What \\fB\\-\\-adaptive auto\\fR\n"
+        "takes of memory does not count there; it is off where it would mean several sweeps. The gain beside it is by costs "
+        "that\n"
+        "are measured, with sweeps. With \\fB\\-\\-noise\\fR, \\fB\\-\\-flicker\\fR or \\fB\\-\\-time\\fR rays and seconds of "
+        "the rows are of the most samples;\n"
+        "what a noise or a flicker takes is reported above them, by short renders of the row that is taken.\n"
+        ".SH TUNING\n"
+        "2N+1 frames are rendered as one group, a few passes, twice with other random numbers: half the squared\n"
+        "difference is the error, with which the efficiency is 1 / (relMSE x CPU seconds of a frame). All settings are\n"
+        "tried at the same places of the path, first all of them on small pictures, then the better ones on larger\n"
+        "pictures at more places. Tiles do less on small pictures; the output says where they are much smaller than\n"
+        "\\fB\\-\\-size\\fR. The first round is made whatever \\fB\\-\\-budget\\fR is. With \\fB\\-\\-goal flicker\\fR\n"
+        "F1 squared takes the place of relMSE.\n",
+        file );
+    fputs( ".SH COST\n"
+           "Frames from three places of the path are rendered with 2, 4, 8, ... samples, by path tracing and in one group with\n"
+           "tiles, twice each with other random numbers: half the squared difference is the error. At equal error the ratio of\n"
+           "times is that of relMSE x seconds over all of them, its interval by leaving out one place and count of samples at a\n"
+           "time. The seconds of all frames count the dearer ends of the path, sweeps, and loading. Two samples are the least\n"
+           "that is rendered, whatever \\fB\\-\\-budget\\fR is.\n"
+           ".SH \"EXIT STATUS\"\n"
+           "0: done. 1: it failed, with one line on standard error that says what, where and what to do.\n"
+           "2: the command line is wrong. 130: interrupted, with everything finished so far kept: \\fBrender \\-\\-resume\\fR\n"
+           "goes on, after \\fB\\-\\-overwrite\\fR both together, which keep what is of the same scene, path and settings and\n"
+           "replace the rest; its \\fB\\-\\-json\\fR is written with what is finished.\n"
+           ".SH EXAMPLES\n"
+           ".EX\n"
+           "reframe info scene.glb\n"
+           "reframe plan scene.glb \\-\\-spp 28 \\-\\-memory 2G\n"
+           "reframe tune scene.glb \\-\\-size 960x540 \\-\\-memory 2G \\-\\-svg tune.svg\n"
+           "reframe render scene.glb \\-o out/shot.####.exr \\-\\-size 960x540 \\-\\-spp 28\n"
+           "reframe render scene.glb \\-o out/shot.####.exr \\-\\-resume \\-\\-aov depth,motion\n"
+           "reframe compare out/shot.####.exr reference.####.exr\n"
+           "reframe flicker out/shot.####.exr \\-\\-reference reference.####.exr \\-\\-png slit.png\n"
+           "reframe report out \\-\\-reference reference \\-o report.html\n"
+           "reframe png out/shot.0012.exr shot.png \\-\\-exposure 1\n"
+           "reframe png out png/shot.####.png \\-\\-layer depth.Z\n"
+           ".EE\n",
+           file );
+}

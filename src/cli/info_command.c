@@ -1,0 +1,267 @@
+// reframe info: the content of a scene and the effects it calls for.
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/options/render_options.h"
+#include "cli/render/render_json.h"
+#include "reframe/scene.h"
+#include "scene/json/scene_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static RfFps s_fps;
+static bool s_fps_given;
+static const char* s_json;
+static const char* const s_files[] = { "SCENE" };
+static bool s_quiet;
+static RfRenderOptions s_render; // effects alone
+static bool s_effects_given;
+
+#define MAX_MOVING 10 // objects named
+
+static const RfOption s_options[] = {
+    { .name = "fps",
+      .type = RF_OPTION_FPS,
+      .value = &s_fps,
+      .given = &s_fps_given,
+      .meta = "R",
+      .default_text = "the scene's, else 24",
+      .help = "frames per second, to count the cameras' frames" },
+    { .name = "effects",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_render.effects,
+      .given = &s_effects_given,
+      .choices = rf_effects_words,
+      .default_text = "auto",
+      .help = "tells the effects as render --effects has them" },
+    { .name = "no-effect",
+      .type = RF_OPTION_STRING,
+      .value = &s_render.no_effect,
+      .meta = "NAME[,...]",
+      .default_text = "none",
+      .help = "tells the effects as render --no-effect has them" },
+    { .name = "json",
+      .writes = ".json",
+      .type = RF_OPTION_STRING,
+      .value = &s_json,
+      .meta = "FILE",
+      .help = "the result for programs; - is standard output" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "as of all commands; there is no progress to silence" },
+};
+static const RfCommandTable s_table = {
+    .command = "info",
+    .summary = "Tells what is in a scene (.glb, .gltf or scene file, .json) and which effects it uses.",
+    .files = s_files,
+    .file_count = 1,
+    .options = s_options,
+    .option_count = sizeof s_options / sizeof s_options[0]
+};
+
+// What is printed.
+typedef struct Facts
+{
+    RfSceneInfo scene;
+    RfCameraInfo* cameras;
+    RfRenderOptions render; // the scene file's defaults
+} Facts;
+
+static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
+{
+    RfResult result = rf_scene_info( scene, &facts->scene, error );
+    if ( result != RF_OK )
+        return result;
+    if ( s_fps.numerator == 0 )
+        s_fps = rf_scene_fps( scene );
+    facts->cameras = calloc( (size_t)facts->scene.cameras + 1, sizeof *facts->cameras );
+    if ( facts->cameras == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its cameras", facts->scene.path );
+    for ( int i = 0; i < facts->scene.cameras && result == RF_OK; ++i )
+        result = rf_scene_camera( scene, i, s_fps, facts->cameras + i, error );
+    return result;
+}
+
+// " (101 to 110)", or nothing where they are called 1, 2, 3.
+static void name_frames( const RfCameraInfo* camera, char* text, size_t size )
+{
+    int last = camera->first + ( camera->frames - 1 ) * camera->step;
+    text[0] = '\0';
+    if ( camera->step > 1 )
+        snprintf( text, size, " (%d to %d in steps of %d)", camera->first, last, camera->step );
+    else if ( camera->first != 1 )
+        snprintf( text, size, " (%d to %d)", camera->first, last );
+}
+
+static void print_film( const RfSceneInfo* scene )
+{
+    if ( scene->width > 0 )
+        rf_print( "picture    %dx%d\n", scene->width, scene->height );
+}
+
+static void print_moving( const RfSceneInfo* scene )
+{
+    if ( scene->moving_count > 0 )
+        rf_print( "moving     %d object%s, taken as in the first frame: only cameras move here\n", scene->moving_count,
+                  scene->moving_count == 1 ? "" : "s" );
+    for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
+        rf_print( "  %s\n", scene->moving[i] );
+    if ( scene->moving_count > MAX_MOVING )
+        rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
+}
+
+static void print_warnings( const RfSceneInfo* scene )
+{
+    if ( scene->export_warning_count > 0 )
+        rf_print( "warnings   %d of the export\n", scene->export_warning_count );
+    for ( int i = 0; i < scene->export_warning_count; ++i )
+        rf_print( "  %s\n", scene->export_warnings[i] );
+}
+
+static void print_cameras( const Facts* facts )
+{
+    rf_print( "cameras    %d\n", facts->scene.cameras );
+    for ( int i = 0; i < facts->scene.cameras; ++i )
+    {
+        const RfCameraInfo* c = facts->cameras + i;
+        char numbers[80];
+        name_frames( c, numbers, sizeof numbers );
+        bool plain = strcmp( c->projection, "perspective" ) == 0;
+        rf_print( "  %s: %d frame%s%s at %g frames/s, %s%s%s\n", c->name, c->frames, c->frames == 1 ? "" : "s", numbers,
+                  (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still",
+                  plain ? "" : ", ", plain ? "" : c->projection );
+    }
+}
+
+static const char* state_of( const RfEffect* effect )
+{
+    return effect->on ? "on" : effect->left_out ? "out" : effect->forced ? "run" : "off";
+}
+
+// "run": the code runs although nothing calls for it.
+static void print_effects( const RfScene* scene, const RfRenderSettings* settings )
+{
+    RfEffect effects[RF_MAX_EFFECTS];
+    int count = rf_list_render_effects( scene, NULL, 0, settings, effects );
+    rf_print( "effects\n" );
+    for ( int i = 0; i < count; ++i )
+    {
+        const char* option = rf_effect_option( effects[i].id );
+        rf_print( "  %-3s  %-22s%s%s%s%s\n", state_of( effects + i ), effects[i].name, effects[i].why, option != NULL ? " (" : "",
+                  option != NULL ? option : "", option != NULL ? ")" : "" );
+    }
+}
+
+static void print_info( const RfScene* scene, const Facts* facts )
+{
+    const RfSceneInfo* s = &facts->scene;
+    rf_print( "%s\n", s->path );
+    rf_print( "triangles  %u\n", s->triangles );
+    rf_print( "instances  %u\n", s->instances );
+    rf_print( "materials  %u\n", s->materials );
+    rf_print( "lights     %u", s->lights );
+    if ( s->lights > 0 )
+        rf_print( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", s->emitting_triangles, s->emitting_area,
+                  s->punctual_lights, s->has_sky ? "yes" : "no" );
+    rf_print( "\n" );
+    if ( s->triangles > 0 )
+        rf_print( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
+                  s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
+    print_film( s );
+    print_moving( s );
+    print_cameras( facts );
+    print_effects( scene, &facts->render.settings );
+    print_warnings( s );
+}
+
+static json_t* info_json( const RfScene* scene, const Facts* facts )
+{
+    const RfSceneInfo* s = &facts->scene;
+    json_t* cameras = json_array();
+    for ( int i = 0; i < s->cameras; ++i )
+    {
+        const RfCameraInfo* c = facts->cameras + i;
+        json_t* camera = json_pack( "{s:o, s:i, s:i, s:i, s:b}", "name", rf_json_text( c->name ), "frames", c->frames, "first",
+                                    c->first, "step", c->step, "animated", c->animated );
+        if ( strcmp( c->projection, "perspective" ) != 0 )
+            json_object_set_new( camera, "projection", json_string( c->projection ) );
+        json_array_append_new( cameras, camera );
+    }
+    json_t* moving = json_array();
+    for ( int i = 0; i < s->moving_count; ++i )
+        json_array_append_new( moving, rf_json_text( s->moving[i] ) );
+    json_t* warnings = json_array();
+    for ( int i = 0; i < s->export_warning_count; ++i )
+        json_array_append_new( warnings, rf_json_text( s->export_warnings[i] ) );
+    json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
+    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles, "instances",
+                      (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras",
+                      cameras, "effects", rf_effects_json( scene, &facts->render.settings ), "moving", moving, "size", size,
+                      "fps", (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
+}
+
+// The command line goes before the scene file.
+static void take_given( RfRenderOptions* options )
+{
+    if ( s_render.no_effect != NULL )
+        options->no_effect = s_render.no_effect;
+    if ( s_effects_given )
+        options->effects = s_render.effects;
+}
+
+static RfResult load( const char* name, RfScene* scene, RfRenderOptions* options, RfError* error )
+{
+    RfSceneFile file;
+    RfLog log = rf_stderr_log( "info" );
+    RfResult result = rf_open_scene_file( name, &file, error );
+    if ( result != RF_OK )
+        return result;
+    RfField defaults = rf_scene_file_defaults( &file, error );
+    result = rf_read_render_defaults( &defaults, options );
+    rf_settle_filter( options );
+    take_given( options );
+    if ( !s_fps_given )
+        s_fps = options->fps;
+    if ( result == RF_OK )
+        result = rf_load_scene_file( &file, scene, &log, error );
+    if ( result == RF_OK )
+        result = rf_take_effect_options( options, scene, &log, error );
+    rf_close_scene_file( &file );
+    return result;
+}
+
+static RfResult tell( const char* name, RfError* error )
+{
+    RfScene scene = { 0 };
+    Facts facts = { 0 };
+    RfResult result = load( name, &scene, &facts.render, error );
+    if ( result == RF_OK )
+        result = gather( &scene, &facts, error );
+    if ( result == RF_OK && ( s_json == NULL || strcmp( s_json, "-" ) != 0 ) )
+    {
+        print_info( &scene, &facts );
+        result = rf_flush_output( error );
+    }
+    if ( result == RF_OK && s_json != NULL )
+        result = rf_write_json( s_json, info_json( &scene, &facts ), error );
+    free( facts.cameras );
+    rf_destroy_scene( &scene );
+    return result;
+}
+
+int rf_command_info( int argc, char** argv )
+{
+    const char* files[1];
+    bool help;
+    RfError error;
+    s_fps = ( RfFps ){ 0, 0 };
+    s_fps_given = s_effects_given = false;
+    s_render = rf_default_render_options();
+    RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
+    if ( result == RF_OK && help )
+    {
+        rf_print_help( &s_table, stdout );
+        result = rf_flush_output( &error );
+    }
+    else if ( result == RF_OK )
+        result = tell( files[0], &error );
+    return result == RF_OK ? 0 : rf_report_error( "info", &error );
+}

@@ -1,0 +1,475 @@
+#include "cli/options/frames.h"
+
+#include "cli/messages.h"
+#include "cli/options/file_options.h"
+#include "image/atomic_file.h"
+#include "image/sequence.h"
+#include "reframe/camera.h"
+#include "reframe/error.h"
+#include "reframe/plan.h"
+#include "scene/json/scene_file.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define ENTRY 40 // characters of "-1234567890-1234567890x1234567890,"
+
+RfResult rf_cut_ranges( int nodes, const int* numbers, int step, int eye_count, const int* eyes, int frame_count,
+                        const RfRenderSettings* settings, RfRanges* ranges, RfError* error )
+{
+    int most = nodes < frame_count ? nodes : frame_count;
+    *ranges = ( RfRanges ){ .list = malloc( (size_t)most * sizeof( RfPlanRange ) ),
+                            .nodes = nodes,
+                            .group = settings->group,
+                            .numbers = numbers,
+                            .step = step };
+    if ( ranges->list == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d ranges", most );
+    return rf_plan_ranges( eye_count, eyes, frame_count, settings, nodes, ranges->list, &ranges->count, error );
+}
+
+void rf_free_ranges( RfRanges* ranges )
+{
+    free( ranges->list );
+    *ranges = ( RfRanges ){ 0 };
+}
+
+// Numbers from the first on that are evenly spaced; two are no series unless they are neighbours in the path.
+static int series( const int* numbers, int count, int step )
+{
+    int length = count > 1 ? 2 : 1;
+    while ( length > 1 && length < count && numbers[length] - numbers[length - 1] == numbers[1] - numbers[0] )
+        ++length;
+    return length == 2 && numbers[1] - numbers[0] != step ? 1 : length;
+}
+
+// Frames as --frames takes them: "1-24", "1,7,9-15x2". The caller frees the text; NULL where memory ran out.
+static char* frame_list( const int* numbers, int count, int step )
+{
+    char* text = malloc( (size_t)( count > 0 ? count : 1 ) * ENTRY );
+    size_t used = 0;
+    if ( text == NULL )
+        return NULL;
+    text[0] = '\0';
+    for ( int i = 0, length; i < count; i += length )
+    {
+        length = series( numbers + i, count - i, step );
+        int apart = length > 1 ? numbers[i + 1] - numbers[i] : step;
+        used += (size_t)snprintf( text + used, ENTRY, "%s%d", i > 0 ? "," : "", numbers[i] );
+        if ( length > 1 )
+            used += (size_t)snprintf( text + used, ENTRY, "-%d", numbers[i + length - 1] );
+        if ( apart != step )
+            used += (size_t)snprintf( text + used, ENTRY, "x%d", apart );
+    }
+    return text;
+}
+
+static void sum_up( const RfRanges* r, double* all, double* longest )
+{
+    *all = *longest = 0.0;
+    for ( int i = 0; i < r->count; ++i )
+    {
+        *all += r->list[i].work;
+        *longest = r->list[i].work > *longest ? r->list[i].work : *longest;
+    }
+}
+
+void rf_print_ranges( const RfRanges* r )
+{
+    double all, longest;
+    sum_up( r, &all, &longest );
+    printf( "\n%d range%s for --nodes %d, group %d, and what each traces of the whole:\n", r->count, r->count == 1 ? "" : "s",
+            r->nodes, r->group );
+    for ( int i = 0; i < r->count; ++i )
+    {
+        const RfPlanRange* range = r->list + i;
+        char* frames = frame_list( r->numbers + range->first, range->end - range->first, r->step );
+        printf( "  --frames %-16s %5d frame%s %6.1f %%\n", frames != NULL ? frames : "?", range->end - range->first,
+                range->end - range->first == 1 ? " " : "s", 100.0 * range->work );
+        free( frames );
+    }
+    printf(
+        "overhead of the halos at the cuts: %.1f %% more samples in all; at best done in %.1f %% of the time of one machine\n",
+        100.0 * ( all - 1.0 ), 100.0 * longest );
+}
+
+json_t* rf_ranges_json( const RfRanges* r )
+{
+    double all, longest;
+    sum_up( r, &all, &longest );
+    json_t* list = json_array();
+    for ( int i = 0; i < r->count; ++i )
+    {
+        const RfPlanRange* range = r->list + i;
+        char* frames = frame_list( r->numbers + range->first, range->end - range->first, r->step );
+        json_array_append_new( list, json_pack( "{s:s, s:i, s:f}", "frames", frames != NULL ? frames : "", "count",
+                                                range->end - range->first, "work", range->work ) );
+        free( frames );
+    }
+    return json_pack( "{s:i, s:i, s:i, s:o, s:f, s:f}", "wanted", r->nodes, "group", r->group, "step", r->step, "ranges", list,
+                      "overhead", all - 1.0, "longest", longest );
+}
+
+#define NAME_SIZE 512
+
+static bool ends_with( const char* name, const char* suffix )
+{
+    size_t length = strlen( name ), end = strlen( suffix );
+    return length > end && strcmp( name + length - end, suffix ) == 0;
+}
+
+static int compare_names( const void* a, const void* b ) { return strcmp( *(char* const*)a, *(char* const*)b ); }
+
+static bool append( RfFolderList* list, int* room, const char* name )
+{
+    if ( list->count == *room )
+    {
+        int more = *room > 0 ? 2 * *room : 64;
+        char** moved = realloc( list->names, (size_t)more * sizeof( char* ) );
+        if ( moved == NULL )
+            return false;
+        list->names = moved;
+        *room = more;
+    }
+    char* copy = malloc( strlen( name ) + 1 );
+    if ( copy == NULL )
+        return false;
+    list->names[list->count++] = strcpy( copy, name );
+    return true;
+}
+
+RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* list, RfError* error )
+{
+    *list = ( RfFolderList ){ 0 };
+    int room = 0;
+    DIR* dir = opendir( folder );
+    if ( dir == NULL )
+        return rf_fail_io( folder, "this folder cannot be read", errno, error );
+    RfResult result = RF_OK;
+    for ( const struct dirent* entry = readdir( dir ); entry != NULL && result == RF_OK; entry = readdir( dir ) )
+    {
+        if ( entry->d_name[0] != '.' && ends_with( entry->d_name, suffix ) && !append( list, &room, entry->d_name ) )
+            result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its files", folder );
+    }
+    closedir( dir );
+    if ( list->count > 1 )
+        qsort( list->names, (size_t)list->count, sizeof( char* ), compare_names );
+    return result;
+}
+
+void rf_free_folder_list( RfFolderList* list )
+{
+    for ( int i = 0; i < list->count; ++i )
+        free( list->names[i] );
+    free( list->names );
+    *list = ( RfFolderList ){ 0 };
+}
+
+// Where the last number of a name before ".exr" is; false where it has none.
+static bool find_number( const char* name, size_t* begin, size_t* length )
+{
+    size_t end = strlen( name ) - strlen( ".exr" );
+    while ( end > 0 && !isdigit( (unsigned char)name[end - 1] ) )
+        --end;
+    *begin = end;
+    while ( *begin > 0 && isdigit( (unsigned char)name[*begin - 1] ) )
+        --*begin;
+    *length = end - *begin;
+    return *length > 0;
+}
+
+// Of one sequence: the same but for the number.
+static bool is_alike( const char* a, const char* b )
+{
+    size_t a_begin, a_length, b_begin, b_length;
+    if ( !find_number( a, &a_begin, &a_length ) || !find_number( b, &b_begin, &b_length ) )
+        return false;
+    return a_begin == b_begin && memcmp( a, b, a_begin ) == 0 && strcmp( a + a_begin + a_length, b + b_begin + b_length ) == 0;
+}
+
+// The pattern of the sequence that `name` is of: '#' for the digits of its shortest number.
+static void make_pattern( const RfFolderList* list, const char* name, char pattern[NAME_SIZE] )
+{
+    size_t begin, length, shortest, used;
+    snprintf( pattern, NAME_SIZE, "%s", name );
+    if ( !find_number( name, &begin, &length ) )
+        return;
+    shortest = length;
+    for ( int i = 0; i < list->count; ++i )
+    {
+        size_t other_begin, other_length;
+        if ( is_alike( name, list->names[i] ) && find_number( list->names[i], &other_begin, &other_length ) &&
+             other_length < shortest )
+            shortest = other_length;
+    }
+    used = (size_t)snprintf( pattern, NAME_SIZE, "%.*s", (int)begin, name );
+    for ( size_t i = 0; i < shortest && used + 1 < NAME_SIZE; ++i )
+        pattern[used++] = '#';
+    snprintf( pattern + used, NAME_SIZE - used, "%s", name + begin + length );
+}
+
+RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size, RfError* error )
+{
+    RfFolderList list;
+    char first[NAME_SIZE], other[NAME_SIZE];
+    RfResult result = rf_list_folder( folder, ".exr", &list, error );
+    if ( result == RF_OK && list.count == 0 )
+        result = rf_fail( error, RF_ERROR_IO, "%s: there is no EXR file in this folder", folder );
+    for ( int i = 1; i < list.count && result == RF_OK; ++i )
+    {
+        if ( is_alike( list.names[0], list.names[i] ) )
+            continue;
+        make_pattern( &list, list.names[0], first );
+        make_pattern( &list, list.names[i], other );
+        result =
+            rf_fail( error, RF_ERROR_USAGE, "%.300s: has more than one sequence, %.200s and %.200s: name one, as %.100s/%.150s",
+                     folder, first, other, folder, first );
+    }
+    if ( result == RF_OK )
+    {
+        make_pattern( &list, list.names[0], first );
+        bool slash = folder[strlen( folder ) - 1] == '/';
+        if ( snprintf( pattern, size, "%s%s%s", folder, slash ? "" : "/", first ) >= (int)size )
+            result = rf_fail( error, RF_ERROR_USAGE, "%s: the names in this folder are too long", folder );
+    }
+    rf_free_folder_list( &list );
+    return result;
+}
+
+typedef struct Range
+{
+    long first, last, step; // as written: negative from the end
+} Range;
+
+// Parses a whole number with an optional minus sign and advances *text past it.
+static bool take_number( const char** text, long* number )
+{
+    const char* start = *text;
+    if ( !isdigit( (unsigned char)start[start[0] == '-'] ) )
+        return false;
+    char* end;
+    errno = 0;
+    *number = strtol( start, &end, 10 );
+    *text = end;
+    return errno == 0;
+}
+
+// Parses "A", "A-B" or either with "xSTEP", up to a comma or the end.
+static bool take_range( const char** text, Range* range )
+{
+    if ( !take_number( text, &range->first ) )
+        return false;
+    range->last = range->first;
+    range->step = 1;
+    if ( **text == '-' )
+    {
+        ++*text;
+        if ( !take_number( text, &range->last ) )
+            return false;
+    }
+    if ( **text == 'x' )
+    {
+        ++*text;
+        if ( !take_number( text, &range->step ) || range->step < 1 )
+            return false;
+    }
+    return **text == ',' || **text == '\0';
+}
+
+// The numbers that a path's frames have.
+typedef struct Numbers
+{
+    long first, step, count;
+} Numbers;
+
+static long last_number( const Numbers* numbers ) { return numbers->first + ( numbers->count - 1 ) * numbers->step; }
+
+static RfResult fail_missing( long number, const Numbers* numbers, RfError* error )
+{
+    if ( numbers->first == 1 && numbers->step == 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "--frames: there is no frame %ld, the camera's path has %ld frame%s", number,
+                        numbers->count, numbers->count == 1 ? "" : "s" );
+    char steps[48] = "";
+    if ( numbers->step > 1 )
+        snprintf( steps, sizeof steps, " in steps of %ld", numbers->step );
+    return rf_fail( error, RF_ERROR_USAGE, "--frames: there is no frame %ld, the camera's path has frames %ld to %ld%s", number,
+                    numbers->first, last_number( numbers ), steps );
+}
+
+// Makes a negative number one of the path; fails beyond its ends.
+static RfResult resolve( long written, const Numbers* numbers, long* number, RfError* error )
+{
+    *number = written < 0 ? numbers->first + ( written + numbers->count ) * numbers->step : written;
+    bool inside = *number >= numbers->first && *number < last_number( numbers ) + numbers->step;
+    bool counted = written >= 0 || written >= -numbers->count;
+    return inside && counted ? RF_OK : fail_missing( written, numbers, error );
+}
+
+static RfResult mark_range( Range range, const Numbers* numbers, bool* wanted, RfError* error )
+{
+    long first, last;
+    RfResult result = resolve( range.first, numbers, &first, error );
+    if ( result == RF_OK )
+        result = resolve( range.last, numbers, &last, error );
+    if ( result != RF_OK )
+        return result;
+    if ( first > last )
+        return rf_fail( error, RF_ERROR_USAGE, "--frames: %ld-%ld runs backwards, frame %ld comes after frame %ld", range.first,
+                        range.last, first, last );
+    bool any = false;
+    for ( long i = ( first - numbers->first ) / numbers->step; i < numbers->count; ++i )
+    {
+        long number = numbers->first + i * numbers->step;
+        bool here = number >= first && number <= last && ( number - first ) % range.step == 0;
+        wanted[i] = wanted[i] || here;
+        any = any || here;
+        if ( number >= last )
+            break;
+    }
+    return any ? RF_OK : fail_missing( first, numbers, error );
+}
+
+static RfResult mark_all( const char* text, const Numbers* numbers, bool* wanted, RfError* error )
+{
+    if ( text == NULL )
+    {
+        memset( wanted, true, (size_t)numbers->count * sizeof *wanted );
+        return RF_OK;
+    }
+    for ( const char* next = text;; ++next )
+    {
+        Range range;
+        if ( !take_range( &next, &range ) )
+            return rf_fail( error, RF_ERROR_USAGE,
+                            "--frames: wants frames such as 7, 1-48, 1-48x2, -5--1 with commas between them, got '%s'", text );
+        RfResult result = mark_range( range, numbers, wanted, error );
+        if ( result != RF_OK || *next == '\0' )
+            return result;
+    }
+}
+
+static RfResult parse( const char* text, const Numbers* numbers, int** frames, int* count, RfError* error )
+{
+    *frames = NULL;
+    *count = 0;
+    int frame_count = (int)numbers->count;
+    bool* wanted = calloc( (size_t)frame_count, sizeof *wanted );
+    int* list = malloc( (size_t)frame_count * sizeof *list );
+    RfResult result = RF_OK;
+    if ( wanted == NULL || list == NULL )
+        result = rf_fail( error, RF_ERROR_MEMORY, "--frames: no memory left for %d frames", frame_count );
+    if ( result == RF_OK )
+        result = mark_all( text, numbers, wanted, error );
+    if ( result == RF_OK )
+    {
+        for ( int i = 0; i < frame_count; ++i )
+        {
+            if ( wanted[i] )
+                list[( *count )++] = i;
+        }
+        *frames = list;
+        list = NULL;
+    }
+    free( wanted );
+    free( list );
+    return result;
+}
+
+RfResult rf_parse_frames( const char* text, int frame_count, int** frames, int* count, RfError* error )
+{
+    Numbers numbers = { 1, 1, frame_count };
+    return parse( text, &numbers, frames, count, error );
+}
+
+RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCameraPath* path, int** frames, int* count,
+                           RfError* error )
+{
+    Numbers numbers = { path->first, path->step, path->count };
+    RfResult result = parse( text, &numbers, frames, count, error );
+    RfField defaults = rf_scene_file_defaults( file, error );
+    RfField field = rf_field_member( &defaults, "frames" );
+    if ( result != RF_ERROR_USAGE || field.json == NULL || json_string_value( field.json ) != text )
+        return result;
+    RfError fault = *error;
+    return rf_fail_file_option( &field, &fault );
+}
+
+bool rf_is_folder( const char* path )
+{
+    struct stat status;
+    return stat( path, &status ) == 0 && S_ISDIR( status.st_mode );
+}
+
+static bool is_file( const char* path )
+{
+    struct stat status;
+    return stat( path, &status ) == 0 && !S_ISDIR( status.st_mode );
+}
+
+// Replaces the frames by those that --frames names, all of which must be there.
+static RfResult choose_frames( const char* list, RfSequenceInput* input, RfError* error )
+{
+    int *wanted, count, last = input->frames[input->count - 1];
+    RfResult result = rf_parse_frames( list, last > 0 ? last : 1, &wanted, &count, error );
+    if ( result != RF_OK )
+        return result;
+    for ( int i = 0, next = 0; i < count && result == RF_OK; ++i )
+    {
+        wanted[i] += 1; // rf_parse_frames counts from 0
+        while ( next < input->count && input->frames[next] < wanted[i] )
+            ++next;
+        if ( next == input->count || input->frames[next] != wanted[i] )
+            result = rf_fail( error, RF_ERROR_IO, "%s: frame %d is missing", input->pattern, wanted[i] );
+    }
+    free( input->frames );
+    input->frames = wanted;
+    input->count = count;
+    return result;
+}
+
+RfResult rf_warn_of_missing( const RfSequenceInput* input, RfLog* log, RfError* error )
+{
+    int *missing, count;
+    char text[256];
+    RfResult result = rf_missing_frames( input->frames, input->count, &missing, &count, error );
+    if ( result != RF_OK )
+        return result;
+    rf_format_frames( missing, count, text, sizeof text );
+    if ( count > 0 )
+        rf_warn( log, "%s: lacks frame%s %s", input->pattern, count == 1 ? "" : "s", text );
+    free( missing );
+    return RF_OK;
+}
+
+RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceInput* input, RfError* error )
+{
+    RfResult result = RF_OK;
+    *input = ( RfSequenceInput ){ .count = 0 };
+    if ( rf_is_folder( from ) )
+        result = rf_find_folder_sequence( from, input->pattern, sizeof input->pattern, error );
+    else if ( snprintf( input->pattern, sizeof input->pattern, "%s", from ) >= (int)sizeof input->pattern )
+        result = rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", from );
+    input->is_sequence = rf_is_sequence( input->pattern ) && !is_file( input->pattern );
+    if ( result != RF_OK )
+        return result;
+    if ( !input->is_sequence )
+        return list == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and %s is a file", from );
+    result = rf_sequence_frames( input->pattern, &input->frames, &input->count, error );
+    if ( result != RF_OK )
+        return result;
+    return list != NULL ? choose_frames( list, input, error ) : RF_OK;
+}
+
+void rf_free_sequence_input( RfSequenceInput* input )
+{
+    free( input->frames );
+    *input = ( RfSequenceInput ){ .count = 0 };
+}

@@ -1,0 +1,88 @@
+// Frames: lists of them, sequences of files, and the ranges that several machines render.
+#ifndef REFRAME_CLI_OPTIONS_FRAMES_H
+#define REFRAME_CLI_OPTIONS_FRAMES_H
+
+#include "reframe/camera.h"
+#include "scene/json/scene_file.h"
+#include "reframe/error.h"
+#include "reframe/plan.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <jansson.h>
+
+// Lists of frames: "A", "A-B", "A-BxSTEP", "-5--1", with commas between them.
+
+// Parses the frames that `text` names on a path of `frame_count` frames into *frames:
+// *count indices from 0, ascending, each once; the caller frees them. Numbers in the text
+// start at 1, negative ones count from the end. NULL text: all frames.
+RfResult rf_parse_frames( const char* text, int frame_count, int** frames, int* count, RfError* error );
+
+// The same for the frames of a camera path, by their own numbers, and for text from the command line or
+// from the scene file; in the latter case errors name the file. Of a path in steps, A-B are the frames in between.
+RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCameraPath* path, int** frames, int* count,
+                           RfError* error );
+
+// What a command reads frame by frame: a file, a sequence named with ####, or the folder of one.
+
+#define RF_FILE_NAME_SIZE 4096
+
+typedef struct RfSequenceInput
+{
+    char pattern[RF_FILE_NAME_SIZE]; // or a file
+    bool is_sequence;
+    int* frames; // numbers in the names, ascending; NULL for a file
+    int count;
+} RfSequenceInput;
+
+// Finds the frames of `from`; `list` (--frames) names those that are wanted, or NULL: all. Free it in any case.
+RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceInput* input, RfError* error );
+void rf_free_sequence_input( RfSequenceInput* input );
+
+// Warns of frames that are missing between the first and the last.
+RfResult rf_warn_of_missing( const RfSequenceInput* input, RfLog* log, RfError* error );
+
+// Is there a folder, or a file, of this name?
+bool rf_is_folder( const char* path );
+
+// Finds the sequence of EXR files in a folder.
+
+typedef struct RfFolderList
+{
+    char** names; // without the folder, sorted
+    int count;
+} RfFolderList;
+
+// Lists the files of a folder that have this ending, without hidden ones. Free it in any case.
+RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* list, RfError* error );
+void rf_free_folder_list( RfFolderList* list );
+
+// The pattern of the folder's frames: the last number of their names is the frame's.
+// Fails where there is no EXR, or more than one sequence, which the error names; a
+// folder of one file without a number gives that file.
+RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size, RfError* error );
+
+// Ranges of frames for several machines, told and as JSON.
+
+typedef struct RfRanges
+{
+    RfPlanRange* list;
+    int count;
+    int nodes;          // asked for
+    int group;          // cut for groups of this half-width
+    const int* numbers; // of all frames, ascending; the caller's
+    int step;           // from the number of a frame of the path to that of the next
+} RfRanges;
+
+// Cuts frames of these numbers for `nodes` machines; the rest as for rf_plan_ranges. Free with rf_free_ranges.
+RfResult rf_cut_ranges( int nodes, const int* numbers, int step, int eye_count, const int* eyes, int frame_count,
+                        const RfRenderSettings* settings, RfRanges* ranges, RfError* error );
+void rf_free_ranges( RfRanges* ranges );
+
+// A line for each range, and one on what the cuts cost.
+void rf_print_ranges( const RfRanges* ranges );
+
+// {"wanted", "group", "step", "ranges": [{"frames", "count", "work"}], "overhead", "longest"}
+json_t* rf_ranges_json( const RfRanges* ranges );
+
+#endif

@@ -1,0 +1,524 @@
+// reframe render: from a scene and a camera path to EXR files.
+#include "cli/render/render_command.h"
+
+#include "base/system.h"
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/options/frames.h"
+#include "cli/options/render_options.h"
+#include "cli/options/shot.h"
+#include "cli/render/progress.h"
+#include "cli/render/render_files.h"
+#include "cli/render/render_json.h"
+#include "cli/signals.h"
+#include "reframe/camera.h"
+#include "reframe/effects.h"
+#include "reframe/output.h"
+#include "reframe/render.h"
+#include "render/groups.h"
+#include "scene/json/scene_file.h"
+#include "scene/scene.h"
+#include "trace/trace.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static void note_solve( RfFrameErrors* errors, RfSolved solved, int number )
+{
+    if ( solved == RF_SOLVED_ROUGHLY && errors->roughly++ == 0 )
+        errors->first_rough = number;
+    if ( solved == RF_SOLVED_NOT && errors->not_solved++ == 0 )
+        errors->first_not_solved = number;
+}
+
+// Adds a finished frame of this number.
+static void note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, int number )
+{
+    ++errors->frames;
+    errors->relmse_sum += result->relmse_estimate;
+    errors->likely_sum += result->relmse_likely;
+    errors->lower_bounds += result->relmse_is_lower_bound;
+    errors->missed += result->noise_missed;
+    errors->flicker_missed += result->flicker_missed;
+    if ( isgreater( result->flicker_likely, errors->worst_flicker ) )
+    {
+        errors->worst_flicker = result->flicker_likely;
+        errors->worst_pair = number;
+    }
+    note_solve( errors, result->solved, number );
+    if ( errors->frames > 1 && islessequal( result->relmse_likely, errors->worst_relmse ) )
+        return;
+    errors->worst_relmse = result->relmse_likely;
+    errors->worst_frame = number;
+    errors->worst_is_lower_bound = result->relmse_is_lower_bound;
+}
+
+// Makes a frame that of the same picture as the one before it.
+static void stop_flicker( RfFrameResult* result )
+{
+    result->flicker_estimate = result->flicker_likely = result->flicker_worst_ten_share = 0.0;
+    result->flicker_is_lower_bound = result->flicker_missed = false;
+    result->reached = !result->noise_missed;
+}
+
+// Prints the mean over the frames as a part of a line, where there is one.
+static void print_frame_errors( const RfFrameErrors* errors )
+{
+    double reported = errors->relmse_sum / errors->frames, likely = errors->likely_sum / errors->frames;
+    if ( errors->frames == 0 || isfinite( reported ) == 0 )
+        return;
+    if ( errors->lower_bounds > 0 )
+        printf( ", relMSE at least %.3g, likely %.3g by its estimate", reported, likely );
+    else
+        printf( ", relMSE %.3g by its estimate", reported );
+}
+
+// Warns of reconstructions that did not converge, or failed.
+static void warn_of_solves( const RfFrameErrors* errors, RfLog* log )
+{
+    if ( errors->roughly > 0 )
+        rf_warn( log,
+                 "the reconstruction of %d frame%s stopped before it converged, frame %d the first: raise --spp, or try "
+                 "--reconstruction l2",
+                 errors->roughly, errors->roughly == 1 ? "" : "s", errors->first_rough );
+    if ( errors->not_solved > 0 )
+        rf_warn( log,
+                 "%d frame%s could not be reconstructed, since samples are infinite or NaN, frame %d the first: there the "
+                 "pixels are as they are with --reconstruction none",
+                 errors->not_solved, errors->not_solved == 1 ? "" : "s", errors->first_not_solved );
+}
+
+// Warns where --noise, --flicker or --time was not met.
+static void warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* settings, const RfRenderStats* stats,
+                          int frame_count, int run_count, RfLog* log )
+{
+    if ( stats->missed > 0 )
+        rf_warn( log, "--noise %g: not reached in %d of %d frames, frame %d %shas %.3g: allow more %s", settings->noise,
+                 stats->missed, frame_count, errors->worst_frame, errors->worst_is_lower_bound ? "likely " : "",
+                 errors->worst_relmse, settings->time > 0.0 ? "--time or --spp" : "--spp" );
+    if ( stats->flicker_missed > 0 )
+        rf_warn( log, "--flicker %g: not reached in %d of %d frames, frames %d and %d have a likely F1 of %.3g: allow more %s",
+                 settings->flicker, stats->flicker_missed, frame_count, errors->worst_pair - 1, errors->worst_pair,
+                 errors->worst_flicker, settings->time > 0.0 ? "--time or --spp" : "--spp" );
+    if ( stats->hurried )
+        rf_warn( log, "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
+                 settings->time, stats->seconds / run_count );
+}
+
+// A single pass, which gives no estimate of its variance.
+static void warn_of_variance( const RfRenderSettings* s, const RfCameraPath* path, const int* frames, int frame_count,
+                              RfLog* log )
+{
+    RfGroupPlan plan = rf_plan_groups( path->run_count, s->group, s->spp );
+    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->flicker > 0.0 ||
+         s->time > 0.0 ) // never a single pass
+        return;
+    for ( int i = 0; i < frame_count; ++i )
+    {
+        if ( rf_frame_passes( &plan, path->run_of_frame[frames[i]] ) > 1 )
+            continue;
+        rf_warn( log, "--aov variance: will be 0 in frame %d, which has one pass only: raise --spp",
+                 rf_frame_number( path, frames[i] ) );
+        return;
+    }
+}
+
+// A picture that will be black or empty.
+static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log )
+{
+    if ( scene->triangles.count == 0 )
+        rf_warn( log, "%s: has no triangles, the picture will be %s", options->scene,
+                 rf_tracer_has_light( tracer ) ? "sky alone" : "black" );
+    else if ( !rf_tracer_has_light( tracer ) && scene->punctual_count > 0 )
+        rf_warn( log, "%s: none of its lamps has any power ('%.60s' is one of %d), no material emits, the picture will be black",
+                 options->scene, scene->punctuals[0].name, scene->punctual_count );
+    else if ( !rf_tracer_has_light( tracer ) )
+        rf_warn( log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
+                 options->scene );
+}
+
+#define LEAST_WEIGHTED_PASSES 4 // two in each half: src/gradient/picture.c
+
+// A reconstruction that is biased, or that so few samples cannot have.
+static void warn_of_reconstruction( const RfRenderSettings* s, RfLog* log )
+{
+    if ( strcmp( rf_estimator_name( s->estimator ), "gradient" ) != 0 )
+        return;
+    if ( s->reconstruction == RF_RECONSTRUCTION_L1 )
+        rf_warn( log, "--reconstruction l1: is biased, and the error estimate does not know by how much" );
+    else if ( s->reconstruction == RF_RECONSTRUCTION_WEIGHTED && s->spp < LEAST_WEIGHTED_PASSES )
+        rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", LEAST_WEIGHTED_PASSES );
+}
+
+// Light paths that were asked for and that there are none of, or whose normalisation is biased.
+static void warn_of_light_paths( const RfRenderSettings* s, const RfEffect* effect, RfLog* log )
+{
+    if ( s->light_paths == RF_LIGHT_PATHS_ON && !effect->on )
+        rf_warn( log, "--light-paths on: there are none: %s", effect->why );
+    else if ( effect->on && s->kernel_normalization != RF_KERNEL_EXACT )
+        rf_warn( log, "--kernel-normalization %s: is biased, and the error estimate does not know by how much",
+                 rf_kernel_normalization_name( s->kernel_normalization ) );
+}
+
+// Prints on standard error which settings differ from those asked for, on a path of
+// `path_frames` frames.
+static void tell_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit, int path_frames )
+{
+    RfGroupPlan plan = rf_plan_groups( path_frames, used->group, used->spp );
+    bool has_groups = used->estimator == rf_default_render_settings().estimator;
+    if ( asked->group == RF_GROUP_AUTO && has_groups )
+        fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
+    if ( asked->group > used->group )
+        fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
+    if ( asked->spp != used->spp ) // full groups only, with the same passes each
+        fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
+                 asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes,
+                 plan.passes == 1 ? "" : "s" );
+    char memory[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( used->memory, memory );
+    if ( fit->threads < used->threads )
+        fprintf( stderr, "reframe render: %s of memory are enough for %d of %d threads\n", memory, fit->threads, used->threads );
+    if ( fit->sweeps > 1 )
+        fprintf( stderr, "reframe render: %s of memory hold the films of %d frame%s: the path is gone through %d times\n", memory,
+                 fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
+}
+
+static uint64_t set_of( const RfEffect* effects, int count, bool left_out, bool forced )
+{
+    uint64_t set = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfEffect* e = effects + i;
+        bool listed = left_out ? e->left_out : forced ? e->forced : e->on;
+        set |= listed ? RF_EFFECT_BIT( e->id ) : 0;
+    }
+    return set;
+}
+
+// Prints the names of the effects that are on, left out and forced in a line on standard error.
+static void tell_effects( const RfEffect* effects, int count )
+{
+    char on[RF_EFFECTS_TEXT_SIZE], out[RF_EFFECTS_TEXT_SIZE], forced[RF_EFFECTS_TEXT_SIZE];
+    rf_format_effects( set_of( effects, count, false, false ), on, sizeof on );
+    rf_format_effects( set_of( effects, count, true, false ), out, sizeof out );
+    rf_format_effects( set_of( effects, count, false, true ), forced, sizeof forced );
+    fprintf( stderr, "reframe render: effects: %s%s%s%s%s\n", on[0] != '\0' ? on : "none", out[0] != '\0' ? "; left out: " : "",
+             out, forced[0] != '\0' ? "; forced: " : "", forced );
+}
+
+// Says in which of the frames the camera stands still, and that these are rendered once, on standard error.
+static void tell_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
+{
+    int stretches = 0, first = 0, last = 0;
+    if ( run_count == frame_count )
+        return;
+    for ( int i = 1; i < frame_count; ++i )
+    {
+        if ( path->run_of_frame[frames[i]] != path->run_of_frame[frames[i - 1]] )
+            continue;
+        bool begins = i == 1 || path->run_of_frame[frames[i - 1]] != path->run_of_frame[frames[i - 2]];
+        stretches += begins;
+        first = begins && stretches == 1 ? frames[i - 1] : first;
+        last = stretches == 1 ? frames[i] : last;
+    }
+    char more[48] = "";
+    if ( stretches > 1 )
+        snprintf( more, sizeof more, " and %d more times", stretches - 1 );
+    fprintf( stderr,
+             "reframe render: the camera stands still in frames %d to %d%s: equal frames are rendered once, %d of %d in all\n",
+             rf_frame_number( path, first ), rf_frame_number( path, last ), more, run_count, frame_count );
+}
+
+static void destroy_render_job( RfRenderJob* job )
+{
+    pthread_mutex_destroy( &job->speech );
+    rf_destroy_tracer( job->tracer );
+    rf_destroy_camera_path( &job->path );
+    rf_destroy_scene( &job->scene );
+    rf_close_scene_file( &job->file );
+    free( job->frames );
+    free( job->runs );
+    free( job->kept );
+    json_decref( job->frames_json );
+    json_decref( job->reported.lines );
+}
+
+static RfOutput output_of( const RfRenderJob* job )
+{
+    return ( RfOutput ){
+        .pattern = job->options.output,
+        .tracer = job->tracer,
+        .path = &job->path,
+        .settings = job->options.settings,
+        .calls_for = job->calls_for,
+    };
+}
+
+// Replaces the settings by those that are used.
+static RfResult resolve( RfRenderJob* job, RfError* error )
+{
+    job->asked = job->options.settings;
+    RfResult result =
+        rf_resolve_settings( job->tracer, job->path.runs, job->path.run_count, &job->asked, &job->options.settings, error );
+    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.runs, job->path.run_count, job->run_count,
+                                            &job->options.settings, &job->fit, error )
+                           : result;
+}
+
+static RfResult load_scene( RfRenderJob* job, RfError* error )
+{
+    RfResult result = rf_open_scene_file( job->options.scene, &job->file, error );
+    if ( result != RF_OK )
+        return result;
+    RfField defaults = rf_scene_file_defaults( &job->file, error );
+    if ( defaults.json != NULL )
+        result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
+    if ( result == RF_OK )
+        result = rf_load_scene_file( &job->file, &job->scene, &job->log, error );
+    return result == RF_OK ? rf_take_effect_options( &job->options, &job->scene, &job->log, error ) : result;
+}
+
+static RfResult fail_numbers( const RfRenderJob* job, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
+}
+
+static RfResult find_runs( RfRenderJob* job, RfError* error )
+{
+    free( job->runs );
+    job->runs = rf_runs_of_frames( &job->path, job->frames, job->frame_count, &job->run_count );
+    return job->runs != NULL ? RF_OK : fail_numbers( job, error );
+}
+
+static void list_effects( RfRenderJob* job )
+{
+    const RfRenderSettings* settings = &job->options.settings;
+    job->effect_count = rf_list_render_effects( &job->scene, job->path.runs, job->path.run_count, settings, job->effects );
+    uint64_t on = 0;
+    for ( int i = 0; i < job->effect_count; ++i )
+        on |= job->effects[i].on ? RF_EFFECT_BIT( job->effects[i].id ) : 0;
+    rf_format_effects( on, job->calls_for, sizeof job->calls_for );
+}
+
+// Loads the scene, the path and the frames of the options, and settles what is left to render: reported on standard error.
+// With --check nothing is settled of the files.
+static RfResult load_render_job( RfRenderJob* job, RfError* error )
+{
+    RfLens lens;
+    RfResult result = load_scene( job, error );
+    if ( result == RF_OK )
+        result = rf_parse_lens_options( &job->options, &lens, error );
+    if ( result == RF_OK )
+        result = rf_create_lens_path( &job->scene, job->options.camera, &lens, job->options.fps, job->options.size.width,
+                                      job->options.size.height, &job->path, error );
+    if ( result == RF_OK )
+        result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
+    if ( result != RF_OK )
+        return result;
+    int asked_count = job->frame_count;
+    job->kept = malloc( (size_t)asked_count * sizeof( int ) );
+    result = job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error );
+    if ( result == RF_OK )
+        result = rf_create_tracer_by( job->options.settings.threads, &job->scene, &job->tracer, error );
+    if ( result == RF_OK )
+        result = resolve( job, error );
+    if ( result != RF_OK )
+        return result;
+    list_effects( job );
+    job->output = output_of( job );
+    if ( job->options.check )
+        return RF_OK;
+    result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
+    job->kept_count = asked_count - job->frame_count;
+    if ( result == RF_OK )
+        result = find_runs( job, error ); // of what is left
+    if ( result != RF_OK || job->options.quiet )
+        return result;
+    tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
+    tell_effects( job->effects, job->effect_count );
+    tell_runs( &job->path, job->frames, job->frame_count, job->run_count );
+    return RF_OK;
+}
+
+// What can be warned of before the work.
+static void warn_before_render( RfRenderJob* job )
+{
+    warn_of_scene( &job->options, &job->scene, job->tracer, &job->log );
+    warn_of_variance( &job->options.settings, &job->path, job->frames, job->frame_count, &job->log );
+    warn_of_reconstruction( &job->options.settings, &job->log );
+    warn_of_light_paths( &job->options.settings, job->effects + RF_EFFECT_LIGHT_PATHS, &job->log );
+}
+
+static double now( void )
+{
+    struct timespec time;
+    clock_gettime( CLOCK_MONOTONIC, &time );
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+// A black picture of a scene with lights: most likely the camera is inside something.
+static void warn_if_black( RfRenderJob* job, const RfFrameResult* result )
+{
+    size_t count = 3 * (size_t)result->width * (size_t)result->height;
+    if ( job->reported_black || !rf_tracer_has_light( job->tracer ) )
+        return;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( result->rgb[i] != 0.0f )
+            return;
+    }
+    job->reported_black = true;
+    rf_clear_progress( &job->line );
+    rf_warn( &job->log, "%s: frame %d is black, no light reaches the camera: is it inside a wall, or looking away?",
+             job->options.scene, rf_frame_number( &job->path, result->frame ) );
+}
+
+static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int same_as, RfError* error )
+{
+    RfResult written = rf_write_frame( &job->output, result, error );
+    if ( written != RF_OK )
+        return written;
+    pthread_mutex_lock( &job->speech );
+    ++job->frames_done;
+    note_frame_error( &job->errors, result, rf_frame_number( &job->path, result->frame ) );
+    warn_if_black( job, result );
+    rf_show_frame( &job->line, result, rf_frame_number( &job->path, result->frame ), job->frames_done, job->frame_count,
+                   now() - job->start - job->seconds_scene );
+    pthread_mutex_unlock( &job->speech );
+    json_array_append_new( job->frames_json, rf_frame_json( result, &job->path, &job->options.settings, same_as ) );
+    return RF_OK;
+}
+
+// A finished run: every frame of it that is wanted gets the picture. Called in the thread that writes.
+static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
+{
+    RfRenderJob* job = user;
+    RfFrameResult frame = *run;
+    int same_as = -1;
+    while ( job->frames_done < job->frame_count && job->path.run_of_frame[job->frames[job->frames_done]] == run->frame )
+    {
+        frame.frame = job->frames[job->frames_done];
+        RfResult result = write_frame( job, &frame, same_as, error );
+        if ( result != RF_OK )
+            return result;
+        same_as = same_as < 0 ? frame.frame : same_as;
+        frame.seconds = 0.0; // rendered once
+        stop_flicker( &frame );
+    }
+    return RF_OK;
+}
+
+static bool on_progress( void* user, const RfProgress* progress )
+{
+    RfRenderJob* job = user;
+    pthread_mutex_lock( &job->speech );
+    rf_show_progress( &job->line, progress );
+    pthread_mutex_unlock( &job->speech );
+    return !rf_is_interrupted();
+}
+
+static RfResult render( RfRenderJob* job, RfError* error )
+{
+    if ( rf_is_interrupted() )
+        return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
+    job->line = rf_create_progress_line( job->options.quiet );
+    RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress };
+    RfResult result = rf_render( job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count,
+                                 &job->options.settings, &callbacks, &job->stats, error );
+    job->stats.missed = job->errors.missed; // of frames, not of runs
+    job->stats.flicker_missed = job->errors.flicker_missed;
+    rf_clear_progress( &job->line );
+    if ( result == RF_ERROR_INTERRUPTED )
+        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",
+                        job->kept_count + job->frames_done, job->kept_count + job->frame_count,
+                        job->options.overwrite ? "--resume --overwrite" : "--resume" );
+    if ( result == RF_OK )
+        warn_of_solves( &job->errors, &job->log );
+    if ( result == RF_OK )
+        warn_of_stop( &job->errors, &job->options.settings, &job->stats, job->frame_count, job->run_count, &job->log );
+    return result;
+}
+
+static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* error )
+{
+    const RfRenderOptions* options = &job->options;
+    RfRenderRun run = { .stats = &job->stats,
+                        .seconds = now() - job->start,
+                        .seconds_scene = job->seconds_scene,
+                        .frames = rf_join_kept_frames( options, &job->path, job->kept, job->kept_count, job->frames_json ),
+                        .kept = job->kept_count,
+                        .warnings = job->reported.lines,
+                        .repeated = job->frame_count - job->run_count,
+                        .effects = job->effects,
+                        .effect_count = job->effect_count,
+                        .interrupted = interrupted };
+    return rf_write_json( options->json, rf_render_json( options, &run ), error );
+}
+
+static RfResult report( RfRenderJob* job, RfError* error )
+{
+    double seconds = now() - job->start;
+    const char* json_name = job->options.json;
+    if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
+    {
+        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
+        print_frame_errors( &job->errors );
+        if ( job->kept_count > 0 )
+            printf( "; %d kept from before", job->kept_count );
+        printf( "\n" );
+    }
+    return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );
+}
+
+static RfResult run( RfRenderJob* job, RfError* error )
+{
+    RfResult result = load_render_job( job, error );
+    if ( result == RF_OK && job->options.check )
+        return rf_check_render( job, error );
+    if ( result == RF_OK )
+        warn_before_render( job );
+    job->frames_json = json_array();
+    job->seconds_scene = now() - job->start;
+    // where nothing is rendered: all frames exist already, or an interruption came first
+    job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
+    if ( result == RF_OK && job->frame_count > 0 )
+        result = render( job, error );
+    if ( result == RF_OK )
+        rf_clean_output_folder( job->options.output );
+    if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
+    {
+        RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption
+        return written == RF_OK ? result : written;
+    }
+    return result == RF_OK ? report( job, error ) : result;
+}
+
+int rf_command_render( int argc, char** argv )
+{
+    RfError error;
+    bool help;
+    RfRenderJob job = {
+        .argc = argc, .argv = argv, .reported = { "render", json_array() }, .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
+    };
+    job.log = rf_keeping_log( &job.reported );
+    RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
+    if ( result == RF_OK && help )
+    {
+        rf_print_render_help();
+        result = rf_flush_output( &error );
+        destroy_render_job( &job );
+        return result == RF_OK ? 0 : rf_report_error( "render", &error );
+    }
+    if ( result == RF_OK )
+    {
+        rf_catch_interrupts();
+        result = run( &job, &error );
+    }
+    destroy_render_job( &job );
+    return result == RF_OK ? 0 : rf_report_error( "render", &error );
+}

@@ -1,0 +1,72 @@
+// Internal to `reframe render`: its state.
+#ifndef REFRAME_CLI_RENDER_RENDER_COMMAND_H
+#define REFRAME_CLI_RENDER_RENDER_COMMAND_H
+
+#include "reframe/render.h"
+#include "cli/messages.h"
+#include "cli/options/render_options.h"
+#include "cli/render/progress.h"
+#include "reframe/output.h"
+#include "scene/json/scene_file.h"
+#include "reframe/camera.h"
+#include "reframe/effects.h"
+
+#include <jansson.h>
+#include <pthread.h>
+
+// The errors that finished frames have by their own estimates: their mean and the worst, for the last line and the warnings.
+
+typedef struct RfFrameErrors
+{
+    int frames;
+    double relmse_sum;  // of the frames' estimates
+    double likely_sum;  // and of their best guesses
+    int lower_bounds;   // among them
+    int missed;         // frames above --noise
+    int flicker_missed; // and above --flicker, with the frame before
+    double worst_flicker;
+    int worst_pair; // its later frame
+    double worst_relmse;
+    int worst_frame; // its number
+    bool worst_is_lower_bound;
+    int roughly, not_solved;           // frames whose reconstruction stopped early, or failed
+    int first_rough, first_not_solved; // the number of the first of them
+} RfFrameErrors;
+
+// Internal to `reframe render`: its state, and all that is loaded and settled before the first ray.
+
+// State of a render, created in this order and freed by rf_destroy_render_job.
+typedef struct RfRenderJob
+{
+    int argc; // the command line, which overrides the scene file that is read later
+    char** argv;
+    RfRenderOptions options;
+    RfRenderSettings asked; // before they were resolved
+    RfMemoryFit fit;
+    RfLog log;
+    RfReportedWarnings reported;
+    RfSceneFile file; // options may point into it
+    RfScene scene;
+    RfCameraPath path;
+    int* frames; // to be written, indices from 0
+    int frame_count;
+    int* runs; // of the path that hold them: to be rendered
+    int run_count;
+    int* kept; // by --resume, likewise
+    int kept_count;
+    RfTracer* tracer;
+    RfEffect effects[RF_MAX_EFFECTS]; // by path and settings
+    int effect_count;
+    char calls_for[RF_EFFECTS_TEXT_SIZE]; // their names
+    RfOutput output;
+    pthread_mutex_t speech; // guards messages: frames are written by another thread
+    RfProgressLine line;
+    int frames_done;
+    bool reported_black; // the warning comes once
+    RfFrameErrors errors;
+    json_t* frames_json;
+    double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
+    RfRenderStats stats;
+} RfRenderJob;
+
+#endif

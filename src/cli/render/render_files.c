@@ -1,0 +1,366 @@
+#include "cli/render/render_files.h"
+
+#include "cli/messages.h"
+#include "cli/options/frames.h"
+#include "cli/options/render_options.h"
+#include "cli/render/render_command.h"
+#include "cli/render/render_json.h"
+#include "cli/report/report_input.h"
+#include "image/sequence.h"
+#include "output/frame_file.h"
+#include "reframe/image.h"
+#include "reframe/output.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define MAX_NAME 4096
+
+#define MOST_TEXT 160 // characters of a list of frames in a message
+
+typedef enum Kind
+{
+    MISSING,
+    OTHER,
+    UNREADABLE,
+    FINISHED,
+    KINDS
+} Kind;
+
+typedef struct Check
+{
+    int* lists[KINDS]; // numbers of the frames
+    int counts[KINDS];
+    int *left, *left_eyes; // all but the finished: their numbers and their runs
+    int left_count;
+} Check;
+
+static bool create( int count, Check* check )
+{
+    bool good = true;
+    *check = ( Check ){ .left = malloc( (size_t)count * sizeof( int ) ), .left_eyes = malloc( (size_t)count * sizeof( int ) ) };
+    for ( int k = 0; k < KINDS; ++k )
+    {
+        check->lists[k] = malloc( (size_t)count * sizeof( int ) );
+        good = good && check->lists[k] != NULL;
+    }
+    return good && check->left != NULL && check->left_eyes != NULL;
+}
+
+static void destroy( Check* check )
+{
+    for ( int k = 0; k < KINDS; ++k )
+        free( check->lists[k] );
+    free( check->left );
+    free( check->left_eyes );
+}
+
+// A frame of this render is there under its name only once it is whole; whether it still is, reading it tells.
+static RfResult look_at( const RfRenderJob* job, int frame, Kind* kind, RfError* error )
+{
+    char name[MAX_NAME];
+    RfFrameFileState state;
+    RfImage image = { 0 };
+    RfResult result = rf_sequence_name( job->options.output, rf_frame_number( &job->path, frame ), name, sizeof name, error );
+    if ( result == RF_OK )
+        result = rf_check_frame_file( &job->output, frame, &state, error );
+    if ( result != RF_OK )
+        return result;
+    static const Kind kinds[] = { [RF_FRAME_FILE_MISSING] = MISSING,
+                                  [RF_FRAME_FILE_SAME] = FINISHED,
+                                  [RF_FRAME_FILE_OTHER] = OTHER,
+                                  [RF_FRAME_FILE_UNREADABLE] = UNREADABLE };
+    *kind = kinds[state];
+    if ( *kind == FINISHED )
+    {
+        result = rf_read_exr( name, &image, error );
+        *kind = result == RF_OK ? FINISHED : UNREADABLE;
+        rf_destroy_image( &image );
+    }
+    return result == RF_ERROR_MEMORY ? result : RF_OK;
+}
+
+static RfResult look_at_all( const RfRenderJob* job, Check* check, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int i = 0; i < job->frame_count && result == RF_OK; ++i )
+    {
+        int frame = job->frames[i], number = rf_frame_number( &job->path, frame );
+        Kind kind;
+        result = look_at( job, frame, &kind, error );
+        if ( result != RF_OK )
+            break;
+        check->lists[kind][check->counts[kind]++] = number;
+        if ( kind == FINISHED )
+            continue;
+        check->left[check->left_count] = number;
+        check->left_eyes[check->left_count++] = job->path.run_of_frame[frame];
+    }
+    return result;
+}
+
+static json_t* state_json( const RfRenderJob* job, const Check* check, const RfRanges* ranges )
+{
+    const RfRenderSettings* settings = &job->options.settings;
+    json_t* json =
+        json_pack( "{s:s, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:i, s:i, s:s}", "version", rf_version(), "scene",
+                   rf_json_text( job->options.scene ), "complete", check->left_count == 0, "asked", job->frame_count, "finished",
+                   check->counts[FINISHED], "missing", rf_json_frames( check->lists[MISSING], check->counts[MISSING] ), "other",
+                   rf_json_frames( check->lists[OTHER], check->counts[OTHER] ), "unreadable",
+                   rf_json_frames( check->lists[UNREADABLE], check->counts[UNREADABLE] ), "group", settings->group, "spp",
+                   settings->spp, "adaptive_mode", rf_adaptive_name( settings->adaptive ) );
+    if ( ranges->list != NULL )
+        json_object_set_new( json, "nodes", rf_ranges_json( ranges ) );
+    return json;
+}
+
+static void add_list( const Check* check, Kind kind, const char* words, char* text, size_t size )
+{
+    char frames[MOST_TEXT];
+    size_t used = strlen( text );
+    rf_format_frames( check->lists[kind], check->counts[kind], frames, sizeof frames );
+    if ( check->counts[kind] > 0 )
+        snprintf( text + used, size - used, "; %s: %s", words, frames );
+}
+
+static RfResult fail_incomplete( const RfRenderJob* job, const Check* check, RfError* error )
+{
+    char text[4 * MOST_TEXT] = "";
+    bool in_the_way = check->counts[OTHER] + check->counts[UNREADABLE] > 0;
+    add_list( check, MISSING, "not there", text, sizeof text );
+    add_list( check, OTHER, "of another render", text, sizeof text );
+    add_list( check, UNREADABLE, "no whole frame", text, sizeof text );
+    return rf_fail( error, RF_ERROR_IO, "%.300s: %d of %d frames are finished%s: %s", job->options.output,
+                    check->counts[FINISHED], job->frame_count, text,
+                    in_the_way ? "--resume --overwrite replaces the rest" : "--resume goes on" );
+}
+
+static RfResult tell( const RfRenderJob* job, const Check* check, const RfRanges* ranges, RfError* error )
+{
+    const char* json = job->options.json;
+    bool tells = json == NULL || strcmp( json, "-" ) != 0;
+    if ( tells && check->left_count == 0 )
+        rf_print( "%d frame%s in %s: all there, whole and of this render\n", job->frame_count, job->frame_count == 1 ? "" : "s",
+                  job->options.output );
+    if ( tells && ranges->list != NULL )
+        rf_print_ranges( ranges );
+    RfResult result = json != NULL ? rf_write_json( json, state_json( job, check, ranges ), error ) : rf_flush_output( error );
+    return result == RF_OK && check->left_count > 0 ? fail_incomplete( job, check, error ) : result;
+}
+
+RfResult rf_check_render( RfRenderJob* job, RfError* error )
+{
+    Check check;
+    RfRanges ranges = { 0 };
+    RfResult result = RF_OK;
+    if ( !create( job->frame_count, &check ) )
+        result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
+    if ( result == RF_OK )
+        result = look_at_all( job, &check, error );
+    if ( result == RF_OK && job->options.nodes > 0 && check.left_count > 0 )
+        result = rf_cut_ranges( job->options.nodes, check.left, job->path.step, job->path.run_count, check.left_eyes,
+                                check.left_count, &job->options.settings, &ranges, error );
+    if ( result == RF_OK )
+        result = tell( job, &check, &ranges, error );
+    rf_free_ranges( &ranges );
+    destroy( &check );
+    return result;
+}
+
+// The frames of an older JSON, read in one pass: they are in ascending order.
+typedef struct Older
+{
+    json_t* json; // or NULL
+    const json_t* frames;
+    size_t next;
+} Older;
+
+// Equal up to the last of six digits; two unknown values are equal too.
+static bool is_same( double a, double b )
+{
+    return isnan( a ) || isnan( b ) ? isnan( a ) && isnan( b ) : fabs( a - b ) <= 1e-5 * fabs( b );
+}
+
+// Seconds from the older JSON if it describes this very file. If the file was replaced since,
+// samples or estimate differ.
+static double older_seconds( Older* older, const RfFrameResult* said, int number )
+{
+    size_t all = json_array_size( older->frames );
+    while ( older->next < all && isless( rf_json_number_of( json_array_get( older->frames, older->next ), "frame" ), number ) )
+        ++older->next;
+    const json_t* row = json_array_get( older->frames, older->next );
+    bool is_it = rf_json_number_of( row, "frame" ) == number &&
+                 is_same( rf_json_number_of( row, "relmse_estimate" ), said->relmse_estimate ) &&
+                 is_same( rf_json_number_of( row, "native_spp" ), said->native_spp );
+    return is_it ? rf_json_number_of( row, "seconds" ) : (double)NAN;
+}
+
+static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPath* path, int frame, Older* older )
+{
+    char name[RF_PAGE_NAME_SIZE];
+    int number = rf_frame_number( path, frame );
+    RfFrameResult said = { .frame = frame,
+                           .relmse_estimate = (double)NAN,
+                           .relmse_likely = (double)NAN,
+                           .worst_ten_share = (double)NAN,
+                           .flicker_estimate = (double)NAN,
+                           .flicker_likely = (double)NAN,
+                           .flicker_worst_ten_share = (double)NAN,
+                           .native_spp = (double)NAN,
+                           .effective_spp = (double)NAN };
+    char text[8];
+    if ( rf_sequence_name( options->output, number, name, sizeof name, NULL ) == RF_OK )
+    {
+        said.relmse_is_lower_bound =
+            rf_read_exr_string( name, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
+        said.relmse_likely = rf_read_exr_number( name, "reframe/relmse-likely" );
+        said.worst_ten_share = rf_read_exr_number( name, "reframe/worst-ten-share" );
+        said.reached = rf_read_exr_string( name, "reframe/reached", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
+        said.relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" );
+        said.flicker_estimate = rf_read_exr_number( name, "reframe/flicker-estimate" );
+        said.flicker_is_lower_bound =
+            rf_read_exr_string( name, "reframe/flicker-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
+        said.flicker_likely = rf_read_exr_number( name, "reframe/flicker-likely" );
+        said.flicker_worst_ten_share = rf_read_exr_number( name, "reframe/flicker-worst-ten-share" );
+        said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
+        said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
+    }
+    said.seconds = older_seconds( older, &said, number );
+    json_t* json = rf_frame_json( &said, path, &options->settings, -1 );
+    json_object_set_new( json, "kept", json_true() );
+    return json;
+}
+
+json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath* path, const int* kept, int count,
+                             json_t* rendered )
+{
+    json_t* frames = json_array();
+    Older older = { 0 };
+    size_t next = 0, all = json_array_size( rendered );
+    if ( count > 0 && rf_load_render_json( options->json, "--json", &older.json, NULL ) == RF_OK )
+        older.frames = json_object_get( older.json, "frames" );
+    for ( int i = 0; i < count; ++i )
+    {
+        while ( next < all &&
+                isless( rf_json_number_of( json_array_get( rendered, next ), "frame" ), rf_frame_number( path, kept[i] ) ) )
+            json_array_append( frames, json_array_get( rendered, next++ ) );
+        json_array_append_new( frames, kept_frame_json( options, path, kept[i], &older ) );
+    }
+    while ( next < all )
+        json_array_append( frames, json_array_get( rendered, next++ ) );
+    json_decref( older.json );
+    return frames;
+}
+
+// "--spp 28 (here 56), --seed 1 (here 2)"; empty where no setting differs.
+static void tell_differences( const RfOutput* output, int frame, char* text, size_t size )
+{
+    static const char* const facts[] = { "version", "frame", "frames" }; // no options, or not in this sense
+    static const char* const words[] = { "version", "frame", "frames in the path" };
+    RfFrameDifference list[RF_MAX_DIFFERENCES];
+    int count = rf_list_frame_differences( output, frame, list );
+    size_t used = 0;
+    text[0] = '\0';
+    for ( int i = 0; i < count && used < size; ++i )
+    {
+        char option[48];
+        snprintf( option, sizeof option, "--%s", list[i].name );
+        for ( size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k )
+        {
+            if ( strcmp( list[i].name, facts[k] ) == 0 )
+                snprintf( option, sizeof option, "%s", words[k] );
+        }
+        used += (size_t)snprintf( text + used, size - used, "%s%s %s (here %s)", i > 0 ? ", " : "", option, list[i].there,
+                                  list[i].here );
+    }
+}
+
+static RfResult refuse_other( const RfOutput* output, int frame, const char* name, RfError* error )
+{
+    char differences[512];
+    tell_differences( output, frame, differences, sizeof differences );
+    if ( differences[0] != '\0' )
+        return rf_fail( error, RF_ERROR_IO,
+                        "--resume: %.300s: is of another render, of %s: give the same, or add --overwrite to replace such frames",
+                        name, differences );
+    return rf_fail( error, RF_ERROR_IO,
+                    "--resume: %s: was rendered with these settings, but from another scene or camera path, or one that has "
+                    "changed since, or with another --fps: give those, or add --overwrite to replace such frames",
+                    name );
+}
+
+static RfResult refuse( RfFrameFileState state, const RfRenderOptions* options, const RfOutput* output, int frame,
+                        const char* name, const RfError* reason, RfError* error )
+{
+    if ( !options->resume )
+        return rf_fail( error, RF_ERROR_IO, "%s: is there already: --resume goes on, --overwrite replaces", name );
+    if ( state == RF_FRAME_FILE_UNREADABLE )
+        return rf_fail( error, RF_ERROR_IO, "--resume: not a frame of this render, add --overwrite to replace it: %.900s",
+                        reason->text );
+    return refuse_other( output, frame, name, error );
+}
+
+static RfResult keep_or_refuse( const RfOutput* output, const RfRenderOptions* options, int frame, bool* keep, RfError* error )
+{
+    char name[MAX_NAME];
+    RfError reason = { 0 };
+    RfFrameFileState state;
+    *keep = false;
+    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_check_frame_file( output, frame, &state, &reason );
+    if ( result != RF_OK )
+        return rf_fail( error, result, "%s", reason.text );
+    if ( state == RF_FRAME_FILE_MISSING )
+        return RF_OK;
+    *keep = options->resume && state == RF_FRAME_FILE_SAME;
+    return *keep || options->overwrite ? RF_OK : refuse( state, options, output, frame, name, &reason, error );
+}
+
+static RfResult check_json( const char* name, RfError* error )
+{
+    struct stat status;
+    if ( name != NULL && strcmp( name, "-" ) != 0 && stat( name, &status ) == 0 && S_ISDIR( status.st_mode ) )
+        return rf_fail( error, RF_ERROR_IO, "--json: %s: is a folder: choose another name", name );
+    return RF_OK;
+}
+
+// The folder is there, or is made, and files can be made in it.
+static RfResult prepare_folder( const char* pattern, RfError* error )
+{
+    RfError reason = { 0 };
+    RfResult result = rf_prepare_output_folder( pattern, &reason );
+    if ( result == RF_ERROR_IO )
+        return rf_fail( error, result, "%.900s: say with -o where the frames go", reason.text );
+    return result == RF_OK ? RF_OK : rf_fail( error, result, "--output: %.1000s", reason.text );
+}
+
+RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* options, int* frames, int* count, int* kept,
+                            RfError* error )
+{
+    RfResult result = RF_OK;
+    if ( *count > 1 && !rf_is_sequence( output->pattern ) )
+        result = rf_fail( error, RF_ERROR_USAGE, "--output: '%s' has no #### for the number, but %d frames are asked for",
+                          output->pattern, *count );
+    if ( result == RF_OK )
+        result = prepare_folder( output->pattern, error );
+    if ( result == RF_OK )
+        result = check_json( options->json, error );
+    int left = 0;
+    for ( int i = 0; i < *count && result == RF_OK; ++i )
+    {
+        bool keep;
+        result = keep_or_refuse( output, options, frames[i], &keep, error );
+        if ( result == RF_OK && keep )
+            kept[i - left] = frames[i];
+        else if ( result == RF_OK )
+            frames[left++] = frames[i];
+    }
+    *count = result == RF_OK ? left : *count;
+    return result;
+}

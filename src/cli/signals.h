@@ -1,0 +1,18 @@
+// How the program ends before its time: by a signal, or by a library in C++ that cannot go on.
+#ifndef REFRAME_CLI_SIGNALS_H
+#define REFRAME_CLI_SIGNALS_H
+
+#include <stdbool.h>
+
+// SIGINT and SIGTERM set a flag: the work stops at the next progress call and keeps what is
+// finished. A second signal ends the program at once.
+
+void rf_catch_interrupts( void );
+bool rf_is_interrupted( void );
+
+// The end of the program by a library in C++ that cannot go on: Embree and TBB without memory.
+
+// From here on an exception that nothing catches ends the program with a line of ours and exit status 1, not with abort.
+void rf_catch_terminate( void );
+
+#endif

@@ -1,0 +1,543 @@
+// reframe cost: what accuracy costs in time.
+#include "base/system.h"
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/options/render_options.h"
+#include "cli/options/shot.h"
+#include "cli/options/shot_options.h"
+#include "cli/signals.h"
+#include "cli/tune/verdict.h"
+#include "image/atomic_file.h"
+#include "measure/cost.h"
+#include "measure/plot.h"
+#include "scene/json/json_document.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COST_ERRORS 16
+
+typedef struct CostOptions
+{
+    RfRenderOptions render;     // without output
+    double budget;              // seconds
+    const char* noise;          // as the user wrote it
+    double errors[COST_ERRORS]; // relMSE, as parsed from `noise`
+    int error_count;
+    const char* flicker;          // NULL: none
+    double flickers[COST_ERRORS]; // F1, as parsed from it
+    int flicker_count;
+    const char* svg; // NULL: none
+} CostOptions;
+
+typedef struct CostReport
+{
+    const CostOptions* options;
+    const RfCostJob* job;
+    const RfCost* cost;
+    int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
+    double load_seconds; // until rays can be traced: part of a render of all frames
+} CostReport;
+
+static void print_rows( const RfCostCurve* c, const char* name )
+{
+    for ( int i = 0; i < c->count; ++i )
+        printf( "%-28s %7d %10.4g %10.4g %10.4g\n", name, c->rows[i].spp, c->rows[i].seconds, c->rows[i].cpu_seconds,
+                c->rows[i].relmse );
+}
+
+static void print_slope( const RfCostCurve* c, const char* name )
+{
+    if ( !isfinite( c->slope.value ) )
+        return;
+    printf( "%s: error falls as seconds to the power of %.2f", name, c->slope.value );
+    if ( isfinite( c->slope.low ) )
+        printf( " (95 %%: %.2f to %.2f)", c->slope.low, c->slope.high );
+    printf( "\n" );
+}
+
+// The whole render, including the loading of the scene.
+static double path_seconds( const CostReport* r, RfCostPrediction p ) { return p.seconds + r->load_seconds; }
+
+// What is wanted: a relMSE, or an F1.
+typedef struct Goal
+{
+    const char* name;
+    double value;
+    bool is_flicker;
+} Goal;
+
+static Goal noise_goal( double relmse ) { return ( Goal ){ "relMSE", relmse, false }; }
+
+static Goal flicker_goal( double f1 ) { return ( Goal ){ "F1", f1, true }; }
+
+// By path tracing (0) or with reuse (1).
+static RfCostPrediction predict( const CostReport* r, Goal goal, int curve )
+{
+    const RfCostCurve* c = curve == 0 ? &r->cost->plain : &r->cost->reuse;
+    return goal.is_flicker ? rf_predict_flicker_cost( r->job, c, goal.value, r->per_sweep[curve] )
+                           : rf_predict_cost( r->job, c, goal.value, r->per_sweep[curve] );
+}
+
+static void print_goal( const CostReport* r, Goal goal )
+{
+    RfCostPrediction reuse = predict( r, goal, 1 ), plain = predict( r, goal, 0 );
+    RfSize size = r->options->render.size;
+    char name[64], frame[32], all[32], plain_frame[32], plain_all[32];
+    rf_format_reuse( r->cost->reuse.eyes, &r->cost->reuse.tile, name, sizeof name );
+    if ( reuse.spp == 0 )
+    {
+        printf( "%s %g at %dx%d: more than %d samples, which is the most\n", goal.name, goal.value, size.width, size.height,
+                RF_MAX_SPP );
+        return;
+    }
+    rf_format_span( reuse.frame_seconds, frame, sizeof frame );
+    rf_format_span( path_seconds( r, reuse ), all, sizeof all );
+    printf( "%s %g at %dx%d: %s a frame with %s (--spp %d)", goal.name, goal.value, size.width, size.height, frame, name,
+            reuse.spp );
+    if ( plain.spp > 0 )
+    {
+        rf_format_span( plain.frame_seconds, plain_frame, sizeof plain_frame );
+        rf_format_span( path_seconds( r, plain ), plain_all, sizeof plain_all );
+        printf( ", %s by path tracing (--spp %d); all %d frame%s: %s, %s by path tracing\n", plain_frame, plain.spp,
+                r->job->frame_count, r->job->frame_count == 1 ? "" : "s", all, plain_all );
+    }
+    else
+        printf( "; all %d frame%s: %s\n", r->job->frame_count, r->job->frame_count == 1 ? "" : "s", all );
+}
+
+// Two lines: what reuse is worth, and what the first error asked for takes.
+static void tell_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
+{
+    const RfCost* cost = r->cost;
+    char name[64], gain[160], frame[32], all[32];
+    rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
+    rf_tell_gain( &cost->speedup, gain, sizeof gain );
+    int used = snprintf( text, RF_VERDICT_SIZE, "a render with %s is %s", name, gain );
+    if ( r->options->error_count == 0 )
+        return;
+    double relmse = r->options->errors[0];
+    RfCostPrediction p = predict( r, noise_goal( relmse ), 1 );
+    rf_format_span( p.frame_seconds, frame, sizeof frame );
+    rf_format_span( path_seconds( r, p ), all, sizeof all );
+    if ( p.spp > 0 )
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
+                  "\nrelMSE %g, noise of %.2g %% in a pixel, takes %d samples: %s for a frame, %s for all %d", relmse,
+                  100.0 * sqrt( relmse / 3.0 ), p.spp, frame, all, r->job->frame_count );
+    else
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g takes more than %d samples, which is the most",
+                  relmse, RF_MAX_SPP );
+}
+
+static void print_cost( const CostReport* r )
+{
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( r, verdict );
+    printf( "%s\n\n", verdict );
+    const RfCost* cost = r->cost;
+    char name[64];
+    rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
+    printf( "%-28s %7s %10s %10s %10s\n", "", "spp", "seconds", "CPU s", "relMSE" );
+    print_rows( &cost->plain, "path tracing" );
+    print_rows( &cost->reuse, name );
+    printf( "seconds: of a frame of %dx%d, on the clock; tried on pieces of %.0f pixels of it in all, at %d place%s of the path, "
+            "for %.1f s\n",
+            r->options->render.size.width, r->options->render.size.height, cost->pixels, cost->positions,
+            cost->positions == 1 ? "" : "s", cost->seconds );
+    print_slope( &cost->plain, "path tracing" );
+    print_slope( &cost->reuse, name );
+    printf( "at equal error %s take 1/%.2f of the time", name, cost->speedup.value );
+    if ( isfinite( cost->speedup.low ) )
+        printf( " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low, cost->speedup.high );
+    printf( "\n" );
+    for ( int i = 0; i < r->options->error_count; ++i )
+        print_goal( r, noise_goal( r->options->errors[i] ) );
+    for ( int i = 0; i < r->options->flicker_count; ++i )
+        print_goal( r, flicker_goal( r->options->flickers[i] ) );
+}
+
+static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
+{
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &c->tile, tile );
+    for ( int i = 0; i < c->count; ++i )
+        json_array_append_new( rows, json_pack( "{s:b, s:i, s:s, s:i, s:o, s:o, s:o}", "reuse", reuse, "group", c->group, "tile",
+                                                tile, "spp", c->rows[i].spp, "seconds", rf_json_number( c->rows[i].seconds ),
+                                                "cpu_seconds", rf_json_number( c->rows[i].cpu_seconds ), "relmse",
+                                                rf_json_number( c->rows[i].relmse ) ) );
+}
+
+static json_t* prediction_json( const CostReport* r, RfCostPrediction p )
+{
+    return json_pack( "{s:o, s:o, s:o}", "spp", p.spp > 0 ? json_integer( p.spp ) : json_null(), "frame_seconds",
+                      rf_json_number( p.frame_seconds ), "seconds", rf_json_number( path_seconds( r, p ) ) );
+}
+
+static json_t* goal_json( const CostReport* r, Goal goal, const char* key )
+{
+    return json_pack( "{s:f, s:o, s:o}", key, goal.value, "plain", prediction_json( r, predict( r, goal, 0 ) ), "reuse",
+                      prediction_json( r, predict( r, goal, 1 ) ) );
+}
+
+static json_t* cost_json( const CostReport* r )
+{
+    const RfCost* cost = r->cost;
+    json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array();
+    add_rows( rows, &cost->plain, false );
+    add_rows( rows, &cost->reuse, true );
+    for ( int i = 0; i < r->options->error_count; ++i )
+    {
+        json_array_append_new( wanted, goal_json( r, noise_goal( r->options->errors[i] ), "relmse" ) );
+    }
+    for ( int i = 0; i < r->options->flicker_count; ++i )
+        json_array_append_new( flickers, goal_json( r, flicker_goal( r->options->flickers[i] ), "f1" ) );
+    char verdict[RF_VERDICT_SIZE];
+    tell_verdict( r, verdict );
+    json_t* json = json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
+        verdict, "rows", rows, "slope", rf_json_number( cost->reuse.slope.value ), "slope_low",
+        rf_json_number( cost->reuse.slope.low ), "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
+        rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ), "slope_plain_high",
+        rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error", rf_json_number( cost->speedup.value ), "speedup_low",
+        rf_json_number( cost->speedup.low ), "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
+        json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
+        "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels", cost->pixels, "places",
+        cost->positions, "frames", r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
+    json_object_set_new(
+        json, "f1_squared_of_one_sample",
+        json_pack( "[o, o]", rf_json_number( cost->plain.f1_squared ), rf_json_number( cost->reuse.f1_squared ) ) );
+    json_object_set_new( json, "wanted_flicker", flickers );
+    return json;
+}
+
+// The points of a curve and the line fitted to them.
+typedef struct Curve
+{
+    double x[RF_COST_LEVELS], y[RF_COST_LEVELS];
+    double fit_x[2], fit_y[2];
+    char name[64], fit_name[80];
+} Curve;
+
+static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSeries series[2] )
+{
+    double u = 0.0, v = 0.0;
+    for ( int i = 0; i < c->count; ++i )
+    {
+        curve->x[i] = c->rows[i].seconds;
+        curve->y[i] = c->rows[i].relmse;
+        u += log( curve->x[i] ) / c->count;
+        v += log( curve->y[i] ) / c->count;
+    }
+    series[0] =
+        ( RfPlotSeries ){ .name = curve->name, .x = curve->x, .y = curve->y, .count = c->count, .no_line = true, .style = style };
+    for ( int k = 0; k < 2; ++k )
+    {
+        curve->fit_x[k] = k == 0 ? curve->x[0] : curve->x[c->count - 1];
+        curve->fit_y[k] = exp( v + c->slope.value * ( log( curve->fit_x[k] ) - u ) );
+    }
+    snprintf( curve->fit_name, sizeof curve->fit_name, "its slope, %.2f", c->slope.value );
+    series[1] = ( RfPlotSeries ){ .name = curve->fit_name,
+                                  .x = curve->fit_x,
+                                  .y = curve->fit_y,
+                                  .count = isfinite( c->slope.value ) ? 2 : 0,
+                                  .dashed = true,
+                                  .no_markers = true,
+                                  .style = style };
+}
+
+static RfResult write_cost_plot( const CostReport* r, const char* path, RfError* error )
+{
+    const RfCost* cost = r->cost;
+    Curve plain, reuse;
+    RfPlotSeries series[4];
+    snprintf( plain.name, sizeof plain.name, "path tracing" );
+    char tile[RF_TILE_NAME_SIZE]; // the legend is narrow
+    rf_tile_name( &cost->reuse.tile, tile );
+    snprintf( reuse.name, sizeof reuse.name, "group %d, tile %s", cost->reuse.group, tile );
+    draw_curve( &cost->plain, 0, &plain, series );
+    draw_curve( &cost->reuse, 1, &reuse, series + 2 );
+    char subtitle[512];
+    const char* slash = strrchr( r->options->render.scene, '/' );
+    int length = snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; at equal error 1/%.2f of the time",
+                           slash != NULL ? slash + 1 : r->options->render.scene, r->options->render.size.width,
+                           r->options->render.size.height, cost->speedup.value );
+    if ( isfinite( cost->speedup.low ) && length > 0 && (size_t)length < sizeof subtitle )
+        snprintf( subtitle + length, sizeof subtitle - (size_t)length, " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low,
+                  cost->speedup.high );
+    RfPlot plot = { .title = "What accuracy costs",
+                    .subtitle = subtitle,
+                    .series = series,
+                    .series_count = 4,
+                    .x = { .label = "seconds of a frame", .log = true },
+                    .y = { .label = "relMSE", .log = true } };
+    char* svg;
+    size_t size;
+    RfResult result = rf_draw_plot( &plot, &svg, &size, error );
+    if ( result == RF_OK )
+        result = rf_write_file_atomic( path, svg, size, error );
+    free( svg );
+    return result;
+}
+
+#define BUDGET 60.0 // seconds
+#define ERRORS "0.1,0.01,0.001"
+
+static const char* const s_files[] = { "SCENE" };
+static CostOptions s_parsed; // the table points here
+static const char* s_scene;
+
+static const RfOption s_options[] = {
+    { .name = "budget",
+      .type = RF_OPTION_TIME,
+      .value = &s_parsed.budget,
+      .min = 1.0,
+      .max = 1e6,
+      .meta = "T",
+      .default_text = "60",
+      .help = "seconds that it may take, or 5m, after a first round that is always finished; more make the figures surer" },
+    { .name = "noise",
+      .type = RF_OPTION_STRING,
+      .value = &s_parsed.noise,
+      .meta = "E[,...]",
+      .default_text = ERRORS,
+      .help = "relMSE whose cost is reported; 1% is 0.01" },
+    { .name = "flicker",
+      .type = RF_OPTION_STRING,
+      .value = &s_parsed.flicker,
+      .meta = "F[,...]",
+      .default_text = "none",
+      .help = "F1 of neighbouring frames whose cost is reported, too" },
+    { .name = "svg",
+      .writes = ".svg",
+      .type = RF_OPTION_STRING,
+      .value = &s_parsed.svg,
+      .meta = "FILE",
+      .help = "a plot: seconds across, error up, with and without reuse" },
+    RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: some of them are tried, and all are counted" ),
+    RF_LENS_OPTIONS( s_parsed.render, true ),
+    RF_EFFECT_OPTIONS( s_parsed.render, true ),
+    { .name = "group",
+      .type = RF_OPTION_INT,
+      .value = &s_parsed.render.settings.group,
+      .min = 0,
+      .max = RF_MAX_GROUP,
+      .keyword = "auto",
+      .keyword_value = RF_GROUP_AUTO,
+      .meta = "N|auto",
+      .default_text = "auto",
+      .help = "half-width of the groups with reuse: groups of 2N+1 frames" },
+    RF_ESTIMATOR_OPTION( s_parsed.render ),
+    RF_TILE_OPTION( s_parsed.render ),
+    RF_LIGHT_OPTIONS( s_parsed.render ),
+    RF_FILTER_OPTIONS( s_parsed.render, true ),
+    RF_SEED_OPTION( s_parsed.render ),
+    RF_MACHINE_OPTIONS( s_parsed.render, "threads of the render" ),
+    RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
+};
+
+static const RfCommandTable s_table = {
+    .command = "cost",
+    .summary =
+        "Tells what accuracy costs in time: renders a few frames with ever more samples, by path tracing and with reuse, and "
+        "from these the seconds that a wanted error takes, for a frame and for all. Options and SCENE are those of render.",
+    .files = s_files,
+    .file_count = 1,
+    .options = s_options,
+    .option_count = sizeof s_options / sizeof s_options[0]
+};
+
+// The numbers of an option.
+static RfResult parse_list( const char* name, const char* text, double values[COST_ERRORS], int* count, RfError* error )
+{
+    const char* all = text;
+    *count = 0;
+    for ( ; text != NULL; )
+    {
+        char* end;
+        double value = strtod( text, &end );
+        if ( end != text && *end == '%' )
+        {
+            value /= 100.0;
+            end += 1;
+        }
+        if ( end == text || !( value > 0.0 ) || !isfinite( value ) || ( *end != ',' && *end != '\0' ) )
+            return rf_fail( error, RF_ERROR_USAGE, "%s: wants numbers above 0 with commas between them, got '%s'", name, all );
+        if ( *count == COST_ERRORS )
+            return rf_fail( error, RF_ERROR_USAGE, "%s: more than %d numbers", name, COST_ERRORS );
+        values[( *count )++] = value;
+        text = *end == '\0' ? NULL : end + 1;
+    }
+    return RF_OK;
+}
+
+// Parses on top of the current values.
+static RfResult parse( int argc, char** argv, CostOptions* options, bool* help, RfError* error )
+{
+    RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
+    if ( result != RF_OK || *help )
+        return result;
+    s_parsed.render.scene = s_scene;
+    result = rf_parse_estimator_option( &s_parsed.render, error );
+    if ( result == RF_OK )
+        rf_settle_filter( &s_parsed.render );
+    if ( result == RF_OK )
+        result = rf_parse_tile_option( &s_parsed.render, error );
+    if ( result == RF_OK )
+        result = parse_list( "--noise", s_parsed.noise, s_parsed.errors, &s_parsed.error_count, error );
+    if ( result == RF_OK )
+        result = parse_list( "--flicker", s_parsed.flicker, s_parsed.flickers, &s_parsed.flicker_count, error );
+    *options = s_parsed;
+    return result;
+}
+
+// Parses and checks what can be checked without the scene. With *help set the
+// help was asked for and nothing else is valid.
+static RfResult parse_cost_options( int argc, char** argv, CostOptions* options, bool* help, RfError* error )
+{
+    s_parsed = ( CostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
+    return parse( argc, argv, options, help, error );
+}
+
+// The same over the defaults of a scene file.
+static RfResult parse_cost_options_over( const RfField* defaults, int argc, char** argv, CostOptions* options, RfError* error )
+{
+    bool help;
+    s_parsed = ( CostOptions ){ .budget = BUDGET, .noise = ERRORS };
+    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
+    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
+}
+
+static void print_cost_help( void ) { rf_print_help( &s_table, stdout ); }
+
+typedef struct Job
+{
+    int argc;
+    char** argv;
+    CostOptions options;
+    RfLoadedShot shot; // options may point into it
+    RfCost cost;
+    double load_seconds;
+} Job;
+
+static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
+{
+    Job* job = user;
+    return parse_cost_options_over( defaults, job->argc, job->argv, &job->options, error );
+}
+
+static RfResult load( Job* job, RfError* error )
+{
+    double start = rf_wall_seconds();
+    RfResult result = rf_load_shot( "cost", &job->options.render, take_defaults, job, &job->shot, error );
+    job->load_seconds = rf_wall_seconds() - start;
+    return result;
+}
+
+static bool go_on( void* user )
+{
+    (void)user;
+    return !rf_is_interrupted();
+}
+
+static void say( void* user, const RfCost* cost, int spp )
+{
+    const Job* job = user;
+    if ( !job->options.render.quiet )
+        fprintf( stderr, "reframe cost: %d samples, pieces of %.0f pixels, %d place%s of the path\n", spp, cost->pixels,
+                 cost->positions, cost->positions == 1 ? "" : "s" );
+}
+
+// Frames that one sweep of a render finishes.
+static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* per_sweep, RfError* error )
+{
+    RfRenderSettings settings = job->options.render.settings, resolved;
+    settings.group = curve->group;
+    settings.tile = curve->tile;
+    RfMemoryFit fit;
+    RfResult result =
+        rf_resolve_settings( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, &settings, &resolved, error );
+    if ( result == RF_OK )
+        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved,
+                                &fit, error );
+    if ( result == RF_OK )
+        *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
+    return result;
+}
+
+// Names the scene, so that `report` can refuse what was measured with another one.
+static json_t* result_json( const CostReport* r )
+{
+    json_t* json = cost_json( r );
+    json_object_set_new( json, "scene", rf_json_text( r->options->render.scene ) );
+    return json;
+}
+
+// Reports what was found so far, also after an interruption.
+static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* error )
+{
+    CostReport r = { .options = &job->options, .job = cost_job, .cost = &job->cost, .load_seconds = job->load_seconds };
+    RfResult result = count_per_sweep( job, &job->cost.plain, r.per_sweep, error );
+    if ( result == RF_OK )
+        result = count_per_sweep( job, &job->cost.reuse, r.per_sweep + 1, error );
+    if ( result != RF_OK )
+        return result;
+    const char* json = job->options.render.json;
+    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    {
+        print_cost( &r );
+        result = rf_flush_output( error );
+    }
+    if ( result == RF_OK && job->options.svg != NULL )
+        result = write_cost_plot( &r, job->options.svg, error );
+    return result == RF_OK && json != NULL ? rf_write_json( json, result_json( &r ), error ) : result;
+}
+
+static RfResult run( Job* job, RfError* error )
+{
+    RfResult result = load( job, error );
+    if ( result != RF_OK )
+        return result;
+    RfTrialWatch watch = { go_on, NULL };
+    RfCostJob cost = { .tracer = job->shot.tracer,
+                       .eyes = job->shot.path.eyes,
+                       .eye_count = job->shot.path.count,
+                       .frames = job->shot.frames,
+                       .frame_count = job->shot.frame_count,
+                       .settings = &job->options.render.settings,
+                       .budget = job->options.budget,
+                       .watch = &watch,
+                       .report = say,
+                       .user = job };
+    result = rf_measure_cost( &cost, &job->cost, error );
+    if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )
+    {
+        RfResult reported = report( job, &cost, error );
+        return reported != RF_OK ? reported : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: what was found stands above" );
+    }
+    if ( result == RF_ERROR_INTERRUPTED )
+        return rf_fail( error, result, "interrupted before anything was found" );
+    return result == RF_OK ? report( job, &cost, error ) : result;
+}
+
+int rf_command_cost( int argc, char** argv )
+{
+    RfError error;
+    bool help;
+    Job job = { .argc = argc, .argv = argv };
+    RfResult result = parse_cost_options( argc, argv, &job.options, &help, &error );
+    if ( result == RF_OK && help )
+    {
+        print_cost_help();
+        result = rf_flush_output( &error );
+    }
+    else if ( result == RF_OK )
+    {
+        rf_catch_interrupts();
+        result = run( &job, &error );
+    }
+    rf_destroy_shot( &job.shot );
+    return result == RF_OK ? 0 : rf_report_error( "cost", &error );
+}

@@ -1,0 +1,64 @@
+// Internal to tune: its rows and its rounds.
+#ifndef REFRAME_MEASURE_TUNE_ROWS_H
+#define REFRAME_MEASURE_TUNE_ROWS_H
+
+#include "measure/tune.h"
+
+// Is the row path tracing, with which all are compared?
+bool rf_is_plain_row( const RfTuneRow* row );
+
+// The settings of a row, based on the job's.
+RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common );
+
+// Lists all rows for the path with their memory and costs. `common` receives the job's
+// settings, resolved except for the group. Fails if no row can be tried.
+RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error );
+
+// Sets log_error and log_time of each row from a fit over all rows.
+void rf_smooth_tune_rows( RfTune* tune );
+
+// Extrapolates the trials to the requested render.
+void rf_predict_tune_rows( RfTune* tune, double pixels, int frames );
+
+// How many trials may run in parallel so that half of the memory of each is left for films.
+int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common );
+
+// How many adjacent groups of `eyes` frames a test region holds: a single small group would
+// cover too few frames.
+int rf_tune_groups( int eyes );
+
+// Frames that a test region needs to hold the groups of all candidates.
+int rf_tune_region_frames( const RfTune* tune, const bool* candidate );
+
+// Own-frame samples per pixel traced that a trial of the row takes.
+double rf_tune_row_samples( const RfTuneRow* row, int passes );
+
+// What is known before a round.
+typedef struct RfTuneOutlook
+{
+    int number;         // of the round, from 0
+    int width, height;  // of the requested render
+    double left;        // wall-clock seconds
+    double rate;        // CPU seconds per wall-clock second
+    double cost_second; // seconds per unit of RfTuneRow.cost, for rows without a trial
+    size_t memory;      // bytes, for all trials that run in parallel
+    int workers;
+    int passes; // at the least, of each trial
+} RfTuneOutlook;
+
+// Plans the next round: its share of the remaining time goes to larger and more pieces and, once they
+// make up the whole picture, to more positions. Returns false if too little time is left for
+// pieces large enough to be meaningful; the first round is always planned.
+bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTuneOutlook* outlook, RfTuneRound* round );
+
+// Expected CPU seconds of a round.
+double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second );
+
+// Keeps the best `kept` candidates that still have a chance to win, and path tracing; drops candidates without
+// an efficiency.
+void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate );
+
+// The `index`-th position on the path, 0 to 1, of an evenly spread sequence.
+double rf_tune_position( int index );
+
+#endif
