@@ -4,7 +4,7 @@
 #include "path/lanes.h"
 #include "reuse/accumulate/accumulate.h"
 #include "reuse/harvest/harvest_internal.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 
 #include <string.h>
 
@@ -97,7 +97,7 @@ struct RfGradientScratch
     int32_t pixel[RF_LANES];     // by slot
     int32_t own_pixel[RF_LANES]; // the same, −1 where the pixel is not its tile's own
     int32_t number[RF_LANES];    // of its tile in the pass
-    int32_t source[RF_LANES];    // tiles of one pixel: of the paths (reuse/tile_copies.h)
+    int32_t source[RF_LANES];    // tiles of one pixel: of the paths (reuse/tile/tile_paths.h)
     float missed[RF_LANES];      // 1 where the camera ray did, with RF_AOV_ALPHA
     RfAccumulateScratch accumulate;
     RfArrivals arrivals; // kept while some are left out
@@ -169,7 +169,7 @@ static int list_pixels( const RfGradientBatch* batch, int width, bool pairs, RfG
                 scratch->own_pixel[count] = own ? scratch->pixel[count] : -1;
                 scratch->number[count] = tile->number;
                 harvest->pixel[count] = count; // of a film with one pixel for each lane
-                harvest->tile_of[count] = harvest->tiles->tile_of[count] = t;
+                harvest->tile_of[count] = harvest->tiles->slots.tile_of[count] = t;
             }
         }
     }
@@ -279,10 +279,10 @@ static void add_up( const RfEstimatorGroup* group, const RfHarvest* harvest, flo
 static bool drop_unshared( const RfTileReuse* reuse, bool shares, RfArrivals* arrivals )
 {
     bool shared[RF_LANES] = { false }, any = false;
-    const RfVertexLanes* y = &reuse->second;
+    const RfVertexLanes* y = &reuse->second.lanes;
     int count = shares && y->count > 0 ? rf_record_count( y ) : 0; // without rays, the vertices are not sorted by kind
     for ( int a = 0; a < count; ++a )
-        shared[y->slot[a]] = reuse->owner[a] >= 0;
+        shared[y->slot[a]] = reuse->second.owner[a] >= 0;
     for ( int c = 0; c < 3; ++c )
     {
         for ( int i = 0; i < RF_LANES; ++i )

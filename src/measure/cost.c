@@ -7,7 +7,7 @@
 #include "measure/trial.h"
 #include "render/groups.h"
 #include "render/settings.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 #include "trace/trace.h"
 
 #include <math.h>

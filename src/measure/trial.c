@@ -8,7 +8,7 @@
 #include "measure/trial_pieces.h"
 #include "reframe/measure.h"
 #include "render/settings.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 #include "scene/eye.h"
 
 #include <math.h>

@@ -10,7 +10,7 @@
 #include "support/render_support.h"
 #include "scene/camera.h"
 #include "scene/json/scene_file.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 #include "trace/trace.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "differential/differential.h"
 #include "differential/reference.h"
 
-#include "reuse/tile_reuse.h"
+#include "reuse/tile/tile_reuse.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 
@@ -63,30 +63,30 @@ static void put_hit( RfVertexLanes* hits, int i, RfVec3 vertex, RfVec3 normal, u
     hits->slot[i] = i;
 }
 
-// The tile's vertex, found by the path of hit 2i. The quantity that src/reuse/tile_reuse.c keeps for it is an input here.
+// The tile's vertex, found by the path of hit 2i. The quantity that src/reuse/tile/tile_reuse.c keeps for it is an input here.
 static void put_vertex( RfTileReuse* reuse, const RfVertexLanes* hits, int i, RfVec3 vertex, RfVec3 normal )
 {
     RfVec3 own = rf_vec3( hits->p[0][2 * i], hits->p[1][2 * i], hits->p[2][2 * i] ), way = rf_sub( vertex, own );
     RfVec3 wo = rf_normalize( rf_scale( way, -1.0f ) );
-    put3( reuse->second.p, i, vertex );
-    put3( reuse->second.n, i, normal );
-    put3( reuse->second.ng, i, normal );
-    put3( reuse->second.wo, i, wo );
-    reuse->second.offset[i] = 0.0f;
-    reuse->second.slot[i] = 2 * i;
-    reuse->owner[i] = 2 * i;
+    put3( reuse->second.lanes.p, i, vertex );
+    put3( reuse->second.lanes.n, i, normal );
+    put3( reuse->second.lanes.ng, i, normal );
+    put3( reuse->second.lanes.wo, i, wo );
+    reuse->second.lanes.offset[i] = 0.0f;
+    reuse->second.lanes.slot[i] = 2 * i;
+    reuse->second.owner[i] = 2 * i;
     double cos_y = -cos( d3_angle( ( D3 ){ (double)normal.x, (double)normal.y, (double)normal.z },
                                    ( D3 ){ (double)way.x, (double)way.y, (double)way.z } ) );
     double d2 = (double)way.x * (double)way.x + (double)way.y * (double)way.y + (double)way.z * (double)way.z;
-    reuse->own_distance2_cos[i] = (float)( d2 / cos_y );
+    reuse->second.own_distance2_cos[i] = (float)( d2 / cos_y );
     for ( int k = 0; k < 2; ++k )
     {
         int hit = 2 * i + k;
-        reuse->member[hit] = hit;
-        reuse->begin[hit] = 2 * i;
-        reuse->size[hit] = 2;
-        reuse->rank[hit] = k;
-        reuse->second_of[hit] = k == 0 ? i : -1;
+        reuse->hits.member[hit] = hit;
+        reuse->hits.begin[hit] = 2 * i;
+        reuse->hits.size[hit] = 2;
+        reuse->hits.rank[hit] = k;
+        reuse->hits.second[hit] = k == 0 ? i : -1;
         // pairing 0 is the own path; in pairing 1 the second hit meets the vertex of the first
         for ( int s = 0; s < 2; ++s )
         {
@@ -107,7 +107,7 @@ static void set_models( RfVertexLanes* v, int count )
 static void fill( RfVertexLanes* hits, RfTileReuse* reuse, float* const scattered[3], long first )
 {
     set_models( hits, 2 * PAIRS );
-    set_models( &reuse->second, PAIRS );
+    set_models( &reuse->second.lanes, PAIRS );
     for ( int i = 0; i < PAIRS; ++i )
     {
         long k = first + i;
@@ -129,10 +129,10 @@ static void fill( RfVertexLanes* hits, RfTileReuse* reuse, float* const scattere
 
 static float largest_of( RfVec3 p ) { return rf_maxf( fabsf( p.x ), rf_maxf( fabsf( p.y ), fabsf( p.z ) ) ); }
 
-// Whether the tile shares the vertex at all: in the range that src/reuse/tile_reuse.c and tile_weights.c keep to.
+// Whether the tile shares the vertex at all: in the range that src/reuse/tile/tile_reuse.c and tile_weights.c keep to.
 static bool is_shared( const RfTileReuse* reuse, const double* x, int i )
 {
-    double own = (double)reuse->own_distance2_cos[i], d[2], c[2];
+    double own = (double)reuse->second.own_distance2_cos[i], d[2], c[2];
     for ( int k = 0; k < 2; ++k )
     {
         D3 way = d3_sum( d3_at( x + 12 ), -1.0, d3_at( x + 6 * k ) );
@@ -146,7 +146,7 @@ static bool is_shared( const RfTileReuse* reuse, const double* x, int i )
 
 static void judge_pair( Check* check, RfVertexLanes* hits, RfTileReuse* reuse, int i )
 {
-    RfVec3 own = get3( hits->p, 2 * i ), other = get3( hits->p, 2 * i + 1 ), vertex = get3( reuse->second.p, i );
+    RfVec3 own = get3( hits->p, 2 * i ), other = get3( hits->p, 2 * i + 1 ), vertex = get3( reuse->second.lanes.p, i );
     float largest = rf_maxf( largest_of( vertex ), rf_maxf( largest_of( own ), largest_of( other ) ) );
     Inputs in = { 0 };
     add_point( &in, own, rf_maxf( largest_of( own ), largest_of( vertex ) ) );
@@ -154,7 +154,7 @@ static void judge_pair( Check* check, RfVertexLanes* hits, RfTileReuse* reuse, i
     add_point( &in, other, rf_maxf( largest_of( other ), largest_of( vertex ) ) );
     add_direction( &in, get3( hits->n, 2 * i + 1 ) );
     add_point( &in, vertex, largest_of( vertex ) );
-    add_direction( &in, get3( reuse->second.ng, i ) );
+    add_direction( &in, get3( reuse->second.lanes.ng, i ) );
     if ( !( largest > 0.0f ) || !is_shared( reuse, in.x, i ) )
         return;
     double got[2] = { (double)reuse->pairings[0].weight[2 * i], (double)reuse->pairings[1].weight[2 * i + 1] };

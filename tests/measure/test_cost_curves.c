@@ -5,7 +5,7 @@
 #include "support/render_support.h"
 #include "render/groups.h"
 #include "support/scene_builder.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "support/statistics.h"
 
 #include "base/random.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 #include "scene/pinhole.h"
 #include "trace/trace.h"
 

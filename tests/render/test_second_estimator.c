@@ -5,7 +5,7 @@
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 // Tiles: their names; the patches of a pass cover every pixel of the film once with tiles
 // of the right shape, for any shift.
 #include "base/random.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 #include "support/render_support.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 #include "support/statistics.h"
 
 #include <stdio.h>

@@ -599,7 +599,7 @@ void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles )
     for ( int i = 0; i < chains->hits.count; ++i )
     {
         int slot = chains->hits.slot[i];
-        int32_t* tile = head + tiles->tile_of[slot];
+        int32_t* tile = head + tiles->slots.tile_of[slot];
         while ( *tile >= 0 && chains->length[slot_of[*tile]] != chains->length[slot] )
             tile = next + *tile;
         if ( *tile < 0 )
@@ -608,7 +608,7 @@ void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles )
             slot_of[count] = slot;
             next[count++] = -1;
         }
-        tiles->tile_of[slot] = *tile;
+        tiles->slots.tile_of[slot] = *tile;
     }
     tiles->tile_count = count;
 }

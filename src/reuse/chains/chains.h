@@ -5,7 +5,7 @@
 
 #include "path/wavefront.h"
 #include "reuse/harvest/records.h"
-#include "reuse/tile_reuse.h"
+#include "reuse/tile/tile_reuse.h"
 
 typedef struct RfChains
 {

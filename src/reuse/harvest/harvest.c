@@ -500,7 +500,7 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
     bool chain_light = shares_chain_light( harvest, scratch );
     wavefront->chain_light = !( chain_light || scratch->chain_samples != NULL ) ? NULL
-                             : rf_reuses_tiles( scratch )                       ? &scratch->tiles->chain_light
+                             : rf_reuses_tiles( scratch )                       ? &scratch->tiles->slots.chain_light
                                                                                 : scratch->chain_light;
     rf_scatter_deferred( &harvest->path, wavefront, v, 1, wi );
     int specular = v->count - rf_record_count( v );
@@ -560,7 +560,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
         count = choose_traced( harvest, eye, count, scratch );
     if ( rf_reuses_tiles( scratch ) )
     {
-        memcpy( scratch->tiles->tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
+        memcpy( scratch->tiles->slots.tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
         scratch->tiles->tile_count = tiles;
     }
     make_keys( key, count, scratch->pixel, wavefront );

@@ -9,7 +9,7 @@
 #include "reuse/harvest/records.h"
 #include "render/estimator.h"
 #include "render/pieces.h"
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 
 // What all batches of a group share.
 typedef struct RfHarvest

@@ -6,7 +6,7 @@
 #include "reuse/chains/chains.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/harvest/harvest.h"
-#include "reuse/tile_reuse.h"
+#include "reuse/tile/tile_reuse.h"
 
 // One direction of all hits: where from, and the light in its two parts.
 typedef struct RfArrivalLanes

@@ -1,6 +1,76 @@
-// Follows the chains of a tile from its other hits, vertex by vertex.
-#include "reuse/tile.h"
-#include "reuse/tile_chains.h"
+// Light at the end of chains in tiles: which hits follow a chain, how they leave for it, and the walk along it, vertex by
+// vertex.
+#include "reuse/tile/tile_chains.h"
+
+#include "reuse/tile/tile.h"
+
+static RfVec3 point_of( const RfVertexLanes* v, int i ) { return rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ); }
+
+static RfVec3 direction_of( float* const d[3], int i ) { return rf_vec3( d[0][i], d[1][i], d[2][i] ); }
+
+static float distance2( RfVec3 a, RfVec3 b )
+{
+    RfVec3 way = rf_sub( a, b );
+    return rf_dot( way, way );
+}
+
+// The square of the largest distance of a hit of the tile from its first.
+static float extent2( const RfTileReuse* reuse, int hit )
+{
+    const int32_t* member = reuse->hits.member + reuse->hits.begin[hit];
+    RfVec3 first = point_of( reuse->hits.lanes, member[0] );
+    float most = 0.0f;
+    for ( int k = 1; k < reuse->hits.size[hit]; ++k )
+        most = rf_maxf( most, distance2( point_of( reuse->hits.lanes, member[k] ), first ) );
+    return most;
+}
+
+// True if a chain that begins at vertex i of `v` is near enough to a hit to be followed in parallel: within the extent of the hit's
+// tile. Aimed at, the density would be that of its own hit by far. All hits decide alike: a way that one of them would choose
+// differently is none of its own, and its weight there is 0.
+static bool is_near_chain( const RfTileReuse* reuse, int hit, const RfVertexLanes* v, int i )
+{
+    return distance2( point_of( v, i ), point_of( reuse->hits.lanes, hit ) ) < extent2( reuse, hit );
+}
+
+void rf_sort_chains( RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    for ( int a = rf_record_count( y ); a < y->count; ++a )
+        reuse->second.parallel[a] = reuse->second.owner[a] >= 0 && is_near_chain( reuse, reuse->second.owner[a], y, a );
+}
+
+// Hit i leaves in a direction that another has drawn.
+static void leave_parallel( const RfVertexLanes* hits, int i, RfVec3 wi, RfPairingLanes* pairing )
+{
+    RfVec3 n = rf_vec3( hits->n[0][i], hits->n[1][i], hits->n[2][i] );
+    RfVec3 ng = rf_vec3( hits->ng[0][i], hits->ng[1][i], hits->ng[2][i] );
+    bool leaves = rf_dot( n, wi ) > 0.0f && rf_dot( ng, wi ) > 0.0f;
+    RfVec3 to = leaves ? wi : n;
+    pairing->wi[0][i] = to.x;
+    pairing->wi[1][i] = to.y;
+    pairing->wi[2][i] = to.z;
+    pairing->weight[i] = leaves ? 1.0f : 0.0f;
+}
+
+void rf_aim_at_chains( float* const scattered[3], int s, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    RfPairingLanes* pairing = reuse->pairings + s;
+    for ( int a = rf_record_count( y ); a < y->count; ++a )
+    {
+        int own = reuse->second.owner[a];
+        if ( own < 0 || s >= reuse->hits.size[own] )
+            continue;
+        int i = rf_receiver( reuse, a, s );
+        for ( int c = 0; c < 3 && reuse->second.parallel[a] && pairing->pane_weight != NULL; ++c )
+            pairing->pane_weight[c][i] = 1.0f; // chains that pass panes are not followed
+        if ( reuse->second.parallel[a] )
+            leave_parallel( reuse->hits.lanes, i, direction_of( scattered, own ), pairing );
+        else if ( is_near_chain( reuse, i, y, a ) )
+            pairing->weight[i] = 0.0f;
+    }
+}
 
 // Hits that follow the chain of a path of their tile.
 typedef struct Followers
@@ -23,7 +93,7 @@ typedef struct Walk
     uint64_t rays;
 } Walk;
 
-static int slot_of( const Walk* walk, int follower ) { return walk->reuse->second.slot[walk->all.vertex[follower]]; }
+static int slot_of( const Walk* walk, int follower ) { return walk->reuse->second.lanes.slot[walk->all.vertex[follower]]; }
 
 static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
 {
@@ -43,7 +113,7 @@ static RfDeltaEvent event_at( const Walk* walk, int follower, int at, const RfVe
     bool pane = rf_tracer_has_panes( walk->path->tracer ) && v->param[RF_PARAM_IOR][i] < 0.0f; // passed by chance
     if ( i < rf_record_count( v ) || pane )
         return ( RfDeltaEvent ){ wo, { 0, 0, 0 }, 0.0f };
-    unsigned events = walk->reuse->chain_light.transmitted[slot_of( walk, follower )];
+    unsigned events = walk->reuse->slots.chain_light.transmitted[slot_of( walk, follower )];
     return rf_glass_event( &lanes, i, wo, ( events >> at & 1u ) != 0 );
 }
 
@@ -86,7 +156,7 @@ static void end_misses( Walk* walk, int at, const RfRayLanes* rays )
             continue;
         int follower = rays->slot[r];
         RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] ), sky = rf_vec3( 0, 0, 0 );
-        if ( rf_has_sky( lights ) && at == walk->reuse->chain_light.length[slot_of( walk, follower )] )
+        if ( rf_has_sky( lights ) && at == walk->reuse->slots.chain_light.length[slot_of( walk, follower )] )
             sky = rf_sky_radiance( &lights->sky, d );
         end( walk, follower, rf_mul( sky, rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) ) );
     }
@@ -101,8 +171,8 @@ static void arrive( Walk* walk, int at, int i, const RfRayLanes* rays, RfRayLane
     RfVec3 t = rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ), light = rf_vec3( 0, 0, 0 );
     if ( v->light_pdf_solid_angle[i] > 0.0f )
         light = rf_mul( t, rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] ) );
-    bool lit = rf_max_component( light ) > 0.0f, ends = at == reuse->chain_light.length[slot_of( walk, follower )];
-    bool strays = at == 0 && !rf_is_near_chain( reuse, walk->all.hit[follower], v, i );
+    bool lit = rf_max_component( light ) > 0.0f, ends = at == reuse->slots.chain_light.length[slot_of( walk, follower )];
+    bool strays = at == 0 && !is_near_chain( reuse, walk->all.hit[follower], v, i );
     if ( ends )
         end( walk, follower, light );
     else if ( lit || strays )
@@ -136,14 +206,14 @@ static void start( Walk* walk, RfRayLanes* to_first, RfRayLanes* beyond )
         int a = all->vertex[k], i = all->hit[k];
         RfVec3 wi = get( reuse->pairings[all->pairing[k]].wi, i );
         all->probability[k] = 1.0f;
-        if ( !reuse->parallel[a] )
+        if ( !reuse->second.parallel[a] )
         {
-            take_event( walk, k, 0, &reuse->second, a, rf_scale( wi, -1.0f ), rf_vec3( 1, 1, 1 ), beyond );
+            take_event( walk, k, 0, &reuse->second.lanes, a, rf_scale( wi, -1.0f ), rf_vec3( 1, 1, 1 ), beyond );
             continue;
         }
         int to = to_first->count++;
         for ( int c = 0; c < 3; ++c )
-            to_first->o[c][to] = reuse->lifted[c][i];
+            to_first->o[c][to] = reuse->hits.lifted[c][i];
         put( to_first->d, to, wi );
         put( to_first->throughput, to, rf_vec3( 1, 1, 1 ) );
         to_first->slot[to] = k;
@@ -175,9 +245,9 @@ static void add_follower( Followers* all, int vertex, int pairing, int hit )
 // A path that did not come to the same end keeps its light for itself.
 static void keep_own( RfTileReuse* reuse, int a, int hit )
 {
-    for ( int s = 0; s < reuse->size[hit]; ++s )
+    for ( int s = 0; s < reuse->hits.size[hit]; ++s )
         reuse->pairings[s].weight[rf_receiver( reuse, a, s )] = 0.0f;
-    reuse->owner[a] = -1;
+    reuse->second.owner[a] = -1;
 }
 
 static void finish_own( Walk* walk, int k )
@@ -185,9 +255,9 @@ static void finish_own( Walk* walk, int k )
     RfTileReuse* reuse = walk->reuse;
     const Followers* all = &walk->all;
     int a = all->vertex[k], brightest = 0;
-    RfVec3 light = get( reuse->chain_light.light, slot_of( walk, k ) );
-    if ( reuse->parallel[a] )
-        light = rf_mul( light, get( reuse->throughput, a ) );
+    RfVec3 light = get( reuse->slots.chain_light.light, slot_of( walk, k ) );
+    if ( reuse->second.parallel[a] )
+        light = rf_mul( light, get( reuse->second.throughput, a ) );
     float found[3] = { light.x, light.y, light.z };
     for ( int c = 1; c < 3; ++c )
         brightest = found[c] > found[brightest] ? c : brightest;
@@ -204,12 +274,12 @@ static void finish_own( Walk* walk, int k )
 // passed panes by chance.
 static void follow_own( Walk* walk )
 {
-    const RfVertexLanes* y = &walk->reuse->second;
+    const RfVertexLanes* y = &walk->reuse->second.lanes;
     walk->all.count = 0;
     for ( int a = rf_record_count( y ); a < y->count; ++a )
     {
-        if ( walk->reuse->owner[a] >= 0 )
-            add_follower( &walk->all, a, 0, walk->reuse->owner[a] );
+        if ( walk->reuse->second.owner[a] >= 0 )
+            add_follower( &walk->all, a, 0, walk->reuse->second.owner[a] );
     }
     follow( walk );
     for ( int k = 0; k < walk->all.count; ++k )
@@ -227,8 +297,8 @@ static void follow_others( Walk* walk )
         int a = all->vertex[k], i = all->hit[k];
         RfPairingLanes* pairing = reuse->pairings + all->pairing[k];
         RfVec3 left = rf_vec3( 1, 1, 1 ), light = rf_vec3( all->light[0][k], all->light[1][k], all->light[2][k] );
-        if ( !reuse->parallel[a] )
-            left = rf_transmittance_from( &reuse->second, a, get( reuse->lifted, i ) );
+        if ( !reuse->second.parallel[a] )
+            left = rf_transmittance_from( &reuse->second.lanes, a, get( reuse->hits.lifted, i ) );
         pairing->weight[i] *= all->probability[k];
         put( pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
     }
@@ -237,7 +307,7 @@ static void follow_others( Walk* walk )
 
 uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
-    const RfVertexLanes* y = &reuse->second;
+    const RfVertexLanes* y = &reuse->second.lanes;
     if ( !settings->chain_light || rf_record_count( y ) == y->count )
         return 0;
     Walk walk = { .path = settings->path, .wavefront = wavefront, .reuse = reuse };
@@ -245,7 +315,7 @@ uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront
     walk.all.count = 0;
     for ( int a = rf_record_count( y ); a < y->count; ++a )
     {
-        for ( int s = 1; reuse->owner[a] >= 0 && s < reuse->size[reuse->owner[a]]; ++s )
+        for ( int s = 1; reuse->second.owner[a] >= 0 && s < reuse->hits.size[reuse->second.owner[a]]; ++s )
         {
             int i = rf_receiver( reuse, a, s );
             if ( reuse->pairings[s].weight[i] > 0.0f )
@@ -256,4 +326,17 @@ uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront
     }
     follow_others( &walk );
     return walk.rays;
+}
+
+void rf_weight_chain_light( RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    for ( int a = rf_record_count( y ); a < y->count; ++a )
+    {
+        int i = reuse->second.owner[a], slot = y->slot[a];
+        float weight = i >= 0 ? reuse->pairings[0].weight[i] : 1.0f;
+        for ( int c = 0; c < 3; ++c )
+            reuse->slots.chain_light.light[c][slot] =
+                weight * reuse->second.throughput[c][a] * reuse->slots.chain_light.light[c][slot];
+    }
 }

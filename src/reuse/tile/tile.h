@@ -2,8 +2,8 @@
 // Halton, Accelerating Path Tracing by Re-Using Paths, EGWR 2002;
 // src/reuse/estimators.md, section 4). A film is cut into patches, whose pixels fill a
 // wavefront, and a patch into tiles.
-#ifndef REFRAME_REUSE_TILE_H
-#define REFRAME_REUSE_TILE_H
+#ifndef REFRAME_REUSE_TILE_TILE_H
+#define REFRAME_REUSE_TILE_TILE_H
 
 #include "reframe/render.h"
 #include "scene/eye.h"

@@ -1,8 +1,8 @@
 // The steps of tile reuse, and the pairing of hits with second vertices.
-#include "reuse/tile_reuse.h"
+#include "reuse/tile/tile_reuse.h"
 
-#include "reuse/tile_chains.h"
-#include "reuse/tile_copies.h"
+#include "reuse/tile/tile_chains.h"
+#include "reuse/tile/tile_paths.h"
 
 #include <string.h>
 
@@ -21,9 +21,11 @@ RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes
     if ( tile_pixels == 1 )
         return NULL;
     RfTileReuse* reuse = memory;
-    reuse->direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
-    reuse->pairings = (RfPairingLanes*)( reuse->direct + light_lanes );
-    reuse->pane_weight = panes ? ( float( * )[3][RF_LANES] )(void*)( reuse->pairings + tile_pixels ) : NULL;
+    reuse->second.direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
+    reuse->pairings = (RfPairingLanes*)( reuse->second.direct + light_lanes );
+    float( *pane_weight )[RF_LANES] = (void*)( reuse->pairings + tile_pixels );
+    for ( int s = 0; s < tile_pixels; ++s )
+        reuse->pairings[s].pane_weight = panes ? pane_weight + 3 * s : NULL;
     return reuse;
 }
 
@@ -33,9 +35,9 @@ static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
     int32_t end[RF_LANES] = { 0 };
     int count = rf_record_count( hits );
     for ( int i = 0; i < count; ++i )
-        end[reuse->tile_of[hits->slot[i]]] += 1;
+        end[reuse->slots.tile_of[hits->slot[i]]] += 1;
     for ( int i = 0; i < count; ++i )
-        reuse->size[i] = end[reuse->tile_of[hits->slot[i]]];
+        reuse->hits.size[i] = end[reuse->slots.tile_of[hits->slot[i]]];
     int sum = 0;
     for ( int t = 0; t < reuse->tile_count; ++t )
     {
@@ -45,16 +47,16 @@ static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
     }
     for ( int i = 0; i < count; ++i )
     {
-        int place = end[reuse->tile_of[hits->slot[i]]]++;
-        reuse->member[place] = i;
+        int place = end[reuse->slots.tile_of[hits->slot[i]]]++;
+        reuse->hits.member[place] = i;
     }
     for ( int place = 0; place < count; )
     {
-        int begin = place, size = reuse->size[reuse->member[begin]];
+        int begin = place, size = reuse->hits.size[reuse->hits.member[begin]];
         for ( ; place < begin + size; ++place )
         {
-            reuse->begin[reuse->member[place]] = begin;
-            reuse->rank[reuse->member[place]] = place - begin;
+            reuse->hits.begin[reuse->hits.member[place]] = begin;
+            reuse->hits.rank[reuse->hits.member[place]] = place - begin;
         }
     }
 }
@@ -63,7 +65,7 @@ static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
 // while others see the vertex without them.
 static bool is_spent( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfTileReuse* reuse, int a )
 {
-    return wavefront->spent != NULL && wavefront->spent[reuse->second.slot[a]] + 2 >= settings->path->max_depth;
+    return wavefront->spent != NULL && wavefront->spent[reuse->second.lanes.slot[a]] + 2 >= settings->path->max_depth;
 }
 
 // Finds the second vertices that are reused: the hit must be non-specular, and the vertex too or
@@ -77,13 +79,13 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
     for ( int i = 0; i < hits->count; ++i )
         hit_of_slot[hits->slot[i]] = i < count ? i : -1;
     for ( int i = 0; i < count; ++i )
-        reuse->second_of[i] = -1;
-    const RfVertexLanes* y = &reuse->second;
+        reuse->hits.second[i] = -1;
+    const RfVertexLanes* y = &reuse->second.lanes;
     for ( int a = 0; a < y->count; ++a )
     {
         int i = hit_of_slot[y->slot[a]];
-        reuse->owner[a] = -1;
-        reuse->hit_of[a] = i;
+        reuse->second.owner[a] = -1;
+        reuse->second.hit[a] = i;
         if ( i < 0 || !( a < rf_record_count( y ) || rf_has_chain_light( settings, reuse, a ) ) ||
              is_spent( settings, wavefront, reuse, a ) )
             continue;
@@ -97,17 +99,17 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
         float distance2_cos = cos_y > 0.0f ? way2 / cos_y : 0.0f;
         if ( !( distance2_cos > 0.0f && distance2_cos < 1e30f ) ) // too close or edge-on
             continue;
-        reuse->own_distance2_cos[a] = distance2_cos;
-        reuse->owner[a] = i;
-        reuse->second_of[i] = a;
+        reuse->second.own_distance2_cos[a] = distance2_cos;
+        reuse->second.owner[a] = i;
+        reuse->hits.second[i] = a;
     }
 }
 
 // Finds the second vertices at which no light arrives, in many rooms most of them: their connections would bring nothing.
 static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
 {
-    const RfVertexLanes* y = &reuse->second;
-    const RfArrivals* arrivals = &reuse->arrivals_at_second;
+    const RfVertexLanes* y = &reuse->second.lanes;
+    const RfArrivals* arrivals = &reuse->slots.at_second;
     float sum[RF_LANES];
     for ( int a = 0; a < y->count; ++a )
     {
@@ -117,13 +119,13 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
     }
     for ( int j = 0; j < rf_light_lanes_count( path ); ++j )
     {
-        const RfLightLanes* direct = reuse->direct + j;
+        const RfLightLanes* direct = reuse->second.direct + j;
 #pragma omp simd
         for ( int a = 0; a < y->count; ++a )
             sum[a] += direct->radiance_cos[0][a] + direct->radiance_cos[1][a] + direct->radiance_cos[2][a];
     }
     for ( int a = 0; a < y->count; ++a )
-        reuse->dark[a] = a < rf_record_count( y ) && sum[a] == 0.0f;
+        reuse->second.dark[a] = a < rf_record_count( y ) && sum[a] == 0.0f;
 }
 
 // The second vertex for each hit in a pairing; `weight` is 1 where there is one that light arrives at, else 0.
@@ -131,9 +133,9 @@ static void find_neighbours( const RfTileReuse* reuse, int pairing, int count, R
 {
     memset( out->vertex, 0, (size_t)count * sizeof out->vertex[0] );
     memset( out->weight, 0, (size_t)count * sizeof out->weight[0] );
-    for ( int a = 0; a < reuse->second.count; ++a )
+    for ( int a = 0; a < reuse->second.lanes.count; ++a )
     {
-        if ( reuse->owner[a] < 0 || reuse->dark[a] || pairing >= reuse->size[reuse->owner[a]] )
+        if ( reuse->second.owner[a] < 0 || reuse->second.dark[a] || pairing >= reuse->hits.size[reuse->second.owner[a]] )
             continue;
         int i = rf_receiver( reuse, a, pairing );
         out->vertex[i] = a;
@@ -143,11 +145,11 @@ static void find_neighbours( const RfTileReuse* reuse, int pairing, int count, R
 
 static void copy_throughput( const RfRayLanes* rays, RfTileReuse* reuse )
 {
-    const RfVertexLanes* y = &reuse->second;
+    const RfVertexLanes* y = &reuse->second.lanes;
     for ( int c = 0; c < 3; ++c )
     {
         for ( int a = 0; a < y->count; ++a )
-            reuse->throughput[c][a] = rays->throughput[c][y->ray[a]];
+            reuse->second.throughput[c][a] = rays->throughput[c][y->ray[a]];
     }
 }
 
@@ -155,17 +157,17 @@ static void copy_throughput( const RfRayLanes* rays, RfTileReuse* reuse )
 static void note_panes( const RfRayLanes* rays, const float* pane_probability, RfTileReuse* reuse )
 {
     for ( int r = 0; r < rays->count && pane_probability != NULL; ++r )
-        reuse->own_pane_probability[rays->slot[r]] = pane_probability[r];
+        reuse->slots.pane_probability[rays->slot[r]] = pane_probability[r];
 }
 
 // Where nothing is blended that is their V, which is not traced again.
 static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
 {
     bool passed = rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );
-    for ( int a = 0; passed && a < reuse->second.count; ++a )
+    for ( int a = 0; passed && a < reuse->second.lanes.count; ++a )
     {
-        if ( reuse->owner[a] >= 0 )
-            reuse->pairings[0].weight[reuse->owner[a]] *= reuse->own_pane_probability[reuse->second.slot[a]];
+        if ( reuse->second.owner[a] >= 0 )
+            reuse->pairings[0].weight[reuse->second.owner[a]] *= reuse->slots.pane_probability[reuse->second.lanes.slot[a]];
     }
 }
 
@@ -176,21 +178,22 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     int k = settings->light_samples;
     uint32_t dimension = rf_vertex_dimension( 2, k ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
-        wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, &reuse->second, dimension + 3u * (uint32_t)j,
-                                                              reuse->direct + j, &wavefront->scratch );
+        wavefront->shadow_rays +=
+            (uint64_t)rf_sample_lights( settings, wavefront, &reuse->second.lanes, dimension + 3u * (uint32_t)j,
+                                        reuse->second.direct + j, &wavefront->scratch );
     for ( int j = 0; j < k; ++j )
-        rf_note_lit( settings, wavefront, reuse->direct + j, j, reuse->second.count );
+        rf_note_lit( settings, wavefront, reuse->second.direct + j, j, reuse->second.lanes.count );
     if ( settings->connector != NULL )
-        settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second, 2, reuse->direct + k,
-                                     reuse->connection_area );
-    memcpy( &reuse->arrivals_at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
+        settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
+                                     reuse->second.connection_area );
+    memcpy( &reuse->slots.at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
-    float* wi[3] = { reuse->wi[0], reuse->wi[1], reuse->wi[2] };
-    rf_scatter_deferred( settings, wavefront, &reuse->second, 2, wi );
-    memcpy( reuse->pdf, wavefront->scratch.pdf, (size_t)reuse->second.count * sizeof( float ) );
+    float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
+    rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
+    memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
     rf_trace_tails( settings, wavefront, 3 );
-    memcpy( &reuse->arrivals_at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
-    memcpy( &wavefront->arrivals, &reuse->arrivals_at_hits, sizeof wavefront->arrivals );
+    memcpy( &reuse->slots.at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
+    memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );
 }
 
 // Whether max_depth leaves no path a vertex after the second. A path whose camera ray passed a pane may have one more.
@@ -210,12 +213,12 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
                               RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int tile_pixels = settings->tile_pixels;
-    reuse->second.count = reuse->thinned = reuse->kept = reuse->shared = 0;
-    reuse->hits = hits;
+    reuse->second.lanes.count = reuse->thinned = reuse->kept = reuse->second.shared = 0;
+    reuse->hits.lanes = hits;
     if ( wavefront->rays.count > 0 )
-        note_panes( &wavefront->rays, rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second ),
-                    reuse );
-    if ( all_end_at_second( settings->path, wavefront ) || reuse->second.count == 0 )
+        note_panes( &wavefront->rays,
+                    rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second.lanes ), reuse );
+    if ( all_end_at_second( settings->path, wavefront ) || reuse->second.lanes.count == 0 )
     {
         for ( int s = 0; s < tile_pixels; ++s )
             memset( reuse->pairings[s].weight, 0, sizeof reuse->pairings[s].weight );
@@ -224,7 +227,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
             for ( int c = 0; c < 3; ++c )
                 memcpy( reuse->pairings[s].wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
         }
-        reuse->second.first[RF_BSDF_FIRST_GLOSSY] = 0;
+        reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY] = 0;
         for ( int s = 1; s < tile_pixels; ++s )
             memset( reuse->pairings[s].vertex, 0, sizeof reuse->pairings[s].vertex );
         return 0;

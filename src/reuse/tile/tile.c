@@ -1,4 +1,4 @@
-#include "reuse/tile.h"
+#include "reuse/tile/tile.h"
 
 #include "base/random.h"
 

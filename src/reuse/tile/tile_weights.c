@@ -1,15 +1,61 @@
 // The balance weights of the pairs in a tile: which hits see which second
 // vertices, and with what density they would have sampled them.
-#include "base/fault.h"
-#include "reuse/tile_reuse.h"
+#include "reuse/tile/tile_reuse.h"
 
-#include "reuse/tile.h"
-#include "reuse/tile_chains.h"
-#include "reuse/tile_connect.h"
+#include "base/fault.h"
+#include "reuse/tile/tile.h"
+#include "reuse/tile/tile_chains.h"
 #include "reuse/weight_range.h"
 
-#include <stddef.h>
+#include <float.h>
 #include <string.h>
+
+// Direction of hit i in a pairing, and ρ without density and visibility; 0 where hit and vertex face away from each other.
+static inline void connect( const RfVertexLanes* restrict x, const RfTileReuse* restrict reuse, RfPairingLanes* restrict pairing,
+                            int i )
+{
+    const RfVertexLanes* restrict y = &reuse->second.lanes;
+    int a = pairing->vertex[i];
+    RfVec3 ng = rf_vec3( x->ng[0][i], x->ng[1][i], x->ng[2][i] );
+    RfVec3 n = rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] );
+    RfVec3 from = rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), ng, x->offset[i] );
+    RfVec3 to_vertex = rf_sub( rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ), from );
+    float d2 = rf_maxf( rf_dot( to_vertex, to_vertex ), FLT_MIN );
+    RfVec3 wi = rf_scale( to_vertex, 1.0f / sqrtf( d2 ) );
+    float cos_y = -rf_dot( rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ), wi );
+    float geometry = cos_y / d2 * reuse->second.own_distance2_cos[a];
+    // & of int: the loop stays free of branches
+    int sees = (int)( pairing->weight[i] > 0.0f ) & (int)( cos_y > 0.0f ) & (int)( rf_dot( n, wi ) > 0.0f ) &
+               (int)( rf_dot( ng, wi ) > 0.0f ) & (int)( geometry < 1e18f );
+    // the BSDFs need a valid direction in every lane
+    pairing->wi[0][i] = sees ? wi.x : n.x;
+    pairing->wi[1][i] = sees ? wi.y : n.y;
+    pairing->wi[2][i] = sees ? wi.z : n.z;
+    pairing->weight[i] = sees ? geometry : 0.0f;
+}
+
+// Sets the directions and ρ, without density and visibility, where the weight of the pairing is above 0.
+static void connect_neighbours( const RfVertexLanes* restrict x, const RfTileReuse* restrict reuse,
+                                RfPairingLanes* restrict pairing )
+{
+    int count = rf_record_count( x );
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+        connect( x, reuse, pairing, i );
+}
+
+// The same for pairing s where the roulette has left few second vertices.
+static void connect_few( const RfVertexLanes* x, RfTileReuse* reuse, int s )
+{
+    RfPairingLanes* pairing = reuse->pairings + s;
+    for ( int c = 0; c < 3; ++c )
+        memcpy( pairing->wi[c], x->n[c], (size_t)rf_record_count( x ) * sizeof( float ) );
+    for ( int a = 0; a < rf_record_count( &reuse->second.lanes ); ++a )
+    {
+        if ( reuse->second.owner[a] >= 0 && s < reuse->hits.size[reuse->second.owner[a]] )
+            connect( x, reuse, pairing, rf_receiver( reuse, a, s ) );
+    }
+}
 
 static void multiply_densities( const RfVertexLanes* x, RfPairingLanes* pairing, float* pdf )
 {
@@ -26,15 +72,15 @@ static void multiply_densities( const RfVertexLanes* x, RfPairingLanes* pairing,
         pairing->weight[i] *= pdf[i];
 }
 
-// Segments to be tested, and the weights that their visibility multiplies.
+// Connections to be tested: each is a segment in the scratch, whose visibility multiplies the weight of a hit in a pairing.
 typedef struct Queue
 {
     const RfTracer* tracer;
     RfLaneScratch* scratch;
-    int count;
+    RfTileReuse* reuse;
     uint64_t tested;
-    float* weight[RF_PATCH_PIXELS];
-    RfTileReuse* reuse; // whose weights they are
+    int count;
+    int32_t pairing[RF_PATCH_PIXELS], hit[RF_PATCH_PIXELS];
 } Queue;
 
 // Connections through panes: they have a part of the density, q, and carry light times κ.
@@ -46,10 +92,8 @@ static void test_past_panes( Queue* q, const float* const o[3], const float* con
     for ( int k = 0; k < q->count; ++k )
     {
         s->visible[k] *= panes.probability[k];
-        size_t pairing = (size_t)( (char*)q->weight[k] - (char*)q->reuse->pairings ) / sizeof( RfPairingLanes );
-        ptrdiff_t hit = q->weight[k] - q->reuse->pairings[pairing].weight;
         for ( int c = 0; c < 3; ++c )
-            q->reuse->pane_weight[pairing][c][hit] = panes.weight[c][k];
+            q->reuse->pairings[q->pairing[k]].pane_weight[c][q->hit[k]] = panes.weight[c][k];
     }
 }
 
@@ -63,7 +107,7 @@ static void test_segments( Queue* q )
     else
         rf_trace_segments( q->tracer, q->count, o, d, s->visible );
     for ( int k = 0; k < q->count; ++k )
-        *q->weight[k] *= s->visible[k];
+        q->reuse->pairings[q->pairing[k]].weight[q->hit[k]] *= s->visible[k];
     q->tested += (uint64_t)q->count;
     q->count = 0;
 }
@@ -81,42 +125,44 @@ static void lift_hits( const RfVertexLanes* x, RfTileReuse* reuse )
     for ( int i = 0; i < count; ++i )
     {
         RfVec3 p = lifted( x, i );
-        reuse->lifted[0][i] = p.x;
-        reuse->lifted[1][i] = p.y;
-        reuse->lifted[2][i] = p.z;
+        reuse->hits.lifted[0][i] = p.x;
+        reuse->hits.lifted[1][i] = p.y;
+        reuse->hits.lifted[2][i] = p.z;
     }
 }
 
-// Queues the segment from a point to a hit, unless its weight is 0.
-static inline void queue_segment( Queue* q, const RfTileReuse* reuse, RfVec3 from, int hit, float* weight )
+// Queues the segment from a point to a hit, unless its weight in the pairing is 0.
+static inline void queue_segment( Queue* q, RfVec3 from, int pairing, int hit )
 {
+    const RfTileReuse* reuse = q->reuse;
     RfLaneScratch* s = q->scratch;
     int k = q->count;
     s->o[0][k] = from.x;
     s->o[1][k] = from.y;
     s->o[2][k] = from.z;
-    s->d[0][k] = reuse->lifted[0][hit] - from.x;
-    s->d[1][k] = reuse->lifted[1][hit] - from.y;
-    s->d[2][k] = reuse->lifted[2][hit] - from.z;
-    q->weight[k] = weight;
-    q->count += *weight != 0.0f;
+    s->d[0][k] = reuse->hits.lifted[0][hit] - from.x;
+    s->d[1][k] = reuse->hits.lifted[1][hit] - from.y;
+    s->d[2][k] = reuse->hits.lifted[2][hit] - from.z;
+    q->pairing[k] = pairing;
+    q->hit[k] = hit;
+    q->count += reuse->pairings[pairing].weight[hit] != 0.0f;
     if ( q->count == RF_PATCH_PIXELS )
         test_segments( q );
 }
 
 // Tests the connections of paths to their own second vertex, which matters only with
 // blended surfaces. Their rays carry κ already. The path did get through, so the result is never 0.
-static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
+static void test_own_paths( Queue* q, int hits )
 {
-    float* weight = reuse->pairings[0].weight;
+    const RfSecondVertices* second = &q->reuse->second;
+    float* weight = q->reuse->pairings[0].weight;
     float least[RF_LANES];
     for ( int i = 0; i < hits; ++i )
         least[i] = 1e-12f * weight[i];
-    for ( int a = 0; a < rf_record_count( &reuse->second ); ++a )
+    for ( int a = 0; a < rf_record_count( &second->lanes ); ++a )
     {
-        int i = reuse->owner[a];
-        if ( i >= 0 )
-            queue_segment( q, reuse, lifted( &reuse->second, a ), i, weight + i );
+        if ( second->owner[a] >= 0 )
+            queue_segment( q, lifted( &second->lanes, a ), 0, second->owner[a] );
     }
     test_segments( q );
     for ( int i = 0; i < hits; ++i )
@@ -124,16 +170,17 @@ static void test_own_paths( Queue* q, int hits, RfTileReuse* reuse )
 }
 
 // Queues the segments from a second vertex to the other hits of its tile.
-static void queue_vertex( Queue* q, RfTileReuse* reuse, int a )
+static void queue_vertex( Queue* q, int a )
 {
-    RfVec3 from = lifted( &reuse->second, a );
-    int own = reuse->owner[a], size = reuse->size[own], rank = reuse->rank[own];
-    const int32_t* member = reuse->member + reuse->begin[own];
+    const RfTileHits* hits = &q->reuse->hits;
+    RfVec3 from = lifted( &q->reuse->second.lanes, a );
+    int own = q->reuse->second.owner[a], size = hits->size[own], rank = hits->rank[own];
+    const int32_t* member = hits->member + hits->begin[own];
     for ( int k = 0; k < size; ++k )
     {
-        int s = rank >= k ? rank - k : rank - k + size;
-        if ( s > 0 )
-            queue_segment( q, reuse, from, member[k], reuse->pairings[s].weight + member[k] );
+        int pairing = rank >= k ? rank - k : rank - k + size;
+        if ( pairing > 0 )
+            queue_segment( q, from, pairing, member[k] );
     }
 }
 
@@ -142,14 +189,14 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
                                   RfTileReuse* reuse )
 {
     Queue q = { .tracer = settings->path->tracer, .scratch = &wavefront->scratch, .reuse = reuse };
-    const RfVertexLanes* y = &reuse->second;
+    const RfVertexLanes* y = &reuse->second.lanes;
     lift_hits( x, reuse );
     if ( rf_tracer_is_partial( q.tracer ) && rf_tracer_is_blended( q.tracer ) )
-        test_own_paths( &q, rf_record_count( x ), reuse );
+        test_own_paths( &q, rf_record_count( x ) );
     for ( int a = 0; a < y->count; ++a )
     {
-        if ( reuse->owner[a] >= 0 && !rf_is_parallel( reuse, a ) )
-            queue_vertex( &q, reuse, a );
+        if ( reuse->second.owner[a] >= 0 && !rf_is_parallel_chain( reuse, a ) )
+            queue_vertex( &q, a );
     }
     test_segments( &q );
     return q.tested;
@@ -158,8 +205,8 @@ static uint64_t test_connections( const RfTileReuseSettings* settings, const RfV
 // ρ ↦ ρ / Σ ρ over the hits that could have sampled the vertex.
 static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
 {
-    float* restrict sum = reuse->sum;
-    memset( sum, 0, ( (size_t)reuse->second.count + 1 ) * sizeof( float ) );
+    float* restrict sum = reuse->second.sum;
+    memset( sum, 0, ( (size_t)reuse->second.lanes.count + 1 ) * sizeof( float ) );
     for ( int s = 0; s < tile_pixels; ++s )
     {
         const RfPairingLanes* pairing = reuse->pairings + s;
@@ -192,9 +239,9 @@ uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertex
     for ( int s = 0; s < settings->tile_pixels; ++s )
     {
         if ( s > 0 && settings->path_roulette )
-            rf_connect_few( hits, reuse, s );
+            connect_few( hits, reuse, s );
         else if ( s > 0 )
-            rf_connect_neighbours( hits, reuse, reuse->pairings + s );
+            connect_neighbours( hits, reuse, reuse->pairings + s );
         if ( s > 0 && settings->chain_light )
             rf_aim_at_chains( scattered, s, reuse );
         multiply_densities( hits, reuse->pairings + s, wavefront->scratch.pdf );

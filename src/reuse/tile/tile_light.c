@@ -1,0 +1,381 @@
+// The light that second vertices scatter to the hits of their tile (E4): from
+// their light samples, and from the continuation of their own path. Each direction
+// at a vertex could have been sampled by any path of the tile that reaches the
+// vertex, so it is weighted over them as directions at a first hit are over the cameras:
+// Q = A / (K p_L + P) + B / P with P = Σ_k (ρ_k / Σ ρ) p(ω; seen from x^k).
+#include "reuse/tile/tile_reuse.h"
+
+#include <string.h>
+
+#define MIN_PDF 1e-30f
+
+// Loads one direction at all second vertices, with its light in two parts.
+static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* reuse, int sample )
+{
+    const RfLightLanes* direct = reuse->second.direct + sample;
+    size_t bytes = (size_t)reuse->second.lanes.count * sizeof( float );
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( reuse->second.a[c], direct->radiance_cos[c], bytes );
+        memset( reuse->second.b[c], 0, bytes );
+    }
+    for ( int a = 0; a < reuse->second.lanes.count; ++a )
+        reuse->second.light_pdf[a] = (float)settings->light_samples * direct->pdf_solid_angle[a];
+}
+
+static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    const RfArrivals* arrivals_at_second = &reuse->slots.at_second;
+    for ( int a = 0; a < y->count; ++a )
+    {
+        int slot = y->slot[a];
+        float cos_y =
+            y->n[0][a] * reuse->second.wi[0][a] + y->n[1][a] * reuse->second.wi[1][a] + y->n[2][a] * reuse->second.wi[2][a];
+        for ( int c = 0; c < 3; ++c )
+        {
+            reuse->second.a[c][a] = cos_y * arrivals_at_second->emitted[c][slot];
+            reuse->second.b[c][a] = cos_y * arrivals_at_second->rest[c][slot];
+        }
+        reuse->second.light_pdf[a] = (float)settings->light_samples * arrivals_at_second->light_pdf_solid_angle[slot];
+    }
+}
+
+static inline void light_of( const RfTileReuse* reuse, int a, float mixture, float q[3] )
+{
+    float both = reuse->second.light_pdf[a] + mixture;
+    float scale_a = both > MIN_PDF ? 1.0f / both : 0.0f;
+    float scale_b = mixture > MIN_PDF ? 1.0f / mixture : 0.0f;
+    for ( int c = 0; c < 3; ++c )
+        q[c] = reuse->second.a[c][a] * scale_a + reuse->second.b[c][a] * scale_b;
+}
+
+// Diffuse vertices scatter the same light to all receivers.
+static void add_diffuse( const float* const wi[3], RfTileReuse* reuse, RfLaneScratch* s )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    const float* wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
+    for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY]; ++a )
+    {
+        float q[3];
+        light_of( reuse, a, s->pdf[a], q );
+        for ( int c = 0; c < 3; ++c )
+            reuse->pairings[0].light[c][a] += f[c][a] * q[c];
+    }
+}
+
+// The weight of the connection at second vertex `a` in the light that hit i receives from there: a connection at the hit may find it
+// as well. i < 0: none does.
+static float connection_weight( const RfPathSettings* settings, const RfTileReuse* reuse, int i, int a )
+{
+    const RfVertexLanes *x = reuse->hits.lanes, *y = &reuse->second.lanes;
+    if ( i < 0 || reuse->second.connection_area[a] == INFINITY || !rf_is_matte_lane( settings, x, i ) )
+        return 1.0f;
+    RfVec3 from =
+        rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), rf_vec3( x->ng[0][i], x->ng[1][i], x->ng[2][i] ), x->offset[i] );
+    return rf_own_weight( settings->connector->vpl_connections, reuse->second.connection_area[a], from,
+                          rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] ), rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ),
+                          rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ) );
+}
+
+// The same for the receivers of a pairing, 0 without one; all 1 for light that is no connection's.
+static void find_connection_weights( const RfPathSettings* settings, const RfTileReuse* reuse, int pairing, bool connections,
+                                     float* weight )
+{
+    for ( int a = 0; a < rf_record_count( &reuse->second.lanes ); ++a )
+    {
+        int i = reuse->second.owner[a];
+        bool has_receiver = i >= 0 && pairing < reuse->hits.size[i];
+        weight[a] = connections ? 0.0f : 1.0f;
+        if ( connections && has_receiver )
+            weight[a] = connection_weight( settings, reuse, rf_receiver( reuse, a, pairing ), a );
+    }
+}
+
+// Adds the light of connections, as it was gathered, that diffuse vertices scatter to each receiver. All other light was added before.
+static void add_diffuse_connections( const RfPathSettings* settings, const float* const wi[3], int tile_pixels,
+                                     RfTileReuse* reuse, RfLaneScratch* scratch )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    int count = y->first[RF_BSDF_FIRST_GLOSSY];
+    const float* wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
+    float *f[3] = { scratch->f[0], scratch->f[1], scratch->f[2] }, *weight = scratch->visible;
+    rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, scratch->pdf );
+    for ( int a = 0; a < count; ++a )
+    {
+        float scale = 1.0f / ( reuse->second.light_pdf[a] + scratch->pdf[a] );
+        for ( int c = 0; c < 3; ++c )
+            f[c][a] *= reuse->second.a[c][a] * scale;
+    }
+    for ( int pairing = tile_pixels - 1; pairing >= 0; --pairing )
+    {
+        RfPairingLanes* t = reuse->pairings + pairing;
+        find_connection_weights( settings, reuse, pairing, true, weight );
+        for ( int c = 0; c < 3; ++c )
+        {
+            for ( int a = 0; a < count; ++a )
+                t->light[c][a] = reuse->pairings[0].light[c][a] + weight[a] * f[c][a];
+        }
+    }
+}
+
+// Directions from glossy vertices to their receivers in a pairing, with their
+// weights; without a receiver, back along the vertex's own path with weight 0.
+static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][RF_LANES], float* weight )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    const RfPairingLanes* t = reuse->pairings + pairing;
+    for ( int a = y->first[RF_BSDF_FIRST_GLOSSY]; a < rf_record_count( y ); ++a )
+    {
+        int i = reuse->second.owner[a];
+        weight[a] = 0.0f;
+        bool has_receiver = i >= 0 && pairing < reuse->hits.size[i];
+        if ( has_receiver )
+        {
+            i = rf_receiver( reuse, a, pairing );
+            weight[a] = t->weight[i];
+            has_receiver = weight[a] > 0.0f;
+        }
+        for ( int c = 0; c < 3; ++c )
+            wo[c][a] = has_receiver ? -t->wi[c][i] : y->wo[c][a];
+    }
+}
+
+static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool connections,
+                        RfTileReuse* reuse, RfLaneScratch* s )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    int first = y->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( y );
+    if ( first == end )
+        return;
+    const float* wo[3] = { reuse->second.wo[0], reuse->second.wo[1], reuse->second.wo[2] };
+    memset( reuse->second.mixture, 0, sizeof reuse->second.mixture );
+    for ( int pairing = 0; pairing < tile_pixels; ++pairing )
+    {
+        RfPairingLanes* t = reuse->pairings + pairing;
+        float* f[3] = { t->f[0], t->f[1], t->f[2] };
+        float* weight = s->visible;
+        find_receivers( reuse, pairing, reuse->second.wo, weight );
+        for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
+        {
+            if ( rf_is_model_built( (RfBsdfKind)kind ) )
+                rf_evaluate_seen_from( y, (RfBsdfKind)kind, wo, wi, f, s->pdf );
+        }
+#pragma omp simd
+        for ( int a = first; a < end; ++a )
+            reuse->second.mixture[a] += weight[a] * s->pdf[a];
+    }
+    for ( int a = first; a < end; ++a )
+    {
+        float q[3];
+        light_of( reuse, a, reuse->second.mixture[a], q );
+        for ( int c = 0; c < 3; ++c )
+            reuse->second.a[c][a] = q[c];
+    }
+    for ( int pairing = 0; pairing < tile_pixels; ++pairing )
+    {
+        RfPairingLanes* t = reuse->pairings + pairing;
+        const float* weight = s->visible;
+        find_connection_weights( settings, reuse, pairing, connections, s->visible );
+        for ( int c = 0; c < 3; ++c )
+        {
+#pragma omp simd
+            for ( int a = first; a < end; ++a )
+                t->light[c][a] += t->f[c][a] * reuse->second.a[c][a] * weight[a];
+        }
+    }
+}
+
+// Light of vertices that are not reused reaches its own hit as it would without
+// tiles: either surface is specular.
+static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const float* const wi[3], bool scattered,
+                            bool connections, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    RfLaneScratch* s = &wavefront->scratch;
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    rf_evaluate_lanes( y, wi, f, s->pdf );
+    for ( int a = 0; a < y->count; ++a )
+    {
+        if ( rf_scatters_to_tile( reuse, a ) )
+            continue;
+        int slot = y->slot[a];
+        bool specular = scattered && a >= rf_record_count( y ); // its ray carried the weight
+        float pdf = specular ? reuse->second.pdf[a] : s->pdf[a], q[3];
+        float weight = connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
+        light_of( reuse, a, pdf, q );
+        for ( int c = 0; c < 3; ++c )
+        {
+            float light = f[c][a] * q[c] * weight;
+            if ( specular )
+            {
+                float k = (float)settings->light_samples * reuse->slots.at_second.light_pdf_solid_angle[slot];
+                light = reuse->slots.at_second.rest[c][slot] +
+                        ( pdf > 0.0f ? reuse->slots.at_second.emitted[c][slot] * ( pdf / ( pdf + k ) ) : 0.0f );
+            }
+            wavefront->arrivals.rest[c][slot] += reuse->second.throughput[c][a] * light;
+        }
+    }
+}
+
+static bool all_reused( const RfTileReuse* reuse )
+{
+    for ( int a = 0; a < reuse->second.lanes.count; ++a )
+    {
+        if ( !rf_scatters_to_tile( reuse, a ) )
+            return false;
+    }
+    return true;
+}
+
+// Stores the light of pairing 0 as that of the hits' own paths, whose throughput is that
+// of the panes they passed.
+static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    const RfPairingLanes* own = reuse->pairings;
+    for ( int a = 0; a < rf_record_count( y ); ++a )
+    {
+        if ( reuse->second.owner[a] < 0 )
+            continue;
+        for ( int c = 0; c < 3; ++c )
+            wavefront->arrivals.rest[c][y->slot[a]] =
+                own->weight[reuse->second.owner[a]] * own->light[c][a] * reuse->second.throughput[c][a];
+    }
+}
+
+void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    RfLaneScratch* s = &wavefront->scratch;
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    int k = rf_light_lanes_count( path );
+    for ( int a = 0; a < rf_record_count( y ); ++a )
+        luminance[a] = -1.0f;
+    for ( int d = 0; d <= k; ++d )
+    {
+        float( *from )[RF_LANES] = d < k ? reuse->second.direct[d].wi : reuse->second.wi;
+        const float* wi[3] = { from[0], from[1], from[2] };
+        if ( d < k )
+            gather_light_sample( path, reuse, d );
+        else
+            gather_scattered( path, reuse );
+        rf_evaluate_lanes( y, wi, f, s->pdf );
+        for ( int a = 0; a < rf_record_count( y ); ++a )
+        {
+            float q[3], arrives = 0.0f;
+            for ( int c = 0; c < 3; ++c )
+                arrives += reuse->second.a[c][a] + reuse->second.b[c][a];
+            if ( arrives > 0.0f )
+                luminance[a] = rf_maxf( luminance[a], 0.0f );
+            light_of( reuse, a, s->pdf[a], q );
+            luminance[a] += rf_luminance( rf_vec3( s->f[0][a] * q[0], s->f[1][a] * q[1], s->f[2][a] * q[2] ) );
+        }
+    }
+}
+
+void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
+{
+    const RfPathSettings* path = settings->path;
+    int tile_pixels = settings->tile_pixels;
+    bool glossy = reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second.lanes );
+    size_t bytes = (size_t)rf_record_count( &reuse->second.lanes ) * sizeof( float ); // beyond is the light of chains
+    bool connected = path->connector != NULL;
+    reuse->second.shared = connected ? 0 : reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
+    for ( int k = 0; k < 3 * ( glossy || connected ? tile_pixels : 1 ); ++k )
+        memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
+    bool reused = all_reused( reuse );
+    int k = path->light_samples;
+    for ( int d = 0; d <= k + connected; ++d ) // light samples, what was scattered, connections
+    {
+        const RfLightLanes* direct = reuse->second.direct + ( d < k ? d : k );
+        bool scattered = d == k, connections = d > k;
+        const float* wi[3] = { scattered ? reuse->second.wi[0] : direct->wi[0], scattered ? reuse->second.wi[1] : direct->wi[1],
+                               scattered ? reuse->second.wi[2] : direct->wi[2] };
+        if ( scattered )
+            gather_scattered( path, reuse );
+        else
+            gather_light_sample( path, reuse, connections ? k : d );
+        if ( !reused )
+            add_not_reused( path, wavefront, wi, scattered, connections, reuse );
+        if ( connections )
+            add_diffuse_connections( path, wi, tile_pixels, reuse, &wavefront->scratch );
+        else
+            add_diffuse( wi, reuse, &wavefront->scratch );
+        add_glossy( path, wi, tile_pixels, connections, reuse, &wavefront->scratch );
+    }
+    store_own( wavefront, reuse );
+}
+
+void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
+                           float light[3][RF_LANES] )
+{
+    int diffuse = reuse->second.shared;
+    const RfPairingLanes *t = reuse->pairings + pairing, *own = reuse->pairings;
+    for ( int i = first; i < end; ++i )
+    {
+        int a = t->vertex[i];
+        float weight = t->weight[i];
+        float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
+        const RfPairingLanes* from = a < diffuse ? own : t;
+        for ( int c = 0; c < 3; ++c )
+            light[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
+    }
+    for ( int c = 0; c < 3 && t->pane_weight != NULL; ++c )
+    {
+        for ( int i = first; i < end; ++i )
+            light[c][i] = t->weight[i] > 0.0f ? light[c][i] * t->pane_weight[c][i] : 0.0f;
+    }
+}
+
+// The sum of a pairing whose light comes through panes.
+static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own, int diffuse, const float* weight, int count,
+                              float sum[3][RF_LANES] )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( t->weight[i] == 0.0f )
+            continue;
+        int a = t->vertex[i];
+        const RfPairingLanes* from = a < diffuse ? own : t;
+        for ( int c = 0; c < 3; ++c )
+            sum[c][i] += weight[i] * t->pane_weight[c][i] * from->light[c][a];
+    }
+}
+
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
+                                   float sum[3][RF_LANES] )
+{
+    int diffuse = reuse->second.shared;
+    const RfPairingLanes* own = reuse->pairings;
+    for ( int c = 0; c < 3; ++c )
+        memset( sum[c], 0, (size_t)count * sizeof( float ) );
+    for ( int s = 1; s < pairings; ++s )
+    {
+        const RfPairingLanes* t = reuse->pairings + s;
+        const float* weight = t->weight;
+        float scaled[RF_LANES];
+        if ( weighted != NULL )
+        {
+            for ( int i = 0; i < count; ++i )
+                scaled[i] = t->weight[i] * ( weighted[i] && rf_receives_chain_light( reuse, s, i ) ? chain_weight : 1.0f );
+            weight = scaled;
+        }
+        if ( t->pane_weight != NULL )
+        {
+            sum_behind_panes( t, own, diffuse, weight, count, sum );
+            continue;
+        }
+        for ( int i = 0; i < count; ++i )
+        {
+            if ( t->weight[i] == 0.0f )
+                continue;
+            int a = t->vertex[i];
+            const RfPairingLanes* from = a < diffuse ? own : t;
+            for ( int c = 0; c < 3; ++c )
+                sum[c][i] += weight[i] * from->light[c][a];
+        }
+    }
+}

@@ -1,0 +1,149 @@
+// Path reuse inside tiles (Bekaert, Sbert, Halton, EGWR 2002; src/reuse/estimators.md,
+// E4 and E5). The paths of a tile, one per pixel, have first hits x^i and second
+// vertices y^j. The light that y^j scatters is used at every x^i that sees it.
+//
+// Hits and vertices are combined in pairings: pairing s connects every hit to the
+// second vertex of its s-th neighbour path, counted cyclically through the tile;
+// pairing 0 is the hit's own path. So the arrays of a pairing have a lane per hit
+// or a lane per second vertex, and all loops run over many lanes.
+//
+// The density per area with which path k would have sampled y is R^k(y) = p G V,
+// with G = cos_y / r². Only quotients matter: ρ_k = R^k(y) / G_own has no unit,
+// and the weight of a path on its own is 1.
+#ifndef REFRAME_REUSE_TILE_TILE_REUSE_H
+#define REFRAME_REUSE_TILE_TILE_REUSE_H
+
+#include "path/wavefront.h"
+
+// By path slot.
+typedef struct RfTileSlots
+{
+    RF_ALIGN int32_t tile_of[RF_LANES];
+    float pane_probability[RF_LANES]; // q of the panes on the way to the second vertex; not set without panes
+    RfArrivals at_hits;               // along the rays scattered at the hits
+    RfArrivals at_second;             // along the rays scattered at the second vertices
+    RfChainLight chain_light;         // of the paths; all 0 unless it is shared
+} RfTileSlots;
+
+// By hit: the non-specular lanes of the first vertices.
+typedef struct RfTileHits
+{
+    const RfVertexLanes* lanes;
+    RF_ALIGN float lifted[3][RF_LANES];                      // off their surface: the ends of connections
+    int32_t begin[RF_LANES], size[RF_LANES], rank[RF_LANES]; // of its tile in member[], and its own index there
+    int32_t second[RF_LANES];                                // second vertex of its path; −1: none, or not reused
+    int32_t member[RF_LANES];                                // all hits, sorted by tile
+} RfTileHits;
+
+// By second vertex.
+typedef struct RfSecondVertices
+{
+    RfVertexLanes lanes;
+    int32_t hit[RF_LANES];                  // whose ray found it; −1: one of a specular surface
+    int32_t owner[RF_LANES];                // the hit whose path it belongs to; −1: not reused. A specular vertex that is
+                                            // reused brings light at the end of a chain alone (reuse/tile/tile_chains.h)
+    int shared;                             // the first of them scatter the same light to all receivers
+    RF_ALIGN float throughput[3][RF_LANES]; // of the ray that hit it
+    float own_distance2_cos[RF_LANES];      // 1 / G_own
+    float sum[RF_LANES];                    // Σ ρ
+    float connection_area[RF_LANES];        // of the connector's sample (rf_own_weight)
+    RfLightLanes* direct;                   // light samples, K of them, and one of the connector
+    float wi[3][RF_LANES];                  // scattered direction of its path, and its density
+    float pdf[RF_LANES];
+    float wo[3][RF_LANES];                                     // to the receivers of a pairing
+    float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES]; // one direction: light that light sampling may find, other
+                                                               // light, and K p_L
+    float mixture[RF_LANES];                                   // P of that direction
+    bool dark[RF_LANES];                                       // no light arrives there: reused, but not connected
+    bool parallel[RF_LANES]; // the chain that begins there is followed in the same direction (reuse/tile/tile_chains.h)
+} RfSecondVertices;
+
+// One pairing: hits connected to second vertices of neighbour paths.
+typedef struct RfPairingLanes
+{
+    // by hit
+    RF_ALIGN float wi[3][RF_LANES];   // unit, to the second vertex
+    float weight[RF_LANES];           // ρ, later the balance weight ρ / Σ_k ρ_k; 0: occluded, or no vertex
+    int32_t vertex[RF_LANES];         // second vertex of the neighbour path; if it has none 0, with weight 0
+    float ( *pane_weight )[RF_LANES]; // κ of the panes between (section 11), three arrays; NULL: no panes
+    // by second vertex
+    RF_ALIGN float f[3][RF_LANES]; // of glossy ones
+    float light[3][RF_LANES];      // scattered to the receiver, by glossy ones; in pairing 0 by diffuse ones too, which
+                                   // scatter the same to all, unless some of it is that of light paths
+} RfPairingLanes;
+
+typedef struct RfTileReuse
+{
+    int tile_count;
+    int thinned, kept; // second vertices that the roulette on paths was about, and those it kept; 0 without it
+    RfTileSlots slots;
+    RfTileHits hits;
+    RfSecondVertices second;
+    RfPairingLanes* pairings; // one per pixel of a tile
+} RfTileReuse;
+
+typedef struct RfTileReuseSettings
+{
+    const RfPathSettings* path;
+    int tile_pixels;       // of a whole tile
+    bool path_roulette;    // on paths that bring little light; those that bring none are not connected at all
+    bool chain_light;      // is shared (reuse/tile/tile_chains.h)
+    const int32_t* source; // of the paths (reuse/tile/tile_paths.h); NULL: each hit has its own
+} RfTileReuseSettings;
+
+// `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes );
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory );
+
+// Like rf_trace_tails for the rays scattered at the hits, but second vertices are
+// reused inside the tiles reuse->slots.tile_of. wavefront->arrivals is as returned there,
+// with the weighted light of pairing 0 in `rest`; the pairings from 1 on are in
+// reuse->pairings. Returns the number of connections tested.
+uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
+                              RfWavefront* wavefront, RfTileReuse* reuse );
+
+// The balance weights of all pairings; tests visibility and returns the number of
+// connections tested. A step of rf_trace_tile_tails, like the next.
+uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
+                             RfWavefront* wavefront, RfTileReuse* reuse );
+
+// The light that second vertices scatter to the receivers of all pairings.
+void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
+
+// Luminance of the light that each second vertex scatters back along its own path, by path sampling alone; −1 where no light
+// arrives at it.
+void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance );
+
+// The light that a pairing from 1 on brings to hits [first, end), times the cosine
+// there: (E5) before weighting over the cameras.
+void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
+                           float light[3][RF_LANES] );
+
+// Its sum over all pairings from 1 on for diffuse hits [0, count), divided by the
+// density of the directions: multiply by the albedo, which is f cos / density. The light of chains has this weight at
+// the hits in `weighted` (NULL: none).
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
+                                   float sum[3][RF_LANES] );
+
+// True of second vertices whose scattered light is reused.
+static inline bool rf_scatters_to_tile( const RfTileReuse* reuse, int a )
+{
+    return a < rf_record_count( &reuse->second.lanes ) && reuse->second.owner[a] >= 0;
+}
+
+// The hit that receives the light of second vertex a in a pairing.
+static inline int rf_receiver( const RfTileReuse* reuse, int a, int pairing )
+{
+    const RfTileHits* hits = &reuse->hits;
+    int i = reuse->second.owner[a], at = hits->rank[i] - pairing;
+    return hits->member[hits->begin[i] + at + ( at < 0 ? hits->size[i] : 0 )];
+}
+
+// Whether a hit gets the light of a chain by a pairing.
+static inline bool rf_receives_chain_light( const RfTileReuse* reuse, int pairing, int hit )
+{
+    const RfPairingLanes* t = reuse->pairings + pairing;
+    return t->weight[hit] > 0.0f && t->vertex[hit] >= rf_record_count( &reuse->second.lanes );
+}
+
+#endif
