@@ -1,5 +1,5 @@
 // The suite of hard cases: one table of cases, one runner. A case is a scene or an input made by code, what is hard about
-// it, and what must hold. tests/hard/README.md is the table of results, written by scripts/hard-cases.
+// it, and what must hold.
 #ifndef REFRAME_TESTS_HARD_H
 #define REFRAME_TESTS_HARD_H
 
@@ -35,7 +35,7 @@ typedef enum HardReference
     HARD_INPUT,  // no picture at all: `check` says what must hold
 } HardReference;
 
-// What an input case found; its text goes into the table.
+// What an input case found; its text is printed.
 typedef struct HardInput
 {
     bool holds;
@@ -64,8 +64,11 @@ typedef struct HardForm
     int spp;         // per seed and frame, a multiple of what groups of 7 need
     int reference;   // samples of the reference, times spp
     bool statistics; // else only what holds of every picture: no NaN, no Inf, the range of the weights
-    FILE* rows;      // JSON, a line for each result; NULL: none
+    FILE* table;     // Markdown, a row for each result; NULL: none
 } HardForm;
+
+// Begins form->table.
+void hard_begin_table( const HardForm* form );
 
 // Runs a case by all estimators and prints a line for each; false if anything does not hold.
 bool hard_run( const HardCase* c, const HardForm* form );

@@ -199,15 +199,13 @@ static void tell( const HardCase* c, const HardForm* form, const Estimator* e, c
         printf( " bias %+.3f%% ± %.3f%% p %.2g %.2g %.2g relMSE %.3g", 100.0 * r->is.bias, 100.0 * r->is.interval, r->is.whole_p,
                 r->is.block_p, r->is.weight_p, r->ratio );
     printf( "%s\n", holds ? "" : "  FAILS" );
-    if ( form->rows == NULL )
+    if ( form->table == NULL )
         return;
-    fprintf( form->rows,
-             "{\"case\": \"%s\", \"estimator\": \"%s\", \"nan\": %d, \"inf\": %d, \"weight\": %.9g, \"bias\": %.9g, "
-             "\"interval\": %.9g, "
-             "\"ratio\": %.9g, \"compared\": %s, \"holds\": %s}\n",
-             c->name, e->name, r->nans, r->infinities, (double)r->weights.most, isfinite( r->is.bias ) ? r->is.bias : 1e30,
-             isfinite( r->is.interval ) ? r->is.interval : 1e30, isfinite( r->ratio ) ? r->ratio : 1e30,
-             compared ? "true" : "false", holds ? "true" : "false" );
+    fprintf( form->table, "| `%s` | %s | %s | %s | %.7g | %d, %d | ", c->name, c->hard, c->from, e->name, (double)r->weights.most,
+             r->nans, r->infinities );
+    if ( compared )
+        fprintf( form->table, "%+.2f ± %.2f | %.2g | ", 100.0 * r->is.bias, 100.0 * r->is.interval, r->ratio );
+    fprintf( form->table, "%s%s |\n", compared ? "" : "| | ", holds ? "yes" : "**no**" );
 }
 
 // What the pictures of a case are compared with, of sharp eyes and with lenses, and the noise of path tracing.
@@ -272,6 +270,14 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
     return all;
 }
 
+void hard_begin_table( const HardForm* form )
+{
+    if ( form->table != NULL )
+        fprintf( form->table,
+                 "| case | what is hard | what could go wrong | estimator, or what was found | largest weight | "
+                 "NaN, Inf | bias %% | relMSE over path tracing's | holds |\n|---|---|---|---|---|---|---|---|---|\n" );
+}
+
 bool hard_run( const HardCase* c, const HardForm* form )
 {
     bool holds;
@@ -280,9 +286,9 @@ bool hard_run( const HardCase* c, const HardForm* form )
         HardInput input = c->check();
         holds = input.holds;
         printf( "%-26s %s%s\n", c->name, input.text, holds ? "" : "  FAILS" );
-        if ( form->rows != NULL )
-            fprintf( form->rows, "{\"case\": \"%s\", \"text\": \"%s\", \"holds\": %s}\n", c->name, input.text,
-                     holds ? "true" : "false" );
+        if ( form->table != NULL )
+            fprintf( form->table, "| `%s` | %s | %s | %s | | | | | %s |\n", c->name, c->hard, c->from, input.text,
+                     holds ? "yes" : "**no**" );
     }
     else
         holds = run_pictures( c, form );

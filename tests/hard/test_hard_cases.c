@@ -1,9 +1,11 @@
 // Runs the hard cases (hard.h).
 //
-//     test_hard_cases                        the short form: every case, few seeds
-//     test_hard_cases --measure [--rows F]   with the statistics of tests/hard/README.md; results as lines of JSON
-//     test_hard_cases --list                 the cases as lines of JSON
-//     test_hard_cases NAME...                some of them
+//     test_hard_cases                    the short form: every case, few seeds
+//     test_hard_cases --measure          more seeds
+//     test_hard_cases --table FILE       writes the results as a table in Markdown as well
+//     test_hard_cases --list, --faults   the cases and the faults of base/fault.h as lines of JSON
+//     test_hard_cases NAME...            some of the cases
+#include "base/fault.h"
 #include "base/float_traps.h"
 #include "hard/hard.h"
 
@@ -24,7 +26,7 @@ static bool is_asked( const HardCase* c, int count, char** names )
     return asked;
 }
 
-// No cases by the rule of scripts/hard-cases, but rendered with them: nothing was found whose loss they show.
+// Why scripts/hard-cases need not know a fault that breaks the case.
 static const char* why_unprotected( const char* name )
 {
     static const char* const rows[][2] = {
@@ -40,14 +42,26 @@ static const char* why_unprotected( const char* name )
 
 static void list( void )
 {
-    static const char* const references[] = { "double", "plain", "value", "black", "finite", "input" };
     for ( size_t t = 0; t < TABLES; ++t )
     {
         for ( const HardCase* c = s_tables[t]; c->name != NULL; ++c )
-            printf( "{\"case\": \"%s\", \"hard\": \"%s\", \"from\": \"%s\", \"reference\": \"%s\", \"factor\": %g, \"why\": "
-                    "\"%s\"}\n",
-                    c->name, c->hard, c->from, references[c->reference], c->factor, why_unprotected( c->name ) );
+            printf( "{\"case\": \"%s\", \"why\": \"%s\"}\n", c->name, why_unprotected( c->name ) );
     }
+}
+
+// The cases of a row of RF_FAULTS are separated by spaces.
+static void list_fault( const char* name, const char* what, const char* cases )
+{
+    printf( "{\"fault\": \"%s\", \"protects\": \"%s\", \"cases\": [\"", name, what );
+    for ( ; *cases != 0; ++cases )
+        fputs( *cases == ' ' ? "\", \"" : ( char[] ){ *cases, 0 }, stdout );
+    printf( "\"]}\n" );
+}
+
+static void list_faults( void )
+{
+#define LIST( name, what, cases ) list_fault( #name, what, cases );
+    RF_FAULTS( LIST )
 }
 
 int main( int argc, char** argv )
@@ -65,16 +79,22 @@ int main( int argc, char** argv )
             list();
             return 0;
         }
+        if ( strcmp( argv[first], "--faults" ) == 0 )
+        {
+            list_faults();
+            return 0;
+        }
         if ( strcmp( argv[first], "--measure" ) == 0 )
-            form = ( HardForm ){ .seeds = 16, .spp = 7, .reference = 4, .statistics = true, .rows = form.rows };
-        else if ( strcmp( argv[first], "--rows" ) == 0 && first + 1 < argc )
-            form.rows = fopen( argv[++first], "w" );
+            form = ( HardForm ){ .seeds = 16, .spp = 7, .reference = 4, .statistics = true, .table = form.table };
+        else if ( strcmp( argv[first], "--table" ) == 0 && first + 1 < argc )
+            form.table = fopen( argv[++first], "w" );
         else
         {
-            fprintf( stderr, "test_hard_cases: %s: there are --list, --measure and --rows FILE\n", argv[first] );
+            fprintf( stderr, "test_hard_cases: %s: there are --list, --faults, --measure and --table FILE\n", argv[first] );
             return 2;
         }
     }
+    hard_begin_table( &form );
     for ( size_t t = 0; t < TABLES; ++t )
     {
         for ( const HardCase* c = s_tables[t]; c->name != NULL; ++c )
@@ -85,8 +105,8 @@ int main( int argc, char** argv )
             run += 1;
         }
     }
-    if ( form.rows != NULL )
-        fclose( form.rows );
+    if ( form.table != NULL )
+        fclose( form.table );
     printf( "%d of %d hard cases hold\n", run - failed, run );
     return failed > 0 || run == 0;
 }
