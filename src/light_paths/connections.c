@@ -245,8 +245,7 @@ static void test_vpl_visibility( RfConnectionWork* w )
         w->vpl_connection[index[k]].open = visible[k] > 0.0f;
 }
 
-// Adds the light of all connections to VPLs that wait.
-static void flush_vpls( RfConnectionWork* w )
+void rf_flush_vpls( RfConnectionWork* w )
 {
     if ( w->vpl_count == 0 )
         return;
@@ -283,8 +282,7 @@ static bool prepare_vpl( const RfConnectionWork* w, const Candidates* c, RfVplCo
     return connection->open;
 }
 
-// Connects a lane to VPLs.
-static void connect_vpls( RfConnectionWork* w, RfRandomKey lane, int i )
+void rf_connect_vpls( RfConnectionWork* w, RfRandomKey lane, int i )
 {
     const RfLightPaths* paths = w->settings->paths;
     if ( w->settings->normalization == RF_KERNEL_DENSITY || !rf_is_matte_lane( w->settings->path, w->v, i ) )
@@ -300,7 +298,7 @@ static void connect_vpls( RfConnectionWork* w, RfRandomKey lane, int i )
         connection->scale = accept( &trials, &c, k, &connection->key );
         w->vpl_count += connection->scale > 0.0f && prepare_vpl( w, &c, connection );
         if ( w->vpl_count == RF_CHAIN_BLOCK )
-            flush_vpls( w );
+            rf_flush_vpls( w );
     }
 }
 
@@ -611,10 +609,10 @@ void rf_connect_vertices( const RfLightPathConnector* connector, RfWavefront* ke
         int slot = v->slot[i];
         RfRandomKey lane = rf_pixel_key( (uint64_t)keys->key_a[slot] << 32 | keys->key_b[slot], 0x6b65726eu + (uint32_t)vertex );
         connect_lane( &w, lane, i );
-        connect_vpls( &w, lane, i );
+        rf_connect_vpls( &w, lane, i );
     }
     flush( &w );
-    flush_vpls( &w );
+    rf_flush_vpls( &w );
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )

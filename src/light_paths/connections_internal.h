@@ -73,6 +73,10 @@ static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )
     return rf_madd( rf_lane_of( v->p, i ), rf_lane_of( v->ng, i ), v->offset[i] );
 }
 
+// Connects a lane to VPLs, and adds the light of all connections to VPLs that wait.
+void rf_connect_vpls( RfConnectionWork* work, RfRandomKey lane, int i );
+void rf_flush_vpls( RfConnectionWork* work );
+
 // Counts, for all open connections, the light paths drawn from around the solution until one is found from which a walk leads to the
 // same: on average one over the probability of that.
 void rf_repeat_trials( RfConnectionWork* work );
