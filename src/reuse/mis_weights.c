@@ -1,6 +1,7 @@
 // The light of hit records, weighted over the eyes that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3).
 #include "base/fault.h"
+#include "reuse/accumulate/biased_weights.h"
 #include "reuse/harvest/harvest_internal.h"
 
 #include <string.h>
@@ -158,8 +159,8 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
     }
 }
 
-static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, const Arrival* arrival, const float* const wi[3],
-                             const float* mixture, RfDirectionLanes* out )
+static void store_direction( const RfHitBatch* batch, const Arrival* arrival, const float* const wi[3], const float* mixture,
+                             RfDirectionLanes* out )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = batch->count - first;
     for ( int i = 0; i < count; ++i )
@@ -172,14 +173,6 @@ static void store_direction( const RfHarvest* harvest, const RfHitBatch* batch, 
             out->q[c][i] = q[c];
         }
     }
-    if ( !harvest->shape.eq15 )
-        return;
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( out->a[c], arrival->a[c] + first, (size_t)count * sizeof( float ) );
-        memcpy( out->b[c], arrival->b[c] + first, (size_t)count * sizeof( float ) );
-    }
-    memcpy( out->light_pdf, arrival->light_pdf + first, (size_t)count * sizeof( float ) );
 }
 
 static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
@@ -199,8 +192,9 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
     if ( pairing <= 0 )
         add_diffuse( scratch, arrival, wi, batch, &scratch->wavefront.scratch );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
-        store_direction( harvest, batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES,
-                         batch->directions + direction );
+        store_direction( batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES, batch->directions + direction );
+    if ( batch->eq15 != NULL )
+        rf_keep_eq15( batch, arrival, batch->eq15 + direction );
 }
 
 // The light of connections. It needs no weight: nothing else brings it.
@@ -258,7 +252,9 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     }
     if ( harvest->path.max_depth == 1 )
     {
-        rf_clear_directions( batch, rf_direction_count( &harvest->shape ), harvest->shape.eq15 );
+        rf_clear_directions( batch, rf_direction_count( &harvest->shape ) );
+        if ( batch->eq15 != NULL )
+            rf_clear_eq15( batch, rf_direction_count( &harvest->shape ) );
         return;
     }
     bool glossy = batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count;

@@ -5,6 +5,7 @@
 
 #include "render/estimator.h"
 #include "reuse/harvest/records.h"
+#include "scene/lens.h"
 
 #include <stddef.h>
 
@@ -17,7 +18,6 @@ typedef struct RfAccumulateScratch
     RF_ALIGN float f[3][RF_LANES];
     RF_ALIGN float sum[3][RF_LANES];
     RF_ALIGN float pdf[RF_LANES];
-    RF_ALIGN float mixture[RF_LANES];
     RF_ALIGN float offset[2][RF_LANES]; // place in the pixel; only with a pixel filter, else not allocated
 } RfAccumulateScratch;
 
@@ -25,6 +25,25 @@ typedef struct RfAccumulateScratch
 static inline size_t rf_accumulate_scratch_bytes( const RfBatchShape* shape )
 {
     return shape->filtered ? sizeof( RfAccumulateScratch ) : offsetof( RfAccumulateScratch, offset );
+}
+
+// What all batches of a call share.
+typedef struct RfAccumulation
+{
+    const RfEye* eyes;
+    const RfMirrors* mirrors;
+    RfBatchShape shape;
+    RfWeights weights;
+    const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
+    float weight;                // of the pass in the film
+    void* const* batches;        // RfHitBatch, in the order in which they add to the film
+    int batch_count;
+} RfAccumulation;
+
+// An eye of the group, at a batch's point of the lens and moment of the shutter.
+static inline RfEye rf_eye_of( const RfAccumulation* a, int eye, const RfHitBatch* batch )
+{
+    return rf_is_blurred_shape( &a->shape ) ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];
 }
 
 // Adds batches to some rows of a film; returns how many samples landed there. Jobs on

@@ -2,7 +2,6 @@
 #include "reuse/accumulate/reprojection.h"
 
 #include "reuse/coats.h"
-#include "reuse/chains/mirrored.h"
 #include "scene/projection.h"
 
 #include <string.h>
@@ -10,7 +9,7 @@
 // Lanes without a filter of their own.
 static void clear_filter( const RfHitBatch* batch, float* const filter[3] )
 {
-    for ( int c = 0; c < 3 && filter != NULL; ++c )
+    for ( int c = 0; c < 3 && filter[0] != NULL; ++c )
     {
         for ( int i = 0; i < batch->count; ++i )
             filter[c][i] = 1.0f;
@@ -72,44 +71,42 @@ static void project_places( const RfEye* eye_in, const RfHitBatch* batch, float*
     }
 }
 
-void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
-                       float* const filter[3], float* const offset[2] )
+void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out )
 {
-    project( eye, batch, pixel, density );
-    if ( offset != NULL )
-        project_places( eye, batch, offset[0], offset[1] );
+    project( eye, batch, out.pixel, out.density );
+    if ( out.offset[0] != NULL )
+        project_places( eye, batch, out.offset[0], out.offset[1] );
     if ( !rf_has_views( batch ) )
         return;
     for ( int i = 0; i < batch->count; ++i )
-        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
-    clear_filter( batch, filter );
-    rf_project_mirrored( mirrors, eye, batch, pixel, density, filter, offset );
-    rf_weight_bases( batch, eye, density, filter );
+        out.density[i] = rf_is_straight( batch->view[i] ) ? out.density[i] : 0.0f;
+    clear_filter( batch, out.filter );
+    rf_project_mirrored( mirrors, eye, batch, out );
+    rf_weight_bases( batch, eye, out.density, out.filter[0] != NULL ? out.filter : NULL );
 }
 
-void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
-                       float* const filter[3] )
+void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out )
 {
     int straight = rf_is_perspective( eye ) ? batch->count : 0;
     for ( int i = 0; i < straight; ++i )
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
-        density[i] = rf_project( eye, p, ng ).density;
+        out.density[i] = rf_project( eye, p, ng ).density;
     }
     for ( int i = straight; i < batch->count; ++i )
     {
         RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
         RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
-        density[i] = rf_project_any( eye, p, ng ).density;
+        out.density[i] = rf_project_any( eye, p, ng ).density;
     }
     if ( !rf_has_views( batch ) )
         return;
     for ( int i = 0; i < batch->count; ++i )
-        density[i] = rf_is_straight( batch->view[i] ) ? density[i] : 1.0f;
-    clear_filter( batch, filter );
-    rf_own_mirrored_densities( mirrors, eye, batch, density, filter );
-    rf_weight_bases( batch, eye, density, filter );
+        out.density[i] = rf_is_straight( batch->view[i] ) ? out.density[i] : 1.0f;
+    clear_filter( batch, out.filter );
+    rf_own_mirrored_densities( mirrors, eye, batch, out );
+    rf_weight_bases( batch, eye, out.density, out.filter[0] != NULL ? out.filter : NULL );
 }
 
 void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const RfHitBatch* batch, float* const wo[3] )
@@ -181,7 +178,7 @@ void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const fl
 
 static void clear( float* lanes, int count ) { memset( lanes, 0, (size_t)count * sizeof( float ) ); }
 
-void rf_clear_directions( RfHitBatch* batch, int directions, bool eq15 )
+void rf_clear_directions( RfHitBatch* batch, int directions )
 {
     int count = rf_glossy_count( batch );
     if ( count == 0 )
@@ -193,13 +190,6 @@ void rf_clear_directions( RfHitBatch* batch, int directions, bool eq15 )
         {
             clear( lanes->wi[c], count );
             clear( lanes->q[c], count );
-            if ( eq15 )
-            {
-                clear( lanes->a[c], count );
-                clear( lanes->b[c], count );
-            }
         }
-        if ( eq15 )
-            clear( lanes->light_pdf, count );
     }
 }

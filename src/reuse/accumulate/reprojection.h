@@ -3,20 +3,16 @@
 #ifndef REFRAME_REUSE_ACCUMULATE_REPROJECTION_H
 #define REFRAME_REUSE_ACCUMULATE_REPROJECTION_H
 
-#include "reuse/harvest/records.h"
+#include "reuse/chains/mirrored.h"
 #include "scene/eye.h"
 
-// Pixel (y·width + x) and film density J of every hit; density 0 where the hit
-// is behind the eye, outside its film or turned away, or was found by a chain that the eye
-// cannot follow. Occluders do not count. filter (three arrays; may be NULL) gets what is
-// left of the light on its way to the eye, but only of batches with views; offset (two; may be NULL) gets the place in
-// the pixel, 0 to 1.
-void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
-                       float* const filter[3], float* const offset[2] );
+// Projects the hits to an eye. The density is 0 where the hit is behind the eye, outside its film or turned away, or was found by
+// a chain that the eye cannot follow. Occluders do not count.
+void rf_project_batch( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out );
 
-// Densities at the eye whose rays found the hits: never 0, and 1 at the end of a chain.
-void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
-                       float* const filter[3] );
+// Densities and filters at the eye whose rays found the hits: never 0, and 1 at the end of a chain. Pixels and places are the
+// batch's own.
+void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out );
 
 static inline int rf_glossy_count( const RfHitBatch* batch ) { return batch->count - batch->first[RF_BSDF_FIRST_GLOSSY]; }
 
@@ -30,6 +26,6 @@ void rf_evaluate_glossy( const RfHitBatch* batch, const float* const wo[3], cons
                          float* pdf_solid_angle );
 
 // Sets the light of all directions to zero.
-void rf_clear_directions( RfHitBatch* batch, int directions, bool eq15 );
+void rf_clear_directions( RfHitBatch* batch, int directions );
 
 #endif

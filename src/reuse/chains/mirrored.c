@@ -55,8 +55,7 @@ static void put( float* const out[3], int i, RfVec3 v )
     out[2][i] = v.z;
 }
 
-void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
-                          float* const filter[3], float* const offset[2] )
+void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out )
 {
     Image image = { .mirrors = mirrors, .eye = eye };
     for ( int i = 0; i < batch->count; ++i )
@@ -68,20 +67,19 @@ void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHi
         RfProjection at = rf_project_any( &image.image, p, normal( batch, i ) );
         bool same_side = image.side * rf_mirror_distance( image.mirror, p ) > 0.0f;
         float probability = at.seen && same_side ? reflection( &image, rf_eye_way( &image.image, p ), &weight ) : 0.0f;
-        pixel[i] = at.y * eye->width + at.x;
-        density[i] = at.density * probability;
-        if ( offset != NULL )
+        out.pixel[i] = at.y * eye->width + at.x;
+        out.density[i] = at.density * probability;
+        if ( out.offset[0] != NULL )
         {
-            offset[0][i] = at.u;
-            offset[1][i] = at.v;
+            out.offset[0][i] = at.u;
+            out.offset[1][i] = at.v;
         }
-        if ( filter != NULL )
-            put( filter, i, weight );
+        if ( out.filter[0] != NULL )
+            put( out.filter, i, weight );
     }
 }
 
-void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
-                                float* const filter[3] )
+void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out )
 {
     Image image = { .mirrors = mirrors, .eye = eye };
     for ( int i = 0; i < batch->count; ++i )
@@ -92,9 +90,9 @@ void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, cons
         look_into( &image, batch->view[i], p );
         float probability = reflection( &image, rf_eye_way( &image.image, p ), &weight );
         // the mirror did reflect, whatever rounding does to its angle
-        density[i] = rf_maxf( rf_project_any( &image.image, p, normal( batch, i ) ).density * probability, RF_MIN_DENSITY );
-        if ( filter != NULL )
-            put( filter, i, weight );
+        out.density[i] = rf_maxf( rf_project_any( &image.image, p, normal( batch, i ) ).density * probability, RF_MIN_DENSITY );
+        if ( out.filter[0] != NULL )
+            put( out.filter, i, weight );
     }
 }
 

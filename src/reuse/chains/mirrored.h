@@ -6,6 +6,15 @@
 #include "reuse/harvest/records.h"
 #include "scene/eye.h"
 
+// Where the hits of a batch land on the film of an eye, by hit.
+typedef struct RfProjectedLanes
+{
+    int32_t* pixel;   // y·width + x
+    float* density;   // film density J; 0: the eye does not see the hit there
+    float* filter[3]; // what is left of the light on its way to the eye, set for batches with views only; NULL: not asked for
+    float* offset[2]; // the place in the pixel, 0 to 1; NULL: not asked for
+} RfProjectedLanes;
+
 static inline bool rf_is_mirrored( uint8_t view )
 {
     return rf_calls_for( view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_BASE, RF_EFFECT_FLAT_MIRRORS );
@@ -16,14 +25,11 @@ static inline bool rf_is_straight( uint8_t view ) { return view == RF_VIEW_DIREC
 
 // Projects the mirrored hits through the image of the eye: pixel and density J of the image times the probability
 // that the mirror reflects, 0 where the image does not face the hit. Occluders and the mirror's outline do not count.
-// filter (three arrays; may be NULL) gets the weight of the reflection, offset (two; may be NULL) the place in the pixel.
-// Other lanes are left alone.
-void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, int32_t* pixel, float* density,
-                          float* const filter[3], float* const offset[2] );
+// The filter is the weight of the reflection. Other lanes are left alone.
+void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out );
 
-// The same for the eye whose chains found them: neither its film nor its side of the mirror counts.
-void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* density,
-                                float* const filter[3] );
+// Density and filter for the eye whose chains found them: neither its film nor its side of the mirror counts.
+void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out );
 
 // Unit directions from the mirrored glossy hits to the image of the eye; lane 0 is the first glossy hit.
 void rf_directions_to_image( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, float* const wo[3] );

@@ -8,14 +8,6 @@
 #include "reuse/harvest/harvest.h"
 #include "reuse/tile/tile_reuse.h"
 
-// One direction of all hits: where from, and the light in its two parts.
-typedef struct RfArrivalLanes
-{
-    RF_ALIGN float a[3][RF_LANES]; // |cos| times radiance that light sampling could have found too
-    float b[3][RF_LANES];          // |cos| times the rest
-    float light_pdf[RF_LANES];     // K p_L
-} RfArrivalLanes;
-
 struct RfHarvestScratch
 {
     RfWavefront wavefront;

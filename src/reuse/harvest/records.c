@@ -1,5 +1,7 @@
 #include "reuse/harvest/records.h"
 
+#include "reuse/accumulate/biased_weights.h"
+
 // Hands out pieces of a block of memory; with base NULL only counts bytes.
 typedef struct Layout
 {
@@ -38,15 +40,13 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
         RfDirectionLanes lanes = { 0 };
         take_lanes3( layout, lanes.wi );
         take_lanes3( layout, lanes.q );
-        if ( shape->eq15 )
-        {
-            take_lanes3( layout, lanes.a );
-            take_lanes3( layout, lanes.b );
-            lanes.light_pdf = take_lanes( layout );
-        }
         if ( layout->base != NULL )
             batch->directions[d] = lanes;
     }
+    if ( !shape->eq15 )
+        return;
+    void* memory = take( layout, rf_eq15_bytes( directions ) );
+    batch->eq15 = memory != NULL ? rf_lay_out_eq15( directions, memory ) : NULL;
 }
 
 static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )

@@ -16,11 +16,15 @@ typedef struct RfDirectionLanes
 {
     float* wi[3];
     float* q[3];
-    // NULL except for RF_WEIGHTS_EQ15, whose P differs from pixel to pixel
-    float* a[3];
-    float* b[3];
-    float* light_pdf; // K p_L
 } RfDirectionLanes;
+
+// One direction of all hits before it is weighted: the light in its two parts.
+typedef struct RfArrivalLanes
+{
+    RF_ALIGN float a[3][RF_LANES]; // |cos| times radiance that light sampling could have found too
+    float b[3][RF_LANES];          // |cos| times the rest
+    float light_pdf[RF_LANES];     // K p_L
+} RfArrivalLanes;
 
 typedef struct RfHitBatch
 {
@@ -49,6 +53,7 @@ typedef struct RfHitBatch
     float* wo[3];                 // back along the camera ray
     float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
     RfDirectionLanes* directions; // numbered as by rf_first_pairing
+    struct RfEq15Lanes* eq15;     // likewise; NULL except for RF_WEIGHTS_EQ15 (accumulate/biased_weights.h)
 } RfHitBatch;
 
 // What the layout of a batch depends on.

@@ -124,10 +124,11 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
 {
     int32_t* pixel = scratch->landed_pixel;
     const RfEye* eye = harvest->eyes + batch->eye;
-    rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, density, NULL );
+    rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, ( RfProjectedLanes ){ .density = density } );
     memcpy( pixel, batch->pixel, (size_t)batch->count * sizeof *pixel );
     if ( RF_FAULT( own_pixel ) )
-        rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, pixel, density, NULL, NULL );
+        rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch,
+                          ( RfProjectedLanes ){ .pixel = pixel, .density = density } );
     clear_panes( batch );
     float way[RF_LANES];
     bool partial = batch->densities != NULL && rf_tracer_is_partial( harvest->path.tracer );
@@ -157,7 +158,8 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
             see_from_own_eye( harvest, batch, lifted, scratch, density, rays );
         else
         {
-            rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, scratch->landed_pixel, density, NULL, NULL );
+            RfProjectedLanes out = { .pixel = scratch->landed_pixel, .density = density };
+            rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, out );
             rays->eye += (uint64_t)see( harvest, l, batch, lifted, density );
         }
         if ( batch->densities != NULL )
