@@ -92,7 +92,7 @@ static void print_aovs( FILE* file )
         const char* what;
         bool half;
     } rows[RF_AOV_ALPHA] = {
-#define ROW( constant, name, letters, half, first_hit, what ) { what, half },
+#define ROW( constant, name, letters, half, source, what ) { what, half },
         RF_AOV_LIST( ROW )
 #undef ROW
     };

@@ -1,7 +1,6 @@
 // AOVs: their names, and their sums while a frame is rendered.
 #include "film/aov.h"
 
-#include "base/built_in.h"
 #include "base/words.h"
 #include "scene/projection.h"
 
@@ -16,11 +15,11 @@ typedef struct Aov
     bool half;
 } Aov;
 
-#define ROW( constant, name, letters, half, first_hit, what ) { name, letters, half },
+#define ROW( constant, name, letters, half, source, what ) { name, letters, half },
 static const Aov s_aovs[RF_AOV_COUNT] = { RF_AOV_LIST( ROW ){ "alpha", "A", true } };
 #undef ROW
 
-#define NAME_BYTES( constant, name, letters, half, first_hit, what ) +sizeof( name ) // with a comma or the end
+#define NAME_BYTES( constant, name, letters, half, source, what ) +sizeof( name ) // with a comma or the end
 _Static_assert( sizeof "alpha" RF_AOV_LIST( NAME_BYTES ) <= RF_AOVS_TEXT_SIZE, "all names fit" );
 #undef NAME_BYTES
 
@@ -140,16 +139,6 @@ void rf_clear_aov_film( RfAovFilm* film, int width, int height )
         memset( film->landed, 0, pixels * sizeof *film->landed );
 }
 
-// Updates a running mean with a value whose share of the total weight is `share`.
-static inline void add_to_mean( float* mean, float value, float share ) { *mean += ( value - *mean ) * share; }
-
-static inline void add_vector( float* mean, RfVec3 value, float share )
-{
-    add_to_mean( mean + 0, value.x, share );
-    add_to_mean( mean + 1, value.y, share );
-    add_to_mean( mean + 2, value.z, share );
-}
-
 // A point, or with `infinite` a direction.
 typedef struct Seen
 {
@@ -164,7 +153,7 @@ static bool film_position( const RfEye* eye, Seen seen, float at[2] )
            fabsf( at[1] ) < FARTHEST_MOTION;
 }
 
-static void add_motion( const RfAovJob* job, float* mean, Seen seen, float share )
+static void motion_of( const RfAovJob* job, Seen seen, float* value )
 {
     const RfEye* others[2] = { job->previous, job->next };
     float own[2], there[2];
@@ -172,8 +161,8 @@ static void add_motion( const RfAovJob* job, float* mean, Seen seen, float share
     for ( int k = 0; k < 2; ++k )
     {
         bool moved = known && others[k] != NULL && film_position( others[k], seen, there );
-        add_to_mean( mean + 2 * k, moved ? rf_film_difference( job->eye, there[0] - own[0] ) : 0.0f, share );
-        add_to_mean( mean + 2 * k + 1, moved ? there[1] - own[1] : 0.0f, share );
+        value[2 * k] = moved ? rf_film_difference( job->eye, there[0] - own[0] ) : 0.0f;
+        value[2 * k + 1] = moved ? there[1] - own[1] : 0.0f;
     }
 }
 
@@ -198,90 +187,109 @@ static RfVec3 albedo_of( const RfVertexLanes* v, int i )
     return rf_add( rf_madd( specular, diffuse, to_base ), tint );
 }
 
-static void add_hit( const RfAovJob* job, const RfVertexLanes* v, int i, size_t pixel, float share )
+static void store( float* value, RfVec3 v )
 {
-    float* const* mean = job->film->mean;
+    value[0] = v.x;
+    value[1] = v.y;
+    value[2] = v.z;
+}
+
+#define MOST_CHANNELS 4
+#define CHANNELS_FIT( constant, name, letters, half, source, what ) &&sizeof( letters ) - 1 <= MOST_CHANNELS
+_Static_assert( true RF_AOV_LIST( CHANNELS_FIT ), "channels of an AOV" );
+#undef CHANNELS_FIT
+
+// An AOV where a camera ray hits.
+static void value_at_hit( const RfAovJob* job, RfAov aov, const RfVertexLanes* v, int i, float value[MOST_CHANNELS] )
+{
     RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
-    bool plain = !rf_has_filter( job->film->filter );
-    if ( plain && rf_calls_for( mean[RF_AOV_ALBEDO] != NULL, RF_EFFECT_AOV_ALBEDO ) )
-        add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, albedo_of( v, i ), share );
-    if ( plain && rf_calls_for( mean[RF_AOV_NORMAL] != NULL, RF_EFFECT_AOV_NORMAL ) )
-        add_vector( mean[RF_AOV_NORMAL] + 3 * pixel, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), share );
-    if ( rf_calls_for( mean[RF_AOV_DEPTH] != NULL, RF_EFFECT_AOV_DEPTH ) )
+    switch ( aov )
     {
-        float* depth = mean[RF_AOV_DEPTH] + 2 * pixel;
-        depth[1] += job->weight;
-        add_to_mean( depth, rf_eye_depth( job->eye, p ), job->weight / depth[1] );
-    }
-    if ( rf_calls_for( mean[RF_AOV_MOTION] != NULL, RF_EFFECT_AOV_MOTION ) )
-        add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ p, false }, share );
-}
-
-static void set_sample( const RfAovFilm* film, RfAov aov, size_t pixel, const float place[2], RfVec3 value )
-{
-    if ( film->mean[aov] == NULL )
-        return;
-    FilteredPixel* p = filtered_pixels( film, aov ) + pixel;
-    p->value[0] = value.x;
-    p->value[1] = value.y;
-    p->value[2] = value.z;
-    p->place[0] = place[0];
-    p->place[1] = place[1];
-}
-
-// Samples of AOVs that are spread when the pass is complete; misses have no hit, and 0.
-static void set_samples( const RfAovJob* job, RfFirstHits first, const uint8_t* hit )
-{
-    const RfVertexLanes* v = first.hits;
-    for ( int i = 0; i < v->count; ++i )
-    {
-        int slot = v->slot[i];
-        float place[2] = { first.place[0][slot], first.place[1][slot] };
-        size_t pixel = (size_t)first.pixel[slot];
-        set_sample( job->film, RF_AOV_ALBEDO, pixel, place, albedo_of( v, i ) );
-        set_sample( job->film, RF_AOV_NORMAL, pixel, place, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
-    }
-    for ( int slot = 0; slot < first.rays->count; ++slot )
-    {
-        float place[2] = { first.place[0][slot], first.place[1][slot] };
-        for ( RfAov aov = RF_AOV_ALBEDO; aov <= RF_AOV_NORMAL && !hit[slot]; ++aov )
-            set_sample( job->film, aov, (size_t)first.pixel[slot], place, rf_vec3( 0, 0, 0 ) );
+        case RF_AOV_ALBEDO: store( value, albedo_of( v, i ) ); break;
+        case RF_AOV_NORMAL: store( value, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) ); break;
+        case RF_AOV_DEPTH: value[0] = rf_eye_depth( job->eye, p ); break;
+        case RF_AOV_MOTION: motion_of( job, ( Seen ){ p, false }, value ); break;
+        default: break;
     }
 }
 
-// A miss has no albedo, normal or depth; its motion is that of a point at infinity.
-static void add_miss( const RfAovJob* job, const RfRayLanes* rays, int slot, size_t pixel, float share )
+// And where it misses: nothing, but the motion is that of a point at infinity.
+static void value_at_miss( const RfAovJob* job, RfAov aov, const RfRayLanes* rays, int slot, float value[MOST_CHANNELS] )
 {
-    float* const* mean = job->film->mean;
-    RfVec3 d = rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] );
-    bool plain = !rf_has_filter( job->film->filter );
-    if ( plain && rf_calls_for( mean[RF_AOV_ALBEDO] != NULL, RF_EFFECT_AOV_ALBEDO ) )
-        add_vector( mean[RF_AOV_ALBEDO] + 3 * pixel, rf_vec3( 0, 0, 0 ), share );
-    if ( plain && rf_calls_for( mean[RF_AOV_NORMAL] != NULL, RF_EFFECT_AOV_NORMAL ) )
-        add_vector( mean[RF_AOV_NORMAL] + 3 * pixel, rf_vec3( 0, 0, 0 ), share );
-    if ( rf_calls_for( mean[RF_AOV_MOTION] != NULL, RF_EFFECT_AOV_MOTION ) )
-        add_motion( job, mean[RF_AOV_MOTION] + 4 * pixel, ( Seen ){ d, true }, share );
+    memset( value, 0, MOST_CHANNELS * sizeof *value );
+    if ( aov == RF_AOV_MOTION )
+        motion_of( job, ( Seen ){ rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ), true }, value );
+}
+
+// A batch's first hits.
+typedef struct Batch
+{
+    const RfAovJob* job;
+    RfFirstHits first;
+    int hit[RF_LANES]; // of each ray, by slot: the index of its hit, −1 for a miss
+} Batch;
+
+static void value_of( const Batch* b, RfAov aov, int slot, float value[MOST_CHANNELS] )
+{
+    if ( b->hit[slot] >= 0 )
+        value_at_hit( b->job, aov, b->first.hits, b->hit[slot], value );
+    else
+        value_at_miss( b->job, aov, b->first.rays, slot, value );
+}
+
+// Adds to the running mean over all samples, of depth over the hits.
+static void add_means( const Batch* b, RfAov aov )
+{
+    const RfAovJob* job = b->job;
+    float share = job->weight / ( job->weight_before + job->weight ), value[MOST_CHANNELS] = { 0 };
+    int channels = rf_aov_channels( aov ), floats = rf_aov_film_floats( aov, false );
+    for ( int slot = 0; slot < b->first.rays->count; ++slot )
+    {
+        if ( b->first.pixel[slot] < 0 || ( aov == RF_AOV_DEPTH && b->hit[slot] < 0 ) )
+            continue;
+        float* mean = job->film->mean[aov] + (size_t)floats * (size_t)b->first.pixel[slot];
+        if ( aov == RF_AOV_DEPTH )
+        {
+            mean[1] += job->weight;
+            share = job->weight / mean[1];
+        }
+        value_of( b, aov, slot, value );
+        for ( int c = 0; c < channels; ++c )
+            mean[c] += ( value[c] - mean[c] ) * share;
+    }
+}
+
+// Keeps the samples of an AOV that is spread when the pass is complete.
+static void set_samples( const Batch* b, RfAov aov )
+{
+    for ( int slot = 0; slot < b->first.rays->count; ++slot )
+    {
+        if ( b->first.pixel[slot] < 0 )
+            continue;
+        FilteredPixel* p = filtered_pixels( b->job->film, aov ) + b->first.pixel[slot];
+        p->place[0] = b->first.place[0][slot];
+        p->place[1] = b->first.place[1][slot];
+        float value[MOST_CHANNELS] = { 0 };
+        value_of( b, aov, slot, value );
+        memcpy( p->value, value, sizeof p->value );
+    }
 }
 
 void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
 {
-    const RfVertexLanes* v = first.hits;
-    float share = job->weight / ( job->weight_before + job->weight );
-    uint8_t hit[RF_LANES] = { 0 };
-    for ( int i = 0; i < v->count; ++i )
+    Batch b = { .job = job, .first = first };
+    memset( b.hit, -1, sizeof b.hit );
+    for ( int i = 0; i < first.hits->count; ++i )
+        b.hit[first.hits->slot[i]] = i;
+    for ( RfAov aov = 0; aov < RF_AOV_COUNT; ++aov )
     {
-        int slot = v->slot[i];
-        hit[slot] = 1;
-        if ( first.pixel[slot] >= 0 )
-            add_hit( job, v, i, (size_t)first.pixel[slot], share );
+        if ( job->film->mean[aov] == NULL || ( RF_FIRST_HIT_AOVS & RF_AOV_BIT( aov ) ) == 0 )
+            continue;
+        if ( rf_has_filter( job->film->filter ) && is_filtered( aov ) )
+            set_samples( &b, aov );
+        else
+            add_means( &b, aov );
     }
-    for ( int slot = 0; slot < first.rays->count; ++slot )
-    {
-        if ( !hit[slot] && first.pixel[slot] >= 0 )
-            add_miss( job, first.rays, slot, (size_t)first.pixel[slot], share );
-    }
-    if ( rf_has_filter( job->film->filter ) )
-        set_samples( job, first, hit );
 }
 
 // Adds a pixel's sample to those around it, within some rows.
@@ -309,9 +317,9 @@ void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight,
 {
     int reach = film->filter->reach, top = first_row > reach ? first_row - reach : 0;
     int bottom = end_row + reach < height ? end_row + reach : height;
-    for ( RfAov aov = RF_AOV_ALBEDO; aov <= RF_AOV_NORMAL; ++aov )
+    for ( RfAov aov = 0; aov < RF_AOV_COUNT; ++aov )
     {
-        for ( int y = top; y < bottom && film->mean[aov] != NULL; ++y )
+        for ( int y = top; y < bottom && film->mean[aov] != NULL && is_filtered( aov ); ++y )
         {
             for ( int x = 0; x < width; ++x )
                 spread_sample( film->filter, filtered_pixels( film, aov ), x, y, width, height, weight, first_row, end_row );

@@ -24,14 +24,16 @@ typedef struct RfAovFilm
     const RfPixelFilter* filter; // of the colour, which albedo and normal have, too; NULL: the plain one
 } RfAovFilm;
 
-// Those that rf_add_to_aovs fills, from first hits.
-#define RF_FIRST_HIT_AOV_BIT( constant, name, letters, half, first_hit, what )                                                   \
-    ( ( first_hit ) ? RF_AOV_BIT( RF_AOV_##constant ) : 0u ) |
+// Those that rf_add_to_aovs fills, from first hits; and among them those that have the pixel filter of the colour.
+#define RF_AOV_OF_FILMS 0
+#define RF_AOV_OF_HITS 1
+#define RF_AOV_OF_FILTERED_HITS 2
+#define RF_FIRST_HIT_AOV_BIT( constant, name, letters, half, source, what )                                                      \
+    ( RF_AOV_OF_##source != RF_AOV_OF_FILMS ? RF_AOV_BIT( RF_AOV_##constant ) : 0u ) |
+#define RF_FILTERED_AOV_BIT( constant, name, letters, half, source, what )                                                       \
+    ( RF_AOV_OF_##source == RF_AOV_OF_FILTERED_HITS ? RF_AOV_BIT( RF_AOV_##constant ) : 0u ) |
 #define RF_FIRST_HIT_AOVS ( RF_AOV_LIST( RF_FIRST_HIT_AOV_BIT ) 0u )
-
-// AOVs that have the pixel filter of the colour, as denoisers and compositors expect. Depth and motion are means over the
-// pixel's own square whatever the filter is: a filter would mix more of what is behind into them.
-#define RF_FILTERED_AOVS ( RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) )
+#define RF_FILTERED_AOVS ( RF_AOV_LIST( RF_FILTERED_AOV_BIT ) 0u )
 
 // Floats (or counts) per pixel that an AOV needs while it is rendered; `filtered`: with another than the plain filter.
 int rf_aov_film_floats( RfAov aov, bool filtered );

@@ -101,7 +101,7 @@ void rf_clean_output_folder( const char* pattern )
         rf_remove_leftovers( folder );
 }
 
-#define NAME_FITS( constant, name, letters, half, first_hit, what )                                                              \
+#define NAME_FITS( constant, name, letters, half, source, what )                                                                 \
     _Static_assert( sizeof( name ) + 2 <= AOV_CHANNEL_NAME_SIZE, "the names of its channels fit" );
 RF_AOV_LIST( NAME_FITS )
 #undef NAME_FITS

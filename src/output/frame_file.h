@@ -67,7 +67,7 @@ const char* rf_key_name( RfKey key );
 
 enum
 {
-#define RF_COUNT_LETTERS( constant, name, letters, half, first_hit, what ) +(int)sizeof( letters ) - 1
+#define RF_COUNT_LETTERS( constant, name, letters, half, source, what ) +(int)sizeof( letters ) - 1
     RF_MAX_AOV_CHANNELS = 1 RF_AOV_LIST( RF_COUNT_LETTERS ) // and A
 #undef RF_COUNT_LETTERS
 };

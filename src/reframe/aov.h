@@ -15,28 +15,36 @@
 RF_API_BEGIN
 
 // The list of AOVs, from which all others are made: X( constant, name, letters of the channels,
-// whether 16 bits are enough in a file, whether it is made of the first hits of camera rays, what it is ).
+// whether 16 bits are enough in a file, what it is made of, what it is ). It is made of
+//
+//     FILTERED_HITS  the first hits of camera rays, by the pixel filter of the colour, as denoisers and compositors expect
+//     HITS           the same by the box of one pixel: a filter would mix more of what is behind into depth and motion
+//     FILMS          the films of the colour, or counts of samples
+//
+// To add one: a row here, and what it is in film/aov.c: at a hit and a miss (value_at_hit, value_at_miss), or as
+// made from films (rf_aov_film_floats, rf_finish_aov). Options, files, attributes, the budget and the manual follow from the row.
 #define RF_AOV_LIST( X )                                                                                                         \
-    X( ALBEDO, "albedo", "RGB", true, true, "reflectance for light along the normal; 0 where nothing is hit" )                   \
-    X( NORMAL, "normal", "XYZ", true, true, "shading normal in world space, on the side that is seen; 0 where nothing is hit" )  \
-    X( DEPTH, "depth", "Z", false, true,                                                                                         \
+    X( ALBEDO, "albedo", "RGB", true, FILTERED_HITS, "reflectance for light along the normal; 0 where nothing is hit" )          \
+    X( NORMAL, "normal", "XYZ", true, FILTERED_HITS,                                                                             \
+       "shading normal in world space, on the side that is seen; 0 where nothing is hit" )                                       \
+    X( DEPTH, "depth", "Z", false, HITS,                                                                                         \
        "metres along the viewing direction (not distance to the eye), mean over the hits; 1e10 where no "                        \
        "sample hits anything" )                                                                                                  \
-    X( MOTION, "motion", "XYZW", false, true,                                                                                    \
+    X( MOTION, "motion", "XYZW", false, HITS,                                                                                    \
        "X and Y: film position in the path's previous frame minus that in this frame, pixels, +x right, +y "                     \
        "up; Z and W: the same for the next frame (Blender 3.4 has X and Y like this, Z and W with the "                          \
        "opposite sign); 0 at the ends of the path and for points behind the other camera" )                                      \
-    X( VARIANCE, "variance", "RGB", false, false, "estimated variance of the colour; 0 where a frame has a single pass" )        \
-    X( SAMPLES, "samples", "Y", false, false, "samples that landed in the pixel, own-frame and reused, each counted once" )      \
-    X( PRIMAL, "primal", "RGB", false, false,                                                                                    \
+    X( VARIANCE, "variance", "RGB", false, FILMS, "estimated variance of the colour; 0 where a frame has a single pass" )        \
+    X( SAMPLES, "samples", "Y", false, FILMS, "samples that landed in the pixel, own-frame and reused, each counted once" )      \
+    X( PRIMAL, "primal", "RGB", false, FILMS,                                                                                    \
        "of the estimator gradient alone: the pixels that the picture is reconstructed from" )                                    \
-    X( DX, "dx", "RGB", false, false, "and their differences, the pixel on the right minus the pixel" )                          \
-    X( DY, "dy", "RGB", false, false, "the pixel below minus the pixel" )
+    X( DX, "dx", "RGB", false, FILMS, "and their differences, the pixel on the right minus the pixel" )                          \
+    X( DY, "dy", "RGB", false, FILMS, "the pixel below minus the pixel" )
 
 // RF_AOV_ALBEDO, RF_AOV_NORMAL and so on, in the order of the list.
 typedef enum RfAov
 {
-#define RF_AOV_CONSTANT( constant, name, letters, half, first_hit, what ) RF_AOV_##constant,
+#define RF_AOV_CONSTANT( constant, name, letters, half, source, what ) RF_AOV_##constant,
     RF_AOV_LIST( RF_AOV_CONSTANT )
 #undef RF_AOV_CONSTANT
         RF_AOV_ALPHA, // not in the list: it belongs to the colour, see below

@@ -62,16 +62,7 @@ typedef enum RfWithout
     X( PIXEL_FILTER, "pixel-filter", IMPOSSIBLE, false, "the box of one pixel" )                                                 \
     X( OTHER_PROJECTION, "other-projection", IMPOSSIBLE, false, "a camera in perspective" )                                      \
     X( GRADIENTS, "gradients", IMPOSSIBLE, false, "another estimator" )                                                          \
-    X( ALPHA, "alpha", IMPOSSIBLE, false, "settings without it" )                                                                \
-    X( AOV_ALBEDO, "aov-albedo", IMPOSSIBLE, false, "settings without it" )                                                      \
-    X( AOV_NORMAL, "aov-normal", IMPOSSIBLE, false, "settings without it" )                                                      \
-    X( AOV_DEPTH, "aov-depth", IMPOSSIBLE, false, "settings without it" )                                                        \
-    X( AOV_MOTION, "aov-motion", IMPOSSIBLE, false, "settings without it" )                                                      \
-    X( AOV_VARIANCE, "aov-variance", IMPOSSIBLE, false, "settings without it" )                                                  \
-    X( AOV_SAMPLES, "aov-samples", IMPOSSIBLE, false, "settings without it" )                                                    \
-    X( AOV_PRIMAL, "aov-primal", IMPOSSIBLE, false, "settings without it" )                                                      \
-    X( AOV_DX, "aov-dx", IMPOSSIBLE, false, "settings without it" )                                                              \
-    X( AOV_DY, "aov-dy", IMPOSSIBLE, false, "settings without it" )
+    X( ALPHA, "alpha", IMPOSSIBLE, false, "settings without it" )
 
 // RF_EFFECT_DIFFUSE and so on, in the order of the list.
 typedef enum RfEffectId

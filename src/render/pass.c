@@ -43,7 +43,7 @@ void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
             int number = r->traced_jobs != NULL ? r->traced_jobs[first + i] : first + i;
             RfTraceJob job = { number / jobs, number % jobs, pass->number };
             estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
-            if ( ( r->settings.aovs & RF_FIRST_HIT_AOVS & rf_built_aovs() ) != 0 )
+            if ( ( r->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 )
                 add_aovs( r, pass, job.eye, scratch );
         }
 #pragma omp critical

@@ -1,6 +1,6 @@
 // Settings as a render of a path will use them, with the group that the plan chooses.
 #include "reframe/plan.h"
-#include "render/effects.h"
+#include "render/render_effects.h"
 #include "render/settings.h"
 
 // Never a matter of which frames are asked for.

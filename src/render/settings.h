@@ -6,17 +6,6 @@
 #include "reframe/render.h"
 #include "render/groups.h"
 
-// The AOVs that this build has, a set of RF_AOV_BITs: a constant.
-static inline unsigned rf_built_aovs( void )
-{
-    unsigned set = rf_is_built( RF_EFFECT_ALPHA ) ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0;
-#define RF_AOV_BUILT( constant, name, letters, half, first_hit, what )                                                           \
-    set |= rf_is_built( RF_EFFECT_AOV_##constant ) ? RF_AOV_BIT( RF_AOV_##constant ) : 0;
-    RF_AOV_LIST( RF_AOV_BUILT )
-#undef RF_AOV_BUILT
-    return set;
-}
-
 // Is the number of passes decided while rendering?
 static inline bool rf_is_stopping( const RfRenderSettings* settings )
 {

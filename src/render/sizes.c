@@ -41,7 +41,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
                                            : 1,
         // of any number of frames: the least budget must not depend on it
         .ring = settings->queue > 1 ? settings->queue : 1,
-        .aovs = settings->aovs & rf_built_aovs(),
+        .aovs = settings->aovs,
         .filtered = !rf_is_plain_filter( settings ) && !settings->estimator->draws_by_filter,
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),

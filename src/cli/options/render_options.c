@@ -73,8 +73,6 @@ typedef struct Instead
     const char* type;
 } Instead;
 
-#define AOV_ROW( constant, name, letters, half, first_hit, what )                                                                \
-    [RF_EFFECT_AOV_##constant] = { "--aov " name, "leave it out of --aov" },
 static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_CAMERA_ANIMATION] = { NULL, "render a still by --frames 1" },
     [RF_EFFECT_SMOOTH_METALS] = { NULL, "give --no-effect chains" },
@@ -87,9 +85,7 @@ static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_OTHER_PROJECTION] = { NULL, "render along a path of a camera in perspective" },
     [RF_EFFECT_GRADIENTS] = { "--estimator", "give --estimator reuse" },
     [RF_EFFECT_ALPHA] = { "--alpha", "give --no-alpha" },
-    RF_AOV_LIST( AOV_ROW ) //
 };
-#undef AOV_ROW
 
 const char* rf_effect_option( RfEffectId effect ) { return s_instead[effect].option; }
 

@@ -147,7 +147,7 @@
         .default_text = "all cores", .help = ( threads_help )                                                                    \
     }
 
-#define RF_AOV_NAME( constant, name, letters, half, first_hit, what ) " " name
+#define RF_AOV_NAME( constant, name, letters, half, source, what ) " " name
 #define RF_AOV_OPTION( o, intro )                                                                                                \
     {                                                                                                                            \
         .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).aov, .meta = "AOV[,...]",                      \

@@ -399,9 +399,9 @@ static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const R
         light_glossy( a, job.eye, batch, scratch );
     uint64_t landed =
         rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
-    if ( rf_calls_for( job.landed != NULL, RF_EFFECT_AOV_SAMPLES ) )
+    if ( job.landed != NULL )
         count_landed( batch, scratch, range, job.landed );
-    if ( rf_calls_for( job.landed != NULL && job.eye == batch->eye, RF_EFFECT_AOV_SAMPLES ) )
+    if ( job.landed != NULL && job.eye == batch->eye )
         count_misses( batch, range, job.landed );
     return landed;
 }

@@ -1,6 +1,6 @@
 // Rows of the list of effects (reframe/effects.h).
-#ifndef REFRAME_SCENE_EFFECTS_H
-#define REFRAME_SCENE_EFFECTS_H
+#ifndef REFRAME_SCENE_SCENE_EFFECTS_H
+#define REFRAME_SCENE_SCENE_EFFECTS_H
 
 #include "reframe/effects.h"
 

@@ -1,6 +1,6 @@
 // Effects that this build lacks (base/built_in.h).
-#ifndef REFRAME_RENDER_EFFECTS_H
-#define REFRAME_RENDER_EFFECTS_H
+#ifndef REFRAME_RENDER_RENDER_EFFECTS_H
+#define REFRAME_RENDER_RENDER_EFFECTS_H
 
 #include "render/estimator.h"
 

@@ -1,11 +1,11 @@
-// All rows of the list of effects: those that the scene decides (scene/effects.c), then path and settings.
-#include "render/effects.h"
+// All rows of the list of effects: those that the scene decides (scene/scene_effects.c), then path and settings.
+#include "render/render_effects.h"
 
 #include "film/pixel_filter.h"
 #include "light/light.h"
 #include "render/settings.h"
 #include "render/sizes.h"
-#include "scene/effects.h"
+#include "scene/scene_effects.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -184,21 +184,8 @@ static void set_film( const Source* from )
     bool filtered = !rf_is_plain_filter( s ), gradients = strcmp( rf_estimator_name( s->estimator ), "gradient" ) == 0;
     set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "by the settings, %s" : "the box of one pixel", names[s->filter] );
     set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "the settings ask for it" : "the settings do not ask for it" );
-}
-
-static void set_aovs( const Source* from )
-{
-    static const RfEffectId ids[RF_AOV_COUNT] = {
-#define AOV_ROW( constant, name, letters, half, first_hit, what ) [RF_AOV_##constant] = RF_EFFECT_AOV_##constant,
-        RF_AOV_LIST( AOV_ROW )
-#undef AOV_ROW
-            [RF_AOV_ALPHA] = RF_EFFECT_ALPHA,
-    };
-    for ( int i = 0; i < RF_AOV_COUNT; ++i )
-    {
-        bool on = ( from->settings->aovs & RF_AOV_BIT( i ) ) != 0;
-        set( from, ids[i], on, on ? "the settings ask for it" : "the settings do not ask for it" );
-    }
+    bool alpha = ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
+    set( from, RF_EFFECT_ALPHA, alpha, alpha ? "the settings ask for it" : "the settings do not ask for it" );
 }
 
 // Settings of which "auto" is asked tell whether light paths would serve, even if they are off.
@@ -226,7 +213,6 @@ static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count,
     set_reuse( &from );
     set_projection( &from, eyes );
     set_film( &from );
-    set_aovs( &from );
     return RF_EFFECT_COUNT;
 }
 

@@ -1,5 +1,5 @@
 // The rows of the list of effects that a scene decides.
-#include "scene/effects.h"
+#include "scene/scene_effects.h"
 
 #include "scene/camera_path/camera_track.h"
 #include "scene/leave_out.h"
