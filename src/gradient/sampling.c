@@ -169,11 +169,11 @@ static int list_pixels( const RfGradientBatch* batch, int width, bool pairs, RfG
                 scratch->own_pixel[count] = own ? scratch->pixel[count] : -1;
                 scratch->number[count] = tile->number;
                 harvest->pixel[count] = count; // of a film with one pixel for each lane
-                harvest->tile_of[count] = harvest->tiles->slots.tile_of[count] = t;
+                harvest->tile_of[count] = t;
             }
         }
     }
-    harvest->tiles->tile_count = batch->tile_count;
+    harvest->tile_count = batch->tile_count;
     return count;
 }
 

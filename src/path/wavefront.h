@@ -81,16 +81,16 @@ typedef struct RfWavefront
     float roulette_scale[RF_LANES]; // largest channel of the path's weight up to where throughput starts
     const int32_t* spent;           // vertices before the first one, which max_depth counts as well, or −1: the first
                                     // is a pane that was passed, which it does not count; NULL: none
-    RfRayLanes rays;                // in: the scattered rays; overwritten
+    RfChainLight* chain_light;      // keeps such light apart from the arrivals; NULL: it is among them
+    RfRayLanes rays;                // the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
     uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
-    uint8_t deltas[RF_LANES];  // with a connector, by slot: one more than the delta vertices since the last non-specular one;
-                               // RF_NOT_CONNECTED: none yet, or others are among them
-    bool matte[RF_LANES];      // with a connector, by slot: whether the ray left a matte vertex (rf_is_matte)
-    float lit[RF_LANES];       // with a connector, by vertex lane: luminance of the irradiance that light samples found there
-    RfChainLight* chain_light; // keeps such light apart from the arrivals; NULL: it is among them
+    uint8_t deltas[RF_LANES]; // with a connector, by slot: one more than the delta vertices since the last non-specular one;
+                              // RF_NOT_CONNECTED: none yet, or others are among them
+    bool matte[RF_LANES];     // with a connector, by slot: whether the ray left a matte vertex (rf_is_matte)
+    float lit[RF_LANES];      // with a connector, by vertex lane: luminance of the irradiance that light samples found there
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;

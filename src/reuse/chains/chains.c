@@ -590,16 +590,16 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
     merge_hits( first, chains );
 }
 
-void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles )
+void rf_split_tiles( const RfChains* chains, int32_t* tile_of, int* tile_count )
 {
     int32_t head[RF_LANES]; // by old tile: its first new one
     int32_t slot_of[RF_LANES], next[RF_LANES];
     int32_t count = 0;
-    memset( head, -1, (size_t)tiles->tile_count * sizeof *head );
+    memset( head, -1, (size_t)*tile_count * sizeof *head );
     for ( int i = 0; i < chains->hits.count; ++i )
     {
         int slot = chains->hits.slot[i];
-        int32_t* tile = head + tiles->slots.tile_of[slot];
+        int32_t* tile = head + tile_of[slot];
         while ( *tile >= 0 && chains->length[slot_of[*tile]] != chains->length[slot] )
             tile = next + *tile;
         if ( *tile < 0 )
@@ -608,7 +608,7 @@ void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles )
             slot_of[count] = slot;
             next[count++] = -1;
         }
-        tiles->slots.tile_of[slot] = *tile;
+        tile_of[slot] = *tile;
     }
-    tiles->tile_count = count;
+    *tile_count = count;
 }

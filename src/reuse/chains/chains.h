@@ -5,7 +5,6 @@
 
 #include "path/wavefront.h"
 #include "reuse/harvest/records.h"
-#include "reuse/tile/tile_reuse.h"
 
 typedef struct RfChains
 {
@@ -38,7 +37,7 @@ bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains );
 
-// Splits tiles by the lengths of chains: paths with different numbers of vertices left do not share.
-void rf_split_tiles( const RfChains* chains, RfTileReuse* tiles );
+// Splits tiles by the lengths of chains: paths with different numbers of vertices left do not share. `tile_of` is by slot.
+void rf_split_tiles( const RfChains* chains, int32_t* tile_of, int* tile_count );
 
 #endif

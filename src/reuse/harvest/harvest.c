@@ -139,10 +139,10 @@ typedef struct Tiles
     float need[RF_LANES]; // mean over its pixels
 } Tiles;
 
-static void list_tiles( const RfHarvest* harvest, int count, int tiles, const RfHarvestScratch* scratch, Tiles* out )
+static void list_tiles( const RfHarvest* harvest, int count, const RfHarvestScratch* scratch, Tiles* out )
 {
     bool in_tiles = rf_reuses_tiles( scratch );
-    out->count = in_tiles ? tiles : count;
+    out->count = in_tiles ? scratch->tile_count : count;
     memset( out->size, 0, sizeof out->size );
     memset( out->need, 0, sizeof out->need );
     for ( int i = 0; i < count; ++i )
@@ -199,10 +199,10 @@ static int choose_traced( const RfHarvest* harvest, const RfEye* eye, int count,
 
 // Adaptive sampling. Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need, less
 // harvest->round, as probability. Returns how many.
-static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, int tiles, RfHarvestScratch* scratch )
+static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarvestScratch* scratch )
 {
     Tiles list;
-    list_tiles( harvest, count, tiles, scratch, &list );
+    list_tiles( harvest, count, scratch, &list );
     bool chosen[RF_LANES];
     for ( int t = 0; t < list.count; ++t )
         chosen[t] = list.size[t] > 0 && list.need[t] - (float)harvest->round > draw_tile( key, t );
@@ -231,14 +231,14 @@ static int count_copies( const Tiles* list, uint64_t key, int32_t* copies )
 
 // The same for all rounds at once: tiles are listed as often as they are wanted, each time as a tile of its own;
 // copy[] tells which time it is. Of wavefronts full of these it lists number harvest->round.
-static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* tiles, RfHarvestScratch* scratch, int32_t* copy )
+static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarvestScratch* scratch, int32_t* copy )
 {
     Tiles list;
     int32_t copies[RF_LANES], pixel[RF_LANES], number[RF_LANES];
-    list_tiles( harvest, count, *tiles, scratch, &list );
+    list_tiles( harvest, count, scratch, &list );
     memcpy( pixel, scratch->pixel, (size_t)count * sizeof *pixel );
     int most = count_copies( &list, key, copies ), wavefront = 0, used = 0, left = 0;
-    *tiles = 0;
+    scratch->tile_count = 0;
     for ( int k = 0; k < most; ++k )
     {
         for ( int t = 0; t < list.count; ++t )
@@ -249,7 +249,7 @@ static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, int* t
             wavefront += used + list.size[t] > RF_PATCH_PIXELS;
             used = used + list.size[t] > RF_PATCH_PIXELS ? list.size[t] : used + list.size[t];
             if ( wavefront == harvest->round )
-                number[t] = ( *tiles )++;
+                number[t] = scratch->tile_count++;
         }
         for ( int i = 0; i < count; ++i )
         {
@@ -472,8 +472,8 @@ void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRa
     }
 }
 
-// Panes that camera rays pass do not count in max_depth.
-static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scratch, float* const wi[3] )
+// Panes that camera rays pass do not count in max_depth. Returns RfWavefront.spent.
+static const int32_t* find_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scratch, float* const wi[3] )
 {
     const RfVertexLanes* v = &scratch->first;
     memset( scratch->spent, 0, sizeof scratch->spent );
@@ -482,7 +482,7 @@ static void note_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scrat
         float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
         scratch->spent[v->slot[i]] = cos_g < 0.0f && rf_is_at_pane( harvest->path.tracer, v, i ) ? -1 : 0;
     }
-    scratch->wavefront.spent = scratch->spent;
+    return scratch->spent;
 }
 
 // Tiles share the light of chains; not where connections find it, nor where replayed rays could meet other surfaces, nor in gradients.
@@ -499,6 +499,7 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     RfWavefront* wavefront = &scratch->wavefront;
     float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
     bool chain_light = shares_chain_light( harvest, scratch );
+    wavefront->spent = rf_follows_chains( scratch ) ? scratch->chains->length : NULL;
     wavefront->chain_light = !( chain_light || scratch->chain_samples != NULL ) ? NULL
                              : rf_reuses_tiles( scratch )                       ? &scratch->tiles->slots.chain_light
                                                                                 : scratch->chain_light;
@@ -507,12 +508,14 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     if ( specular > 0 )
         memcpy( scratch->specular_pdf, wavefront->scratch.pdf + rf_record_count( v ), (size_t)specular * sizeof( float ) );
     if ( specular > 0 && rf_tracer_has_panes( harvest->path.tracer ) )
-        note_passed_panes( harvest, scratch, wi );
+        wavefront->spent = find_passed_panes( harvest, scratch, wi );
     if ( rf_reuses_tiles( scratch ) )
     {
         RfTileReuseSettings settings = {
             .path = &harvest->path,
             .tile_pixels = harvest->shape.tile_pixels,
+            .tile_of = scratch->tile_of,
+            .tile_count = scratch->tile_count,
             .path_roulette = harvest->path_roulette,
             .chain_light = chain_light,
             .source = harvest->path_source,
@@ -530,14 +533,12 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
     const RfVertexLanes* first = &scratch->first;
     RfWavefront* wavefront = &scratch->wavefront;
     scratch->hits = first;
-    wavefront->spent = NULL;
     if ( !rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) || !rf_has_chains( first ) )
         return;
     rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
     scratch->hits = &scratch->chains->hits;
-    wavefront->spent = scratch->chains->length;
     if ( rf_reuses_tiles( scratch ) )
-        rf_split_tiles( scratch->chains, scratch->tiles );
+        rf_split_tiles( scratch->chains, scratch->tile_of, &scratch->tile_count );
 }
 
 // Of pinholes.
@@ -550,19 +551,14 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     batch->eye = job.eye;
     rf_clear_ray_counts( wavefront );
 
-    int tiles, count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &tiles );
+    int count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &scratch->tile_count );
     int32_t copy[RF_LANES];
     if ( rf_is_adaptive( harvest ) && harvest->packed )
-        count = pack_needy( harvest, key, count, &tiles, scratch, copy );
+        count = pack_needy( harvest, key, count, scratch, copy );
     else if ( rf_is_adaptive( harvest ) )
-        count = choose_needy( harvest, key, count, tiles, scratch );
+        count = choose_needy( harvest, key, count, scratch );
     else if ( harvest->pieces != NULL )
         count = choose_traced( harvest, eye, count, scratch );
-    if ( rf_reuses_tiles( scratch ) )
-    {
-        memcpy( scratch->tiles->slots.tile_of, scratch->tile_of, (size_t)count * sizeof *scratch->tile_of );
-        scratch->tiles->tile_count = tiles;
-    }
     make_keys( key, count, scratch->pixel, wavefront );
     if ( rf_is_adaptive( harvest ) && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );

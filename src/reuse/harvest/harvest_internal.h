@@ -12,11 +12,12 @@ struct RfHarvestScratch
 {
     RfWavefront wavefront;
     RfRayLanes camera_rays;
-    RfVertexLanes first;              // hits of the camera rays
-    RfChains* chains;                 // NULL unless the shape has chains
-    const RfVertexLanes* hits;        // what becomes records, and specular hits behind: `first`, or chains->hits
-    RF_ALIGN int32_t pixel[RF_LANES]; // by slot
-    RF_ALIGN int32_t tile_of[RF_LANES];
+    RfVertexLanes first;                // hits of the camera rays
+    RfChains* chains;                   // NULL unless the shape has chains
+    const RfVertexLanes* hits;          // what becomes records, and specular hits behind: `first`, or chains->hits
+    RF_ALIGN int32_t pixel[RF_LANES];   // by slot
+    RF_ALIGN int32_t tile_of[RF_LANES]; // by slot, of tile_count
+    int tile_count;
     RF_ALIGN int32_t miss_slot[RF_LANES]; // of the misses: rays that found nothing, then chains without a hit
     int ray_miss_count;                   // of the former
     int32_t glint_slot[RF_LANES];

@@ -30,16 +30,16 @@ RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes
 }
 
 // Sorts the hits that become records by tile.
-static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
+static void list_members( const RfTileReuseSettings* settings, const RfVertexLanes* hits, RfTileReuse* reuse )
 {
     int32_t end[RF_LANES] = { 0 };
     int count = rf_record_count( hits );
     for ( int i = 0; i < count; ++i )
-        end[reuse->slots.tile_of[hits->slot[i]]] += 1;
+        end[settings->tile_of[hits->slot[i]]] += 1;
     for ( int i = 0; i < count; ++i )
-        reuse->hits.size[i] = end[reuse->slots.tile_of[hits->slot[i]]];
+        reuse->hits.size[i] = end[settings->tile_of[hits->slot[i]]];
     int sum = 0;
-    for ( int t = 0; t < reuse->tile_count; ++t )
+    for ( int t = 0; t < settings->tile_count; ++t )
     {
         int size = end[t];
         end[t] = sum;
@@ -47,7 +47,7 @@ static void list_members( const RfVertexLanes* hits, RfTileReuse* reuse )
     }
     for ( int i = 0; i < count; ++i )
     {
-        int place = end[reuse->slots.tile_of[hits->slot[i]]]++;
+        int place = end[settings->tile_of[hits->slot[i]]]++;
         reuse->hits.member[place] = i;
     }
     for ( int place = 0; place < count; )
@@ -242,7 +242,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     trace_beyond( settings->path, wavefront, reuse );
     if ( settings->source != NULL )
         rf_restore_copies( settings->source, settings->path->light_samples, wavefront, reuse );
-    list_members( hits, reuse );
+    list_members( settings, hits, reuse );
     list_owners( settings, wavefront, hits, reuse );
     if ( settings->path_roulette )
         rf_thin_paths( settings->path, wavefront, reuse );

@@ -18,7 +18,6 @@
 // By path slot.
 typedef struct RfTileSlots
 {
-    RF_ALIGN int32_t tile_of[RF_LANES];
     float pane_probability[RF_LANES]; // q of the panes on the way to the second vertex; not set without panes
     RfArrivals at_hits;               // along the rays scattered at the hits
     RfArrivals at_second;             // along the rays scattered at the second vertices
@@ -74,7 +73,6 @@ typedef struct RfPairingLanes
 
 typedef struct RfTileReuse
 {
-    int tile_count;
     int thinned, kept; // second vertices that the roulette on paths was about, and those it kept; 0 without it
     RfTileSlots slots;
     RfTileHits hits;
@@ -85,7 +83,9 @@ typedef struct RfTileReuse
 typedef struct RfTileReuseSettings
 {
     const RfPathSettings* path;
-    int tile_pixels;       // of a whole tile
+    int tile_pixels;        // of a whole tile
+    const int32_t* tile_of; // by slot: the tile of each path, from 0
+    int tile_count;
     bool path_roulette;    // on paths that bring little light; those that bring none are not connected at all
     bool chain_light;      // is shared (reuse/tile/tile_chains.h)
     const int32_t* source; // of the paths (reuse/tile/tile_paths.h); NULL: each hit has its own
@@ -96,7 +96,7 @@ size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes );
 RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are
-// reused inside the tiles reuse->slots.tile_of. wavefront->arrivals is as returned there,
+// reused inside their tiles. wavefront->arrivals is as returned there,
 // with the weighted light of pairing 0 in `rest`; the pairings from 1 on are in
 // reuse->pairings. Returns the number of connections tested.
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
