@@ -648,6 +648,15 @@ static void sample( const RfConnector* connector, RfWavefront* keys, const RfRay
 RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
                                         const RfPathSettings* path, RfConnectionLanes* lanes )
 {
-    RfConnector connector = { sample, paths->vpl_connections, paths->connected, lanes->trail, weigh_chance };
-    return ( RfLightPathConnector ){ connector, path, paths, normalization, lanes };
+    return ( RfLightPathConnector ){
+        .connector = { .sample = sample,
+                       .vpl_connections = paths->vpl_connections,
+                       .connected = paths->connected,
+                       .trails = lanes->trail,
+                       .weigh_chance = weigh_chance },
+        .path = path,
+        .paths = paths,
+        .normalization = normalization,
+        .out = lanes,
+    };
 }

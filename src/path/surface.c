@@ -183,7 +183,7 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
     float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
     rf_material_at( scene, m, triangle, bu, bv, here );
     fill_params_of_hit( v, i, here, facing );
-    Hit hit = { triangle, bu, bv, facing < 0.0f ? -1.0f : 1.0f };
+    Hit hit = { .triangle = triangle, .u = bu, .v = bv, .side = facing < 0.0f ? -1.0f : 1.0f };
     look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
         put( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
@@ -235,7 +235,11 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVer
 {
     sort_by_kind( tracer, rays->count, scratch, vertices );
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
-    Source from = { rf_tracer_triangles( tracer ), materials, rf_tracer_lights( tracer ), rays, scratch };
+    Source from = { .triangles = rf_tracer_triangles( tracer ),
+                    .materials = materials,
+                    .lights = rf_tracer_lights( tracer ),
+                    .rays = rays,
+                    .scratch = scratch };
     for ( int i = 0; i < vertices->count; ++i )
         fill_lane( &from, vertices, i );
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )

@@ -42,16 +42,8 @@ static void note_chain_events( RfChainLight* chain_light, const RfVertexLanes* v
     }
 }
 
-// Where emission goes.
-typedef struct Receiver
-{
-    bool defer_mis;
-    RfChainLight* chain_light;
-    RfArrivals* arrivals;
-} Receiver;
-
 static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, float light_pdf,
-                                const Receiver* to )
+                                const RfReceiver* to )
 {
     RfArrivals* arrivals = to->arrivals;
     int slot = rays->slot[r];
@@ -88,7 +80,7 @@ static inline float light_pdf_behind( const float* pane_probability, int r, floa
 }
 
 static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v,
-                          const uint32_t* triangle, const float* pane_probability, const Receiver* to )
+                          const uint32_t* triangle, const float* pane_probability, const RfReceiver* to )
 {
     const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
     for ( int i = 0; i < v->count; ++i )
@@ -105,7 +97,7 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
 }
 
 static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, const uint32_t* triangle,
-                     const float* pane_probability, const Receiver* to )
+                     const float* pane_probability, const RfReceiver* to )
 {
     const RfLights* lights = rf_tracer_lights( settings->tracer );
     if ( !rf_has_sky( lights ) )
@@ -123,10 +115,8 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
 }
 
 void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
-                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfChainLight* chain_light,
-                           RfArrivals* arrivals )
+                           const uint32_t* triangle, const float* pane_probability, RfReceiver to )
 {
-    Receiver to = { defer_mis, chain_light, arrivals };
     add_emission( settings, rays, vertices, triangle, pane_probability, &to );
     add_sky( settings, rays, triangle, pane_probability, &to );
 }
@@ -435,8 +425,8 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, 0, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
     leave_to_connections( settings, wavefront, rays, vertices );
-    rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, defer_mis,
-                          wavefront->chain_light, &wavefront->arrivals );
+    RfReceiver to = { .defer_mis = defer_mis, .chain_light = wavefront->chain_light, .arrivals = &wavefront->arrivals };
+    rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, to );
     return pane_probability;
 }
 

@@ -185,13 +185,18 @@ void rf_evaluate_seen_from( const RfVertexLanes* vertices, RfBsdfKind kind, cons
 void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension, float* const wi[3],
                        RfLaneScratch* scratch );
 
-// Adds emission hit by the rays, of surfaces (the vertices) and of the sky, to the
-// arrivals. With `defer_mis` it goes to `emitted`, unweighted; otherwise to `rest`,
-// weighted by the balance heuristic. What `chain_light` waits for goes there instead (NULL: nothing). The rays have passed
-// panes with these probabilities (NULL: no panes).
+// Where emission that rays hit goes.
+typedef struct RfReceiver
+{
+    bool defer_mis;            // to `emitted` of the arrivals, unweighted; else to `rest`, weighted by the balance heuristic
+    RfChainLight* chain_light; // takes what it waits for instead; NULL: nothing
+    RfArrivals* arrivals;
+} RfReceiver;
+
+// Adds emission hit by the rays, of surfaces (the vertices) and of the sky. The rays have passed panes with these probabilities
+// (NULL: no panes).
 void rf_add_emission_hits( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* vertices,
-                           const uint32_t* triangle, const float* pane_probability, bool defer_mis, RfChainLight* chain_light,
-                           RfArrivals* arrivals );
+                           const uint32_t* triangle, const float* pane_probability, RfReceiver to );
 
 // The side on which wi leaves a specular lane: 1 that of wo, −1 the other; 0
 // where shading and geometric normal disagree and the path ends.

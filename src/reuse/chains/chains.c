@@ -152,7 +152,7 @@ static int scatter_chains( const RfPathSettings* path, int vertex, int followed,
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
-    Scattering at = { path, vertex, followed > NO_ROULETTE_UP_TO, v, s };
+    Scattering at = { .path = path, .vertex = vertex, .roulette = followed > NO_ROULETTE_UP_TO, .v = v, .s = s };
     wavefront->rays.count = 0;
     append_rays( &at, true, chains, &wavefront->rays );
     int end_at_panes = wavefront->rays.count;
@@ -232,8 +232,8 @@ static void add_reflected_emission( const RfPathSettings* path, RfWavefront* wav
     const float* pane_probability =
         rf_find_vertices_past_panes( path, &wavefront->rays, 0, &wavefront->vertices, &wavefront->scratch );
     rf_absorb( &wavefront->vertices, &wavefront->rays );
-    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, pane_probability, false,
-                          NULL, &wavefront->arrivals );
+    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, pane_probability,
+                          ( RfReceiver ){ .arrivals = &wavefront->arrivals } );
 }
 
 // Makes the mirrors and glass that the rays hit the reflections' next vertices, the `vertex`-th of their chains.
@@ -470,7 +470,8 @@ static void add_emission( const RfPathSettings* path, const float* pane_probabil
         kept[i] = !is_last( path, chains, found->slot[i], vertex + 1 ) && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
         found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
     }
-    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, false, NULL, &wavefront->arrivals );
+    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability,
+                          ( RfReceiver ){ .arrivals = &wavefront->arrivals } );
     for ( int i = 0; i < rf_record_count( found ); ++i )
     {
         for ( int c = 0; c < 3 && !kept[i]; ++c )

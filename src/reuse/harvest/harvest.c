@@ -49,7 +49,10 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
     return ( RfHarvest ){
-        .path = { group->tracer, group->max_depth, settings->light_samples, settings->light_sampling, NULL },
+        .path = { .tracer = group->tracer,
+                  .max_depth = group->max_depth,
+                  .light_samples = settings->light_samples,
+                  .light_sampling = settings->light_sampling },
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .weights = settings->weights,
