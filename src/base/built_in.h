@@ -1,5 +1,5 @@
 // Which effects this build has. `cmake -DREFRAME_WITHOUT="panes;textures"` leaves the code of some out, to measure what it
-// costs where nothing calls for it (scripts/effect-costs). Every test of whether a scene calls for an effect goes through
+// costs where nothing calls for it (scripts/bench/run effects). Every test of whether a scene calls for an effect goes through
 // rf_calls_for, which is a constant then; a scene that calls for the effect is refused by name.
 #ifndef REFRAME_BASE_BUILT_IN_H
 #define REFRAME_BASE_BUILT_IN_H

@@ -211,7 +211,7 @@ async function run(browser) {
 async function main() {
   const playwright = load_playwright(), chromium = find_chromium();
   if (!playwright || !chromium) {
-    console.log(`skipped: there is no ${!chromium ? "Chromium" : "playwright-core"}: scripts/install-browser gets it`);
+    console.log(`skipped: there is no ${!chromium ? "Chromium" : "playwright-core"}: scripts/install-packages --browser gets it`);
     process.exit(77);
   }
   const browser = await playwright.chromium.launch({ executablePath: chromium, args: ["--no-sandbox"] });

@@ -1,6 +1,6 @@
 // The report page in headless Chromium, by tests/browser/check-page.js: it loads, plays,
 // seeks and logs nothing to the console. Skipped without Chromium, Node.js or playwright-
-// core, which scripts/install-browser installs.
+// core, which scripts/install-packages --browser installs.
 #include "support/cli_run.h"
 #include "image/exr.h"
 
@@ -83,7 +83,7 @@ static bool check_page( const char* page, const char* more )
 {
     if ( cli_run( "command -v node > /dev/null" )->status != 0 )
     {
-        print_message( "skipped: there is no Node.js: scripts/install-browser gets it\n" );
+        print_message( "skipped: there is no Node.js: scripts/install-packages --browser gets it\n" );
         return false;
     }
     const CliResult* result = cli_run( CHECK "%s --seconds " SECONDS " %s", page, more );

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/compare-builds: its sums against figures whose answer is known, and a run. Skipped (77) without numpy and OpenImageIO."""
+"""scripts/compare-builds: its sums against figures whose answer is known, and a run. Skipped (77) without numpy."""
 import importlib.machinery
 import importlib.util
 import json
@@ -11,11 +11,10 @@ import unittest
 
 try:
     import numpy as np
-    import OpenImageIO  # noqa: F401
 except ImportError:
-    if sys.executable != "/usr/bin/python3" and os.path.exists("/usr/bin/python3"):  # Debian's has them if another is first in the path
+    if sys.executable != "/usr/bin/python3" and os.path.exists("/usr/bin/python3"):  # Debian's has it if another is first in the path
         os.execv("/usr/bin/python3", ["/usr/bin/python3", "-B", *sys.argv])
-    print("skipped: there is no numpy or no OpenImageIO (apt-get install python3-numpy python3-openimageio)")
+    print("skipped: there is no numpy (apt-get install python3-numpy)")
     sys.exit(77)
 
 BUILD = sys.argv.pop(1)
@@ -23,7 +22,6 @@ SCENE = sys.argv.pop(1)
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PROGRAM = os.path.join(TOP, "scripts", "compare-builds")
 sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(TOP, "scripts"))
 loader = importlib.machinery.SourceFileLoader("compare_builds", PROGRAM)
 builds = importlib.util.module_from_spec(importlib.util.spec_from_loader("compare_builds", loader))
 loader.exec_module(builds)
@@ -106,7 +104,7 @@ class Run(unittest.TestCase):
             done = self.run_it(SCENE, "one=" + BUILD, "same=" + BUILD, "plain=%s,0:1,--no-adaptive,OMP_DYNAMIC=false" % BUILD, "dark=%s,--max-depth=2" % BUILD,
                                "--out", folder, "--size", "24x14", "--frames", "20-22", "--setting", "1:2x2", "--spp", "6", "--seeds", "3", "--reference-spp", "40",
                                "--json", report, "--", "--max-depth", "4", "--adaptive")
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (0, 1), done.stderr)  # the reference is named
             with open(report) as file:
                 one, same, plain, dark = json.load(file)["rows"]
         self.assertEqual([same[key] for key in ("error_ratio", "brightness")], [[1.0, 0.0], [0.0, 0.0]])
@@ -114,7 +112,7 @@ class Run(unittest.TestCase):
         self.assertTrue(plain["error_ratio"][0] > 1.0 > plain["cpu_ratio"][0] and plain["brightness"][1] > 0.0)
         self.assertTrue(dark["brightness"][0] < -20.0 and dark["error_ratio"][0] > 1.0)
         self.assertIn("against 40 samples of 0:1", done.stdout)
-        self.assertEqual(len(done.stdout.splitlines()), 7)
+        self.assertEqual(len(done.stdout.splitlines()), 6)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,115 @@
+"""Runs of reframe for the scripts that measure: timed renders, the JSON of other commands, scenes, and .glb files as JSON."""
+import json
+import os
+import re
+import struct
+import subprocess
+import sys
+
+TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PROGRAM = os.path.join(TOP, "build", "reframe")
+PLAIN = "0:1"  # GROUP:TILE of path tracing
+ADAPTIVE = ("--adaptive", "--no-adaptive")
+
+
+def fail(text):
+    sys.exit("%s: %s" % (os.path.basename(sys.argv[0]), text))
+
+
+def numbers(text):
+    return [int(n) for n in text.split(",")]
+
+
+def run(command, output=subprocess.DEVNULL, env=None):
+    """Runs a child process; returns its output, CPU seconds (user + system) and peak resident bytes."""
+    # waiting threads sleep instead of spinning, which would count as CPU time
+    child = subprocess.Popen(command, stdout=output, env={**os.environ, "OMP_WAIT_POLICY": "passive", **(env or {})})
+    text = child.stdout.read() if output == subprocess.PIPE else None
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode != 0:
+        fail("failed: " + " ".join(command))
+    return text, usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss
+
+
+def make_scene(folder, name, *options):
+    """Generates a scene of the project; NAME may be a file, too."""
+    if os.path.exists(name):
+        return name
+    scene = os.path.join(folder, "-".join([name, *(o.strip("-") for o in options)]) + ".glb")
+    run([sys.executable, "-B", os.path.join(TOP, "scenes", "make-%s.py" % name), scene, *options])
+    return scene
+
+
+def without(options, *names):
+    """Options of render without the named ones and their values; render refuses what is given twice."""
+    kept, dropping = [], False
+    for option in options:
+        dropping = option.split("=")[0] in names if option.startswith("--") else dropping
+        kept += [] if dropping else [option]
+    return kept
+
+
+def render(binary, scene, pattern, size, setting, spp, seed, frames="", threads=1, more=(), env=None):
+    """Renders with GROUP:TILE, without extra samples unless `more` asks for them; returns the output of `render --json` plus
+    `cpu` seconds and `resident` bytes. threads 0: all."""
+    group, tile = setting.split(":")
+    report = pattern.replace("####.exr", "json")
+    command = [binary, "render", scene, "-o", pattern, "--size", size, "--group", group, "--tile", tile, "--spp", str(spp),
+               "--seed", str(seed), "--float", "--compression", "none", "--overwrite", "--quiet", "--json", report]
+    command += [] if any(word.split("=")[0] in ADAPTIVE for word in more) else ["--no-adaptive"]
+    command += ["--threads", str(threads)] if threads else []
+    command += ["--frames", frames] if frames else []
+    _, cpu, resident = run([*command, *more], env=env)
+    with open(report) as file:
+        result = json.load(file)
+    result.update(cpu=cpu, resident=resident)
+    return result
+
+
+def ask(binary, command, *words):
+    """The JSON that a command prints."""
+    return json.loads(run([binary, command, *words, "--json", "-"], subprocess.PIPE)[0])
+
+
+def count_instructions(binary, scene, folder, *options):
+    """Instructions of rf_render by one thread, loading left out, counted by callgrind."""
+    out = os.path.join(folder, "calls")
+    run(["valgrind", "-q", "--tool=callgrind", "--toggle-collect=rf_render", "--toggle-collect=rf_check_built", "--callgrind-out-file=" + out,
+         binary, "render", scene, "-o", os.path.join(folder, "x.exr"), "--overwrite", "--quiet", "--threads", "1", "--memory", "256M", *options])
+    with open(out) as file:
+        return int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
+
+
+def frame_of(pattern, frame):
+    return pattern.replace("####", "%04d" % frame)
+
+
+def make_reference(folder, made, make):
+    """Calls make() to render the reference that `made` describes, unless an earlier run left it in the folder."""
+    note = os.path.join(folder, "reference.txt")
+    if os.path.exists(note) and open(note).read() == made:
+        print("reference: kept: " + made, file=sys.stderr, flush=True)
+        return
+    print("reference: " + made, file=sys.stderr, flush=True)
+    if os.path.exists(note):
+        os.remove(note)
+    make()
+    with open(note, "w") as file:
+        file.write(made)
+
+
+def read_glb(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    if data[:4] != b"glTF":
+        fail("%s: is no .glb file" % path)
+    length = struct.unpack("<I", data[12:16])[0]
+    return json.loads(data[20:20 + length]), data[20 + length:]
+
+
+def write_glb(path, gltf, rest):
+    text = json.dumps(gltf).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) + struct.pack("<I4s", len(text), b"JSON") + text + rest)
