@@ -405,7 +405,7 @@ static void measure_connection( const RfConnectionWork* w, const RfConnection* c
         float share = rf_connection_shares[k], tried = rf_tried( w->settings->paths, share, w->vertex );
         float fewer = share > 0.0f ? found_now / find_count( paths, connection, share ) : 0.0f;
         float weight = share == 0.0f               ? 0.0f
-                       : connection->chance > 0.0f ? tried / ( tried + connection->chance * fewer * chance )
+                       : connection->chance > 0.0f ? rf_balance_weight( tried, connection->chance * fewer * chance )
                                                    : 1.0f;
         float accepted = rf_minf( w->settings->paths->share * connection->offered, 1.0f ),
               then = rf_minf( share * connection->offered, 1.0f );

@@ -115,7 +115,7 @@ static inline float rf_tried( const RfLightPaths* paths, float share, int vertex
 static inline float rf_connection_weight( const RfLightPaths* paths, float chance, float cosine, int vertex )
 {
     float tried = rf_tried( paths, paths->share, vertex );
-    return tried / ( tried + chance * RF_INV_PI * rf_maxf( cosine, 1e-6f ) );
+    return rf_balance_weight( tried, chance * RF_INV_PI * rf_maxf( cosine, 1e-6f ) );
 }
 
 // A chain as it arrives at a point of a surface.

@@ -2,6 +2,7 @@
 #include "path/wavefront.h"
 
 #include "base/fault.h"
+#include "path/roulette.h"
 
 #include <string.h>
 
@@ -59,7 +60,7 @@ static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes
         return;
     }
     float pdf = rays->pdf_solid_angle[r];
-    float weight = pdf / ( pdf + (float)settings->light_samples * light_pdf );
+    float weight = rf_balance_weight( pdf, (float)settings->light_samples * light_pdf );
     for ( int c = 0; c < 3; ++c )
         arrivals->rest[c][slot] += l[c] * weight;
 }
@@ -204,8 +205,6 @@ static void leave_to_connections( const RfPathSettings* settings, const RfWavefr
     }
 }
 
-#define ROULETTE_AFTER 3 // vertices
-
 static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
 {
     RfBsdfLanes lanes = { .n = { v->n[0] + first, v->n[1] + first, v->n[2] + first } };
@@ -314,7 +313,7 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
         for ( int i = 0; i < v->count; ++i )
         {
             int slot = v->slot[i], r = v->ray[i];
-            float scale = 1.0f / ( k * lights->pdf_solid_angle[i] + s->pdf[i] );
+            float scale = rf_balance_scale( k * lights->pdf_solid_angle[i], s->pdf[i] );
             for ( int c = 0; c < 3; ++c )
                 wavefront->arrivals.rest[c][slot] += rays->throughput[c][r] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
         }
@@ -324,23 +323,10 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
 // Survival probability of the roulette, from the throughput of the path.
 static float survival( const RfWavefront* wavefront, int vertex, int slot, const float throughput[3] )
 {
-    if ( vertex < ROULETTE_AFTER )
+    if ( vertex < RF_ROULETTE_VERTEX )
         return 1.0f;
     float carried = rf_maxf( throughput[0], rf_maxf( throughput[1], throughput[2] ) ) * wavefront->roulette_scale[slot];
-    return rf_minf( carried / RF_ROULETTE_BELOW, 1.0f );
-}
-
-// Writes the ray that leaves vertex lane i to lane `at` of next.
-static inline void write_ray( const RfVertexLanes* v, int i, const float wi[3], float side, float pdf, RfRayLanes* next, int at )
-{
-    for ( int c = 0; c < 3; ++c )
-    {
-        next->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
-        next->d[c][at] = wi[c];
-        next->n[c][at] = v->n[c][i];
-    }
-    next->pdf_solid_angle[at] = pdf;
-    next->slot[at] = v->slot[i];
+    return rf_survival( carried );
 }
 
 // Lanes with a non-specular BSDF.
@@ -363,7 +349,7 @@ static int scatter_nonspecular_lanes( RfWavefront* wavefront, const RfRayLanes* 
         float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
             next->throughput[c][kept] = q > 0.0f ? t[c] / q : 0.0f;
-        write_ray( v, i, wi, 1.0f, pdf, next, kept );
+        rf_write_ray( v, i, wi, 1.0f, pdf, next, kept );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f || RF_FAULT( below_triangle ) ) & ( pdf > 0.0f ) & ( s->random[0][i] < q );
     }
     return kept;
@@ -385,7 +371,7 @@ static int scatter_specular_lanes( RfWavefront* wavefront, const RfRayLanes* ray
         float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
             next->throughput[c][kept] = q > 0.0f || RF_FAULT( roulette_0 ) ? t[c] / q : 0.0f;
-        write_ray( v, i, wi, side, s->pdf[i], next, kept );
+        rf_write_ray( v, i, wi, side, s->pdf[i], next, kept );
         kept += ( side != 0.0f ) & ( rf_maxf( t[0], rf_maxf( t[1], t[2] ) ) > 0.0f ) & ( s->random[0][i] < q );
     }
     return kept;
@@ -462,24 +448,6 @@ void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int
     }
 }
 
-// Floor for the roulette weight: other cameras may see a path that is nearly
-// invisible to its own.
-#define MIN_ROULETTE_SCALE 0.1f
-
-// Writes the ray that leaves vertex lane i to lane `at` of the rays.
-static inline void write_deferred_ray( const RfVertexLanes* v, int i, float* const wi[3], float side, float pdf, RfRayLanes* rays,
-                                       int at )
-{
-    for ( int c = 0; c < 3; ++c )
-    {
-        rays->o[c][at] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
-        rays->d[c][at] = wi[c][i];
-        rays->n[c][at] = v->n[c][i];
-    }
-    rays->pdf_solid_angle[at] = pdf;
-    rays->slot[at] = v->slot[i];
-}
-
 // Lanes that become records: the caller applies f and the weight.
 static int scatter_nonspecular_deferred( const RfVertexLanes* v, float* const wi[3], RfWavefront* wavefront )
 {
@@ -488,14 +456,15 @@ static int scatter_nonspecular_deferred( const RfVertexLanes* v, float* const wi
     int kept = 0, count = rf_record_count( v );
     for ( int i = 0; i < count; ++i )
     {
-        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
-        float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+        float direction[3] = { wi[0][i], wi[1][i], wi[2][i] };
+        float cos_x = v->n[0][i] * direction[0] + v->n[1][i] * direction[1] + v->n[2][i] * direction[2];
+        float cos_g = v->ng[0][i] * direction[0] + v->ng[1][i] * direction[1] + v->ng[2][i] * direction[2];
         float pdf = s->pdf[i];
         for ( int c = 0; c < 3; ++c )
             rays->throughput[c][kept] = 1.0f;
-        write_deferred_ray( v, i, wi, 1.0f, pdf, rays, kept );
+        rf_write_ray( v, i, direction, 1.0f, pdf, rays, kept );
         float weight = pdf > 0.0f ? rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf : 0.0f;
-        wavefront->roulette_scale[v->slot[i]] *= rf_maxf( weight, MIN_ROULETTE_SCALE );
+        wavefront->roulette_scale[v->slot[i]] *= rf_shared_factor( weight );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f || RF_FAULT( below_triangle ) ) & ( pdf > 0.0f );
     }
     return kept;
@@ -512,7 +481,7 @@ static int scatter_specular_deferred( const RfVertexLanes* v, float* const wi[3]
         float side = rf_leaving_side( v, i, direction );
         for ( int c = 0; c < 3; ++c )
             rays->throughput[c][kept] = s->f[c][i];
-        write_deferred_ray( v, i, wi, side, s->pdf[i], rays, kept );
+        rf_write_ray( v, i, direction, side, s->pdf[i], rays, kept );
         kept += ( side != 0.0f ) & ( rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) > 0.0f );
     }
     return kept;

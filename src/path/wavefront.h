@@ -4,7 +4,7 @@
 #ifndef REFRAME_PATH_WAVEFRONT_H
 #define REFRAME_PATH_WAVEFRONT_H
 
-#include "path/lanes.h"
+#include "path/mis.h"
 
 #include <string.h>
 
@@ -57,20 +57,6 @@ typedef struct RfPathSettings
     RfLightSampling light_sampling;
     const RfConnector* connector; // NULL: light that mirrors and glass send on is hit by chance
 } RfPathSettings;
-
-// Radiance that arrives along the ray of each path slot. Emission hit by the ray is
-// kept separate, since light sampling at the ray's origin could have found it too
-// (src/reuse/estimators.md, E3).
-typedef struct RfArrivals
-{
-    RF_ALIGN float emitted[3][RF_LANES];
-    float light_pdf_solid_angle[RF_LANES]; // of the emitter, by light sampling at the origin; over q behind panes
-    float rest[3][RF_LANES];               // all longer paths
-} RfArrivals;
-
-// From the third vertex on, paths whose throughput is below this end by Russian roulette. They have cost most of their rays
-// by then: ending them sooner adds more noise than it saves time (src/reuse/tried.md).
-#define RF_ROULETTE_BELOW 0.25f
 
 // A thread's wavefront.
 typedef struct RfWavefront
@@ -209,6 +195,20 @@ static inline float rf_leaving_side( const RfVertexLanes* v, int i, const float 
     return cos_g > 0.0f ? 1.0f : -1.0f;
 }
 
+// Writes the ray that leaves a vertex lane on a side to a lane of the rays, but for its throughput.
+static inline void rf_write_ray( const RfVertexLanes* v, int i, const float wi[3], float side, float pdf, RfRayLanes* rays,
+                                 int to )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        rays->o[c][to] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
+        rays->d[c][to] = wi[c];
+        rays->n[c][to] = v->n[c][i];
+    }
+    rays->pdf_solid_angle[to] = pdf;
+    rays->slot[to] = v->slot[i];
+}
+
 // Transmittance of an absorbing medium (Beer, Lambert).
 static inline RfVec3 rf_transmittance( RfVec3 absorption, float distance )
 {
@@ -250,7 +250,7 @@ static inline float rf_own_weight( float vpl_connections, float area, RfVec3 y, 
     float d2 = rf_maxf( rf_dot( way, way ), 1e-20f ), inverse = 1.0f / sqrtf( d2 );
     float cos_y = rf_maxf( rf_dot( way, n_y ) * inverse, 0.0f ), cos_x = rf_maxf( -rf_dot( way, ng_x ) * inverse, 0.0f );
     float by_ray = RF_INV_PI * cos_y * area / d2; // over cos_x, like the next
-    return by_ray / ( by_ray + vpl_connections / rf_maxf( cos_x, RF_LEAST_VPL_COSINE ) );
+    return rf_balance_weight( by_ray, vpl_connections / rf_maxf( cos_x, RF_LEAST_VPL_COSINE ) );
 }
 
 // Whether a lane is matte.
@@ -276,7 +276,7 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
 
 // Computes the radiance that arrives along wavefront->rays, which left vertex
 // first_vertex − 1 of their paths: light and BSDF sampling at all further vertices,
-// combined by the balance heuristic, with Russian roulette after the third vertex.
+// combined by the balance heuristic, with Russian roulette from the third vertex on.
 // wavefront->arrivals must be zero for the slots of the rays.
 void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int first_vertex );
 

@@ -1,15 +1,9 @@
 // The light of hit records, weighted over the eyes that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3).
-#include "base/fault.h"
 #include "reuse/accumulate/biased_weights.h"
 #include "reuse/harvest/harvest_internal.h"
 
 #include <string.h>
-
-// A mixture density below this is no density: nothing was drawn there.
-#define MIN_PDF 1e-30f
-
-typedef RfArrivalLanes Arrival;
 
 static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
 {
@@ -23,42 +17,8 @@ static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch
         wi[c] = lanes[c];
 }
 
-static void gather_light_sample( const RfHarvest* harvest, const RfHarvestScratch* scratch, int sample, Arrival* out )
-{
-    const RfLightLanes* direct = scratch->direct + sample;
-    size_t bytes = (size_t)scratch->hits->count * sizeof( float );
-    float k = (float)harvest->shape.light_samples;
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( out->a[c], direct->radiance_cos[c], bytes );
-        memset( out->b[c], 0, bytes );
-    }
-    for ( int i = 0; i < scratch->hits->count; ++i )
-        out->light_pdf[i] = k * direct->pdf_solid_angle[i];
-}
-
-static void gather_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, Arrival* out )
-{
-    const RfVertexLanes* v = scratch->hits;
-    const RfArrivals* arrivals = &scratch->wavefront.arrivals;
-    const float( *wi )[RF_LANES] = scratch->scattered;
-    float k = (float)harvest->shape.light_samples;
-    int count = rf_record_count( v );
-    for ( int i = 0; i < count; ++i )
-    {
-        int slot = v->slot[i];
-        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
-        for ( int c = 0; c < 3; ++c )
-        {
-            out->a[c][i] = cos_x * arrivals->emitted[c][slot];
-            out->b[c][i] = cos_x * arrivals->rest[c][slot];
-        }
-        out->light_pdf[i] = k * arrivals->light_pdf_solid_angle[slot];
-    }
-}
-
 // Of the glossy hits.
-static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, Arrival* out )
+static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out )
 {
     int first = scratch->hits->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( scratch->hits );
     size_t bytes = (size_t)( end - first ) * sizeof( float );
@@ -70,20 +30,10 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
         rf_share_chain_light( harvest, scratch, pairing, out );
 }
 
-// Q = A / (K p_L + P) + B / P, at lane i.
-static void light_of( const Arrival* arrival, int i, float mixture, float q[3] )
-{
-    float both = arrival->light_pdf[i] + mixture;
-    float scale_a = both > MIN_PDF ? 1.0f / both : 0.0f;
-    float scale_b = mixture > MIN_PDF || RF_FAULT( mixture ) ? 1.0f / mixture : 0.0f;
-    for ( int c = 0; c < 3; ++c )
-        q[c] = arrival->a[c][i] * scale_a + arrival->b[c][i] * scale_b;
-}
-
 // Diffuse hits: the density is the same for all eyes, so the light to any of
 // them is known here.
-static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival, const float* const wi[3], RfHitBatch* batch,
-                         RfLaneScratch* s )
+static void add_diffuse( const RfHarvestScratch* scratch, const RfArrivalLanes* arrival, const float* const wi[3],
+                         RfHitBatch* batch, RfLaneScratch* s )
 {
     int count = batch->first[RF_BSDF_FIRST_GLOSSY];
     const RfVertexLanes* v = scratch->hits;
@@ -93,7 +43,7 @@ static void add_diffuse( const RfHarvestScratch* scratch, const Arrival* arrival
     for ( int i = 0; i < count; ++i )
     {
         float q[3];
-        light_of( arrival, i, s->pdf[i], q );
+        rf_weigh_arrival( arrival, i, s->pdf[i], q );
         for ( int c = 0; c < 3; ++c )
             batch->radiance[4 * i + c] += f[c][i] * q[c];
     }
@@ -107,7 +57,7 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     float( *sum )[RF_LANES] = scratch->arrival.b;
     const RfChainSamples* samples = scratch->chain_samples;
     RfChainSampling sampling = rf_chain_sampling( harvest, true );
-    float worth = sampling.worth / ( sampling.worth + (float)sampling.count ); // of diffuse hits, for any direction
+    float worth = rf_balance_weight( sampling.worth, (float)sampling.count ); // of diffuse hits, for any direction
     rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, samples != NULL ? samples->taken : NULL,
                                   worth, sum );
     for ( int i = 0; i < count; ++i )
@@ -137,7 +87,7 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
     const float* restrict density = scratch->density + (size_t)eye * RF_LANES + first;
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
-        mixture[i] += density[i] / sum[i] * pdf[i];
+        mixture[i] += rf_balance_weight_of_sum( density[i], sum[i] ) * pdf[i];
 }
 
 // P of all directions. With eyes that are not weighted, the density is that of
@@ -159,14 +109,14 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
     }
 }
 
-static void store_direction( const RfHitBatch* batch, const Arrival* arrival, const float* const wi[3], const float* mixture,
-                             RfDirectionLanes* out )
+static void store_direction( const RfHitBatch* batch, const RfArrivalLanes* arrival, const float* const wi[3],
+                             const float* mixture, RfDirectionLanes* out )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = batch->count - first;
     for ( int i = 0; i < count; ++i )
     {
         float q[3];
-        light_of( arrival, first + i, mixture[i], q );
+        rf_weigh_arrival( arrival, first + i, mixture[i], q );
         for ( int c = 0; c < 3; ++c )
         {
             out->wi[c][i] = wi[c][first + i];
@@ -177,18 +127,20 @@ static void store_direction( const RfHitBatch* batch, const Arrival* arrival, co
 
 static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
-    Arrival* arrival = &scratch->arrival;
+    RfArrivalLanes* arrival = &scratch->arrival;
     int pairing = direction - rf_first_pairing( &harvest->shape );
-    if ( direction < harvest->shape.light_samples )
-        gather_light_sample( harvest, scratch, direction, arrival );
-    else if ( pairing < 0 )
-        rf_gather_chain_samples( scratch, arrival );
-    else if ( pairing == 0 )
-        gather_scattered( harvest, scratch, arrival );
-    else
-        gather_tile_light( harvest, scratch, pairing, arrival );
+    const RfVertexLanes* v = scratch->hits;
+    float k = (float)harvest->shape.light_samples;
     const float* wi[3];
     direction_lanes( harvest, scratch, direction, wi );
+    if ( direction < harvest->shape.light_samples )
+        rf_gather_light_sample( scratch->direct + direction, v->count, k, arrival );
+    else if ( pairing < 0 )
+        rf_gather_light_sample( &scratch->chain_samples->found, v->count, 1.0f, arrival );
+    else if ( pairing == 0 )
+        rf_gather_scattered( v, rf_record_count( v ), wi, &scratch->wavefront.arrivals, k, arrival );
+    else
+        gather_tile_light( harvest, scratch, pairing, arrival );
     if ( pairing <= 0 )
         add_diffuse( scratch, arrival, wi, batch, &scratch->wavefront.scratch );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )

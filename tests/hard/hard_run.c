@@ -2,7 +2,7 @@
 #include "hard/hard.h"
 #include "hard/hard_double.h"
 #include "hard/hard_pictures.h"
-#include "reuse/weight_range.h"
+#include "path/mis.h"
 #include "support/reference_tracer.h"
 
 #include <float.h>

@@ -3,10 +3,10 @@
 #include "reuse/accumulate/accumulate.h"
 
 #include "base/fault.h"
+#include "path/mis.h"
 #include "reuse/accumulate/biased_weights.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/harvest/harvest.h"
-#include "reuse/weight_range.h"
 #include "scene/lens.h"
 
 #include <string.h>
@@ -303,8 +303,10 @@ static void reprojection_weights( const RfAccumulation* a, int eye_index, const 
     uint32_t bit = 1u << ( eye_index % 32 );
 #pragma omp simd
     for ( int i = 0; i < batch->count; ++i )
-        ratio[i] = ( seen[i] & bit ) != 0 ? weight * ( ratio[i] / ( RF_FAULT( normalised_frames ) ? sum[i] + ratio[i] : sum[i] ) )
-                                          : 0.0f;
+    {
+        float all = RF_FAULT( normalised_frames ) ? sum[i] + ratio[i] : sum[i];
+        ratio[i] = ( seen[i] & bit ) != 0 ? weight * rf_balance_weight_of_sum( ratio[i], all ) : 0.0f;
+    }
     rf_note_weights( ratio, batch->count, weight );
 }
 

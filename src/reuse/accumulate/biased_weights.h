@@ -5,6 +5,7 @@
 #ifndef REFRAME_REUSE_ACCUMULATE_BIASED_WEIGHTS_H
 #define REFRAME_REUSE_ACCUMULATE_BIASED_WEIGHTS_H
 
+#include "path/mis.h"
 #include "reuse/accumulate/accumulate.h"
 
 // What arrives at the glossy hits from one direction (RfArrivalLanes).

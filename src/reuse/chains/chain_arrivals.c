@@ -50,18 +50,6 @@ void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         rf_trace_chain_samples( &harvest->path, sampling, scratch->hits, &scratch->wavefront, scratch->chain_samples );
 }
 
-void rf_gather_chain_samples( const RfHarvestScratch* scratch, RfArrivalLanes* out )
-{
-    const RfLightLanes* found = &scratch->chain_samples->found;
-    size_t bytes = (size_t)scratch->hits->count * sizeof( float );
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( out->a[c], found->radiance_cos[c], bytes );
-        memset( out->b[c], 0, bytes );
-    }
-    memcpy( out->light_pdf, found->pdf_solid_angle, bytes );
-}
-
 void rf_share_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out )
 {
     const RfVertexLanes* v = scratch->hits;

@@ -3,6 +3,7 @@
 // show of lights is traced in any case, not only when a ray happens to reflect (split reflections).
 #include "reuse/chains/chains.h"
 
+#include "path/roulette.h"
 #include "reuse/chains/mirrored.h"
 #include "reuse/coats.h"
 
@@ -23,9 +24,7 @@ static inline void set_throughput( RfChains* chains, int slot, RfVec3 t )
     chains->throughput[2][slot] = t.z;
 }
 
-// Chains longer than this end by Russian roulette, from the same throughput on as paths. Up to there they may have passed panes
-// straight, and what an eye sees straight is weighted by the panes' q alone (reuse/harvest/visibility.c).
-#define NO_ROULETTE_UP_TO MOST_SPLIT
+_Static_assert( RF_CHAIN_ROULETTE_BEYOND >= MOST_SPLIT, "chains that may pass panes straight have no roulette" );
 
 // Makes the specular lanes of `found` the vertices where chains are.
 static void go_to( const RfVertexLanes* found, RfVertexLanes* at )
@@ -82,28 +81,12 @@ static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexL
         for ( int i = 0; i < v->count; ++i )
         {
             int slot = v->slot[i];
-            float scale = 1.0f / ( k * lights->pdf_solid_angle[i] + s->pdf[i] );
+            float scale = rf_balance_scale( k * lights->pdf_solid_angle[i], s->pdf[i] );
             for ( int c = 0; c < 3; ++c )
                 wavefront->arrivals.rest[c][slot] +=
                     chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
         }
     }
-}
-
-// Writes the ray that leaves lane i to lane `to` of the rays.
-static void write_ray( const RfVertexLanes* v, int i, const RfLaneScratch* s, float side, RfVec3 t, RfRayLanes* rays, int to )
-{
-    for ( int c = 0; c < 3; ++c )
-    {
-        rays->o[c][to] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
-        rays->d[c][to] = s->wi[c][i];
-        rays->n[c][to] = v->n[c][i];
-    }
-    rays->throughput[0][to] = t.x;
-    rays->throughput[1][to] = t.y;
-    rays->throughput[2][to] = t.z;
-    rays->pdf_solid_angle[to] = s->pdf[i];
-    rays->slot[to] = v->slot[i];
 }
 
 // A vertex of chains that scatters.
@@ -134,12 +117,17 @@ static void append_rays( const Scattering* at, bool end_at_panes, RfChains* chai
         float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
         float side = rf_leaving_side( v, i, direction );
         RfVec3 t = rf_mul( throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
-        float survival = at->roulette ? rf_minf( rf_max_component( t ) / RF_ROULETTE_BELOW, 1.0f ) : 1.0f;
+        float survival = at->roulette ? rf_survival( rf_max_component( t ) ) : 1.0f;
         if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival ||
              ends_at_panes( at, chains, i, side ) != end_at_panes )
             continue;
         chains->reflected[v->slot[i]] = side > 0.0f;
-        write_ray( v, i, s, side, rf_scale( t, 1.0f / survival ), rays, rays->count++ );
+        int to = rays->count++;
+        t = rf_scale( t, 1.0f / survival );
+        rays->throughput[0][to] = t.x;
+        rays->throughput[1][to] = t.y;
+        rays->throughput[2][to] = t.z;
+        rf_write_ray( v, i, direction, side, s->pdf[i], rays, to );
     }
 }
 
@@ -152,7 +140,7 @@ static int scatter_chains( const RfPathSettings* path, int vertex, int followed,
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension_of( path, vertex ) + RF_DIMENSION_SCATTER, wi, s );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension_of( path, vertex ) + RF_DIMENSION_ROULETTE, 1, s->random );
-    Scattering at = { .path = path, .vertex = vertex, .roulette = followed > NO_ROULETTE_UP_TO, .v = v, .s = s };
+    Scattering at = { .path = path, .vertex = vertex, .roulette = followed > RF_CHAIN_ROULETTE_BEYOND, .v = v, .s = s };
     wavefront->rays.count = 0;
     append_rays( &at, true, chains, &wavefront->rays );
     int end_at_panes = wavefront->rays.count;

@@ -2,6 +2,7 @@
 // traces the camera rays and their specular chains, lists what they hit, and lights the hits by the rest of their paths.
 #include "reuse/harvest/harvest_internal.h"
 
+#include "path/roulette.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -584,7 +585,7 @@ void rf_scale_roulette( RfHarvestScratch* scratch, int count )
         if ( chains )
             most = rf_maxf( scratch->chains->throughput[0][slot],
                             rf_maxf( scratch->chains->throughput[1][slot], scratch->chains->throughput[2][slot] ) );
-        scratch->wavefront.roulette_scale[slot] = rf_maxf( most, 0.1f );
+        scratch->wavefront.roulette_scale[slot] = rf_shared_factor( most );
     }
 }
 

@@ -94,9 +94,6 @@ void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
 // Adds the light that paths found by chains to what arrives at their hits, and takes the chain samples.
 void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling );
 
-// What chain samples found, as light samples.
-void rf_gather_chain_samples( const RfHarvestScratch* scratch, RfArrivalLanes* out );
-
 // The light of a pairing at glossy hits: what came by a chain could have been found by chain samples as well.
 void rf_share_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out );
 

@@ -42,7 +42,7 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
         for ( int i = rf_record_count( v ); i < v->count; ++i )
         {
             float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
-            float scale = 1.0f / ( k * direct->pdf_solid_angle[i] + s->pdf[i] );
+            float scale = rf_balance_scale( k * direct->pdf_solid_angle[i], s->pdf[i] );
             for ( int c = 0; c < 3; ++c )
                 light[c] += s->f[c][i] * ( direct->radiance_cos[c][i] * scale );
         }
@@ -59,7 +59,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
         int slot = v->slot[i], n = i - rf_record_count( v );
         float* light = light_of( batch, first_miss + n );
         float pdf = scratch->specular_pdf[n];
-        float weight = pdf > 0.0f ? pdf / ( pdf + k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
+        float weight = pdf > 0.0f ? rf_balance_weight( pdf, k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
         for ( int c = 0; c < 3; ++c )
             light[c] += arrivals->emitted[c][slot] * weight + arrivals->rest[c][slot];
     }

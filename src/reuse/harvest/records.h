@@ -18,14 +18,6 @@ typedef struct RfDirectionLanes
     float* q[3];
 } RfDirectionLanes;
 
-// One direction of all hits before it is weighted: the light in its two parts.
-typedef struct RfArrivalLanes
-{
-    RF_ALIGN float a[3][RF_LANES]; // |cos| times radiance that light sampling could have found too
-    float b[3][RF_LANES];          // |cos| times the rest
-    float light_pdf[RF_LANES];     // K p_L
-} RfArrivalLanes;
-
 typedef struct RfHitBatch
 {
     int eye;                           // index in the group of the frame whose pixels these are

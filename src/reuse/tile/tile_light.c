@@ -7,47 +7,18 @@
 
 #include <string.h>
 
-#define MIN_PDF 1e-30f
-
-// Loads one direction at all second vertices, with its light in two parts.
-static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* reuse, int sample )
+// Loads one direction of all second vertices, with its light in two parts: a light sample, or the scattered one.
+static void gather_light_sample( const RfPathSettings* settings, RfSecondVertices* second, int sample )
 {
-    const RfLightLanes* direct = reuse->second.direct + sample;
-    size_t bytes = (size_t)reuse->second.lanes.count * sizeof( float );
-    for ( int c = 0; c < 3; ++c )
-    {
-        memcpy( reuse->second.a[c], direct->radiance_cos[c], bytes );
-        memset( reuse->second.b[c], 0, bytes );
-    }
-    for ( int a = 0; a < reuse->second.lanes.count; ++a )
-        reuse->second.light_pdf[a] = (float)settings->light_samples * direct->pdf_solid_angle[a];
+    rf_gather_light_sample( second->direct + sample, second->lanes.count, (float)settings->light_samples, &second->arrival );
 }
 
 static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse )
 {
-    const RfVertexLanes* y = &reuse->second.lanes;
-    const RfArrivals* arrivals_at_second = &reuse->slots.at_second;
-    for ( int a = 0; a < y->count; ++a )
-    {
-        int slot = y->slot[a];
-        float cos_y =
-            y->n[0][a] * reuse->second.wi[0][a] + y->n[1][a] * reuse->second.wi[1][a] + y->n[2][a] * reuse->second.wi[2][a];
-        for ( int c = 0; c < 3; ++c )
-        {
-            reuse->second.a[c][a] = cos_y * arrivals_at_second->emitted[c][slot];
-            reuse->second.b[c][a] = cos_y * arrivals_at_second->rest[c][slot];
-        }
-        reuse->second.light_pdf[a] = (float)settings->light_samples * arrivals_at_second->light_pdf_solid_angle[slot];
-    }
-}
-
-static inline void light_of( const RfTileReuse* reuse, int a, float mixture, float q[3] )
-{
-    float both = reuse->second.light_pdf[a] + mixture;
-    float scale_a = both > MIN_PDF ? 1.0f / both : 0.0f;
-    float scale_b = mixture > MIN_PDF ? 1.0f / mixture : 0.0f;
-    for ( int c = 0; c < 3; ++c )
-        q[c] = reuse->second.a[c][a] * scale_a + reuse->second.b[c][a] * scale_b;
+    RfSecondVertices* second = &reuse->second;
+    const float* wi[3] = { second->wi[0], second->wi[1], second->wi[2] };
+    rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->slots.at_second, (float)settings->light_samples,
+                         &second->arrival );
 }
 
 // Diffuse vertices scatter the same light to all receivers.
@@ -60,7 +31,7 @@ static void add_diffuse( const float* const wi[3], RfTileReuse* reuse, RfLaneScr
     for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY]; ++a )
     {
         float q[3];
-        light_of( reuse, a, s->pdf[a], q );
+        rf_weigh_arrival( &reuse->second.arrival, a, s->pdf[a], q );
         for ( int c = 0; c < 3; ++c )
             reuse->pairings[0].light[c][a] += f[c][a] * q[c];
     }
@@ -105,9 +76,9 @@ static void add_diffuse_connections( const RfPathSettings* settings, const float
     rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, scratch->pdf );
     for ( int a = 0; a < count; ++a )
     {
-        float scale = 1.0f / ( reuse->second.light_pdf[a] + scratch->pdf[a] );
+        float scale = rf_balance_scale( reuse->second.arrival.light_pdf[a], scratch->pdf[a] );
         for ( int c = 0; c < 3; ++c )
-            f[c][a] *= reuse->second.a[c][a] * scale;
+            f[c][a] *= reuse->second.arrival.a[c][a] * scale;
     }
     for ( int pairing = tile_pixels - 1; pairing >= 0; --pairing )
     {
@@ -170,9 +141,9 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
     for ( int a = first; a < end; ++a )
     {
         float q[3];
-        light_of( reuse, a, reuse->second.mixture[a], q );
+        rf_weigh_arrival( &reuse->second.arrival, a, reuse->second.mixture[a], q );
         for ( int c = 0; c < 3; ++c )
-            reuse->second.a[c][a] = q[c];
+            reuse->second.arrival.a[c][a] = q[c];
     }
     for ( int pairing = 0; pairing < tile_pixels; ++pairing )
     {
@@ -183,7 +154,7 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
         {
 #pragma omp simd
             for ( int a = first; a < end; ++a )
-                t->light[c][a] += t->f[c][a] * reuse->second.a[c][a] * weight[a];
+                t->light[c][a] += t->f[c][a] * reuse->second.arrival.a[c][a] * weight[a];
         }
     }
 }
@@ -205,7 +176,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         bool specular = scattered && a >= rf_record_count( y ); // its ray carried the weight
         float pdf = specular ? reuse->second.pdf[a] : s->pdf[a], q[3];
         float weight = connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
-        light_of( reuse, a, pdf, q );
+        rf_weigh_arrival( &reuse->second.arrival, a, pdf, q );
         for ( int c = 0; c < 3; ++c )
         {
             float light = f[c][a] * q[c] * weight;
@@ -213,7 +184,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
             {
                 float k = (float)settings->light_samples * reuse->slots.at_second.light_pdf_solid_angle[slot];
                 light = reuse->slots.at_second.rest[c][slot] +
-                        ( pdf > 0.0f ? reuse->slots.at_second.emitted[c][slot] * ( pdf / ( pdf + k ) ) : 0.0f );
+                        ( pdf > 0.0f ? reuse->slots.at_second.emitted[c][slot] * rf_balance_weight( pdf, k ) : 0.0f );
             }
             wavefront->arrivals.rest[c][slot] += reuse->second.throughput[c][a] * light;
         }
@@ -259,7 +230,7 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
         float( *from )[RF_LANES] = d < k ? reuse->second.direct[d].wi : reuse->second.wi;
         const float* wi[3] = { from[0], from[1], from[2] };
         if ( d < k )
-            gather_light_sample( path, reuse, d );
+            gather_light_sample( path, &reuse->second, d );
         else
             gather_scattered( path, reuse );
         rf_evaluate_lanes( y, wi, f, s->pdf );
@@ -267,10 +238,10 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
         {
             float q[3], arrives = 0.0f;
             for ( int c = 0; c < 3; ++c )
-                arrives += reuse->second.a[c][a] + reuse->second.b[c][a];
+                arrives += reuse->second.arrival.a[c][a] + reuse->second.arrival.b[c][a];
             if ( arrives > 0.0f )
                 luminance[a] = rf_maxf( luminance[a], 0.0f );
-            light_of( reuse, a, s->pdf[a], q );
+            rf_weigh_arrival( &reuse->second.arrival, a, s->pdf[a], q );
             luminance[a] += rf_luminance( rf_vec3( s->f[0][a] * q[0], s->f[1][a] * q[1], s->f[2][a] * q[2] ) );
         }
     }
@@ -297,7 +268,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
         if ( scattered )
             gather_scattered( path, reuse );
         else
-            gather_light_sample( path, reuse, connections ? k : d );
+            gather_light_sample( path, &reuse->second, connections ? k : d );
         if ( !reused )
             add_not_reused( path, wavefront, wi, scattered, connections, reuse );
         if ( connections )

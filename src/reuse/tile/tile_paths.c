@@ -7,6 +7,8 @@
 // path that brings little is connected to the other hits of its tile only now and then.
 #include "reuse/tile/tile_paths.h"
 
+#include "path/roulette.h"
+
 #include <string.h>
 
 // Moves lane from[b] of an array to lane b.
@@ -135,10 +137,6 @@ void rf_restore_copies( const int32_t* source, int light_samples, RfWavefront* w
     }
 }
 
-// Paths are certain to survive from this share of the mean of their tile on, and with this probability at least.
-#define CERTAIN_SHARE 0.1f
-#define LEAST_SURVIVAL 0.1f
-
 // By second vertex: the mean over the paths of its tile, those that found no vertex included.
 static void find_tile_means( const RfTileReuse* reuse, const float* luminance, float* mean )
 {
@@ -202,8 +200,7 @@ void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileRe
         if ( i < 0 )
             continue;
         RfRandomKey key = { wavefront->key_a[slot], wavefront->key_b[slot] };
-        float certain = CERTAIN_SHARE * mean[a];
-        float survival = luminance[a] < certain && certain > 0.0f ? rf_maxf( luminance[a] / certain, LEAST_SURVIVAL ) : 1.0f;
+        float survival = rf_reuse_survival( luminance[a], mean[a] );
         bool survives = luminance[a] >= 0.0f && ( survival == 1.0f || rf_random( key, RF_DIMENSION_CONNECTIONS ) < survival );
         reuse->thinned += 1;
         reuse->kept += survives;

@@ -49,11 +49,10 @@ typedef struct RfSecondVertices
     RfLightLanes* direct;                   // light samples, K of them, and one of the connector
     float wi[3][RF_LANES];                  // scattered direction of its path, and its density
     float pdf[RF_LANES];
-    float wo[3][RF_LANES];                                     // to the receivers of a pairing
-    float a[3][RF_LANES], b[3][RF_LANES], light_pdf[RF_LANES]; // one direction: light that light sampling may find, other
-                                                               // light, and K p_L
-    float mixture[RF_LANES];                                   // P of that direction
-    bool dark[RF_LANES];                                       // no light arrives there: reused, but not connected
+    float wo[3][RF_LANES];   // to the receivers of a pairing
+    RfArrivalLanes arrival;  // of one direction
+    float mixture[RF_LANES]; // P of that direction
+    bool dark[RF_LANES];     // no light arrives there: reused, but not connected
     bool parallel[RF_LANES]; // the chain that begins there is followed in the same direction (reuse/tile/tile_chains.h)
 } RfSecondVertices;
 

@@ -5,7 +5,6 @@
 #include "base/fault.h"
 #include "reuse/tile/tile.h"
 #include "reuse/tile/tile_chains.h"
-#include "reuse/weight_range.h"
 
 #include <float.h>
 #include <string.h>
@@ -223,7 +222,8 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         for ( int i = 0; i < hits; ++i )
         {
             float all = sum[pairing->vertex[i]]; // 0 where all weights are
-            pairing->weight[i] /= all > 0.0f && !RF_FAULT( normalised_tiles ) ? all : 1.0f;
+            all = all > 0.0f && !RF_FAULT( normalised_tiles ) ? all : 1.0f;
+            pairing->weight[i] = rf_balance_weight_of_sum( pairing->weight[i], all );
         }
         rf_note_weights( pairing->weight, hits, 1.0f );
     }

@@ -1,0 +1,50 @@
+#include "path/mis.h"
+
+#include <stddef.h>
+#include <string.h>
+
+void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfArrivalLanes* out )
+{
+    size_t bytes = (size_t)count * sizeof( float );
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( out->a[c], light->radiance_cos[c], bytes );
+        memset( out->b[c], 0, bytes );
+    }
+    for ( int i = 0; i < count; ++i )
+        out->light_pdf[i] = k * light->pdf_solid_angle[i];
+}
+
+void rf_gather_scattered( const RfVertexLanes* v, int count, const float* const wi[3], const RfArrivals* arrivals, float k,
+                          RfArrivalLanes* out )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int slot = v->slot[i];
+        float cos_x = v->n[0][i] * wi[0][i] + v->n[1][i] * wi[1][i] + v->n[2][i] * wi[2][i];
+        for ( int c = 0; c < 3; ++c )
+        {
+            out->a[c][i] = cos_x * arrivals->emitted[c][slot];
+            out->b[c][i] = cos_x * arrivals->rest[c][slot];
+        }
+        out->light_pdf[i] = k * arrivals->light_pdf_solid_angle[slot];
+    }
+}
+
+static RfWeightRange* s_range;
+
+void rf_watch_weights( RfWeightRange* range ) { s_range = range; }
+
+void rf_note_weights( const float* weight, int count, float scale )
+{
+    if ( s_range == NULL )
+        return;
+    for ( int i = 0; i < count; ++i )
+    {
+        float w = weight[i] / scale;
+        s_range->nans += !( w == w );
+        s_range->count += w > 0.0f;
+        s_range->least = w < s_range->least ? w : s_range->least;
+        s_range->most = w > s_range->most ? w : s_range->most;
+    }
+}

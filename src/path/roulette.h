@@ -1,0 +1,41 @@
+// Russian roulette: paths that carry little end by chance, and those that survive are scaled up by the inverse of their survival
+// probability, so the mean stays (Arvo, Kirk, Particle Transport and Image Synthesis, SIGGRAPH 1990). Where it begins and how
+// likely paths survive is decided here alone.
+#ifndef REFRAME_PATH_ROULETTE_H
+#define REFRAME_PATH_ROULETTE_H
+
+#include "math/vec3.h"
+
+// The first vertex of a path that roulette is played at.
+#define RF_ROULETTE_VERTEX 3
+
+// Chains of camera rays that are longer than this have it, too. Up to there they may have passed panes straight, and what a
+// camera sees straight is weighted by the panes' q alone (reuse/harvest/visibility.c).
+#define RF_CHAIN_ROULETTE_BEYOND 4
+
+// Survival probability of a path whose throughput has this largest channel. It falls below 1 late: by the third vertex paths have
+// cost most of their rays, and ending them sooner adds more noise than it saves time.
+static inline float rf_survival( float carried )
+{
+    const float certain = 0.25f;
+    return rf_minf( carried / certain, 1.0f );
+}
+
+// What a factor of the throughput counts for roulette where other cameras may see the path: it has a floor, since the path may
+// be nearly invisible to its own camera alone.
+static inline float rf_shared_factor( float factor )
+{
+    const float least = 0.1f;
+    return rf_maxf( factor, least );
+}
+
+// Survival probability of a path as one that the other pixels of its tile reuse, by the luminance that it brings and the mean of
+// the tile's paths (Bauszat, Petitjean, Eisemann, Gradient-Domain Path Reusing, 2017).
+static inline float rf_reuse_survival( float luminance, float tile_mean )
+{
+    const float least = 0.1f;
+    float certain = 0.1f * tile_mean;
+    return luminance < certain && certain > 0.0f ? rf_maxf( luminance / certain, least ) : 1.0f;
+}
+
+#endif
