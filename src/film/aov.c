@@ -94,7 +94,7 @@ void rf_format_aovs( unsigned aovs, char* text, size_t size )
     }
 }
 
-// Points farther off the film centre of another eye count as behind it, pixels.
+// Points farther off the film centre of another camera count as behind it, pixels.
 #define FARTHEST_MOTION 1e6f
 
 // A pixel of an AOV that is filtered.
@@ -146,7 +146,7 @@ typedef struct Seen
     bool infinite;
 } Seen;
 
-// Where something is seen, pixels from the film's centre, +y up; false where it is behind the eye or far outside.
+// Where something is seen, pixels from the film's centre, +y up; false where it is behind the camera or far outside.
 static bool film_position( const RfEye* eye, Seen seen, float at[2] )
 {
     return rf_eye_position( eye, seen.point, seen.infinite, at ) && fabsf( at[0] ) < FARTHEST_MOTION &&

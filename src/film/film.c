@@ -1,3 +1,4 @@
+// Sums of a frame's two halves, their combination to a picture (E2), and its variance.
 #include "film/film.h"
 
 #include "base/fault.h"

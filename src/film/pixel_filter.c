@@ -1,3 +1,4 @@
+// Tabulates pixel filters from the integrals of their windows, and draws places from them.
 #include "film/pixel_filter.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+// Traces chain samples: short rays by the cosine that end at anything but mirrors and smooth glass, and what they find there.
 #include "path/chain_samples.h"
 
 #include "math/fastmath.h"

@@ -1,3 +1,4 @@
+// Images of the cameras in flat mirrors: projection to them, directions, and visibility by way of the mirror.
 #include "reuse/chains/mirrored.h"
 
 #include "reuse/harvest/eye_rays.h"

@@ -1,3 +1,4 @@
+// Segments from cameras to points: in packets from one origin, or one by one for parallel projections.
 #include "reuse/harvest/eye_rays.h"
 
 #include "path/lanes.h"

@@ -1,3 +1,4 @@
+// The layout of a batch of hit records in one block of memory.
 #include "reuse/harvest/records.h"
 
 #include "reuse/accumulate/biased_weights.h"
