@@ -142,7 +142,7 @@ static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene,
                  options->scene );
 }
 
-#define LEAST_WEIGHTED_PASSES 4 // two in each half: src/gradient/picture.c
+#define LEAST_WEIGHTED_PASSES 4 // two in each half: src/gradient/films.c
 
 // A reconstruction that is biased, or that so few samples cannot have.
 static void warn_of_reconstruction( const RfRenderSettings* s, RfLog* log )
