@@ -1,4 +1,5 @@
 // Reads whole files into memory, and hashes their contents.
+// Blender's own files, which users give in place of an export.
 #ifndef REFRAME_BASE_FILE_H
 #define REFRAME_BASE_FILE_H
 
@@ -17,5 +18,9 @@ RfResult rf_read_file( const char* path, uint64_t limit, uint8_t** bytes, size_t
 // Extends `hash` (RF_HASH_START initially) by some bytes, eight at a time. Not cryptographic.
 // Hashing a and then b differs from hashing their concatenation.
 uint64_t rf_hash_bytes( uint64_t hash, const void* bytes, size_t size );
+
+// Fails with RF_ERROR_UNSUPPORTED, and says how to export it, where the first bytes of `path` are those
+// of a .blend or of a compressed file, as Blender writes them too (zstd since 3.0, gzip before).
+RfResult rf_refuse_blend_file( const char* path, const void* bytes, size_t size, RfError* error );
 
 #endif

@@ -1,4 +1,5 @@
 // Resources of the machine: time, memory, cores.
+// Limits of memory and processor time of containers and services: control groups, versions 1 and 2.
 #ifndef REFRAME_BASE_SYSTEM_H
 #define REFRAME_BASE_SYSTEM_H
 
@@ -26,5 +27,14 @@ void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] );
 
 // Cores this process may use, ≥ 1: those of its CPU set (taskset), or as many as the quota of its control groups is worth.
 int rf_core_count( void );
+
+// Bytes that the group `path` ("/a/b") below the mount point `root`, and all its ancestors,
+// may still allocate: the limit minus what is in use, where inactive file pages count as
+// free. SIZE_MAX if unlimited.
+size_t rf_cgroup_free_memory( const char* root, const char* path );
+
+// Cores' worth of time that the group and its ancestors may take, by their quotas: 1.5 is three halves of a core. INFINITY if
+// unlimited. And that of this process.
+double rf_cgroup_cores( const char* root, const char* path );
 
 #endif

@@ -1,5 +1,5 @@
 // From a file of another format to a .glb (reframe/convert.h).
-#include "base/blend_file.h"
+#include "base/file.h"
 #include "base/remedy.h"
 #include "convert/glb_write.h"
 #include "convert/ply_read.h"

@@ -1,12 +1,560 @@
 #include "convert/glb_write.h"
 
 #include "base/remedy.h"
+#include "convert/model.h"
 
-#include "convert/glb_document.h"
-
+#include <jansson.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+// A byte range inside the model, not a copy.
+typedef struct RfGlbPart
+{
+    const void* bytes;
+    uint64_t size;
+} RfGlbPart;
+
+typedef struct RfGlbDocument
+{
+    const RfModel* model;
+    json_t* root;
+    json_t *accessors, *views, *meshes; // borrowed from root
+    RfGlbPart* parts;                   // one per buffer view, each aligned to 4 bytes
+    int part_count;
+    uint64_t size;    // of the buffer, padded
+    int* lone_meshes; // per model mesh: the glTF mesh that holds only this one, or −1
+    bool failed;      // out of memory
+} RfGlbDocument;
+
+// Pieces of JSON. Sets a key of an object; a failed allocation sets `failed`.
+static void set( RfGlbDocument* d, json_t* object, const char* key, json_t* value )
+{
+    if ( json_object_set_new( object, key, value ) != 0 )
+        d->failed = true;
+}
+
+// Appends to an array; a failed allocation sets `failed`.
+static void append( RfGlbDocument* d, json_t* array, json_t* value )
+{
+    if ( json_array_append_new( array, value ) != 0 )
+        d->failed = true;
+}
+
+// An array of numbers; NULL if memory runs out.
+static json_t* reals( const float* values, int count )
+{
+    json_t* array = json_array();
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( json_array_append_new( array, json_real( (double)values[i] ) ) != 0 )
+        {
+            json_decref( array );
+            return NULL;
+        }
+    }
+    return array;
+}
+
+// A string; bytes that are not valid UTF-8 become '?'.
+static json_t* glb_name( const char* name )
+{
+    json_t* text = json_string( name );
+    if ( text != NULL )
+        return text;
+    char* plain = strdup( name );
+    for ( char* c = plain; c != NULL && *c != 0; ++c )
+        *c = (unsigned char)*c >= 0x80 ? '?' : *c;
+    text = plain != NULL ? json_string( plain ) : NULL;
+    free( plain );
+    return text;
+}
+
+static float emission_strength( const RfModelMaterial* m )
+{
+    float largest = m->emission[0];
+    for ( int i = 1; i < 3; ++i )
+        largest = m->emission[i] > largest ? m->emission[i] : largest;
+    return largest > 1.0f ? largest : 1.0f;
+}
+
+static json_t* one_real( const char* key, float value ) { return json_pack( "{s:f}", key, (double)value ); }
+
+static json_t* material_extensions( RfGlbDocument* d, const RfModelMaterial* m )
+{
+    json_t* extensions = json_object();
+    float strength = emission_strength( m );
+    if ( strength > 1.0f )
+        set( d, extensions, "KHR_materials_emissive_strength", one_real( "emissiveStrength", strength ) );
+    if ( m->specular != 1.0f )
+        set( d, extensions, "KHR_materials_specular", one_real( "specularFactor", m->specular ) );
+    if ( m->ior != 1.5f )
+        set( d, extensions, "KHR_materials_ior", one_real( "ior", m->ior ) );
+    if ( m->transmission != 0.0f )
+        set( d, extensions, "KHR_materials_transmission", one_real( "transmissionFactor", m->transmission ) );
+    return extensions;
+}
+
+// Texture i of the file uses image i of the model.
+static void set_texture( RfGlbDocument* d, json_t* object, const char* key, int image )
+{
+    if ( image >= 0 )
+        set( d, object, key, json_pack( "{s:i}", "index", image ) );
+}
+
+// An entry of "materials".
+static json_t* glb_material( RfGlbDocument* d, const RfModelMaterial* m )
+{
+    json_t* material = json_object();
+    if ( m->name != NULL )
+        set( d, material, "name", glb_name( m->name ) );
+    json_t* pbr = json_object();
+    set( d, pbr, "baseColorFactor", reals( m->base_color, 4 ) );
+    set( d, pbr, "metallicFactor", json_real( (double)m->metallic ) );
+    set( d, pbr, "roughnessFactor", json_real( (double)m->roughness ) );
+    set_texture( d, pbr, "baseColorTexture", m->base_color_image );
+    set( d, material, "pbrMetallicRoughness", pbr );
+    set_texture( d, material, "normalTexture", m->normal_image );
+    set_texture( d, material, "emissiveTexture", m->emissive_image );
+    float strength = emission_strength( m ), factor[3];
+    for ( int i = 0; i < 3; ++i )
+        factor[i] = m->emission[i] / strength;
+    if ( factor[0] > 0.0f || factor[1] > 0.0f || factor[2] > 0.0f )
+        set( d, material, "emissiveFactor", reals( factor, 3 ) );
+    if ( m->alpha_mode != RF_MODEL_OPAQUE )
+        set( d, material, "alphaMode", json_string( m->alpha_mode == RF_MODEL_MASK ? "MASK" : "BLEND" ) );
+    if ( m->alpha_mode == RF_MODEL_MASK )
+        set( d, material, "alphaCutoff", json_real( (double)m->alpha_cutoff ) );
+    if ( m->double_sided )
+        set( d, material, "doubleSided", json_true() );
+    json_t* extensions = material_extensions( d, m );
+    if ( json_object_size( extensions ) > 0 )
+        set( d, material, "extensions", extensions );
+    else
+        json_decref( extensions );
+    return material;
+}
+
+// The names of the extensions that the model uses, as an array; NULL if none.
+static json_t* glb_extensions( RfGlbDocument* d )
+{
+    const RfModel* model = d->model;
+    bool strength = false, specular = false, ior = false, transmission = false;
+    for ( int i = 0; i < model->material_count; ++i )
+    {
+        const RfModelMaterial* m = model->materials + i;
+        strength = strength || emission_strength( m ) > 1.0f;
+        specular = specular || m->specular != 1.0f;
+        ior = ior || m->ior != 1.5f;
+        transmission = transmission || m->transmission != 0.0f;
+    }
+    const struct
+    {
+        bool used;
+        const char* name;
+    } all[] = {
+        { strength, "KHR_materials_emissive_strength" },
+        { specular, "KHR_materials_specular" },
+        { ior, "KHR_materials_ior" },
+        { transmission, "KHR_materials_transmission" },
+        { model->light_count > 0, "KHR_lights_punctual" },
+    };
+    json_t* names = json_array();
+    for ( size_t i = 0; i < sizeof all / sizeof all[0]; ++i )
+    {
+        if ( all[i].used )
+            append( d, names, json_string( all[i].name ) );
+    }
+    if ( json_array_size( names ) > 0 )
+        return names;
+    json_decref( names );
+    return NULL;
+}
+
+// The two chunks of a .glb file: the JSON document, and the byte ranges of the
+// binary buffer, one per buffer view and in their order. Internal to glb_write.c.
+
+enum
+{
+    VERTICES = 34962, // bufferView targets: ARRAY_BUFFER
+    INDICES = 34963,  // ELEMENT_ARRAY_BUFFER
+    FLOAT = 5126,     // component types
+    UNSIGNED_INT = 5125,
+};
+
+// A new array under `key` of the root, which owns it; NULL if out of memory.
+static json_t* root_array( RfGlbDocument* d, const char* key )
+{
+    json_t* array = json_array();
+    set( d, d->root, key, array );
+    return d->failed ? NULL : array;
+}
+
+// Adds a byte range and its buffer view; returns the index of the view.
+static int add_part( RfGlbDocument* d, const void* bytes, uint64_t size, int target )
+{
+    int index = d->part_count++;
+    d->parts[index] = ( RfGlbPart ){ bytes, size };
+    json_t* view = json_pack( "{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)d->size, "byteLength", (json_int_t)size );
+    if ( target != 0 )
+        set( d, view, "target", json_integer( target ) );
+    append( d, d->views, view );
+    d->size += ( size + 3 ) / 4 * 4;
+    return index;
+}
+
+static json_t* add_accessor( RfGlbDocument* d, const void* bytes, uint64_t count, const char* type, int width, bool indices )
+{
+    int view = add_part( d, bytes, count * (uint64_t)width * 4, indices ? INDICES : VERTICES );
+    json_t* accessor = json_pack( "{s:i, s:i, s:I, s:s}", "bufferView", view, "componentType", indices ? UNSIGNED_INT : FLOAT,
+                                  "count", (json_int_t)count, "type", type );
+    append( d, d->accessors, accessor );
+    return accessor;
+}
+
+static void set_bounds( RfGlbDocument* d, json_t* accessor, const RfModelMesh* mesh )
+{
+    float low[3], high[3];
+    memcpy( low, mesh->positions, sizeof low );
+    memcpy( high, mesh->positions, sizeof high );
+    for ( uint64_t i = 0; i < 3ull * mesh->vertex_count; ++i )
+    {
+        float value = mesh->positions[i];
+        int axis = (int)( i % 3 );
+        low[axis] = value < low[axis] ? value : low[axis];
+        high[axis] = value > high[axis] ? value : high[axis];
+    }
+    set( d, accessor, "min", reals( low, 3 ) );
+    set( d, accessor, "max", reals( high, 3 ) );
+}
+
+// The primitive of a model mesh, as JSON, with its accessors.
+static json_t* make_primitive( RfGlbDocument* d, const RfModelMesh* mesh )
+{
+    json_t* attributes = json_object();
+    int next = (int)json_array_size( d->accessors );
+    set( d, attributes, "POSITION", json_integer( next++ ) );
+    set_bounds( d, add_accessor( d, mesh->positions, mesh->vertex_count, "VEC3", 3, false ), mesh );
+    const struct
+    {
+        const float* values;
+        const char *name, *type;
+        int width;
+    } more[] = { { mesh->normals, "NORMAL", "VEC3", 3 },
+                 { mesh->uvs, "TEXCOORD_0", "VEC2", 2 },
+                 { mesh->colors, "COLOR_0", "VEC4", 4 } };
+    for ( int i = 0; i < 3; ++i )
+    {
+        if ( more[i].values == NULL )
+            continue;
+        set( d, attributes, more[i].name, json_integer( next++ ) );
+        add_accessor( d, more[i].values, mesh->vertex_count, more[i].type, more[i].width, false );
+    }
+    add_accessor( d, mesh->indices, 3ull * mesh->triangle_count, "SCALAR", 1, true );
+    json_t* primitive = json_pack( "{s:o, s:i}", "attributes", attributes, "indices", next );
+    if ( mesh->material >= 0 )
+        set( d, primitive, "material", json_integer( mesh->material ) );
+    return primitive;
+}
+
+// Creates the glTF mesh of a node: a list of primitives, one for each mesh of the node. Nodes
+// with the same single mesh share it.
+static int mesh_of_node( RfGlbDocument* d, json_t* primitives, const RfModelNode* node )
+{
+    int lone = node->mesh_count == 1 ? node->meshes[0] : -1;
+    if ( lone >= 0 && d->lone_meshes[lone] >= 0 )
+        return d->lone_meshes[lone];
+    json_t* list = json_array();
+    for ( int i = 0; i < node->mesh_count; ++i )
+    {
+        if ( json_array_append( list, json_array_get( primitives, (size_t)node->meshes[i] ) ) != 0 )
+            d->failed = true;
+    }
+    json_t* mesh = json_pack( "{s:o}", "primitives", list );
+    const char* name = d->model->meshes[node->meshes[0]].name;
+    if ( name != NULL )
+        set( d, mesh, "name", glb_name( name ) );
+    int index = (int)json_array_size( d->meshes );
+    append( d, d->meshes, mesh );
+    if ( lone >= 0 )
+        d->lone_meshes[lone] = index;
+    return index;
+}
+
+static bool is_identity( const RfMat4* matrix )
+{
+    for ( int i = 0; i < 16; ++i )
+    {
+        if ( matrix->m[i] != ( i % 5 == 0 ? 1.0 : 0.0 ) )
+            return false;
+    }
+    return true;
+}
+
+static void add_node( RfGlbDocument* d, json_t* nodes, json_t* roots, json_t* primitives, const RfModelNode* node )
+{
+    json_t* object = json_object();
+    if ( node->name != NULL )
+        set( d, object, "name", glb_name( node->name ) );
+    if ( !is_identity( &node->matrix ) )
+    {
+        json_t* matrix = json_array();
+        for ( int i = 0; i < 16; ++i )
+            append( d, matrix, json_real( node->matrix.m[i] ) );
+        set( d, object, "matrix", matrix );
+    }
+    if ( node->mesh_count > 0 )
+        set( d, object, "mesh", json_integer( mesh_of_node( d, primitives, node ) ) );
+    int index = (int)json_array_size( nodes );
+    append( d, nodes, object );
+    if ( node->parent < 0 )
+    {
+        append( d, roots, json_integer( index ) );
+        return;
+    }
+    json_t* parent = json_array_get( nodes, (size_t)node->parent );
+    json_t* children = json_object_get( parent, "children" );
+    if ( children == NULL )
+    {
+        children = json_array();
+        set( d, parent, "children", children );
+    }
+    append( d, children, json_integer( index ) );
+}
+
+static void add_nodes( RfGlbDocument* d )
+{
+    const RfModel* model = d->model;
+    json_t* primitives = json_array();
+    json_t* roots = json_array();
+    if ( model->mesh_count > 0 )
+    {
+        d->accessors = root_array( d, "accessors" );
+        d->meshes = root_array( d, "meshes" );
+    }
+    for ( int i = 0; i < model->mesh_count && !d->failed; ++i )
+        append( d, primitives, make_primitive( d, model->meshes + i ) );
+    json_t* nodes = model->node_count > 0 ? root_array( d, "nodes" ) : NULL;
+    for ( int i = 0; i < model->node_count && !d->failed; ++i )
+        add_node( d, nodes, roots, primitives, model->nodes + i );
+    if ( json_array_size( d->meshes ) == 0 )
+        json_object_del( d->root, "meshes" ); // glTF forbids empty arrays
+    json_t* scene = json_object();
+    if ( json_array_size( roots ) > 0 )
+        set( d, scene, "nodes", roots );
+    else
+        json_decref( roots );
+    set( d, d->root, "scene", json_integer( 0 ) );
+    set( d, d->root, "scenes", json_pack( "[o]", scene ) );
+    json_decref( primitives );
+}
+
+static void add_materials( RfGlbDocument* d )
+{
+    const RfModel* model = d->model;
+    json_t* materials = model->material_count > 0 ? root_array( d, "materials" ) : NULL;
+    for ( int i = 0; i < model->material_count && !d->failed; ++i )
+        append( d, materials, glb_material( d, model->materials + i ) );
+    json_t* images = model->image_count > 0 ? root_array( d, "images" ) : NULL;
+    json_t* textures = model->image_count > 0 ? root_array( d, "textures" ) : NULL;
+    for ( int i = 0; i < model->image_count && !d->failed; ++i )
+    {
+        const RfModelImage* image = model->images + i;
+        int view = add_part( d, image->bytes, image->size, 0 );
+        json_t* object = json_pack( "{s:i, s:s}", "bufferView", view, "mimeType", image->mime );
+        if ( image->name != NULL )
+            set( d, object, "name", glb_name( image->name ) );
+        append( d, images, object );
+        append( d, textures, json_pack( "{s:i}", "source", i ) );
+    }
+}
+
+static void add_cameras( RfGlbDocument* d )
+{
+    const RfModel* model = d->model;
+    json_t* nodes = json_object_get( d->root, "nodes" );
+    json_t* cameras = model->camera_count > 0 ? root_array( d, "cameras" ) : NULL;
+    for ( int i = 0; i < model->camera_count && !d->failed; ++i )
+    {
+        const RfModelCamera* camera = model->cameras + i;
+        json_t* object =
+            json_pack( "{s:s, s:{s:f, s:f}}", "type", "perspective", "perspective", "yfov", camera->yfov, "znear", 0.01 );
+        if ( camera->name != NULL )
+            set( d, object, "name", glb_name( camera->name ) );
+        append( d, cameras, object );
+        set( d, json_array_get( nodes, (size_t)camera->node ), "camera", json_integer( i ) );
+    }
+}
+
+static void add_lights( RfGlbDocument* d )
+{
+    const RfModel* model = d->model;
+    static const char* const kinds[] = { "point", "spot", "directional" };
+    json_t* nodes = json_object_get( d->root, "nodes" );
+    json_t* lights = json_array();
+    for ( int i = 0; i < model->light_count; ++i )
+    {
+        const RfModelLight* light = model->lights + i;
+        json_t* object = json_pack( "{s:s, s:f}", "type", kinds[light->kind], "intensity", (double)light->intensity );
+        if ( light->name != NULL )
+            set( d, object, "name", glb_name( light->name ) );
+        set( d, object, "color", reals( light->color, 3 ) );
+        if ( light->kind == RF_MODEL_SPOT )
+            set( d, object, "spot",
+                 json_pack( "{s:f, s:f}", "innerConeAngle", (double)light->inner_angle, "outerConeAngle",
+                            (double)light->outer_angle ) );
+        append( d, lights, object );
+        set( d, json_array_get( nodes, (size_t)light->node ), "extensions",
+             json_pack( "{s:{s:i}}", "KHR_lights_punctual", "light", i ) );
+    }
+    if ( model->light_count > 0 )
+        set( d, d->root, "extensions", json_pack( "{s:{s:o}}", "KHR_lights_punctual", "lights", lights ) );
+    else
+        json_decref( lights );
+}
+
+// Builds both chunks; destroy_glb_document frees them, also after a failure.
+static RfResult make_glb_document( const RfModel* model, RfGlbDocument* d, RfError* error )
+{
+    size_t meshes = (size_t)model->mesh_count, images = (size_t)model->image_count;
+    *d = ( RfGlbDocument ){ .model = model, .root = json_object() };
+    d->parts = calloc( 5 * meshes + images + 1, sizeof *d->parts );
+    d->lone_meshes = malloc( ( meshes + 1 ) * sizeof *d->lone_meshes );
+    d->failed = d->root == NULL || d->parts == NULL || d->lone_meshes == NULL;
+    for ( size_t i = 0; i < meshes && !d->failed; ++i )
+        d->lone_meshes[i] = -1;
+    if ( !d->failed )
+    {
+        set( d, d->root, "asset", json_pack( "{s:s, s:s}", "version", "2.0", "generator", "reframe convert" ) );
+        json_t* extensions = glb_extensions( d );
+        if ( extensions != NULL )
+            set( d, d->root, "extensionsUsed", extensions );
+        d->views = meshes + images > 0 ? root_array( d, "bufferViews" ) : NULL;
+        add_materials( d );
+        add_nodes( d );
+        add_cameras( d );
+        add_lights( d );
+        if ( d->size > 0 )
+            set( d, d->root, "buffers", json_pack( "[{s:I}]", "byteLength", (json_int_t)d->size ) );
+    }
+    return d->failed ? rf_fail( error, RF_ERROR_MEMORY, "out of memory for a model of %zu meshes", meshes ) : RF_OK;
+}
+
+// Frees the document.
+static void destroy_glb_document( RfGlbDocument* d )
+{
+    json_decref( d->root );
+    free( d->parts );
+    free( d->lone_meshes );
+    *d = ( RfGlbDocument ){ 0 };
+}
+
+static bool all_finite( const float* values, uint64_t count )
+{
+    for ( uint64_t i = 0; values != NULL && i < count; ++i )
+    {
+        if ( !isfinite( values[i] ) )
+            return false;
+    }
+    return true;
+}
+
+static RfResult check_mesh( const RfModel* model, int index, RfError* error )
+{
+    const RfModelMesh* mesh = model->meshes + index;
+    const char* name = mesh->name != NULL ? mesh->name : "";
+    uint64_t vertices = mesh->vertex_count, corners = 3ull * mesh->triangle_count;
+    if ( vertices == 0 || corners == 0 || mesh->positions == NULL || mesh->indices == NULL )
+        return rf_fail( error, RF_ERROR_FORMAT, "mesh %d '%s': has no triangles", index, name );
+    if ( mesh->material < -1 || mesh->material >= model->material_count )
+        return rf_fail( error, RF_ERROR_FORMAT, "mesh %d '%s': there is no material %d", index, name, mesh->material );
+    if ( !all_finite( mesh->positions, 3 * vertices ) || !all_finite( mesh->normals, 3 * vertices ) ||
+         !all_finite( mesh->uvs, 2 * vertices ) || !all_finite( mesh->colors, 4 * vertices ) )
+        return rf_fail( error, RF_ERROR_FORMAT,
+                        "mesh %d '%s': has coordinates that are not finite numbers: repair the file it came from", index, name );
+    for ( uint64_t i = 0; i < corners; ++i )
+    {
+        if ( mesh->indices[i] >= vertices )
+            return rf_fail( error, RF_ERROR_FORMAT, "mesh %d '%s': triangle %llu: there is no vertex %lu", index, name,
+                            (unsigned long long)( i / 3 ), (unsigned long)mesh->indices[i] );
+    }
+    return RF_OK;
+}
+
+static bool within( float value, float low, float high )
+{
+    return value >= low && value <= high; // false for NaN
+}
+
+static RfResult check_material( const RfModel* model, int index, RfError* error )
+{
+    const RfModelMaterial* m = model->materials + index;
+    bool good = within( m->metallic, 0, 1 ) && within( m->roughness, 0, 1 ) && within( m->specular, 0, 1 ) &&
+                within( m->transmission, 0, 1 ) && within( m->alpha_cutoff, 0, 1 ) && m->ior >= 1.0f && isfinite( m->ior );
+    for ( int i = 0; i < 4; ++i )
+        good = good && within( m->base_color[i], 0, 1 );
+    for ( int i = 0; i < 3; ++i )
+        good = good && m->emission[i] >= 0.0f && isfinite( m->emission[i] );
+    const int images[3] = { m->base_color_image, m->normal_image, m->emissive_image };
+    for ( int i = 0; i < 3; ++i )
+        good = good && images[i] >= -1 && images[i] < model->image_count;
+    if ( good )
+        return RF_OK;
+    return rf_fail( error, RF_ERROR_FORMAT, "material %d '%s': has a value that glTF cannot hold", index,
+                    m->name != NULL ? m->name : "" );
+}
+
+static RfResult check_node( const RfModel* model, int index, RfError* error )
+{
+    const RfModelNode* node = model->nodes + index;
+    bool good = node->parent >= -1 && node->parent < index;
+    for ( int i = 0; i < 16; ++i )
+        good = good && isfinite( node->matrix.m[i] );
+    for ( int i = 0; i < node->mesh_count; ++i )
+        good = good && node->meshes[i] >= 0 && node->meshes[i] < model->mesh_count;
+    if ( good )
+        return RF_OK;
+    return rf_fail( error, RF_ERROR_FORMAT, "node %d '%s': its parent, matrix or meshes are out of range", index,
+                    node->name != NULL ? node->name : "" );
+}
+
+static RfResult check_lights_and_cameras( const RfModel* model, RfError* error )
+{
+    for ( int i = 0; i < model->camera_count; ++i )
+    {
+        const RfModelCamera* camera = model->cameras + i;
+        if ( !( camera->yfov > 0.0 && camera->yfov < 3.14159265 ) || camera->node < 0 || camera->node >= model->node_count )
+            return rf_fail( error, RF_ERROR_FORMAT, "camera %d: its field of view or node is out of range", i );
+    }
+    for ( int i = 0; i < model->light_count; ++i )
+    {
+        const RfModelLight* light = model->lights + i;
+        bool good =
+            light->node >= 0 && light->node < model->node_count && light->intensity >= 0.0f && isfinite( light->intensity );
+        for ( int k = 0; k < 3; ++k )
+            good = good && within( light->color[k], 0, 1 );
+        if ( light->kind == RF_MODEL_SPOT )
+            good =
+                good && light->inner_angle >= 0.0f && light->inner_angle < light->outer_angle && light->outer_angle <= 1.5707964f;
+        if ( !good )
+            return rf_fail( error, RF_ERROR_FORMAT, "light %d: has a value that glTF cannot hold", i );
+    }
+    return RF_OK;
+}
+
+// Rejects a model that glTF cannot represent; the message names the part.
+static RfResult check_model( const RfModel* model, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int i = 0; i < model->mesh_count && result == RF_OK; ++i )
+        result = check_mesh( model, i, error );
+    for ( int i = 0; i < model->material_count && result == RF_OK; ++i )
+        result = check_material( model, i, error );
+    for ( int i = 0; i < model->node_count && result == RF_OK; ++i )
+        result = check_node( model, i, error );
+    return result == RF_OK ? check_lights_and_cameras( model, error ) : result;
+}
 
 static void put_u32( uint8_t* at, uint64_t value )
 {
@@ -63,11 +611,11 @@ static RfResult append_all( RfAtomicFile* file, const RfGlbDocument* document, c
 
 RfResult rf_append_glb( RfAtomicFile* file, const RfModel* model, RfError* error )
 {
-    RfResult result = rf_check_model( model, error );
+    RfResult result = check_model( model, error );
     if ( result != RF_OK )
         return result;
     RfGlbDocument document;
-    result = rf_make_glb_document( model, &document, error );
+    result = make_glb_document( model, &document, error );
     if ( result == RF_OK )
     {
         char* text = json_dumps( document.root, JSON_COMPACT );
@@ -77,7 +625,7 @@ RfResult rf_append_glb( RfAtomicFile* file, const RfModel* model, RfError* error
             result = append_all( file, &document, text, error );
         free( text );
     }
-    rf_destroy_glb_document( &document );
+    destroy_glb_document( &document );
     return result;
 }
 

@@ -1,11 +1,13 @@
 // A model being converted from another format to glTF, as plain data: importers
 // fill it, rf_write_glb writes it. The model owns all arrays. The writer rejects
 // indices out of range.
+// Rotates and scales a whole model; counts its parts.
 #ifndef REFRAME_CONVERT_MODEL_H
 #define REFRAME_CONVERT_MODEL_H
 
 #include "reframe/error.h"
 #include "math/mat4.h"
+#include "reframe/convert.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -104,5 +106,13 @@ RfModelMaterial rf_default_model_material( void );
 
 // Frees all arrays and clears the struct.
 void rf_destroy_model( RfModel* model );
+
+// Adds a root node above all others that scales by `scale` and, with `z_up`, rotates a
+// Z-up model to Y-up. Adds none for the identity. RF_ERROR_MEMORY leaves the model
+// unchanged.
+RfResult rf_apply_root_transform( RfModel* model, bool z_up, double scale, RfError* error );
+
+// Counts the parts of a model.
+RfModelCounts rf_count_model( const RfModel* model );
 
 #endif

@@ -1,14 +1,495 @@
 #include "convert/ply_read.h"
 
 #include "base/file.h"
-#include "convert/ply_reader.h"
+#include "convert/model.h"
+#include "convert/ply_file.h"
+#include "image/decode.h"
 
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct RfPlyReader
+{
+    RfPlyFile file;
+    RfLog* log;
+    RfModelMesh* mesh;
+    bool has_vertices;
+    size_t triangle_room;
+    uint32_t *corners, *cut; // the current polygon and its triangles
+    uint32_t corner_room;
+    uint64_t cut_steps;        // left, see cut_polygon
+    uint64_t dropped, crossed; // faces and strips of fewer than three corners; self-intersecting faces
+    uint64_t clamped;          // colours outside [0, 1]
+} RfPlyReader;
+
+static inline RfResult rf_ply_no_memory( const RfPlyReader* r )
+{
+    return rf_fail( r->file.error, RF_ERROR_MEMORY, "%s: no memory left to read it", r->file.path );
+}
+
+typedef enum RfCut
+{
+    RF_CUT_WHOLE,
+    RF_CUT_CROSSED, // self-intersecting, no ear left: the rest became a fan
+    RF_CUT_GIVEN_UP // ran out of steps
+} RfCut;
+
+static RfCut cut_polygon( const float* positions, uint32_t* corners, uint32_t count, uint32_t* triangles, uint64_t* steps );
+
+// Vertices of PLY: positions, normals, texture coordinates, colours.
+
+#define MAX_VERTICES ( 1u << 30 )
+
+// The destination of a vertex property.
+typedef struct Slot
+{
+    float* values;
+    int stride, at;
+    float scale;
+    bool colour, srgb;
+} Slot;
+
+static float colour_scale( RfPlyType type )
+{
+    switch ( type )
+    {
+        case RF_PLY_UINT8: return 1.0f / 255.0f;
+        case RF_PLY_UINT16: return 1.0f / 65535.0f;
+        default: return 1.0f;
+    }
+}
+
+static int find( const RfPlyElement* element, const char* const* names )
+{
+    for ( ; *names != NULL; ++names )
+    {
+        for ( int i = 0; i < element->property_count; ++i )
+        {
+            if ( strcmp( element->properties[i].name, *names ) == 0 && !element->properties[i].is_list )
+                return i;
+        }
+    }
+    return -1;
+}
+
+// Allocates an array for a group of properties if all of them exist, else NULL.
+static RfResult bind( RfPlyReader* r, const RfPlyElement* element, const char* const names[][4], int count, int stride,
+                      bool colour, float** values, Slot* slots )
+{
+    int properties[4];
+    for ( int k = 0; k < count; ++k )
+    {
+        properties[k] = find( element, names[k] );
+        if ( properties[k] < 0 )
+            return RF_OK;
+    }
+    *values = malloc( (size_t)element->count * (size_t)stride * sizeof( float ) );
+    if ( *values == NULL )
+        return rf_ply_no_memory( r );
+    for ( int k = 0; k < count; ++k )
+    {
+        RfPlyType type = element->properties[properties[k]].type;
+        if ( colour && type != RF_PLY_UINT8 && type != RF_PLY_UINT16 && type < RF_PLY_FLOAT32 )
+            return rf_ply_fail( &r->file, "property %s wants uchar, ushort or float: the white value of other types is undefined",
+                                names[k][0] );
+        slots[properties[k]] = ( Slot ){ *values, stride,
+                                         k,       colour ? colour_scale( type ) : 1.0f,
+                                         colour,  colour && type < RF_PLY_FLOAT32 && k < 3 };
+    }
+    return RF_OK;
+}
+
+static RfResult bind_vertices( RfPlyReader* r, const RfPlyElement* element, Slot* slots )
+{
+    static const char* const s_places[][4] = { { "x" }, { "y" }, { "z" } };
+    static const char* const s_normals[][4] = { { "nx" }, { "ny" }, { "nz" } };
+    static const char* const s_uvs[][4] = { { "s", "u", "texture_u" }, { "t", "v", "texture_v" } };
+    static const char* const s_colors[][4] = { { "red" }, { "green" }, { "blue" }, { "alpha" } };
+    static const char* const s_alpha[] = { "alpha", NULL };
+    RfModelMesh* m = r->mesh;
+    RfResult result = bind( r, element, s_places, 3, 3, false, &m->positions, slots );
+    if ( result == RF_OK && m->positions == NULL )
+        return rf_ply_fail( &r->file, "element vertex has no x, y and z" );
+    if ( result == RF_OK )
+        result = bind( r, element, s_normals, 3, 3, false, &m->normals, slots );
+    if ( result == RF_OK )
+        result = bind( r, element, s_uvs, 2, 2, false, &m->uvs, slots );
+    int channels = find( element, s_alpha ) >= 0 ? 4 : 3;
+    if ( result == RF_OK )
+        result = bind( r, element, s_colors, channels, 4, true, &m->colors, slots );
+    for ( uint64_t i = 0; m->colors != NULL && i < element->count; ++i )
+        m->colors[4 * i + 3] = 1.0f;
+    return result;
+}
+
+static RfResult store( RfPlyReader* r, const RfPlyProperty* property, const Slot* slot, uint64_t i )
+{
+    double value;
+    RfResult result = rf_ply_read_value( &r->file, property->type, &value );
+    if ( result != RF_OK )
+        return result;
+    if ( !( fabs( value ) <= 3e38 ) )
+        return rf_ply_fail( &r->file, "%s of vertex %llu is not a finite number", property->name, (unsigned long long)i );
+    float f = (float)value * slot->scale;
+    if ( slot->colour && !( f >= 0.0f && f <= 1.0f ) ) // glTF colours are limited to 0 to 1
+    {
+        f = f > 1.0f ? 1.0f : 0.0f;
+        r->clamped += 1;
+    }
+    slot->values[(size_t)i * (size_t)slot->stride + (size_t)slot->at] = slot->srgb ? rf_srgb_to_linear( f ) : f;
+    return RF_OK;
+}
+
+// Reads the "vertex" element.
+static RfResult read_vertices( RfPlyReader* r, const RfPlyElement* element )
+{
+    Slot slots[RF_PLY_MAX_PROPERTIES] = { { 0 } };
+    if ( r->has_vertices )
+        return rf_ply_fail( &r->file, "has two elements named vertex" );
+    r->has_vertices = true;
+    if ( element->count > MAX_VERTICES )
+        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: has more than %u vertices: split it", r->file.path,
+                        MAX_VERTICES );
+    if ( element->count == 0 )
+        return RF_OK;
+    RfResult result = bind_vertices( r, element, slots );
+    r->mesh->vertex_count = (uint32_t)element->count;
+    for ( uint64_t i = 0; result == RF_OK && i < element->count; ++i )
+    {
+        for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
+            result = slots[k].values != NULL ? store( r, element->properties + k, slots + k, i )
+                                             : rf_ply_skip( &r->file, element->properties + k );
+    }
+    return result;
+}
+
+// Post-processes the vertices after the last element, and warns.
+static void finish_vertices( RfPlyReader* r )
+{
+    RfModelMesh* m = r->mesh;
+    bool whole = m->normals != NULL;
+    for ( uint32_t i = 0; whole && i < m->vertex_count; ++i )
+    {
+        float* n = m->normals + 3 * (size_t)i;
+        double length = sqrt( (double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2] );
+        whole = length > 1e-12 && isfinite( length );
+        for ( int c = 0; whole && c < 3; ++c )
+            n[c] = (float)( (double)n[c] / length );
+    }
+    if ( m->normals != NULL && !whole )
+    {
+        rf_warn( r->log, "%s: a normal has length 0: all normals are left out", r->file.path );
+        free( m->normals );
+        m->normals = NULL;
+    }
+    for ( uint32_t i = 0; m->uvs != NULL && i < m->vertex_count; ++i )
+        m->uvs[2 * (size_t)i + 1] = 1.0f - m->uvs[2 * (size_t)i + 1];
+    if ( r->dropped > 0 )
+        rf_warn( r->log, "%s: %llu faces of less than three corners are left out", r->file.path, (unsigned long long)r->dropped );
+    if ( r->clamped > 0 )
+        rf_warn( r->log, "%s: %llu colour values are not between 0 and 1: they are clamped", r->file.path,
+                 (unsigned long long)r->clamped );
+    if ( r->crossed > 0 )
+        rf_warn( r->log, "%s: %llu faces intersect themselves: their triangulation may be wrong", r->file.path,
+                 (unsigned long long)r->crossed );
+}
+
+// Triangulates polygons in space.
+
+// Projection along the axis in which the mean normal is longest, onto two coordinates; `sign`
+// makes counter-clockwise positive.
+typedef struct Plane
+{
+    const float* positions;
+    int u, v;
+    double sign;
+} Plane;
+
+// Newell's method: the normal's components are twice the projected areas.
+static Plane find_plane( const float* positions, const uint32_t* corners, uint32_t count )
+{
+    double n[3] = { 0 };
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        const float* a = positions + 3 * (size_t)corners[i];
+        const float* b = positions + 3 * (size_t)corners[( i + 1 ) % count];
+        for ( int k = 0; k < 3; ++k )
+        {
+            int u = ( k + 1 ) % 3, v = ( k + 2 ) % 3;
+            n[k] += (double)a[u] * (double)b[v] - (double)a[v] * (double)b[u];
+        }
+    }
+    int axis = fabs( n[0] ) > fabs( n[1] ) ? 0 : 1;
+    axis = fabs( n[2] ) > fabs( n[axis] ) ? 2 : axis;
+    return ( Plane ){ positions, ( axis + 1 ) % 3, ( axis + 2 ) % 3, n[axis] < 0.0 ? -1.0 : 1.0 };
+}
+
+// Twice the signed area of a triangle; negative if it has the opposite winding.
+static double area( const Plane* plane, uint32_t a, uint32_t b, uint32_t c )
+{
+    const float *p = plane->positions + 3 * (size_t)a, *q = plane->positions + 3 * (size_t)b,
+                *r = plane->positions + 3 * (size_t)c;
+    double x1 = (double)q[plane->u] - (double)p[plane->u], y1 = (double)q[plane->v] - (double)p[plane->v];
+    double x2 = (double)r[plane->u] - (double)p[plane->u], y2 = (double)r[plane->v] - (double)p[plane->v];
+    return plane->sign * ( x1 * y2 - x2 * y1 );
+}
+
+static bool is_convex( const Plane* plane, const uint32_t* corners, uint32_t count )
+{
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        if ( area( plane, corners[i], corners[( i + 1 ) % count], corners[( i + 2 ) % count] ) < 0.0 )
+            return false;
+    }
+    return true;
+}
+
+// True if corner i is convex and no other corner is inside its triangle.
+static bool is_ear( const Plane* plane, const uint32_t* corners, uint32_t count, uint32_t i )
+{
+    uint32_t a = corners[( i + count - 1 ) % count], b = corners[i], c = corners[( i + 1 ) % count];
+    if ( area( plane, a, b, c ) <= 0.0 )
+        return false;
+    for ( uint32_t k = 0; k < count; ++k )
+    {
+        uint32_t p = corners[k];
+        if ( p == a || p == b || p == c )
+            continue;
+        if ( area( plane, a, b, p ) >= 0.0 && area( plane, b, c, p ) >= 0.0 && area( plane, c, a, p ) >= 0.0 )
+            return false;
+    }
+    return true;
+}
+
+static uint32_t* put_triangle( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
+{
+    triangles[0] = a;
+    triangles[1] = b;
+    triangles[2] = c;
+    return triangles + 3;
+}
+
+static void fan( const uint32_t* corners, uint32_t count, uint32_t* triangles )
+{
+    for ( uint32_t i = 1; i + 1 < count; ++i )
+        triangles = put_triangle( triangles, corners[0], corners[i], corners[i + 1] );
+}
+
+// Finds the first ear; returns `count` if there is none or the steps ran out.
+static uint32_t find_ear( const Plane* plane, const uint32_t* corners, uint32_t count, uint64_t* steps )
+{
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        if ( *steps < count )
+        {
+            *steps = 0;
+            return count;
+        }
+        *steps -= count;
+        if ( is_ear( plane, corners, count, i ) )
+            return i;
+    }
+    return count;
+}
+
+// Triangulates a polygon of `count` ≥ 3 corners (indices into positions, 3 floats
+// each) into count − 2 triangles of the same winding: as a fan if it is convex, else by
+// ear clipping in the plane of its mean normal. Overwrites `corners`. Ear clipping takes
+// up to count³ steps, which are subtracted from `*steps`; when these run out the
+// triangles are invalid.
+static RfCut cut_polygon( const float* positions, uint32_t* corners, uint32_t count, uint32_t* triangles, uint64_t* steps )
+{
+    Plane plane = find_plane( positions, corners, count );
+    if ( count == 3 || is_convex( &plane, corners, count ) )
+    {
+        fan( corners, count, triangles );
+        return RF_CUT_WHOLE;
+    }
+    while ( count > 3 )
+    {
+        uint32_t i = find_ear( &plane, corners, count, steps );
+        if ( i == count && *steps == 0 )
+            return RF_CUT_GIVEN_UP;
+        if ( i == count )
+        {
+            fan( corners, count, triangles );
+            return RF_CUT_CROSSED;
+        }
+        triangles = put_triangle( triangles, corners[( i + count - 1 ) % count], corners[i], corners[( i + 1 ) % count] );
+        for ( --count; i < count; ++i )
+            corners[i] = corners[i + 1];
+    }
+    put_triangle( triangles, corners[0], corners[1], corners[2] );
+    return RF_CUT_WHOLE;
+}
+
+// Triangulates the faces and strips of PLY.
+
+#define MAX_TRIANGLES ( 1u << 28 )
+#define MAX_CORNERS 65536 // per polygon
+#define CUT_STEPS_PER_CORNER 64
+
+static bool reserve_corners( RfPlyReader* r, uint32_t count )
+{
+    if ( count <= r->corner_room )
+        return true;
+    free( r->corners );
+    free( r->cut );
+    r->corner_room = 2 * count;
+    r->corners = malloc( (size_t)r->corner_room * sizeof *r->corners );
+    r->cut = malloc( 3 * (size_t)r->corner_room * sizeof *r->cut );
+    return r->corners != NULL && r->cut != NULL;
+}
+
+static RfResult append( RfPlyReader* r, uint32_t triangles )
+{
+    RfModelMesh* m = r->mesh;
+    if ( triangles > MAX_TRIANGLES - m->triangle_count )
+        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED, "%s: has more than %u triangles: split it", r->file.path,
+                        MAX_TRIANGLES );
+    if ( m->triangle_count + (size_t)triangles > r->triangle_room )
+    {
+        size_t room = 2 * r->triangle_room + triangles + 256;
+        uint32_t* grown = realloc( m->indices, room * 3 * sizeof *grown );
+        if ( grown == NULL )
+            return rf_ply_no_memory( r );
+        m->indices = grown;
+        r->triangle_room = room;
+    }
+    memcpy( m->indices + 3 * (size_t)m->triangle_count, r->cut, (size_t)triangles * 3 * sizeof *r->cut );
+    m->triangle_count += triangles;
+    return RF_OK;
+}
+
+static bool is_vertex( const RfPlyReader* r, double value )
+{
+    return value >= 0.0 && value < (double)r->mesh->vertex_count && value == floor( value );
+}
+
+static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uint64_t face )
+{
+    uint32_t count = 0;
+    RfResult result = rf_ply_read_count( &r->file, property, &count );
+    if ( result == RF_OK && count > MAX_CORNERS )
+        return rf_ply_fail( &r->file, "face %llu has %u corners, more than %u", (unsigned long long)face, count, MAX_CORNERS );
+    if ( result == RF_OK && !reserve_corners( r, count ) )
+        return rf_ply_no_memory( r );
+    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
+    {
+        double value = 0.0;
+        result = rf_ply_read_value( &r->file, property->type, &value );
+        if ( result == RF_OK && !is_vertex( r, value ) )
+            return rf_ply_fail( &r->file, "corner %u of face %llu is vertex %.9g of %u", i, (unsigned long long)face, value,
+                                r->mesh->vertex_count );
+        r->corners[i] = (uint32_t)value;
+    }
+    if ( result != RF_OK )
+        return result;
+    if ( count < 3 )
+    {
+        r->dropped += 1;
+        return RF_OK;
+    }
+    r->cut_steps += (uint64_t)count * CUT_STEPS_PER_CORNER;
+    RfCut cut = cut_polygon( r->mesh->positions, r->corners, count, r->cut, &r->cut_steps );
+    if ( cut == RF_CUT_GIVEN_UP )
+        return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED,
+                        "%s: face %llu of %u corners takes too long to triangulate: triangulate it first", r->file.path,
+                        (unsigned long long)face, count );
+    r->crossed += cut == RF_CUT_CROSSED;
+    return append( r, count - 2 );
+}
+
+// Finds the list of vertex indices of an element.
+static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element, int* list )
+{
+    *list = -1;
+    for ( int k = 0; k < element->property_count && *list < 0; ++k )
+    {
+        const RfPlyProperty* p = element->properties + k;
+        if ( p->is_list && ( strcmp( p->name, "vertex_indices" ) == 0 || strcmp( p->name, "vertex_index" ) == 0 ) )
+            *list = k;
+    }
+    if ( element->count > 0 && *list < 0 )
+        return rf_ply_fail( &r->file, "element %s has no list vertex_indices", element->name );
+    if ( element->count > 0 && !r->has_vertices )
+        return rf_ply_fail( &r->file, "its %s come before its vertices",
+                            strcmp( element->name, "face" ) == 0 ? "faces" : element->name );
+    return RF_OK;
+}
+
+// Reads the "face" element.
+static RfResult read_faces( RfPlyReader* r, const RfPlyElement* element )
+{
+    int list = -1;
+    RfResult result = find_corners( r, element, &list );
+    for ( uint64_t i = 0; result == RF_OK && i < element->count; ++i )
+    {
+        for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
+            result = k == list ? read_polygon( r, element->properties + k, i ) : rf_ply_skip( &r->file, element->properties + k );
+    }
+    return result;
+}
+
+// Adds a corner to a strip: `at` corners came before it since the last -1, the last two of
+// which are in r->corners.
+static RfResult add_corner( RfPlyReader* r, uint32_t corner, uint32_t at )
+{
+    uint32_t a = r->corners[0], b = r->corners[1];
+    r->corners[0] = at > 0 ? b : corner;
+    r->corners[1] = corner;
+    if ( at < 2 || a == b || b == corner || a == corner ) // strips contain degenerate triangles to change direction
+        return RF_OK;
+    r->cut[0] = at % 2 == 0 ? a : b;
+    r->cut[1] = at % 2 == 0 ? b : a;
+    r->cut[2] = corner;
+    return append( r, 1 );
+}
+
+static RfResult read_strips( RfPlyReader* r, const RfPlyProperty* property, uint64_t element )
+{
+    uint32_t count = 0, at = 0;
+    RfResult result = rf_ply_read_count( &r->file, property, &count );
+    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
+    {
+        double value = 0.0;
+        result = rf_ply_read_value( &r->file, property->type, &value );
+        bool ends = value == -1.0;
+        if ( result == RF_OK && !ends && !is_vertex( r, value ) )
+            return rf_ply_fail( &r->file, "corner %u of tristrips %llu is vertex %.9g of %u, and not -1", i,
+                                (unsigned long long)element, value, r->mesh->vertex_count );
+        if ( result == RF_OK && !ends )
+            result = add_corner( r, (uint32_t)value, at );
+        r->dropped += ends && at > 0 && at < 3;
+        at = ends ? 0 : at + 1;
+    }
+    r->dropped += at > 0 && at < 3;
+    return result;
+}
+
+// Reads triangle strips separated by -1; every second triangle of a strip is flipped.
+static RfResult ply_read_strips( RfPlyReader* r, const RfPlyElement* element )
+{
+    int list = -1;
+    RfResult result = find_corners( r, element, &list );
+    if ( result == RF_OK && !reserve_corners( r, 3 ) )
+        return rf_ply_no_memory( r );
+    for ( uint64_t i = 0; result == RF_OK && i < element->count; ++i )
+    {
+        for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
+            result = k == list ? read_strips( r, element->properties + k, i ) : rf_ply_skip( &r->file, element->properties + k );
+    }
+    return result;
+}
+
 #define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
+
 // Steps for triangulating polygons: enough for about a second per file. Every corner read adds
-// more (ply_faces.c), so that no number of ordinary faces exhausts them.
+// more, so that no number of ordinary faces exhausts them.
 #define CUT_STEPS ( (uint64_t)1 << 28 )
 
 static RfResult skip_element( RfPlyReader* r, const RfPlyElement* element )
@@ -33,11 +514,11 @@ static RfResult read_elements( RfPlyReader* r )
         if ( result != RF_OK )
             break;
         if ( strcmp( element->name, "vertex" ) == 0 )
-            result = rf_ply_read_vertices( r, element );
+            result = read_vertices( r, element );
         else if ( strcmp( element->name, "face" ) == 0 )
-            result = rf_ply_read_faces( r, element );
+            result = read_faces( r, element );
         else if ( strcmp( element->name, "tristrips" ) == 0 )
-            result = rf_ply_read_strips( r, element );
+            result = ply_read_strips( r, element );
         else
             result = skip_element( r, element );
     }
@@ -86,7 +567,7 @@ RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* err
     if ( result == RF_OK )
         result = read_elements( r );
     if ( result == RF_OK )
-        rf_ply_finish_vertices( r );
+        finish_vertices( r );
     free( bytes );
     free( r->corners );
     free( r->cut );

@@ -3,7 +3,7 @@
 #ifndef REFRAME_CONVERT_RUN_IMPORTER_H
 #define REFRAME_CONVERT_RUN_IMPORTER_H
 
-#include "convert/root_transform.h"
+#include "convert/model.h"
 
 typedef struct RfImporterRun
 {

@@ -1,10 +1,35 @@
 #include "image/decode.h"
 
+#include "base/file.h"
 #include "image/decode_formats.h"
+#include "image/exr_stream.h"
+#include "reframe/image.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+// EXR from memory, by the reader for files (exr_read.c).
+
+RfResult rf_decode_exr( const RfEncoded* in, RfPixels* out, RfError* error )
+{
+    RfExrStream stream = {
+        .path = in->name,
+        .fd = -1,
+        .bytes = in->bytes,
+        .size = in->size,
+        .max_side = RF_DECODE_MAX_SIDE,
+        .max_bytes = RF_DECODE_MAX_BYTES,
+    };
+    RfImage image;
+    RfResult result = rf_read_exr_stream( &stream, &image, error );
+    if ( result != RF_OK )
+        return result;
+    *out =
+        ( RfPixels ){ .width = image.width, .height = image.height, .channels = 3, .type = RF_PIXELS_FLOAT, .data = image.rgb };
+    return RF_OK;
+}
 
 typedef struct Kind
 {
@@ -91,4 +116,114 @@ RfResult rf_decode_image( const void* bytes, size_t size, const char* name, RfPi
         return result;
     }
     return rf_fail( error, RF_ERROR_FORMAT, "%s: not a PNG, JPEG, EXR or Radiance HDR image", name );
+}
+
+// Loads equirectangular environment maps as linear RGB.
+
+#define MAX_FILE_BYTES ( (uint64_t)2 << 30 )
+
+float rf_srgb_to_linear( float encoded )
+{
+    return encoded <= 0.04045f ? encoded / 12.92f : powf( ( encoded + 0.055f ) / 1.055f, 2.4f );
+}
+
+static float value_at( const RfPixels* pixels, size_t i )
+{
+    if ( pixels->type == RF_PIXELS_FLOAT )
+        return ( (const float*)pixels->data )[i];
+    return rf_srgb_to_linear( pixels->type == RF_PIXELS_U8 ? (float)( (const uint8_t*)pixels->data )[i] / 255.0f
+                                                           : (float)( (const uint16_t*)pixels->data )[i] / 65535.0f );
+}
+
+#define MAX_RADIANCE 1e15f
+
+static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfError* error )
+{
+    bool grey = pixels->channels < 3;
+    size_t width = (size_t)pixels->width, count = width * (size_t)pixels->height, channels = (size_t)pixels->channels;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        for ( size_t c = 0; c < 3; ++c )
+        {
+            float value = value_at( pixels, i * channels + ( grey ? 0 : c ) );
+            // written so that NaN fails; brighter values would overflow floats in later products
+            if ( !( value >= 0.0f && value <= MAX_RADIANCE ) )
+                return rf_fail( error, RF_ERROR_FORMAT,
+                                "%s: pixel (%zu, %zu) is %g, but light must be a number from 0 to %g: repair the image", path,
+                                i % width, i / width, (double)value, (double)MAX_RADIANCE );
+            rgb[3 * i + c] = value;
+        }
+    }
+    return RF_OK;
+}
+
+// Converts to linear floats; takes ownership of the pixels.
+static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfError* error )
+{
+    size_t count = (size_t)pixels->width * (size_t)pixels->height;
+    *rgb = malloc( count * 3 * sizeof **rgb );
+    RfResult result = *rgb != NULL ? fill( pixels, path, *rgb, error )
+                                   : rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %zu MiB left for its pixels", path,
+                                              count * 12 >> 20 );
+    if ( result == RF_OK )
+        return RF_OK;
+    free( *rgb );
+    *rgb = NULL;
+    return result;
+}
+
+RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* name, int* width, int* height, float** rgb,
+                                    RfError* error )
+{
+    *width = *height = 0;
+    *rgb = NULL;
+    RfPixels pixels;
+    RfResult result = rf_decode_image( bytes, size, name, &pixels, error );
+    if ( result != RF_OK )
+        return result;
+    result = convert( &pixels, name, rgb, error );
+    if ( result == RF_OK )
+    {
+        *width = pixels.width;
+        *height = pixels.height;
+    }
+    rf_destroy_pixels( &pixels );
+    return result;
+}
+
+RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, RfError* error )
+{
+    *width = *height = 0;
+    *rgb = NULL;
+    uint8_t* bytes;
+    size_t size;
+    RfResult result = rf_read_file( path, MAX_FILE_BYTES, &bytes, &size, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_decode_environment_map( bytes, size, path, width, height, rgb, error );
+    free( bytes );
+    return result;
+}
+
+RfResult rf_create_image( int width, int height, RfImage* image, RfError* error )
+{
+    *image = ( RfImage ){ 0 };
+    if ( width < 1 || height < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "an image of %dx%d pixels is not possible: width and height must be at least 1",
+                        width, height );
+    size_t pixels = (size_t)width * (size_t)height;
+    float* rgb = pixels <= SIZE_MAX / ( 3 * sizeof( float ) ) ? calloc( pixels, 3 * sizeof( float ) ) : NULL;
+    if ( rgb == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "an image of %dx%d pixels: the system has no %.1f MiB left", width, height,
+                        12.0 * (double)pixels / 1048576.0 );
+    *image = ( RfImage ){ .width = width, .height = height, .rgb = rgb };
+    return RF_OK;
+}
+
+void rf_destroy_image( RfImage* image )
+{
+    if ( image == NULL )
+        return;
+    free( image->rgb );
+    *image = ( RfImage ){ 0 };
 }

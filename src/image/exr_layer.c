@@ -1,12 +1,189 @@
-// Reads the colour or any other layer, with its data window, from files of any program,
-// including multi-part files.
+#include "image/exr_layer.h"
+
 #include "base/remedy.h"
 #include "image/exr.h"
-#include "image/exr_channels.h"
+#include "image/exr_stream.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+// Finds the channel whose name is the first `length` characters of `prefix` followed by
+// `suffix`.
+static const exr_attr_chlist_entry_t* find_channel( const exr_attr_chlist_t* list, const char* prefix, size_t length,
+                                                    const char* suffix )
+{
+    for ( int i = 0; i < list->num_channels; ++i )
+    {
+        const char* name = list->entries[i].name.str;
+        if ( strlen( name ) >= length && memcmp( name, prefix, length ) == 0 && strcmp( name + length, suffix ) == 0 )
+            return list->entries + i;
+    }
+    return NULL;
+}
+
+// Fills `channels` if all three of a layer exist; `length` includes the dot.
+static bool find_three( const exr_attr_chlist_t* list, const char* prefix, size_t length, const char* const suffixes[3],
+                        RfExrChannels* channels )
+{
+    RfExrChannels found = { .count = 3 };
+    for ( int c = 0; c < 3; ++c )
+    {
+        const exr_attr_chlist_entry_t* entry = find_channel( list, prefix, length, suffixes[c] );
+        if ( entry == NULL )
+            return false;
+        found.names[c] = entry->name.str;
+    }
+    *channels = found;
+    return true;
+}
+
+static bool find_layer_colour( const exr_attr_chlist_t* list, const char* prefix, size_t length, RfExrChannels* channels )
+{
+    static const char* const suffixes[3] = { "R", "G", "B" };
+    return find_three( list, prefix, length, suffixes, channels );
+}
+
+static bool ends_with_combined( const char* name, size_t length )
+{
+    static const char word[] = "Combined.";
+    size_t size = sizeof word - 1;
+    return length >= size && memcmp( name + length - size, word, size ) == 0;
+}
+
+static void append_name( char* text, size_t size, const char* name, size_t length )
+{
+    size_t used = strlen( text );
+    snprintf( text + used, size - used, "%s%.*s", used > 0 ? ", " : "", (int)length, name );
+}
+
+// Counts the layers and those named "…Combined"; if the counts leave one choice, `channels`
+// receives it.
+static void find_layers( const exr_attr_chlist_t* list, RfExrChannels* channels, int* layers, int* combined, char* text,
+                         size_t size )
+{
+    for ( int i = 0; i < list->num_channels; ++i )
+    {
+        const char* name = list->entries[i].name.str;
+        size_t length = strlen( name );
+        RfExrChannels found;
+        if ( length < 3 || strcmp( name + length - 2, ".R" ) != 0 || !find_layer_colour( list, name, length - 1, &found ) )
+            continue;
+        bool is_combined = ends_with_combined( name, length - 1 );
+        *layers += 1;
+        *combined += is_combined;
+        if ( *layers == 1 || is_combined )
+            *channels = found;
+        append_name( text, size, name, length - 2 );
+    }
+}
+
+// Lists the names of all channels, separated by commas.
+static void list_exr_channels( const exr_attr_chlist_t* list, char* text, size_t size )
+{
+    for ( int i = 0; i < list->num_channels; ++i )
+        append_name( text, size, list->entries[i].name.str, strlen( list->entries[i].name.str ) );
+}
+
+static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
+                                RfError* error )
+{
+    const exr_attr_chlist_entry_t* entry = find_channel( list, "", 0, "Y" );
+    if ( entry != NULL && ( find_channel( list, "", 0, "RY" ) != NULL || find_channel( list, "", 0, "BY" ) != NULL ) )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: is stored as luminance and chroma (Y, RY, BY): convert it to R, G, B",
+                        stream->path );
+    if ( entry != NULL )
+    {
+        *channels = ( RfExrChannels ){ .names = { entry->name.str }, .count = 1 };
+        return RF_OK;
+    }
+    char text[512] = "";
+    list_exr_channels( list, text, sizeof text );
+    return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has no channels R, G, B and no Y; it has %s", stream->path,
+                    text[0] != 0 ? text : "none" );
+}
+
+RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* name, RfError* error )
+{
+    const exr_attr_chlist_entry_t* entry = find_channel( list, "", 0, name );
+    if ( entry == NULL )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: has no channel %s", stream->path, name );
+    if ( entry->x_sampling != 1 || entry->y_sampling != 1 )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: channel %s is subsampled: store it at full resolution", stream->path,
+                        name );
+    return RF_OK;
+}
+
+RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy, RfExrChannels* channels,
+                               RfError* error )
+{
+    int layers = 0, combined = 0;
+    char text[512] = "";
+    if ( !find_layer_colour( list, "", 0, channels ) )
+    {
+        find_layers( list, channels, &layers, &combined, text, sizeof text );
+        channels->count = layers;
+        if ( layers > 1 && combined != 1 )
+            return rf_advise( rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has more than one layer of colour: %s%s", stream->path,
+                                       text, remedy == RF_REMEDY_NONE ? ": keep one" : "" ),
+                              remedy, 0, error );
+        channels->count = layers == 0 ? 0 : 3;
+        RfResult result = layers == 0 ? find_luminance( stream, list, channels, error ) : RF_OK;
+        if ( result != RF_OK )
+            return result;
+    }
+    RfResult result = RF_OK;
+    for ( int c = 0; c < channels->count && result == RF_OK; ++c )
+        result = rf_check_exr_channel( stream, list, channels->names[c], error );
+    return result;
+}
+
+// Finds three channels "a,b,c".
+static bool find_named( const exr_attr_chlist_t* list, const char* names, RfExrChannels* channels )
+{
+    RfExrChannels found = { .count = 3 };
+    for ( int c = 0; c < 3; ++c )
+    {
+        size_t length = strcspn( names, "," );
+        const exr_attr_chlist_entry_t* entry = length > 0 ? find_channel( list, names, length, "" ) : NULL;
+        if ( entry == NULL || ( names[length] == ',' ) != ( c < 2 ) )
+            return false;
+        found.names[c] = entry->name.str;
+        names += length + ( c < 2 );
+    }
+    *channels = found;
+    return true;
+}
+
+// Finds the channels that `layer` names in this part: a channel (as grey), the three of a
+// layer (P.R, P.G, P.B or P.X, P.Y, P.Z), three channels separated by commas, or the colour of
+// the part if it is the part's name. False if there are none.
+static bool find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels* channels )
+{
+    static const char* const axes[3] = { "X", "Y", "Z" };
+    const exr_attr_chlist_entry_t* entry = find_channel( part->channels, "", 0, layer );
+    const char* name = NULL;
+    char prefix[256];
+    if ( entry != NULL )
+    {
+        *channels = ( RfExrChannels ){ .names = { entry->name.str }, .count = 1 };
+        return true;
+    }
+    if ( find_named( part->channels, layer, channels ) )
+        return true;
+    int length = snprintf( prefix, sizeof prefix, "%s.", layer );
+    if ( length < 0 || (size_t)length >= sizeof prefix )
+        return false;
+    if ( find_layer_colour( part->channels, prefix, (size_t)length, channels ) ||
+         find_three( part->channels, prefix, (size_t)length, axes, channels ) )
+        return true;
+    return exr_get_name( part->context, part->index, &name ) == EXR_ERR_SUCCESS && name != NULL && strcmp( name, layer ) == 0 &&
+           rf_find_exr_channels( part->stream, part->channels, RF_REMEDY_NONE, channels, NULL ) == RF_OK;
+}
+
+// Reads the colour or any other layer, with its data window, from files of any program,
+// including multi-part files.
 
 // Opens the colour of a part; on failure channels->count is the number of colour layers.
 static RfResult open_colour( RfExrStream* stream, int index, RfExrPart* part, RfExrChannels* channels, RfError* error )
@@ -63,9 +240,9 @@ static RfResult find_layer( RfExrStream* stream, const char* layer, RfExrPart* p
         count = part->count;
         if ( result != RF_OK )
             continue;
-        if ( rf_find_exr_layer( part, layer, channels ) )
+        if ( find_exr_layer( part, layer, channels ) )
             return RF_OK;
-        rf_list_exr_channels( part->channels, text, sizeof text );
+        list_exr_channels( part->channels, text, sizeof text );
         rf_close_exr_part( part );
     }
     return rf_fail( error, RF_ERROR_FORMAT, "%s: has no layer %s; it has %s", stream->path, layer, text[0] != 0 ? text : "none" );
@@ -84,7 +261,7 @@ static void take_value( void* user, int channel, int x, int y, const float* valu
         out[3 * i] = values[i];
 }
 
-static RfResult read_part( const RfExrPart* part, const RfExrChannels* channels, RfImage* image, RfError* error )
+static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels, RfImage* image, RfError* error )
 {
     RfResult result = rf_create_image( part->width, part->height, image, error );
     // duplicate channels are read once, then copied
@@ -119,10 +296,126 @@ RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image,
     result = rf_open_exr_layer( &stream, layer, &part, &channels, error );
     if ( result == RF_OK )
     {
-        result = read_part( &part, &channels, image, error );
+        result = read_image( &part, &channels, image, error );
         *window = ( RfExrWindow ){ part.window.min.x, part.window.min.y, part.width, part.height };
         rf_close_exr_part( &part );
     }
     close( stream.fd );
+    return result;
+}
+
+// Reads channels by name, from whichever parts hold them.
+
+// The channels of one part and their positions in the interleaved output.
+typedef struct Interleaved
+{
+    float* values;
+    int width, channels;
+    const char* names[RF_EXR_MAX_CHANNELS];
+    int places[RF_EXR_MAX_CHANNELS];
+    int count;
+} Interleaved;
+
+static void take_channel( void* user, int channel, int x, int y, const float* values, int count )
+{
+    const Interleaved* to = user;
+    float* out = to->values + (size_t)to->channels * ( (size_t)y * (size_t)to->width + (size_t)x ) + to->places[channel];
+    for ( int i = 0; i < count; ++i )
+        out[(size_t)i * (size_t)to->channels] = values[i];
+}
+
+static RfResult read_part( RfExrStream* stream, int index, Interleaved* to, RfError* error )
+{
+    RfExrPart part;
+    RfResult result = rf_open_exr_part( stream, index, &part, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_read_exr_lines( &part, to->names, to->count, take_channel, to, error );
+    rf_close_exr_part( &part );
+    return result;
+}
+
+// Reads part by part, each with its requested channels.
+static RfResult read_parts( RfExrStream* stream, const RfExrName* const* wanted, int count, Interleaved* to, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        bool is_done = false;
+        for ( int k = 0; k < i; ++k )
+            is_done |= wanted[k]->part == wanted[i]->part;
+        if ( is_done )
+            continue;
+        to->count = 0;
+        for ( int k = i; k < count; ++k )
+        {
+            if ( wanted[k]->part != wanted[i]->part )
+                continue;
+            to->names[to->count] = wanted[k]->own;
+            to->places[to->count++] = k;
+        }
+        result = read_part( stream, wanted[i]->part, to, error );
+    }
+    return result;
+}
+
+static RfResult find_wanted( const char* path, const RfExrHeader* header, const char* const* names, int count,
+                             const RfExrName** wanted, RfError* error )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        wanted[i] = rf_find_exr_name( header, names[i], strlen( names[i] ) );
+        if ( wanted[i] == NULL )
+            return rf_fail( error, RF_ERROR_FORMAT, "%s: has no channel %s", path, names[i] );
+        const RfExrWindow *first = &wanted[0]->window, *now = &wanted[i]->window;
+        if ( memcmp( first, now, sizeof *now ) != 0 )
+            return rf_fail( error, RF_ERROR_FORMAT,
+                            "%.400s: %.64s has %dx%d pixels from (%d, %d) on, %.64s %dx%d from (%d, %d) on: "
+                            "store all parts with the same data window",
+                            path, names[0], first->width, first->height, first->x, first->y, names[i], now->width, now->height,
+                            now->x, now->y );
+    }
+    return RF_OK;
+}
+
+static RfResult read_wanted( const char* path, const RfExrName* const* wanted, int count, float** values, RfError* error )
+{
+    const RfExrWindow* window = &wanted[0]->window;
+    RfExrStream stream;
+    RfResult result = rf_open_exr_file( path, &stream, error );
+    if ( result != RF_OK )
+        return result;
+    Interleaved to = { .width = window->width, .channels = count };
+    to.values = malloc( (size_t)window->width * (size_t)window->height * (size_t)count * sizeof( float ) );
+    if ( to.values == NULL )
+        result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %dx%d pixels", path, window->width, window->height );
+    else
+        result = read_parts( &stream, wanted, count, &to, error );
+    close( stream.fd );
+    if ( result == RF_OK )
+        *values = to.values;
+    else
+        free( to.values );
+    return result;
+}
+
+RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, RfExrWindow* window, float** values,
+                               RfError* error )
+{
+    *values = NULL;
+    *window = ( RfExrWindow ){ 0 };
+    if ( count < 1 || count > RF_EXR_MAX_CHANNELS )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: cannot read %d channels: ask for 1 to %d", path, count, RF_EXR_MAX_CHANNELS );
+    RfExrHeader header;
+    const RfExrName* wanted[RF_EXR_MAX_CHANNELS];
+    RfResult result = rf_read_exr_header( path, NULL, &header, error );
+    if ( result != RF_OK )
+        return result;
+    result = find_wanted( path, &header, names, count, wanted, error );
+    if ( result == RF_OK )
+        result = read_wanted( path, wanted, count, values, error );
+    if ( result == RF_OK )
+        *window = wanted[0]->window;
+    rf_destroy_exr_header( &header );
     return result;
 }

@@ -35,16 +35,6 @@ RfResult rf_import_by_assimp( const char* path, RfModel* model, RfLog* log, RfEr
 // Imports the materials. Fails only with RF_ERROR_MEMORY, like the following.
 RfResult rf_import_materials( RfImport* import, RfError* error );
 
-// Imports the meshes.
-RfResult rf_import_meshes( RfImport* import, RfError* error );
-
-// Imports the hierarchy.
-RfResult rf_import_nodes( RfImport* import, RfError* error );
-
-// The index of the image that a texture names (a path, or "*0" for an embedded one), read on
-// first use; −1, with a warning, if it cannot be read.
-int rf_import_image( RfImport* import, const char* name );
-
 // Imports the cameras, each on a new node below the node of its name.
 void rf_import_cameras( RfImport* import );
 

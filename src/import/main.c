@@ -4,7 +4,7 @@
 #define _DEFAULT_SOURCE // setrlimit, prctl
 
 #include "convert/glb_write.h"
-#include "convert/root_transform.h"
+#include "convert/model.h"
 #include "import/assimp_import.h"
 
 #include <fcntl.h>

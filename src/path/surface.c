@@ -2,7 +2,7 @@
 #include "path/wavefront.h"
 
 #include "base/fault.h"
-#include "scene/texture_prefetch.h"
+#include "scene/textured.h"
 
 #include <string.h>
 

@@ -4,11 +4,88 @@
 #include "scene/camera_path/camera_track.h"
 #include "scene/eye.h"
 #include "scene/json/json_document.h"
+#include "scene/leave_out.h"
+#include "scene/pinhole.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height )
+{
+    return rf_make_eye_inline( origin, forward, up, yfov, width, height );
+}
+
+RfEye rf_make_orthographic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double ymag, int width, int height )
+{
+    RfEye eye = rf_make_eye_inline( origin, forward, up, 1.0, width, height );
+    eye.projection = RF_ORTHOGRAPHIC;
+    eye.focal = eye.focal_x = (float)( 0.5 * (double)height / ymag );
+    return eye;
+}
+
+RfEye rf_make_panoramic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, int width, int height )
+{
+    RfEye eye = rf_make_eye_inline( origin, forward, up, 1.0, width, height );
+    const double pi = 3.14159265358979323846;
+    eye.projection = RF_PANORAMIC;
+    eye.focal = (float)( (double)height / pi );
+    eye.focal_x = (float)( (double)width / ( 2.0 * pi ) );
+    return eye;
+}
+
+void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift_y )
+{
+    double height = (double)eye->height;
+    eye->focal_x = (float)( (double)eye->focal / pixel_aspect );
+    eye->axis_x = (float)( 0.5 * (double)eye->width - shift_x * height / pixel_aspect );
+    eye->axis_y = (float)( 0.5 * height + shift_y * height );
+}
+
+void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] )
+{
+    const double none[3] = { 0.0, 0.0, 0.0 };
+    rf_eye_matrices_around( eye, none, world_to_camera, world_to_ndc );
+}
+
+void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float world_to_camera[16], float world_to_ndc[16] )
+{
+    const double o[3] = { origin[0] + eye->origin.x, origin[1] + eye->origin.y, origin[2] + eye->origin.z };
+    const RfVec3 axes[3] = { eye->right, eye->up, rf_scale( eye->forward, -1.0f ) };
+    double camera[4][4] = { { 0 } };
+    for ( int j = 0; j < 3; ++j )
+    {
+        camera[0][j] = axes[j].x;
+        camera[1][j] = axes[j].y;
+        camera[2][j] = axes[j].z;
+        camera[3][j] = -( o[0] * axes[j].x + o[1] * axes[j].y + o[2] * axes[j].z );
+    }
+    camera[3][3] = 1.0;
+    const double near = 0.01, far = 1000.0;
+    double x_scale = 2.0 * eye->focal_x / eye->width, y_scale = 2.0 * eye->focal / eye->height;
+    // 0 unless the lens is shifted
+    double x_shift = 2.0 * eye->axis_x / eye->width - 1.0, y_shift = 1.0 - 2.0 * eye->axis_y / eye->height;
+    for ( int i = 0; i < 4; ++i )
+    {
+        const double* row = camera[i];
+        for ( int j = 0; j < 4; ++j )
+            world_to_camera[4 * i + j] = (float)row[j];
+        if ( eye->projection != RF_PERSPECTIVE )
+        {
+            double w = eye->projection == RF_ORTHOGRAPHIC ? row[3] : 0.0, used = eye->projection == RF_ORTHOGRAPHIC ? 1.0 : 0.0;
+            world_to_ndc[4 * i + 0] = (float)( used * x_scale * row[0] + x_shift * w );
+            world_to_ndc[4 * i + 1] = (float)( used * y_scale * row[1] + y_shift * w );
+            world_to_ndc[4 * i + 2] = (float)( used * -2.0 * row[2] / ( far - near ) - w * ( far + near ) / ( far - near ) );
+            world_to_ndc[4 * i + 3] = (float)w;
+            continue;
+        }
+        world_to_ndc[4 * i + 0] = (float)( x_scale * row[0] - x_shift * row[2] );
+        world_to_ndc[4 * i + 1] = (float)( y_scale * row[1] - y_shift * row[2] );
+        world_to_ndc[4 * i + 2] = (float)( -row[2] - 2.0 * near * row[3] );
+        world_to_ndc[4 * i + 3] = (float)-row[2];
+    }
+}
 
 #define MAX_FRAMES 1000000
 #define NAMES_LISTED 12
@@ -228,7 +305,8 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
                                : node_eye( scene, self, time, width, height, eye, error );
 }
 
-double rf_camera_time( const RfCamera* camera, double frame, int numerator, int denominator )
+// The time of frame `frame` of a camera's path, counted from 0: seconds, or frames for a path that counts these.
+static double camera_time( const RfCamera* camera, double frame, int numerator, int denominator )
 {
     if ( camera->track != NULL && camera->track->in_frames )
         return camera->start + frame * camera->track->step;
@@ -243,7 +321,7 @@ RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double fra
     RfResult result = check_film( camera, width, height, eye, error );
     if ( result != RF_OK )
         return result;
-    double time = rf_camera_time( camera, frame, numerator, denominator );
+    double time = camera_time( camera, frame, numerator, denominator );
     return camera->track != NULL ? track_eye( scene, camera, time, width, height, eye, error )
                                  : node_eye( scene, camera, time, width, height, eye, error );
 }
@@ -288,4 +366,177 @@ RfResult rf_read_camera( const RfField* object, const char* name, RfCamera* came
     *camera = ( RfCamera ){ 0 };
     RfResult result = rf_read_camera_track( object, &track, error );
     return result == RF_OK ? wrap_track( &track, name, camera, error ) : result;
+}
+
+// Eyes with the lens and the shutter of their camera.
+
+// A camera at a frame of its path.
+typedef struct Moment
+{
+    const RfScene* scene;
+    const RfCamera* camera;
+    double frame;
+    int numerator, denominator;
+    RfError* error;
+} Moment;
+
+static RfOptics optics_of( const RfCamera* camera )
+{
+    if ( camera->track != NULL )
+        return camera->track->optics;
+    return camera->optics != NULL ? *camera->optics : ( RfOptics ){ .sensor = RF_DEFAULT_SENSOR };
+}
+
+// Frames of a path between its ends.
+static double path_frames( const Moment* m )
+{
+    const RfCamera* c = m->camera;
+    bool counts = c->track != NULL && c->track->in_frames;
+    return ( c->end - c->start ) * ( counts ? 1.0 / c->track->step : (double)m->numerator / m->denominator );
+}
+
+// A path that goes on beyond its end as it came there: `inside` is as far before the end as `eye` becomes behind it. It
+// turns from the end by as much as from there to the end: R = E Iᵀ E, with axes as columns.
+static void go_on( const RfEye* end, const RfEye* inside, RfEye* eye )
+{
+    *eye = *end;
+    eye->origin = rf_sub( rf_scale( end->origin, 2.0f ), inside->origin );
+    eye->focal *= end->focal / inside->focal;
+    eye->focal_x *= end->focal_x / inside->focal_x;
+    eye->axis_x += end->axis_x - inside->axis_x;
+    eye->axis_y += end->axis_y - inside->axis_y;
+    const RfVec3 e[3] = { end->right, end->up, end->forward }, in[3] = { inside->right, inside->up, inside->forward };
+    RfVec3* const out[3] = { &eye->right, &eye->up, &eye->forward };
+    for ( int k = 0; k < 3; ++k )
+    {
+        *out[k] = rf_vec3( 0, 0, 0 );
+        for ( int j = 0; j < 3; ++j )
+            *out[k] = rf_madd( *out[k], e[j], rf_dot( in[j], e[k] ) );
+        *out[k] = rf_scale( *out[k], 1.0f / rf_length( *out[k] ) );
+    }
+}
+
+static RfResult eye_at( const Moment* m, double offset, int width, int height, RfEye* eye )
+{
+    int step = m->camera->track != NULL && m->camera->track->in_frames ? m->camera->track->step : 1;
+    double frame = m->frame + offset / step, last = path_frames( m ), end = fmin( fmax( frame, 0.0 ), last );
+    RfEye at_end, inside;
+    // key times written as floats miss their frame slightly
+    if ( !m->camera->animated || fabs( frame - end ) < 1e-3 )
+        return rf_camera_eye( m->scene, m->camera, frame, m->numerator, m->denominator, width, height, eye, m->error );
+    RfResult result = rf_camera_eye( m->scene, m->camera, end, m->numerator, m->denominator, width, height, &at_end, m->error );
+    if ( result == RF_OK )
+        result = rf_camera_eye( m->scene, m->camera, 2.0 * end - frame, m->numerator, m->denominator, width, height, &inside,
+                                m->error );
+    if ( result == RF_OK )
+        go_on( &at_end, &inside, eye );
+    return result;
+}
+
+static int find_node( const RfScene* scene, const char* name )
+{
+    for ( int i = 0; i < scene->node_count; ++i )
+    {
+        if ( scene->nodes[i].name != NULL && strcmp( scene->nodes[i].name, name ) == 0 )
+            return i;
+    }
+    return -1;
+}
+
+static RfResult distance_of_node( const Moment* m, const RfEye* eye, const char* name, double* focus )
+{
+    int node = find_node( m->scene, name );
+    if ( node < 0 )
+        return rf_fail( m->error, RF_ERROR_SCENE, "camera '%.60s': its lens is focused on '%.60s', which the scene does not have",
+                        m->camera->name, name );
+    // a path that counts frames has no seconds of its own
+    bool counts = m->camera->track != NULL && m->camera->track->in_frames;
+    double time =
+        counts ? m->frame * m->denominator / m->numerator : camera_time( m->camera, m->frame, m->numerator, m->denominator );
+    RfMat4 world;
+    rf_node_world_matrix( m->scene, node, time, &world );
+    const double* o = m->scene->origin;
+    RfVec3 p = rf_vec3( (float)( world.m[12] - o[0] ), (float)( world.m[13] - o[1] ), (float)( world.m[14] - o[2] ) );
+    *focus = (double)rf_pinhole_depth( eye, p );
+    if ( *focus > 0.0 )
+        return RF_OK;
+    return rf_fail( m->error, RF_ERROR_SCENE,
+                    "camera '%.60s': its lens is focused on '%.60s', which is behind it in frame %g: focus by a distance",
+                    m->camera->name, name, m->frame + 1.0 );
+}
+
+// The values of the keys, if there are any.
+static RfResult sample_keys( const Moment* m, double offset, double* fstop, double* focus )
+{
+    const RfCameraTrack* track = m->camera->track;
+    if ( track == NULL || ( track->focus.count == 0 && track->fstop.count == 0 ) )
+        return RF_OK;
+    RfView view;
+    double time =
+        camera_time( m->camera, m->frame + offset / ( track->in_frames ? track->step : 1 ), m->numerator, m->denominator );
+    RfResult result = rf_sample_camera_track( track, time, &view, m->error );
+    *fstop = view.fstop > 0.0 ? view.fstop : *fstop;
+    *focus = view.focus > 0.0 ? view.focus : *focus;
+    return result;
+}
+
+static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics, double offset, RfEye* eye )
+{
+    if ( rf_is_left_out( m->scene, RF_EFFECT_DEPTH_OF_FIELD ) )
+        return RF_OK;
+    double focus = optics->focus;
+    RfResult result = sample_keys( m, offset, &optics->fstop, &focus );
+    const char* node = optics->focus_node;
+    bool asks_focus = asked != NULL && ( asked->focus > 0.0 || asked->focus_node != NULL );
+    if ( asked != NULL && asked->has_fstop )
+    {
+        optics->fstop = asked->fstop;
+        optics->radius = 0.0;
+    }
+    if ( asks_focus )
+    {
+        focus = asked->focus;
+        node = asked->focus_node;
+    }
+    double radius = rf_optics_radius( optics, eye );
+    if ( result == RF_OK && asks_focus && !( radius > 0.0 ) )
+        return rf_fail( m->error, RF_ERROR_USAGE,
+                        "camera '%.60s': a focus changes nothing without an aperture: give it an f-number", m->camera->name );
+    if ( result != RF_OK || !( radius > 0.0 ) )
+        return result;
+    if ( eye->projection == RF_PANORAMIC )
+        return rf_fail( m->error, RF_ERROR_SCENE,
+                        "camera '%.60s': a panoramic camera has no depth of field here: leave the aperture out",
+                        m->camera->name );
+    if ( node != NULL && !( focus > 0.0 ) )
+        result = distance_of_node( m, eye, node, &focus );
+    if ( result == RF_OK && !( focus > 0.0 ) )
+        return rf_fail( m->error, RF_ERROR_SCENE, "camera '%.60s': its lens has an aperture but no focus: give it a distance",
+                        m->camera->name );
+    if ( result == RF_OK )
+        rf_set_lens( eye, radius, focus, optics->blades, optics->rotation );
+    return result;
+}
+
+RfResult rf_camera_lens_eye( const RfScene* scene, const RfCamera* camera, const RfLens* asked, double frame, int numerator,
+                             int denominator, int width, int height, RfEye* eye, RfError* error )
+{
+    Moment m = { scene, camera, frame, numerator, denominator, error };
+    RfOptics optics = optics_of( camera );
+    if ( asked != NULL && asked->has_shutter )
+        memcpy( optics.shutter, asked->shutter, sizeof optics.shutter );
+    bool blurs = rf_has_shutter( &optics ) && !rf_is_left_out( scene, RF_EFFECT_MOTION_BLUR );
+    double middle = blurs ? 0.5 * ( optics.shutter[0] + optics.shutter[1] ) : 0.0;
+    RfEye open, close;
+    RfResult result = eye_at( &m, middle, width, height, eye );
+    if ( result == RF_OK )
+        result = add_lens( &m, asked, &optics, middle, eye );
+    if ( result != RF_OK || !blurs )
+        return result;
+    result = eye_at( &m, optics.shutter[0], width, height, &open );
+    if ( result == RF_OK )
+        result = eye_at( &m, optics.shutter[1], width, height, &close );
+    if ( result == RF_OK )
+        rf_set_shutter( eye, &open, &close );
+    return result;
 }

@@ -35,9 +35,6 @@ RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 struct RfField;
 RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamera* camera, RfError* error );
 
-// The time of frame `frame` of a camera's path, counted from 0: seconds, or frames for a path that counts these.
-double rf_camera_time( const RfCamera* camera, double frame, int numerator, int denominator );
-
 // The eye of a camera (of the scene or from rf_load_camera) at frame `frame` of its
 // path, counted from 0, at numerator / denominator frames per second: a pinhole that stands still.
 RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,

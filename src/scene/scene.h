@@ -125,7 +125,7 @@ struct RfScene
     char* path;            // the file it was loaded from
     uint64_t content_hash; // of the bytes of the file and its buffers, for --resume
     double origin[3];      // all positions are relative to it, in floats; 0 unless the scene lies far out
-                           // (scene/gltf/gltf_origin.c). Nodes, channels and camera tracks are not: eyes are
+                           // (scene/gltf/gltf.c). Nodes, channels and camera tracks are not: eyes are
     RfTriangles triangles;
     RfVec3 bounds_min, bounds_max; // of the triangles; both 0 if there are none
     uint32_t instance_count;       // mesh primitives instanced by nodes

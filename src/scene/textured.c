@@ -1,9 +1,10 @@
-#include "base/fault.h"
-#include "scene/textured_lookup.h"
+#include "scene/textured.h"
 
 #include "base/built_in.h"
+#include "base/fault.h"
 
 #include <math.h>
+#include <string.h>
 
 // The mean over a triangle is sampled at the centres of GRID² sub-triangles.
 #define GRID 8
@@ -12,7 +13,8 @@
 // sample points may be black while the light is not.
 #define MIN_MEAN 0.02f
 
-void rf_interpolate_corners( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
+// Interpolates a vertex attribute of `components` numbers.
+static void interpolate_corners( const float* values, int components, const uint32_t* corners, float u, float v, float* out )
 {
     float w = 1.0f - u - v;
     for ( int i = 0; i < components; ++i )
@@ -24,29 +26,32 @@ void rf_interpolate_corners( const float* values, int components, const uint32_t
 
 static const float* uv_array( const RfScene* scene, int set ) { return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1; }
 
-void rf_texture_coordinates( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
+// The texture coordinates u', v' of the point.
+static void texture_coordinates( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
 {
     float uv[2] = { 0.0f, 0.0f };
     const float* values = uv_array( scene, ref->uv_set );
     if ( values != NULL )
-        rf_interpolate_corners( values, 2, scene->triangles.indices + 3 * (size_t)triangle, u, v, uv );
+        interpolate_corners( values, 2, scene->triangles.indices + 3 * (size_t)triangle, u, v, uv );
     rf_transform_uv( ref, uv, at );
 }
 
-bool rf_look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v,
-                      float rgba[4] )
+// Looks up a texture slot; false if it has no texture.
+static bool look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v,
+                          float rgba[4] )
 {
     const RfTextureRef* ref = m->textured->refs + slot;
     if ( ref->texture < 0 )
         return false;
     float at[2];
-    rf_texture_coordinates( scene, ref, triangle, u, v, at );
+    texture_coordinates( scene, ref, triangle, u, v, at );
     rf_look_up( scene->textures + ref->texture, ref, at, rgba );
     return true;
 }
 
 // fmin and fmax are calls, for the sake of NaN.
 static inline double lesser( double a, double b ) { return a < b ? a : b; }
+
 static inline double greater( double a, double b ) { return a > b ? a : b; }
 
 static double unit( double x ) { return x > 0.0 ? ( x < 1.0 ? x : 1.0 ) : 0.0; }
@@ -93,14 +98,14 @@ static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     float rgba[4];
     for ( int i = 0; i < 4; ++i )
         base[i] = t->factors.base[i];
-    if ( rf_look_up_slot( scene, m, RF_TEXTURE_BASE, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_BASE, triangle, u, v, rgba ) )
     {
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
     if ( rf_calls_for( t->vertex_colors, RF_EFFECT_VERTEX_COLORS ) && scene->triangles.colors != NULL )
     {
-        rf_interpolate_corners( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
+        interpolate_corners( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
@@ -118,14 +123,14 @@ static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, uint32_t
     RfFactors f = m->textured->factors;
     float rgba[4];
     base_at( scene, m, triangle, u, v, f.base );
-    if ( rf_look_up_slot( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, triangle, u, v, rgba ) )
     {
         f.roughness = unit( f.roughness * (double)rgba[1] );
         f.metallic = unit( f.metallic * (double)rgba[2] );
     }
-    if ( rf_look_up_slot( scene, m, RF_TEXTURE_SPECULAR, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR, triangle, u, v, rgba ) )
         f.specular = unit( f.specular * (double)rgba[3] );
-    if ( rf_look_up_slot( scene, m, RF_TEXTURE_SPECULAR_COLOR, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR_COLOR, triangle, u, v, rgba ) )
     {
         for ( int i = 0; i < 3; ++i )
             f.specular_color[i] *= (double)rgba[i];
@@ -161,7 +166,7 @@ static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors
     }
     double transmission = m->textured->transmission;
     float rgba[4];
-    if ( rf_look_up_slot( scene, m, RF_TEXTURE_TRANSMISSION, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_TRANSMISSION, triangle, u, v, rgba ) )
         transmission = unit( transmission * (double)rgba[0] );
     rf_derive_glass( f, transmission, out );
 }
@@ -170,9 +175,9 @@ static void clearcoat_at( const RfScene* scene, const RfMaterial* m, uint32_t tr
 {
     double clearcoat = m->textured->clearcoat, roughness = m->textured->clearcoat_roughness;
     float rgba[4];
-    if ( rf_look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT, triangle, u, v, rgba ) )
         clearcoat = unit( clearcoat * (double)rgba[0] );
-    if ( rf_look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, triangle, u, v, rgba ) )
         roughness = unit( roughness * (double)rgba[1] );
     rf_derive_clearcoat( clearcoat, roughness, out );
 }
@@ -232,7 +237,7 @@ RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t trian
         return scaled( base, 1.0 );
     }
     float rgba[4];
-    if ( !rf_look_up_slot( scene, m, RF_TEXTURE_EMISSIVE, triangle, u, v, rgba ) )
+    if ( !look_up_slot( scene, m, RF_TEXTURE_EMISSIVE, triangle, u, v, rgba ) )
         return m->emission;
     return rf_mul( m->emission, rf_vec3( rgba[0], rgba[1], rgba[2] ) );
 }
@@ -248,7 +253,7 @@ static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t
     for ( int corner = 0; corner < 3; ++corner )
     {
         float at[2];
-        rf_texture_coordinates( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
+        texture_coordinates( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
         for ( int k = 0; k < 2; ++k )
         {
             low[k] = corner == 0 || at[k] < low[k] ? at[k] : low[k];
@@ -277,4 +282,128 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
     RfVec3 mean = rf_scale( sum, 1.0f / (float)( GRID * GRID ) );
     RfVec3 least = rf_scale( m->emission, MIN_MEAN * bound );
     return rf_luminance( mean ) > rf_luminance( least ) ? mean : least;
+}
+
+// Shading normals of surfaces and clear coats from normal textures.
+
+// True if the vertex tangents belong to this use of a texture. They belong to the normal
+// texture of the surface or, without one, to that of the coat.
+static bool has_vertex_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref )
+{
+    const RfTextureRef* of = textured->refs + RF_TEXTURE_NORMAL;
+    if ( scene->triangles.tangents == NULL )
+        return false;
+    // the bits of the same file: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+    return of->texture < 0 || ( of->uv_set == ref->uv_set && memcmp( of->transform, ref->transform, sizeof of->transform ) == 0 );
+}
+
+// Tangent and bitangent, from the vertex tangents or else from the texture coordinates.
+static bool find_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref, uint32_t triangle, float u,
+                           float v, RfVec3 n, RfVec3* tangent, RfVec3* bitangent )
+{
+    const RfTriangles* t = &scene->triangles;
+    const uint32_t* corners = t->indices + 3 * (size_t)triangle;
+    RfVec3 along;
+    float sign = 0.0f;
+    if ( has_vertex_tangents( scene, textured, ref ) )
+    {
+        float given[4];
+        interpolate_corners( t->tangents, 4, corners, u, v, given );
+        along = rf_vec3( given[0], given[1], given[2] );
+        sign = given[3];
+    }
+    if ( sign == 0.0f )
+    {
+        float a[2], b[2], c[2], p[3][3];
+        texture_coordinates( scene, ref, triangle, 0.0f, 0.0f, a );
+        texture_coordinates( scene, ref, triangle, 1.0f, 0.0f, b );
+        texture_coordinates( scene, ref, triangle, 0.0f, 1.0f, c );
+        for ( int i = 0; i < 3; ++i )
+            interpolate_corners( t->positions, 3, corners, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f, p[i] );
+        RfVec3 e1 = rf_vec3( p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2] );
+        RfVec3 e2 = rf_vec3( p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2] );
+        float du1 = b[0] - a[0], dv1 = b[1] - a[1], du2 = c[0] - a[0], dv2 = c[1] - a[1];
+        float det = du1 * dv2 - du2 * dv1;
+        if ( !( fabsf( det ) > 0.0f ) )
+            return false;
+        // v' points down the image and the bitangent up: for det < 0 it is n × t
+        along = rf_scale( rf_sub( rf_scale( e1, dv2 ), rf_scale( e2, dv1 ) ), det < 0.0f ? -1.0f : 1.0f );
+        sign = det < 0.0f ? 1.0f : -1.0f;
+    }
+    along = rf_madd( along, n, -rf_dot( along, n ) );
+    float length2 = rf_dot( along, along );
+    if ( !( length2 > 0.0f && length2 < INFINITY ) )
+        return false;
+    *tangent = rf_scale( along, 1.0f / sqrtf( length2 ) );
+    *bitangent = rf_scale( rf_cross( n, *tangent ), sign < 0.0f ? -1.0f : 1.0f );
+    return true;
+}
+
+static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, float scale, uint32_t triangle,
+                             float u, float v, RfVec3 n, RfVec3 ng )
+{
+    float rgba[4];
+    RfVec3 tangent, bitangent;
+    if ( !look_up_slot( scene, m, slot, triangle, u, v, rgba ) ||
+         !find_tangents( scene, m->textured, m->textured->refs + slot, triangle, u, v, n, &tangent, &bitangent ) )
+        return n;
+    float x = ( 2.0f * rgba[0] - 1.0f ) * scale, y = ( 2.0f * rgba[1] - 1.0f ) * scale;
+    RfVec3 mapped = rf_madd( rf_madd( rf_scale( n, 2.0f * rgba[2] - 1.0f ), tangent, x ), bitangent, y );
+    float length2 = rf_dot( mapped, mapped );
+    if ( !( length2 > 1e-12f ) )
+        return n;
+    mapped = rf_scale( mapped, 1.0f / sqrtf( length2 ) );
+    // a normal that points below the surface is raised to the horizon
+    float above = rf_dot( mapped, ng );
+    return above > 1e-3f ? mapped : rf_normalize( rf_madd( mapped, ng, 2e-3f - above ) );
+}
+
+RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng )
+{
+    return mapped_normal( scene, m, RF_TEXTURE_NORMAL, m->textured->normal_scale, triangle, u, v, n, ng );
+}
+
+RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n, RfVec3 ng )
+{
+    return mapped_normal( scene, m, RF_TEXTURE_CLEARCOAT_NORMAL, m->textured->clearcoat_normal_scale, triangle, u, v, n, ng );
+}
+
+// The corners' numbers, which tell where their texture coordinates are.
+static void fetch_corners( const RfScene* scene, const RfTexturedPoint* points, int count )
+{
+    for ( int i = 0; i < count; ++i )
+        __builtin_prefetch( scene->triangles.indices + 3 * (size_t)points[i].triangle );
+}
+
+static void fetch_coordinates( const RfScene* scene, const RfTexturedPoint* points, int count )
+{
+    for ( int i = 0; i < count && scene->triangles.uvs != NULL; ++i )
+    {
+        const uint32_t* corners = scene->triangles.indices + 3 * (size_t)points[i].triangle;
+        for ( int k = 0; k < 3; ++k )
+            __builtin_prefetch( scene->triangles.uvs + 2 * (size_t)corners[k] );
+    }
+}
+
+static void fetch_texels( const RfScene* scene, const RfTexturedPoint* points, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfTextureRef* refs = points[i].material->textured->refs;
+        for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+        {
+            if ( refs[slot].texture < 0 )
+                continue;
+            float at[2];
+            texture_coordinates( scene, refs + slot, points[i].triangle, points[i].u, points[i].v, at );
+            rf_prefetch_texels( scene->textures + refs[slot].texture, refs + slot, at );
+        }
+    }
+}
+
+void rf_prefetch_textures( const RfScene* scene, const RfTexturedPoint* points, int count )
+{
+    fetch_corners( scene, points, count );
+    fetch_coordinates( scene, points, count );
+    fetch_texels( scene, points, count );
 }

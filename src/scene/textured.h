@@ -1,5 +1,7 @@
 // Spatially varying materials: factors times textures times vertex colours, converted to the
 // parameters of the scattering models.
+// Fetches what lookups in textures are about to read into the cache, for many points at once: in large scenes most of the time
+// of a lookup is spent waiting for memory.
 #ifndef REFRAME_SCENE_TEXTURED_H
 #define REFRAME_SCENE_TEXTURED_H
 
@@ -106,6 +108,7 @@ static inline bool rf_may_be_smooth( const RfMaterial* m )
 }
 
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }
+
 static inline bool rf_is_blended( const RfMaterial* m ) { return m->textured != NULL && m->textured->blended; }
 
 // True if a thin wall of glass is smooth and lets light through somewhere.
@@ -116,5 +119,16 @@ static inline bool rf_may_be_pane( const RfMaterial* m )
 {
     return m->kind == RF_BSDF_GLASS && m->thin && rf_is_clear_somewhere( m );
 }
+
+// A point on a triangle, by barycentrics, with a material that has `textured`.
+typedef struct RfTexturedPoint
+{
+    const RfMaterial* material;
+    uint32_t triangle;
+    float u, v;
+} RfTexturedPoint;
+
+// Changes nothing but the time that rf_material_at and the other lookups of scene/textured.h take at these points.
+void rf_prefetch_textures( const RfScene* scene, const RfTexturedPoint* points, int count );
 
 #endif

@@ -1,7 +1,7 @@
 // Rays and segments, in packets of 16.
 #include "base/fault.h"
 #include "base/float_traps.h"
-#include "trace/filter.h"
+#include "trace/bvh.h"
 #include "trace/tracer.h"
 
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "base/system.h"
 #include "light/light.h"
 #include "scene/leave_out.h"
-#include "trace/far_triangle.h"
+#include "trace/bvh.h"
 
 #include <pmmintrin.h>
 #include <stdio.h>

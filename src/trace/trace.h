@@ -76,7 +76,7 @@ typedef struct RfTriangleRecord
     uint32_t material;
     uint32_t light;  // index into RfLights, or RF_NO_LIGHT
     uint8_t flat;    // 1: the shading normal is the geometric normal
-    uint8_t far;     // 1: hits are checked in doubles (trace/far_triangle.h)
+    uint8_t far;     // 1: hits are checked in doubles (trace/bvh.h)
     uint16_t mirror; // index into RfMirrors, or RF_NO_MIRROR
     float offset;    // ray offset for hits interpolated from its vertices (rf_ray_offset)
 } RfTriangleRecord;

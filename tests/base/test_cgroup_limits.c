@@ -1,6 +1,5 @@
 // The free memory of nested control groups is that of the tightest one, shown on a made-up
 // cgroup folder.
-#include "base/cgroup.h"
 #include "base/system.h"
 #include "support/cli_run.h"
 

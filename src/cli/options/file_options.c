@@ -2,7 +2,6 @@
 
 #include "cli/options/options.h"
 #include "scene/json/json_document.h"
-#include "scene/json/json_value.h"
 
 #include <string.h>
 

@@ -6,7 +6,6 @@
 #include "reframe/camera.h"
 #include "scene/camera_path/curve.h"
 #include "scene/camera_path/optics.h"
-#include "scene/camera_path/waypoints.h"
 
 #include <stdbool.h>
 #include <stdint.h>

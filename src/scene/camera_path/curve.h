@@ -6,6 +6,7 @@
 // the speed: a monotone cubic maps time to knot, so that the speed is continuous, however
 // unevenly the keys are spaced. Numbers are interpolated by that monotone cubic directly and
 // never leave the range of the neighbouring keys.
+// A curve through waypoints, parametrised by arc length for constant speed.
 #ifndef REFRAME_SCENE_CAMERA_PATH_CURVE_H
 #define REFRAME_SCENE_CAMERA_PATH_CURVE_H
 
@@ -35,6 +36,7 @@ typedef struct RfCurve
 // linearly (rotations by slerp). Fails only with RF_ERROR_MEMORY. Free with rf_destroy_curve.
 RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double* times, const double* values, RfCurve* curve,
                           RfError* error );
+
 void rf_destroy_curve( RfCurve* curve );
 
 // The value at a time, clamped to the first and the last key.
@@ -43,5 +45,24 @@ void rf_sample_curve( const RfCurve* curve, double time, double* value );
 // The point of a curve of points, and its derivative, at a knot in [knots[segment],
 // knots[segment + 1]].
 void rf_curve_at_knot( const RfCurve* curve, int segment, double knot, double value[3], double derivative[3] );
+
+typedef struct RfWaypoints
+{
+    RfCurve curve;   // through the points; its times are unused
+    int piece_count; // over all segments, which have equally many
+    double* lengths; // arc length at the start of each piece, and at the end of the last
+    double length;   // of the whole curve, m
+} RfWaypoints;
+
+// `points` holds 3 × count numbers, count ≥ 2, neighbours distinct. Fails only with
+// RF_ERROR_MEMORY. Free with rf_destroy_waypoints.
+RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWaypoints* waypoints, RfError* error );
+
+// Frees the curve and its lengths and clears the struct.
+void rf_destroy_waypoints( RfWaypoints* waypoints );
+
+// The point at arc length `length`, in metres; beyond the ends the curve is extended by
+// straight lines.
+void rf_waypoint_position( const RfWaypoints* waypoints, double length, double point[3] );
 
 #endif

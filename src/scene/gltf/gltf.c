@@ -1,14 +1,173 @@
 #include "scene/gltf/gltf.h"
 
-#include "base/blend_file.h"
 #include "base/file.h"
-#include "scene/gltf/glb.h"
+#include "reframe/error.h"
+#include "scene/camera.h"
+#include "scene/gltf/gltf_document.h"
 #include "scene/gltf/gltf_geometry.h"
 #include "scene/gltf/gltf_materials.h"
-#include "scene/json/json_value.h"
+#include "scene/json/json_document.h"
 
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+// Views into the bytes of the file.
+typedef struct RfGlb
+{
+    const uint8_t* json;
+    size_t json_size;
+    const uint8_t* bin; // NULL: none
+    size_t bin_size;
+} RfGlb;
+
+// The GLB container of glTF: a header, a JSON chunk, a binary chunk.
+
+#define MAGIC "glTF"
+#define CHUNK_JSON 0x4e4f534au
+#define CHUNK_BIN 0x004e4942u
+#define HEADER_SIZE 12
+#define CHUNK_HEADER_SIZE 8
+
+static uint32_t read_u32( const uint8_t* at )
+{
+    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+// True if the bytes begin with the GLB header; the file name does not matter.
+static bool is_glb( const uint8_t* bytes, size_t size ) { return size >= 4 && memcmp( bytes, MAGIC, 4 ) == 0; }
+
+static RfResult check_header( const char* path, const uint8_t* bytes, size_t size, RfError* error )
+{
+    if ( size < HEADER_SIZE )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB header: the file ends inside it: copy or export it again", path );
+    uint32_t version = read_u32( bytes + 4 );
+    if ( version != 2 )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: GLB header: version %u, not 2: export it as glTF 2.0", path, version );
+    uint32_t length = read_u32( bytes + 8 );
+    if ( length != size )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB header: says %u bytes, the file has %zu: copy or export it again", path,
+                        length, size );
+    return RF_OK;
+}
+
+// Finds the chunks. `path` is only for messages.
+static RfResult split_glb( const char* path, const uint8_t* bytes, size_t size, RfGlb* glb, RfError* error )
+{
+    *glb = ( RfGlb ){ 0 };
+    RfResult result = check_header( path, bytes, size, error );
+    if ( result != RF_OK )
+        return result;
+
+    size_t at = HEADER_SIZE;
+    for ( int chunk = 0; at < size; ++chunk )
+    {
+        if ( size - at < CHUNK_HEADER_SIZE )
+            return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB chunk %d: the file ends inside its header: export it again", path,
+                            chunk );
+        uint32_t length = read_u32( bytes + at ), type = read_u32( bytes + at + 4 );
+        at += CHUNK_HEADER_SIZE;
+        if ( length > size - at )
+            return rf_fail( error, RF_ERROR_FORMAT,
+                            "%s: GLB chunk %d: says %u bytes, %zu are left in the file: copy or export it again", path, chunk,
+                            length, size - at );
+        if ( ( chunk == 0 ) != ( type == CHUNK_JSON ) )
+            return rf_fail( error, RF_ERROR_FORMAT,
+                            "%s: GLB chunk %d: the first chunk, and no other, must be JSON: export it again", path, chunk );
+        if ( chunk == 0 )
+        {
+            glb->json = bytes + at;
+            glb->json_size = length;
+        }
+        else if ( chunk == 1 && type == CHUNK_BIN )
+        {
+            glb->bin = bytes + at;
+            glb->bin_size = length;
+        }
+        // other chunks belong to extensions and are skipped, as the specification requires
+        at += length;
+    }
+    if ( glb->json == NULL )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB: has no JSON chunk: export it again", path );
+    return RF_OK;
+}
+
+// Where a scene that lies far from the origin is moved to, so that floats can tell its details apart. At
+// 100 km they are 8 mm apart.
+
+#define SAMPLES 1024 // corners of triangles, evenly spread over the list
+
+// As far out as this, in distances of the median corner from the middle.
+#define FAR_OUT 16.0
+
+static int compare( const void* a, const void* b )
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return ( x > y ) - ( x < y );
+}
+
+static double median( double* values, size_t count )
+{
+    qsort( values, count, sizeof *values, compare );
+    return values[count / 2];
+}
+
+static size_t sample_corners( const RfTriangles* t, double corners[3][SAMPLES] )
+{
+    size_t all = 3 * (size_t)t->count, step = all / SAMPLES + 1, count = 0;
+    for ( size_t i = 0; i < all; i += step, ++count )
+    {
+        for ( size_t c = 0; c < 3; ++c )
+            corners[c][count] = (double)t->positions[3 * (size_t)t->indices[i] + c];
+    }
+    return count;
+}
+
+// Whether the camera that is rendered by default starts nearer to the middle than to where the origin is.
+static bool eye_agrees( const RfScene* scene, const double middle[3] )
+{
+    int index;
+    if ( rf_find_camera( scene, NULL, &index, NULL ) != RF_OK || scene->cameras[index].node < 0 )
+        return true;
+    RfMat4 world;
+    rf_node_world_matrix( scene, scene->cameras[index].node, scene->cameras[index].start, &world );
+    double before = 0.0, after = 0.0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        before = fmax( before, fabs( world.m[12 + c] ) );
+        after = fmax( after, fabs( world.m[12 + c] - middle[c] ) );
+    }
+    return after < before;
+}
+
+// True if the scene lies so far out that it is to be loaded around another origin, which is set.
+static bool find_origin( const RfScene* scene, double origin[3] )
+{
+    double corners[3][SAMPLES], sorted[SAMPLES], middle[3], distance[SAMPLES], out = 0.0;
+    size_t count = sample_corners( &scene->triangles, corners );
+    if ( count == 0 )
+        return false;
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( sorted, corners[c], count * sizeof *sorted );
+        middle[c] = median( sorted, count );
+        out = fmax( out, fabs( middle[c] ) );
+    }
+    for ( size_t i = 0; i < count; ++i )
+        distance[i] = fmax( fabs( corners[0][i] - middle[0] ),
+                            fmax( fabs( corners[1][i] - middle[1] ), fabs( corners[2][i] - middle[2] ) ) );
+    double size = median( distance, count );
+    if ( !( size > 0.0 && out > FAR_OUT * size && eye_agrees( scene, middle ) ) )
+        return false;
+    // to a multiple of a power of two, so that round numbers stay round
+    double unit = exp2( ceil( log2( 8.0 * size ) ) );
+    for ( int c = 0; c < 3; ++c )
+        origin[c] = unit * round( middle[c] / unit );
+    return true;
+}
 
 #define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
 
@@ -34,11 +193,11 @@ static RfResult open_document( RfGltf* gltf )
     result = rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error );
     if ( result != RF_OK )
         return result;
-    if ( rf_is_glb( gltf->file, gltf->file_size ) == false )
+    if ( is_glb( gltf->file, gltf->file_size ) == false )
         return parse( gltf, (const char*)gltf->file, gltf->file_size );
 
     RfGlb glb;
-    result = rf_split_glb( gltf->path, gltf->file, gltf->file_size, &glb, gltf->error );
+    result = split_glb( gltf->path, gltf->file, gltf->file_size, &glb, gltf->error );
     if ( result != RF_OK )
         return result;
     gltf->bin = glb.bin;
@@ -142,7 +301,7 @@ RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene*
 {
     double origin[3] = { 0 };
     RfResult result = load_around( origin, path, edit, scene, log, error );
-    if ( result != RF_OK || !rf_gltf_find_origin( scene, origin ) )
+    if ( result != RF_OK || !find_origin( scene, origin ) )
         return result;
     rf_destroy_scene( scene );
     return load_around( origin, path, edit, scene, NULL, error );

@@ -1,11 +1,163 @@
-// Buffers and buffer views. All sizes are compared as 64-bit differences, which cannot
-// overflow.
-
 #include "scene/gltf/gltf_document.h"
 
 #include "base/file.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+static int component_size( int component_type );
+
+// URIs of buffers: base64 data in the document, or a file beside it.
+
+bool rf_is_data_uri( const char* uri ) { return strncmp( uri, "data:", 5 ) == 0; }
+
+static int base64_value( unsigned char c )
+{
+    if ( c >= 'A' && c <= 'Z' )
+        return c - 'A';
+    if ( c >= 'a' && c <= 'z' )
+        return c - 'a' + 26;
+    if ( c >= '0' && c <= '9' )
+        return c - '0' + 52;
+    return c == '+' ? 62 : c == '/' ? 63 : -1;
+}
+
+// False if a character is not in the base64 alphabet.
+static bool decode_base64( const char* text, size_t length, uint8_t* bytes )
+{
+    uint32_t bits = 0;
+    int held = 0;
+    for ( size_t i = 0; i < length; ++i )
+    {
+        int value = base64_value( (unsigned char)text[i] );
+        if ( value < 0 )
+            return false;
+        bits = bits << 6 | (uint32_t)value;
+        held += 6;
+        if ( held >= 8 )
+        {
+            held -= 8;
+            *bytes++ = (uint8_t)( bits >> held );
+        }
+    }
+    return true;
+}
+
+RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size )
+{
+    const char* comma = strchr( uri, ',' );
+    if ( comma == NULL || comma - uri < 7 || strncmp( comma - 7, ";base64", 7 ) != 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri is data that is not base64" );
+    const char* text = comma + 1;
+    size_t length = strlen( text );
+    for ( int pad = 0; pad < 2 && length > 0 && text[length - 1] == '='; ++pad )
+        length -= 1;
+    if ( length % 4 == 1 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri has base64 data that is truncated" );
+    *size = length / 4 * 3 + ( length % 4 > 0 ? length % 4 - 1 : 0 );
+    *bytes = malloc( *size > 0 ? *size : 1 );
+    if ( *bytes == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    if ( decode_base64( text, length, *bytes ) )
+        return RF_OK;
+    free( *bytes );
+    *bytes = NULL;
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri has a character that is not base64" );
+}
+
+static int hex_value( char c )
+{
+    if ( c >= '0' && c <= '9' )
+        return c - '0';
+    if ( c >= 'a' && c <= 'f' )
+        return c - 'a' + 10;
+    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+// Decodes in place; false on an invalid escape or an encoded zero byte.
+static bool decode_percent( char* text )
+{
+    char* out = text;
+    for ( const char* in = text; *in != 0; ++in )
+    {
+        char c = *in;
+        if ( c == '%' )
+        {
+            int high = hex_value( in[1] );
+            int low = high >= 0 ? hex_value( in[2] ) : -1;
+            if ( low < 0 || high * 16 + low == 0 )
+                return false;
+            c = (char)( high * 16 + low );
+            in += 2;
+        }
+        *out++ = c;
+    }
+    *out = 0;
+    return true;
+}
+
+static bool leaves_folder( const char* path )
+{
+    for ( const char* part = path; part != NULL; )
+    {
+        const char* slash = strchr( part, '/' );
+        size_t length = slash != NULL ? (size_t)( slash - part ) : strlen( part );
+        if ( length == 2 && strncmp( part, "..", 2 ) == 0 )
+            return true;
+        part = slash != NULL ? slash + 1 : NULL;
+    }
+    return false;
+}
+
+// Only files beside or below the scene may be named: an untrusted scene must not read other
+// files of the machine.
+static const char* find_fault( const char* path )
+{
+    if ( path[0] == 0 )
+        return "is empty";
+    if ( path[0] == '/' )
+        return "begins with '/'";
+    if ( strchr( path, '\\' ) != NULL )
+        return "has a backslash";
+    if ( leaves_folder( path ) )
+        return "leaves the folder by '..'";
+    const char* colon = strchr( path, ':' );
+    const char* slash = strchr( path, '/' );
+    if ( colon != NULL && ( slash == NULL || colon < slash ) )
+        return "has a scheme";
+    return NULL;
+}
+
+RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path )
+{
+    *path = NULL;
+    const char* slash = strrchr( gltf->path, '/' );
+    size_t folder = slash != NULL ? (size_t)( slash - gltf->path ) + 1 : 0;
+    char* text = malloc( folder + strlen( uri ) + 1 );
+    if ( text == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    memcpy( text, gltf->path, folder );
+    strcpy( text + folder, uri );
+
+    // checked before and after decoding: either form may hide a violation
+    const char* fault = find_fault( text + folder );
+    if ( fault == NULL && decode_percent( text + folder ) == false )
+        fault = "has a broken %-escape";
+    if ( fault == NULL )
+        fault = find_fault( text + folder );
+    if ( fault != NULL )
+    {
+        free( text );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "uri '%.80s' %s: put the file beside the scene and name it without a folder", uri, fault );
+    }
+    *path = text;
+    return RF_OK;
+}
+
+// Buffers and buffer views. All sizes are compared as 64-bit differences, which cannot
+// overflow.
 
 // Limit of the sum over all buffer files, since a file may name the same one many times.
 #define MAX_BUFFER_BYTES ( (uint64_t)16 << 30 )
@@ -119,7 +271,8 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
     return RF_OK;
 }
 
-RfResult rf_gltf_view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride )
+// The stride of a view for elements of `element` bytes.
+static RfResult view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride )
 {
     RfWhere where = rf_where( "bufferViews[%d]", view );
     const json_t* json = rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view );
@@ -135,4 +288,300 @@ RfResult rf_gltf_view_stride( const RfGltf* gltf, int view, uint64_t element, ui
                              (long long)value, (unsigned long long)element );
     *stride = (uint64_t)value;
     return RF_OK;
+}
+
+// Single elements of accessors. Addresses may be unaligned, so every read is a copy;
+// validation of the accessor ensures that it is inside its buffer.
+
+// Reads an unsigned integer of a component type.
+static uint32_t read_u32( const uint8_t* at, int component_type )
+{
+    uint16_t half;
+    uint32_t word;
+    switch ( component_type )
+    {
+        case 5121: return at[0];
+        case 5123: memcpy( &half, at, 2 ); return half;
+        default: memcpy( &word, at, 4 ); return word;
+    }
+}
+
+static float read_component( const uint8_t* at, int component_type, bool normalized )
+{
+    int16_t s16;
+    uint16_t u16;
+    uint32_t u32;
+    float real;
+    switch ( component_type )
+    {
+        case 5120: real = (float)(int8_t)at[0]; return normalized ? fmaxf( real / 127.0f, -1.0f ) : real;
+        case 5121: real = (float)at[0]; return normalized ? real / 255.0f : real;
+        case 5122: memcpy( &s16, at, 2 ); return normalized ? fmaxf( (float)s16 / 32767.0f, -1.0f ) : (float)s16;
+        case 5123: memcpy( &u16, at, 2 ); return normalized ? (float)u16 / 65535.0f : (float)u16;
+        case 5125: memcpy( &u32, at, 4 ); return (float)u32;
+        default: memcpy( &real, at, 4 ); return real;
+    }
+}
+
+// The address of an element; NULL for zeros.
+static const uint8_t* find_element( const RfGltfAccessor* accessor, uint32_t element )
+{
+    uint64_t index_size = accessor->sparse_count > 0 ? (uint64_t)component_size( accessor->sparse_type ) : 0;
+    uint32_t low = 0, high = accessor->sparse_count;
+    while ( low < high )
+    {
+        uint32_t middle = low + ( high - low ) / 2;
+        uint32_t index = read_u32( accessor->sparse_indices + middle * index_size, accessor->sparse_type );
+        if ( index == element )
+        {
+            uint64_t size = (uint64_t)accessor->components * (uint64_t)component_size( accessor->component_type );
+            return accessor->sparse_values + middle * size;
+        }
+        if ( index < element )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return accessor->data != NULL ? accessor->data + element * accessor->stride : NULL;
+}
+
+RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, float* values )
+{
+    const RfGltfAccessor* accessor = gltf->accessors + index;
+    const uint8_t* at = find_element( accessor, element );
+    if ( at == NULL )
+    {
+        memset( values, 0, (size_t)accessor->components * sizeof *values );
+        return RF_OK;
+    }
+    int size = component_size( accessor->component_type );
+    for ( int i = 0; i < accessor->components; ++i )
+    {
+        values[i] = read_component( at + i * size, accessor->component_type, accessor->normalized );
+        if ( isfinite( values[i] ) == 0 )
+        {
+            RfWhere where = rf_where( "accessors[%d]", index );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "element %u, number %d is not finite", element, i );
+        }
+    }
+    return RF_OK;
+}
+
+uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element )
+{
+    const uint8_t* at = find_element( accessor, element );
+    return at != NULL ? read_u32( at, accessor->component_type ) : 0;
+}
+
+// Accessors: validated once on first use, then read element by element, so that primitives
+// that share a large accessor only pay for the elements they use.
+
+// Accessors without a view take no bytes in the file, so their zeros are limited.
+#define MAX_ELEMENTS ( (int64_t)1 << 31 )
+
+#define MAX_ZEROS ( (int64_t)1 << 24 )
+
+enum
+{
+    BYTE = 5120,
+    UNSIGNED_BYTE = 5121,
+    SHORT = 5122,
+    UNSIGNED_SHORT = 5123,
+    UNSIGNED_INT = 5125,
+    FLOAT = 5126,
+};
+
+// Bytes of a component type.
+static int component_size( int component_type )
+{
+    switch ( component_type )
+    {
+        case BYTE:
+        case UNSIGNED_BYTE: return 1;
+        case SHORT:
+        case UNSIGNED_SHORT: return 2;
+        case UNSIGNED_INT:
+        case FLOAT: return 4;
+    }
+    return 0;
+}
+
+static const struct
+{
+    const char* name;
+    int components;
+} s_types[] = {
+    { "SCALAR", 1 }, { "VEC2", 2 }, { "VEC3", 3 }, { "VEC4", 4 }, { "MAT2", 4 }, { "MAT3", 9 }, { "MAT4", 16 },
+};
+
+static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* where, RfGltfAccessor* out )
+{
+    const char* type = "";
+    RfResult result = rf_gltf_get_string( gltf, json, where, "type", &type );
+    if ( result != RF_OK )
+        return result;
+    for ( size_t i = 0; i < sizeof s_types / sizeof s_types[0]; ++i )
+    {
+        if ( strcmp( type, s_types[i].name ) == 0 )
+            out->components = s_types[i].components;
+    }
+    // matrices pad their columns, but no attribute that is read here is a matrix
+    if ( out->components == 0 || type[0] == 'M' )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants SCALAR, VEC2, VEC3 or VEC4 here", type );
+    return RF_OK;
+}
+
+static RfResult read_component_type( const RfGltf* gltf, const json_t* json, const char* where, int* component_type )
+{
+    int64_t value = 0;
+    RfResult result = rf_gltf_require( gltf, json, where, "componentType" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, json, where, "componentType", BYTE, FLOAT, &value );
+    if ( result == RF_OK && component_size( (int)value ) == 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "componentType %d does not exist", (int)value );
+    *component_type = (int)value;
+    return result;
+}
+
+static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char* where, RfGltfAccessor* out )
+{
+    int64_t count = 0;
+    RfResult result = rf_gltf_require( gltf, json, where, "count" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, json, where, "count", 1, INT64_MAX, &count );
+    if ( result == RF_OK )
+        result = rf_gltf_check_limit( gltf, where, "count", (double)count, (double)MAX_ELEMENTS );
+    out->count = (uint32_t)count;
+    if ( result == RF_OK )
+        result = read_component_type( gltf, json, where, &out->component_type );
+    if ( result == RF_OK )
+        result = read_type( gltf, json, where, out );
+    if ( result == RF_OK )
+        result = rf_gltf_get_bool( gltf, json, where, "normalized", &out->normalized );
+    if ( result == RF_OK && out->normalized && out->component_type >= UNSIGNED_INT )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "normalized wants components of 8 or 16 bits" );
+    return result;
+}
+
+static uint64_t element_size( const RfGltfAccessor* accessor )
+{
+    return (uint64_t)accessor->components * (uint64_t)component_size( accessor->component_type );
+}
+
+static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* where, RfGltfAccessor* out )
+{
+    int view;
+    int64_t offset = 0;
+    RfResult result = rf_gltf_get_index( gltf, json, where, "bufferView", RF_GLTF_BUFFER_VIEWS, &view );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, json, where, "byteOffset", 0, INT64_MAX, &offset );
+    if ( result != RF_OK )
+        return result;
+    if ( view < 0 && out->count > MAX_ZEROS )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "%u elements without a bufferView are too many, the limit is %lld: "
+                             "export the scene with its data",
+                             out->count, (long long)MAX_ZEROS );
+    if ( view < 0 )
+        return RF_OK;
+    uint64_t size = element_size( out );
+    result = view_stride( gltf, view, size, &out->stride );
+    if ( result != RF_OK )
+        return result;
+    // count ≤ 2³¹ and stride ≤ 252: no overflow
+    uint64_t need = out->stride * ( (uint64_t)out->count - 1 ) + size;
+    return rf_gltf_view_bytes( gltf, where, view, (uint64_t)offset, need, &out->data );
+}
+
+static RfResult read_sparse_part( const RfGltf* gltf, const json_t* sparse, const char* where, const char* key, uint64_t bytes,
+                                  const uint8_t** data )
+{
+    const json_t* part = NULL;
+    int view = -1;
+    int64_t offset = 0;
+    RfResult result = rf_gltf_require( gltf, sparse, where, key );
+    if ( result == RF_OK )
+        result = rf_gltf_get_object( gltf, sparse, where, key, &part );
+    if ( result != RF_OK )
+        return result;
+    RfWhere self = rf_where( "%s.%s", where, key );
+    result = rf_gltf_require( gltf, part, self.text, "bufferView" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_index( gltf, part, self.text, "bufferView", RF_GLTF_BUFFER_VIEWS, &view );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, part, self.text, "byteOffset", 0, INT64_MAX, &offset );
+    if ( result == RF_OK )
+        result = rf_gltf_view_bytes( gltf, self.text, view, (uint64_t)offset, bytes, data );
+    return result;
+}
+
+static RfResult check_sparse_indices( const RfGltf* gltf, const char* where, const RfGltfAccessor* out )
+{
+    uint64_t size = (uint64_t)component_size( out->sparse_type );
+    int64_t last = -1;
+    for ( uint32_t i = 0; i < out->sparse_count; ++i )
+    {
+        int64_t index = read_u32( out->sparse_indices + i * size, out->sparse_type );
+        if ( index <= last || index >= (int64_t)out->count )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "indices[%u] is %lld: they must increase and stay below %u", i,
+                                 (long long)index, out->count );
+        last = index;
+    }
+    return RF_OK;
+}
+
+static RfResult read_sparse( const RfGltf* gltf, const json_t* json, const char* accessor, RfGltfAccessor* out )
+{
+    const json_t* sparse = NULL;
+    RfResult result = rf_gltf_get_object( gltf, json, accessor, "sparse", &sparse );
+    if ( result != RF_OK || sparse == NULL )
+        return result;
+    RfWhere where = rf_where( "%s.sparse", accessor );
+    int64_t count = 0;
+    result = rf_gltf_require( gltf, sparse, where.text, "count" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, sparse, where.text, "count", 1, out->count, &count );
+    const json_t* indices = json_object_get( sparse, "indices" );
+    if ( result == RF_OK && json_is_object( indices ) )
+        result = read_component_type( gltf, indices, where.text, &out->sparse_type );
+    if ( result != RF_OK )
+        return result;
+    if ( json_is_object( indices ) && out->sparse_type != UNSIGNED_BYTE && out->sparse_type != UNSIGNED_SHORT &&
+         out->sparse_type != UNSIGNED_INT )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "indices want an unsigned componentType" );
+
+    uint64_t index_bytes = (uint64_t)count * (uint64_t)component_size( out->sparse_type );
+    result = read_sparse_part( gltf, sparse, where.text, "indices", index_bytes, &out->sparse_indices );
+    if ( result == RF_OK )
+        result =
+            read_sparse_part( gltf, sparse, where.text, "values", (uint64_t)count * element_size( out ), &out->sparse_values );
+    if ( result != RF_OK )
+        return result;
+    out->sparse_count = (uint32_t)count;
+    return check_sparse_indices( gltf, where.text, out );
+}
+
+RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor )
+{
+    RfGltfAccessor* self = gltf->accessors + index;
+    *accessor = self;
+    if ( self->open )
+        return RF_OK;
+    RfWhere where = rf_where( "accessors[%d]", index );
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_ACCESSORS, index );
+    RfResult result = read_layout( gltf, json, where.text, self );
+    if ( result == RF_OK )
+        result = read_view( gltf, json, where.text, self );
+    if ( result == RF_OK )
+        result = read_sparse( gltf, json, where.text, self );
+    self->open = result == RF_OK;
+    return result;
+}
+
+RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components )
+{
+    if ( accessor->components == components )
+        return RF_OK;
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, user, "accessors[%d] has elements of %d numbers, %d are needed", index,
+                         accessor->components, components );
 }

@@ -1,6 +1,6 @@
 #include "scene/gltf/gltf_document.h"
 
-#include "scene/json/json_value.h"
+#include "scene/json/json_document.h"
 
 #include <math.h>
 #include <stdarg.h>

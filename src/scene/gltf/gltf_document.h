@@ -185,7 +185,7 @@ void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* 
 // Warns of unknown extensions in extensionsUsed.
 RfResult rf_gltf_notice_unread( RfGltf* gltf );
 
-// True for a data: URI (gltf_uri.c).
+// True for a data: URI (gltf_buffer.c).
 bool rf_is_data_uri( const char* uri );
 
 // Decodes a base64 data: URI; the caller frees the bytes.
@@ -194,7 +194,7 @@ RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const c
 // Converts a relative URI to a path beside the file; the caller frees it.
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path );
 
-// Reads the environment from the extras of the scene (gltf_environment.c).
+// Reads the environment from the extras of the scene (gltf_light.c).
 RfResult rf_gltf_load_environment( RfGltf* gltf );
 
 // A modification of the parsed JSON before anything else is read (gltf.c). The input need not
@@ -218,20 +218,11 @@ void rf_gltf_free_buffers( RfGltf* gltf );
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes );
 
-// The stride of a view for elements of `element` bytes.
-RfResult rf_gltf_view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride );
-
-// Finds a validated accessor (gltf_accessor.c, gltf_element.c).
+// Finds a validated accessor (gltf_buffer.c).
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
 
 // Fails unless the accessor has `components` components; `user` names the attribute.
 RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components );
-
-// Bytes of a component type.
-int rf_gltf_component_size( int component_type );
-
-// Reads an unsigned integer of a component type.
-uint32_t rf_gltf_read_u32( const uint8_t* at, int component_type );
 
 // Reads an element as floats, normalised if the accessor is; they must be finite.
 RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, float* values );
@@ -239,10 +230,10 @@ RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, f
 // Reads an element as an index.
 uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 
-// Reads the hierarchy (gltf_node.c; animations and cameras: gltf_animation.c, gltf_camera.c).
+// Reads the hierarchy (gltf_node.c; cameras: gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 
-// Reads the animations (gltf_animation.c).
+// Reads the animations (gltf_node.c).
 RfResult rf_gltf_load_animations( RfGltf* gltf );
 
 // Reads the cameras (gltf_camera.c).
@@ -267,13 +258,10 @@ void rf_gltf_warn_of_moving( RfGltf* gltf );
 struct RfField;
 RfResult rf_gltf_read_shot( RfGltf* gltf, const struct RfField* ours );
 
-// Reads `export_warnings` of the scene's extras.reframe (gltf_warnings.c).
+// Reads `export_warnings` of the scene's extras.reframe (gltf_shot.c).
 RfResult rf_gltf_read_warnings( RfGltf* gltf, const struct RfField* ours );
 
 // Reads the path in a camera node's extras.reframe, where there is one.
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera );
-
-// True if the scene lies so far out that it is to be loaded around another origin, which is set (gltf_origin.c).
-bool rf_gltf_find_origin( const RfScene* scene, double origin[3] );
 
 #endif

@@ -1,11 +1,338 @@
-// Materials: glTF's metallic-roughness model as a Lambert base under a GGX lobe, with
-// KHR_materials_specular, _ior and _emissive_strength.
-
 #include "scene/gltf/gltf_materials.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// Glass and mirrors: KHR_materials_transmission with _volume, metals without roughness; also
+// KHR_materials_unlit.
+
+typedef struct Inside
+{
+    double transmission;
+    double thickness; // 0: thin-walled
+    double distance;  // at which light is attenuated to attenuation_color
+    double color[3];
+} Inside;
+
+static RfResult read_transmission( const RfGltf* gltf, const json_t* material, const char* owner, Inside* out )
+{
+    const json_t* json;
+    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_transmission", &json );
+    if ( result != RF_OK || json == NULL )
+        return result;
+    RfWhere where = rf_where( "%s.extensions.KHR_materials_transmission", owner );
+    result = rf_gltf_get_number( gltf, json, where.text, "transmissionFactor", &out->transmission );
+    if ( result == RF_OK && !( out->transmission >= 0.0 && out->transmission <= 1.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "transmissionFactor is %g, it wants 0 to 1", out->transmission );
+    return result;
+}
+
+static RfResult read_volume( const RfGltf* gltf, const json_t* material, const char* owner, Inside* out )
+{
+    const json_t* json;
+    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_volume", &json );
+    if ( result != RF_OK || json == NULL )
+        return result;
+    RfWhere where = rf_where( "%s.extensions.KHR_materials_volume", owner );
+    result = rf_gltf_get_number( gltf, json, where.text, "thicknessFactor", &out->thickness );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, json, where.text, "attenuationDistance", &out->distance );
+    if ( result == RF_OK )
+        result = rf_gltf_get_numbers( gltf, json, where.text, "attenuationColor", 3, out->color );
+    if ( result != RF_OK )
+        return result;
+    if ( !( out->thickness >= 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "thicknessFactor is %g, it wants 0 or more", out->thickness );
+    if ( !( out->distance > 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationDistance is %g, it wants more than 0",
+                             out->distance );
+    for ( int i = 0; i < 3; ++i )
+    {
+        if ( !( out->color[i] >= 0.0 && out->color[i] <= 1.0 ) )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationColor is %g, it wants 0 to 1", out->color[i] );
+    }
+    return RF_OK;
+}
+
+// −ln(colour) / distance; a channel of 0 is fully absorbed.
+static float absorption( double color, double distance )
+{
+    double a = -log( fmax( color, 1e-6 ) ) / distance;
+    return isfinite( a ) ? (float)fmin( a, 1e6 ) : 0.0f;
+}
+
+static RfVec3 scaled( const double rgb[3], double s )
+{
+    return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
+}
+
+static void make_glass( const Inside* in, const RfFactors* factors, RfMaterial* out )
+{
+    out->kind = RF_BSDF_GLASS;
+    // by the extension, an index of 0 means total reflection
+    out->ior = factors->ior > 0.0 ? (float)fmax( factors->ior, 1.0001 ) : 1e4f;
+    out->thin = in->thickness == 0.0;
+    rf_derive_glass( factors, in->transmission, out );
+    if ( out->thin )
+        return;
+    out->absorption = rf_vec3( absorption( in->color[0], in->distance ), absorption( in->color[1], in->distance ),
+                               absorption( in->color[2], in->distance ) );
+}
+
+bool rf_gltf_is_unlit( const json_t* material )
+{
+    return json_object_get( json_object_get( material, "extensions" ), "KHR_materials_unlit" ) != NULL;
+}
+
+// A surface that looks the same in any light: emission of its base colour.
+static void make_unlit( const double base[3], RfMaterial* out )
+{
+    out->kind = RF_BSDF_LAMBERT;
+    out->diffuse = rf_vec3( 0.0f, 0.0f, 0.0f );
+    out->emission = scaled( base, 1.0 );
+}
+
+// True for a metal by its factors, unless a texture varies it.
+static bool is_all_metal( const json_t* material, const RfFactors* factors )
+{
+    const json_t* part = json_object_get( material, "pbrMetallicRoughness" );
+    return factors->metallic == 1.0 && json_object_get( part, "metallicRoughnessTexture" ) == NULL;
+}
+
+// Reads KHR_materials_transmission, _volume and _unlit, and metals without roughness, after
+// all other factors.
+static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
+                                 RfMaterial* out )
+{
+    Inside inside = { .distance = (double)INFINITY, .color = { 1, 1, 1 } };
+    RfResult result = read_transmission( gltf, material, where, &inside );
+    if ( result == RF_OK )
+        result = read_volume( gltf, material, where, &inside );
+    if ( result != RF_OK )
+        return result;
+    if ( rf_gltf_is_unlit( material ) )
+        make_unlit( factors->base, out );
+    else if ( inside.transmission > 0.0 && !is_all_metal( material, factors ) )
+        make_glass( &inside, factors, out );
+    else if ( factors->metallic == 1.0 && factors->roughness < RF_SMOOTH_ROUGHNESS )
+    {
+        out->kind = RF_BSDF_GLASS;
+        out->alpha = 0.0f;
+    }
+    return RF_OK;
+}
+
+// `extras.reframe` of a material: scattering models that glTF lacks.
+//
+//     {"bsdf": "phong", "diffuse": [r, g, b], "specular": [r, g, b], "exponent": 60}
+//     {"bsdf": "lambert", "diffuse": [r, g, b]}
+//     {"bsdf": "mirror", "specular": [r, g, b]}
+//     {"bsdf": "glass", "ior": 1.5}
+//     {"coat": "added"}: glTF's own model, with a coat that takes nothing from the base, as in Blender's Principled
+
+#define MAX_EXPONENT 1e6
+
+// The extras are written by hand or by other programs: errors give the JSON path and the
+// expected value.
+static RfResult fault( const RfGltf* gltf, const char* where, const char* text )
+{
+    return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "%s", text );
+}
+
+static RfResult check_keys( const RfGltf* gltf, const json_t* json, const char* where, const char* const* keys )
+{
+    const char* key;
+    json_t* value;
+    json_object_foreach( (json_t*)json, key, value )
+    {
+        bool known = false;
+        for ( int i = 0; keys[i] != NULL; ++i )
+            known = known || strcmp( key, keys[i] ) == 0;
+        if ( known == false )
+        {
+            RfWhere self = rf_where( "%s.%.60s", where, key );
+            return fault( gltf, self.text,
+                          "is not known here: bsdf \"phong\" has diffuse, specular and exponent, "
+                          "\"lambert\" has diffuse, \"mirror\" specular, \"glass\" ior" );
+        }
+    }
+    return RF_OK;
+}
+
+static RfResult read_reflectance( const RfGltf* gltf, const json_t* json, const char* where, const char* key, RfVec3* out )
+{
+    double rgb[3] = { 0 };
+    RfWhere self = rf_where( "%s.%s", where, key );
+    if ( json_object_get( json, key ) == NULL )
+        return fault( gltf, self.text, "is missing: add three numbers from 0 to 1" );
+    RfResult result = rf_gltf_get_numbers( gltf, json, where, key, 3, rgb );
+    for ( int i = 0; result == RF_OK && i < 3; ++i )
+    {
+        if ( ( rgb[i] >= 0.0 && rgb[i] <= 1.0 ) == false )
+            return fault( gltf, self.text, "wants three numbers from 0 to 1" );
+    }
+    *out = rf_vec3( (float)rgb[0], (float)rgb[1], (float)rgb[2] );
+    return result;
+}
+
+static RfResult read_lambert( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+{
+    static const char* const s_keys[] = { "bsdf", "diffuse", NULL };
+    RfResult result = check_keys( gltf, json, where, s_keys );
+    if ( result == RF_OK )
+        result = read_reflectance( gltf, json, where, "diffuse", &out->diffuse );
+    out->kind = RF_BSDF_LAMBERT;
+    return result;
+}
+
+static RfResult read_phong( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+{
+    static const char* const s_keys[] = { "bsdf", "diffuse", "specular", "exponent", NULL };
+    double exponent = -1.0;
+    RfResult result = check_keys( gltf, json, where, s_keys );
+    if ( result == RF_OK )
+        result = read_reflectance( gltf, json, where, "diffuse", &out->diffuse );
+    if ( result == RF_OK )
+        result = read_reflectance( gltf, json, where, "specular", &out->specular );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, json, where, "exponent", &exponent );
+    if ( result != RF_OK )
+        return result;
+    if ( ( exponent >= 0.0 && exponent <= MAX_EXPONENT ) == false )
+    {
+        RfWhere self = rf_where( "%s.exponent", where );
+        return fault( gltf, self.text, "wants a number from 0 to 1000000" );
+    }
+    // the rounding of decimal fractions that sum to one does not violate energy conservation
+    if ( rf_max_component( rf_add( out->diffuse, out->specular ) ) > 1.0f + 1e-6f )
+        return fault( gltf, where, "diffuse + specular reflect more light than arrives: lower their sum to 1 or less" );
+    out->kind = RF_BSDF_PHONG;
+    out->exponent = (float)exponent;
+    return RF_OK;
+}
+
+static RfResult read_mirror( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+{
+    static const char* const s_keys[] = { "bsdf", "specular", NULL };
+    RfResult result = check_keys( gltf, json, where, s_keys );
+    out->kind = RF_BSDF_GLASS;
+    return result == RF_OK ? read_reflectance( gltf, json, where, "specular", &out->specular ) : result;
+}
+
+// Solid, smooth and clear glass.
+static RfResult read_glass( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+{
+    static const char* const s_keys[] = { "bsdf", "ior", NULL };
+    double ior = 1.5;
+    RfResult result = check_keys( gltf, json, where, s_keys );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, json, where, "ior", &ior );
+    if ( result != RF_OK )
+        return result;
+    if ( !( ior > 1.0 && ior <= 10.0 ) )
+    {
+        RfWhere self = rf_where( "%s.ior", where );
+        return fault( gltf, self.text, "wants a number above 1, up to 10" );
+    }
+    out->kind = RF_BSDF_GLASS;
+    out->ior = (float)ior;
+    out->tint = rf_vec3( 1.0f, 1.0f, 1.0f );
+    return RF_OK;
+}
+
+static const json_t* own_extras( const json_t* material )
+{
+    // extras of other programs may have any type
+    return json_object_get( json_object_get( material, "extras" ), "reframe" );
+}
+
+// Is `coat` given, so that the scattering model is glTF's?
+static bool keeps_model( const json_t* own )
+{
+    return json_object_get( own, "coat" ) != NULL && json_object_get( own, "bsdf" ) == NULL;
+}
+
+bool rf_gltf_has_own_model( const json_t* material )
+{
+    const json_t* own = own_extras( material );
+    return own != NULL && !keeps_model( own );
+}
+
+// Reads from extras.reframe, if it has no scattering model, whether the coat is added to the base.
+static RfResult read_coat( const RfGltf* gltf, const json_t* material, const char* where, RfFactors* out )
+{
+    const json_t* own = own_extras( material );
+    if ( !keeps_model( own ) )
+        return RF_OK;
+    RfWhere self = rf_where( "%s.extras.reframe", where );
+    const char* coat = json_string_value( json_object_get( own, "coat" ) );
+    if ( json_object_size( own ) != 1 || coat == NULL || strcmp( coat, "added" ) != 0 )
+        return fault( gltf, self.text, "wants coat \"added\" and nothing else, or a bsdf" );
+    out->coat_is_added = true;
+    return RF_OK;
+}
+
+// Reads the scattering model in extras.reframe, if any.
+static RfResult read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
+{
+    const json_t* json = own_extras( material );
+    if ( json == NULL || keeps_model( json ) )
+        return RF_OK;
+    RfWhere self = rf_where( "%s.extras.reframe", where );
+    const char* bsdf = json_string_value( json_object_get( json, "bsdf" ) );
+    out->diffuse = out->specular = rf_vec3( 0.0f, 0.0f, 0.0f );
+    out->f90 = out->coat_f0 = out->coat_f90 = 0.0f;
+    out->alpha = 1.0f;
+    out->tint = out->absorption = rf_vec3( 0.0f, 0.0f, 0.0f );
+    out->ior = 0.0f;
+    out->thin = false;
+    if ( bsdf != NULL && strcmp( bsdf, "phong" ) == 0 )
+        return read_phong( gltf, json, self.text, out );
+    if ( bsdf != NULL && strcmp( bsdf, "lambert" ) == 0 )
+        return read_lambert( gltf, json, self.text, out );
+    out->alpha = 0.0f;
+    if ( bsdf != NULL && strcmp( bsdf, "mirror" ) == 0 )
+        return read_mirror( gltf, json, self.text, out );
+    if ( bsdf != NULL && strcmp( bsdf, "glass" ) == 0 )
+        return read_glass( gltf, json, self.text, out );
+    return fault( gltf, self.text, "wants an object with bsdf \"lambert\", \"phong\", \"mirror\" or \"glass\"" );
+}
+
+// KHR_materials_clearcoat: a clear coat over the metallic-roughness model.
+
+// Reads KHR_materials_clearcoat, the last of the extensions.
+static RfResult read_clearcoat( RfGltf* gltf, const json_t* material, const char* owner, RfMaterial* out )
+{
+    double factor = 0.0, roughness = 0.0;
+    const json_t* json;
+    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_clearcoat", &json );
+    if ( result != RF_OK || json == NULL )
+        return result;
+    RfWhere where = rf_where( "%s.extensions.KHR_materials_clearcoat", owner );
+    result = rf_gltf_get_number( gltf, json, where.text, "clearcoatFactor", &factor );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, json, where.text, "clearcoatRoughnessFactor", &roughness );
+    if ( result != RF_OK )
+        return result;
+    if ( !( factor >= 0.0 && factor <= 1.0 && roughness >= 0.0 && roughness <= 1.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "factors %g and %g want 0 to 1", factor, roughness );
+    // unlit materials ignore it
+    if ( factor == 0.0 || rf_gltf_is_unlit( material ) )
+        return RF_OK;
+    if ( out->kind == RF_BSDF_GLASS )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS,
+                        "a clear coat over glass or a mirror is not supported: material '%.80s' is without it", out->name );
+        return RF_OK;
+    }
+    out->kind = RF_BSDF_COATED;
+    rf_derive_clearcoat( factor, roughness, out );
+    return RF_OK;
+}
+
+// Materials: glTF's metallic-roughness model as a Lambert base under a GGX lobe, with
+// KHR_materials_specular, _ior and _emissive_strength.
 
 typedef struct Factors
 {
@@ -126,7 +453,7 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     if ( result == RF_OK )
         result = read_ior( gltf, json, where.text, &factors.lobes );
     if ( result == RF_OK )
-        result = rf_gltf_read_coat( gltf, json, where.text, &factors.lobes );
+        result = read_coat( gltf, json, where.text, &factors.lobes );
     if ( result == RF_OK )
         result = read_emission( gltf, json, where.text, &factors );
     if ( result == RF_OK )
@@ -136,11 +463,11 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     rf_gltf_notice_extensions( gltf, json, "material", out->name );
     apply_factors( &factors, out );
     const RfFactors* lobes = &factors.lobes;
-    result = rf_gltf_read_glass( gltf, json, where.text, lobes, out );
+    result = gltf_read_glass( gltf, json, where.text, lobes, out );
     if ( result == RF_OK )
-        result = rf_gltf_read_clearcoat( gltf, json, where.text, out );
+        result = read_clearcoat( gltf, json, where.text, out );
     if ( result == RF_OK )
-        result = rf_gltf_read_lobes( gltf, json, where.text, out );
+        result = read_lobes( gltf, json, where.text, out );
     return result == RF_OK ? rf_gltf_read_textured( gltf, json, where.text, lobes, out ) : result;
 }
 

@@ -1,11 +1,148 @@
-// Reads a primitive of a mesh. Only the vertices that its triangles use are read: exporters
-// let many primitives share one large vertex array.
-
 #include "scene/gltf/gltf_geometry.h"
+
 #include "scene/gltf/gltf_materials.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// Vertex indices of the triangles of a primitive: indexed or not, as a list, strip or fan.
+
+// Of a single primitive; baking limits the sum over the scene.
+#define MAX_TRIANGLES ( 1u << 28 )
+
+enum
+{
+    LIST = 4,
+    STRIP = 5,
+    FAN = 6,
+};
+
+static RfResult open_indices( RfGltf* gltf, const json_t* primitive, const char* where, const RfGltfAccessor** accessor )
+{
+    int index;
+    *accessor = NULL;
+    RfResult result = rf_gltf_get_index( gltf, primitive, where, "indices", RF_GLTF_ACCESSORS, &index );
+    if ( result != RF_OK || index < 0 )
+        return result;
+    result = rf_gltf_open_accessor( gltf, index, accessor );
+    if ( result == RF_OK )
+        result = rf_gltf_expect( gltf, index, *accessor, where, 1 );
+    if ( result != RF_OK )
+        return result;
+    int type = ( *accessor )->component_type;
+    if ( ( type != 5121 && type != 5123 && type != 5125 ) || ( *accessor )->normalized )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "indices accessors[%d] wants unsigned integers", index );
+    return RF_OK;
+}
+
+static RfResult count_triangles( const RfGltf* gltf, const char* where, int mode, uint32_t corners, uint32_t* count )
+{
+    if ( mode == LIST && corners % 3 != 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%u corners do not make whole triangles", corners );
+    *count = mode == LIST ? corners / 3 : corners >= 3 ? corners - 2 : 0;
+    if ( *count > MAX_TRIANGLES )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%u triangles are too many, the limit is %u: split the scene",
+                             *count, MAX_TRIANGLES );
+    return RF_OK;
+}
+
+// The corners of triangle t, counter-clockwise, by the specification's section on topology
+// types.
+static void find_corners( int mode, uint32_t t, uint32_t corners[3] )
+{
+    uint32_t odd = t % 2;
+    switch ( mode )
+    {
+        case STRIP: corners[0] = t, corners[1] = t + 1 + odd, corners[2] = t + 2 - odd; break;
+        case FAN: corners[0] = t + 1, corners[1] = t + 2, corners[2] = 0; break;
+        default: corners[0] = 3 * t, corners[1] = 3 * t + 1, corners[2] = 3 * t + 2; break;
+    }
+}
+
+// Reads triples of vertex indices, from an index accessor or implicit, by mode.
+static RfResult read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode, uint32_t vertex_count,
+                                uint32_t** indices, uint32_t* triangle_count )
+{
+    const RfGltfAccessor* accessor;
+    RfResult result = open_indices( gltf, primitive, where, &accessor );
+    if ( result == RF_OK )
+        result = count_triangles( gltf, where, mode, accessor != NULL ? accessor->count : vertex_count, triangle_count );
+    if ( result != RF_OK )
+        return result;
+
+    *indices = malloc( ( (size_t)*triangle_count * 3 + 1 ) * sizeof **indices );
+    if ( *indices == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    for ( uint32_t t = 0; t < *triangle_count; ++t )
+    {
+        uint32_t corners[3];
+        find_corners( mode, t, corners );
+        for ( int i = 0; i < 3; ++i )
+        {
+            uint32_t vertex = accessor != NULL ? rf_gltf_read_index( accessor, corners[i] ) : corners[i];
+            if ( vertex >= vertex_count )
+                return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "index %u is %u, but there are %u vertices", corners[i],
+                                     vertex, vertex_count );
+            ( *indices )[3 * (size_t)t + (size_t)i] = vertex;
+        }
+    }
+    return RF_OK;
+}
+
+// Primitives without normals that need tangents: every triangle gets three vertices of its own
+// with the face normal, as the specification requires. (Other primitives get face normals in
+// gltf_mesh.c.)
+
+// Expands an attribute of `components` numbers to one value per corner.
+static bool spread( float** values, size_t components, const RfGltfPrimitive* p )
+{
+    if ( *values == NULL )
+        return true;
+    size_t corners = 3 * (size_t)p->triangle_count;
+    float* out = malloc( ( corners * components + 1 ) * sizeof *out );
+    if ( out == NULL )
+        return false;
+    for ( size_t i = 0; i < corners * components; ++i )
+        out[i] = ( *values )[p->indices[i / components] * components + i % components];
+    free( *values );
+    *values = out;
+    return true;
+}
+
+// Zero for a degenerate triangle, which is dropped later.
+static void face_normal( const float* a, float out[9] )
+{
+    double u[3], v[3];
+    for ( int i = 0; i < 3; ++i )
+    {
+        u[i] = (double)a[3 + i] - (double)a[i];
+        v[i] = (double)a[6 + i] - (double)a[i];
+    }
+    double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
+    double length = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
+    for ( int i = 0; i < 9; ++i )
+        out[i] = length > 0.0 ? (float)( n[i % 3] / length ) : 0.0f;
+}
+
+// Replaces the normals of a primitive by its face normals.
+static RfResult make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* p )
+{
+    size_t corners = 3 * (size_t)p->triangle_count;
+    p->normals = malloc( ( 3 * corners + 1 ) * sizeof *p->normals );
+    if ( p->normals == NULL || !spread( &p->positions, 3, p ) || !spread( &p->uvs, 2, p ) || !spread( &p->uvs1, 2, p ) ||
+         !spread( &p->colors, 4, p ) )
+        return rf_gltf_no_memory( gltf, where );
+    for ( size_t i = 0; i < corners; ++i )
+        p->indices[i] = (uint32_t)i;
+    for ( size_t t = 0; t < p->triangle_count; ++t )
+        face_normal( p->positions + 9 * t, p->normals + 9 * t );
+    p->vertex_count = (uint32_t)corners;
+    return RF_OK;
+}
+
+// Reads a primitive of a mesh. Only the vertices that its triangles use are read: exporters
+// let many primitives share one large vertex array.
 
 // Accessors of the supported attributes; −1 if missing.
 typedef struct Attributes
@@ -209,7 +346,7 @@ static RfResult add_tangents( const RfGltf* gltf, const char* where, RfGltfPrimi
     const float* uvs = ref->uv_set == 0 ? out->uvs : out->uvs1;
     if ( ref->texture < 0 || uvs == NULL )
         return RF_OK;
-    RfResult result = out->normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
+    RfResult result = out->normals == NULL ? make_flat( gltf, where, out ) : RF_OK;
     return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
 }
 
@@ -240,7 +377,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
 
     result = find_material( gltf, primitive, where, &out->material );
     if ( result == RF_OK )
-        result = rf_gltf_read_triangles( gltf, primitive, where, (int)mode, vertex_count, &out->indices, &out->triangle_count );
+        result = read_triangles( gltf, primitive, where, (int)mode, vertex_count, &out->indices, &out->triangle_count );
     if ( result == RF_OK && out->triangle_count > 0 )
         result = read_vertices( gltf, where, &attributes, vertex_count, out );
     if ( result == RF_OK && out->triangle_count > 0 )

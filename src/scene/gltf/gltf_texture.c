@@ -1,12 +1,240 @@
-// Uses of textures by materials: texture infos, KHR_texture_transform and samplers. The image
-// is only noted (gltf_image.c decodes it later if a triangle has the material).
-
 #include "scene/gltf/gltf_materials.h"
 
+#include "base/file.h"
+#include "image/decode.h"
+#include "scene/textured.h"
+
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Images: decodes those that materials of triangles use, once per colour space in which they
+// are used.
+
+// Limit of one image file.
+#define MAX_IMAGE_BYTES ( (uint64_t)1 << 30 )
+
+// An encoded image.
+typedef struct Encoded
+{
+    const uint8_t* bytes;
+    size_t size;
+    uint8_t* owned;
+} Encoded;
+
+static RfResult read_uri( RfGltf* gltf, const char* where, const char* uri, Encoded* out )
+{
+    if ( rf_is_data_uri( uri ) )
+        return rf_gltf_decode_data_uri( gltf, where, uri, &out->owned, &out->size );
+    char* path;
+    RfResult result = rf_gltf_resolve_uri( gltf, where, uri, &path );
+    if ( result != RF_OK )
+        return result;
+    RfError error;
+    result = rf_read_file( path, MAX_IMAGE_BYTES, &out->owned, &out->size, &error );
+    free( path );
+    if ( result != RF_OK )
+        return rf_gltf_fail( gltf, result, where, "%.560s", error.text );
+    gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, out->owned, out->size );
+    return RF_OK;
+}
+
+static RfResult read_view( const RfGltf* gltf, const char* where, int view, Encoded* out )
+{
+    RfWhere self = rf_where( "bufferViews[%d]", view );
+    int64_t length = 0;
+    RfResult result = rf_gltf_get_integer( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ), self.text, "byteLength", 1,
+                                           INT64_MAX, &length );
+    if ( result == RF_OK )
+        result = rf_gltf_view_bytes( gltf, where, view, 0, (uint64_t)length, &out->bytes );
+    out->size = (size_t)length;
+    return result;
+}
+
+static RfResult read_encoded( RfGltf* gltf, int index, const char* where, Encoded* out )
+{
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_IMAGES, index );
+    const char* uri = NULL;
+    int view;
+    RfResult result = rf_gltf_get_string( gltf, json, where, "uri", &uri );
+    if ( result == RF_OK )
+        result = rf_gltf_get_index( gltf, json, where, "bufferView", RF_GLTF_BUFFER_VIEWS, &view );
+    if ( result != RF_OK )
+        return result;
+    if ( ( uri != NULL ) == ( view >= 0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "wants either uri or bufferView" );
+    result = uri != NULL ? read_uri( gltf, where, uri, out ) : read_view( gltf, where, view, out );
+    out->bytes = out->owned != NULL ? out->owned : out->bytes;
+    return result;
+}
+
+static size_t value_count( const RfTexture* t ) { return (size_t)t->width * (size_t)t->height * (size_t)t->channels; }
+
+static bool is_alpha( const RfTexture* t, size_t i )
+{
+    size_t channels = (size_t)t->channels;
+    return channels % 2 == 0 && i % channels == channels - 1;
+}
+
+// Converts 16-bit pixels to floats.
+static RfResult widen( const RfGltf* gltf, const char* where, const RfPixels* pixels, bool srgb, RfTexture* out )
+{
+    size_t count = value_count( out );
+    const uint16_t* from = pixels->data;
+    out->floats = malloc( count * sizeof *out->floats );
+    if ( out->floats == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    for ( size_t i = 0; i < count; ++i )
+    {
+        float value = (float)from[i] / 65535.0f;
+        out->floats[i] = srgb && !is_alpha( out, i ) ? rf_srgb_to_linear( value ) : value;
+    }
+    return RF_OK;
+}
+
+static RfResult take_floats( const RfGltf* gltf, const char* where, RfPixels* pixels, RfTexture* out )
+{
+    size_t count = value_count( out ), channels = (size_t)out->channels, width = (size_t)out->width;
+    out->floats = pixels->data;
+    pixels->data = NULL;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( !isfinite( out->floats[i] ) )
+            return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "pixel (%zu, %zu) is not finite: repair the image",
+                                 i / channels % width, i / channels / width );
+        out->floats[i] = fmaxf( out->floats[i], 0.0f );
+    }
+    return RF_OK;
+}
+
+static void find_largest( RfTexture* t )
+{
+    size_t count = value_count( t );
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( !is_alpha( t, i ) )
+            t->largest = fmaxf( t->largest, t->bytes != NULL ? t->table[t->bytes[i]] : t->floats[i] );
+    }
+}
+
+static RfResult make_texture( const RfGltf* gltf, const char* where, RfPixels* pixels, bool srgb, RfTexture* out )
+{
+    out->width = pixels->width;
+    out->height = pixels->height;
+    out->channels = pixels->channels;
+    for ( int i = 0; i < 256; ++i )
+        out->table[i] = srgb ? rf_srgb_to_linear( (float)i / 255.0f ) : (float)i / 255.0f;
+    RfResult result = RF_OK;
+    if ( pixels->type == RF_PIXELS_U8 )
+    {
+        out->bytes = pixels->data;
+        pixels->data = NULL;
+    }
+    else
+        result =
+            pixels->type == RF_PIXELS_U16 ? widen( gltf, where, pixels, srgb, out ) : take_floats( gltf, where, pixels, out );
+    if ( result == RF_OK )
+        find_largest( out );
+    return result;
+}
+
+static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
+{
+    RfWhere where = rf_where( "images[%d]", index );
+    Encoded encoded = { 0 };
+    RfPixels pixels = { 0 };
+    RfError error;
+    RfResult result = read_encoded( gltf, index, where.text, &encoded );
+    if ( result == RF_OK )
+    {
+        result = rf_decode_image( encoded.bytes, encoded.size, where.text, &pixels, &error );
+        // the message begins with `where`
+        if ( result != RF_OK )
+            rf_fail( gltf->error, result, "%s: %s", gltf->path, error.text );
+    }
+    free( encoded.owned );
+    if ( result == RF_OK )
+        result = make_texture( gltf, where.text, &pixels, srgb, out );
+    rf_destroy_pixels( &pixels );
+    return result;
+}
+
+// `numbers` maps each image and colour space to a texture index, −1 before its first use.
+static RfResult resolve_textures( RfGltf* gltf, RfMaterial* material, int* numbers )
+{
+    RfScene* scene = gltf->scene;
+    for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+    {
+        int* use = &material->textured->refs[slot].texture;
+        if ( *use < 0 )
+            continue;
+        if ( numbers[*use] < 0 )
+        {
+            numbers[*use] = scene->texture_count++;
+            RfResult result = load_image( gltf, *use / 2, *use % 2 == 1, scene->textures + numbers[*use] );
+            if ( result != RF_OK )
+                return result;
+        }
+        *use = numbers[*use];
+    }
+    return RF_OK;
+}
+
+// Float pixels are unbounded: multiplied by the factors they must remain radiance that can be
+// squared.
+static RfResult check_emission( const RfGltf* gltf, uint32_t index )
+{
+    const RfMaterial* material = gltf->scene->materials + index;
+    const RfTextured* t = material->textured;
+    bool unlit = t->model == RF_TEXTURED_UNLIT;
+    int texture = t->refs[unlit ? RF_TEXTURE_BASE : RF_TEXTURE_EMISSIVE].texture;
+    if ( texture < 0 )
+        return RF_OK;
+    double factor = unlit ? fmax( t->factors.base[0], fmax( t->factors.base[1], t->factors.base[2] ) )
+                          : (double)rf_max_component( material->emission );
+    double most = factor * (double)gltf->scene->textures[texture].largest;
+    RfWhere where = rf_where( "materials[%u]", index );
+    return rf_gltf_check_limit( gltf, where.text, "emission with its texture", most, RF_GLTF_MAX_EMISSION );
+}
+
+RfResult rf_gltf_load_images( RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    size_t uses = 2 * (size_t)gltf->counts[RF_GLTF_IMAGES];
+    int* numbers = malloc( ( uses + 1 ) * sizeof *numbers );
+    bool* used = calloc( (size_t)scene->material_count + 1, sizeof *used );
+    scene->textures = calloc( uses + 1, sizeof *scene->textures );
+    RfResult result = numbers != NULL && used != NULL && scene->textures != NULL ? RF_OK : rf_gltf_no_memory( gltf, "images" );
+    for ( size_t i = 0; result == RF_OK && i < uses; ++i )
+        numbers[i] = -1;
+    for ( uint32_t i = 0; result == RF_OK && i < scene->triangles.count; ++i )
+        used[scene->triangles.material[i]] = true;
+    for ( uint32_t m = 0; result == RF_OK && m < scene->material_count; ++m )
+    {
+        RfMaterial* material = scene->materials + m;
+        if ( material->textured == NULL )
+            continue;
+        if ( used[m] && ( !material->textured->optional || material->textured->vertex_colors ) )
+        {
+            result = resolve_textures( gltf, material, numbers );
+            if ( result == RF_OK )
+                result = check_emission( gltf, m );
+            continue;
+        }
+        free( material->textured ); // nothing to look up, or the images are missing
+        material->textured = NULL;
+    }
+    free( numbers );
+    free( used );
+    return result;
+}
+
+// Uses of textures by materials: texture infos, KHR_texture_transform and samplers. The image
+// is only noted (gltf_texture.c decodes it later if a triangle has the material).
 
 // Enumerants of glTF samplers, which are OpenGL's.
 #define NEAREST 9728
+
 #define LINEAR 9729
 #define CLAMP 33071
 #define MIRROR 33648
@@ -93,8 +321,10 @@ static RfResult read_transform( const RfGltf* gltf, const json_t* info, const ch
     return RF_OK;
 }
 
-RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
-                                    RfTextureRef* out, const json_t** info )
+// Reads a use of a texture, `key` of `parent`; `info` is NULL if there is
+// none. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
+static RfResult read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
+                                   RfTextureRef* out, const json_t** info )
 {
     *info = NULL;
     RfResult result = rf_gltf_get_object( gltf, parent, owner, key, info );
@@ -117,4 +347,181 @@ RfResult rf_gltf_read_texture_info( RfGltf* gltf, const json_t* parent, const ch
                              "texCoord is %lld, only 0 and 1 are supported: bake it to one of these", (long long)set );
     out->uv_set = (int)set;
     return result;
+}
+
+// What makes a material vary over its surface: textures, vertex colours and alpha.
+
+RfTextured* rf_gltf_textured( const RfFactors* factors )
+{
+    RfTextured* textured = calloc( 1, sizeof *textured );
+    if ( textured == NULL )
+        return NULL;
+    textured->factors = *factors;
+    textured->normal_scale = textured->clearcoat_normal_scale = 1.0f;
+    for ( int i = 0; i < RF_TEXTURE_SLOT_COUNT; ++i )
+        textured->refs[i] = ( RfTextureRef ){ .texture = -1, .transform = { 1, 0, 0, 0, 1, 0 } };
+    return textured;
+}
+
+static RfResult read_scale( const RfGltf* gltf, const json_t* info, const char* where, float* scale )
+{
+    double value = 1.0;
+    RfResult result = rf_gltf_get_number( gltf, info, where, "scale", &value );
+    *scale = (float)value;
+    return result;
+}
+
+static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
+{
+    static const struct
+    {
+        const char *part, *extension, *key;
+        RfTextureSlot slot;
+        bool srgb;
+    } s_slots[] = {
+        { "pbrMetallicRoughness", NULL, "baseColorTexture", RF_TEXTURE_BASE, true },
+        { "pbrMetallicRoughness", NULL, "metallicRoughnessTexture", RF_TEXTURE_METALLIC_ROUGHNESS, false },
+        { NULL, NULL, "normalTexture", RF_TEXTURE_NORMAL, false },
+        { NULL, NULL, "emissiveTexture", RF_TEXTURE_EMISSIVE, true },
+        { NULL, "KHR_materials_specular", "specularTexture", RF_TEXTURE_SPECULAR, false },
+        { NULL, "KHR_materials_specular", "specularColorTexture", RF_TEXTURE_SPECULAR_COLOR, true },
+        { NULL, "KHR_materials_transmission", "transmissionTexture", RF_TEXTURE_TRANSMISSION, false },
+        { NULL, "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
+        { NULL, "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
+        { NULL, "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
+    };
+    for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
+    {
+        const json_t* parent = material;
+        const json_t* info;
+        RfWhere owner = rf_where( "%s", where );
+        if ( s_slots[i].part != NULL )
+        {
+            parent = json_object_get( material, s_slots[i].part );
+            owner = rf_where( "%s.%s", where, s_slots[i].part );
+        }
+        if ( s_slots[i].extension != NULL )
+        {
+            parent = json_object_get( json_object_get( material, "extensions" ), s_slots[i].extension );
+            owner = rf_where( "%s.extensions.%s", where, s_slots[i].extension );
+        }
+        if ( parent == NULL )
+            continue;
+        RfResult result =
+            read_texture_info( gltf, parent, owner.text, s_slots[i].key, s_slots[i].srgb, out->refs + s_slots[i].slot, &info );
+        float* scale = s_slots[i].slot == RF_TEXTURE_NORMAL             ? &out->normal_scale
+                       : s_slots[i].slot == RF_TEXTURE_CLEARCOAT_NORMAL ? &out->clearcoat_normal_scale
+                                                                        : NULL;
+        if ( result == RF_OK && info != NULL && scale != NULL )
+            result = read_scale( gltf, info, rf_where( "%s.%s", owner.text, s_slots[i].key ).text, scale );
+        if ( result != RF_OK )
+            return result;
+    }
+    return RF_OK;
+}
+
+// The thickness texture is for rasterisers. It is validated but otherwise ignored: a ray
+// tracer finds the thickness itself.
+static RfResult check_thickness( RfGltf* gltf, const json_t* material, const char* where )
+{
+    const json_t *json, *info;
+    RfTextureRef unused;
+    RfResult result = rf_gltf_get_extension( gltf, material, where, "KHR_materials_volume", &json );
+    if ( result != RF_OK || json == NULL )
+        return result;
+    RfWhere owner = rf_where( "%s.extensions.KHR_materials_volume", where );
+    return read_texture_info( gltf, json, owner.text, "thicknessTexture", false, &unused, &info );
+}
+
+// Drops textures of features that the material turned out not to have.
+static void drop_unused( const RfMaterial* material, RfTextured* textured )
+{
+    if ( textured->model != RF_TEXTURED_GLASS || material->ior == 0.0f )
+        textured->refs[RF_TEXTURE_TRANSMISSION].texture = -1;
+    for ( int slot = RF_TEXTURE_CLEARCOAT; material->kind != RF_BSDF_COATED && slot <= RF_TEXTURE_CLEARCOAT_NORMAL; ++slot )
+        textured->refs[slot].texture = -1;
+}
+
+static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
+{
+    const char* mode = "OPAQUE";
+    double cutoff = 0.5;
+    RfResult result = rf_gltf_get_string( gltf, material, where, "alphaMode", &mode );
+    if ( result == RF_OK )
+        result = rf_gltf_get_number( gltf, material, where, "alphaCutoff", &cutoff );
+    if ( result != RF_OK || strcmp( mode, "OPAQUE" ) == 0 )
+        return result;
+    bool blend = strcmp( mode, "BLEND" ) == 0;
+    if ( !blend && strcmp( mode, "MASK" ) != 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaMode '%.20s' wants OPAQUE, MASK or BLEND", mode );
+    if ( !( cutoff >= 0.0 && cutoff <= 1e6 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaCutoff is %g, it wants 0 or more", cutoff );
+    out->masked = !blend;
+    out->blended = blend;
+    out->alpha_cutoff = (float)cutoff;
+    return RF_OK;
+}
+
+static RfTexturedModel find_model( const RfMaterial* material, const json_t* json )
+{
+    if ( rf_gltf_has_own_model( json ) )
+        return RF_TEXTURED_DIFFUSE;
+    if ( rf_gltf_is_unlit( json ) )
+        return RF_TEXTURED_UNLIT;
+    return material->kind == RF_BSDF_GLASS ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
+}
+
+// A factor of an extension, already validated by the extension's reader; 0 if missing.
+static double factor_of( const json_t* json, const char* extension, const char* key )
+{
+    const json_t* object = json_object_get( json_object_get( json, "extensions" ), extension );
+    return json_number_value( json_object_get( object, key ) );
+}
+
+// A metal that is a perfect mirror by its factors is not one if a texture sets its roughness.
+static void undo_mirror( const RfTextured* textured, RfMaterial* out )
+{
+    if ( out->kind == RF_BSDF_GLASS && out->ior == 0.0f && textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 )
+    {
+        rf_derive_lobes( &textured->factors, out );
+        out->kind = RF_BSDF_GGX;
+    }
+}
+
+// True if anything varies or depends on alpha.
+static bool is_needed( const RfTextured* textured )
+{
+    for ( int i = 0; i < RF_TEXTURE_SLOT_COUNT; ++i )
+    {
+        if ( textured->refs[i].texture >= 0 )
+            return true;
+    }
+    double alpha = textured->factors.base[3];
+    return ( textured->masked && alpha < (double)textured->alpha_cutoff ) || ( textured->blended && alpha < 1.0 );
+}
+
+RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors, RfMaterial* out )
+{
+    out->textured = rf_gltf_textured( factors );
+    if ( out->textured == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    RfTextured* textured = out->textured;
+    RfResult result = read_slots( gltf, json, where, textured );
+    if ( result == RF_OK )
+        result = check_thickness( gltf, json, where );
+    if ( result == RF_OK )
+        result = read_alpha( gltf, json, where, textured );
+    if ( result != RF_OK )
+        return result;
+    undo_mirror( textured, out );
+    textured->model = find_model( out, json );
+    // our own models vary their own diffuse reflectance
+    if ( textured->model == RF_TEXTURED_DIFFUSE )
+        textured->factors.base[0] = textured->factors.base[1] = textured->factors.base[2] = 1.0;
+    textured->transmission = factor_of( json, "KHR_materials_transmission", "transmissionFactor" );
+    textured->clearcoat = factor_of( json, "KHR_materials_clearcoat", "clearcoatFactor" );
+    textured->clearcoat_roughness = factor_of( json, "KHR_materials_clearcoat", "clearcoatRoughnessFactor" );
+    drop_unused( out, textured );
+    textured->optional = !is_needed( textured );
+    return RF_OK;
 }

@@ -1,6 +1,8 @@
 // Reads our own JSON files (scene files, camera paths) and our objects inside glTF. The reader
 // is strict: every error is one line with the JSON path of the value, such as
 // `materials.vase.exponent: wants a number >= 0, got "high"`.
+// Shared by all readers of JSON files: parsing, with line and column in errors, and describing
+// values in messages.
 #ifndef REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 #define REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 
@@ -10,6 +12,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stddef.h>
 
 typedef struct RfJsonDocument
 {
@@ -49,6 +52,7 @@ RfField rf_field_member( const RfField* object, const char* key );
 
 // An item of an array.
 RfField rf_field_item( const RfField* array, size_t index );
+
 static inline bool rf_has_member( const RfField* object, const char* key )
 {
     return json_object_get( object->json, key ) != NULL;
@@ -73,7 +77,9 @@ typedef struct RfRange
 } RfRange;
 
 static inline RfRange rf_range( double low, double high ) { return ( RfRange ){ low, high, false }; }
+
 static inline RfRange rf_at_least( double low ) { return ( RfRange ){ low, (double)INFINITY, false }; }
+
 static inline RfRange rf_above( double low, double high ) { return ( RfRange ){ low, high, true }; }
 
 // Reads a number. A missing value leaves `value` unchanged; a wrong type or a value out of
@@ -94,5 +100,19 @@ RfResult rf_field_choice( const RfField* field, const char* const* words, int* i
 
 // Checks for an array of `least` to `most` items.
 RfResult rf_field_array( const RfField* field, const char* item, size_t least, size_t most );
+
+// Parses a text that must be an object; duplicate keys, NaN, numbers that overflow and invalid
+// UTF-8 are errors. Fails with RF_ERROR_FORMAT; the message begins with `path`. A syntax error
+// gives line and column and ends with `advice`; a document that is not an object is described
+// after `where` ("document: " or "").
+RfResult rf_parse_json( const char* path, const void* text, size_t size, const char* advice, const char* where, json_t** root,
+                        RfError* error );
+
+// "an object", "a string", "an integer" and so on.
+const char* rf_json_kind( const json_t* value );
+
+// An integer in either notation: 3 and 3.0 are the same in JSON, though the parser
+// distinguishes them. False if the value is not an integer or too large to be exact.
+bool rf_json_integer( const json_t* value, int64_t* whole );
 
 #endif

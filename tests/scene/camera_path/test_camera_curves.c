@@ -3,7 +3,7 @@
 #include "support/camera_path_checks.h"
 
 #include "math/quat.h"
-#include "scene/camera_path/waypoints.h"
+#include "scene/camera_path/curve.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 // Selects the channels of an EXR, for colour or for a named layer.
-#ifndef REFRAME_IMAGE_EXR_CHANNELS_H
-#define REFRAME_IMAGE_EXR_CHANNELS_H
+#ifndef REFRAME_IMAGE_EXR_LAYER_H
+#define REFRAME_IMAGE_EXR_LAYER_H
 
 #include "image/exr_stream.h"
 
@@ -17,17 +17,9 @@ typedef struct RfExrChannels
 RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy, RfExrChannels* channels,
                                RfError* error );
 
-// Finds the channels that `layer` names in this part: a channel (as grey), the three of a
-// layer (P.R, P.G, P.B or P.X, P.Y, P.Z), three channels separated by commas, or the colour of
-// the part if it is the part's name. False if there are none.
-bool rf_find_exr_layer( const RfExrPart* part, const char* layer, RfExrChannels* channels );
-
 // Opens the first part of a file that has the colour, or the channels named by `layer` (NULL:
 // the colour), and finds them. Close with rf_close_exr_part after success.
 RfResult rf_open_exr_layer( RfExrStream* stream, const char* layer, RfExrPart* part, RfExrChannels* channels, RfError* error );
-
-// Lists the names of all channels, separated by commas.
-void rf_list_exr_channels( const exr_attr_chlist_t* list, char* text, size_t size );
 
 // Fails if a channel of this name is missing or subsampled.
 RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* name, RfError* error );

@@ -1,0 +1,666 @@
+#include "scene/camera_path/camera_track_read.h"
+
+#include "math/quat.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static RfResult check_projection( const RfField* object, RfProjectionKind projection );
+
+// Projections, and how much of the scene they show: a field of view, the height of the picture, or all.
+
+#define MAX_YMAG 1e12 // m
+
+// Reads "projection" into the track.
+static RfResult read_projection( const RfField* top, RfCameraTrack* track )
+{
+    static const char* const s_names[] = { "perspective", "orthographic", "panoramic", NULL };
+    int index = 0;
+    RfField field = rf_field_member( top, "projection" );
+    RfResult result = rf_field_choice( &field, s_names, &index );
+    track->projection = (RfProjectionKind)index;
+    return result == RF_OK ? check_projection( top, track->projection ) : result;
+}
+
+// What says how much a camera sees: "fov", or "ymag" if it is orthographic.
+static const char* extent_name( RfProjectionKind projection ) { return projection == RF_ORTHOGRAPHIC ? "ymag" : "fov"; }
+
+// Fails if an object has what a camera of this projection has not.
+static RfResult check_projection( const RfField* object, RfProjectionKind projection )
+{
+    RfField fov = rf_field_member( object, "fov" ), ymag = rf_field_member( object, "ymag" ),
+            shift = rf_field_member( object, "shift" ), aspect = rf_field_member( object, "pixelAspect" );
+    if ( projection != RF_PERSPECTIVE && fov.json != NULL )
+        return rf_field_fail( &fov, projection == RF_ORTHOGRAPHIC
+                                        ? "is that of a perspective camera: an orthographic one has ymag"
+                                        : "is that of a perspective camera: a panorama shows all directions" );
+    if ( projection != RF_ORTHOGRAPHIC && ymag.json != NULL )
+        return rf_field_fail( &ymag, "is that of an orthographic camera: set \"projection\": \"orthographic\", or leave it out" );
+    if ( projection == RF_PANORAMIC && shift.json != NULL )
+        return rf_field_fail( &shift, "a panorama cannot be shifted: turn the camera" );
+    if ( projection == RF_PANORAMIC && aspect.json != NULL )
+        return rf_field_fail( &aspect, "a panorama fills its picture, whatever the shape of that: leave it out" );
+    return RF_OK;
+}
+
+// Reads a field of view in degrees, or ymag in metres, which is required; without a field of view `value` is unchanged.
+static RfResult read_extent( const RfField* field, RfProjectionKind projection, double* value )
+{
+    if ( projection != RF_ORTHOGRAPHIC )
+        return rf_field_number( field, rf_range( 0.1, 179.0 ), value );
+    if ( field->json == NULL )
+        return rf_field_fail( field, "is missing: half the height of the picture, in metres" );
+    return rf_field_number( field, rf_above( 0.0, MAX_YMAG ), value );
+}
+
+// Shared by all kinds of camera paths: points, directions, field of view, duration.
+
+#define MAX_COORDINATE 1e15
+#define DEGREE ( 3.14159265358979323846 / 180.0 )
+
+// The range of valid coordinates.
+static RfRange coordinates( void ) { return rf_range( -MAX_COORDINATE, MAX_COORDINATE ); }
+
+// Reads a member that is a point, which is required.
+static RfResult read_point( const RfField* object, const char* key, double point[3] )
+{
+    RfField field = rf_field_member( object, key );
+    RfResult result = rf_field_require( object, key, "an array of 3 numbers" );
+    return result == RF_OK ? rf_field_numbers( &field, coordinates(), 3, point ) : result;
+}
+
+// Compares values, not bits: zero has two signs.
+static bool is_same_point( const double a[3], const double b[3] ) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+
+// Reads an up direction; without one `up` is unchanged.
+static RfResult read_up( const RfField* field, double up[3] )
+{
+    RfResult result = rf_field_numbers( field, coordinates(), 3, up );
+    if ( result == RF_OK && up[0] == 0.0 && up[1] == 0.0 && up[2] == 0.0 )
+        return rf_field_fail( field, "wants a direction, got three zeros" );
+    return result;
+}
+
+// A rotation about +y (yaw), then about the camera's own x (pitch) and z (roll).
+static RfResult read_angles( const RfField* field, double q[4] )
+{
+    static const char* const s_keys[] = { "yaw", "pitch", "roll", NULL };
+    static const int s_axis[] = { 1, 0, 2 };
+    RfResult result = rf_field_keys( field, s_keys );
+    q[0] = q[1] = q[2] = 0.0;
+    q[3] = 1.0;
+    for ( int i = 0; i < 3 && result == RF_OK; ++i )
+    {
+        double degrees = 0.0, turn[4] = { 0 }, before[4];
+        RfField angle = rf_field_member( field, s_keys[i] );
+        result = rf_field_number( &angle, rf_range( -1e6, 1e6 ), &degrees );
+        turn[s_axis[i]] = sin( 0.5 * degrees * DEGREE );
+        turn[3] = cos( 0.5 * degrees * DEGREE );
+        memcpy( before, q, sizeof before );
+        rf_quat_mul( before, turn, q );
+    }
+    return result;
+}
+
+RfResult rf_read_rotation( const RfField* field, double q[4] )
+{
+    if ( json_is_object( field->json ) )
+        return read_angles( field, q );
+    if ( !json_is_array( field->json ) )
+        return rf_field_wants( field, "a quaternion [x, y, z, w] or an object of yaw, pitch, roll" );
+    RfResult result = rf_field_numbers( field, rf_range( -2.0, 2.0 ), 4, q );
+    double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
+    // decimals written by hand are rounded
+    if ( result == RF_OK && !( fabs( length - 1.0 ) < 0.1 ) )
+        return rf_field_fail( field, "wants a quaternion of length 1, got length %g", length );
+    rf_quat_normalize( q );
+    return result;
+}
+
+// Checks that a path uses either targets and up, or rotations; the two cannot be mixed.
+static RfResult check_look( const RfField* object, bool rotates )
+{
+    static const char* const s_look[] = { "target", "up" };
+    for ( int i = 0; i < 2; ++i )
+    {
+        RfField field = rf_field_member( object, s_look[i] );
+        if ( rotates && field.json != NULL )
+            return rf_field_fail( &field, "not together with rotation: leave one of the two out" );
+    }
+    RfField rotation = rf_field_member( object, "rotation" );
+    if ( !rotates && rotation.json != NULL )
+        return rf_field_fail( &rotation, "the keys before it have none: give all of them one, or none" );
+    return RF_OK;
+}
+
+// Reads whether to interpolate linearly; without it `linear` is unchanged.
+static RfResult read_interpolation( const RfField* top, bool* linear )
+{
+    static const char* const s_names[] = { "catmull-rom", "linear", NULL };
+    int index = 0;
+    RfField field = rf_field_member( top, "interpolation" );
+    RfResult result = rf_field_choice( &field, s_names, &index );
+    *linear = index == 1;
+    return result;
+}
+
+// Names the value that determines the duration.
+static RfResult name_clock( const RfField* field, RfCameraTrack* track )
+{
+    char text[1024];
+    snprintf( text, sizeof text, "%.800s: %s", field->file, field->path );
+    track->clock = strdup( text );
+    return track->clock != NULL ? RF_OK : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+}
+
+// Reads the duration of a movement: exactly one of `names`, which are "duration", "frames"
+// and, for walks, "speed".
+static RfResult read_span( const RfField* top, const char* const* names, RfCameraTrack* track )
+{
+    const char* given = NULL;
+    for ( int i = 0; names[i] != NULL; ++i )
+    {
+        RfField field = rf_field_member( top, names[i] );
+        if ( field.json != NULL && given != NULL )
+            return rf_field_fail( &field, "not together with %s: leave one of the two out", given );
+        given = field.json != NULL ? names[i] : given;
+    }
+    if ( given == NULL )
+        return rf_field_fail( top, "the duration is missing: give duration (seconds) or frames (their number)%s",
+                              names[2] != NULL ? " or speed (metres per second)" : "" );
+    RfField field = rf_field_member( top, given );
+    double value = 0.0;
+    RfResult result = name_clock( &field, track );
+    if ( result != RF_OK )
+        return result;
+    if ( strcmp( given, "speed" ) == 0 )
+    {
+        result = rf_field_number( &field, rf_above( 0.0, MAX_COORDINATE ), &value );
+        track->end = value > 0.0 ? track->walk.length / value : 0.0;
+        if ( result == RF_OK && !( track->end <= RF_MAX_TRACK_SECONDS ) )
+            return rf_field_fail( &field, "%g m at %g m/s take longer than %g s", track->walk.length, value,
+                                  RF_MAX_TRACK_SECONDS );
+        return result;
+    }
+    track->in_frames = strcmp( given, "frames" ) == 0;
+    if ( !track->in_frames )
+        return rf_field_number( &field, rf_above( 0.0, RF_MAX_TRACK_SECONDS ), &track->end );
+    result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &value );
+    track->end = value - 1.0;
+    return result == RF_OK && floor( value ) != value ? rf_field_wants( &field, "a whole number" ) : result;
+}
+
+// A curve over the fraction of the duration, 0 to 1: constant, or from a first value to a
+// second.
+static RfResult constant_curve( RfCurveKind kind, const double* value, RfCurve* curve, RfError* error )
+{
+    static const double s_start[1] = { 0.0 };
+    return rf_create_curve( kind, true, 1, s_start, value, curve, error );
+}
+
+// A curve from the first of two values to the second.
+static RfResult lead_curve( RfCurveKind kind, const double* both, RfCurve* curve, RfError* error )
+{
+    static const double s_ends[2] = { 0.0, 1.0 };
+    return rf_create_curve( kind, true, 2, s_ends, both, curve, error );
+}
+
+// Reads a constant field of view, or {"from": …, "to": …}.
+static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* track )
+{
+    static const char* const s_keys[] = { "from", "to", NULL };
+    RfResult known = read_projection( top, track );
+    if ( known != RF_OK )
+        return known;
+    bool orthographic = track->projection == RF_ORTHOGRAPHIC;
+    RfField field = rf_field_member( top, extent_name( track->projection ) );
+    double fov[2] = { RF_DEFAULT_FOV, RF_DEFAULT_FOV };
+    if ( must_change && !json_is_object( field.json ) )
+        return rf_field_wants( &field,
+                               orthographic ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
+    if ( !json_is_object( field.json ) )
+    {
+        RfResult result = read_extent( &field, track->projection, fov );
+        return result == RF_OK ? constant_curve( RF_CURVE_NUMBER, fov, &track->fov, top->error ) : result;
+    }
+    RfResult result = rf_field_keys( &field, s_keys );
+    for ( int i = 0; i < 2 && result == RF_OK; ++i )
+    {
+        RfField end = rf_field_member( &field, s_keys[i] );
+        result = rf_field_require( &field, s_keys[i], orthographic ? "metres" : "degrees" );
+        if ( result == RF_OK )
+            result = read_extent( &end, track->projection, fov + i );
+    }
+    return result == RF_OK ? lead_curve( RF_CURVE_NUMBER, fov, &track->fov, top->error ) : result;
+}
+
+// Reads target and up, or a rotation; `fallback` is the default target, or NULL.
+static RfResult read_look( const RfField* top, const double* fallback, RfCameraTrack* track )
+{
+    RfField rotation = rf_field_member( top, "rotation" ), up_field = rf_field_member( top, "up" );
+    double q[4], target[3], up[3] = { 0.0, 1.0, 0.0 };
+    RfResult result = check_look( top, rotation.json != NULL );
+    if ( result == RF_OK && rotation.json != NULL )
+    {
+        result = rf_read_rotation( &rotation, q );
+        return result == RF_OK ? constant_curve( RF_CURVE_ROTATION, q, &track->rotation, top->error ) : result;
+    }
+    if ( result == RF_OK )
+        result = read_up( &up_field, up );
+    if ( result == RF_OK )
+        result = constant_curve( RF_CURVE_POINT, up, &track->up, top->error );
+    if ( result != RF_OK )
+        return result;
+    if ( fallback != NULL && !rf_has_member( top, "target" ) )
+        return constant_curve( RF_CURVE_POINT, fallback, &track->target, top->error );
+    result = read_point( top, "target", target );
+    return result == RF_OK ? constant_curve( RF_CURVE_POINT, target, &track->target, top->error ) : result;
+}
+
+// Reads the built-in movements: orbit, dolly, zoom, walk.
+
+#define MAX_WAYPOINTS 10000
+
+static const char* const s_span[] = { "duration", "frames", NULL };
+
+// Reads a movement.
+static RfResult read_orbit( const RfField* top, RfCameraTrack* track )
+{
+    static const char* const s_keys[] = { "kind", "center",     "radius", "height", "start",    "turn",   "target", "rotation",
+                                          "up",   "projection", "fov",    "ymag",   "duration", "frames", "lens",   NULL };
+    RfOrbit* orbit = &track->orbit;
+    double start = 0.0, turn = 360.0;
+    RfField radius = rf_field_member( top, "radius" ), height = rf_field_member( top, "height" ),
+            start_field = rf_field_member( top, "start" ), turn_field = rf_field_member( top, "turn" );
+    RfResult result = rf_field_keys( top, s_keys );
+    if ( result == RF_OK )
+        result = read_point( top, "center", orbit->center );
+    if ( result == RF_OK )
+        result = rf_field_require( top, "radius", "a number > 0" );
+    if ( result == RF_OK )
+        result = rf_field_number( &radius, rf_above( 0.0, coordinates().high ), &orbit->radius );
+    if ( result == RF_OK )
+        result = rf_field_number( &height, coordinates(), &orbit->height );
+    if ( result == RF_OK )
+        result = rf_field_number( &start_field, rf_range( -1e6, 1e6 ), &start );
+    if ( result == RF_OK )
+        result = rf_field_number( &turn_field, rf_range( -1e6, 1e6 ), &turn );
+    orbit->start = start * DEGREE;
+    orbit->turn = turn * DEGREE;
+    if ( result == RF_OK )
+        result = read_look( top, orbit->center, track );
+    if ( result == RF_OK )
+        result = read_lens( top, false, track );
+    return result == RF_OK ? read_span( top, s_span, track ) : result;
+}
+
+// Reads a dolly.
+static RfResult read_dolly( const RfField* top, RfCameraTrack* track )
+{
+    static const char* const s_keys[] = { "kind", "from", "to",       "target", "rotation", "up", "projection",
+                                          "fov",  "ymag", "duration", "frames", "lens",     NULL };
+    double ends[6];
+    RfResult result = rf_field_keys( top, s_keys );
+    if ( result == RF_OK )
+        result = read_point( top, "from", ends );
+    if ( result == RF_OK )
+        result = read_point( top, "to", ends + 3 );
+    if ( result == RF_OK )
+        result = lead_curve( RF_CURVE_POINT, ends, &track->position, top->error );
+    if ( result == RF_OK )
+        result = read_look( top, NULL, track );
+    if ( result == RF_OK )
+        result = read_lens( top, false, track );
+    return result == RF_OK ? read_span( top, s_span, track ) : result;
+}
+
+// Reads a zoom.
+static RfResult read_zoom( const RfField* top, RfCameraTrack* track )
+{
+    static const char* const s_keys[] = { "kind", "position", "target",   "rotation", "up",   "projection",
+                                          "fov",  "ymag",     "duration", "frames",   "lens", NULL };
+    double position[3];
+    RfResult result = rf_field_keys( top, s_keys );
+    if ( result == RF_OK )
+        result = read_point( top, "position", position );
+    if ( result == RF_OK )
+        result = constant_curve( RF_CURVE_POINT, position, &track->position, top->error );
+    if ( result == RF_OK )
+        result = read_look( top, NULL, track );
+    if ( result == RF_OK )
+        result = read_lens( top, true, track );
+    return result == RF_OK ? read_span( top, s_span, track ) : result;
+}
+
+static RfResult read_waypoints( const RfField* top, RfCameraTrack* track )
+{
+    bool linear;
+    RfField list = rf_field_member( top, "waypoints" );
+    RfResult result = rf_field_array( &list, "points", 2, MAX_WAYPOINTS );
+    if ( result == RF_OK )
+        result = read_interpolation( top, &linear );
+    if ( result != RF_OK )
+        return result;
+    size_t count = json_array_size( list.json );
+    double* points = malloc( 3 * count * sizeof *points );
+    if ( points == NULL )
+        return rf_fail( top->error, RF_ERROR_MEMORY, "%s: no memory left for %zu waypoints", top->file, count );
+    for ( size_t i = 0; i < count && result == RF_OK; ++i )
+    {
+        RfField item = rf_field_item( &list, i );
+        result = rf_field_numbers( &item, coordinates(), 3, points + 3 * i );
+        if ( result == RF_OK && i > 0 && is_same_point( points + 3 * i, points + 3 * i - 3 ) )
+            result = rf_field_fail( &item, "is the same point as the one before it: leave one of the two out" );
+    }
+    if ( result == RF_OK )
+        result = rf_create_waypoints( linear, (int)count, points, &track->walk, top->error );
+    free( points );
+    if ( result == RF_OK && !( track->walk.length > 0.0 ) )
+        return rf_field_fail( &list, "are too close together: the walk has no length" );
+    return result;
+}
+
+static RfResult read_walk_look( const RfField* top, RfCameraTrack* track )
+{
+    RfField ahead = rf_field_member( top, "look_ahead" ), up_field = rf_field_member( top, "up" );
+    bool fixed = rf_has_member( top, "target" ) || rf_has_member( top, "rotation" );
+    if ( fixed && ahead.json != NULL )
+        return rf_field_fail( &ahead, "not together with target or rotation: leave one of the two out" );
+    if ( fixed )
+        return read_look( top, NULL, track );
+    double up[3] = { 0.0, 1.0, 0.0 };
+    track->look_ahead = 0.1 * track->walk.length;
+    RfResult result = read_up( &up_field, up );
+    if ( result == RF_OK )
+        result = rf_field_number( &ahead, rf_above( 0.0, coordinates().high ), &track->look_ahead );
+    return result == RF_OK ? constant_curve( RF_CURVE_POINT, up, &track->up, top->error ) : result;
+}
+
+// Reads a walk along waypoints.
+static RfResult read_walk( const RfField* top, RfCameraTrack* track )
+{
+    static const char* const s_keys[] = { "kind",     "waypoints", "interpolation", "look_ahead", "target",
+                                          "rotation", "up",        "projection",    "fov",        "ymag",
+                                          "speed",    "duration",  "frames",        "lens",       NULL };
+    static const char* const s_walk_span[] = { "duration", "frames", "speed", NULL };
+    RfResult result = rf_field_keys( top, s_keys );
+    if ( result == RF_OK )
+        result = read_waypoints( top, track );
+    if ( result == RF_OK )
+        result = read_walk_look( top, track );
+    if ( result == RF_OK )
+        result = read_lens( top, false, track );
+    return result == RF_OK ? read_span( top, s_walk_span, track ) : result;
+}
+
+// Reads keyed camera paths.
+
+#define MAX_KEYS 1000000
+
+// Keys closer than this in time are an error: their speed would be infinite.
+#define MIN_STEP 1e-6
+
+// The value of the key, else the default of the whole path.
+static RfField inherited( const RfField* key, const RfField* top, const char* name )
+{
+    return rf_field_member( rf_has_member( key, name ) ? key : top, name );
+}
+
+// The values of all keys, one array per property.
+typedef struct Keys
+{
+    int count;
+    double *times, *position, *target, *up, *rotation, *fov, *shift[2], *focus, *fstop;
+    bool shifts; // any of them
+    bool focuses, stops;
+} Keys;
+
+static RfResult read_time( const RfField* key, bool in_frames, int index, double* times )
+{
+    const char* name = in_frames ? "frame" : "time";
+    const char* want = in_frames ? "a frame number" : "a number of seconds";
+    RfField field = rf_field_member( key, name );
+    RfResult result = rf_field_require( key, name, want );
+    if ( result == RF_OK )
+        result = rf_field_number(
+            &field, in_frames ? rf_range( 0.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
+    if ( result != RF_OK )
+        return result;
+    if ( index > 0 && !( times[index] - times[index - 1] >= MIN_STEP ) )
+        return rf_field_fail( &field, "%g is not later than the key before it, at %g", times[index], times[index - 1] );
+    return RF_OK;
+}
+
+static RfResult read_shift( const RfField* field, Keys* keys, int i )
+{
+    double shift[2] = { 0.0, 0.0 };
+    RfResult result = rf_field_numbers( field, rf_range( -RF_MAX_SHIFT, RF_MAX_SHIFT ), 2, shift );
+    keys->shifts = keys->shifts || field->json != NULL;
+    keys->shift[0][i] = shift[0];
+    keys->shift[1][i] = shift[1];
+    return result;
+}
+
+// All keys have such a value, or none.
+static RfResult read_lens_value( const RfField* key, const char* name, double high, int i, bool* any, double* values )
+{
+    RfField field = rf_field_member( key, name );
+    if ( i > 0 && ( field.json != NULL ) != *any )
+        return rf_field_fail( key, "%s: give all keys one, or none", name );
+    *any = field.json != NULL;
+    return rf_field_number( &field, rf_above( 0.0, high ), values + i );
+}
+
+static RfResult read_lens_key( const RfField* key, Keys* keys, int i )
+{
+    RfResult result = read_lens_value( key, "focus", 1e6, i, &keys->focuses, keys->focus );
+    return result == RF_OK ? read_lens_value( key, "fstop", 1e6, i, &keys->stops, keys->fstop ) : result;
+}
+
+static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, const RfCameraTrack* track )
+{
+    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up", "fov",
+                                             "ymag", "shift",    "focus",  "fstop",    NULL };
+    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up", "fov",
+                                            "ymag",  "shift",    "focus",  "fstop",    NULL };
+    bool in_frames = track->in_frames;
+    RfResult result = rf_field_keys( key, in_frames ? s_frames : s_seconds );
+    if ( result == RF_OK )
+        result = check_projection( key, track->projection );
+    if ( result == RF_OK )
+        result = read_time( key, in_frames, i, keys->times );
+    if ( result == RF_OK )
+        result = read_point( key, "position", keys->position + 3 * i );
+    if ( result == RF_OK )
+        result = check_look( key, rotates );
+    RfField fov = inherited( key, top, extent_name( track->projection ) ), up = inherited( key, top, "up" ),
+            shift = inherited( key, top, "shift" );
+    if ( fov.json == NULL )
+        fov = rf_field_member( key, extent_name( track->projection ) );
+    if ( result == RF_OK )
+        result = read_shift( &shift, keys, i );
+    if ( result == RF_OK )
+        result = read_lens_key( key, keys, i );
+    if ( result == RF_OK )
+        result = read_extent( &fov, track->projection, keys->fov + i );
+    if ( result == RF_OK )
+        result = read_up( &up, keys->up + 3 * i );
+    if ( result != RF_OK )
+        return result;
+    if ( rotates )
+    {
+        RfField rotation = inherited( key, top, "rotation" );
+        if ( rotation.json == NULL )
+            rotation = rf_field_member( key, "rotation" );
+        return rf_read_rotation( &rotation, keys->rotation + 4 * i );
+    }
+    RfField target = inherited( key, top, "target" );
+    if ( target.json == NULL )
+        return rf_field_fail( key, "has neither target nor rotation, and the path has none for all keys" );
+    result = rf_field_numbers( &target, coordinates(), 3, keys->target + 3 * i );
+    if ( result == RF_OK && is_same_point( keys->target + 3 * i, keys->position + 3 * i ) )
+        return rf_field_fail( &target, "is at the position of the camera: move one of them" );
+    return result;
+}
+
+static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCameraTrack* track, RfError* error )
+{
+    int n = keys->count;
+    const double* t = keys->times;
+    RfResult result = rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->position, &track->position, error );
+    if ( result == RF_OK )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fov, &track->fov, error );
+    for ( int i = 0; i < 2 && result == RF_OK && keys->shifts; ++i )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->shift[i], track->shift + i, error );
+    if ( result == RF_OK && keys->focuses )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->focus, &track->focus, error );
+    if ( result == RF_OK && keys->stops )
+        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fstop, &track->fstop, error );
+    if ( result == RF_OK && rotates )
+        return rf_create_curve( RF_CURVE_ROTATION, linear, n, t, keys->rotation, &track->rotation, error );
+    if ( result == RF_OK )
+        result = rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->target, &track->target, error );
+    return result == RF_OK ? rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->up, &track->up, error ) : result;
+}
+
+#define NUMBERS 19 // per key
+
+static Keys split_memory( double* memory, int count )
+{
+    size_t n = (size_t)count;
+    Keys keys = { .count = count,
+                  .times = memory,
+                  .position = memory + n,
+                  .target = memory + 4 * n,
+                  .up = memory + 7 * n,
+                  .rotation = memory + 10 * n,
+                  .fov = memory + 14 * n,
+                  .shift = { memory + 15 * n, memory + 16 * n },
+                  .focus = memory + 17 * n,
+                  .fstop = memory + 18 * n };
+    for ( size_t i = 0; i < n; ++i )
+    {
+        keys.up[3 * i + 1] = 1.0;
+        keys.fov[i] = RF_DEFAULT_FOV;
+    }
+    return keys;
+}
+
+// What holds for all keys: the numbers of frames and the shape of a pixel.
+static RfResult read_film( const RfField* top, RfCameraTrack* track )
+{
+    double step = 1.0;
+    RfField field = rf_field_member( top, "step" ), aspect = rf_field_member( top, "pixelAspect" );
+    RfResult result = rf_field_number( &aspect, rf_range( 0.01, 100.0 ), &track->aspect );
+    if ( result == RF_OK )
+        result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &step );
+    if ( result == RF_OK && floor( step ) != step )
+        return rf_field_wants( &field, "a whole number" );
+    if ( result == RF_OK && field.json != NULL && !track->in_frames )
+        return rf_field_fail( &field, "wants keys with frames, not times" );
+    track->step = (int)step;
+    return result;
+}
+
+static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrack* track )
+{
+    int count = (int)json_array_size( list->json );
+    RfField first = rf_field_item( list, 0 );
+    bool rotates = rf_has_member( top, "rotation" ) || rf_has_member( &first, "rotation" ), linear;
+    track->in_frames = rf_has_member( &first, "frame" );
+    RfResult result = read_interpolation( top, &linear );
+    if ( result == RF_OK )
+        result = read_projection( top, track );
+    if ( result == RF_OK )
+        result = check_look( top, rotates );
+    if ( result == RF_OK )
+        result = read_film( top, track );
+    if ( result != RF_OK )
+        return result;
+    double* memory = calloc( (size_t)count * NUMBERS, sizeof *memory );
+    if ( memory == NULL )
+        return rf_fail( top->error, RF_ERROR_MEMORY, "%s: no memory left for %d keys", top->file, count );
+    Keys keys = split_memory( memory, count );
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+    {
+        RfField key = rf_field_item( list, (size_t)i );
+        result = read_key( top, &key, &keys, i, rotates, track );
+    }
+    for ( int i = 0; i < count && track->in_frames; ++i )
+        keys.times[i] -= 1.0; // frame 1 is at time 0
+    if ( result == RF_OK )
+        result = make_curves( &keys, linear, rotates, track, top->error );
+    track->start = keys.times[0];
+    track->end = keys.times[count - 1];
+    free( memory );
+    RfField last = rf_field_item( list, (size_t)count - 1 ),
+            field = rf_field_member( &last, track->in_frames ? "frame" : "time" );
+    return result == RF_OK ? name_clock( &field, track ) : result;
+}
+
+// Reads a path of keys.
+static RfResult read_keyed( const RfField* top, RfCameraTrack* track )
+{
+    static const char* const s_keys[] = { "kind", "interpolation", "keys",  "target", "rotation",    "up",   "projection",
+                                          "fov",  "ymag",          "shift", "step",   "pixelAspect", "lens", NULL };
+    RfField list = rf_field_member( top, "keys" );
+    RfResult result = rf_field_keys( top, s_keys );
+    if ( result == RF_OK )
+        result = rf_field_array( &list, "keys", 1, MAX_KEYS );
+    return result == RF_OK ? read_keys( top, &list, track ) : result;
+}
+
+// Reads camera paths from JSON; every value is validated.
+
+static const char* const s_kinds[] = { "keyed", "orbit", "dolly", "zoom", "walk", NULL };
+
+static RfResult read_kind( const RfField* top, RfCameraTrack* track )
+{
+    static RfResult ( *const s_read[RF_TRACK_KIND_COUNT] )( const RfField*, RfCameraTrack* ) = {
+        read_keyed, read_orbit, read_dolly, read_zoom, read_walk,
+    };
+    int kind = 0;
+    RfField field = rf_field_member( top, "kind" );
+    if ( !json_is_object( top->json ) )
+        return rf_field_wants( top, "an object" );
+    RfResult result = rf_field_require( top, "kind", "one of keyed, orbit, dolly, zoom, walk" );
+    if ( result == RF_OK )
+        result = rf_field_choice( &field, s_kinds, &kind );
+    track->kind = (RfTrackKind)kind;
+    return result == RF_OK ? s_read[kind]( top, track ) : result;
+}
+
+RfResult rf_read_camera_track( const RfField* object, RfCameraTrack* track, RfError* error )
+{
+    *track = ( RfCameraTrack ){ .step = 1, .aspect = 1.0 };
+    char name[1024];
+    snprintf( name, sizeof name, "%s%s%s", object->file, object->path[0] != 0 ? ": " : "", object->path );
+    track->name = strdup( name );
+    RfResult result = track->name != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", object->file );
+    RfField top = *object;
+    top.error = error;
+    top.notes = true;
+    if ( result == RF_OK )
+        result = read_kind( &top, track );
+    if ( result == RF_OK )
+        result = rf_read_optics( &top, &track->optics );
+    if ( result != RF_OK )
+        rf_destroy_camera_track( track );
+    return result;
+}
+
+RfResult rf_load_camera_track( const char* path, RfCameraTrack* track, RfError* error )
+{
+    *track = ( RfCameraTrack ){ 0 };
+    RfJsonDocument document;
+    RfResult result = rf_open_json( path, &document, error );
+    if ( result != RF_OK )
+        return result;
+    RfField root = rf_root_field( &document, error );
+    result = rf_read_camera_track( &root, track, error );
+    track->hash = result == RF_OK ? document.hash : 0;
+    rf_close_json( &document );
+    return result;
+}
