@@ -3,6 +3,7 @@
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "light/light.h"
+#include "path/roulette.h"
 #include "path/wavefront.h"
 #include "support/points.h"
 #include "support/statistics.h"
@@ -230,7 +231,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         pdf_scatter = onward.pdf;
         throughput = is_native_point( &x ) ? rf_mul( throughput, onward.weight )
                                            : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
-        float q = vertex < 3 ? 1.0f : rf_minf( rf_max_component( throughput ) * roulette_scale / RF_ROULETTE_BELOW, 1.0f );
+        float q = vertex < RF_ROULETTE_VERTEX ? 1.0f : rf_survival( rf_max_component( throughput ) * roulette_scale );
         if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
@@ -261,8 +262,8 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
         Arriving in = arriving_light( tracer, &left, key, ray, onward.weight, 1.0f );
         return rf_add( rf_scale( in.emitted, onward.pdf / ( onward.pdf + k * in.light_pdf ) ), in.rest );
     }
-    float roulette_scale = onward.pdf > 0.0f ? rf_maxf( rf_max_component( onward.f ) * onward.cos_x / onward.pdf, 0.1f ) : 0.1f;
-    Arriving in = arriving_light( tracer, s, key, ray, rf_vec3( 1, 1, 1 ), roulette_scale );
+    float factor = onward.pdf > 0.0f ? rf_max_component( onward.f ) * onward.cos_x / onward.pdf : 0.0f;
+    Arriving in = arriving_light( tracer, s, key, ray, rf_vec3( 1, 1, 1 ), rf_shared_factor( factor ) );
     RfVec3 emitted = rf_scale( rf_scale( in.emitted, onward.cos_x ), 1.0f / ( k * in.light_pdf + onward.pdf ) );
     return rf_mul( onward.f, rf_add( emitted, rf_scale( rf_scale( in.rest, onward.cos_x ), 1.0f / onward.pdf ) ) );
 }

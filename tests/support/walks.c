@@ -1,11 +1,12 @@
 #include "support/walks.h"
 
+#include "path/roulette.h"
 #include "path/wavefront.h"
 
 #include <math.h>
 
-#define ROULETTE_AFTER 2 // hits
-#define DIMENSIONS 4u    // random numbers of a hit
+#define ROULETTE_AFTER ( RF_ROULETTE_VERTEX - 1 ) // hits
+#define DIMENSIONS 4u                             // random numbers of a hit
 
 bool advance_walk( const RfTracer* tracer, Walk* w, Point* x )
 {
@@ -68,7 +69,7 @@ bool scatter_walk( Walk* w, const Point* x )
     else
         pass_nonspecular( w, x, &onward );
     float bright = rf_max_component( w->throughput ) / w->full;
-    float q = w->hits < ROULETTE_AFTER ? 1.0f : rf_minf( bright / RF_ROULETTE_BELOW, 1.0f );
+    float q = w->hits < ROULETTE_AFTER ? 1.0f : rf_survival( bright );
     if ( !( bright > 0.0f ) || rf_random( w->key, roulette ) >= q )
         return false;
     w->throughput = rf_scale( w->throughput, 1.0f / q );
