@@ -2,7 +2,7 @@
 
 #include "base/system.h"
 #include "film/film_error.h"
-#include "render/adaptive.h"
+#include "render/adaptive/adaptive.h"
 #include "render/pieces.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "render/pass.h"
 
 #include "base/system.h"
-#include "render/adaptive.h"
+#include "render/adaptive/adaptive.h"
 #include "render/settings.h"
 
 #include <math.h>
@@ -27,7 +27,8 @@ static void add_aovs( const RfRenderer* r, const RfPass* pass, int eye, const vo
     rf_add_to_aovs( &job, r->settings.estimator->first_hits( scratch ) );
 }
 
-void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
+// Traces batches [first, first + count) of a pass into memory.batches[0 … count), and their AOVs.
+static void trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
 {
     const RfEstimator* estimator = r->settings.estimator;
     int jobs = r->sizes.of_estimator.jobs;
@@ -52,9 +53,9 @@ void rf_trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
     rf_add_rays( &r->rays, &rays );
 }
 
-// A job is some rows of one frame, so no two jobs touch the same pixel and every
+// Adds memory.batches[0 … count) to the films of all frames of the group. A job is some rows of one frame, so no two jobs touch the same pixel and every
 // pixel is added to in the batches' order.
-void rf_accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
+static void accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
 {
     int live = 0;
     for ( int i = 0; i < r->memory.film_slots; ++i )
@@ -81,7 +82,8 @@ void rf_accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
     }
 }
 
-void rf_filter_aovs( RfRenderer* r, const RfPass* pass )
+// After all batches of a pass are traced: spreads what they left in the AOVs, where there is a pixel filter.
+static void filter_aovs( RfRenderer* r, const RfPass* pass )
 {
     if ( !r->sizes.filtered || ( r->settings.aovs & RF_FILTERED_AOVS ) == 0 )
         return;
@@ -129,20 +131,23 @@ static bool report_progress( RfRenderer* r, int count )
     return r->callbacks.progress( r->callbacks.user, &progress );
 }
 
-RfResult rf_end_chunk( RfRenderer* r, int count, RfError* error )
+// Fails where the caller interrupts, or failed to take a frame.
+static RfResult end_chunk( RfRenderer* r, int count, RfError* error )
 {
     if ( !report_progress( r, count ) )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frames_all );
     return rf_check_frame_queue( &r->queue, error );
 }
 
-void rf_prepare_pass( RfRenderer* r, const RfPass* pass )
+// What the batches of a pass share.
+static void prepare_pass( RfRenderer* r, const RfPass* pass )
 {
     if ( r->memory.shared != NULL )
         r->settings.estimator->prepare( pass->group, pass->number, r->memory.shared, &r->rays );
 }
 
-void rf_begin_pass( RfRenderer* r )
+// Clears what the estimator keeps per pass.
+static void begin_pass( RfRenderer* r )
 {
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
@@ -152,7 +157,8 @@ void rf_begin_pass( RfRenderer* r )
     }
 }
 
-void rf_end_pass( RfRenderer* r, const RfPass* pass )
+// Traces extra samples and counts the pass.
+static void end_pass( RfRenderer* r, const RfPass* pass )
 {
     if ( r->sizes.adaptive )
         rf_render_extra( r, pass );
@@ -191,19 +197,19 @@ static int list_jobs( RfRenderer* r, const RfPass* pass )
 
 RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
 {
-    rf_begin_pass( r );
-    rf_prepare_pass( r, pass );
+    begin_pass( r );
+    prepare_pass( r, pass );
     int jobs = list_jobs( r, pass );
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        rf_trace_chunk( r, pass, first, count );
-        rf_accumulate_chunk( r, pass, count );
-        RfResult result = rf_end_chunk( r, count, error );
+        trace_chunk( r, pass, first, count );
+        accumulate_chunk( r, pass, count );
+        RfResult result = end_chunk( r, count, error );
         if ( result != RF_OK )
             return result;
     }
-    rf_filter_aovs( r, pass );
-    rf_end_pass( r, pass );
+    filter_aovs( r, pass );
+    end_pass( r, pass );
     return RF_OK;
 }

@@ -1,15 +1,50 @@
 // The driver: the groups of the path, their passes, and the frames they finish.
 #include "base/system.h"
+#include "reframe/plan.h"
 #include "render/frames.h"
 #include "render/pass.h"
-#include "render/set_up.h"
+#include "render/render_effects.h"
 #include "render/settings.h"
-#include "render/until.h"
+#include "render/stop/until.h"
 
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+
+// Never a matter of which frames are asked for.
+static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings* settings,
+                              RfError* error )
+{
+    if ( settings->group != RF_GROUP_AUTO )
+        return RF_OK;
+    RfPlan plan;
+    RfResult result = rf_plan_render( tracer, eyes, eye_count, &( int ){ 0 }, 1, settings, &plan, error );
+    if ( result != RF_OK )
+        return result;
+    settings->group = plan.rows[plan.chosen].group;
+    settings->adaptive = plan.adaptive;
+    return RF_OK;
+}
+
+RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                              RfRenderSettings* resolved, RfError* error )
+{
+    RfResult result = rf_resolve_common( eyes, eye_count, settings, resolved, error );
+    if ( result == RF_OK )
+        result = rf_check_built( rf_tracer_scene( tracer ), eyes, eye_count, resolved, error );
+    if ( result == RF_OK )
+        result = choose_group( tracer, eyes, eye_count, resolved, error );
+    if ( result != RF_OK )
+        return result;
+    RfGroupPlan plan = rf_plan_samples( eye_count, resolved->group, settings->spp );
+    resolved->group = plan.eyes / 2;
+    if ( resolved->adaptive == RF_ADAPTIVE_AUTO && plan.eyes == 1 )
+        resolved->adaptive = RF_ADAPTIVE_OFF;
+    if ( !rf_is_stopping( settings ) )
+        resolved->spp = plan.spp;
+    return RF_OK;
+}
 
 static RfResult render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
 {
@@ -89,6 +124,35 @@ static RfResult render_sweeps( RfRenderer* r, RfError* error )
     return result;
 }
 
+// Frames, groups and sizes, as the resolved settings have them. Fails with RF_ERROR_MEMORY where no render fits the budget.
+static RfResult set_up_render( RfRenderer* r, int eye_count, RfError* error )
+{
+    RfRenderSettings* settings = &r->settings;
+    const RfScene* scene = rf_tracer_scene( r->tracer );
+    r->plan = rf_plan_groups( eye_count, settings->group, settings->spp );
+    if ( rf_is_stopping( settings ) )
+        r->stop = rf_create_stop( &r->plan, settings->spp,
+                                  &( RfStopGoals ){ .noise = settings->noise,
+                                                    .flicker = settings->flicker * settings->flicker,
+                                                    .seconds = settings->time * r->frames_all } );
+    r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
+    r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count, settings ) );
+    if ( !rf_is_plain_filter( settings ) )
+        rf_make_pixel_filter( settings, &r->filter );
+    r->memory.arena = rf_create_arena( settings->memory );
+    r->start = r->last_frame = rf_wall_seconds();
+    r->frame_count = r->frames_all;
+    return rf_fit_sizes( settings->memory, r->frames_all, &r->sizes, &r->fit, error );
+}
+
+// The memory of a render that is set up; what was allocated before a failure is freed as after a render.
+static RfResult alloc_render( RfRenderer* r, RfError* error )
+{
+    RfEstimatorGroup group = rf_frames_as_group( r, 0, r->plan.eyes, 0 );
+    RfResult result = rf_alloc_render_memory( &group, &r->sizes, &r->memory, error );
+    return result == RF_OK ? rf_alloc_traced_jobs( r, error ) : result;
+}
+
 static RfResult check_frames( const int* frames, int frame_count, int eye_count, RfError* error )
 {
     if ( frame_count < 1 )
@@ -148,13 +212,13 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
         return result;
     if ( callbacks != NULL )
         r.callbacks = *callbacks;
-    result = rf_set_up_render( &r, eye_count, error );
+    result = set_up_render( &r, eye_count, error );
     if ( result == RF_OK )
     {
         r.settings.threads = r.sizes.threads;
         int before = omp_get_max_threads();
         omp_set_num_threads( r.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
-        result = rf_alloc_render( &r, error );
+        result = alloc_render( &r, error );
         if ( result == RF_OK )
             result = render_and_deliver( &r, error );
         omp_set_num_threads( before );

@@ -2,7 +2,7 @@
 #ifndef REFRAME_RENDER_RENDERER_H
 #define REFRAME_RENDER_RENDERER_H
 
-#include "render/memory.h"
+#include "render/memory/memory.h"
 
 #define RF_NO_FRAME ( -2 ) // not even the one before the first
 

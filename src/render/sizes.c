@@ -1,9 +1,8 @@
 #include "render/sizes.h"
 
 #include "image/exr.h"
-#include "render/adaptive.h"
-#include "render/adaptive_noise.h"
-#include "render/memory.h"
+#include "render/adaptive/adaptive.h"
+#include "render/memory/memory.h"
 #include "render/settings.h"
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache

@@ -1,9 +1,8 @@
 // Extra samples for pixels that few other frames help: which pixels get them, and that
 // nothing else changes the result.
 #include "support/cli_run.h"
-#include "render/adaptive.h"
-#include "render/adaptive_need.h"
-#include "render/adaptive_noise.h"
+#include "render/adaptive/adaptive.h"
+#include "render/adaptive/need.h"
 #include "support/mirror_rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

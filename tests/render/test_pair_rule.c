@@ -1,7 +1,6 @@
 // What a pair of frames will flicker when both are finished, predicted after some of their groups: by numbers alone, for
 // samples of variance 1 of which a common one has the correlation RHO in two neighbouring frames.
-#include "render/pair_rule.h"
-#include "render/stop_plan.h"
+#include "render/stop/stop_rule.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -15,26 +14,26 @@
 
 typedef struct Path
 {
-    RfStop stop;
+    RfStopRule rule;
     int rate; // passes of each share
 } Path;
 
 static Path make_path( int frames, int group )
 {
     RfGroupPlan plan = rf_plan_groups( frames, group, 28 );
-    return ( Path ){ rf_create_stop( &plan, 1 << 16, &( RfStopGoals ){ .flicker = 0.01 } ), 3 };
+    return ( Path ){ rf_create_stop( &plan, 1 << 16, &( RfStopGoals ){ .flicker = 0.01 } ).rule, 3 };
 }
 
 // Weight of the groups up to `end` that hold both frames.
 static double weight_until( const Path* path, int frame, int other, int end )
 {
     int first, last, other_first, other_last;
-    rf_groups_of_frame( &path->stop.plan, frame, &first, &last );
-    rf_groups_of_frame( &path->stop.plan, other, &other_first, &other_last );
+    rf_groups_of_frame( &path->rule.plan, frame, &first, &last );
+    rf_groups_of_frame( &path->rule.plan, other, &other_first, &other_last );
     first = first > other_first ? first : other_first;
     last = last < other_last ? last : other_last;
-    double all = rf_planned_weight( &path->stop, frame, first );
-    double after = rf_planned_weight( &path->stop, frame, ( last < end ? last : end ) + 1 );
+    double all = rf_planned_weight( &path->rule, frame, first );
+    double after = rf_planned_weight( &path->rule, frame, ( last < end ? last : end ) + 1 );
     return last < first ? 0.0 : path->rate * ( all - after );
 }
 
@@ -62,15 +61,15 @@ static void test_the_finished_pair_is_predicted( void** state )
         for ( int frame = 0; frame + 1 < shapes[k][0]; ++frame )
         {
             int first, last, next_first, next_last;
-            rf_groups_of_frame( &path.stop.plan, frame, &first, &last );
-            rf_groups_of_frame( &path.stop.plan, frame + 1, &next_first, &next_last );
+            rf_groups_of_frame( &path.rule.plan, frame, &first, &last );
+            rf_groups_of_frame( &path.rule.plan, frame + 1, &next_first, &next_last );
             RfFlicker end = flicker_of( &path, frame, next_last );
             double wanted = rf_flicker_f1_squared( &end ) * weight_until( &path, frame, frame, last );
             for ( int group = next_first; group <= last; ++group )
             {
                 RfFrameNoise before = known( &path, frame, group ), now = known( &path, frame + 1, group );
                 RfPairNow pair = { group, &before, &now, flicker_of( &path, frame, group ), 0.0 };
-                double found = rf_final_flicker( &path.stop, &pair );
+                double found = rf_final_flicker( &path.rule, &pair );
                 assert_true( fabs( found - wanted ) <= 1e-9 * wanted );
             }
         }
@@ -87,12 +86,12 @@ static void test_the_later_frame_mends_what_it_can( void** state )
     RfFlicker shared = { .before = 0.02, .now = 0.02, .product = 0.012 },
               apart = { .before = 0.004, .now = 0.009, .product = 0.0 };
     RfFlicker hopeless = { .before = 0.011, .now = 0.009 }, enough = { .before = 0.002, .now = 0.002 };
-    assert_true( rf_flicker_f1_squared( &shared ) > path.stop.goals.flicker );
-    assert_true( rf_late_flicker( &path.stop, &now, &shared ) == 0.0 );
-    assert_true( rf_late_flicker( &path.stop, &now, &hopeless ) == 0.0 );
-    assert_true( rf_late_flicker( &path.stop, &now, &enough ) == 0.0 );
-    double needed = rf_late_flicker( &path.stop, &now, &apart ) / path.stop.goals.flicker;
-    assert_true( fabs( apart.before + apart.now * now.weight / needed - path.stop.goals.flicker ) < 1e-12 );
+    assert_true( rf_flicker_f1_squared( &shared ) > path.rule.goals.flicker );
+    assert_true( rf_late_flicker( &path.rule, &now, &shared ) == 0.0 );
+    assert_true( rf_late_flicker( &path.rule, &now, &hopeless ) == 0.0 );
+    assert_true( rf_late_flicker( &path.rule, &now, &enough ) == 0.0 );
+    double needed = rf_late_flicker( &path.rule, &now, &apart ) / path.rule.goals.flicker;
+    assert_true( fabs( apart.before + apart.now * now.weight / needed - path.rule.goals.flicker ) < 1e-12 );
 }
 
 int main( void )

@@ -1,6 +1,6 @@
 // How many passes each group gets for a target error or time: the decisions alone, with
 // made-up films, estimates and clock.
-#include "render/stop_rule.h"
+#include "render/stop/stop_rule.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -49,7 +49,10 @@ static double normal( uint64_t* state )
 }
 
 // v of estimates: passes of cut windows count by the eyes that they have.
-static double noise_of( const Trial* t, int k ) { return t->noise[k] * ( t->stop.plan.cut > 0 ? t->stop.plan.eyes : 1 ); }
+static double noise_of( const Trial* t, int k )
+{
+    return t->noise[k] * ( t->stop.rule.plan.cut > 0 ? t->stop.rule.plan.eyes : 1 );
+}
 
 static RfFrameNoise estimate( Trial* t, int frame )
 {
@@ -63,7 +66,7 @@ static RfFrameNoise estimate( Trial* t, int frame )
 
 static RfNoiseEstimates look_at( Trial* t, int window, int done, RfFrameNoise* frames )
 {
-    RfGroup w = rf_group( &t->stop.plan, window );
+    RfGroup w = rf_group( &t->stop.rule.plan, window );
     for ( int k = 0; k < w.eyes; ++k )
         frames[k] = estimate( t, w.first + k );
     return ( RfNoiseEstimates ){ window, done, frames, w.eyes };
@@ -99,7 +102,7 @@ static void run_window( Trial* t, int number )
     for ( int k = 0; k < window.eyes; ++k )
     {
         int frame = window.first + k, first, last;
-        rf_groups_of_frame( &t->stop.plan, frame, &first, &last );
+        rf_groups_of_frame( &t->stop.rule.plan, frame, &first, &last );
         // the estimate by which the window ended
         RfFrameNoise now = look.done == done ? frames[k] : estimate( t, frame );
         if ( last == number )
@@ -209,7 +212,7 @@ static void test_passes_are_spread( void** state )
         t.spread = 0.02;
         run( &t );
         double mean = 0.1 / t.error / ( 2 * group + 1 );
-        for ( int w = 2 * group + 1; w < t.stop.plan.groups - 1; ++w )
+        for ( int w = 2 * group + 1; w < t.stop.rule.plan.groups - 1; ++w )
             assert_true( t.window_passes[w] > 0.6 * mean - 1.0 && t.window_passes[w] < 1.6 * mean + 1.0 );
     }
 }
@@ -262,7 +265,7 @@ static void test_least_passes_are_kept( void** state )
         run( &t );
         for ( int k = 0; k < t.frames; ++k )
             assert_true( t.passes[k] >= 2 );
-        assert_true( t.work <= least_work( &t, 2.0 ) + 2.0 * t.stop.plan.eyes );
+        assert_true( t.work <= least_work( &t, 2.0 ) + 2.0 * t.stop.rule.plan.eyes );
     }
 }
 
@@ -277,8 +280,8 @@ static void test_most_passes_are_kept( void** state )
         t.most_spp = 5 * ( 2 * t.group + 1 );
         run( &t );
         assert_int_equal( t.stop.missed, t.frames );
-        assert_true( t.work <= 1.02 * least_work( &t, t.most_spp ) + 2.0 * t.stop.plan.eyes );
-        assert_true( t.work >= 0.9 * least_work( &t, t.most_spp ) - 2.0 * t.stop.plan.eyes );
+        assert_true( t.work <= 1.02 * least_work( &t, t.most_spp ) + 2.0 * t.stop.rule.plan.eyes );
+        assert_true( t.work >= 0.9 * least_work( &t, t.most_spp ) - 2.0 * t.stop.rule.plan.eyes );
     }
 }
 
@@ -316,7 +319,7 @@ static void test_time_is_kept( void** state )
             t.seconds = seconds[i] * t.frames;
             t.jitter = 1.0;
             run( &t );
-            double pass = 1.5 * t.pace * t.stop.plan.eyes;
+            double pass = 1.5 * t.pace * t.stop.rule.plan.eyes;
             assert_true( fabs( t.now - t.seconds ) <= 0.1 * t.seconds + pass );
             assert_false( t.stop.hurried );
             assert_int_equal( t.stop.missed, 0 );
@@ -355,7 +358,7 @@ static void test_too_short_a_time( void** state )
         assert_true( t.stop.hurried );
         for ( int k = 0; k < t.frames; ++k )
             assert_true( t.passes[k] >= 2 );
-        assert_true( t.work <= least_work( &t, 2.0 ) + 2.0 * t.stop.plan.eyes );
+        assert_true( t.work <= least_work( &t, 2.0 ) + 2.0 * t.stop.rule.plan.eyes );
     }
 }
 
@@ -402,10 +405,10 @@ static void test_whichever_comes_first_stops( void** state )
         both.seconds = 100.0 * noise.now;
         run( &both );
         assert_int_equal( both.stop.missed, 0 );
-        assert_true( both.work <= 1.1 * noise.work + 2.0 * both.stop.plan.eyes );
+        assert_true( both.work <= 1.1 * noise.work + 2.0 * both.stop.rule.plan.eyes );
         tight.seconds = 0.5 * noise.now;
         run( &tight );
-        assert_true( tight.now <= 1.1 * tight.seconds + tight.pace * tight.stop.plan.eyes );
+        assert_true( tight.now <= 1.1 * tight.seconds + tight.pace * tight.stop.rule.plan.eyes );
         assert_true( tight.stop.missed > 0 );
     }
 }

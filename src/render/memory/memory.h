@@ -1,11 +1,11 @@
 // A render's memory: how it fits its budget, and all that is allocated, from one arena.
-#ifndef REFRAME_RENDER_MEMORY_H
-#define REFRAME_RENDER_MEMORY_H
+#ifndef REFRAME_RENDER_MEMORY_MEMORY_H
+#define REFRAME_RENDER_MEMORY_MEMORY_H
 
 #include "base/arena.h"
 #include "render/frame_queue.h"
 #include "render/sizes.h"
-#include "render/stop_rule.h"
+#include "render/stop/stop_rule.h"
 
 // The films of one frame of the path while it is rendered.
 typedef struct RfLiveFilm

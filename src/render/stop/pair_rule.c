@@ -1,6 +1,4 @@
-#include "render/pair_rule.h"
-
-#include "render/stop_plan.h"
+#include "render/stop/pair_rule.h"
 
 #include <math.h>
 
@@ -16,14 +14,14 @@ static double f1_squared_of( const RfPairNow* pair, double end, double shared, d
 
 // (E13) with the passes to come: those of both frames make errors and their product smaller, those of the later frame alone
 // are independent of what the earlier one has.
-double rf_final_flicker( const RfStop* stop, const RfPairNow* pair )
+double rf_final_flicker( const RfStopRule* rule, const RfPairNow* pair )
 {
     const RfFrameNoise *before = pair->before, *now = pair->now;
     int first, last;
-    rf_groups_of_frame( &stop->plan, before->frame, &first, &last );
-    double whole = rf_planned_weight( stop, before->frame, first );
-    double both = rf_planned_weight( stop, before->frame, pair->group + 1 );
-    double alone = rf_planned_weight( stop, now->frame, last > pair->group ? last + 1 : pair->group + 1 );
+    rf_groups_of_frame( &rule->plan, before->frame, &first, &last );
+    double whole = rf_planned_weight( rule, before->frame, first );
+    double both = rf_planned_weight( rule, before->frame, pair->group + 1 );
+    double alone = rf_planned_weight( rule, now->frame, last > pair->group ? last + 1 : pair->group + 1 );
     double rate = before->weight / ( whole - both ); // passes of a share so far
     double end = before->weight + rate * both, shared = now->weight + rate * both, now_end = shared + rate * alone;
     double planned = f1_squared_of( pair, end, shared, now_end );
@@ -34,14 +32,14 @@ double rf_final_flicker( const RfStop* stop, const RfPairNow* pair )
 #define SPARE 0.25 // of what is planned for its last group, and a pass
 #define MARGIN 1.1 // of F1², since the later frame is estimated again when nothing can be mended
 
-double rf_flicker_ahead( const RfStop* stop, RfPairNow* pair )
+double rf_flicker_ahead( const RfStopRule* rule, RfPairNow* pair )
 {
     int first, last, next_first, next_last;
-    rf_groups_of_frame( &stop->plan, pair->before->frame, &first, &last );
-    rf_groups_of_frame( &stop->plan, pair->now->frame, &next_first, &next_last );
+    rf_groups_of_frame( &rule->plan, pair->before->frame, &first, &last );
+    rf_groups_of_frame( &rule->plan, pair->now->frame, &next_first, &next_last );
     if ( next_last > last )
-        pair->spare = SPARE * pair->before->weight / ( last - first + 1 ) + rf_group( &stop->plan, next_last ).weight;
-    return ( next_last > last ? MARGIN : 1.0 ) * rf_flicker_doubt( &pair->flicker ) * rf_final_flicker( stop, pair );
+        pair->spare = SPARE * pair->before->weight / ( last - first + 1 ) + rf_group( &rule->plan, next_last ).weight;
+    return ( next_last > last ? MARGIN : 1.0 ) * rf_flicker_doubt( &pair->flicker ) * rf_final_flicker( rule, pair );
 }
 
 // While both are rendered the later frame shares all that it has.
@@ -53,24 +51,24 @@ RfPairNoise rf_pair_noise( const RfPairNow* pair )
                             .covariance = doubt * f->product * before };
 }
 
-double rf_planned_flicker( const RfStop* stop, int frame, RfPairNoise pair )
+double rf_planned_flicker( const RfStopRule* rule, int frame, RfPairNoise pair )
 {
-    frame = frame + 1 < stop->plan.frames || frame == 0 ? frame : frame - 1;
-    if ( frame + 1 >= stop->plan.frames ) // a single frame: as with another one like it
+    frame = frame + 1 < rule->plan.frames || frame == 0 ? frame : frame - 1;
+    if ( frame + 1 >= rule->plan.frames ) // a single frame: as with another one like it
         return 2.0 * pair.variance;
     int first, last, next_first, next_last;
-    rf_groups_of_frame( &stop->plan, frame, &first, &last );
-    rf_groups_of_frame( &stop->plan, frame + 1, &next_first, &next_last );
-    double whole = rf_planned_weight( stop, frame, first ), next = rf_planned_weight( stop, frame + 1, next_first );
-    double shared = next_first <= last ? rf_planned_weight( stop, frame, next_first ) : 0.0;
+    rf_groups_of_frame( &rule->plan, frame, &first, &last );
+    rf_groups_of_frame( &rule->plan, frame + 1, &next_first, &next_last );
+    double whole = rf_planned_weight( rule, frame, first ), next = rf_planned_weight( rule, frame + 1, next_first );
+    double shared = next_first <= last ? rf_planned_weight( rule, frame, next_first ) : 0.0;
     return fmax( pair.variance * ( 1.0 + whole / next ) - 2.0 * pair.covariance * shared / next, 0.0 );
 }
 
-double rf_late_flicker( const RfStop* stop, const RfFrameNoise* now, const RfFlicker* flicker )
+double rf_late_flicker( const RfStopRule* rule, const RfFrameNoise* now, const RfFlicker* flicker )
 {
-    double doubt = rf_flicker_doubt( flicker ), wanted = stop->goals.flicker / doubt;
+    double doubt = rf_flicker_doubt( flicker ), wanted = rule->goals.flicker / doubt;
     double falls = flicker->now - 2.0 * flicker->product; // with the inverse of the weight; the rest stays
     if ( rf_flicker_f1_squared( flicker ) <= wanted || falls <= 0.0 || flicker->before >= wanted )
         return 0.0;
-    return stop->goals.flicker * now->weight * falls / ( wanted - flicker->before );
+    return rule->goals.flicker * now->weight * falls / ( wanted - flicker->before );
 }

@@ -9,9 +9,12 @@
 // minimises error times cost for the distribution of ρ in the frame, so a frame that would
 // not gain gets none.
 //
-// In scenes with glass, mirrors and smooth coats samples do not have equal variance. There a pre-pass measures the
-// variance v by class of first hit (adaptive_noise.h). A pixel's error is v over its samples, and extra samples bring it
-// to θ √v samples: the split that has the least error for its cost.
+// A path that leaves a camera through glass or a mirror often has a variance orders of magnitude above that of the others.
+// Each material that may start a chain (src/reuse/estimators.md, section 10) is a class of its own, all others are one. A
+// pre-pass measures the variance v of the classes once per render: in some frames of the path it renders some blocks of pixels
+// twice, with random numbers of its own. Half the squared difference is the variance of a sample; over the squared mean around
+// it (plus 1e-3) it is in the units of relMSE. A pixel's error is v over its samples, and extra samples bring it to θ √v
+// samples: the split that has the least error for its cost. In scenes without such materials nothing is measured.
 //
 // With RF_ADAPTIVE_AUTO a coarse look comes first, a ray for a sixteenth of the pixels: where few of them are without
 // help the frame gets neither a pilot nor extra samples. The pilot's random numbers do not depend on it.
@@ -25,10 +28,29 @@
 // With a pixel filter other than the plain one, extra samples of a pixel are drawn by its filter and count in that pixel
 // alone, while those of passes count in all pixels around them: so an extra sample is worth less, and both it and the
 // pixel's number of passes are weighted by that.
-#ifndef REFRAME_RENDER_ADAPTIVE_H
-#define REFRAME_RENDER_ADAPTIVE_H
+#ifndef REFRAME_RENDER_ADAPTIVE_ADAPTIVE_H
+#define REFRAME_RENDER_ADAPTIVE_ADAPTIVE_H
 
 #include "render/renderer.h"
+
+// One class: a material, or in the last place all that are alike.
+typedef struct RfMaterialNoise
+{
+    // of a sample, relative to that of the materials that are alike: by every other frame that was looked at, and by the others
+    float variance[2];
+    float cost; // of a sample: rays from vertex to vertex, with the one from the eye
+    bool special;
+    // while it is measured: pixels and squares in a block, then over all blocks
+    uint64_t samples, rays; // path rays of its samples
+    double part_pixels, part_square;
+    double pixels[2], sum[2], most[2]; // most: of any block
+} RfMaterialNoise;
+
+// Does the scene have materials whose noise is to be measured?
+static inline bool rf_noise_differs( const RfSceneTraits* traits )
+{
+    return traits->smooth || ( traits->kinds & 1u << RF_BSDF_GLASS ) != 0;
+}
 
 // Extra samples in a pass, per pixel, at most: where all materials are alike, and elsewhere.
 #define RF_MOST_EXTRA 4

@@ -1,17 +1,35 @@
-#include "render/adaptive_noise.h"
+#include "render/adaptive/adaptive.h"
 
 #include "base/random.h"
 #include "base/system.h"
-#include "render/adaptive.h"
-#include "render/adaptive_extra.h"
+#include "render/adaptive/need.h"
 #include "scene/textured.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
+// Adds the first `count` batches, of one frame alone, to its film.
+static void accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int count )
+{
+    int bands = 2 * r->settings.threads < r->sizes.height ? 2 * r->settings.threads : r->sizes.height;
+#pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
+    for ( int band = 0; band < bands; ++band )
+    {
+        rf_set_float_mode();
+        RfAccumulateJob job = rf_accumulate_job( r, live, pass, band, bands );
+        job.weight *= pass->group->filter != NULL ? (float)rf_extra_worth( r ) : 1.0f;
+        void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
+        uint64_t landed = r->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
+#pragma omp atomic
+        live->films[0].landed += landed;
+    }
+}
+
+// The noise of materials.
+
 #define NOISE_GROUP 0xc0000000u // no other group has this number
-#define FRAMES 8                // of the path that are looked at
+#define NOISE_FRAMES 8          // of the path that are looked at
 #define BLOCK 8                 // pixels: side of what is drawn
 // Pixels that are rendered twice: this share of the camera rays of a whole render, within limits.
 #define PAIR_SHARE 0.004
@@ -30,7 +48,8 @@ static int class_of( const RfMaterialNoise* noise, int materials, int32_t materi
     return noise[material].special ? material : materials;
 }
 
-void rf_add_noise( const RfMaterialNoise* noise, RfFirstHits first, float* sums )
+// Adds to each pixel of `sums` (four floats) the two variances of its hit's class, 1, and its cost.
+static void add_noise( const RfMaterialNoise* noise, RfFirstHits first, float* sums )
 {
     const RfVertexLanes* v = first.hits;
     for ( int i = 0; i < v->count; ++i )
@@ -111,7 +130,7 @@ static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
         {
             int count = jobs - first < slots ? jobs - first : slots;
             trace_half( r, &pass, live, first, count );
-            rf_accumulate_extra( r, &pass, live, count );
+            accumulate_extra( r, &pass, live, count );
         }
     }
 }
@@ -246,12 +265,13 @@ static void clear_classes( const RfRenderer* r )
     }
 }
 
-void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
+// Measures the classes, if there are any and it has not been done. Borrows a film that has just been cleared.
+static void measure_noise( RfRenderer* r, RfLiveFilm* live )
 {
     if ( r->memory.noise == NULL || r->memory.noise_known )
         return;
     clear_classes( r );
-    int path = r->plan.frames, frames = path < FRAMES ? path : FRAMES, frame = live->frame;
+    int path = r->plan.frames, frames = path < NOISE_FRAMES ? path : NOISE_FRAMES, frame = live->frame;
     double pixels = (double)r->sizes.width * (double)r->sizes.height;
     double pairs = fmin( fmax( PAIR_SHARE * pixels * path * r->settings.spp, LEAST_PAIRS ), MOST_PAIRS );
     uint32_t* landed = live->aovs.landed;
@@ -274,4 +294,184 @@ void rf_measure_noise( RfRenderer* r, RfLiveFilm* live )
         find_variances( r->memory.noise, r->sizes.materials, set );
     find_costs( r->memory.noise, r->sizes.materials );
     r->memory.noise_known = true;
+}
+
+// The pilot.
+
+#define PILOT_PASSES 2
+// The coarse look before the pilot: this part of a frame's pixels, and so many where it is small.
+#define LOOK_SHARE ( 1.0 / 16.0 )
+#define LOOK_PIXELS 512.0
+#define PILOT_GROUP 0x40000000u // no group of the path has these numbers
+
+// The frames around one, as far as the path goes.
+static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
+{
+    int eyes = r->plan.eyes, first = frame - eyes / 2, last_first = r->plan.frames - eyes;
+    first = first < last_first ? first : last_first;
+    first = first > 0 ? first : 0;
+    RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)PILOT_GROUP );
+    group.first_hits_only = true;
+    group.filter = NULL;
+    return group;
+}
+
+// One pass over the batches of the frame: as many at once as there is memory for. They share no pixel. `samples`, if
+// not NULL, counts the camera rays of each pixel.
+static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pass, RfLiveFilm* live, float* samples )
+{
+    const RfEstimator* estimator = r->settings.estimator;
+#pragma omp parallel num_threads( r->settings.threads )
+    {
+        rf_set_float_mode();
+        RfRayCounts mine = { 0 };
+        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
+#pragma omp for schedule( dynamic, 1 )
+        for ( int slot = 0; slot < r->memory.batch_slots; ++slot )
+        {
+            void* batch = r->memory.batches[slot];
+            for ( int job = slot; job < r->sizes.of_estimator.jobs; job += r->memory.batch_slots )
+            {
+                estimator->trace( group, ( RfTraceJob ){ live->frame - group->first_frame, job, pass }, batch, scratch, &mine );
+                estimator->add_own_shares( batch, scratch, live->need );
+                if ( r->memory.noise != NULL )
+                    add_noise( r->memory.noise, estimator->first_hits( scratch ), live->films[0].half[0] );
+                if ( samples != NULL )
+                    estimator->count_samples( batch, 1.0f, samples );
+            }
+        }
+#pragma omp critical
+        rf_add_rays( &r->rays, &mine );
+    }
+}
+
+static float* noise_sums( const RfRenderer* r, const RfLiveFilm* live )
+{
+    return r->memory.noise != NULL ? live->films[0].half[0] : NULL;
+}
+
+// One ray for each pixel of some tiles, drawn like those of an extra sample: are there enough pixels without help for
+// a pilot to be worth it? The film is empty yet and lends its counts of extra samples.
+static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* live )
+{
+    size_t pixels = (size_t)r->sizes.width * (size_t)r->sizes.height;
+    float *drawn = live->films[0].extra[0], *samples = live->films[0].extra[1];
+    for ( size_t i = 0; i < pixels; ++i )
+        drawn[i] = (float)fmax( LOOK_SHARE, LOOK_PIXELS / (double)pixels );
+    group.need = drawn;
+    run_pilot_pass( r, &group, PILOT_PASSES, live, samples );
+    RfPilotSums sums = { live->need, noise_sums( r, live ), samples, pixels, 1.0f, group.eye_count, true, rf_extra_worth( r ) };
+    bool pays = rf_extra_may_pay( &sums );
+    memset( live->need, 0, rf_need_bytes( &r->sizes ) );
+    rf_clear_film( live->films );
+    return pays;
+}
+
+static void find_need( RfRenderer* r, RfLiveFilm* live )
+{
+    RfEstimatorGroup group = pilot_group( r, live->frame );
+    if ( r->settings.adaptive == RF_ADAPTIVE_AUTO && !look_for_gain( r, group, live ) )
+        return;
+    for ( int pass = 0; pass < PILOT_PASSES; ++pass )
+        run_pilot_pass( r, &group, pass, live, NULL );
+    size_t pixels = (size_t)r->sizes.width * (size_t)r->sizes.height;
+    RfPilotSums sums = { live->need,
+                         noise_sums( r, live ),
+                         NULL,
+                         pixels,
+                         PILOT_PASSES,
+                         group.eye_count,
+                         r->settings.adaptive == RF_ADAPTIVE_AUTO,
+                         rf_extra_worth( r ) };
+    live->most_need = rf_set_need( &sums );
+    rf_clear_film( live->films );
+}
+
+void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
+{
+    memset( live->need, 0, rf_need_bytes( &r->sizes ) );
+    live->most_need = 0.0f;
+    if ( r->plan.eyes > 1 )
+    {
+        measure_noise( r, live );
+        find_need( r, live );
+    }
+    // without extra samples the sums are those of a render without adaptive sampling, bit for bit
+    live->films[0].total_every = rf_film_total_every( r->plan.eyes * rf_filter_pixels( &r->settings ) +
+                                                      ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) );
+}
+
+// The samples of some tiles of a frame alone.
+
+#define EXTRA_GROUP 0x80000000u // no group of the path has these numbers
+
+// Batches [first, first + count) of a frame alone.
+static uint64_t trace_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
+{
+    const RfEstimator* estimator = r->settings.estimator;
+    RfRayCounts rays = { 0 };
+    uint64_t samples = 0;
+#pragma omp parallel num_threads( r->settings.threads ) reduction( + : samples )
+    {
+        rf_set_float_mode();
+        RfRayCounts mine = { 0 };
+        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
+#pragma omp for schedule( dynamic, 1 )
+        for ( int i = 0; i < count; ++i )
+        {
+            void* batch = r->memory.batches[i];
+            estimator->trace( pass->group, ( RfTraceJob ){ 0, first + i, pass->number }, batch, scratch, &mine );
+            samples += estimator->count_samples( batch, (float)( pass->weight * rf_extra_worth( r ) ),
+                                                 live->films[0].extra[pass->half] );
+        }
+#pragma omp critical
+        rf_add_rays( &rays, &mine );
+    }
+    rf_add_rays( &r->rays, &rays );
+    live->films[0].extra_samples += samples;
+    return samples;
+}
+
+// Extra samples of a frame: of the tiles that are drawn one more, or, packed, as many as fill a batch of each job. Returns
+// their number.
+static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int round )
+{
+    bool packed = r->memory.noise != NULL;
+    RfEstimatorGroup group = rf_frames_as_group( r, live->frame, 1, (int)( EXTRA_GROUP | (uint32_t)pass->group->number ) );
+    group.need = live->need;
+    group.round = round;
+    group.packed = packed;
+    group.shared = pass->group->shared; // that of the pass
+    RfPass extra = { &group, rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ), pass->half, pass->weight };
+    int jobs = r->sizes.of_estimator.jobs;
+    uint64_t samples = 0;
+    for ( int first = 0; first < jobs; first += r->memory.batch_slots )
+    {
+        int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
+        samples += trace_extra( r, &extra, live, first, count );
+        accumulate_extra( r, &extra, live, count );
+    }
+    return samples;
+}
+
+static void render_frame_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live )
+{
+    if ( r->memory.noise != NULL )
+    {
+        for ( int round = 0; render_round( r, pass, live, round ) > 0; ++round )
+            ;
+        return;
+    }
+    for ( int round = 0; (float)round < live->most_need; ++round )
+        render_round( r, pass, live, round );
+}
+
+void rf_render_extra( RfRenderer* r, const RfPass* pass )
+{
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        RfLiveFilm* live = r->memory.films + i;
+        if ( live->frame != -1 && live->most_need > 0.0f )
+            render_frame_extra( r, pass, live );
+    }
 }

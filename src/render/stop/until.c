@@ -1,9 +1,9 @@
 // What the stop rule decides by, taken from the films and the clock.
-#include "render/until.h"
+#include "render/stop/until.h"
 
 #include "base/system.h"
 #include "render/frames.h"
-#include "render/pair_rule.h"
+#include "render/stop/pair_rule.h"
 #include "render/pass.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, 
     RfFrameNoise before = known_of( live ), now = known_of( next );
     RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ), 0.0 };
     live->pair = rf_pair_noise( &pair );
-    return rf_flicker_ahead( &r->stop, &pair );
+    return rf_flicker_ahead( &r->stop.rule, &pair );
 }
 
 // What the frame before, which may be finished, asks of a frame in its last group.
@@ -42,7 +42,7 @@ static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm*
     if ( r->kept_frame != live->frame - 1 )
         return (double)NAN;
     RfFlicker flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
-    return rf_late_flicker( &r->stop, &now, &flicker );
+    return rf_late_flicker( &r->stop.rule, &now, &flicker );
 }
 
 // A frame whose neighbours are rendered later without sharing passes with it, or not at all, is held to what two
@@ -127,7 +127,7 @@ RfResult rf_render_until( RfRenderer* r, const RfEstimatorGroup* estimator_group
     int due, done = 0;
     while ( ( due = rf_passes_due( stop, &estimates, done, rf_wall_seconds() - r->start ) ) > done )
     {
-        int next = stop->goals.seconds > 0.0 ? done + 1 : due;
+        int next = stop->rule.goals.seconds > 0.0 ? done + 1 : due;
         for ( ; done < next; ++done )
         {
             RfPass pass = rf_make_pass( estimator_group, &group, done );

@@ -1,6 +1,6 @@
 // Groups that are rendered until a noise, a flicker or a time is reached.
-#ifndef REFRAME_RENDER_UNTIL_H
-#define REFRAME_RENDER_UNTIL_H
+#ifndef REFRAME_RENDER_STOP_UNTIL_H
+#define REFRAME_RENDER_STOP_UNTIL_H
 
 #include "render/renderer.h"
 

@@ -1,6 +1,6 @@
-#include "render/adaptive_need.h"
+#include "render/adaptive/need.h"
 
-#include "render/adaptive.h"
+#include "render/adaptive/adaptive.h"
 
 #include <math.h>
 

@@ -21,47 +21,18 @@
 // For a time: r is the time left over the cost of the remaining shares at the pace so far.
 //
 // There are no rays, films or clocks in here: what is known of them comes as numbers.
-#ifndef REFRAME_RENDER_STOP_RULE_H
-#define REFRAME_RENDER_STOP_RULE_H
+#ifndef REFRAME_RENDER_STOP_STOP_RULE_H
+#define REFRAME_RENDER_STOP_STOP_RULE_H
 
-#include "render/groups.h"
+#include "render/stop/pair_rule.h"
 
 #include <stdbool.h>
 
 #define RF_STOP_HISTORY 16 // finished frames that are kept for pooling
 
-// What a sample brings to a pair of frames: the mean variance of its errors, and the covariance where both have it.
-typedef struct RfPairNoise
-{
-    double variance, covariance; // NaN: not known
-} RfPairNoise;
-
-// What is known of a frame's noise.
-typedef struct RfFrameNoise
-{
-    int frame;
-    int passes;       // so far
-    double weight;    // of them
-    double noise;     // v, the relMSE times the weight it was estimated at
-    double flicker;   // the same of F1² of a pair that the frame is in, as rf_final_flicker has it; NaN: not known
-    RfPairNoise pair; // of this frame and the next, from which that of others is guessed
-    double seen;      // that weight; 0: neither is known
-} RfFrameNoise;
-
-// What a render is to reach; 0: does not matter.
-typedef struct RfStopGoals
-{
-    double noise;   // relMSE that every frame is to come below
-    double flicker; // F1² that every pair is to come below
-    double seconds; // for all frames
-} RfStopGoals;
-
 typedef struct RfStop
 {
-    RfStopGoals goals;
-    RfGroupPlan plan;   // of the shares
-    double scale;       // passes of a share in it
-    double most, least; // passes for each share
+    RfStopRule rule;
     double owed;        // part of a pass, from one group to the next
     int group;          // that is rendered
     double due;         // passes of this group, as last decided

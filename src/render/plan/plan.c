@@ -1,0 +1,573 @@
+// How large a group pays: a few thousand hits along the path, traced by the render's own estimator, tell how many cameras see
+// them and how many rays that takes; fixed costs of rays tell the gain. rf_measure_plan measures the costs on this machine.
+#include "reframe/plan.h"
+
+#include "base/arena.h"
+#include "base/system.h"
+#include "render/settings.h"
+#include "render/sizes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// Traces some batches of the path by the estimator, one at a time.
+typedef struct Probe
+{
+    const RfEye* eyes;
+    int eye_count;
+    RfRenderSettings settings; // with a seed of its own
+    RfArena arena;
+    RfRenderSizes sizes; // for the largest group looked at
+    void *scratch, *batch;
+    RfEstimatorGroup group;
+    int eye; // index in it of the frame that is traced
+} Probe;
+
+// The probe looks at so many frames, and batches of each.
+#define PROBE_FRAMES 4
+#define PROBE_JOBS 8
+
+// What it counted: sums over own-frame samples.
+typedef struct Counts
+{
+    double samples, hits, glossy;
+    RfRayCounts rays; // without reuse
+    // by row
+    double share[RF_PLAN_ROWS]; // Σ w: share of each hit's weight that its own frame keeps
+    double eye_rays[RF_PLAN_ROWS];
+} Counts;
+
+#define PROBE_SEED 1 // whatever that of the render: the choice of the group is not to depend on it
+
+static RfResult alloc_probe( Probe* p, RfError* error )
+{
+    const RfEstimator* estimator = p->settings.estimator;
+    RfResult result = rf_arena_alloc( &p->arena, "scratch", p->sizes.of_estimator.trace_scratch, &p->scratch, error );
+    if ( result != RF_OK )
+        return result;
+    estimator->lay_out_scratch( &p->group, p->scratch );
+    result = rf_arena_alloc( &p->arena, "hit records", p->sizes.of_estimator.batch, &p->batch, error );
+    if ( result == RF_OK )
+        estimator->lay_out_batch( &p->group, p->batch );
+    return result;
+}
+
+// For groups of up to `most_eyes`. Fails with RF_ERROR_MEMORY.
+static RfResult begin_probe( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                             int most_eyes, Probe* probe, RfError* error )
+{
+    const RfScene* scene = rf_tracer_scene( tracer );
+    RfGroupPlan plan = rf_plan_groups( eye_count, most_eyes / 2, settings->spp );
+    *probe = ( Probe ){ .eyes = eyes, .eye_count = eye_count, .settings = *settings };
+    probe->settings.seed = PROBE_SEED;
+    probe->arena = rf_create_arena( settings->memory );
+    probe->sizes = rf_render_sizes( scene, eyes, &plan, 1, settings );
+    probe->group =
+        rf_size_group( scene, rf_scene_traits( scene, eyes, eye_count, &probe->settings ), eyes, plan.eyes, &probe->settings );
+    probe->group.tracer = tracer;
+    probe->group.max_depth = rf_tracer_lights( tracer )->count > 0 ? settings->max_depth : 1;
+    return alloc_probe( probe, error );
+}
+
+static void end_probe( Probe* p )
+{
+    rf_arena_free( &p->arena, "scratch", p->scratch, p->sizes.of_estimator.trace_scratch );
+    rf_arena_free( &p->arena, "hit records", p->batch, p->sizes.of_estimator.batch );
+    p->scratch = NULL;
+    p->batch = NULL;
+}
+
+// Sets the probe's group to `eyes` frames around `frame`, as far as the path goes.
+static void aim_probe( Probe* p, int frame, int eyes )
+{
+    int first = frame - eyes / 2, last_first = p->eye_count - eyes;
+    first = first < last_first ? first : last_first;
+    first = first > 0 ? first : 0;
+    p->group.eyes = p->eyes + first;
+    p->group.first_frame = first;
+    p->group.eye_count = eyes;
+    p->eye = frame - first;
+}
+
+// The i-th of the frames looked at.
+static int probe_frame( const Probe* p, int i ) { return (int)( (int64_t)( 2 * i + 1 ) * p->eye_count / ( 2 * PROBE_FRAMES ) ); }
+
+// The batch of the k-th position there: spread over the film, other places in every frame.
+static int probe_job( const Probe* p, int i, int k )
+{
+    int64_t place = PROBE_FRAMES * k + i, places = PROBE_FRAMES * PROBE_JOBS;
+    return (int)( ( 2 * place + 1 ) * p->sizes.of_estimator.jobs / ( 2 * places ) );
+}
+
+static void count_batch( Probe* p, int frame, int job, int pass, const int* eyes, int rows, Counts* c )
+{
+    const RfEstimator* estimator = p->settings.estimator;
+    aim_probe( p, frame, 1 );
+    c->samples += estimator->trace( &p->group, ( RfTraceJob ){ 0, job, pass }, p->batch, p->scratch, &c->rays );
+    for ( int r = 0; r < rows && estimator->count_reuse != NULL; ++r )
+    {
+        RfReuseCount count = { 0 };
+        aim_probe( p, frame, eyes[r] );
+        estimator->count_reuse( &p->group, p->eye, p->batch, p->scratch, &count );
+        c->hits += r == 0 ? count.hits : 0.0;
+        c->glossy += r == 0 ? count.shiny : 0.0;
+        c->share[r] += count.own_share;
+        c->eye_rays[r] += count.eye_rays;
+    }
+}
+
+// Counts for groups of eyes[0 … rows), the first of which is 1.
+static void count_plan( Probe* probe, const int* eyes, int rows, Counts* counts )
+{
+    *counts = ( Counts ){ 0 };
+    rf_set_float_mode();
+    for ( int i = 0; i < PROBE_FRAMES; ++i )
+    {
+        for ( int k = 0; k < PROBE_JOBS; ++k ) // a pass of its own: small films have fewer patches
+            count_batch( probe, probe_frame( probe, i ), probe_job( probe, i, k ), k, eyes, rows, counts );
+    }
+    if ( counts->samples == 0.0 ) // all beside a film that is smaller than a tile
+        counts->samples = 1.0;
+}
+
+// Cost of a pixel over all groups where a sample costs `own`, and `reuse` for every other eye of its group:
+// Σ passes · eyes · (own + (eyes − 1) · reuse).
+static double plan_work( const RfGroupPlan* plan, double own, double reuse )
+{
+    double work = 0.0;
+    for ( int g = 0; g < plan->groups; ++g )
+    {
+        RfGroup group = rf_group( plan, g );
+        work += (double)group.passes * group.eyes * ( own + ( group.eyes - 1 ) * reuse );
+    }
+    return work;
+}
+
+static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
+
+// Relative costs of rays, which the choice of the group rests on: about nanoseconds on one core of
+// a 2.5 GHz Xeon with AVX2.
+#define COST_PRIMARY 100.0 // including records and films
+#define COST_PATH 200.0
+#define COST_SHADOW 100.0
+#define COST_TILE 40.0
+#define COST_EYE 30.0      // a visibility test
+#define COST_ADD 4.0       // adding a hit to a film, plus
+#define COST_DIRECTION 7.0 // this for each direction of a glossy hit
+
+// Why the automatic choice leaves a row out.
+static const char s_no_room[] = "does not fit the memory", s_films[] = "films over half of the memory",
+                  s_sweeps[] = "goes through the path several times", s_rounded[] = "samples rounded up too far";
+
+#define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
+#define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
+
+static void list_rows( int eye_count, const RfRenderSettings* settings, RfPlan* plan )
+{
+    int spp = settings->spp;
+    for ( int i = 0; i < RF_PLAN_ROWS; ++i )
+    {
+        RfGroupPlan groups = rf_plan_samples( eye_count, s_groups[i], spp );
+        plan->rows[plan->count++] = ( RfPlanRow ){ .group = groups.eyes / 2,
+                                                   .eyes = groups.eyes,
+                                                   .spp = groups.spp,
+                                                   .samples = NAN,
+                                                   .repeated = NAN,
+                                                   .rays_primary = NAN,
+                                                   .rays_path = NAN,
+                                                   .rays_shadow = NAN,
+                                                   .rays_tile = NAN,
+                                                   .rays_eye = NAN,
+                                                   .reach = NAN,
+                                                   .gain = NAN,
+                                                   .measured_gain = NAN,
+                                                   .seconds = NAN };
+        if ( groups.eyes == eye_count || !rf_has_groups( settings->estimator ) )
+            break;
+    }
+}
+
+// Gain: samples that land in a frame over the cost of a sample, relative to no reuse.
+static double gain_of( const RfGroupPlan* plan, double reach, double own, double reuse )
+{
+    double samples = (double)plan->frames * plan->spp;
+    double work = plan_work( plan, own, reuse );
+    return work > 0.0 ? reach * samples * own / work : 1.0;
+}
+
+// Samples and rays of the frames asked for, over all sweeps.
+static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_count, double pixels, const Counts* counts,
+                        int index, RfPlanRow* row )
+{
+    int per_sweep = row->fit.sweeps > 1 ? row->fit.films : frame_count;
+    double samples = 0.0, others = 0.0, once = 0.0, unused = 0.0;
+    for ( int first = 0; first < frame_count; first += per_sweep )
+        rf_add_group_samples( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples,
+                              &others );
+    rf_add_group_samples( plan, frames, 0, frame_count, &once, &unused );
+    double per = pixels / counts->samples;
+    row->samples = samples * pixels;
+    row->repeated = samples / once;
+    row->rays_primary = samples * pixels;
+    row->rays_path = samples * per * (double)counts->rays.path;
+    row->rays_shadow = samples * per * (double)counts->rays.shadow;
+    row->rays_tile = samples * per * (double)counts->rays.tile;
+    // visibility from the own eye is tested in blended scenes only, and counted there
+    row->rays_eye =
+        row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
+}
+
+static void fixed_costs( const Counts* c, const RfEstimatorSizes* sizes, int index, int eyes, double* own, double* reuse )
+{
+    double adding = ( c->hits * COST_ADD + c->glossy * COST_DIRECTION * sizes->directions ) / c->samples;
+    *own = ( COST_PRIMARY * (double)c->rays.primary + COST_PATH * (double)c->rays.path + COST_SHADOW * (double)c->rays.shadow +
+             COST_TILE * (double)c->rays.tile ) /
+               c->samples +
+           adding;
+    *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + adding : 0.0;
+}
+
+// Why the automatic choice leaves a group out; NULL: it does not. It depends on path, size and settings
+// alone, as if the whole path were asked for and one thread had all the memory. Several sweeps
+// repeat the tracing, which the gain does not account for.
+static const char* reason_against( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                                   const RfPlanRow* row )
+{
+    RfRenderSettings s = *settings;
+    s.group = row->group;
+    s.threads = 1;
+    if ( s.adaptive == RF_ADAPTIVE_AUTO ) // what may be of use in some frames is no reason for smaller groups in all
+        s.adaptive = RF_ADAPTIVE_OFF;
+    RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
+    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
+    RfMemoryFit fit;
+    if ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) != RF_OK )
+        return s_no_room;
+    if ( rf_films_bytes( &sizes ) > settings->memory / 2 )
+        return s_films;
+    if ( fit.sweeps > 1 )
+        return s_sweeps;
+    return (double)row->spp > ROUNDING * settings->spp ? s_rounded : NULL;
+}
+
+// The smallest group whose gain is as good as the best.
+static void choose_row( RfPlan* plan )
+{
+    double best = 1.0;
+    for ( int i = 0; i < plan->count; ++i )
+        best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best ? plan->rows[i].gain : best;
+    while ( plan->rows[plan->chosen].excluded != NULL || plan->rows[plan->chosen].gain < FLAT * best )
+        plan->chosen += 1;
+    plan->rows[plan->chosen].chosen = true;
+}
+
+// A group that was chosen for the memory at hand goes without the memory of extra samples, which few frames may
+// need, rather than through the path several times.
+static RfResult settle_adaptive( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
+                                 const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+{
+    RfPlanRow* row = plan->rows + plan->chosen;
+    RfRenderSettings s = *settings;
+    RfMemoryFit fit;
+    plan->adaptive = settings->adaptive == RF_ADAPTIVE_AUTO && row->eyes == 1 ? RF_ADAPTIVE_OFF : settings->adaptive;
+    s.group = row->group;
+    s.threads = 1;
+    if ( plan->adaptive != RF_ADAPTIVE_AUTO ||
+         ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) == RF_OK && fit.sweeps == 1 ) )
+        return RF_OK;
+    plan->adaptive = s.adaptive = RF_ADAPTIVE_OFF;
+    s.threads = settings->threads;
+    return rf_fit_memory( scene, eyes, eye_count, frame_count, &s, &row->fit, error );
+}
+
+static int rows_against( const RfPlan* plan, const char* reason )
+{
+    int count = 0;
+    for ( int i = 0; i < plan->count; ++i )
+        count += plan->rows[i].excluded == reason;
+    return count;
+}
+
+static void explain( RfPlan* plan, const RfRenderSettings* settings )
+{
+    char rounded[96];
+    snprintf( rounded, sizeof rounded, "%d sample%s would be rounded up by more than a quarter", settings->spp,
+              settings->spp == 1 ? "" : "s" );
+    const char* const reasons[][3] = { { s_films, s_films, s_films },
+                                       { s_sweeps, s_sweeps, "go through the path several times" },
+                                       { s_rounded, rounded, rounded },
+                                       { s_no_room, s_no_room, "do not fit the memory" } };
+    const RfPlanRow* best = plan->rows + plan->chosen;
+    for ( int i = 0; i < plan->count; ++i )
+        best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;
+    size_t size = sizeof plan->why;
+    if ( !rf_has_groups( settings->estimator ) )
+    {
+        snprintf( plan->why, size, "the estimator '%s' reuses no frames", settings->estimator->name );
+        return;
+    }
+    size_t used =
+        (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
+                          best->gain, best->group );
+    for ( size_t k = 0; k < sizeof reasons / sizeof reasons[0] && used < size; ++k )
+    {
+        int rows = rows_against( plan, reasons[k][0] );
+        if ( rows > 0 )
+            used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s left out, %s", rows, rows == 1 ? "" : "s",
+                                      reasons[k][rows == 1 ? 1 : 2] );
+    }
+    if ( plan->adaptive != settings->adaptive && plan->rows[plan->chosen].eyes > 1 && used < size )
+        snprintf( plan->why + used, size - used, "; without extra samples, for which there is no room" );
+}
+
+// Counts a few batches of the path.
+static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                       const RfPlan* plan, Counts* counts, RfError* error )
+{
+    Probe probe;
+    int group_eyes[RF_PLAN_ROWS], most = 1;
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        // rows that do not fit have no room for their records here
+        group_eyes[i] = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : 1;
+        most = group_eyes[i] > most ? group_eyes[i] : most;
+    }
+    RfResult result = begin_probe( tracer, eyes, eye_count, settings, most, &probe, error );
+    if ( result == RF_OK )
+        count_plan( &probe, group_eyes, plan->count, counts );
+    end_probe( &probe );
+    return result;
+}
+
+// Only the smallest group has to fit.
+static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
+                          const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+{
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        RfPlanRow* row = plan->rows + i;
+        RfRenderSettings s = *settings;
+        s.group = row->group;
+        RfResult result = rf_fit_memory( scene, eyes, eye_count, frame_count, &s, &row->fit, error );
+        if ( result != RF_OK && i == 0 )
+            return result;
+        if ( i > 0 )
+            row->excluded = result != RF_OK ? s_no_room : reason_against( scene, eyes, eye_count, settings, row );
+    }
+    return RF_OK;
+}
+
+static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int frame_count, const RfRenderSettings* settings,
+                        const RfEstimatorSizes* sizes, const Counts* counts, RfPlan* plan )
+{
+    double pixels = (double)eyes->width * eyes->height;
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        RfPlanRow* row = plan->rows + i;
+        if ( !rf_plan_row_fits( row ) )
+            continue;
+        RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
+        double own, reuse;
+        fixed_costs( counts, sizes, i, row->eyes, &own, &reuse );
+        row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;
+        row->gain = gain_of( &groups, row->reach, own, reuse );
+        count_rays( &groups, frames, frame_count, pixels, counts, i, row );
+    }
+}
+
+RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
+                         const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+{
+    RfRenderSettings common;
+    *plan = ( RfPlan ){ .c_e = NAN, .c_l = NAN, .c_v = NAN };
+    RfResult result = rf_resolve_common( eyes, eye_count, settings, &common, error );
+    if ( result != RF_OK )
+        return result;
+    list_rows( eye_count, &common, plan );
+    const RfScene* scene = rf_tracer_scene( tracer );
+    result = fit_rows( scene, eyes, eye_count, frame_count, &common, plan, error );
+    Counts counts;
+    if ( result == RF_OK )
+        result = count( tracer, eyes, eye_count, &common, plan, &counts, error );
+    if ( result != RF_OK )
+        return result;
+    RfGroupPlan groups = rf_plan_groups( eye_count, 0, common.spp );
+    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
+    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.of_estimator, &counts, plan );
+    plan->hit_share = counts.hits / counts.samples;
+    plan->glossy_share = counts.glossy / counts.samples;
+    choose_row( plan );
+    result = settle_adaptive( scene, eyes, eye_count, frame_count, &common, plan, error );
+    if ( result != RF_OK )
+        return result;
+    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.of_estimator, &counts, plan ); // the chosen one's sweeps
+    explain( plan, &common );
+    rf_record_bytes( scene, &common, plan->rows[plan->chosen].eyes, &plan->bytes_diffuse, &plan->bytes_glossy );
+    return RF_OK;
+}
+
+void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy )
+{
+    RfEye eye = { .width = 1, .height = 1 };
+    RfEstimatorGroup group = rf_size_group( scene, rf_scene_traits( scene, &eye, 1, settings ), &eye, eyes, settings );
+    RfEstimatorSizes sizes = settings->estimator->sizes( &group );
+    *diffuse = sizes.diffuse_record;
+    *glossy = sizes.shiny_record;
+}
+
+// What samples and their reuse cost in this scene on this machine: a few batches are traced and added to a film.
+#define USUAL_GROUP 3
+
+typedef struct Meter
+{
+    Probe* probe;
+    RfFilm films[RF_MAX_FILMS]; // one half of each is enough
+    void *pass_state, *accumulate_scratch;
+} Meter;
+
+// One batch, traced and added to the films of all frames of its group. Returns its samples.
+static int run_batch( Meter* m, RfTraceJob job, int eyes )
+{
+    Probe* p = m->probe;
+    const RfEstimator* estimator = p->settings.estimator;
+    RfRayCounts rays = { 0 };
+    int samples = estimator->trace( &p->group, job, p->batch, p->scratch, &rays );
+    for ( int l = 0; l < eyes; ++l )
+    {
+        RfAccumulateJob rows = {
+            .eye = l, .end_row = p->group.height, .films = m->films, .weight = 1.0f, .pass_state = m->pass_state
+        };
+        if ( m->pass_state != NULL )
+            memset( m->pass_state, 0, p->sizes.of_estimator.pass_state );
+        estimator->accumulate( &p->group, rows, &p->batch, 1, m->accumulate_scratch );
+    }
+    return samples;
+}
+
+// Samples of some groups, with paths of at most `depth` vertices.
+typedef struct Timing
+{
+    int eyes, depth;
+    double seconds, samples;
+} Timing;
+
+static void time_batch( Meter* m, int frame, int number, int pass, Timing* t )
+{
+    Probe* p = m->probe;
+    int max_depth = p->group.max_depth, job = probe_job( p, frame, number );
+    aim_probe( p, probe_frame( p, frame ), t->eyes );
+    p->group.max_depth = t->depth < max_depth ? t->depth : max_depth;
+    double start = rf_thread_seconds();
+    t->samples += run_batch( m, ( RfTraceJob ){ p->eye, job, pass }, t->eyes );
+    t->seconds += rf_thread_seconds() - start;
+    p->group.max_depth = max_depth;
+}
+
+// Times the same batches in all ways, in turns: differences do not depend on which batches there was time for.
+static void time_batches( Meter* m, double seconds, int count, Timing* timings )
+{
+    double start = rf_thread_seconds();
+    for ( int i = 0; i == 0 || rf_thread_seconds() - start < seconds; ++i )
+    {
+        int k = i % ( PROBE_FRAMES * PROBE_JOBS );
+        for ( int t = 0; t < count; ++t )
+            time_batch( m, k % PROBE_FRAMES, k / PROBE_FRAMES, i / ( PROBE_FRAMES * PROBE_JOBS ), timings + t );
+    }
+}
+
+static double seconds_per_sample( const Timing* t ) { return t->samples > 0.0 ? t->seconds / t->samples : 0.0; }
+
+static void measure( Meter* m, int eyes, double seconds, RfPlan* plan )
+{
+    int depth = m->probe->group.max_depth;
+    Timing warm[] = { { 1, depth, 0.0, 0.0 } }; // caches, pages
+    Timing timings[] = { { 1, 1, 0.0, 0.0 }, { 1, depth, 0.0, 0.0 }, { eyes, depth, 0.0, 0.0 } };
+    rf_set_float_mode();
+    time_batches( m, 0.0, 1, warm );
+    time_batches( m, seconds, eyes > 1 ? 3 : 2, timings );
+    double bare = seconds_per_sample( timings ), own = seconds_per_sample( timings + 1 ), all = seconds_per_sample( timings + 2 );
+    plan->c_e = bare;
+    plan->c_l = own > bare ? own - bare : 0.0;
+    plan->c_v = eyes > 1 ? fmax( all - own, 0.0 ) / ( eyes - 1 ) : 0.0;
+}
+
+static void weigh( int eye_count, const RfRenderSettings* settings, RfPlan* plan )
+{
+    double own = plan->c_e + plan->c_l;
+    for ( int i = 0; i < plan->count; ++i )
+    {
+        RfPlanRow* row = plan->rows + i;
+        if ( !rf_plan_row_fits( row ) )
+            continue;
+        RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
+        double samples = plan_work( &groups, 1.0, 0.0 ), work = plan_work( &groups, own, plan->c_v );
+        row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / ( work * row->repeated ) : 1.0;
+        row->seconds = row->samples / samples * work / row->fit.threads;
+    }
+}
+
+static RfResult alloc_meter( Meter* m, RfError* error )
+{
+    Probe* p = m->probe;
+    const RfEstimatorSizes* sizes = &p->sizes.of_estimator;
+    size_t half = rf_film_half_bytes( p->group.width, p->group.height );
+    RfResult result = RF_OK;
+    for ( int f = 0; f < p->settings.estimator->films && result == RF_OK; ++f )
+    {
+        m->films[f] = ( RfFilm ){ .width = p->group.width, .height = p->group.height };
+        result = rf_arena_alloc( &p->arena, "films", half, (void**)&m->films[f].half[0], error );
+        if ( result == RF_OK )
+            memset( m->films[f].half[0], 0, half );
+    }
+    if ( result == RF_OK && sizes->pass_state > 0 )
+        result = rf_arena_alloc( &p->arena, "films", sizes->pass_state, &m->pass_state, error );
+    if ( result == RF_OK && sizes->pass_state > 0 )
+        memset( m->pass_state, 0, sizes->pass_state );
+    return result == RF_OK ? rf_arena_alloc( &p->arena, "scratch", sizes->accumulate_scratch, &m->accumulate_scratch, error )
+                           : result;
+}
+
+static void free_meter( Meter* m )
+{
+    Probe* p = m->probe;
+    for ( int f = 0; f < p->settings.estimator->films; ++f )
+        rf_arena_free( &p->arena, "films", m->films[f].half[0], rf_film_half_bytes( p->group.width, p->group.height ) );
+    rf_arena_free( &p->arena, "films", m->pass_state, p->sizes.of_estimator.pass_state );
+    rf_arena_free( &p->arena, "scratch", m->accumulate_scratch, p->sizes.of_estimator.accumulate_scratch );
+}
+
+// The group whose costs are measured: the one that is chosen, or a usual one.
+static int measured_eyes( const RfPlan* plan )
+{
+    int eyes = plan->rows[plan->chosen].eyes;
+    for ( int i = 0; i < plan->count && eyes == 1; ++i )
+        eyes = rf_plan_row_fits( plan->rows + i ) && plan->rows[i].group >= USUAL_GROUP ? plan->rows[i].eyes : eyes;
+    for ( int i = plan->count - 1; i > 0 && eyes == 1; --i )
+        eyes = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : eyes;
+    return eyes;
+}
+
+RfResult rf_measure_plan( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+                          double seconds, RfPlan* plan, RfError* error )
+{
+    RfRenderSettings common;
+    RfResult result = rf_resolve_common( eyes, eye_count, settings, &common, error );
+    if ( result != RF_OK )
+        return result;
+    common.weights = RF_WEIGHTS_EXACT; // the biased ones need lists per pass
+    int group_eyes = measured_eyes( plan );
+    Probe probe;
+    Meter m = { .probe = &probe };
+    result = begin_probe( tracer, eyes, eye_count, &common, group_eyes, &probe, error );
+    if ( result == RF_OK )
+        result = alloc_meter( &m, error );
+    if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not
+    {
+        measure( &m, group_eyes, seconds, plan );
+        weigh( eye_count, &common, plan );
+    }
+    free_meter( &m );
+    end_probe( &probe );
+    return result;
+}
