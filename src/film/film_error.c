@@ -161,10 +161,11 @@ static Around look_wide( const Surroundings* around, int x, int y, int half, con
 // 0.7 and 0.4.
 #define WIDE_PRIOR 2.0
 #define NEAR_PRIOR 6.0
-#define OUTLIER 2.0     // noise counts so many times against what the neighbours differ by
-#define WORST 10        // pixels
-#define AMBIGUOUS 0.7   // part of the sum that must not hang on what the worst pixels are
-#define CORRECTION 1.05 // the shrunk values are too large by some 2 %: in eleven scenes other than those of scripts/validate estimate
+#define OUTLIER 2.0   // noise counts so many times against what the neighbours differ by
+#define WORST 10      // pixels
+#define AMBIGUOUS 0.7 // part of the sum that must not hang on what the worst pixels are
+// The shrunk values are too large by some 2 %: in eleven scenes other than those of scripts/validate estimate.
+#define CORRECTION 1.05
 
 // What is kept of a pixel.
 typedef struct Pixel

@@ -3,7 +3,7 @@
 
 #include "path/lanes.h"
 #include "reuse/accumulate/accumulate.h"
-#include "reuse/harvest/harvest_internal.h"
+#include "reuse/harvest/harvest_steps.h"
 #include "reuse/tile/tile.h"
 
 #include <string.h>

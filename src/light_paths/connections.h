@@ -10,8 +10,7 @@
 #define RF_CONNECTION_SHARES 7
 extern const float rf_connection_shares[RF_CONNECTION_SHARES];
 
-// What connections bring to each vertex lane, in place of radiance times the cosine over its density.
-// What chance alone would bring, by its brightness: octaves of light at the first vertex.
+// What scattered rays would bring by chance alone, by its brightness: octaves of light at the first vertex.
 #define RF_CHANCE_OCTAVES 48
 #define RF_FIRST_OCTAVE ( -16 )
 typedef struct RfChanceOctave
@@ -20,6 +19,7 @@ typedef struct RfChanceOctave
     double square; // the sum of its squares
 } RfChanceOctave;
 
+// What connections bring to each vertex lane, in place of radiance times the cosine over its density.
 typedef struct RfConnectionLanes
 {
     RF_ALIGN float light[3][RF_LANES]; // the sum over all connections
@@ -31,11 +31,11 @@ typedef struct RfConnectionLanes
     uint64_t all_rays;                 // likewise, over all vertices
     uint64_t trials;                   // of the normalisation, counted up
     uint64_t searched;                 // vertices, counted up
-    double moment
-        [RF_CONNECTION_SHARES]; // of the light that connections and chance bring to first vertices, the sum of the squares that are
-                                // expected with each of rf_connection_shares; counted up where light paths measure
-    RfChanceOctave chance[RF_CHANCE_OCTAVES]; // counted up likewise
-    RfTrail trail[RF_LANES];                  // by slot
+    RfTrail trail[RF_LANES];           // by slot
+    // Counted up where light paths measure. Of the light that connections and chance bring to first vertices, the sum of the
+    // squares that are expected with each of rf_connection_shares.
+    double moment[RF_CONNECTION_SHARES];
+    RfChanceOctave chance[RF_CHANCE_OCTAVES];
 } RfConnectionLanes;
 
 typedef struct RfLightPathConnector
@@ -51,8 +51,9 @@ typedef struct RfLightPathConnector
 RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
                                         const RfPathSettings* path, RfConnectionLanes* lanes );
 
-// Connects non-specular vertices, their paths' `vertex`-th, to light paths and to their VPLs: connector->out. Random numbers: those
-// of the keys of their slots. Adds to keys->path_rays. With the rays that hit the vertices, connections have their weights.
+// Connects non-specular vertices, their paths' `vertex`-th, to light paths and to their VPLs: connector->out. Random numbers:
+// those of the keys of their slots. Adds to keys->path_rays. With the rays that hit the vertices, connections have their
+// weights.
 void rf_connect_vertices( const RfLightPathConnector* connector, RfWavefront* keys, const RfRayLanes* rays,
                           const RfVertexLanes* vertices, int vertex );
 

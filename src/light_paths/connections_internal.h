@@ -19,8 +19,8 @@ typedef struct RfConnection
     float scale;   // one over the probability with which it was accepted
     float offered; // that probability with all connections, more than one perhaps
     float chance;  // of rf_chance_area
-    float most,
-        rare_most; // connections of a way that all light paths could find; `connections` of them, or rare_connections, are wanted
+    // connections of a way that all light paths could find; `connections` of them, or rare_connections, are wanted
+    float most, rare_most;
     RfChain chain; // solved
     RfReach reach; // of the solution
     float repeats; // trials until it was found again
@@ -77,8 +77,8 @@ static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )
 void rf_connect_vpls( RfConnectionWork* work, RfRandomKey lane, int i );
 void rf_flush_vpls( RfConnectionWork* work );
 
-// Counts, for all open connections, the light paths drawn from around the solution until one is found from which a walk leads to the
-// same: on average one over the probability of that.
+// Counts, for all open connections, the light paths drawn from around the solution until one is found from which a walk leads
+// to the same: on average one over the probability of that.
 void rf_repeat_trials( RfConnectionWork* work );
 
 // The same for connections to VPLs: trials until a particle from within the cone covers the vertex.

@@ -93,8 +93,8 @@ static inline const RfLightPaths* rf_drawn_light_paths( const RfLightPaths* path
 // The density of what steers a chain that starts as this one does; 0: it is never drawn.
 float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
 
-// One over the number of connections, by solid angle at p, that find the light which arrives there by a chain: a function of the path
-// alone. 0: nothing else finds it. Infinity: they do not.
+// Reciprocal of the expected number of connections per steradian at p that find the light which arrives there by a chain, sr: a
+// function of the path alone. 0: no other technique finds that light. Infinity: connections do not.
 float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float area, float steer_pdf, RfVec3 p );
 
 // Connections of a path's `vertex`-th vertex that are tried at most, with this share.
@@ -103,15 +103,15 @@ static inline float rf_trial_connections( float share, int vertex )
     return share * ( vertex == 1 ? RF_TRIAL_CONNECTIONS : RF_TRIAL_CONNECTIONS_BEYOND );
 }
 
-// The share of the connections found that are tried, as weights take it: the number that the light of a vertex calls for is not known
-// from other vertices.
+// The share of the connections found that are tried, as weights take it: the number that the light of a vertex calls for is
+// not known from other vertices.
 static inline float rf_tried( const RfLightPaths* paths, float share, int vertex )
 {
     return rf_minf( RF_TRIED * rf_trial_connections( share, vertex ) / paths->connections, 1.0f );
 }
 
-// The balance weight of a connection to an emitter at a path's `vertex`-th vertex against rays that are scattered there by the cosine
-// (src/reuse/estimators.md, section 16). `chance`: from rf_chance_area.
+// The balance weight of a connection to an emitter at a path's `vertex`-th vertex against rays that are scattered there by the
+// cosine (src/reuse/estimators.md, section 16). `chance`: from rf_chance_area.
 static inline float rf_connection_weight( const RfLightPaths* paths, float chance, float cosine, int vertex )
 {
     float tried = rf_tried( paths, paths->share, vertex );
@@ -121,8 +121,8 @@ static inline float rf_connection_weight( const RfLightPaths* paths, float chanc
 // A chain as it arrives at a point of a surface.
 typedef struct RfFootprint
 {
-    RfReach
-        reach; // of connections around it: so far that `connections` of them are found on average, as far as footprints go; 0: there is none
+    // Of connections around it: so far that `connections` of them are found on average, as far as footprints go. 0: there is none
+    RfReach reach;
     float most, rare_most; // the area that footprints allow it, and where fewer than rare_connections are found
     RfVec3 half;           // of the box around the footprint, m
     float radius;          // of a ball in its place (GK 7; where it is stretched its longer axis)

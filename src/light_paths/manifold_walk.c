@@ -3,7 +3,7 @@
 
 #include "bsdf/bsdf.h"
 
-// Where a normal is nearly perpendicular to a direction, eyes would be lifted to the horizon (bsdf/bsdf.h); chains end.
+// Where a normal is nearly perpendicular to a direction, cameras would be lifted to the horizon (bsdf/bsdf.h); chains end.
 #define MIN_COS RF_MIN_COS
 
 // To the plane of a surface through the hit.

@@ -9,7 +9,8 @@
 #include "light/emission.h"
 #include "trace/trace.h"
 
-// How far connections reach in what steers a chain: an ellipse around its start, in the plane of rf_basis of the direction: chords of the sphere of directions, or metres.
+// How far connections reach in what steers a chain: an ellipse around its start, in the plane of rf_basis of the direction:
+// chords of the sphere of directions, or metres.
 typedef struct RfReach
 {
     float axis[2];       // unit, of `along`

@@ -4,8 +4,8 @@
 //
 //     w_i = n_i p_i / Σ_k n_k p_k
 //
-// and counts f w_i / (n_i p_i) = f / Σ_k n_k p_k. All weights of the renderer are computed here. Densities that become weights are
-// in the same measure; only their quotients matter.
+// and counts f w_i / (n_i p_i) = f / Σ_k n_k p_k. All weights of the renderer are computed here. Densities that become weights
+// are in the same measure; only their quotients matter.
 #ifndef REFRAME_PATH_MIS_H
 #define REFRAME_PATH_MIS_H
 

@@ -52,7 +52,7 @@ typedef struct RfConnector RfConnector;
 typedef struct RfPathSettings
 {
     const RfTracer* tracer;
-    int max_depth;     // path vertices after the eye, ≥ 1
+    int max_depth;     // path vertices after the camera, ≥ 1
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
     const RfConnector* connector; // NULL: light that mirrors and glass send on is hit by chance
@@ -107,8 +107,8 @@ typedef struct RfTrail
     float u[RF_MAX_CHAIN], v[RF_MAX_CHAIN];
 } RfTrail;
 
-// Finds the light that reaches non-specular vertices through chains of mirrors and glass (src/light_paths), which scattered rays may
-// find by chance as well.
+// Finds the light that reaches non-specular vertices through chains of mirrors and glass (src/light_paths), which scattered
+// rays may find by chance as well.
 struct RfConnector
 {
     // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, which `rays` hit,
@@ -238,10 +238,10 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
 // Connections are sought at least as if light came in at this cosine.
 #define RF_LEAST_VPL_COSINE 0.1f
 
-// Light that comes to a vertex x by a chain, is scattered there and arrives at y before it, both matte, is found in two ways: by a
-// ray that y scatters and a connection at x, and by a connection at y to a light path that landed at x. The balance weight of the first, with
-// densities by the cosine (src/reuse/estimators.md, section 16). `area` is that of the footprint of the connection at x, over
-// the connections that are found in it; infinity: there is no other way.
+// Light that comes to a vertex x by a chain, is scattered there and arrives at y before it, both matte, is found in two ways:
+// by a ray that y scatters and a connection at x, and by a connection at y to a light path that landed at x. The balance
+// weight of the first, with densities by the cosine (src/reuse/estimators.md, section 16). `area` is that of the footprint of
+// the connection at x, over the connections that are found in it; infinity: there is no other way.
 static inline float rf_own_weight( float vpl_connections, float area, RfVec3 y, RfVec3 n_y, RfVec3 x, RfVec3 ng_x )
 {
     if ( area == INFINITY )

@@ -3,8 +3,8 @@
 
 #include "reuse/accumulate/accumulate.h"
 #include "reuse/accumulate/reprojection.h"
-#include "reuse/harvest/harvest_internal.h"
-#include "reuse/connection_share.h"
+#include "reuse/harvest/connection_share.h"
+#include "reuse/harvest/harvest_steps.h"
 
 static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
 

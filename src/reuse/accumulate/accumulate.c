@@ -32,7 +32,7 @@ static inline void add_to_pixel( float* film, float ratio, const float* value )
     memcpy( film, &sum, sizeof sum );
 }
 
-// splat_diffuse for batches with views, whose ways to the eye have filters.
+// splat_diffuse for batches with views, whose ways to the camera have filters.
 static uint64_t splat_filtered( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
 {
     uint64_t landed = 0;
@@ -270,7 +270,7 @@ static uint64_t spread_own_frame( const RfHitBatch* batch, bool black, float wei
     return landed;
 }
 
-// Pixels of the hits at an eye, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
+// Pixels of the hits at a camera, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
 static void reprojection_weights( const RfAccumulation* a, int eye_index, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
     RfEye at = rf_eye_of( a, eye_index, batch );
@@ -317,7 +317,7 @@ static void reproject( const RfAccumulation* a, int eye, const RfHitBatch* batch
         rf_count_once( batch->count, a->weight, scratch->ratio );
 }
 
-// Radiance of the glossy hits towards the eye, into sum: Σ f Q over the directions.
+// Radiance of the glossy hits towards the camera, into sum: Σ f Q over the directions.
 static void light_glossy( const RfAccumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* s )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
@@ -355,7 +355,7 @@ static bool reaches_rows( const RfAccumulation* a, const RfHitBatch* batch, RfAc
     return low <= high && low - beyond < job.end_row && high + beyond >= job.first_row;
 }
 
-// For RF_WEIGHTS_EQ15: which eyes' hits landed in each pixel of the job's rows.
+// For RF_WEIGHTS_EQ15: which cameras' hits landed in each pixel of the job's rows.
 static void note_landed_eyes( const RfAccumulation* a, RfAccumulateJob job, PixelRange range, RfAccumulateScratch* s )
 {
     for ( int k = 0; k < a->batch_count; ++k )

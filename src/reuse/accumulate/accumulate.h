@@ -13,7 +13,7 @@ typedef struct RfAccumulateScratch
 {
     RF_ALIGN int32_t pixel[RF_LANES];
     RF_ALIGN float ratio[RF_LANES];     // r_t, 0 where the hit does not land
-    RF_ALIGN float filter[3][RF_LANES]; // of the way to the eye; only for batches with views
+    RF_ALIGN float filter[3][RF_LANES]; // of the way to the camera; only for batches with views
     RF_ALIGN float wo[3][RF_LANES];
     RF_ALIGN float f[3][RF_LANES];
     RF_ALIGN float sum[3][RF_LANES];
@@ -40,7 +40,7 @@ typedef struct RfAccumulation
     int batch_count;
 } RfAccumulation;
 
-// An eye of the group, at a batch's point of the lens and moment of the shutter.
+// A camera of the group, at a batch's point of the lens and moment of the shutter.
 static inline RfEye rf_eye_of( const RfAccumulation* a, int eye, const RfHitBatch* batch )
 {
     return rf_is_blurred_shape( &a->shape ) ? rf_sample_eye( a->eyes + eye, batch->lens ) : a->eyes[eye];

@@ -74,7 +74,7 @@ void rf_note_landed_eyes( const RfAccumulation* a, const RfHitBatch* batch, cons
     }
 }
 
-// Mean density over the eyes whose hits landed in the pixel.
+// Mean density over the cameras whose hits landed in the pixel.
 static void mix_landed_eyes( const RfAccumulation* a, const RfHitBatch* batch, const uint32_t* landed_eyes, int direction,
                              RfAccumulateScratch* s, float* mixture )
 {

@@ -1,7 +1,7 @@
 // The hits of a batch as another camera sees them: where they land and with which density, and what glossy ones scatter there.
 #include "reuse/accumulate/reprojection.h"
 
-#include "reuse/coats.h"
+#include "reuse/chains/coats.h"
 #include "scene/projection.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ static void project_lanes( const RfEye* eye, const RfHitBatch* batch, int32_t* p
     }
 }
 
-// Straight ways to the eye.
+// Straight ways to the camera.
 static void project( const RfEye* eye_in, const RfHitBatch* batch, int32_t* restrict pixel, float* restrict density )
 {
     RfEye eye = *eye_in;

@@ -1,6 +1,6 @@
 // Light that comes to first hits by chains: what their paths found, and chain samples (path/chain_samples.h). Chain samples are
 // to it what light samples are to emission: the balance heuristic weights both (src/reuse/estimators.md, section 10).
-#include "reuse/harvest/harvest_internal.h"
+#include "reuse/harvest/harvest_steps.h"
 
 #include <string.h>
 

@@ -4,8 +4,8 @@
 #include "reuse/chains/chains.h"
 
 #include "path/roulette.h"
+#include "reuse/chains/coats.h"
 #include "reuse/chains/mirrored.h"
-#include "reuse/coats.h"
 
 #include <string.h>
 
@@ -159,7 +159,7 @@ static void append( RfVertexLanes* lanes, int count )
 #define SELDOM 0.5f
 
 // Whether reflection at lane i of GLASS is one of the things that may happen there, and a rare one. At flat mirrors
-// (`mirrored`) at normal incidence: the hits that they show are reused, so all eyes must agree about whose emission is
+// (`mirrored`) at normal incidence: the hits that they show are reused, so all cameras must agree about whose emission is
 // counted, whatever their angle.
 static bool reflects_seldom( const RfVertexLanes* v, int i, bool mirrored )
 {
@@ -295,7 +295,7 @@ bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
     return rf_pane_of_lane( &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ).probability > 0.0f;
 }
 
-// Mirrors and glass: what the eyes see of their emission, absorbed on the way if the eye is inside a body.
+// Mirrors and glass: what the cameras see of their emission, absorbed on the way if the camera is inside a body.
 static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, RfWavefront* wavefront, RfChains* chains )
 {
     const RfVertexLanes* v = &chains->at;
@@ -467,7 +467,7 @@ static void add_emission( const RfPathSettings* path, const float* pane_probabil
     }
 }
 
-// True where an eye in front of the pane would draw the base or the lobe of a coat.
+// True where a camera in front of the pane would draw the base or the lobe of a coat.
 static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVertexLanes* found, int kind, int i )
 {
     return chains->view[slot] == RF_VIEW_DIRECT && kind == RF_BSDF_GGX && rf_is_smooth_coat( found, i );

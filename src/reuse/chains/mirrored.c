@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// The image of an eye in the mirror of the last lane.
+// The image of a camera in the mirror of the last lane.
 typedef struct Image
 {
     const RfMirrors* mirrors;
@@ -14,7 +14,7 @@ typedef struct Image
     int view;
     const RfMirror* mirror;
     RfEye image;
-    float side; // distance of the eye, or of where its ray starts, from the mirror's plane, m; negative behind it
+    float side; // distance of the camera, or of where its ray starts, from the mirror's plane, m; negative behind it
 } Image;
 
 static void turn_to( Image* i, uint8_t view )

@@ -4,7 +4,7 @@
 #include "path/lanes.h"
 #include "scene/projection.h"
 
-// The segments of a parallel eye to the points with weight > 0.
+// The segments of a parallel camera to the points with weight > 0.
 typedef struct Segments
 {
     int count;

@@ -1,11 +1,11 @@
-// Rays from eyes to points: from the one place of a pinhole or a panorama, in packets, or in parallel.
+// Rays from cameras to points: from the one place of a pinhole or a panorama, in packets, or in parallel.
 #ifndef REFRAME_REUSE_HARVEST_EYE_RAYS_H
 #define REFRAME_REUSE_HARVEST_EYE_RAYS_H
 
 #include "scene/eye.h"
 #include "trace/trace.h"
 
-// rf_trace_from_origin from where the eye's rays to the points start. At most RF_LANES of them.
+// rf_trace_from_origin from where the camera's rays to the points start. At most RF_LANES of them.
 int rf_trace_from_eye( const RfTracer* tracer, const RfEye* eye, int count, const float* const point[3], float* weight );
 
 // The same past panes: those of points that are not tested are left alone.

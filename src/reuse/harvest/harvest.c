@@ -1,6 +1,6 @@
 // Traces a batch into hit records: chooses its pixels, draws a point of the lens and a moment of the shutter for all of them,
 // traces the camera rays and their specular chains, lists what they hit, and lights the hits by the rest of their paths.
-#include "reuse/harvest/harvest_internal.h"
+#include "reuse/harvest/harvest_steps.h"
 
 #include "path/roulette.h"
 #include "scene/projection.h"
@@ -415,7 +415,7 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
-// The rays of eyes that are no pinholes.
+// The rays of cameras that are no pinholes.
 static void make_other_rays( const RfEye* eye, int count, const int32_t* pixel, float ( *random )[RF_LANES], RfRayLanes* rays )
 {
     const float inverse[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
@@ -489,7 +489,8 @@ static const int32_t* find_passed_panes( const RfHarvest* harvest, RfHarvestScra
     return scratch->spent;
 }
 
-// Tiles share the light of chains; not where connections find it, nor where replayed rays could meet other surfaces, nor in gradients.
+// Tiles share the light of chains; not where connections find it, nor where replayed rays could meet other surfaces, nor in
+// gradients.
 static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch )
 {
     return rf_reuses_tiles( scratch ) && rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) &&
@@ -626,7 +627,7 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;
 
-    // visibility from all eyes of the group, then MIS weights
+    // visibility from all cameras of the group, then MIS weights
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     if ( harvest->first_hits_only )
         return count;

@@ -1,14 +1,14 @@
 // First phase, harvest: the first hits of one patch of one frame in one pass, with the light that
-// arrives at them, their visibility from every eye of the group, and the densities
+// arrives at them, their visibility from every camera of the group, and the densities
 // that the MIS weights need, into a batch of hit records.
 #ifndef REFRAME_REUSE_HARVEST_HARVEST_H
 #define REFRAME_REUSE_HARVEST_HARVEST_H
 
 #include "light_paths/connections.h"
 #include "path/wavefront.h"
-#include "reuse/harvest/records.h"
 #include "render/estimator.h"
 #include "render/pieces.h"
+#include "reuse/harvest/records.h"
 #include "reuse/tile/tile.h"
 
 // What all batches of a group share.

@@ -1,7 +1,7 @@
 // Own-frame samples: hits of specular materials, and the sky in the background.
 // They are stored with the misses, which have weight 1 in their own frame and 0
 // elsewhere (src/reuse/estimators.md, section 2), but are not black.
-#include "reuse/harvest/harvest_internal.h"
+#include "reuse/harvest/harvest_steps.h"
 
 static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_miss_radiance( batch ) + 4 * (size_t)miss; }
 
@@ -65,7 +65,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     }
 }
 
-// Absorption along the camera rays, for an eye inside a body.
+// Absorption along the camera rays, for a camera inside a body.
 static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;

@@ -8,10 +8,10 @@
 #include "path/lanes.h"
 #include "scene/lens.h"
 
-// A direction that lights glossy hits, weighted over the eyes. Its contribution to
-// eye t is C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l and
+// A direction that lights glossy hits, weighted over the cameras. Its contribution to
+// camera t is C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l and
 // Q = |cos| (A / (K p_L + P) + B / P), where P = Σ r_l p_l is the mixture density of
-// the eyes (E1, E3), A radiance that light sampling could have found too, B the rest.
+// the cameras (E1, E3), A radiance that light sampling could have found too, B the rest.
 typedef struct RfDirectionLanes
 {
     float* wi[3];
@@ -30,16 +30,16 @@ typedef struct RfHitBatch
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];
-    float* density_sum; // Σ_l J_l V_l over the eyes of the group
-    float* radiance;    // 4 per hit: r g b 1. Diffuse: towards any eye; glossy: emission only
-    uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for eye l
-    float* densities;   // J_l V_l of eye l and hit i at l·RF_LANES + i; NULL unless V may be between 0 and 1
-    float* panes[3];    // κ of the panes on the straight way to eye l, in the same places; NULL without panes
+    float* density_sum; // Σ_l J_l V_l over the cameras of the group
+    float* radiance;    // 4 per hit: r g b 1. Diffuse: towards any camera; glossy: emission only
+    uint32_t* seen;     // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for camera l
+    float* densities;   // J_l V_l of camera l and hit i at l·RF_LANES + i; NULL unless V may be between 0 and 1
+    float* panes[3];    // κ of the panes on the straight way to camera l, in the same places; NULL without panes
     int32_t* pixel;     // y·width + x in its own frame
     float* offset[2];   // where in that pixel, to the right and down, 0 to 1; NULL with the plain pixel filter
     uint8_t* view;      // how the hit was found, RF_VIEW_...; NULL unless the shape has chains
     bool has_views;     // some hit was not found directly, or may be seen through panes; else view does not matter
-    int32_t* rows;      // 2 per eye: first and last row of its film that hits land in; first > last: none
+    int32_t* rows;      // 2 per camera: first and last row of its film that hits land in; first > last: none
     // glossy hits only, at lane i − first[RF_BSDF_FIRST_GLOSSY]
     float* n[3];
     float* wo[3];                 // back along the camera ray
@@ -57,7 +57,7 @@ typedef struct RfBatchShape
     uint32_t params;   // of the glossy models in the scene (rf_glossy_params); 0: it has none
     bool eq15;
     bool blended;         // visibility may be between 0 and 1
-    bool panes;           // connections and, with chains, the eyes' rays may pass thin panes
+    bool panes;           // connections and, with chains, the cameras' rays may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or specular materials
     bool blurred;         // batches have their points of the lens and moments of the shutter
     bool filtered;        // samples need their place in the pixel
@@ -72,7 +72,7 @@ enum
     RF_VIEW_DIRECT,
     RF_VIEW_FIRST_MIRROR,
     RF_VIEW_BASE = 254, // directly; the base without its smooth coat
-    RF_VIEW_CHAIN,      // by a chain that no other eye can follow
+    RF_VIEW_CHAIN,      // by a chain that no other camera can follow
 };
 
 // Misses follow the hits in the arrays that both have: every ray is one or the other.

@@ -1,7 +1,7 @@
-// Eye visibility of a batch: which eyes of the group see which hits, and with
-// what film density. The tests are packets from the eye (src/reuse/estimators.md, section 8).
+// Camera visibility of a batch: which cameras of the group see which hits, and with
+// what film density. The tests are packets from the camera (src/reuse/estimators.md, section 8).
 #include "base/fault.h"
-#include "reuse/harvest/harvest_internal.h"
+#include "reuse/harvest/harvest_steps.h"
 
 #include "reuse/chains/mirrored.h"
 #include "reuse/harvest/eye_rays.h"
@@ -10,8 +10,8 @@
 #include <stdint.h>
 #include <string.h>
 
-// The hits lifted off their surface, for segments from the eyes that end there:
-// clear of the rounding of the eyes' coordinates as well.
+// The hits lifted off their surface, for segments from the cameras that end there:
+// clear of the rounding of the cameras' coordinates as well.
 static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const float* restrict offset,
                        float lifted[3][RF_LANES] )
 {
@@ -30,7 +30,7 @@ static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const 
 }
 
 // Visibility bits, the sum of the densities and the rows that hits land in, of
-// one eye; a density of 0 is a hit that it does not see.
+// one camera; a density of 0 is a hit that it does not see.
 static void note_seen( const float* restrict density, const int32_t* restrict pixel, int eye, int width, RfHitBatch* batch )
 {
     uint32_t* restrict seen = batch->seen + ( eye / 32 ) * RF_LANES;
@@ -51,8 +51,8 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
-// Tests the straight ways to hits with density > 0. What eyes see behind thin panes is reused, but for coats: these are
-// split where an eye sees them without a pane before them.
+// Tests the straight ways to hits with density > 0. What cameras see behind thin panes is reused, but for coats: these are
+// split where a camera sees them without a pane before them.
 static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3],
                          float* density )
 {
@@ -92,7 +92,7 @@ static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, cons
     return rays;
 }
 
-// No panes on the way to the hits' own eye.
+// No panes on the way to the hits' own camera.
 static void clear_panes( const RfHitBatch* batch )
 {
     for ( int c = 0; c < 3 && batch->panes[c] != NULL; ++c )
@@ -102,7 +102,7 @@ static void clear_panes( const RfHitBatch* batch )
     }
 }
 
-// Lists in way[] the hits that panes or blended surfaces may hide from their own eye in part, with their densities; returns
+// Lists in way[] the hits that panes or blended surfaces may hide from their own camera in part, with their densities; returns
 // their number. To the others the camera ray has tested the way.
 static int list_partial( const RfHarvest* harvest, const RfHarvestScratch* scratch, int count, const float* density, float* way )
 {
@@ -117,7 +117,7 @@ static int list_partial( const RfHarvest* harvest, const RfHarvestScratch* scrat
     return listed;
 }
 
-// A hit's own eye sees it in the pixel it was drawn in, whatever rounding does to its
+// A hit's own camera sees it in the pixel it was drawn in, whatever rounding does to its
 // projection.
 static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch, const float* const lifted[3],
                               RfHarvestScratch* scratch, float* density, RfRayCounts* rays )

@@ -1,4 +1,4 @@
-#include "reuse/coats.h"
+#include "reuse/chains/coats.h"
 
 #include "scene/projection.h"
 

@@ -1,6 +1,6 @@
-#include "reuse/connection_share.h"
+#include "reuse/harvest/connection_share.h"
 
-#include "reuse/harvest/harvest_internal.h"
+#include "reuse/harvest/harvest_steps.h"
 
 #include <limits.h>
 #include <string.h>
@@ -175,8 +175,8 @@ static double find_errors( const Pilot* pilot, int count, double* moment )
     return all;
 }
 
-// The first of rf_connection_shares that may be chosen: none, unless connections are asked for. Light that nothing else finds has more of
-// them, or it would be left to spikes.
+// The first of rf_connection_shares that may be chosen: none, unless connections are asked for. Light that nothing else finds
+// has more of them, or it would be left to spikes.
 static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths )
 {
     for ( uint32_t i = 0; i < paths->light_count; ++i )

@@ -1,10 +1,10 @@
-// Shared by the files of the harvest: the workspace and its steps.
-#ifndef REFRAME_REUSE_HARVEST_HARVEST_INTERNAL_H
-#define REFRAME_REUSE_HARVEST_HARVEST_INTERNAL_H
+// The workspace of the harvest and its steps, which estimators with an order of their own take one by one (src/gradient).
+#ifndef REFRAME_REUSE_HARVEST_HARVEST_STEPS_H
+#define REFRAME_REUSE_HARVEST_HARVEST_STEPS_H
 
 #include "path/chain_samples.h"
-#include "reuse/chains/chains.h"
 #include "reuse/accumulate/reprojection.h"
+#include "reuse/chains/chains.h"
 #include "reuse/harvest/harvest.h"
 #include "reuse/tile/tile_reuse.h"
 
@@ -26,12 +26,12 @@ struct RfHarvestScratch
     RF_ALIGN float specular_pdf[RF_LANES]; // of the direction drawn at specular hits, from 0
     RF_ALIGN float wo[3][RF_LANES];
     RfArrivalLanes arrival;
-    RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of an eye
+    RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of a camera
     RF_ALIGN float lifted[3][RF_LANES];      // the hits, off their surface
     RfEye* eyes;                             // of the group, at the batch's point of the lens and moment of the shutter
     float* place[2];                         // of each camera ray in its pixel, by slot; NULL with the plain pixel filter
     RfLightLanes* direct;                    // light samples at the hits, K of them
-    float* density;                          // J_l V_l: eye l, hit i at l·RF_LANES + i
+    float* density;                          // J_l V_l: camera l, hit i at l·RF_LANES + i
     float* mixture;                          // P: direction d, glossy hit i at d·RF_LANES + i
     RfTileReuse* tiles;                      // NULL without tile reuse
     RfConnectionLanes* connections;          // NULL without light paths
@@ -59,13 +59,14 @@ static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pa
     return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
 }
 
-// The point of the lens and the moment of the shutter that a batch has: the same for all eyes of the group.
+// The point of the lens and the moment of the shutter that a batch has: the same for all cameras of the group.
 RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 
-// The harvest with the pinholes that the eyes are at a point of the lens and a moment of the shutter, in scratch->eyes.
+// The harvest with the pinholes that the cameras are at a point of the lens and a moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
-// One camera ray through a uniform point of each pixel, or one drawn by a filter (NULL: none): lane i is slot i, which must have its random key.
+// One camera ray through a uniform point of each pixel, or one drawn by a filter (NULL: none): lane i is slot i, which must
+// have its random key.
 void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
                           RfRayLanes* rays );
 
@@ -84,7 +85,7 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
 // Fills the batch with the hits, misses and glints of `count` camera rays, without their light.
 void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );
 
-// Visibility and densities from every eye: batch->seen, rows and density_sum,
+// Visibility and densities from every camera: batch->seen, rows and density_sum,
 // and scratch->density.
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
@@ -97,8 +98,8 @@ void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
 // The light of a pairing at glossy hits: what came by a chain could have been found by chain samples as well.
 void rf_share_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out );
 
-// What a path finds by a chain is worth more where its tile shares it (`shared`). Any number is right; this one is about by how much
-// sharing divides the squared error of such light in the still life.
+// What a path finds by a chain is worth more where its tile shares it (`shared`). Any number is right; this one is about by
+// how much sharing divides the squared error of such light in the still life.
 #define RF_SHARED_CHAIN_WORTH 3.0f
 static inline RfChainSampling rf_chain_sampling( const RfHarvest* harvest, bool shared )
 {

@@ -1,7 +1,7 @@
-// The light of hit records, weighted over the eyes that could have drawn each
+// The light of hit records, weighted over the cameras that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3).
 #include "reuse/accumulate/biased_weights.h"
-#include "reuse/harvest/harvest_internal.h"
+#include "reuse/harvest/harvest_steps.h"
 
 #include <string.h>
 
@@ -30,7 +30,7 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
         rf_share_chain_light( harvest, scratch, pairing, out );
 }
 
-// Diffuse hits: the density is the same for all eyes, so the light to any of
+// Diffuse hits: the density is the same for all cameras, so the light to any of
 // them is known here.
 static void add_diffuse( const RfHarvestScratch* scratch, const RfArrivalLanes* arrival, const float* const wi[3],
                          RfHitBatch* batch, RfLaneScratch* s )
@@ -67,7 +67,7 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     }
 }
 
-// P += r_l p_l(wi; x) of the glossy hits for one eye and direction, r_l = J_l V_l / Σ J V.
+// P += r_l p_l(wi; x) of the glossy hits for one camera and direction, r_l = J_l V_l / Σ J V.
 static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch, int eye, int direction )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = batch->count - first;
@@ -90,8 +90,8 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
         mixture[i] += rf_balance_weight_of_sum( density[i], sum[i] ) * pdf[i];
 }
 
-// P of all directions. With eyes that are not weighted, the density is that of
-// the hit's own eye.
+// P of all directions. With cameras that are not weighted, the density is that of
+// the hit's own camera.
 static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels; // connections do not depend on densities

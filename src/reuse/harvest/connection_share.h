@@ -1,6 +1,7 @@
-// How many light paths and connections pay: a few batches traced ahead tell their variance and cost, and those of all other light.
-#ifndef REFRAME_REUSE_CONNECTION_SHARE_H
-#define REFRAME_REUSE_CONNECTION_SHARE_H
+// How many light paths and connections pay: a few batches traced ahead tell their variance and cost, and those of all other
+// light.
+#ifndef REFRAME_REUSE_HARVEST_CONNECTION_SHARE_H
+#define REFRAME_REUSE_HARVEST_CONNECTION_SHARE_H
 
 #include "light_paths/light_paths.h"
 

@@ -1,7 +1,7 @@
 // Coats so smooth that no direction of another path falls into their lobe. At a first hit, the lobe goes the way of chains,
 // and the base becomes a record: each camera ray draws one of the two (src/reuse/estimators.md, section 10).
-#ifndef REFRAME_REUSE_COATS_H
-#define REFRAME_REUSE_COATS_H
+#ifndef REFRAME_REUSE_CHAINS_COATS_H
+#define REFRAME_REUSE_CHAINS_COATS_H
 
 #include "reuse/harvest/records.h"
 #include "scene/eye.h"
@@ -29,7 +29,7 @@ void rf_make_lobe( const RfVertexLanes* v, int i, RfVertexLanes* lobes, int to )
 // Takes the lobe off a GGX lane.
 void rf_make_base( RfVertexLanes* v, int i );
 
-// Multiplies the densities of the hits that are bases by the probabilities that the eye draws these, and divides
+// Multiplies the densities of the hits that are bases by the probabilities that the camera draws these, and divides
 // their filter (three arrays; may be NULL).
 void rf_weight_bases( const RfHitBatch* batch, const RfEye* eye, float* density, float* const filter[3] );
 
