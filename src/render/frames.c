@@ -10,13 +10,13 @@
 // The frames are in ascending order.
 bool rf_is_asked( const RfRenderer* r, int frame )
 {
-    int low = 0, end = r->frame_count;
+    int low = 0, end = r->sweep.count;
     while ( low < end )
     {
         int middle = low + ( end - low ) / 2;
-        if ( r->frames[middle] == frame )
+        if ( r->sweep.frames[middle] == frame )
             return true;
-        if ( r->frames[middle] < frame )
+        if ( r->sweep.frames[middle] < frame )
             low = middle + 1;
         else
             end = middle;
@@ -26,25 +26,25 @@ bool rf_is_asked( const RfRenderer* r, int frame )
 
 void rf_open_films( RfRenderer* r, int number )
 {
-    RfGroup group = rf_group( &r->plan, number );
+    RfGroup group = rf_group( &r->setup->plan, number );
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
         int first, last;
-        rf_groups_of_frame( &r->plan, frame, &first, &last );
+        rf_groups_of_frame( &r->setup->plan, frame, &first, &last );
         if ( first != number || !rf_is_asked( r, frame ) )
             continue;
         RfLiveFilm* live = rf_find_film( r, -1 );
         live->frame = frame;
         live->noise = live->flicker = live->noise_seen = 0.0;
         live->pair = ( RfPairNoise ){ .variance = (double)NAN, .covariance = (double)NAN };
-        for ( int f = 0; f < r->settings.estimator->films; ++f )
-            if ( r->settings.pieces != NULL )
-                rf_clear_traced( r->settings.pieces, frame, live->films + f );
+        for ( int f = 0; f < r->setup->settings.estimator->films; ++f )
+            if ( r->setup->settings.pieces != NULL )
+                rf_clear_traced( r->setup->settings.pieces, frame, live->films + f );
             else
                 rf_clear_film( live->films + f );
-        live->aovs.filter = r->sizes.filtered ? &r->filter : NULL;
-        rf_clear_aov_film( &live->aovs, r->sizes.width, r->sizes.height );
-        if ( r->sizes.adaptive )
+        live->aovs.filter = r->setup->sizes.filtered ? &r->setup->filter : NULL;
+        rf_clear_aov_film( &live->aovs, r->setup->sizes.width, r->setup->sizes.height );
+        if ( r->setup->sizes.adaptive )
             rf_run_pilot( r, live );
     }
 }
@@ -66,9 +66,9 @@ static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFi
 // The flicker since the frame before, unknown where that was not rendered; keeps the error of this one for the next.
 static RfFlicker take_flicker( RfRenderer* r, const RfLiveFilm* live )
 {
-    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
+    RfFilmCombine combine = rf_film_combine( r->setup->settings.normalize );
     RfFlicker flicker = { .before = (double)NAN, .now = (double)NAN, .product = (double)NAN, .worst_share = (double)NAN };
-    if ( !r->sizes.paired )
+    if ( !r->setup->sizes.paired )
         return flicker;
     if ( r->kept_frame == live->frame - 1 )
         flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
@@ -80,8 +80,8 @@ static RfFlicker take_flicker( RfRenderer* r, const RfLiveFilm* live )
 static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
 {
     // what several films make up is divided by counts
-    bool made = r->settings.estimator->finish != NULL;
-    RfFilmCombine combine = made ? RF_FILM_RATIO : rf_film_combine( r->settings.normalize );
+    bool made = r->setup->settings.estimator->finish != NULL;
+    RfFilmCombine combine = made ? RF_FILM_RATIO : rf_film_combine( r->setup->settings.normalize );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
         buffer->result.aovs[a] = buffer->layers[a];
@@ -98,11 +98,11 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     RfPicture picture = { .rgb = buffer->rgb, .weight = buffer->weight, .variance = buffer->layers[RF_AOV_VARIANCE] };
     RfRelmse relmse = rf_finish_picture( r, live, &picture );
     RfFlicker flicker = take_flicker( r, live );
-    double now = rf_wall_seconds(), pixels = (double)r->sizes.width * (double)r->sizes.height;
+    double now = rf_wall_seconds(), pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
-        .width = r->sizes.width,
-        .height = r->sizes.height,
+        .width = r->setup->sizes.width,
+        .height = r->setup->sizes.height,
         .rgb = buffer->rgb,
         .weight = buffer->weight,
         .seconds = shared + ( now - r->last_frame ),
@@ -119,7 +119,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .effective_spp = (double)film->landed / pixels,
     };
     RfMissed missed = { false, false };
-    if ( r->sizes.stopping )
+    if ( r->setup->sizes.stopping )
         missed = note_finished( r, live, film, &relmse, &flicker );
     buffer->result.noise_missed = missed.noise;
     buffer->result.flicker_missed = missed.flicker;
@@ -141,7 +141,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
 static bool is_closed_by( const RfRenderer* r, int number, int frame )
 {
     int first, last;
-    rf_groups_of_frame( &r->plan, frame, &first, &last );
+    rf_groups_of_frame( &r->setup->plan, frame, &first, &last );
     return last == number && rf_is_asked( r, frame );
 }
 
@@ -160,7 +160,7 @@ static double share_seconds( RfRenderer* r, int number, RfGroup group )
 
 RfResult rf_close_films( RfRenderer* r, int number, RfError* error )
 {
-    RfGroup group = rf_group( &r->plan, number );
+    RfGroup group = rf_group( &r->setup->plan, number );
     double shared = share_seconds( r, number, group );
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {

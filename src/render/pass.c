@@ -18,22 +18,22 @@ static void add_aovs( const RfRenderer* r, const RfPass* pass, int eye, const vo
         return;
     RfAovJob job = {
         .film = &live->aovs,
-        .eye = r->eyes + frame,
-        .previous = frame > 0 ? r->eyes + frame - 1 : NULL,
-        .next = frame + 1 < r->plan.frames ? r->eyes + frame + 1 : NULL,
+        .eye = r->setup->shot.eyes + frame,
+        .previous = frame > 0 ? r->setup->shot.eyes + frame - 1 : NULL,
+        .next = frame + 1 < r->setup->plan.frames ? r->setup->shot.eyes + frame + 1 : NULL,
         .weight = (float)pass->weight,
         .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] ),
     };
-    rf_add_to_aovs( &job, r->settings.estimator->first_hits( scratch ) );
+    rf_add_to_aovs( &job, r->setup->settings.estimator->first_hits( scratch ) );
 }
 
 // Traces batches [first, first + count) of a pass into memory.batches[0 … count), and their AOVs.
 static void trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
 {
-    const RfEstimator* estimator = r->settings.estimator;
-    int jobs = r->sizes.of_estimator.jobs;
+    const RfEstimator* estimator = r->setup->settings.estimator;
+    int jobs = r->setup->sizes.of_estimator.jobs;
     RfRayCounts rays = { 0 };
-#pragma omp parallel num_threads( r->settings.threads )
+#pragma omp parallel num_threads( r->setup->settings.threads )
     {
         rf_set_float_mode();
         RfRayCounts mine = { 0 };
@@ -44,7 +44,7 @@ static void trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count
             int number = r->traced_jobs != NULL ? r->traced_jobs[first + i] : first + i;
             RfTraceJob job = { number / jobs, number % jobs, pass->number };
             estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
-            if ( ( r->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 )
+            if ( ( r->setup->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 )
                 add_aovs( r, pass, job.eye, scratch );
         }
 #pragma omp critical
@@ -62,9 +62,9 @@ static void accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
         live += r->memory.films[i].frame != -1;
     if ( live == 0 )
         return;
-    int bands = r->sizes.of_estimator.whole_pass ? 1 : ( 2 * r->settings.threads + live - 1 ) / live;
-    bands = bands < r->sizes.height ? bands : r->sizes.height;
-#pragma omp parallel num_threads( r->settings.threads )
+    int bands = r->setup->sizes.of_estimator.whole_pass ? 1 : ( 2 * r->setup->settings.threads + live - 1 ) / live;
+    bands = bands < r->setup->sizes.height ? bands : r->setup->sizes.height;
+#pragma omp parallel num_threads( r->setup->settings.threads )
     {
         rf_set_float_mode();
         void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
@@ -75,7 +75,7 @@ static void accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
             if ( film->frame == -1 )
                 continue;
             RfAccumulateJob job = rf_accumulate_job( r, film, pass, i % bands, bands );
-            uint64_t landed = r->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
+            uint64_t landed = r->setup->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
 #pragma omp atomic
             film->films[0].landed += landed;
         }
@@ -85,17 +85,17 @@ static void accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
 // After all batches of a pass are traced: spreads what they left in the AOVs, where there is a pixel filter.
 static void filter_aovs( RfRenderer* r, const RfPass* pass )
 {
-    if ( !r->sizes.filtered || ( r->settings.aovs & RF_FILTERED_AOVS ) == 0 )
+    if ( !r->setup->sizes.filtered || ( r->setup->settings.aovs & RF_FILTERED_AOVS ) == 0 )
         return;
-    int height = r->sizes.height, bands = r->settings.threads < height ? r->settings.threads : height;
-#pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
+    int height = r->setup->sizes.height, bands = r->setup->settings.threads < height ? r->setup->settings.threads : height;
+#pragma omp parallel for num_threads( r->setup->settings.threads ) schedule( dynamic, 1 )
     for ( int i = 0; i < r->memory.film_slots * bands; ++i )
     {
         const RfLiveFilm* live = r->memory.films + i / bands;
         int band = i % bands;
         rf_set_float_mode();
         if ( live->frame != -1 )
-            rf_spread_aovs( &live->aovs, r->sizes.width, height, (float)pass->weight, height * band / bands,
+            rf_spread_aovs( &live->aovs, r->setup->sizes.width, height, (float)pass->weight, height * band / bands,
                             height * ( band + 1 ) / bands );
     }
 }
@@ -103,7 +103,7 @@ static void filter_aovs( RfRenderer* r, const RfPass* pass )
 // What is left takes as long as what is done did, in proportion to its batches.
 static double seconds_left( const RfRenderer* r, double seconds )
 {
-    if ( r->sizes.stopping )
+    if ( r->setup->sizes.stopping )
         return rf_stop_left( &r->stop, seconds );
     return seconds * ( r->batches_all - r->batches_done ) / r->batches_done;
 }
@@ -111,14 +111,14 @@ static double seconds_left( const RfRenderer* r, double seconds )
 static bool report_progress( RfRenderer* r, int count )
 {
     r->batches_done += count;
-    if ( r->callbacks.progress == NULL )
+    if ( r->setup->callbacks.progress == NULL )
         return true;
     double seconds = rf_wall_seconds() - r->start, left = seconds_left( r, seconds );
-    double share = r->sizes.stopping ? rf_stop_share( &r->stop, seconds ) : r->batches_done / r->batches_all;
+    double share = r->setup->sizes.stopping ? rf_stop_share( &r->stop, seconds ) : r->batches_done / r->batches_all;
     r->share = fmax( r->share, isfinite( left ) ? seconds / ( seconds + left ) : share ); // never backwards
     RfProgress progress = {
         .frames_done = r->frames_done,
-        .frames_all = r->frames_all,
+        .frames_all = r->setup->shot.frame_count,
         .share = r->share,
         .left = left,
         .samples = (double)r->rays.primary,
@@ -128,14 +128,15 @@ static bool report_progress( RfRenderer* r, int count )
         .flicker = r->last_flicker,
         .flicker_is_lower_bound = r->last_flicker_is_lower_bound,
     };
-    return r->callbacks.progress( r->callbacks.user, &progress );
+    return r->setup->callbacks.progress( r->setup->callbacks.user, &progress );
 }
 
 // Fails where the caller interrupts, or failed to take a frame.
 static RfResult end_chunk( RfRenderer* r, int count, RfError* error )
 {
     if ( !report_progress( r, count ) )
-        return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done, r->frames_all );
+        return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done,
+                        r->setup->shot.frame_count );
     return rf_check_frame_queue( &r->queue, error );
 }
 
@@ -143,7 +144,7 @@ static RfResult end_chunk( RfRenderer* r, int count, RfError* error )
 static void prepare_pass( RfRenderer* r, const RfPass* pass )
 {
     if ( r->memory.shared != NULL )
-        r->settings.estimator->prepare( pass->group, pass->number, r->memory.shared, &r->rays );
+        r->setup->settings.estimator->prepare( pass->group, pass->number, r->memory.shared, &r->rays );
 }
 
 // Clears what the estimator keeps per pass.
@@ -153,28 +154,28 @@ static void begin_pass( RfRenderer* r )
     {
         RfLiveFilm* live = r->memory.films + i;
         if ( live->frame != -1 && live->pass_state != NULL )
-            memset( live->pass_state, 0, r->sizes.of_estimator.pass_state );
+            memset( live->pass_state, 0, r->setup->sizes.of_estimator.pass_state );
     }
 }
 
 // Traces extra samples and counts the pass.
 static void end_pass( RfRenderer* r, const RfPass* pass )
 {
-    if ( r->sizes.adaptive )
+    if ( r->setup->sizes.adaptive )
         rf_render_extra( r, pass );
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
         RfLiveFilm* live = r->memory.films + i;
-        for ( int f = 0; f < r->settings.estimator->films && live->frame != -1; ++f )
+        for ( int f = 0; f < r->setup->settings.estimator->films && live->frame != -1; ++f )
             rf_end_film_pass( live->films + f, pass->half, pass->weight );
     }
 }
 
 RfResult rf_alloc_traced_jobs( RfRenderer* r, RfError* error )
 {
-    if ( r->settings.pieces == NULL )
+    if ( r->setup->settings.pieces == NULL )
         return RF_OK;
-    size_t jobs = (size_t)r->plan.eyes * (size_t)r->sizes.of_estimator.jobs;
+    size_t jobs = (size_t)r->setup->plan.eyes * (size_t)r->setup->sizes.of_estimator.jobs;
     r->traced_jobs = malloc( jobs * sizeof *r->traced_jobs );
     return r->traced_jobs != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for a list of %zu batches", jobs );
 }
@@ -182,8 +183,8 @@ RfResult rf_alloc_traced_jobs( RfRenderer* r, RfError* error )
 // The jobs of a pass that have something to trace; returns how many.
 static int list_jobs( RfRenderer* r, const RfPass* pass )
 {
-    const RfEstimator* estimator = r->settings.estimator;
-    int jobs = r->sizes.of_estimator.jobs, all = pass->group->eye_count * jobs, count = 0;
+    const RfEstimator* estimator = r->setup->settings.estimator;
+    int jobs = r->setup->sizes.of_estimator.jobs, all = pass->group->eye_count * jobs, count = 0;
     if ( r->traced_jobs == NULL )
         return all;
     for ( int i = 0; i < all; ++i )

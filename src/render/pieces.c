@@ -44,6 +44,6 @@ static void combine_run( void* user, size_t first, size_t count )
 
 void rf_combine_traced( const RfPieces* pieces, int frame, const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight )
 {
-    Combination c = { film, combine, rgb, weight };
+    Combination c = { .film = film, .combine = combine, .rgb = rgb, .weight = weight };
     visit_traced( pieces, frame, film->width, film->height, combine_run, &c );
 }

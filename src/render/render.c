@@ -59,12 +59,12 @@ static RfResult render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_
 
 static RfResult render_group( RfRenderer* r, int number, RfError* error )
 {
-    RfGroup group = rf_group( &r->plan, number );
+    RfGroup group = rf_group( &r->setup->plan, number );
     RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
     estimator_group.shared = r->memory.shared;
     rf_open_films( r, number );
     RfResult result;
-    if ( r->sizes.stopping )
+    if ( r->setup->sizes.stopping )
         result = rf_render_until( r, &estimator_group, error );
     else
         result = render_passes( r, &estimator_group, &group, error );
@@ -75,13 +75,13 @@ static RfResult render_group( RfRenderer* r, int number, RfError* error )
 static double count_batches( RfRenderer* r )
 {
     double batches = 0.0;
-    for ( int g = 0; g < r->plan.groups; ++g )
+    for ( int g = 0; g < r->setup->plan.groups; ++g )
     {
-        RfGroup group = rf_group( &r->plan, g );
+        RfGroup group = rf_group( &r->setup->plan, g );
         if ( !rf_group_wanted( r, group ) )
             continue;
-        batches += (double)group.passes * group.eyes * r->sizes.of_estimator.jobs;
-        r->stop.units_left += r->sizes.stopping ? rf_group_units( &r->stop, g ) : 0.0;
+        batches += (double)group.passes * group.eyes * r->setup->sizes.of_estimator.jobs;
+        r->stop.units_left += r->setup->sizes.stopping ? rf_group_units( &r->stop, g ) : 0.0;
     }
     return batches;
 }
@@ -89,78 +89,83 @@ static double count_batches( RfRenderer* r )
 // The groups that hold frames of the sweep.
 static RfResult render_groups( RfRenderer* r, RfError* error )
 {
-    for ( int g = 0; g < r->plan.groups; ++g )
+    for ( int g = 0; g < r->setup->plan.groups; ++g )
     {
-        RfResult result = rf_group_wanted( r, rf_group( &r->plan, g ) ) ? render_group( r, g, error ) : RF_OK;
+        RfResult result = rf_group_wanted( r, rf_group( &r->setup->plan, g ) ) ? render_group( r, g, error ) : RF_OK;
         if ( result != RF_OK )
             return result;
     }
     return RF_OK;
 }
 
-static void begin_sweep( RfRenderer* r, const int* frames, int first )
+static void begin_sweep( RfRenderer* r, int first )
 {
-    int most = r->fit.sweeps == 1 ? r->frames_all : r->fit.films;
-    r->frames = frames + first;
-    r->frame_count = r->frames_all - first < most ? r->frames_all - first : most;
+    const RfShot* shot = &r->setup->shot;
+    int left = shot->frame_count - first, most = r->setup->fit.sweeps == 1 ? left : r->setup->fit.films;
+    r->sweep = ( RfSweep ){ .frames = shot->frames + first, .count = left < most ? left : most };
 }
 
 // The frames in sweeps; a frame is the same whichever others are asked for.
 static RfResult render_sweeps( RfRenderer* r, RfError* error )
 {
-    const int* frames = r->frames;
     r->batches_all = 0.0;
-    for ( int first = 0; first < r->frames_all; first += r->frame_count )
+    for ( int first = 0; first < r->setup->shot.frame_count; first += r->sweep.count )
     {
-        begin_sweep( r, frames, first );
+        begin_sweep( r, first );
         r->batches_all += count_batches( r );
     }
     RfResult result = RF_OK;
-    for ( int first = 0; first < r->frames_all && result == RF_OK; first += r->frame_count )
+    for ( int first = 0; first < r->setup->shot.frame_count && result == RF_OK; first += r->sweep.count )
     {
-        begin_sweep( r, frames, first );
+        begin_sweep( r, first );
         result = render_groups( r, error );
     }
     return result;
 }
 
-// Frames, groups and sizes, as the resolved settings have them. Fails with RF_ERROR_MEMORY where no render fits the budget.
-static RfResult set_up_render( RfRenderer* r, int eye_count, RfError* error )
+static RfStop make_stop( const RfRenderSetup* setup )
 {
-    RfRenderSettings* settings = &r->settings;
-    const RfScene* scene = rf_tracer_scene( r->tracer );
-    r->plan = rf_plan_groups( eye_count, settings->group, settings->spp );
-    if ( rf_is_stopping( settings ) )
-        r->stop = rf_create_stop( &r->plan, settings->spp,
-                                  &( RfStopGoals ){ .noise = settings->noise,
-                                                    .flicker = settings->flicker * settings->flicker,
-                                                    .seconds = settings->time * r->frames_all } );
-    r->sizes = rf_render_sizes( scene, r->eyes, &r->plan, r->frames_all, settings );
-    r->traits = rf_running_traits( scene, rf_scene_traits( scene, r->eyes, eye_count, settings ) );
+    const RfRenderSettings* settings = &setup->settings;
+    return rf_create_stop( &setup->plan, settings->spp,
+                           &( RfStopGoals ){ .noise = settings->noise,
+                                             .flicker = settings->flicker * settings->flicker,
+                                             .seconds = settings->time * setup->shot.frame_count } );
+}
+
+// Groups, sizes and threads, as the resolved settings have them. Fails with RF_ERROR_MEMORY where no render fits the budget.
+static RfResult set_up_render( RfRenderSetup* setup, RfError* error )
+{
+    RfRenderSettings* settings = &setup->settings;
+    const RfShot* shot = &setup->shot;
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
+    setup->plan = rf_plan_groups( shot->eye_count, settings->group, settings->spp );
+    setup->sizes = rf_render_sizes( scene, shot->eyes, &setup->plan, shot->frame_count, settings );
+    setup->traits = rf_running_traits( scene, rf_scene_traits( scene, shot->eyes, shot->eye_count, settings ) );
     if ( !rf_is_plain_filter( settings ) )
-        rf_make_pixel_filter( settings, &r->filter );
-    r->memory.arena = rf_create_arena( settings->memory );
-    r->start = r->last_frame = rf_wall_seconds();
-    r->frame_count = r->frames_all;
-    return rf_fit_sizes( settings->memory, r->frames_all, &r->sizes, &r->fit, error );
+        rf_make_pixel_filter( settings, &setup->filter );
+    RfResult result = rf_fit_sizes( settings->memory, shot->frame_count, &setup->sizes, &setup->fit, error );
+    if ( result == RF_OK )
+        settings->threads = setup->sizes.threads;
+    return result;
 }
 
 // The memory of a render that is set up; what was allocated before a failure is freed as after a render.
 static RfResult alloc_render( RfRenderer* r, RfError* error )
 {
-    RfEstimatorGroup group = rf_frames_as_group( r, 0, r->plan.eyes, 0 );
-    RfResult result = rf_alloc_render_memory( &group, &r->sizes, &r->memory, error );
+    RfEstimatorGroup group = rf_frames_as_group( r, 0, r->setup->plan.eyes, 0 );
+    RfResult result = rf_alloc_render_memory( &group, &r->setup->sizes, &r->memory, error );
     return result == RF_OK ? rf_alloc_traced_jobs( r, error ) : result;
 }
 
-static RfResult check_frames( const int* frames, int frame_count, int eye_count, RfError* error )
+static RfResult check_frames( const RfShot* shot, RfError* error )
 {
-    if ( frame_count < 1 )
+    if ( shot->frame_count < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "a render needs at least one frame" );
-    for ( int k = 0; k < frame_count; ++k )
+    for ( int k = 0; k < shot->frame_count; ++k )
     {
-        if ( frames[k] < 0 || frames[k] >= eye_count || ( k > 0 && frames[k] <= frames[k - 1] ) )
-            return rf_fail( error, RF_ERROR_USAGE, "frame %d is not in the path of %d, or not in order", frames[k], eye_count );
+        int frame = shot->frames[k];
+        if ( frame < 0 || frame >= shot->eye_count || ( k > 0 && frame <= shot->frames[k - 1] ) )
+            return rf_fail( error, RF_ERROR_USAGE, "frame %d is not in the path of %d, or not in order", frame, shot->eye_count );
     }
     return RF_OK;
 }
@@ -169,7 +174,8 @@ static RfResult check_frames( const int* frames, int frame_count, int eye_count,
 // caller says of a frame counts more than an interruption.
 static RfResult render_and_deliver( RfRenderer* r, RfError* error )
 {
-    rf_start_frame_queue( &r->queue, &r->callbacks, r->memory.buffers, r->memory.buffer_count, r->settings.queue > 0 );
+    rf_start_frame_queue( &r->queue, &r->setup->callbacks, r->memory.buffers, r->memory.buffer_count,
+                          r->setup->settings.queue > 0 );
     RfResult result = render_sweeps( r, error );
     RfResult delivered = rf_end_frame_queue( &r->queue, error );
     return delivered != RF_OK ? delivered : result;
@@ -182,10 +188,10 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .rays = r->rays,
         .peak_bytes = r->memory.arena.peak,
         .budget_bytes = r->memory.arena.budget,
-        .group = r->settings.group,
-        .spp = r->settings.spp,
-        .threads = r->settings.threads,
-        .fit = r->fit,
+        .group = r->setup->settings.group,
+        .spp = r->setup->settings.spp,
+        .threads = r->setup->settings.threads,
+        .fit = r->setup->fit,
         .missed = r->stop.missed,
         .flicker_missed = r->stop.flicker_missed,
         .hurried = r->stop.hurried,
@@ -195,29 +201,36 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );
 }
 
+static RfRenderer make_renderer( const RfRenderSetup* setup )
+{
+    double now = rf_wall_seconds();
+    RfRenderer r = { .setup = setup, .start = now, .last_frame = now, .kept_frame = RF_NO_FRAME };
+    r.last_relmse = r.last_flicker = (double)NAN;
+    r.memory.arena = rf_create_arena( setup->settings.memory );
+    if ( rf_is_stopping( &setup->settings ) )
+        r.stop = make_stop( setup );
+    return r;
+}
+
 RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
                     const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats, RfError* error )
 {
-    RfRenderer r = { .tracer = tracer,
-                     .eyes = eyes,
-                     .frames = frames,
-                     .frames_all = frame_count,
-                     .last_relmse = (double)NAN,
-                     .last_flicker = (double)NAN,
-                     .kept_frame = RF_NO_FRAME };
-    RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &r.settings, error );
+    RfRenderSetup setup = {
+        .shot = { .tracer = tracer, .eyes = eyes, .eye_count = eye_count, .frames = frames, .frame_count = frame_count }
+    };
+    RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &setup.settings, error );
     if ( result == RF_OK )
-        result = check_frames( frames, frame_count, eye_count, error );
+        result = check_frames( &setup.shot, error );
     if ( result != RF_OK )
         return result;
     if ( callbacks != NULL )
-        r.callbacks = *callbacks;
-    result = set_up_render( &r, eye_count, error );
+        setup.callbacks = *callbacks;
+    result = set_up_render( &setup, error );
+    RfRenderer r = make_renderer( &setup );
     if ( result == RF_OK )
     {
-        r.settings.threads = r.sizes.threads;
         int before = omp_get_max_threads();
-        omp_set_num_threads( r.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
+        omp_set_num_threads( setup.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
         result = alloc_render( &r, error );
         if ( result == RF_OK )
             result = render_and_deliver( &r, error );
@@ -226,6 +239,6 @@ RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, co
     }
     if ( stats != NULL )
         fill_stats( &r, stats );
-    rf_free_render_memory( &r.sizes, &r.memory );
+    rf_free_render_memory( &setup.sizes, &r.memory );
     return result;
 }

@@ -204,7 +204,11 @@ static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count,
     int count = rf_list_effects( scene, of_scene );
     for ( int i = 0; i < count; ++i )
         effects[of_scene[i].id] = of_scene[i];
-    Source from = { scene, settings, traits_of( scene, eyes, eye_count, *settings, tell ), eye_count, effects };
+    Source from = { .scene = scene,
+                    .settings = settings,
+                    .traits = traits_of( scene, eyes, eye_count, *settings, tell ),
+                    .eye_count = eye_count,
+                    .rows = effects };
     if ( eye_count > 0 )
         set_path( &from, eyes );
     set_light_tree( &from );

@@ -6,21 +6,22 @@
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
 {
-    return ( RfPass ){ estimator_group, number, rf_half_of_pass( group, number ), group->weight };
+    return (
+        RfPass ){ .group = estimator_group, .number = number, .half = rf_half_of_pass( group, number ), .weight = group->weight };
 }
 
 static float* sky_of_half( const RfRenderer* r, const RfLiveFilm* live, int half )
 {
     float* sky = live->aovs.mean[RF_AOV_ALPHA];
-    return sky != NULL ? sky + (size_t)half * (size_t)r->sizes.width * (size_t)r->sizes.height : NULL;
+    return sky != NULL ? sky + (size_t)half * (size_t)r->setup->sizes.width * (size_t)r->setup->sizes.height : NULL;
 }
 
 RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const RfPass* pass, int band, int bands )
 {
     return ( RfAccumulateJob ){
         .eye = live->frame - pass->group->first_frame,
-        .first_row = (int)( (long)r->sizes.height * band / bands ),
-        .end_row = (int)( (long)r->sizes.height * ( band + 1 ) / bands ),
+        .first_row = (int)( (long)r->setup->sizes.height * band / bands ),
+        .end_row = (int)( (long)r->setup->sizes.height * ( band + 1 ) / bands ),
         .films = live->films,
         .half = pass->half,
         .weight = (float)pass->weight,
@@ -31,19 +32,22 @@ RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const 
 }
 
 // A scene without lights has nothing to sample beyond the first hit.
-static int useful_depth( const RfRenderer* r ) { return rf_tracer_lights( r->tracer )->count > 0 ? r->settings.max_depth : 1; }
+static int useful_depth( const RfRenderer* r )
+{
+    return rf_tracer_lights( r->setup->shot.tracer )->count > 0 ? r->setup->settings.max_depth : 1;
+}
 
 RfEstimatorGroup rf_frames_as_group( const RfRenderer* r, int first_frame, int eye_count, int number )
 {
     return ( RfEstimatorGroup ){
-        .tracer = r->tracer,
-        .settings = &r->settings,
-        .traits = r->traits,
-        .width = r->sizes.width,
-        .height = r->sizes.height,
+        .tracer = r->setup->shot.tracer,
+        .settings = &r->setup->settings,
+        .traits = r->setup->traits,
+        .width = r->setup->sizes.width,
+        .height = r->setup->sizes.height,
         .max_depth = useful_depth( r ),
-        .filter = rf_is_plain_filter( &r->settings ) ? NULL : &r->filter,
-        .eyes = r->eyes + first_frame,
+        .filter = rf_is_plain_filter( &r->setup->settings ) ? NULL : &r->setup->filter,
+        .eyes = r->setup->shot.eyes + first_frame,
         .eye_count = eye_count,
         .first_frame = first_frame,
         .number = number,
@@ -52,7 +56,7 @@ RfEstimatorGroup rf_frames_as_group( const RfRenderer* r, int first_frame, int e
 
 RfEstimatorGroup rf_estimator_group( const RfRenderer* r, int number )
 {
-    RfGroup group = rf_group( &r->plan, number );
+    RfGroup group = rf_group( &r->setup->plan, number );
     return rf_frames_as_group( r, group.first, group.eyes, number );
 }
 
@@ -80,12 +84,12 @@ RfFilmCombine rf_film_combine( RfNormalize normalize )
 
 RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, RfPicture* picture )
 {
-    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
-    if ( r->settings.estimator->finish != NULL )
-        return r->settings.estimator->finish( &r->settings, live->films, picture, r->memory.finish_scratch );
-    if ( r->settings.pieces != NULL )
+    RfFilmCombine combine = rf_film_combine( r->setup->settings.normalize );
+    if ( r->setup->settings.estimator->finish != NULL )
+        return r->setup->settings.estimator->finish( &r->setup->settings, live->films, picture, r->memory.finish_scratch );
+    if ( r->setup->settings.pieces != NULL )
     {
-        rf_combine_traced( r->settings.pieces, live->frame, live->films, combine, picture->rgb, picture->weight );
+        rf_combine_traced( r->setup->settings.pieces, live->frame, live->films, combine, picture->rgb, picture->weight );
         return rf_plain_relmse( (double)NAN );
     }
     rf_combine_film( live->films, combine, picture->rgb, picture->weight );

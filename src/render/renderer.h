@@ -1,26 +1,38 @@
-// The state of a render, shared by the files of the driver.
+// A render: what is settled before it begins, and its state. Shared by the files of the driver.
 #ifndef REFRAME_RENDER_RENDERER_H
 #define REFRAME_RENDER_RENDERER_H
 
 #include "render/memory/memory.h"
+#include "render/shot.h"
 
 #define RF_NO_FRAME ( -2 ) // not even the one before the first
 
-typedef struct RfRenderer
+// What is settled before the first pass.
+typedef struct RfRenderSetup
 {
-    const RfTracer* tracer;
-    const RfEye* eyes; // of the whole path
-    const int* frames; // of this sweep, ascending
-    int frame_count;
-    int frames_all;            // asked for
+    RfShot shot;
     RfRenderSettings settings; // resolved
     RfRenderCallbacks callbacks;
     RfGroupPlan plan;
-    RfStop stop; // with settings.noise or time
     RfMemoryFit fit;
     RfRenderSizes sizes;
     RfSceneTraits traits;
     RfPixelFilter filter; // made unless the settings have the plain one
+} RfRenderSetup;
+
+// Frames asked for whose films are held at once, or follow each other through the films of a group.
+typedef struct RfSweep
+{
+    const int* frames; // ascending
+    int count;
+} RfSweep;
+
+// A render under way.
+typedef struct RfRenderer
+{
+    const RfRenderSetup* setup;
+    RfSweep sweep;
+    RfStop stop; // with settings.noise, flicker or time
     RfRenderMemory memory;
     RfFrameQueue queue;
     int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs

@@ -12,15 +12,15 @@
 // Adds the first `count` batches, of one frame alone, to its film.
 static void accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int count )
 {
-    int bands = 2 * r->settings.threads < r->sizes.height ? 2 * r->settings.threads : r->sizes.height;
-#pragma omp parallel for num_threads( r->settings.threads ) schedule( dynamic, 1 )
+    int bands = 2 * r->setup->settings.threads < r->setup->sizes.height ? 2 * r->setup->settings.threads : r->setup->sizes.height;
+#pragma omp parallel for num_threads( r->setup->settings.threads ) schedule( dynamic, 1 )
     for ( int band = 0; band < bands; ++band )
     {
         rf_set_float_mode();
         RfAccumulateJob job = rf_accumulate_job( r, live, pass, band, bands );
         job.weight *= pass->group->filter != NULL ? (float)rf_extra_worth( r ) : 1.0f;
         void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
-        uint64_t landed = r->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
+        uint64_t landed = r->setup->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
 #pragma omp atomic
         live->films[0].landed += landed;
     }
@@ -66,9 +66,9 @@ static void add_noise( const RfMaterialNoise* noise, RfFirstHits first, float* s
 // Blocks of the film, each with probability `share`.
 static void draw_blocks( const RfRenderer* r, int frame, double share, float* drawn )
 {
-    int width = r->sizes.width, across = ( width + BLOCK - 1 ) / BLOCK;
-    uint64_t key = rf_pass_key( r->settings.seed, (uint32_t)frame, NOISE_GROUP, 2 );
-    for ( int y = 0; y < r->sizes.height; ++y )
+    int width = r->setup->sizes.width, across = ( width + BLOCK - 1 ) / BLOCK;
+    uint64_t key = rf_pass_key( r->setup->settings.seed, (uint32_t)frame, NOISE_GROUP, 2 );
+    for ( int y = 0; y < r->setup->sizes.height; ++y )
     {
         for ( int x = 0; x < width; ++x )
         {
@@ -85,7 +85,7 @@ static void note_classes( const RfRenderer* r, RfFirstHits first, float* classes
     const RfVertexLanes* v = first.hits;
     for ( int i = 0; i < v->count; ++i )
     {
-        int class = class_of( r->memory.noise, r->sizes.materials, v->material[i] );
+        int class = class_of( r->memory.noise, r->setup->sizes.materials, v->material[i] );
         RfMaterialNoise* n = r->memory.noise + class;
         classes[first.pixel[v->slot[i]]] = 1.0f + (float)class;
 #pragma omp atomic
@@ -97,8 +97,8 @@ static void note_classes( const RfRenderer* r, RfFirstHits first, float* classes
 
 static void trace_half( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
 {
-    const RfEstimator* estimator = r->settings.estimator;
-#pragma omp parallel num_threads( r->settings.threads )
+    const RfEstimator* estimator = r->setup->settings.estimator;
+#pragma omp parallel num_threads( r->setup->settings.threads )
     {
         rf_set_float_mode();
         RfRayCounts mine = { 0 };
@@ -122,10 +122,10 @@ static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
     group.need = live->need;
     group.filter = NULL;
     live->frame = frame;
-    int jobs = r->sizes.of_estimator.jobs, slots = r->memory.batch_slots;
+    int jobs = r->setup->sizes.of_estimator.jobs, slots = r->memory.batch_slots;
     for ( int half = 0; half < 2; ++half )
     {
-        RfPass pass = { &group, half, half, 1 };
+        RfPass pass = { .group = &group, .number = half, .half = half, .weight = 1 };
         for ( int first = 0; first < jobs; first += slots )
         {
             int count = jobs - first < slots ? jobs - first : slots;
@@ -256,9 +256,9 @@ static void find_variances( RfMaterialNoise* noise, int materials, int set )
 
 static void clear_classes( const RfRenderer* r )
 {
-    const RfScene* scene = rf_tracer_scene( r->tracer );
-    memset( r->memory.noise, 0, rf_material_noise_bytes( &r->sizes ) );
-    for ( int k = 0; k < r->sizes.materials; ++k )
+    const RfScene* scene = rf_tracer_scene( r->setup->shot.tracer );
+    memset( r->memory.noise, 0, rf_material_noise_bytes( &r->setup->sizes ) );
+    for ( int k = 0; k < r->setup->sizes.materials; ++k )
     {
         const RfMaterial* material = scene->materials + k;
         r->memory.noise[k].special = material->kind == RF_BSDF_GLASS || rf_may_be_smooth( material );
@@ -271,9 +271,9 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
     if ( r->memory.noise == NULL || r->memory.noise_known )
         return;
     clear_classes( r );
-    int path = r->plan.frames, frames = path < NOISE_FRAMES ? path : NOISE_FRAMES, frame = live->frame;
-    double pixels = (double)r->sizes.width * (double)r->sizes.height;
-    double pairs = fmin( fmax( PAIR_SHARE * pixels * path * r->settings.spp, LEAST_PAIRS ), MOST_PAIRS );
+    int path = r->setup->plan.frames, frames = path < NOISE_FRAMES ? path : NOISE_FRAMES, frame = live->frame;
+    double pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
+    double pairs = fmin( fmax( PAIR_SHARE * pixels * path * r->setup->settings.spp, LEAST_PAIRS ), MOST_PAIRS );
     uint32_t* landed = live->aovs.landed;
     float* sky = live->aovs.mean[RF_AOV_ALPHA];
     live->aovs.landed = NULL; // AOVs do not count these samples
@@ -289,10 +289,10 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
     live->frame = frame;
     live->aovs.landed = landed;
     live->aovs.mean[RF_AOV_ALPHA] = sky;
-    memset( live->need, 0, rf_need_bytes( &r->sizes ) );
+    memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
     for ( int set = 0; set < 2; ++set )
-        find_variances( r->memory.noise, r->sizes.materials, set );
-    find_costs( r->memory.noise, r->sizes.materials );
+        find_variances( r->memory.noise, r->setup->sizes.materials, set );
+    find_costs( r->memory.noise, r->setup->sizes.materials );
     r->memory.noise_known = true;
 }
 
@@ -307,7 +307,7 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
 // The frames around one, as far as the path goes.
 static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
 {
-    int eyes = r->plan.eyes, first = frame - eyes / 2, last_first = r->plan.frames - eyes;
+    int eyes = r->setup->plan.eyes, first = frame - eyes / 2, last_first = r->setup->plan.frames - eyes;
     first = first < last_first ? first : last_first;
     first = first > 0 ? first : 0;
     RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)PILOT_GROUP );
@@ -320,8 +320,8 @@ static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
 // not NULL, counts the camera rays of each pixel.
 static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pass, RfLiveFilm* live, float* samples )
 {
-    const RfEstimator* estimator = r->settings.estimator;
-#pragma omp parallel num_threads( r->settings.threads )
+    const RfEstimator* estimator = r->setup->settings.estimator;
+#pragma omp parallel num_threads( r->setup->settings.threads )
     {
         rf_set_float_mode();
         RfRayCounts mine = { 0 };
@@ -330,7 +330,7 @@ static void run_pilot_pass( RfRenderer* r, const RfEstimatorGroup* group, int pa
         for ( int slot = 0; slot < r->memory.batch_slots; ++slot )
         {
             void* batch = r->memory.batches[slot];
-            for ( int job = slot; job < r->sizes.of_estimator.jobs; job += r->memory.batch_slots )
+            for ( int job = slot; job < r->setup->sizes.of_estimator.jobs; job += r->memory.batch_slots )
             {
                 estimator->trace( group, ( RfTraceJob ){ live->frame - group->first_frame, job, pass }, batch, scratch, &mine );
                 estimator->add_own_shares( batch, scratch, live->need );
@@ -354,15 +354,22 @@ static float* noise_sums( const RfRenderer* r, const RfLiveFilm* live )
 // a pilot to be worth it? The film is empty yet and lends its counts of extra samples.
 static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* live )
 {
-    size_t pixels = (size_t)r->sizes.width * (size_t)r->sizes.height;
+    size_t pixels = (size_t)r->setup->sizes.width * (size_t)r->setup->sizes.height;
     float *drawn = live->films[0].extra[0], *samples = live->films[0].extra[1];
     for ( size_t i = 0; i < pixels; ++i )
         drawn[i] = (float)fmax( LOOK_SHARE, LOOK_PIXELS / (double)pixels );
     group.need = drawn;
     run_pilot_pass( r, &group, PILOT_PASSES, live, samples );
-    RfPilotSums sums = { live->need, noise_sums( r, live ), samples, pixels, 1.0f, group.eye_count, true, rf_extra_worth( r ) };
+    RfPilotSums sums = { .share = live->need,
+                         .noise = noise_sums( r, live ),
+                         .samples = samples,
+                         .pixels = pixels,
+                         .passes = 1.0f,
+                         .eyes = group.eye_count,
+                         .wary = true,
+                         .worth = rf_extra_worth( r ) };
     bool pays = rf_extra_may_pay( &sums );
-    memset( live->need, 0, rf_need_bytes( &r->sizes ) );
+    memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
     rf_clear_film( live->films );
     return pays;
 }
@@ -370,34 +377,33 @@ static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* li
 static void find_need( RfRenderer* r, RfLiveFilm* live )
 {
     RfEstimatorGroup group = pilot_group( r, live->frame );
-    if ( r->settings.adaptive == RF_ADAPTIVE_AUTO && !look_for_gain( r, group, live ) )
+    if ( r->setup->settings.adaptive == RF_ADAPTIVE_AUTO && !look_for_gain( r, group, live ) )
         return;
     for ( int pass = 0; pass < PILOT_PASSES; ++pass )
         run_pilot_pass( r, &group, pass, live, NULL );
-    size_t pixels = (size_t)r->sizes.width * (size_t)r->sizes.height;
-    RfPilotSums sums = { live->need,
-                         noise_sums( r, live ),
-                         NULL,
-                         pixels,
-                         PILOT_PASSES,
-                         group.eye_count,
-                         r->settings.adaptive == RF_ADAPTIVE_AUTO,
-                         rf_extra_worth( r ) };
+    size_t pixels = (size_t)r->setup->sizes.width * (size_t)r->setup->sizes.height;
+    RfPilotSums sums = { .share = live->need,
+                         .noise = noise_sums( r, live ),
+                         .pixels = pixels,
+                         .passes = PILOT_PASSES,
+                         .eyes = group.eye_count,
+                         .wary = r->setup->settings.adaptive == RF_ADAPTIVE_AUTO,
+                         .worth = rf_extra_worth( r ) };
     live->most_need = rf_set_need( &sums );
     rf_clear_film( live->films );
 }
 
 void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
 {
-    memset( live->need, 0, rf_need_bytes( &r->sizes ) );
+    memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
     live->most_need = 0.0f;
-    if ( r->plan.eyes > 1 )
+    if ( r->setup->plan.eyes > 1 )
     {
         measure_noise( r, live );
         find_need( r, live );
     }
     // without extra samples the sums are those of a render without adaptive sampling, bit for bit
-    live->films[0].total_every = rf_film_total_every( r->plan.eyes * rf_filter_pixels( &r->settings ) +
+    live->films[0].total_every = rf_film_total_every( r->setup->plan.eyes * rf_filter_pixels( &r->setup->settings ) +
                                                       ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) );
 }
 
@@ -408,10 +414,10 @@ void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
 // Batches [first, first + count) of a frame alone.
 static uint64_t trace_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
 {
-    const RfEstimator* estimator = r->settings.estimator;
+    const RfEstimator* estimator = r->setup->settings.estimator;
     RfRayCounts rays = { 0 };
     uint64_t samples = 0;
-#pragma omp parallel num_threads( r->settings.threads ) reduction( + : samples )
+#pragma omp parallel num_threads( r->setup->settings.threads ) reduction( + : samples )
     {
         rf_set_float_mode();
         RfRayCounts mine = { 0 };
@@ -442,8 +448,11 @@ static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
     group.round = round;
     group.packed = packed;
     group.shared = pass->group->shared; // that of the pass
-    RfPass extra = { &group, rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ), pass->half, pass->weight };
-    int jobs = r->sizes.of_estimator.jobs;
+    RfPass extra = { .group = &group,
+                     .number = rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ),
+                     .half = pass->half,
+                     .weight = pass->weight };
+    int jobs = r->setup->sizes.of_estimator.jobs;
     uint64_t samples = 0;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {

@@ -59,7 +59,10 @@ static inline bool rf_noise_differs( const RfSceneTraits* traits )
 static inline int rf_most_extra( bool noisy ) { return noisy ? RF_MOST_EXTRA_NOISY : RF_MOST_EXTRA; }
 
 // Weight of an extra sample beside one of a pass.
-static inline double rf_extra_worth( const RfRenderer* r ) { return rf_is_plain_filter( &r->settings ) ? 1.0 : r->filter.worth; }
+static inline double rf_extra_worth( const RfRenderer* r )
+{
+    return rf_is_plain_filter( &r->setup->settings ) ? 1.0 : r->setup->filter.worth;
+}
 
 // Runs the pilot of a frame whose film has just been cleared and fills live->need and live->most_need.
 void rf_run_pilot( RfRenderer* renderer, RfLiveFilm* live );

@@ -5,6 +5,7 @@
 #include "base/arena.h"
 #include "base/system.h"
 #include "render/settings.h"
+#include "render/shot.h"
 #include "render/sizes.h"
 
 #include <math.h>
@@ -54,10 +55,11 @@ static RfResult alloc_probe( Probe* p, RfError* error )
 }
 
 // For groups of up to `most_eyes`. Fails with RF_ERROR_MEMORY.
-static RfResult begin_probe( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                             int most_eyes, Probe* probe, RfError* error )
+static RfResult begin_probe( const RfShot* shot, const RfRenderSettings* settings, int most_eyes, Probe* probe, RfError* error )
 {
-    const RfScene* scene = rf_tracer_scene( tracer );
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
+    const RfEye* eyes = shot->eyes;
+    int eye_count = shot->eye_count;
     RfGroupPlan plan = rf_plan_groups( eye_count, most_eyes / 2, settings->spp );
     *probe = ( Probe ){ .eyes = eyes, .eye_count = eye_count, .settings = *settings };
     probe->settings.seed = PROBE_SEED;
@@ -65,8 +67,8 @@ static RfResult begin_probe( const RfTracer* tracer, const RfEye* eyes, int eye_
     probe->sizes = rf_render_sizes( scene, eyes, &plan, 1, settings );
     probe->group =
         rf_size_group( scene, rf_scene_traits( scene, eyes, eye_count, &probe->settings ), eyes, plan.eyes, &probe->settings );
-    probe->group.tracer = tracer;
-    probe->group.max_depth = rf_tracer_lights( tracer )->count > 0 ? settings->max_depth : 1;
+    probe->group.tracer = shot->tracer;
+    probe->group.max_depth = rf_tracer_lights( shot->tracer )->count > 0 ? settings->max_depth : 1;
     return alloc_probe( probe, error );
 }
 
@@ -197,9 +199,11 @@ static double gain_of( const RfGroupPlan* plan, double reach, double own, double
 }
 
 // Samples and rays of the frames asked for, over all sweeps.
-static void count_rays( const RfGroupPlan* plan, const int* frames, int frame_count, double pixels, const Counts* counts,
-                        int index, RfPlanRow* row )
+static void count_rays( const RfGroupPlan* plan, const RfShot* shot, const Counts* counts, int index, RfPlanRow* row )
 {
+    const int* frames = shot->frames;
+    int frame_count = shot->frame_count;
+    double pixels = (double)shot->eyes->width * shot->eyes->height;
     int per_sweep = row->fit.sweeps > 1 ? row->fit.films : frame_count;
     double samples = 0.0, others = 0.0, once = 0.0, unused = 0.0;
     for ( int first = 0; first < frame_count; first += per_sweep )
@@ -231,9 +235,11 @@ static void fixed_costs( const Counts* c, const RfEstimatorSizes* sizes, int ind
 // Why the automatic choice leaves a group out; NULL: it does not. It depends on path, size and settings
 // alone, as if the whole path were asked for and one thread had all the memory. Several sweeps
 // repeat the tracing, which the gain does not account for.
-static const char* reason_against( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                                   const RfPlanRow* row )
+static const char* reason_against( const RfShot* shot, const RfRenderSettings* settings, const RfPlanRow* row )
 {
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
+    const RfEye* eyes = shot->eyes;
+    int eye_count = shot->eye_count;
     RfRenderSettings s = *settings;
     s.group = row->group;
     s.threads = 1;
@@ -264,9 +270,11 @@ static void choose_row( RfPlan* plan )
 
 // A group that was chosen for the memory at hand goes without the memory of extra samples, which few frames may
 // need, rather than through the path several times.
-static RfResult settle_adaptive( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
-                                 const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+static RfResult settle_adaptive( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
+    const RfEye* eyes = shot->eyes;
+    int eye_count = shot->eye_count;
     RfPlanRow* row = plan->rows + plan->chosen;
     RfRenderSettings s = *settings;
     RfMemoryFit fit;
@@ -278,7 +286,7 @@ static RfResult settle_adaptive( const RfScene* scene, const RfEye* eyes, int ey
         return RF_OK;
     plan->adaptive = s.adaptive = RF_ADAPTIVE_OFF;
     s.threads = settings->threads;
-    return rf_fit_memory( scene, eyes, eye_count, frame_count, &s, &row->fit, error );
+    return rf_fit_memory( scene, eyes, eye_count, shot->frame_count, &s, &row->fit, error );
 }
 
 static int rows_against( const RfPlan* plan, const char* reason )
@@ -322,8 +330,7 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
 }
 
 // Counts a few batches of the path.
-static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                       const RfPlan* plan, Counts* counts, RfError* error )
+static RfResult count( const RfShot* shot, const RfRenderSettings* settings, const RfPlan* plan, Counts* counts, RfError* error )
 {
     Probe probe;
     int group_eyes[RF_PLAN_ROWS], most = 1;
@@ -333,7 +340,7 @@ static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count,
         group_eyes[i] = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : 1;
         most = group_eyes[i] > most ? group_eyes[i] : most;
     }
-    RfResult result = begin_probe( tracer, eyes, eye_count, settings, most, &probe, error );
+    RfResult result = begin_probe( shot, settings, most, &probe, error );
     if ( result == RF_OK )
         count_plan( &probe, group_eyes, plan->count, counts );
     end_probe( &probe );
@@ -341,38 +348,37 @@ static RfResult count( const RfTracer* tracer, const RfEye* eyes, int eye_count,
 }
 
 // Only the smallest group has to fit.
-static RfResult fit_rows( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count,
-                          const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+static RfResult fit_rows( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
     for ( int i = 0; i < plan->count; ++i )
     {
         RfPlanRow* row = plan->rows + i;
         RfRenderSettings s = *settings;
         s.group = row->group;
-        RfResult result = rf_fit_memory( scene, eyes, eye_count, frame_count, &s, &row->fit, error );
+        RfResult result = rf_fit_memory( scene, shot->eyes, shot->eye_count, shot->frame_count, &s, &row->fit, error );
         if ( result != RF_OK && i == 0 )
             return result;
         if ( i > 0 )
-            row->excluded = result != RF_OK ? s_no_room : reason_against( scene, eyes, eye_count, settings, row );
+            row->excluded = result != RF_OK ? s_no_room : reason_against( shot, settings, row );
     }
     return RF_OK;
 }
 
-static void weigh_rows( const RfEye* eyes, int eye_count, const int* frames, int frame_count, const RfRenderSettings* settings,
-                        const RfEstimatorSizes* sizes, const Counts* counts, RfPlan* plan )
+static void weigh_rows( const RfShot* shot, const RfRenderSettings* settings, const RfEstimatorSizes* sizes, const Counts* counts,
+                        RfPlan* plan )
 {
-    double pixels = (double)eyes->width * eyes->height;
     for ( int i = 0; i < plan->count; ++i )
     {
         RfPlanRow* row = plan->rows + i;
         if ( !rf_plan_row_fits( row ) )
             continue;
-        RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
+        RfGroupPlan groups = rf_plan_samples( shot->eye_count, row->group, settings->spp );
         double own, reuse;
         fixed_costs( counts, sizes, i, row->eyes, &own, &reuse );
         row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;
         row->gain = gain_of( &groups, row->reach, own, reuse );
-        count_rays( &groups, frames, frame_count, pixels, counts, i, row );
+        count_rays( &groups, shot, counts, i, row );
     }
 }
 
@@ -386,22 +392,23 @@ RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_coun
         return result;
     list_rows( eye_count, &common, plan );
     const RfScene* scene = rf_tracer_scene( tracer );
-    result = fit_rows( scene, eyes, eye_count, frame_count, &common, plan, error );
+    RfShot shot = { .tracer = tracer, .eyes = eyes, .eye_count = eye_count, .frames = frames, .frame_count = frame_count };
+    result = fit_rows( &shot, &common, plan, error );
     Counts counts;
     if ( result == RF_OK )
-        result = count( tracer, eyes, eye_count, &common, plan, &counts, error );
+        result = count( &shot, &common, plan, &counts, error );
     if ( result != RF_OK )
         return result;
     RfGroupPlan groups = rf_plan_groups( eye_count, 0, common.spp );
     RfRenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
-    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.of_estimator, &counts, plan );
+    weigh_rows( &shot, &common, &sizes.of_estimator, &counts, plan );
     plan->hit_share = counts.hits / counts.samples;
     plan->glossy_share = counts.glossy / counts.samples;
     choose_row( plan );
-    result = settle_adaptive( scene, eyes, eye_count, frame_count, &common, plan, error );
+    result = settle_adaptive( &shot, &common, plan, error );
     if ( result != RF_OK )
         return result;
-    weigh_rows( eyes, eye_count, frames, frame_count, &common, &sizes.of_estimator, &counts, plan ); // the chosen one's sweeps
+    weigh_rows( &shot, &common, &sizes.of_estimator, &counts, plan ); // the chosen one's sweeps
     explain( plan, &common );
     rf_record_bytes( scene, &common, plan->rows[plan->chosen].eyes, &plan->bytes_diffuse, &plan->bytes_glossy );
     return RF_OK;
@@ -481,8 +488,8 @@ static double seconds_per_sample( const Timing* t ) { return t->samples > 0.0 ? 
 static void measure( Meter* m, int eyes, double seconds, RfPlan* plan )
 {
     int depth = m->probe->group.max_depth;
-    Timing warm[] = { { 1, depth, 0.0, 0.0 } }; // caches, pages
-    Timing timings[] = { { 1, 1, 0.0, 0.0 }, { 1, depth, 0.0, 0.0 }, { eyes, depth, 0.0, 0.0 } };
+    Timing warm[] = { { .eyes = 1, .depth = depth } }; // caches, pages
+    Timing timings[] = { { .eyes = 1, .depth = 1 }, { .eyes = 1, .depth = depth }, { .eyes = eyes, .depth = depth } };
     rf_set_float_mode();
     time_batches( m, 0.0, 1, warm );
     time_batches( m, seconds, eyes > 1 ? 3 : 2, timings );
@@ -557,9 +564,10 @@ RfResult rf_measure_plan( const RfTracer* tracer, const RfEye* eyes, int eye_cou
         return result;
     common.weights = RF_WEIGHTS_EXACT; // the biased ones need lists per pass
     int group_eyes = measured_eyes( plan );
+    RfShot shot = { .tracer = tracer, .eyes = eyes, .eye_count = eye_count };
     Probe probe;
     Meter m = { .probe = &probe };
-    result = begin_probe( tracer, eyes, eye_count, &common, group_eyes, &probe, error );
+    result = begin_probe( &shot, &common, group_eyes, &probe, error );
     if ( result == RF_OK )
         result = alloc_meter( &m, error );
     if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not

@@ -122,7 +122,9 @@ RfResult rf_plan_ranges( int eye_count, const int* eyes, int frame_count, const 
     if ( frame_count < 1 || machines < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "ranges want at least one frame and one machine" );
     size_t count = (size_t)frame_count;
-    Work w = { frame_count, malloc( ( count + 1 ) * sizeof( double ) ), malloc( count * sizeof( double ) ) };
+    Work w = { .count = frame_count,
+               .sum = malloc( ( count + 1 ) * sizeof( double ) ),
+               .halo = malloc( count * sizeof( double ) ) };
     RfResult result = RF_OK;
     if ( w.sum != NULL && w.halo != NULL )
     {

@@ -27,7 +27,9 @@ static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, 
     if ( next == NULL )
         return (double)NAN;
     RfFrameNoise before = known_of( live ), now = known_of( next );
-    RfPairNow pair = { number, &before, &now, rf_flicker_of_films( live->films, next->films, combine ), 0.0 };
+    RfPairNow pair = {
+        .group = number, .before = &before, .now = &now, .flicker = rf_flicker_of_films( live->films, next->films, combine )
+    };
     live->pair = rf_pair_noise( &pair );
     return rf_flicker_ahead( &r->stop.rule, &pair );
 }
@@ -56,14 +58,14 @@ static double flicker_of_two( RfLiveFilm* live, RfFilmCombine combine )
 static double estimate_flicker( const RfRenderer* r, int number, RfLiveFilm* live )
 {
     int first, last;
-    rf_groups_of_frame( &r->plan, live->frame, &first, &last );
-    RfFilmCombine combine = rf_film_combine( r->settings.normalize );
+    rf_groups_of_frame( &r->setup->plan, live->frame, &first, &last );
+    RfFilmCombine combine = rf_film_combine( r->setup->settings.normalize );
     double ahead = flicker_ahead( r, number, live, combine ), behind = (double)NAN;
     bool has_next = rf_is_asked( r, live->frame + 1 );
     if ( last == number && ( !has_next || r->kept_frame == live->frame - 1 ) )
         behind = flicker_behind( r, number, live, combine );
     bool alone = isnan( ahead ) && ( has_next || isnan( behind ) );
-    if ( alone && ( last == number || r->plan.eyes == 1 ) )
+    if ( alone && ( last == number || r->setup->plan.eyes == 1 ) )
         ahead = flicker_of_two( live, combine );
     return fmax( ahead, behind );
 }
@@ -73,13 +75,13 @@ static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
 {
     const RfFilm* film = live->films;
     live->noise_seen = film->weight[0] + film->weight[1];
-    if ( r->settings.noise > 0.0 )
+    if ( r->setup->settings.noise > 0.0 )
     {
         RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
         RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = buffer->rgb } );
         live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
     }
-    if ( r->settings.flicker > 0.0 )
+    if ( r->setup->settings.flicker > 0.0 )
         live->flicker = estimate_flicker( r, number, live );
 }
 
@@ -88,7 +90,7 @@ static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
 static bool wants_estimate( const RfRenderer* r, const RfNoiseEstimates* estimates, int i )
 {
     int first, last;
-    rf_groups_of_frame( &r->plan, estimates->frames[i].frame, &first, &last );
+    rf_groups_of_frame( &r->setup->plan, estimates->frames[i].frame, &first, &last );
     bool as_good = estimates->frames[i].passes >= estimates->frames[0].passes;
     return last == estimates->group || i == estimates->count / 2 || ( i == estimates->count - 1 && as_good );
 }
@@ -98,8 +100,8 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
 {
     RfFrameNoise* frames = r->memory.noise_estimates;
     RfNoiseEstimates estimates = { .group = number, .done = done, .frames = frames };
-    RfGroup group = rf_group( &r->plan, number );
-    bool has_goal = r->settings.noise > 0.0 || r->settings.flicker > 0.0;
+    RfGroup group = rf_group( &r->setup->plan, number );
+    bool has_goal = r->setup->settings.noise > 0.0 || r->setup->settings.flicker > 0.0;
     for ( int frame = group.first; frame < group.first + group.eyes; ++frame )
     {
         const RfLiveFilm* live = rf_find_film( r, frame );
