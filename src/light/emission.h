@@ -42,7 +42,7 @@ bool rf_sample_emitter_of( const RfLights* lights, const RfScene* scene, uint32_
 
 // The emission in another direction from the same place: sets direction, radiance, pdf_solid_angle, throughput. Not of
 // infinite lights, whose emission does not depend on the place. False: nothing is emitted in that direction.
-bool rf_emit_towards( const RfLights* lights, const RfScene* scene, RfVec3 direction, RfEmission* emission );
+bool rf_emit_towards( const RfLights* lights, RfVec3 direction, RfEmission* emission );
 
 // Sets pdf_light, pdf_area and pdf_solid_angle of a ray whose light, position and direction are given, as
 // rf_sample_emission draws it; one of them is 0 if it never does. A delta is taken to be hit. For MIS.

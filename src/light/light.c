@@ -1,7 +1,7 @@
 #include "light/light.h"
 
 #include "base/fault.h"
-#include "light/tree_create.h"
+#include "light/kinds.h"
 #include "scene/leave_out.h"
 
 #include <stdlib.h>
@@ -32,11 +32,6 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
         rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
                                                              rf_largest_coordinate( vertex( t, triangle, 2 ) ) ) ) );
     return light;
-}
-
-static double power( const RfLight* light )
-{
-    return (double)rf_luminance( light->radiance ) * (double)light->area * ( light->two_sided ? 2.0 : 1.0 );
 }
 
 static bool emits( const RfScene* scene, uint32_t triangle )
@@ -97,12 +92,11 @@ static double fill_triangles( const RfScene* scene, RfLights* lights, double* po
         lights->of_triangle[i] = RF_NO_LIGHT;
         if ( !emits( scene, i ) )
             continue;
-        RfLight light = make_light( scene, i );
-        powers[k] = power( &light );
+        lights->light[k] = make_light( scene, i );
+        powers[k] = g_rf_light_models[RF_LIGHT_TRIANGLE].selection_power( lights, k );
         if ( !( powers[k] > 0.0 ) )
             continue; // no area, so nothing hits it; or its texture is black all over
         total += powers[k];
-        lights->light[k] = light;
         lights->of_triangle[i] = k++;
     }
     lights->triangle_count = k;
@@ -117,36 +111,35 @@ static void find_bounding_ball( const RfScene* scene, RfLights* lights )
     lights->inverse_radius = 1.0f / rf_maxf( lights->radius, RF_FAULT( empty_ball ) ? 0.0f : 1e-30f );
 }
 
-// Power over π, like that of the triangles. For lights at infinity: the flux
-// through the bounding ball of the scene.
-static double punctual_power( const RfPunctual* p, double radius )
-{
-    double luminance = (double)rf_luminance( p->intensity );
-    switch ( p->kind )
-    {
-        case RF_PUNCTUAL_POINT: return 4.0 * luminance;
-        case RF_PUNCTUAL_SPOT: return 2.0 * ( 1.0 - 0.5 * (double)( p->cos_inner + p->cos_outer ) ) * luminance;
-        case RF_PUNCTUAL_DIRECTIONAL: return radius * radius * luminance;
-    }
-    return 0.0;
-}
-
-static double sky_power( const RfSky* sky, double radius )
-{
-    return 4.0 * 3.14159265358979324 * radius * radius * (double)sky->mean_luminance;
-}
-
 // Appends the powers of the punctual lights and the sky, black ones included; returns their sum.
 static double append_non_area_lights( RfLights* lights, double* powers )
 {
-    double total = 0.0, radius = (double)lights->radius;
-    uint32_t k = lights->triangle_count;
-    for ( int i = 0; i < lights->punctual_count; ++i )
-        total += powers[k++] = punctual_power( lights->punctual + i, radius );
-    if ( rf_has_sky( lights ) )
-        total += powers[k++] = sky_power( &lights->sky, radius );
-    lights->count = k;
+    double total = 0.0;
+    lights->count = lights->triangle_count + (uint32_t)lights->punctual_count + rf_has_sky( lights );
+    for ( uint32_t i = lights->triangle_count; i < lights->count; ++i )
+        total += powers[i] = rf_light_model( lights, i )->selection_power( lights, i );
     return total;
+}
+
+// The tree over all lights but the sky, of which there must be one, and sky_scale.
+static RfResult create_light_tree( RfLights* lights, RfError* error )
+{
+    uint32_t count = lights->count - rf_has_sky( lights );
+    RfTreeLight* leaves = malloc( (size_t)( count + 1 ) * sizeof *leaves );
+    if ( leaves == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for a tree of %u lights", count );
+    double sum = rf_has_sky( lights ) ? 3.14159265358979324 * (double)lights->sky.mean_luminance : 0.0;
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        leaves[i] = rf_light_model( lights, i )->bound( lights, i );
+        sum += leaves[i].intensity;
+    }
+    for ( uint32_t i = 0; i < count; ++i )
+        leaves[i].intensity /= sum;
+    lights->sky_scale = rf_has_sky( lights ) ? (float)( 1.0 / sum ) : 0.0f;
+    RfResult result = rf_build_light_tree( leaves, count, lights->count, &lights->tree, error );
+    free( leaves );
+    return result;
 }
 
 static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t capacity, RfError* error )
@@ -163,7 +156,7 @@ static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t ca
     RfResult result = lights->count > 0 ? build_alias( lights, powers, total, error ) : RF_OK;
     free( powers );
     if ( result == RF_OK && rf_runs( scene, lights->count > RF_FEW_LIGHTS, RF_EFFECT_LIGHT_TREE ) )
-        result = rf_create_light_tree( lights, error );
+        result = create_light_tree( lights, error );
     return result;
 }
 
@@ -211,4 +204,43 @@ void rf_destroy_lights( RfLights* lights )
     free( lights->alias );
     free( lights->of_triangle );
     *lights = ( RfLights ){ 0 };
+}
+
+// The counts of a scene, of its lights too (reframe/scene.h).
+
+static RfVec3 in_world( const RfScene* scene, RfVec3 p )
+{
+    return rf_vec3( (float)( scene->origin[0] + (double)p.x ), (float)( scene->origin[1] + (double)p.y ),
+                    (float)( scene->origin[2] + (double)p.z ) );
+}
+
+RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error )
+{
+    RfLights lights = { 0 };
+    RfResult result = rf_collect_lights( scene, &lights, error );
+    if ( result != RF_OK )
+        return result;
+    *info = ( RfSceneInfo ){ .path = scene->path,
+                             .triangles = scene->triangles.count,
+                             .instances = scene->instance_count,
+                             .materials = scene->material_count,
+                             .lights = lights.count,
+                             .emitting_triangles = lights.triangle_count,
+                             .punctual_lights = scene->punctual_count,
+                             .has_sky = rf_has_sky( &lights ),
+                             .cameras = scene->camera_count,
+                             .bounds_min = in_world( scene, scene->bounds_min ),
+                             .bounds_max = in_world( scene, scene->bounds_max ),
+                             .origin = { scene->origin[0], scene->origin[1], scene->origin[2] },
+                             .fps = scene->fps,
+                             .width = scene->film_width,
+                             .height = scene->film_height,
+                             .moving = (const char* const*)scene->moving,
+                             .moving_count = scene->moving_count,
+                             .export_warnings = (const char* const*)scene->export_warnings,
+                             .export_warning_count = scene->export_warning_count };
+    for ( uint32_t i = 0; i < lights.triangle_count; ++i )
+        info->emitting_area += (double)lights.light[i].area;
+    rf_destroy_lights( &lights );
+    return RF_OK;
 }

@@ -1,7 +1,6 @@
-// The lights of a scene: emissive triangles, punctual lights, the environment.
-// Collected once. One is selected in proportion to its estimated contribution at
-// the shading point (light/tree.h), or to its power (alias table); triangles are
-// then sampled uniformly by area, the environment by direction.
+// The lights of a scene: emissive triangles, punctual lights, the environment. Collected once. One is selected in proportion to
+// its estimated contribution at the shading point (light/tree.h), or to its power (alias table); triangles are then sampled
+// uniformly by area, the environment by direction.
 #ifndef REFRAME_LIGHT_LIGHT_H
 #define REFRAME_LIGHT_LIGHT_H
 
@@ -12,6 +11,24 @@
 #include "scene/textured.h"
 
 #include <stddef.h>
+
+// The kinds of a light. One more is a row here and its functions in light/kinds.c, whose table has the other half of the name;
+// the compiler then names the switches that lack it (rf_light_kind below, path/direct.c, light_paths/light_paths.c).
+// clang-format off
+#define RF_LIGHT_KINDS( X ) \
+    X( TRIANGLE, triangle ) \
+    X( POINT, point ) \
+    X( SPOT, spot ) \
+    X( DIRECTIONAL, directional ) \
+    X( SKY, sky )
+// clang-format on
+
+typedef enum RfLightKind
+{
+#define RF_LIGHT_KIND( NAME, name ) RF_LIGHT_##NAME,
+    RF_LIGHT_KINDS( RF_LIGHT_KIND )
+#undef RF_LIGHT_KIND
+} RfLightKind;
 
 // Up to so many lights are selected by power: a lamp of two triangles needs no tree.
 #define RF_FEW_LIGHTS 2
@@ -57,6 +74,28 @@ void rf_destroy_lights( RfLights* lights );
 static inline bool rf_has_sky( const RfLights* lights )
 {
     return rf_calls_for( lights->sky.environment != NULL, RF_EFFECT_ENVIRONMENT );
+}
+
+// The punctual light of this number, which must be one.
+static inline const RfPunctual* rf_punctual_light( const RfLights* lights, uint32_t light )
+{
+    return lights->punctual + ( light - lights->triangle_count );
+}
+
+static inline RfLightKind rf_light_kind( const RfLights* lights, uint32_t light )
+{
+    if ( light < lights->triangle_count )
+        return RF_LIGHT_TRIANGLE;
+    if ( rf_calls_for( light - lights->triangle_count < (uint32_t)lights->punctual_count, RF_EFFECT_PUNCTUAL_LIGHTS ) )
+    {
+        switch ( rf_punctual_light( lights, light )->kind )
+        {
+            case RF_PUNCTUAL_POINT: return RF_LIGHT_POINT;
+            case RF_PUNCTUAL_SPOT: return RF_LIGHT_SPOT;
+            case RF_PUNCTUAL_DIRECTIONAL: return RF_LIGHT_DIRECTIONAL;
+        }
+    }
+    return RF_LIGHT_SKY;
 }
 
 // Radiance at the barycentrics (b1, b2) of an area light, as seen by a light

@@ -329,10 +329,15 @@ static bool is_connected( const RfTracer* tracer, const RfLightPaths* paths, uin
 {
     const RfLights* lights = rf_tracer_lights( tracer );
     const RfScene* scene = rf_tracer_scene( tracer );
-    if ( light < lights->triangle_count )
-        return paths->connected[scene->triangles.material[lights->light[light].triangle]];
-    bool sky = light >= lights->triangle_count + (uint32_t)lights->punctual_count;
-    return !sky || paths->connected[scene->material_count];
+    switch ( rf_light_kind( lights, light ) )
+    {
+        case RF_LIGHT_TRIANGLE: return paths->connected[scene->triangles.material[lights->light[light].triangle]];
+        case RF_LIGHT_POINT:
+        case RF_LIGHT_SPOT:
+        case RF_LIGHT_DIRECTIONAL: return true;
+        case RF_LIGHT_SKY: return paths->connected[scene->material_count];
+    }
+    return true;
 }
 
 static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
@@ -446,7 +451,7 @@ static bool emit( const RfEstimatorGroup* group, const RfLightPaths* paths, RfRa
     if ( !e->infinite )
     {
         RfVec3 way = rf_sub( to, rf_madd( e->position, e->normal, e->offset ) );
-        return rf_dot( way, way ) > 0.0f && rf_emit_towards( lights, rf_tracer_scene( group->tracer ), rf_normalize( way ), e );
+        return rf_dot( way, way ) > 0.0f && rf_emit_towards( lights, rf_normalize( way ), e );
     }
     float back = rf_dot( rf_sub( to, lights->center ), e->direction ) + 1.1f * lights->radius;
     e->position = rf_madd( to, e->direction, -back );

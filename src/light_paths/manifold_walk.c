@@ -367,8 +367,7 @@ void rf_walk_manifold( const RfTracer* tracer, int count, RfManifoldWalk* walks,
             tried[i].start = e;
             tried[i].events = b->at.events;
             tried[i].length = b->at.length;
-            active[i] = e.infinite ||
-                        rf_emit_towards( rf_tracer_lights( tracer ), rf_tracer_scene( tracer ), e.direction, &tried[i].start );
+            active[i] = e.infinite || rf_emit_towards( rf_tracer_lights( tracer ), e.direction, &tried[i].start );
             any = true;
             if ( !active[i] )
                 tried[i].length = 0;

@@ -21,7 +21,7 @@ static bool draw_start( const RfConnectionWork* w, const RfConnection* connectio
     }
     float versine = 0.5f * chord * chord, sine = sqrtf( versine * ( 2.0f - versine ) );
     RfVec3 d = rf_normalize( rf_madd( rf_scale( across, sine ), e->direction, 1.0f - versine ) );
-    return rf_emit_towards( rf_tracer_lights( tracer ), rf_tracer_scene( tracer ), d, e );
+    return rf_emit_towards( rf_tracer_lights( tracer ), d, e );
 }
 
 // One more trial of the connections that are pending: light paths from around the solution, until one is found that a walk

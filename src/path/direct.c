@@ -33,16 +33,20 @@ static void set_bright( const RfPunctual* p, double scale, float probability, No
     sample->pdf_solid_angle = probability * (float)delta;
 }
 
-static NonAreaSample sample_punctual( const RfLights* lights, const RfPunctual* p, float probability, RfVec3 from )
+static NonAreaSample sample_directional( const RfLights* lights, const RfPunctual* p, float probability, RfVec3 from )
+{
+    return ( NonAreaSample ){
+        .wi = rf_scale( p->direction, -1.0f ),
+        .radiance = rf_scale( p->intensity, RF_DELTA_PDF ),
+        .pdf_solid_angle = probability * RF_DELTA_PDF,
+        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
+    };
+}
+
+// Of point and spot lights.
+static NonAreaSample sample_lamp( const RfLights* lights, const RfPunctual* p, float probability, RfVec3 from )
 {
     NonAreaSample sample = { .pdf_solid_angle = probability * RF_DELTA_PDF };
-    if ( p->kind == RF_PUNCTUAL_DIRECTIONAL )
-    {
-        sample.wi = rf_scale( p->direction, -1.0f );
-        sample.distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius );
-        sample.radiance = rf_scale( p->intensity, RF_DELTA_PDF );
-        return sample;
-    }
     RfVec3 to_light = rf_sub( p->position, from );
     float d2 = rf_dot( to_light, to_light );
     sample.distance = sqrtf( d2 );
@@ -86,10 +90,17 @@ static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32
 static NonAreaSample sample_non_area( const RfLights* lights, RfLightSelection selection, RfRandomKey key, uint32_t dimension,
                                       const float u[2], RfVec3 from )
 {
-    int number = (int)( selection.light - lights->triangle_count );
-    return rf_calls_for( number < lights->punctual_count, RF_EFFECT_PUNCTUAL_LIGHTS )
-               ? sample_punctual( lights, lights->punctual + number, selection.probability, from )
-               : sample_sky( lights, key, dimension, u, selection.probability, from );
+    float probability = selection.probability;
+    switch ( rf_light_kind( lights, selection.light ) )
+    {
+        case RF_LIGHT_TRIANGLE: break; // sampled in the vector loop
+        case RF_LIGHT_POINT:
+        case RF_LIGHT_SPOT: return sample_lamp( lights, rf_punctual_light( lights, selection.light ), probability, from );
+        case RF_LIGHT_DIRECTIONAL:
+            return sample_directional( lights, rf_punctual_light( lights, selection.light ), probability, from );
+        case RF_LIGHT_SKY: return sample_sky( lights, key, dimension, u, probability, from );
+    }
+    return ( NonAreaSample ){ 0 };
 }
 
 // The sampled points on the lights, gathered for the vector loop.

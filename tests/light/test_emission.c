@@ -278,7 +278,7 @@ static void test_steered_rays( void** state )
         RfEmission e, plain;
         if ( !rf_sample_emitter( &lights, &scene, u, &e ) || e.infinite )
             continue;
-        bool emits = rf_emit_towards( &lights, &scene, sphere_direction( u[4], u[5] ), &e );
+        bool emits = rf_emit_towards( &lights, sphere_direction( u[4], u[5] ), &e );
         if ( e.light < lights.triangle_count )
             assert_true( emits == ( rf_dot( e.normal, e.direction ) > 0.0f ) );
         if ( !emits )

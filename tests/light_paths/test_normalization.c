@@ -91,7 +91,7 @@ static double count_found( const LightPathSet* s, const RfConnection* connection
         RfVec3 across = rf_scale( rf_add( rf_scale( t, x ), rf_scale( b, z ) ), sqrtf( 1.0f - 0.25f * chord2 ) );
         RfVec3 towards = rf_normalize( rf_madd( across, connection->chain.start.direction, 1.0f - 0.5f * chord2 ) );
         *chain = connection->chain;
-        bool active = rf_emit_towards( rf_tracer_lights( s->tracer ), rf_tracer_scene( s->tracer ), towards, &chain->start );
+        bool active = rf_emit_towards( rf_tracer_lights( s->tracer ), towards, &chain->start );
         RfLanding land;
         rf_walk_chains( s->tracer, RF_CHAIN_COPY, NULL, &active, 1, &chain, &land, &rays );
         if ( !active || chain->length == 0 )

@@ -181,7 +181,7 @@ static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths
 {
     for ( uint32_t i = 0; i < paths->light_count; ++i )
     {
-        if ( paths->light[i] >= rf_tracer_lights( group->tracer )->triangle_count )
+        if ( rf_light_kind( rf_tracer_lights( group->tracer ), paths->light[i] ) != RF_LIGHT_TRIANGLE )
             return LEAST_NEEDED;
     }
     return group->settings->light_paths == RF_LIGHT_PATHS_ON ? 1 : 0;

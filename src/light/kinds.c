@@ -1,0 +1,380 @@
+// The kinds of a light, one after the other, and the table of them.
+#include "light/kinds.h"
+
+#include "base/random.h"
+#include "light/punctual.h"
+
+#include <math.h>
+
+#define PI 3.14159265358979324
+
+// Distance of directional lights in the light tree, in radii of the scene. Their direction is off by at most its inverse, which
+// the slack of rf_light_importance covers.
+#define DISTANT 1e4
+
+// Shared by several kinds.
+
+static bool shines( RfVec3 v )
+{
+    float most = rf_max_component( v );
+    return most > 0.0f && most < INFINITY;
+}
+
+// False if floats do not hold the throughput.
+static bool set_throughput( RfEmission* e, double cosine )
+{
+    double scale = cosine / ( (double)e->pdf_light * (double)e->pdf_area * (double)e->pdf_solid_angle );
+    e->throughput = rf_vec3( (float)( (double)e->radiance.x * scale ), (float)( (double)e->radiance.y * scale ),
+                             (float)( (double)e->radiance.z * scale ) );
+    return shines( e->throughput );
+}
+
+// The direction of this cosine to a unit axis.
+static RfVec3 around( RfVec3 axis, double cosine, float turn )
+{
+    RfVec3 t, b;
+    rf_basis( axis, &t, &b );
+    double sine = sqrt( fmax( ( 1.0 - cosine ) * ( 1.0 + cosine ), 0.0 ) ), phi = 2.0 * PI * (double)turn;
+    RfVec3 across = rf_add( rf_scale( t, (float)( sine * cos( phi ) ) ), rf_scale( b, (float)( sine * sin( phi ) ) ) );
+    return rf_normalize( rf_madd( across, axis, (float)cosine ) );
+}
+
+static void set_axis( RfTreeLight* out, RfVec3 v )
+{
+    double x = (double)v.x, y = (double)v.y, z = (double)v.z, length = sqrt( x * x + y * y + z * z );
+    out->axis[0] = x / length;
+    out->axis[1] = y / length;
+    out->axis[2] = z / length;
+}
+
+static void extend_box( RfTreeLight* out, const RfLights* lights, RfVec3 p )
+{
+    double p_ball[3] = { (double)p.x - (double)lights->center.x, (double)p.y - (double)lights->center.y,
+                         (double)p.z - (double)lights->center.z };
+    for ( int i = 0; i < 3; ++i )
+    {
+        p_ball[i] *= (double)lights->inverse_radius;
+        out->low[i] = fmin( out->low[i], p_ball[i] );
+        out->high[i] = fmax( out->high[i], p_ball[i] );
+    }
+}
+
+static RfTreeLight empty( uint32_t number )
+{
+    return ( RfTreeLight ){ .low = { INFINITY, INFINITY, INFINITY },
+                            .high = { -INFINITY, -INFINITY, -INFINITY },
+                            .axis = { 0, 0, 1 },
+                            .cos_spread = -1.0,
+                            .light = number };
+}
+
+// Scales intensities: the tree measures distances in radii of the scene.
+static double per_ball( const RfLights* lights ) { return (double)lights->inverse_radius * (double)lights->inverse_radius; }
+
+// Emissive triangles.
+
+static bool is_two_sided( const RfLight* light ) { return rf_calls_for( light->two_sided, RF_EFFECT_TWO_SIDED_EMISSION ); }
+
+static double triangle_selection_power( const RfLights* lights, uint32_t number )
+{
+    const RfLight* light = lights->light + number;
+    return (double)rf_luminance( light->radiance ) * (double)light->area * ( light->two_sided ? 2.0 : 1.0 );
+}
+
+static RfTreeLight triangle_bound( const RfLights* lights, uint32_t number )
+{
+    const RfLight* light = lights->light + number;
+    RfTreeLight out = empty( number );
+    extend_box( &out, lights, light->p0 );
+    extend_box( &out, lights, rf_add( light->p0, light->e1 ) );
+    extend_box( &out, lights, rf_add( light->p0, light->e2 ) );
+    set_axis( &out, light->normal );
+    out.cos_spread = 1.0;
+    out.two_sided = light->two_sided;
+    out.intensity = (double)rf_luminance( light->radiance ) * (double)light->area * per_ball( lights );
+    return out;
+}
+
+static double triangle_power( const RfLights* lights, uint32_t number )
+{
+    const RfLight* light = lights->light + number;
+    return PI * (double)rf_luminance( light->radiance ) * (double)light->area * ( is_two_sided( light ) ? 2.0 : 1.0 );
+}
+
+static bool triangle_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
+{
+    const RfLight* light = lights->light + e->light;
+    float root = sqrtf( u[0] ), b1 = 1.0f - root, b2 = u[1] * root;
+    e->position = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
+    e->normal = light->normal;
+    if ( is_two_sided( light ) )
+    {
+        e->normal = rf_scale( light->normal, side < 0.5f ? 1.0f : -1.0f );
+        e->pdf_light *= 0.5f;
+    }
+    e->pdf_area = light->pdf_area;
+    e->offset = light->offset;
+    e->radiance = rf_light_radiance( scene, light, b1, b2 );
+    return shines( e->radiance );
+}
+
+// The radiance of a point is the same in all directions.
+static bool triangle_emit( const RfLights* lights, RfEmission* e )
+{
+    (void)lights;
+    float cosine = rf_dot( e->normal, e->direction );
+    e->pdf_solid_angle = cosine * RF_INV_PI;
+    return cosine > 0.0f && set_throughput( e, (double)cosine );
+}
+
+static bool triangle_steer( const RfLights* lights, const float u[2], RfEmission* e )
+{
+    e->direction = around( e->normal, sqrt( 1.0 - (double)u[0] ), u[1] );
+    return triangle_emit( lights, e );
+}
+
+// One side emits unless both do.
+static void triangle_find_pdf( const RfLights* lights, RfEmission* e )
+{
+    const RfLight* light = lights->light + e->light;
+    float cosine = rf_dot( light->normal, e->direction );
+    if ( is_two_sided( light ) )
+    {
+        cosine = fabsf( cosine );
+        e->pdf_light *= 0.5f;
+    }
+    e->pdf_area = light->pdf_area;
+    e->pdf_solid_angle = rf_maxf( cosine, 0.0f ) * RF_INV_PI;
+}
+
+// Point lights.
+
+static double luminance_of( const RfPunctual* lamp ) { return (double)rf_luminance( lamp->intensity ); }
+
+static double point_selection_power( const RfLights* lights, uint32_t light )
+{
+    return 4.0 * luminance_of( rf_punctual_light( lights, light ) );
+}
+
+static RfTreeLight point_bound( const RfLights* lights, uint32_t light )
+{
+    const RfPunctual* lamp = rf_punctual_light( lights, light );
+    RfTreeLight out = empty( light );
+    out.intensity = luminance_of( lamp ) * per_ball( lights );
+    extend_box( &out, lights, lamp->position );
+    return out;
+}
+
+static double point_power( const RfLights* lights, uint32_t light )
+{
+    return 4.0 * PI * luminance_of( rf_punctual_light( lights, light ) );
+}
+
+static bool point_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
+{
+    (void)scene, (void)side, (void)u;
+    const RfPunctual* lamp = rf_punctual_light( lights, e->light );
+    e->delta_position = true;
+    e->position = lamp->position;
+    e->pdf_area = 1.0f;
+    e->range = lamp->range;
+    return shines( lamp->intensity );
+}
+
+static void point_find_pdf( const RfLights* lights, RfEmission* e )
+{
+    (void)lights;
+    e->pdf_solid_angle = 0.25f * RF_INV_PI;
+}
+
+static bool point_emit( const RfLights* lights, RfEmission* e )
+{
+    e->normal = e->direction;
+    e->radiance = rf_punctual_light( lights, e->light )->intensity;
+    e->pdf_solid_angle = 0.25f * RF_INV_PI;
+    return set_throughput( e, 1.0 );
+}
+
+static bool point_steer( const RfLights* lights, const float u[2], RfEmission* e )
+{
+    e->direction = around( rf_vec3( 0, 0, 1 ), 1.0 - 2.0 * (double)u[0], u[1] );
+    return point_emit( lights, e );
+}
+
+// Spot lights: point lights with a cone.
+
+// The integral of the falloff over the cosines to the axis: solid angle over 2π.
+static double spot_integral( const RfPunctual* spot )
+{
+    double outer = (double)spot->cos_outer, blend = (double)rf_spot_blend( spot ), most = fmin( 1.0, ( 1.0 - outer ) / blend );
+    return blend * most * most * most / 3.0 + fmax( 1.0 - outer - blend, 0.0 );
+}
+
+// The falloff is taken for half on average between the cones.
+static double spot_selection_power( const RfLights* lights, uint32_t light )
+{
+    const RfPunctual* spot = rf_punctual_light( lights, light );
+    return 2.0 * ( 1.0 - 0.5 * (double)( spot->cos_inner + spot->cos_outer ) ) * luminance_of( spot );
+}
+
+static RfTreeLight spot_bound( const RfLights* lights, uint32_t light )
+{
+    const RfPunctual* spot = rf_punctual_light( lights, light );
+    RfTreeLight out = point_bound( lights, light );
+    set_axis( &out, spot->direction );
+    out.cos_spread = (double)spot->cos_inner;
+    out.cos_emission = cos( acos( (double)spot->cos_outer ) - acos( (double)spot->cos_inner ) );
+    return out;
+}
+
+static double spot_power( const RfLights* lights, uint32_t light )
+{
+    const RfPunctual* spot = rf_punctual_light( lights, light );
+    return 2.0 * PI * spot_integral( spot ) * luminance_of( spot );
+}
+
+static bool spot_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
+{
+    return point_sample_emitter( lights, scene, side, u, e );
+}
+
+static bool spot_emit( const RfLights* lights, RfEmission* e )
+{
+    const RfPunctual* spot = rf_punctual_light( lights, e->light );
+    e->normal = e->direction;
+    float falloff = rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) );
+    e->radiance = rf_scale( spot->intensity, falloff );
+    e->pdf_solid_angle = (float)( (double)falloff / ( 2.0 * PI * spot_integral( spot ) ) );
+    return falloff > 0.0f && set_throughput( e, 1.0 );
+}
+
+// In proportion to the falloff, whose integral is a cubic and then a line.
+static bool spot_steer( const RfLights* lights, const float u[2], RfEmission* e )
+{
+    const RfPunctual* spot = rf_punctual_light( lights, e->light );
+    double blend = (double)rf_spot_blend( spot ), at = (double)u[0] * spot_integral( spot ), flat = at - blend / 3.0;
+    double cosine = (double)spot->cos_outer + ( flat < 0.0 ? blend * cbrt( 3.0 * at / blend ) : blend + flat );
+    e->direction = around( spot->direction, fmin( cosine, 1.0 ), u[1] );
+    return spot_emit( lights, e );
+}
+
+static void spot_find_pdf( const RfLights* lights, RfEmission* e )
+{
+    const RfPunctual* spot = rf_punctual_light( lights, e->light );
+    e->pdf_solid_angle = (float)( (double)rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) ) /
+                                  ( 2.0 * PI * spot_integral( spot ) ) );
+}
+
+// Directional lights. Like those of the sky, their rays start on the disc that covers the scene's bounding ball.
+
+static double disc_area( const RfLights* lights ) { return PI * (double)lights->radius * (double)lights->radius; }
+
+// The disc lies a little before the ball.
+static bool steer_on_disc( const RfLights* lights, const float u[2], RfEmission* e )
+{
+    RfVec3 t, b;
+    rf_basis( e->direction, &t, &b );
+    float r = lights->radius * sqrtf( u[0] ), phi = 2.0f * RF_PI * u[1];
+    RfVec3 p = rf_madd( rf_madd( lights->center, t, r * cosf( phi ) ), b, r * sinf( phi ) );
+    e->position = rf_madd( p, e->direction, -1.01f * lights->radius );
+    e->pdf_area = (float)( 1.0 / disc_area( lights ) );
+    return set_throughput( e, 1.0 );
+}
+
+static float disc_pdf( const RfLights* lights, RfVec3 position, RfVec3 direction )
+{
+    RfVec3 across = rf_cross( rf_sub( lights->center, position ), direction );
+    return rf_dot( across, across ) <= lights->radius * lights->radius ? (float)( 1.0 / disc_area( lights ) ) : 0.0f;
+}
+
+static double directional_selection_power( const RfLights* lights, uint32_t light )
+{
+    return (double)lights->radius * (double)lights->radius * luminance_of( rf_punctual_light( lights, light ) );
+}
+
+static RfTreeLight directional_bound( const RfLights* lights, uint32_t light )
+{
+    const RfPunctual* sun = rf_punctual_light( lights, light );
+    RfTreeLight out = empty( light );
+    set_axis( &out, sun->direction );
+    for ( int i = 0; i < 3; ++i )
+        out.low[i] = out.high[i] = -DISTANT * out.axis[i];
+    out.intensity = luminance_of( sun ) * DISTANT * DISTANT;
+    return out;
+}
+
+static double directional_power( const RfLights* lights, uint32_t light )
+{
+    return disc_area( lights ) * luminance_of( rf_punctual_light( lights, light ) );
+}
+
+static bool directional_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2],
+                                        RfEmission* e )
+{
+    (void)scene, (void)side, (void)u;
+    const RfPunctual* sun = rf_punctual_light( lights, e->light );
+    e->infinite = true;
+    e->delta_direction = true;
+    e->pdf_solid_angle = 1.0f;
+    e->direction = e->normal = sun->direction;
+    e->radiance = sun->intensity;
+    return shines( e->radiance );
+}
+
+static bool directional_steer( const RfLights* lights, const float u[2], RfEmission* e ) { return steer_on_disc( lights, u, e ); }
+
+#define directional_emit NULL
+
+static void directional_find_pdf( const RfLights* lights, RfEmission* e )
+{
+    e->pdf_area = disc_pdf( lights, e->position, e->direction );
+}
+
+// The sky.
+
+static double sky_selection_power( const RfLights* lights, uint32_t light )
+{
+    (void)light;
+    double radius = (double)lights->radius;
+    return 4.0 * PI * radius * radius * (double)lights->sky.mean_luminance;
+}
+
+#define sky_bound NULL
+
+static double sky_power( const RfLights* lights, uint32_t light )
+{
+    (void)light;
+    return 4.0 * PI * (double)lights->sky.mean_luminance * disc_area( lights );
+}
+
+// By two numbers: within a pixel of the map by a hash of them.
+static bool sky_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
+{
+    (void)scene, (void)side;
+    const RfSky* sky = &lights->sky;
+    uint32_t bits[2] = { (uint32_t)( (double)u[0] * 0x1p32 ), (uint32_t)( (double)u[1] * 0x1p32 ) };
+    RfRandomKey key = { bits[0], bits[1] };
+    float within[2] = { rf_random( key, 0 ), rf_random( key, 1 ) };
+    RfSkySample s = rf_sample_sky( sky, bits, sky->environment->map != NULL ? within : u );
+    e->infinite = true;
+    e->direction = e->normal = rf_scale( s.wi, -1.0f );
+    e->radiance = s.radiance;
+    e->pdf_solid_angle = s.pdf_solid_angle;
+    return shines( e->radiance );
+}
+
+static bool sky_steer( const RfLights* lights, const float u[2], RfEmission* e ) { return steer_on_disc( lights, u, e ); }
+
+#define sky_emit NULL
+
+static void sky_find_pdf( const RfLights* lights, RfEmission* e )
+{
+    e->pdf_solid_angle = rf_sky_pdf_solid_angle( &lights->sky, rf_scale( e->direction, -1.0f ) );
+    e->pdf_area = disc_pdf( lights, e->position, e->direction );
+}
+
+#define ROW( NAME, name )                                                                                                        \
+    [RF_LIGHT_##NAME] = { name##_selection_power, name##_bound, name##_power,   name##_sample_emitter,                           \
+                          name##_steer,           name##_emit,  name##_find_pdf },
+
+const RfLightModel g_rf_light_models[] = { RF_LIGHT_KINDS( ROW ) };
