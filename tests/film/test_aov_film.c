@@ -152,7 +152,7 @@ static void test_moving_wall_by_hand( void** state )
         assert_all( middle, f->pixels, 4, 0, 0.1 * pixels_per_m, 1e-4, "motion.X" );
         assert_all( middle, f->pixels, 4, 1, 0.0, 1e-5, "motion.Y" );
         assert_all( middle, f->pixels, 4, 2, -0.2 * pixels_per_m, 1e-4, "motion.Z" );
-        assert_all( middle, f->pixels, 4, 3, -0.05 * pixels_per_m, 1e-4, "motion.W" ); // the eye rises, the wall sinks
+        assert_all( middle, f->pixels, 4, 3, -0.05 * pixels_per_m, 1e-4, "motion.W" ); // the camera rises, the wall sinks
         assert_all( last, f->pixels, 4, 1, 0.05 * pixels_per_m, 1e-4, "last motion.Y" );
         assert_all( last, f->pixels, 4, 3, 0.0, 0.0, "no frame after" );
         free_frames( f );
@@ -233,7 +233,7 @@ static void test_edges_and_empty_pixels( void** state )
     assert_int_equal( partial, HEIGHT );
     free_frames( f );
 
-    // turned around: the wall is behind the other eye, as is what is infinitely far
+    // turned around: the wall is behind the other camera, as is what is infinitely far
     eyes[1] = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 1 ) );
     f = render_layers( tracer, eyes, 2, 0, 2, &settings );
     for ( int c = 0; c < 4; ++c )

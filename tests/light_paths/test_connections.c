@@ -99,7 +99,7 @@ static void test_large_emitters_are_left_to_chance( void** state )
     rf_destroy_scene( &scene );
 }
 
-// Of a film of one eye: at first the tables and the batches traced ahead.
+// Of a film of one camera: at first the tables and the batches traced ahead.
 static size_t bytes_of( int width, int height )
 {
     RfRenderSettings settings = connected( 0 );

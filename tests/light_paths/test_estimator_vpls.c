@@ -1,4 +1,4 @@
-// Light of the second kind, which a caustic throws on other surfaces, without bias: a room whose lamp shines on a mirror alone,
+// Indirect light from caustics, without bias: a room whose lamp shines on a mirror alone,
 // against paths that hit it by chance. Welch tests over 16 seeds.
 #include "support/chain_checks.h"
 #include "support/scene_builder.h"
@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-// The room has a floor that VPLs and eyes see in all ways: matte and glossy, flat and curved, and corners, where connections to
+// The room has a floor that VPLs and cameras see in all ways: matte and glossy, flat and curved, and corners, where connections to
 // VPLs have small weights. The lamp has the same power in any size.
 static RfScene make_indirect_room( float half )
 {
@@ -30,7 +30,7 @@ static RfScene make_indirect_room( float half )
               rf_vec3( -half, 2.3f, -half ) );
     add_quad( &b, mirror, rf_vec3( -2.0f, 2.95f, -2.0f ), rf_vec3( 2.0f, 2.95f, -2.0f ), rf_vec3( 2.0f, 2.95f, 2.0f ),
               rf_vec3( -2.0f, 2.95f, 2.0f ) );
-    // and one that the eyes see
+    // and one that the cameras see
     add_quad( &b, mirror, rf_vec3( -0.3f, 0.8f, -1.95f ), rf_vec3( 0.3f, 0.8f, -1.95f ), rf_vec3( 0.3f, 1.6f, -1.95f ),
               rf_vec3( -0.3f, 1.6f, -1.95f ) );
     return finish_scene( &b );
@@ -41,7 +41,7 @@ static void test_light_of_the_second_kind( void** state )
     (void)state;
     const ChainSetting settings[2] = { { .group = 0, .tile = "1", .spp = 6, .connected = true },
                                        { .group = 3, .tile = "3x3", .spp = 7, .connected = true } };
-    ChainCase c = chain_case( "light of the second kind", 5 );
+    ChainCase c = chain_case( "indirect light from caustics", 5 );
     c.settings = settings;
     c.setting_count = 2;
     check_chains( &c, make_indirect_room( 1.2f ) );

@@ -20,7 +20,7 @@
 #define PARTICLES 400000
 #define MOST_SIGMAS 4.5
 
-// An eye vertex a part of the footprint away from where a light path lands, and the connection from that path to it, solved.
+// A camera vertex a part of the footprint away from where a light path lands, and the connection from that path to it, solved.
 static bool solve_connection( const LightPathSet* s, const RfLightPath* path, float part, RfVertexLanes* v,
                               RfConnection* connection )
 {
@@ -145,7 +145,7 @@ static void test_repeated_trials_are_one_over_the_probability( void** state )
     rf_destroy_scene( &scene );
 }
 
-// An eye vertex where a particle landed, facing its VPL, and the connection between them.
+// A camera vertex where a particle landed, facing its VPL, and the connection between them.
 static bool find_vpl_connection( const LightPathSet* s, const RfScatteredPath* particle, RfConnectionWork* work,
                                  RfVertexLanes* v )
 {
