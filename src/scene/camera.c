@@ -5,7 +5,7 @@
 #include "scene/eye.h"
 #include "scene/json/json_document.h"
 #include "scene/leave_out.h"
-#include "scene/pinhole.h"
+#include "scene/projection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -236,10 +236,14 @@ static bool in_range( const double* origin )
 // Makes a fresh eye orthographic or panoramic.
 static void project_otherwise( RfEye* eye, RfProjectionKind projection, double ymag )
 {
-    if ( projection == RF_ORTHOGRAPHIC )
-        *eye = rf_make_orthographic_eye( eye->origin, eye->forward, eye->up, ymag, eye->width, eye->height );
-    if ( projection == RF_PANORAMIC )
-        *eye = rf_make_panoramic_eye( eye->origin, eye->forward, eye->up, eye->width, eye->height );
+    switch ( projection )
+    {
+        case RF_PERSPECTIVE: break;
+        case RF_ORTHOGRAPHIC:
+            *eye = rf_make_orthographic_eye( eye->origin, eye->forward, eye->up, ymag, eye->width, eye->height );
+            break;
+        case RF_PANORAMIC: *eye = rf_make_panoramic_eye( eye->origin, eye->forward, eye->up, eye->width, eye->height ); break;
+    }
 }
 
 static RfResult node_eye( const RfScene* scene, const RfCamera* self, double time, int width, int height, RfEye* eye,
@@ -504,10 +508,10 @@ static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics
                         "camera '%.60s': a focus changes nothing without an aperture: give it an f-number", m->camera->name );
     if ( result != RF_OK || !( radius > 0.0 ) )
         return result;
-    if ( eye->projection == RF_PANORAMIC )
+    if ( !rf_projection_traits( rf_projection_of( eye ) )->takes_lens )
         return rf_fail( m->error, RF_ERROR_SCENE,
-                        "camera '%.60s': a panoramic camera has no depth of field here: leave the aperture out",
-                        m->camera->name );
+                        "camera '%.60s': a %s camera has no depth of field here: leave the aperture out", m->camera->name,
+                        g_rf_projection_names[eye->projection] );
     if ( node != NULL && !( focus > 0.0 ) )
         result = distance_of_node( m, eye, node, &focus );
     if ( result == RF_OK && !( focus > 0.0 ) )

@@ -120,16 +120,20 @@ RfEye rf_sample_eye( const RfEye* eye, RfLensSample sample )
         rf_lens_point( eye, sample.u, sample.v, point );
         float x = eye->lens_radius * point[0], y = eye->lens_radius * point[1];
         out.origin = rf_madd( rf_madd( out.origin, out.right, x ), out.up, y );
-        if ( eye->projection == RF_ORTHOGRAPHIC )
+        switch ( (RfProjectionKind)eye->projection )
         {
-            out.shear_x = -x / eye->focus;
-            out.shear_y = -y / eye->focus;
-        }
-        else
-        {
-            float focus = RF_FAULT( focus_order ) ? eye->focus * eye->focus / eye->focus : eye->focus;
-            out.axis_x += out.focal_x * x / focus;
-            out.axis_y -= out.focal * y / eye->focus;
+            case RF_ORTHOGRAPHIC:
+                out.shear_x = -x / eye->focus;
+                out.shear_y = -y / eye->focus;
+                break;
+            case RF_PERSPECTIVE:
+            {
+                float focus = RF_FAULT( focus_order ) ? eye->focus * eye->focus / eye->focus : eye->focus;
+                out.axis_x += out.focal_x * x / focus;
+                out.axis_y -= out.focal * y / eye->focus;
+                break;
+            }
+            case RF_PANORAMIC: break; // takes no lens
         }
     }
     out.lens_radius = 0.0f;

@@ -4,6 +4,15 @@
 
 #include <math.h>
 
+#define TRAITS( kind, ... ) [kind] = { __VA_ARGS__ },
+#define NAME( kind, name, ... ) [kind] = name,
+
+static const RfProjectionTraits s_traits[] = { RF_PROJECTIONS( TRAITS ) };
+
+const char* const g_rf_projection_names[] = { RF_PROJECTIONS( NAME ) NULL };
+
+const RfProjectionTraits* rf_projection_traits( RfProjectionKind kind ) { return s_traits + kind; }
+
 float rf_eye_reach( const RfEye* eye )
 {
     float reach = rf_largest_coordinate( eye->origin );
@@ -25,15 +34,15 @@ void rf_eye_ray( const RfEye* eye, const float inverse[2], int column, int row, 
 {
     float x = ( (float)column + u - eye->axis_x ) * inverse[0], y = ( eye->axis_y - (float)row - v ) * inverse[1];
     *o = eye->origin;
-    if ( eye->projection == RF_PANORAMIC )
-        *d = panoramic_direction( eye, x, y );
-    else if ( rf_is_parallel( eye ) )
+    switch ( rf_projection_of( eye ) )
     {
-        *o = rf_madd( rf_madd( eye->origin, eye->right, x ), eye->up, y );
-        *d = rf_normalize( rf_parallel_direction( eye ) );
+        case RF_PERSPECTIVE: *d = rf_pinhole_ray( eye, inverse, column, row, u, v ); break;
+        case RF_ORTHOGRAPHIC:
+            *o = rf_madd( rf_madd( eye->origin, eye->right, x ), eye->up, y );
+            *d = rf_normalize( rf_parallel_direction( eye ) );
+            break;
+        case RF_PANORAMIC: *d = panoramic_direction( eye, x, y ); break;
     }
-    else
-        *d = rf_pinhole_ray( eye, inverse, column, row, u, v );
 }
 
 // Pixels from where `forward` meets the film, +y up.
@@ -54,16 +63,24 @@ bool rf_eye_position( const RfEye* eye, RfVec3 point, bool infinite, float at[2]
 {
     RfVec3 way = infinite ? point : rf_sub( point, eye->origin );
     float depth = rf_dot( way, eye->forward );
+    bool seen = false;
     at[0] = at[1] = 0.0f;
-    if ( rf_is_perspective( eye ) )
-        return rf_pinhole_position( eye, way, at ) > 0.0f;
-    if ( rf_is_parallel( eye ) && !infinite )
-        parallel_position( eye, way, depth, at );
-    if ( eye->projection == RF_PANORAMIC )
-        panoramic_position( eye, way, at );
+    switch ( rf_projection_of( eye ) )
+    {
+        case RF_PERSPECTIVE: return rf_pinhole_position( eye, way, at ) > 0.0f;
+        case RF_ORTHOGRAPHIC:
+            if ( !infinite )
+                parallel_position( eye, way, depth, at );
+            seen = depth > 0.0f && !infinite;
+            break;
+        case RF_PANORAMIC:
+            panoramic_position( eye, way, at );
+            seen = rf_dot( way, way ) > 0.0f;
+            break;
+    }
     at[0] += eye->axis_x - 0.5f * (float)eye->width;
     at[1] += 0.5f * (float)eye->height - eye->axis_y;
-    return rf_is_parallel( eye ) ? depth > 0.0f && !infinite : rf_dot( way, way ) > 0.0f;
+    return seen;
 }
 
 // J = f² |cosθx| over the cosine between rays and film: f² (−ng·d) for a direction of 1 m along `forward`.
@@ -76,29 +93,41 @@ static float panoramic_density( const RfEye* eye, RfVec3 way, float facing )
     return eye->focal_x * eye->focal * facing / rf_pinhole_divisor( d2 * sqrtf( x * x + z * z ), FLT_MIN );
 }
 
+// Rounding may lead beyond the seam and the poles; they belong to the film.
+static void keep_on_panorama( const RfEye* eye, float* fx, float* fy )
+{
+    float width = (float)eye->width, height = (float)eye->height;
+    *fx = *fx < 0.0f ? *fx + width : *fx >= width ? *fx - width : *fx;
+    *fx = rf_clampf( *fx, 0.0f, width * ( 1.0f - 1e-7f ) );
+    *fy = rf_clampf( *fy, 0.0f, height * ( 1.0f - 1e-7f ) );
+}
+
 RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng )
 {
     RfVec3 way = rf_sub( x, eye->origin );
-    bool parallel = rf_is_parallel( eye );
-    float facing = -rf_dot( parallel ? rf_parallel_direction( eye ) : way, ng ), depth = rf_dot( way, eye->forward ), at[2];
-    float density = parallel ? parallel_density( eye, facing ) : panoramic_density( eye, way, facing );
+    float depth = rf_dot( way, eye->forward ), facing = 0.0f, density = 0.0f, at[2] = { 0.0f, 0.0f };
+    bool before = true;
+    switch ( rf_projection_of( eye ) )
+    {
+        case RF_PERSPECTIVE: return rf_project( eye, x, ng );
+        case RF_ORTHOGRAPHIC:
+            facing = -rf_dot( rf_parallel_direction( eye ), ng );
+            density = parallel_density( eye, facing );
+            parallel_position( eye, way, depth, at );
+            before = depth > 0.0f;
+            break;
+        case RF_PANORAMIC:
+            facing = -rf_dot( way, ng );
+            density = panoramic_density( eye, way, facing );
+            panoramic_position( eye, way, at );
+            break;
+    }
     density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY;
     density = density < RF_MAX_DENSITY ? density : RF_MAX_DENSITY;
-    if ( parallel )
-        parallel_position( eye, way, depth, at );
-    else
-        panoramic_position( eye, way, at );
     float fx = eye->axis_x + at[0], fy = eye->axis_y - at[1];
-    if ( !parallel )
-    {
-        // rounding may lead beyond the seam and the poles; they belong to the film
-        float width = (float)eye->width, height = (float)eye->height;
-        fx = fx < 0.0f ? fx + width : fx >= width ? fx - width : fx;
-        fx = rf_clampf( fx, 0.0f, width * ( 1.0f - 1e-7f ) );
-        fy = rf_clampf( fy, 0.0f, height * ( 1.0f - 1e-7f ) );
-    }
-    bool seen = ( depth > 0.0f || !parallel ) && facing > 0.0f && fx >= 0.0f && fx < (float)eye->width && fy >= 0.0f &&
-                fy < (float)eye->height;
+    if ( rf_projection_of( eye ) == RF_PANORAMIC )
+        keep_on_panorama( eye, &fx, &fy );
+    bool seen = before && facing > 0.0f && fx >= 0.0f && fx < (float)eye->width && fy >= 0.0f && fy < (float)eye->height;
     int32_t column = (int32_t)( seen ? fx : 0.0f ), row = (int32_t)( seen ? fy : 0.0f );
     return ( RfProjection ){ column, row, density, fx - (float)column, fy - (float)row, seen };
 }

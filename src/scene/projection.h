@@ -1,15 +1,42 @@
-// How eyes map points to pixels: by perspective (scene/pinhole.h), in parallel or as a panorama
-// (src/reuse/estimators.md, section 15). Loops over lanes of perspective eyes use the pinhole itself.
+// How cameras map points to pixels: by perspective (scene/pinhole.h), in parallel or as a panorama
+// (src/reuse/estimators.md, section 15). Loops over lanes of perspective cameras use the pinhole itself.
+//
+// One projection more is a value of RfProjectionKind (reframe/camera.h), a row here, and a case in every switch that the compiler
+// then names: none over RfProjectionKind has a default.
 #ifndef REFRAME_SCENE_PROJECTION_H
 #define REFRAME_SCENE_PROJECTION_H
 
 #include "base/built_in.h"
 #include "scene/pinhole.h"
 
+// X( kind, name, what says how much of the scene it shows: "" if it shows all, what it has in place of a field of view,
+//    whether it takes a shift and an aspect of the pixels, whether it takes a lens )
+// clang-format off
+#define RF_PROJECTIONS( X ) \
+    X( RF_PERSPECTIVE, "perspective", "fov", "", true, true ) \
+    X( RF_ORTHOGRAPHIC, "orthographic", "ymag", "an orthographic one has ymag", true, true ) \
+    X( RF_PANORAMIC, "panoramic", "", "a panorama shows all directions", false, false )
+// clang-format on
+
+typedef struct RfProjectionTraits
+{
+    const char *name, *extent, *instead_of_fov;
+    bool takes_shift, takes_lens;
+} RfProjectionTraits;
+
+const RfProjectionTraits* rf_projection_traits( RfProjectionKind kind );
+
+// The names in the order of RfProjectionKind, and NULL.
+extern const char* const g_rf_projection_names[];
+
+static inline RfProjectionKind rf_projection_of( const RfEye* eye ) { return (RfProjectionKind)eye->projection; }
+
 static inline bool rf_is_perspective( const RfEye* eye )
 {
     return !rf_calls_for( eye->projection != RF_PERSPECTIVE, RF_EFFECT_OTHER_PROJECTION );
 }
+
+// All rays have the same direction, and start where the film is.
 static inline bool rf_is_parallel( const RfEye* eye ) { return eye->projection == RF_ORTHOGRAPHIC; }
 
 // The direction of all rays of a parallel eye, 1 m along `forward`.
@@ -21,14 +48,25 @@ static inline RfVec3 rf_parallel_direction( const RfEye* eye )
 // Where the ray that reaches x starts.
 static inline RfVec3 rf_eye_start( const RfEye* eye, RfVec3 x )
 {
-    return rf_is_parallel( eye ) ? rf_madd( x, rf_parallel_direction( eye ), -rf_pinhole_depth( eye, x ) ) : eye->origin;
+    switch ( rf_projection_of( eye ) )
+    {
+        case RF_ORTHOGRAPHIC: return rf_madd( x, rf_parallel_direction( eye ), -rf_pinhole_depth( eye, x ) );
+        case RF_PERSPECTIVE:
+        case RF_PANORAMIC: break;
+    }
+    return eye->origin;
 }
 
 // From there to x.
 static inline RfVec3 rf_eye_way( const RfEye* eye, RfVec3 x )
 {
-    return rf_is_parallel( eye ) ? rf_scale( rf_parallel_direction( eye ), rf_pinhole_depth( eye, x ) )
-                                 : rf_sub( x, eye->origin );
+    switch ( rf_projection_of( eye ) )
+    {
+        case RF_ORTHOGRAPHIC: return rf_scale( rf_parallel_direction( eye ), rf_pinhole_depth( eye, x ) );
+        case RF_PERSPECTIVE:
+        case RF_PANORAMIC: break;
+    }
+    return rf_sub( x, eye->origin );
 }
 
 // No coordinate of the points where rays start is larger.
@@ -37,7 +75,13 @@ float rf_eye_reach( const RfEye* eye );
 // Distance of x along the view, m; of a panorama from the eye.
 static inline float rf_eye_depth( const RfEye* eye, RfVec3 x )
 {
-    return eye->projection == RF_PANORAMIC ? rf_length( rf_sub( x, eye->origin ) ) : rf_pinhole_depth( eye, x );
+    switch ( rf_projection_of( eye ) )
+    {
+        case RF_PANORAMIC: return rf_length( rf_sub( x, eye->origin ) );
+        case RF_PERSPECTIVE:
+        case RF_ORTHOGRAPHIC: break;
+    }
+    return rf_pinhole_depth( eye, x );
 }
 
 // Origin and unit direction of the ray through film position (column + u, row + v); `inverse` as for rf_pinhole_ray.
@@ -47,7 +91,7 @@ void rf_eye_ray( const RfEye* eye, const float inverse[2], int column, int row, 
 // for what is not before the eye; a parallel eye sees nothing that is infinitely far.
 bool rf_eye_position( const RfEye* eye, RfVec3 point, bool infinite, float at[2] );
 
-// rf_project for eyes that are no pinholes.
+// rf_project for cameras that are no pinholes.
 RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng );
 
 // rf_project for any eye.
@@ -60,7 +104,13 @@ static inline RfProjection rf_project_any( const RfEye* eye, RfVec3 x, RfVec3 ng
 static inline float rf_film_difference( const RfEye* eye, float dx )
 {
     float width = (float)eye->width;
-    return eye->projection == RF_PANORAMIC ? dx - width * floorf( dx / width + 0.5f ) : dx;
+    switch ( rf_projection_of( eye ) )
+    {
+        case RF_PANORAMIC: return dx - width * floorf( dx / width + 0.5f );
+        case RF_PERSPECTIVE:
+        case RF_ORTHOGRAPHIC: break;
+    }
+    return dx;
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/json/scene_file.h"
+#include "scene/projection.h"
 #include "scene/scene.h"
 
 #include <stdlib.h>
@@ -42,8 +43,7 @@ RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraIn
     *info = ( RfCameraInfo ){ .name = camera->name, .animated = camera->animated };
     if ( camera->track != NULL && !rf_camera_track_moves( camera->track ) )
         info->animated = false;
-    static const char* const s_projections[] = { "perspective", "orthographic", "panoramic" };
-    info->projection = s_projections[camera->track != NULL ? (int)camera->track->projection : camera->projection];
+    info->projection = g_rf_projection_names[camera->track != NULL ? (int)camera->track->projection : camera->projection];
     rf_camera_numbers( camera, &info->first, &info->step );
     return rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &info->frames, error );
 }

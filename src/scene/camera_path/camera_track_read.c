@@ -1,6 +1,7 @@
 #include "scene/camera_path/camera_track_read.h"
 
 #include "math/quat.h"
+#include "scene/projection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,31 +17,33 @@ static RfResult check_projection( const RfField* object, RfProjectionKind projec
 // Reads "projection" into the track.
 static RfResult read_projection( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_names[] = { "perspective", "orthographic", "panoramic", NULL };
     int index = 0;
     RfField field = rf_field_member( top, "projection" );
-    RfResult result = rf_field_choice( &field, s_names, &index );
+    RfResult result = rf_field_choice( &field, g_rf_projection_names, &index );
     track->projection = (RfProjectionKind)index;
     return result == RF_OK ? check_projection( top, track->projection ) : result;
 }
 
 // What says how much a camera sees: "fov", or "ymag" if it is orthographic.
-static const char* extent_name( RfProjectionKind projection ) { return projection == RF_ORTHOGRAPHIC ? "ymag" : "fov"; }
+static const char* extent_name( RfProjectionKind projection )
+{
+    const char* extent = rf_projection_traits( projection )->extent;
+    return extent[0] != 0 ? extent : "fov";
+}
 
 // Fails if an object has what a camera of this projection has not.
 static RfResult check_projection( const RfField* object, RfProjectionKind projection )
 {
     RfField fov = rf_field_member( object, "fov" ), ymag = rf_field_member( object, "ymag" ),
             shift = rf_field_member( object, "shift" ), aspect = rf_field_member( object, "pixelAspect" );
-    if ( projection != RF_PERSPECTIVE && fov.json != NULL )
-        return rf_field_fail( &fov, projection == RF_ORTHOGRAPHIC
-                                        ? "is that of a perspective camera: an orthographic one has ymag"
-                                        : "is that of a perspective camera: a panorama shows all directions" );
-    if ( projection != RF_ORTHOGRAPHIC && ymag.json != NULL )
+    const RfProjectionTraits* traits = rf_projection_traits( projection );
+    if ( strcmp( traits->extent, "fov" ) != 0 && fov.json != NULL )
+        return rf_field_fail( &fov, "is that of a perspective camera: %s", traits->instead_of_fov );
+    if ( strcmp( traits->extent, "ymag" ) != 0 && ymag.json != NULL )
         return rf_field_fail( &ymag, "is that of an orthographic camera: set \"projection\": \"orthographic\", or leave it out" );
-    if ( projection == RF_PANORAMIC && shift.json != NULL )
+    if ( !traits->takes_shift && shift.json != NULL )
         return rf_field_fail( &shift, "a panorama cannot be shifted: turn the camera" );
-    if ( projection == RF_PANORAMIC && aspect.json != NULL )
+    if ( !traits->takes_shift && aspect.json != NULL )
         return rf_field_fail( &aspect, "a panorama fills its picture, whatever the shape of that: leave it out" );
     return RF_OK;
 }

@@ -100,8 +100,12 @@ double rf_optics_radius( const RfOptics* optics, const RfEye* eye )
 {
     if ( !( optics->fstop > 0.0 ) )
         return optics->radius;
-    if ( eye->projection == RF_ORTHOGRAPHIC )
-        return 0.5 / optics->fstop;
+    switch ( (RfProjectionKind)eye->projection )
+    {
+        case RF_ORTHOGRAPHIC: return 0.5 / optics->fstop;
+        case RF_PERSPECTIVE:
+        case RF_PANORAMIC: break; // takes no lens
+    }
     double focal_length = optics->sensor * (double)eye->focal / (double)eye->height;
     return focal_length / ( 2.0 * optics->fstop );
 }

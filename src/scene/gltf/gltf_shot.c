@@ -5,6 +5,7 @@
 #include "scene/camera.h"
 #include "scene/camera_path/optics.h"
 #include "scene/json/json_document.h"
+#include "scene/projection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -94,14 +95,14 @@ static RfResult read_lens( RfGltf* gltf, const RfField* ours, RfCamera* camera )
 // glTF has no panoramic cameras: a perspective one may be made one.
 static RfResult read_projection( const RfField* ours, bool has_path, RfCamera* camera )
 {
-    static const char* const s_names[] = { "panoramic", NULL };
+    const char* const names[] = { g_rf_projection_names[RF_PANORAMIC], NULL };
     int index = 0;
     RfField field = rf_field_member( ours, "projection" );
     if ( field.json == NULL )
         return RF_OK;
     if ( has_path )
         return rf_field_fail( &field, "not together with path: that has a projection of its own" );
-    RfResult result = rf_field_choice( &field, s_names, &index );
+    RfResult result = rf_field_choice( &field, names, &index );
     camera->projection = RF_PANORAMIC;
     return result;
 }
