@@ -95,7 +95,7 @@ struct RfRenderSettings;
 // Fills `effects` in the order of the list with those that a scene alone decides; returns their number, on or off.
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
 
-// Fills `effects` with all of the list; returns their number, on or off. The eyes of the path decide on camera effects; without
+// Fills `effects` with all of the list; returns their number, on or off. The cameras of the path decide on camera effects; without
 // any (eye_count 0) all cameras of the scene do.
 int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const struct RfRenderSettings* settings,
                             RfEffect effects[RF_MAX_EFFECTS] );

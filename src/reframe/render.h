@@ -114,11 +114,11 @@ typedef struct RfRenderCallbacks
 
 typedef struct RfRayCounts
 {
-    uint64_t primary; // from eyes
+    uint64_t primary; // from the camera
     uint64_t path;    // of paths beyond the first hit
     uint64_t shadow;  // to lights
     uint64_t tile;    // that connect paths of a tile
-    uint64_t eye;     // from hits to the eyes of other frames
+    uint64_t eye;     // from hits to the cameras of other frames
     // no rays, but paths (`gradient`): those that tiles could share, and those that its roulette left to be shared
     uint64_t thinned, kept;
 } RfRayCounts;

@@ -12,7 +12,7 @@ RF_API_BEGIN
 // How reused samples are weighted.
 typedef enum RfWeights
 {
-    RF_WEIGHTS_EXACT,      // the balance heuristic over all eyes: unbiased
+    RF_WEIGHTS_EXACT,      // the balance heuristic over all cameras: unbiased
     RF_WEIGHTS_EQ15,       // (15) of Reusing Frames in Camera Animation: biased, for comparison
     RF_WEIGHTS_UNWEIGHTED, // all hits of a pixel averaged: biased, for comparison
 } RfWeights;
@@ -171,7 +171,7 @@ typedef struct RfRenderSettings
     RfWeights weights;
     RfNormalize normalize;
     RfReconstruction reconstruction; // of "gradient"
-    int max_depth;                   // path vertices after the eye
+    int max_depth;                   // path vertices after the camera
     int light_samples;               // per vertex
     RfFilter filter;                 // of the pixels; depth and motion have the box of one pixel whatever it is
     double filter_width;             // pixels; 0: the filter's default

@@ -10,8 +10,9 @@
 // as long as `trace` depends on (group, job) alone and `accumulate` adds batches in
 // the order given.
 //
-// To add an estimator: a folder with its functions, one row in
-// estimators/estimators.c. A minimal one is in tests/render/test_second_estimator.c.
+// To add an estimator: a folder with its functions, one row in estimators/estimators.c, and its level in
+// tests/scripts/check-includes. A minimal one, a path tracer, is in tests/render/test_second_estimator.c. This header is the
+// documentation of the table: required are name, films, sizes, lay_out_batch, lay_out_scratch, trace and accumulate.
 #ifndef REFRAME_RENDER_ESTIMATOR_H
 #define REFRAME_RENDER_ESTIMATOR_H
 
@@ -19,45 +20,8 @@
 #include "film/film.h"
 #include "film/film_error.h"
 #include "film/pixel_filter.h"
-#include "light/divide.h"
 #include "reframe/render.h"
-
-// The flags of a scene's traits, each with the effect of which it is the reason: X( flag, EFFECT ).
-#define RF_TRAIT_LIST( X )                                                                                                       \
-    X( blended, ALPHA_BLEND )  /* some surface lets part of the light straight through (alpha blending) */                       \
-    X( panes, PANES )          /* some may be a thin pane (bsdf/bsdf.h) */                                                       \
-    X( sky, ENVIRONMENT )      /* an environment that is not black */                                                            \
-    X( chains, CHAINS )        /* camera rays may go on: mirrors, glass, smooth metals */                                        \
-    X( mirrors, FLAT_MIRRORS ) /* flat mirrors */                                                                                \
-    X( smooth, SMOOTH_METALS ) /* GGX coats or metals that may be nearly as smooth as mirrors */                                 \
-    X( lens, DEPTH_OF_FIELD )  /* some camera of the path has a lens */                                                          \
-    X( shutter, MOTION_BLUR )  /* some camera of the path moves while its shutter is open */
-
-// What a scene and its camera's path call for, found once per render. Memory is laid out by it.
-typedef struct RfSceneTraits
-{
-    unsigned kinds; // bit k: a triangle scatters by RfBsdfKind k
-#define RF_TRAIT_FLAG( flag, effect ) bool flag;
-    RF_TRAIT_LIST( RF_TRAIT_FLAG )
-#undef RF_TRAIT_FLAG
-    // what is a matter of the scene alone, whatever is forced
-    bool grouped_chains;      // other frames can use what chains find
-    bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
-    uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)
-    uint32_t materials;
-    uint32_t most_lights; // triangles that emit, punctual lights, the sky
-    RfDivision emitters;  // by light/divide.h
-} RfSceneTraits;
-
-// Whether batches have points of the lens and moments of the shutter.
-static inline bool rf_is_blurred( const RfSceneTraits* traits ) { return traits->lens || traits->shutter; }
-
-// Whether camera rays go on through mirrors and glass: where the pixels of a tile, or other frames, can use what they find.
-bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels );
-
-// Whether the light that mirrors and glass send on comes by light paths. Not through thin panes and partly transparent
-// surfaces, which rays pass by chance.
-bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings );
+#include "render/traits.h"
 
 // A group of frames, as every batch of it sees it.
 typedef struct RfEstimatorGroup
@@ -66,7 +30,7 @@ typedef struct RfEstimatorGroup
     const RfRenderSettings* settings; // resolved
     RfSceneTraits traits;
     int width, height;           // of all films, pixels
-    int max_depth;               // path vertices after the eye: that of the settings, or less
+    int max_depth;               // path vertices after the camera: that of the settings, or less
     const RfPixelFilter* filter; // that samples are added by, and those of `need` drawn by; NULL: each counts in its own pixel
     const RfEye* eyes;           // of the group's frames
     int eye_count;
@@ -123,7 +87,7 @@ typedef struct RfAccumulateJob
 typedef struct RfReuseCount
 {
     double hits;      // of camera rays
-    double shiny;     // among them those whose light depends on the eye
+    double shiny;     // among them those whose light depends on the camera
     double own_share; // sum over the hits of the share of their weight that their own frame keeps, 0 to 1
     double eye_rays;  // visibility tests traced
 } RfReuseCount;
@@ -156,7 +120,7 @@ struct RfEstimator
     RfEstimatorSizes ( *sizes )( const RfEstimatorGroup* group );
 
     // Prepare sizes.batch and sizes.trace_scratch bytes, aligned to 64, before their first use.
-    // A batch laid out for a group serves groups of fewer eyes, too.
+    // A batch laid out for a group serves groups of fewer cameras, too.
     void ( *lay_out_batch )( const RfEstimatorGroup* group, void* batch );
     void ( *lay_out_scratch )( const RfEstimatorGroup* group, void* scratch );
 

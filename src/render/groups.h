@@ -51,7 +51,7 @@ int rf_frame_passes( const RfGroupPlan* plan, int frame );
 int64_t rf_most_passes( const RfGroupPlan* plan );
 
 // Adds the own-frame samples per pixel in the groups that hold any of
-// frames[first … end), in ascending order, and those times the other eyes of the group.
+// frames[first … end), in ascending order, and those times the other frames of the group.
 void rf_add_group_samples( const RfGroupPlan* plan, const int* frames, int first, int end, double* samples, double* others );
 
 // Which half of the film a pass goes to (E2): the passes of the whole render

@@ -33,7 +33,7 @@ __attribute__( ( format( printf, 4, 5 ) ) ) static void set( const Source* from,
     rf_finish_effect( from->scene, row );
 }
 
-// The eyes decide in the place of the scene's cameras; with options they may have a lens that no camera has.
+// The path's cameras decide in the place of the scene's cameras; with options they may have a lens that no camera has.
 static void set_path( const Source* from, const RfEye* eyes )
 {
     int lens = 0, shutter = 0, moving = 0;

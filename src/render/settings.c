@@ -118,7 +118,7 @@ static bool is_usable_pose( const RfPose* p )
            isfinite( p->focal ) && isfinite( p->axis_x ) && isfinite( p->axis_y );
 }
 
-// Rays of eyes that are no numbers end the process in Embree. The last line is the shear of the film by the lens.
+// Camera rays that are no numbers end the process in Embree. The last line is the shear of the film by the lens.
 static bool is_usable( const RfEye* e )
 {
     RfPose own = { e->origin, e->forward, e->up, e->focal, e->axis_x, e->axis_y };
@@ -141,7 +141,7 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
             return rf_fail( error, RF_ERROR_USAGE, "all frames of a path must have the same size" );
         if ( !is_usable( eyes + k ) && !RF_FAULT( usable_eyes ) )
             return rf_fail( error, RF_ERROR_USAGE,
-                            "the eye of frame %d of the path cannot be used: all of it must be finite, its focal length and, "
+                            "the camera of frame %d of the path cannot be used: all of it must be finite, its focal length and, "
                             "with a lens, its focus above 0",
                             k );
     }

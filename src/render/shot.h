@@ -8,7 +8,7 @@
 typedef struct RfShot
 {
     const RfTracer* tracer;
-    const RfEye* eyes; // of the whole path, all with one film size
+    const RfEye* eyes; // the cameras of the whole path, all with one film size
     int eye_count;
     const int* frames; // those asked for: indices into the eyes, ascending
     int frame_count;

@@ -21,7 +21,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
 {
     RfSceneTraits called = rf_scene_traits( scene, eyes, plan->frames, settings );
     RfEstimatorGroup group = rf_size_group( scene, called, eyes, plan->eyes, settings );
-    // as many additions to a pixel as eyes, and half of the passes in each half
+    // as many additions to a pixel as the group has frames, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
     int materials = adaptive && rf_noise_differs( &called ) ? (int)scene->material_count : 0;
     int total_every =
@@ -48,6 +48,20 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .adaptive = adaptive,
         .materials = materials,
         .files = settings->files,
+    };
+}
+
+RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
+                                const RfRenderSettings* settings )
+{
+    return ( RfEstimatorGroup ){
+        .settings = settings,
+        .traits = rf_running_traits( scene, called ),
+        .width = eyes->width,
+        .height = eyes->height,
+        .max_depth = settings->max_depth,
+        .eyes = eyes,
+        .eye_count = eye_count,
     };
 }
 

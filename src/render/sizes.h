@@ -26,14 +26,7 @@ typedef struct RfRenderSizes
     RfFrameFiles files;
 } RfRenderSizes;
 
-// Scans the triangles and the environment of a scene, and the eyes of a path. Emitters are divided where the settings make
-// light paths depend on it.
-RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
-
-// What runs where a scene calls for these: without what is left out of it, and with what is forced.
-RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called );
-
-// A group of `eye_count` eyes for asking an estimator for its sizes.
+// A group of `eye_count` cameras for asking an estimator for its sizes.
 RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
                                 const RfRenderSettings* settings );
 

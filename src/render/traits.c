@@ -1,6 +1,7 @@
 // What a scene and its camera's path call for, and what runs.
-#include "render/sizes.h"
+#include "render/traits.h"
 
+#include "render/estimator.h"
 #include "scene/leave_out.h"
 #include "scene/mirrors.h"
 #include "scene/textured.h"
@@ -79,18 +80,4 @@ RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called )
     traits.grouped_chains = called.chains ? grouped : traits.chains;
     traits.scattered = ( called.lens && traits.lens ) || ( called.shutter && traits.shutter );
     return traits;
-}
-
-RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
-                                const RfRenderSettings* settings )
-{
-    return ( RfEstimatorGroup ){
-        .settings = settings,
-        .traits = rf_running_traits( scene, called ),
-        .width = eyes->width,
-        .height = eyes->height,
-        .max_depth = settings->max_depth,
-        .eyes = eyes,
-        .eye_count = eye_count,
-    };
 }

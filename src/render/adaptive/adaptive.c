@@ -9,6 +9,12 @@
 #include <omp.h>
 #include <string.h>
 
+// Weight of an extra sample beside one of a pass.
+static double extra_worth( const RfRenderer* r )
+{
+    return rf_is_plain_filter( &r->setup->settings ) ? 1.0 : r->setup->filter.worth;
+}
+
 // Adds the first `count` batches, of one frame alone, to its film.
 static void accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int count )
 {
@@ -18,7 +24,7 @@ static void accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
     {
         rf_set_float_mode();
         RfAccumulateJob job = rf_accumulate_job( r, live, pass, band, bands );
-        job.weight *= pass->group->filter != NULL ? (float)rf_extra_worth( r ) : 1.0f;
+        job.weight *= pass->group->filter != NULL ? (float)extra_worth( r ) : 1.0f;
         void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
         uint64_t landed = r->setup->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
 #pragma omp atomic
@@ -367,7 +373,7 @@ static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* li
                          .passes = 1.0f,
                          .eyes = group.eye_count,
                          .wary = true,
-                         .worth = rf_extra_worth( r ) };
+                         .worth = extra_worth( r ) };
     bool pays = rf_extra_may_pay( &sums );
     memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
     rf_clear_film( live->films );
@@ -388,7 +394,7 @@ static void find_need( RfRenderer* r, RfLiveFilm* live )
                          .passes = PILOT_PASSES,
                          .eyes = group.eye_count,
                          .wary = r->setup->settings.adaptive == RF_ADAPTIVE_AUTO,
-                         .worth = rf_extra_worth( r ) };
+                         .worth = extra_worth( r ) };
     live->most_need = rf_set_need( &sums );
     rf_clear_film( live->films );
 }
@@ -427,8 +433,8 @@ static uint64_t trace_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live
         {
             void* batch = r->memory.batches[i];
             estimator->trace( pass->group, ( RfTraceJob ){ 0, first + i, pass->number }, batch, scratch, &mine );
-            samples += estimator->count_samples( batch, (float)( pass->weight * rf_extra_worth( r ) ),
-                                                 live->films[0].extra[pass->half] );
+            samples +=
+                estimator->count_samples( batch, (float)( pass->weight * extra_worth( r ) ), live->films[0].extra[pass->half] );
         }
 #pragma omp critical
         rf_add_rays( &rays, &mine );

@@ -1,8 +1,8 @@
 // Adaptive sampling: more own-frame samples for pixels that few other frames help, such as borders,
 // surfaces that come into view, mirrors and glass.
 //
-// A pilot decides. It has random numbers of its own and traces camera rays and eye
-// rays only: ρ of a pixel is the mean over its hits of J_t V_t / Σ_l J_l V_l in the
+// A pilot decides. It has random numbers of its own and traces camera rays and
+// visibility rays to the other cameras only: ρ of a pixel is the mean over its hits of J_t V_t / Σ_l J_l V_l in the
 // group around frame t, the share of a sample's weight that its own frame keeps (1 where no
 // other frame sees it). With samples of equal variance a pixel's error is proportional to ρ over
 // the passes. Extra samples bring pixels with ρ > 1/θ to the error of those with ρ = 1/θ; θ
@@ -38,7 +38,7 @@ typedef struct RfMaterialNoise
 {
     // of a sample, relative to that of the materials that are alike: by every other frame that was looked at, and by the others
     float variance[2];
-    float cost; // of a sample: rays from vertex to vertex, with the one from the eye
+    float cost; // of a sample: rays from vertex to vertex, with the camera ray
     bool special;
     // while it is measured: pixels and squares in a block, then over all blocks
     uint64_t samples, rays; // path rays of its samples
@@ -58,20 +58,10 @@ static inline bool rf_noise_differs( const RfSceneTraits* traits )
 
 static inline int rf_most_extra( bool noisy ) { return noisy ? RF_MOST_EXTRA_NOISY : RF_MOST_EXTRA; }
 
-// Weight of an extra sample beside one of a pass.
-static inline double rf_extra_worth( const RfRenderer* r )
-{
-    return rf_is_plain_filter( &r->setup->settings ) ? 1.0 : r->setup->filter.worth;
-}
-
 // Runs the pilot of a frame whose film has just been cleared and fills live->need and live->most_need.
 void rf_run_pilot( RfRenderer* renderer, RfLiveFilm* live );
 
 // Traces the extra samples that go with a pass, into all films in use.
 void rf_render_extra( RfRenderer* renderer, const RfPass* pass );
-
-// θ for pixels of which counts[b] have ρ = (b + 1) / bins. counts[] leaves out pixels
-// that see nothing, `all` has them; `eyes` in the group. 1: no extra samples pay.
-double rf_extra_threshold( const double* counts, int bins, double all, int eyes );
 
 #endif

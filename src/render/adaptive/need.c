@@ -5,7 +5,7 @@
 #include <math.h>
 
 #define BINS 64
-// Cost of a sample beside that of a path: for each further eye of a group, and
+// Cost of a sample beside that of a path: for each further camera of a group, and
 // of an extra one, which comes in broken wavefronts.
 #define COST_OF_EYE 0.05
 #define COST_OF_EXTRA 1.2

@@ -25,4 +25,8 @@ bool rf_extra_may_pay( const RfPilotSums* sums );
 // Replaces sums->share by the extra samples of each pixel in a pass, and returns the most.
 float rf_set_need( const RfPilotSums* sums );
 
+// θ for pixels of which counts[b] have ρ = (b + 1) / bins. counts[] leaves out pixels
+// that see nothing, `all` has them; `eyes`: cameras of the group. 1: no extra samples pay.
+double rf_extra_threshold( const double* counts, int bins, double all, int eyes );
+
 #endif

@@ -133,7 +133,7 @@ static void count_plan( Probe* probe, const int* eyes, int rows, Counts* counts 
         counts->samples = 1.0;
 }
 
-// Cost of a pixel over all groups where a sample costs `own`, and `reuse` for every other eye of its group:
+// Cost of a pixel over all groups where a sample costs `own`, and `reuse` for every other camera of its group:
 // Σ passes · eyes · (own + (eyes − 1) · reuse).
 static double plan_work( const RfGroupPlan* plan, double own, double reuse )
 {
@@ -217,7 +217,7 @@ static void count_rays( const RfGroupPlan* plan, const RfShot* shot, const Count
     row->rays_path = samples * per * (double)counts->rays.path;
     row->rays_shadow = samples * per * (double)counts->rays.shadow;
     row->rays_tile = samples * per * (double)counts->rays.tile;
-    // visibility from the own eye is tested in blended scenes only, and counted there
+    // visibility from the own camera is tested in blended scenes only, and counted there
     row->rays_eye =
         row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
 }

@@ -199,7 +199,7 @@ static double due_by_estimates( const RfStop* stop, const RfNoiseEstimates* look
     return due;
 }
 
-// X with pace · ( (X − done) eyes + X / share · units to come ) = what is left.
+// X with pace · ( (X − done) frames + X / share · units to come ) = what is left.
 static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
     if ( stop->units_done <= 0.0 )

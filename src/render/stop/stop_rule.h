@@ -3,7 +3,7 @@
 //
 // The plan of groups.h gives each group a number of shares, so that the passes of a frame stay
 // spread over all groups that hold it and no seams appear: a full group has one share,
-// an end group as many as it has eyes. With r passes per share a frame gets r · eyes own-frame samples
+// an end group as many as it has frames. With r passes per share a frame gets r times those of a full group own-frame samples
 // per pixel, as with settings.spp.
 //
 // For an error E: a frame's relMSE is inversely proportional to the weight W of its passes, so
@@ -16,7 +16,8 @@
 //
 // For a flicker F: F1² of a pair of frames falls as 1 / W as well, so v = F1² · W with F² in the place of E. It must be
 // the F1 of the finished pair (pair_rule.h): the earlier frame is finished before the later one, and passes that the later
-// one alone gets do not help. Passes are spread more evenly then: due_to_be_even in stop_rule.c. With both, a frame gets what the harder of the two needs.
+// one alone gets do not help. Passes are spread more evenly then: due_to_be_even in
+// stop_rule.c. With both, a frame gets what the harder of the two needs.
 //
 // For a time: r is the time left over the cost of the remaining shares at the pace so far.
 //
@@ -37,13 +38,13 @@ typedef struct RfStop
     int group;          // that is rendered
     double due;         // passes of this group, as last decided
     int64_t passes;     // of all groups before this one
-    double units_left;  // shares × eyes of all groups after this one
+    double units_left;  // shares × frames of all groups after this one
     double units_all;   // the same of all groups
     double group_units; // of this group
     double group_share; // of it that is done
     int groups_done;
     double last_rate;                      // of the last group
-    double seconds_done, units_done, last; // pace: seconds per eye and pass is their quotient
+    double seconds_done, units_done, last; // pace: seconds per frame and pass is their quotient
     RfFrameNoise finished[RF_STOP_HISTORY];
     int finished_count; // in all
     int missed;         // frames that were finished above the wanted error
@@ -64,7 +65,7 @@ typedef struct RfNoiseEstimates
 // `most_spp` own-frame samples per pixel. `units` is of all groups, see rf_group_units.
 RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals );
 
-// What a group costs: shares × eyes.
+// What a group costs: shares × frames.
 double rf_group_units( const RfStop* stop, int group );
 
 // A group begins. Its `passes` say nothing; the others as in rf_group, with

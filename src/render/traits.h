@@ -1,0 +1,51 @@
+// What a scene and its camera's path call for, found once per render: memory is laid out by it.
+#ifndef REFRAME_RENDER_TRAITS_H
+#define REFRAME_RENDER_TRAITS_H
+
+#include "light/divide.h"
+#include "reframe/render.h"
+
+// The flags of a scene's traits, each with the effect of which it is the reason: X( flag, EFFECT ).
+#define RF_TRAIT_LIST( X )                                                                                                       \
+    X( blended, ALPHA_BLEND )  /* some surface lets part of the light straight through (alpha blending) */                       \
+    X( panes, PANES )          /* some may be a thin pane (bsdf/bsdf.h) */                                                       \
+    X( sky, ENVIRONMENT )      /* an environment that is not black */                                                            \
+    X( chains, CHAINS )        /* camera rays may go on: mirrors, glass, smooth metals */                                        \
+    X( mirrors, FLAT_MIRRORS ) /* flat mirrors */                                                                                \
+    X( smooth, SMOOTH_METALS ) /* GGX coats or metals that may be nearly as smooth as mirrors */                                 \
+    X( lens, DEPTH_OF_FIELD )  /* some camera of the path has a lens */                                                          \
+    X( shutter, MOTION_BLUR )  /* some camera of the path moves while its shutter is open */
+
+typedef struct RfSceneTraits
+{
+    unsigned kinds; // bit k: a triangle scatters by RfBsdfKind k
+#define RF_TRAIT_FLAG( flag, effect ) bool flag;
+    RF_TRAIT_LIST( RF_TRAIT_FLAG )
+#undef RF_TRAIT_FLAG
+    // what is a matter of the scene alone, whatever is forced
+    bool grouped_chains;      // other frames can use what chains find
+    bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
+    uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)
+    uint32_t materials;
+    uint32_t most_lights; // triangles that emit, punctual lights, the sky
+    RfDivision emitters;  // by light/divide.h
+} RfSceneTraits;
+
+// Whether batches have points of the lens and moments of the shutter.
+static inline bool rf_is_blurred( const RfSceneTraits* traits ) { return traits->lens || traits->shutter; }
+
+// Whether camera rays go on through mirrors and glass: where the pixels of a tile, or other frames, can use what they find.
+bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels );
+
+// Whether the light that mirrors and glass send on comes by light paths. Not through thin panes and partly transparent
+// surfaces, which rays pass by chance.
+bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings );
+
+// Scans the triangles and the environment of a scene, and the cameras of a path. Emitters are divided where the settings make
+// light paths depend on it.
+RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
+
+// What runs where a scene calls for these: without what is left out of it, and with what is forced.
+RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called );
+
+#endif
