@@ -7,12 +7,12 @@
 
 #define MOST_JOBS 6
 #define LEAST_JOBS 1
-#define AHEAD 0.1       // of the batches of a pass, twice
+#define AHEAD 0.1       // the part of a pass's batches that is traced ahead, twice
 #define AT_AHEAD 4      // of rf_connection_shares, with which they are traced
 #define LEAST_NEEDED 4  // likewise, for lamps without size, suns and the sky
-#define LEAST_REST 0.25 // of the error, that is taken not to be that of connections
-#define LEAST_MEAN 0.1  // of the square of the mean: dark batches are no darker
-#define GAIN 0.7        // that connections must bring, or there are none
+#define LEAST_REST 0.25 // part of the error, at least, that is assumed to be of other light
+#define LEAST_MEAN 0.1  // floor for the square of a batch's mean, in parts of that of all
+#define GAIN 0.7        // connections must lower error times cost to this, or there are none
 // costs, in rays that are traced in packets
 #define LINK_RAY 5.0
 #define SEARCH 3.5           // for light paths around a vertex
@@ -108,7 +108,7 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
     }
 }
 
-// Of two samples of a batch: half the mean square of their difference, and the square of their mean.
+// Two samples of a batch: half the mean square of their difference, and the square of their mean.
 typedef struct Pair
 {
     double error, square;
@@ -131,8 +131,8 @@ static Pair compare( const Found* a, const Found* b )
     return count > 0 ? ( Pair ){ squares / count, sum / count * sum / count, count } : ( Pair ){ 0.0, 0.0, 0 };
 }
 
-// Caps what chance alone brings (moment 0 of each batch) where fewer than one ray of a picture would bring more: such
-// light is missing in most pictures, and few show the spike that stands for it. `samples`: of a picture.
+// Caps the moment of scattered rays alone (moment 0 of each batch) where fewer than one ray of a picture brings more: most
+// pictures lack such light, and few have the firefly that stands for it. `samples`: of a picture.
 static void cap_chance( Pilot* pilot, int count, double samples )
 {
     double lanes = 0.0, rays = 0.0;
@@ -155,7 +155,7 @@ static void cap_chance( Pilot* pilot, int count, double samples )
     }
 }
 
-// The error of all light, relative and on average over the batches, and the part of each share of connections.
+// The relative error of all light, averaged over the batches, and its part that light of connections has with each share.
 static double find_errors( const Pilot* pilot, int count, double* moment )
 {
     Pair pair[MOST_JOBS];
@@ -187,14 +187,14 @@ static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths
     return group->settings->light_paths == RF_LIGHT_PATHS_ON ? 1 : 0;
 }
 
-// Of the batches that were traced ahead.
+// In rays, for the batches that were traced ahead.
 typedef struct Costs
 {
-    double per_share, search; // of connections: of all of them, and of any
-    double rest;
+    double per_share, search; // connections, if all are made; finding the light paths near a vertex
+    double rest;              // other light
 } Costs;
 
-// Of the shares that connections have measured, that of the least error times cost. Connections pay only where they gain enough.
+// The share with the least error times cost, provided that connections gain enough.
 static float best_share( const double* moment, double error, const Costs* costs, int first )
 {
     double rest = fmax( error - moment[AT_AHEAD], LEAST_REST * error ), least = INFINITY;

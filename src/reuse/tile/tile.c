@@ -7,10 +7,10 @@
 #include <string.h>
 
 #define PLAIN_SIDE 32 // of a patch without tiles, and about that of the others
-// Strips of scattered patches: pixels, at least, and patches, at least: neighbours of a tile are of other patches.
+// A strip of scattered patches has at least so many rows of pixels and patches, so the neighbours of a tile are in other patches.
 #define STRIP_HEIGHT 48
 #define STRIP_PATCHES 16
-#define ROW_SHIFT 7          // tiles, from a row of scattered ones to the next
+#define ROW_SHIFT 7          // tiles, by which a row of scattered ones is shifted against the next
 #define UNIT_SIDE 2          // of the blocks of scattered patches without tiles
 #define SALT 0x711300000000u // above all pixels: keeps the tiles' random numbers apart from the pixels'
 
@@ -172,7 +172,7 @@ static void draw_rooks( const RfPatchLayout* l, uint64_t pass_key, int at, int g
     }
 }
 
-// Tile number `slot` of a scattered patch. Rows are shifted against each other, or columns of tiles could share a patch.
+// The pixels of tile `slot` of a scattered patch. Without the shift of rows, whole columns of tiles could be in one patch.
 static int list_tile( const RfPatchLayout* l, const RfEye* eye, uint64_t pass_key, int patch, int slot, int32_t* pixel )
 {
     uint64_t state = rf_mix64( pass_key ^ SALT );

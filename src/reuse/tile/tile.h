@@ -20,17 +20,17 @@ static inline int rf_tile_pixels( const RfTile* tile )
 
 #define RF_PATCH_PIXELS 1024 // at most: they fill a wavefront
 
-// How the patches lie on a film. Each holds whole grids: blocks, or what N
-// tiles of rooks make up; where one grid is more than a wavefront, some of its tiles.
+// How patches cover a film. A patch consists of whole grids. The grid of a block is the block itself; N tiles of rooks share a
+// grid of N×N pixels, and where that is more than a wavefront, a patch has some of its tiles.
 typedef struct RfPatchLayout
 {
     RfTile tile;
     int width, height;           // of a patch, pixels
     int grid_width, grid_height; // all patches are shifted by less than that, anew in every pass
-    int across, parts;           // patches in a row; patches that share one place
+    int across, parts;           // patches in a row; patches that share the tiles of one grid
     int count;
-    // Scattered: the pixels of a patch are tiles (without tiles, blocks of 2×2) from all over a strip of the film, so that no
-    // two neighbours are of one patch.
+    // Scattered, for lens and shutter, whose sample a patch has in common: the tiles of a patch (without tiles, blocks of 2×2)
+    // come from all over a strip of the film, so that no two neighbours are in one patch.
     bool scattered;
     int grids_x, grids_y;          // then: tiles across and down the film, with room for the shift
     int strip_rows, strip_patches; // rows of tiles in a strip, and its patches
@@ -38,15 +38,13 @@ typedef struct RfPatchLayout
 
 RfPatchLayout rf_lay_out_patches( const RfTile* tile, bool scattered, int width, int height );
 
-// The rectangle [x0, x1) × [y0, y1) of the film that a patch lies in; empty where it lies beside the film.
+// The rectangle [x0, x1) × [y0, y1) of the film that holds a patch; empty for patches beside the film.
 void rf_bound_patch( const RfPatchLayout* layout, const RfEye* eye, uint64_t pass_key, int patch, int* x0, int* y0, int* x1,
                      int* y1 );
 
-// The pixels of a patch that lie on the film, in blocks of 4×4, so that a
-// packet's rays keep together, and the tile of each, numbered from 0 within the
-// patch (not with RF_TILE_NONE). Returns how many; `tile_count` may be larger
-// than the number of tiles that have a pixel. The tiles are drawn by `pass_key`
-// (base/random.h). `pixel` and `tile_of` hold RF_PATCH_PIXELS.
+// Lists the pixels of a patch that lie on the film, in blocks of 4×4 for coherent packets, and the tile of each, numbered
+// from 0 within the patch (not with RF_TILE_NONE). Returns how many; `tile_count` may be larger than the number of tiles
+// that have a pixel. `pass_key` (base/random.h) draws the tiles. `pixel` and `tile_of` hold RF_PATCH_PIXELS.
 int rf_list_patch( const RfPatchLayout* layout, const RfEye* eye, uint64_t pass_key, int patch, int32_t* pixel, int32_t* tile_of,
                    int* tile_count );
 

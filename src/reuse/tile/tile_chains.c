@@ -1,5 +1,4 @@
-// Light at the end of chains in tiles: which hits follow a chain, how they leave for it, and the walk along it, vertex by
-// vertex.
+// Light that comes by specular chains, in tiles: how hits start for a chain, and the walk along it, vertex by vertex.
 #include "reuse/tile/tile_chains.h"
 
 #include "reuse/tile/tile.h"
@@ -25,9 +24,9 @@ static float extent2( const RfTileReuse* reuse, int hit )
     return most;
 }
 
-// True if a chain that begins at vertex i of `v` is near enough to a hit to be followed in parallel: within the extent of the hit's
-// tile. Aimed at, the density would be that of its own hit by far. All hits decide alike: a way that one of them would choose
-// differently is none of its own, and its weight there is 0.
+// Whether a chain that begins at vertex i of `v` is near a hit: within the extent of its tile. Aimed at such a vertex, the hits
+// would differ so much in density that all weight would go to the path's own. All hits decide by this rule; where the other
+// start would be theirs, their weight is 0.
 static bool is_near_chain( const RfTileReuse* reuse, int hit, const RfVertexLanes* v, int i )
 {
     return distance2( point_of( v, i ), point_of( reuse->hits.lanes, hit ) ) < extent2( reuse, hit );
@@ -40,7 +39,7 @@ void rf_sort_chains( RfTileReuse* reuse )
         reuse->second.parallel[a] = reuse->second.owner[a] >= 0 && is_near_chain( reuse, reuse->second.owner[a], y, a );
 }
 
-// Hit i leaves in a direction that another has drawn.
+// Hit i starts in the direction that another has drawn.
 static void leave_parallel( const RfVertexLanes* hits, int i, RfVec3 wi, RfPairingLanes* pairing )
 {
     RfVec3 n = rf_vec3( hits->n[0][i], hits->n[1][i], hits->n[2][i] );
@@ -72,15 +71,15 @@ void rf_aim_at_chains( float* const scattered[3], int s, RfTileReuse* reuse )
     }
 }
 
-// Hits that follow the chain of a path of their tile.
+// Hits that follow the chain of another path of their tile.
 typedef struct Followers
 {
     int count;
-    int32_t vertex[RF_PATCH_PIXELS]; // second vertex: the first of the chain that they follow
+    int32_t vertex[RF_PATCH_PIXELS]; // the second vertex that begins the chain
     int32_t pairing[RF_PATCH_PIXELS];
     int32_t hit[RF_PATCH_PIXELS];
-    float probability[RF_PATCH_PIXELS]; // of the events so far; in the end 0 if they do not lead to emission
-    float light[3][RF_PATCH_PIXELS];    // that leaves the first vertex; in parallel, that arrives at the hit
+    float probability[RF_PATCH_PIXELS]; // of the events so far; 0 if they do not lead to emission
+    float light[3][RF_PATCH_PIXELS];    // that leaves the chain's first vertex; of parallel chains, that arrives at the hit
 } Followers;
 
 typedef struct Walk
@@ -89,7 +88,7 @@ typedef struct Walk
     RfWavefront* wavefront;
     RfTileReuse* reuse;
     Followers all;
-    float scale[RF_LANES]; // by second vertex: the light of its path over what following finds, by roulette more
+    float scale[RF_LANES]; // by second vertex: the light of its path over what following its chain again finds (roulette)
     uint64_t rays;
 } Walk;
 
@@ -117,7 +116,7 @@ static RfDeltaEvent event_at( const Walk* walk, int follower, int at, const RfVe
     return rf_glass_event( &lanes, i, wo, ( events >> at & 1u ) != 0 );
 }
 
-// Lets a follower take the event of its chain's vertex number `at`, which is lane i: the ray that leaves goes to `next`.
+// A follower reflects or transmits as its chain does at vertex number `at`, lane i; the ray that leaves is appended to `next`.
 static void take_event( Walk* walk, int follower, int at, const RfVertexLanes* v, int i, RfVec3 wo, RfVec3 throughput,
                         RfRayLanes* next )
 {
@@ -146,7 +145,7 @@ static void end( Walk* walk, int follower, RfVec3 light )
         walk->all.probability[follower] = 0.0f;
 }
 
-// Rays to the sky.
+// Rays that miss see the sky.
 static void end_misses( Walk* walk, int at, const RfRayLanes* rays )
 {
     const RfLights* lights = rf_tracer_lights( walk->path->tracer );
@@ -162,7 +161,7 @@ static void end_misses( Walk* walk, int at, const RfRayLanes* rays )
     }
 }
 
-// At vertex number `at` a follower finds emission if its chain did so there, and no sooner, or goes on.
+// At vertex number `at` a follower ends where its chain does, and must have found emission there but no sooner.
 static void arrive( Walk* walk, int at, int i, const RfRayLanes* rays, RfRayLanes* next )
 {
     const RfTileReuse* reuse = walk->reuse;
@@ -181,7 +180,7 @@ static void arrive( Walk* walk, int at, int i, const RfRayLanes* rays, RfRayLane
         take_event( walk, follower, at, v, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ), t, next );
 }
 
-// The rays go to the chains' vertices number `at`, and what leaves these to `next`.
+// Traces the rays to vertices number `at` of the chains, and appends those that leave them to `next`.
 static void advance( Walk* walk, int at, RfRayLanes* rays, RfRayLanes* next )
 {
     RfWavefront* wavefront = walk->wavefront;
@@ -195,7 +194,7 @@ static void advance( Walk* walk, int at, RfRayLanes* rays, RfRayLanes* next )
         arrive( walk, at, i, rays, next );
 }
 
-// Aimed followers stand at the first vertex already; the others get rays to theirs.
+// Followers that aim know the first vertex; the others need a ray to find theirs.
 static void start( Walk* walk, RfRayLanes* to_first, RfRayLanes* beyond )
 {
     const RfTileReuse* reuse = walk->reuse;
@@ -242,7 +241,7 @@ static void add_follower( Followers* all, int vertex, int pairing, int hit )
     all->hit[all->count++] = hit;
 }
 
-// A path that did not come to the same end keeps its light for itself.
+// A path that did not come to the same end by its own chain keeps its light for itself.
 static void keep_own( RfTileReuse* reuse, int a, int hit )
 {
     for ( int s = 0; s < reuse->hits.size[hit]; ++s )
@@ -270,8 +269,8 @@ static void finish_own( Walk* walk, int k )
     reuse->pairings[0].weight[all->hit[k]] *= all->probability[k];
 }
 
-// The paths that found the light follow their own chains, for the probability of the events. They fail to where they have
-// passed panes by chance.
+// The paths that found the light follow their own chains, for the probability of the events. This fails where they have passed
+// panes by chance.
 static void follow_own( Walk* walk )
 {
     const RfVertexLanes* y = &walk->reuse->second.lanes;
@@ -286,7 +285,7 @@ static void follow_own( Walk* walk )
         finish_own( walk, k );
 }
 
-// Gives the pairings what the followers found, and forgets these.
+// Gives the pairings what the followers found, and empties the list.
 static void follow_others( Walk* walk )
 {
     RfTileReuse* reuse = walk->reuse;

@@ -1,13 +1,12 @@
-// The light that second vertices scatter to the hits of their tile (E4): from
-// their light samples, and from the continuation of their own path. Each direction
-// at a vertex could have been sampled by any path of the tile that reaches the
-// vertex, so it is weighted over them as directions at a first hit are over the cameras:
+// The light that second vertices scatter to the hits of their tile (E4): from light samples, from the continuation of their
+// path, and from light paths. Every path of the tile that reaches a vertex could have sampled a direction there, so
+// directions are weighted over these paths, as those at first hits are over the cameras (path/mis.h):
 // Q = A / (K p_L + P) + B / P with P = Σ_k (ρ_k / Σ ρ) p(ω; seen from x^k).
 #include "reuse/tile/tile_reuse.h"
 
 #include <string.h>
 
-// Loads one direction of all second vertices, with its light in two parts: a light sample, or the scattered one.
+// One direction at all second vertices: that of a light sample, or the scattered one.
 static void gather_light_sample( const RfPathSettings* settings, RfSecondVertices* second, int sample )
 {
     rf_gather_light_sample( second->direct + sample, second->lanes.count, (float)settings->light_samples, &second->arrival );
@@ -37,8 +36,8 @@ static void add_diffuse( const float* const wi[3], RfTileReuse* reuse, RfLaneScr
     }
 }
 
-// The weight of the connection at second vertex `a` in the light that hit i receives from there: a connection at the hit may find it
-// as well. i < 0: none does.
+// The weight of the light path's connection at second vertex `a` in what hit i receives from there: a connection at the hit
+// may find the same light. i < 0: none does.
 static float connection_weight( const RfPathSettings* settings, const RfTileReuse* reuse, int i, int a )
 {
     const RfVertexLanes *x = reuse->hits.lanes, *y = &reuse->second.lanes;
@@ -51,7 +50,7 @@ static float connection_weight( const RfPathSettings* settings, const RfTileReus
                           rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ) );
 }
 
-// The same for the receivers of a pairing, 0 without one; all 1 for light that is no connection's.
+// The same for the receivers of a pairing, 0 without one; all 1 for light that is no light path's.
 static void find_connection_weights( const RfPathSettings* settings, const RfTileReuse* reuse, int pairing, bool connections,
                                      float* weight )
 {
@@ -65,7 +64,7 @@ static void find_connection_weights( const RfPathSettings* settings, const RfTil
     }
 }
 
-// Adds the light of connections, as it was gathered, that diffuse vertices scatter to each receiver. All other light was added before.
+// Adds the light of light paths, as gathered, that diffuse vertices scatter to each receiver. All other light was added before.
 static void add_diffuse_connections( const RfPathSettings* settings, const float* const wi[3], int tile_pixels,
                                      RfTileReuse* reuse, RfLaneScratch* scratch )
 {
@@ -92,8 +91,8 @@ static void add_diffuse_connections( const RfPathSettings* settings, const float
     }
 }
 
-// Directions from glossy vertices to their receivers in a pairing, with their
-// weights; without a receiver, back along the vertex's own path with weight 0.
+// Directions from glossy vertices to their receivers in a pairing, and the weights of these; without a receiver, back along
+// the vertex's own path, with weight 0.
 static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][RF_LANES], float* weight )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
@@ -159,8 +158,7 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
     }
 }
 
-// Light of vertices that are not reused reaches its own hit as it would without
-// tiles: either surface is specular.
+// Light of vertices that are not reused reaches the hit of their path as it would without tiles: one of the two is specular.
 static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const float* const wi[3], bool scattered,
                             bool connections, RfTileReuse* reuse )
 {
@@ -201,8 +199,7 @@ static bool all_reused( const RfTileReuse* reuse )
     return true;
 }
 
-// Stores the light of pairing 0 as that of the hits' own paths, whose throughput is that
-// of the panes they passed.
+// Pairing 0 is the light of the hits' own paths; their throughput is that of the panes they passed.
 static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
@@ -301,7 +298,7 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
     }
 }
 
-// The sum of a pairing whose light comes through panes.
+// Adds a pairing whose connections pass panes.
 static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own, int diffuse, const float* weight, int count,
                               float sum[3][RF_LANES] )
 {

@@ -1,10 +1,3 @@
-// Which paths of a tile are reused.
-//
-// Copies: tiles that share one path. The hits of several slots are copies of one, whose path is traced once, and the other hits
-// of their tiles have none of their own. For gradient-domain path tracing (Kettunen et al., 2015).
-//
-// Russian roulette on paths by the light that they bring (Bauszat, Petitjean, Eisemann, Gradient-Domain Path Reusing, 2017): a
-// path that brings little is connected to the other hits of its tile only now and then.
 #include "reuse/tile/tile_paths.h"
 
 #include "path/roulette.h"
@@ -65,7 +58,7 @@ void rf_drop_copies( const int32_t* source, RfWavefront* wavefront, RfTileReuse*
         reuse->second.owner[b] = reuse->second.owner[from[b]];
 }
 
-// What the light of reused paths is multiplied by: both hits of a tile take turns.
+// The light of reused paths is multiplied by this: the two hits of a tile take turns.
 #define TURNS 2.0f
 
 static void gather_samples( const int32_t* from, int count, int light_samples, RfSecondVertices* second )
@@ -137,7 +130,7 @@ void rf_restore_copies( const int32_t* source, int light_samples, RfWavefront* w
     }
 }
 
-// By second vertex: the mean over the paths of its tile, those that found no vertex included.
+// By second vertex: the mean over all paths of its tile, those without a second vertex included.
 static void find_tile_means( const RfTileReuse* reuse, const float* luminance, float* mean )
 {
     float sum[RF_LANES]; // by the first member of the tile
@@ -159,7 +152,7 @@ static void find_tile_means( const RfTileReuse* reuse, const float* luminance, f
     }
 }
 
-// Leaves the second vertices that are connected, and those that cannot be.
+// Keeps the second vertices that survived, and those that are not reused.
 static void drop_thinned( int light_samples, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
@@ -174,7 +167,7 @@ static void drop_thinned( int light_samples, RfWavefront* wavefront, RfTileReuse
         owner[count] = i;
         count += stays;
         for ( int c = 0; c < 3 && !stays; ++c )
-            wavefront->arrivals.rest[c][y->slot[a]] = 0.0f; // what comes by way of it
+            wavefront->arrivals.rest[c][y->slot[a]] = 0.0f; // light that comes by way of it
     }
     gather_samples( from, count, light_samples, &reuse->second );
     gather_lanes( from, count, reuse->second.own_distance2_cos );

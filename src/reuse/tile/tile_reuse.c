@@ -61,16 +61,15 @@ static void list_members( const RfTileReuseSettings* settings, const RfVertexLan
     }
 }
 
-// True if the path may not go on from second vertex a. Its throughput does not tell: panes may have absorbed it,
-// while others see the vertex without them.
+// Whether max_depth ends the path at second vertex a. Its throughput does not tell: panes may have absorbed all of it, and
+// other hits may see the vertex without them.
 static bool is_spent( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfTileReuse* reuse, int a )
 {
     return wavefront->spent != NULL && wavefront->spent[reuse->second.lanes.slot[a]] + 2 >= settings->path->max_depth;
 }
 
-// Finds the second vertices that are reused: the hit must be non-specular, and the vertex too or
-// the first of a chain that found light. All hits of the tile could have sampled them, including those whose
-// own path has no second vertex.
+// Finds the second vertices that are reused: the hit must be non-specular, and the vertex, too, unless it begins a chain that
+// found light. All hits of the tile could have sampled them, even those whose own path has no second vertex.
 static void list_owners( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfVertexLanes* hits,
                          RfTileReuse* reuse )
 {
@@ -105,7 +104,7 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
     }
 }
 
-// Finds the second vertices at which no light arrives, in many rooms most of them: their connections would bring nothing.
+// Finds the second vertices at which no light arrives, in many rooms most of them: connections to them bring nothing.
 static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
@@ -128,7 +127,7 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
         reuse->second.dark[a] = a < rf_record_count( y ) && sum[a] == 0.0f;
 }
 
-// The second vertex for each hit in a pairing; `weight` is 1 where there is one that light arrives at, else 0.
+// The second vertex of each hit in a pairing; its `weight` is 1 where light arrives at it, else 0.
 static void find_neighbours( const RfTileReuse* reuse, int pairing, int count, RfPairingLanes* out )
 {
     memset( out->vertex, 0, (size_t)count * sizeof out->vertex[0] );
@@ -153,14 +152,15 @@ static void copy_throughput( const RfRayLanes* rays, RfTileReuse* reuse )
     }
 }
 
-// What paths passed on the way to their own second vertex.
+// Notes the panes that paths passed on the way to their own second vertex.
 static void note_panes( const RfRayLanes* rays, const float* pane_probability, RfTileReuse* reuse )
 {
     for ( int r = 0; r < rays->count && pane_probability != NULL; ++r )
         reuse->slots.pane_probability[rays->slot[r]] = pane_probability[r];
 }
 
-// Where nothing is blended that is their V, which is not traced again.
+// Where nothing is alpha-blended, the probability of passing them is the V of a path's own connection, which is not traced
+// again.
 static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
 {
     bool passed = rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );
@@ -171,8 +171,7 @@ static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
     }
 }
 
-// Continues the paths beyond the second vertices: light samples there, and the
-// radiance along the directions scattered there.
+// Takes light samples at the second vertices and continues the paths from there.
 static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int k = settings->light_samples;
@@ -196,7 +195,7 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );
 }
 
-// Whether max_depth leaves no path a vertex after the second. A path whose camera ray passed a pane may have one more.
+// Whether max_depth ends all paths at their second vertex. Where the camera ray passed a pane, they may have one more.
 static bool all_end_at_second( const RfPathSettings* path, const RfWavefront* wavefront )
 {
     if ( path->max_depth > 2 )
@@ -207,6 +206,21 @@ static bool all_end_at_second( const RfPathSettings* path, const RfWavefront* wa
             return false;
     }
     return true;
+}
+
+// No pairing brings light. The directions stay valid, as BSDFs need them.
+static void clear_pairings( int tile_pixels, RfTileReuse* reuse )
+{
+    const RfVertexLanes* hits = reuse->hits.lanes;
+    reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY] = 0;
+    for ( int s = 0; s < tile_pixels; ++s )
+    {
+        RfPairingLanes* pairing = reuse->pairings + s;
+        memset( pairing->weight, 0, sizeof pairing->weight );
+        memset( pairing->vertex, 0, sizeof pairing->vertex );
+        for ( int c = 0; c < 3; ++c )
+            memcpy( pairing->wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
+    }
 }
 
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
@@ -220,16 +234,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
                     rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second.lanes ), reuse );
     if ( all_end_at_second( settings->path, wavefront ) || reuse->second.lanes.count == 0 )
     {
-        for ( int s = 0; s < tile_pixels; ++s )
-            memset( reuse->pairings[s].weight, 0, sizeof reuse->pairings[s].weight );
-        for ( int s = 1; s < tile_pixels; ++s )
-        {
-            for ( int c = 0; c < 3; ++c )
-                memcpy( reuse->pairings[s].wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
-        }
-        reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY] = 0;
-        for ( int s = 1; s < tile_pixels; ++s )
-            memset( reuse->pairings[s].vertex, 0, sizeof reuse->pairings[s].vertex );
+        clear_pairings( tile_pixels, reuse );
         return 0;
     }
     rf_end_spent_paths( settings->path, wavefront, 2, &wavefront->rays );

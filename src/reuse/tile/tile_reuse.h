@@ -30,7 +30,7 @@ typedef struct RfTileHits
     const RfVertexLanes* lanes;
     RF_ALIGN float lifted[3][RF_LANES];                      // off their surface: the ends of connections
     int32_t begin[RF_LANES], size[RF_LANES], rank[RF_LANES]; // of its tile in member[], and its own index there
-    int32_t second[RF_LANES];                                // second vertex of its path; −1: none, or not reused
+    int32_t second[RF_LANES];                                // second vertex of its path; −1: none that is reused
     int32_t member[RF_LANES];                                // all hits, sorted by tile
 } RfTileHits;
 
@@ -38,21 +38,21 @@ typedef struct RfTileHits
 typedef struct RfSecondVertices
 {
     RfVertexLanes lanes;
-    int32_t hit[RF_LANES];                  // whose ray found it; −1: one of a specular surface
-    int32_t owner[RF_LANES];                // the hit whose path it belongs to; −1: not reused. A specular vertex that is
-                                            // reused brings light at the end of a chain alone (reuse/tile/tile_chains.h)
-    int shared;                             // the first of them scatter the same light to all receivers
+    int32_t hit[RF_LANES];                  // the hit before it on its path; −1: a specular one
+    int32_t owner[RF_LANES];                // the same where the vertex is reused, else −1. Specular vertices are reused for
+                                            // light at the end of a chain alone (reuse/tile/tile_chains.h)
+    int shared;                             // so many of them, the first, scatter the same light to all receivers
+    RfLightLanes* direct;                   // light samples, K of them, and one of the connector
     RF_ALIGN float throughput[3][RF_LANES]; // of the ray that hit it
     float own_distance2_cos[RF_LANES];      // 1 / G_own
     float sum[RF_LANES];                    // Σ ρ
     float connection_area[RF_LANES];        // of the connector's sample (rf_own_weight)
-    RfLightLanes* direct;                   // light samples, K of them, and one of the connector
     float wi[3][RF_LANES];                  // scattered direction of its path, and its density
     float pdf[RF_LANES];
-    float wo[3][RF_LANES];   // to the receivers of a pairing
-    RfArrivalLanes arrival;  // of one direction
-    float mixture[RF_LANES]; // P of that direction
-    bool dark[RF_LANES];     // no light arrives there: reused, but not connected
+    float wo[3][RF_LANES];  // to the receivers of one pairing
+    RfArrivalLanes arrival; // from one direction, and its mixture density P
+    float mixture[RF_LANES];
+    bool dark[RF_LANES];     // no light arrives there: it is not connected
     bool parallel[RF_LANES]; // the chain that begins there is followed in the same direction (reuse/tile/tile_chains.h)
 } RfSecondVertices;
 
@@ -62,17 +62,16 @@ typedef struct RfPairingLanes
     // by hit
     RF_ALIGN float wi[3][RF_LANES];   // unit, to the second vertex
     float weight[RF_LANES];           // ρ, later the balance weight ρ / Σ_k ρ_k; 0: occluded, or no vertex
-    int32_t vertex[RF_LANES];         // second vertex of the neighbour path; if it has none 0, with weight 0
-    float ( *pane_weight )[RF_LANES]; // κ of the panes between (section 11), three arrays; NULL: no panes
+    int32_t vertex[RF_LANES];         // second vertex of the neighbour path; 0, with weight 0, if it has none
+    float ( *pane_weight )[RF_LANES]; // κ of the thin dielectrics between (section 11), by channel; NULL: the scene has none
     // by second vertex
     RF_ALIGN float f[3][RF_LANES]; // of glossy ones
-    float light[3][RF_LANES];      // scattered to the receiver, by glossy ones; in pairing 0 by diffuse ones too, which
-                                   // scatter the same to all, unless some of it is that of light paths
+    float light[3][RF_LANES];      // scattered to the receiver; that of `shared` ones is in pairing 0 alone
 } RfPairingLanes;
 
 typedef struct RfTileReuse
 {
-    int thinned, kept; // second vertices that the roulette on paths was about, and those it kept; 0 without it
+    int thinned, kept; // paths before and after roulette; 0 without it
     RfTileSlots slots;
     RfTileHits hits;
     RfSecondVertices second;
@@ -85,7 +84,7 @@ typedef struct RfTileReuseSettings
     int tile_pixels;        // of a whole tile
     const int32_t* tile_of; // by slot: the tile of each path, from 0
     int tile_count;
-    bool path_roulette;    // on paths that bring little light; those that bring none are not connected at all
+    bool path_roulette;    // on paths that bring little light (reuse/tile/tile_paths.h)
     bool chain_light;      // is shared (reuse/tile/tile_chains.h)
     const int32_t* source; // of the paths (reuse/tile/tile_paths.h); NULL: each hit has its own
 } RfTileReuseSettings;
@@ -94,33 +93,32 @@ typedef struct RfTileReuseSettings
 size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes );
 RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory );
 
-// Like rf_trace_tails for the rays scattered at the hits, but second vertices are
-// reused inside their tiles. wavefront->arrivals is as returned there,
-// with the weighted light of pairing 0 in `rest`; the pairings from 1 on are in
+// Like rf_trace_tails for the rays scattered at the hits, but second vertices are reused inside their tiles.
+// wavefront->arrivals is as returned there, with the weighted light of pairing 0 in `rest`; pairings from 1 on are in
 // reuse->pairings. Returns the number of connections tested.
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
                               RfWavefront* wavefront, RfTileReuse* reuse );
 
-// The balance weights of all pairings; tests visibility and returns the number of
-// connections tested. A step of rf_trace_tile_tails, like the next.
+// Finds the balance weights of all pairings, tests visibility, and returns the number of connections tested. A step of
+// rf_trace_tile_tails, like the next.
 uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
                              RfWavefront* wavefront, RfTileReuse* reuse );
 
 // The light that second vertices scatter to the receivers of all pairings.
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
 
-// Luminance of the light that each second vertex scatters back along its own path, by path sampling alone; −1 where no light
-// arrives at it.
+// Luminance of the light that each second vertex scatters back along its own path, weighted as without tiles; −1 where no
+// light arrives at it.
 void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance );
 
-// The light that a pairing from 1 on brings to hits [first, end), times the cosine
-// there: (E5) before weighting over the cameras.
+// The light that a pairing from 1 on brings to hits [first, end), times the cosine there: (E5) before the weights over the
+// cameras.
 void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
                            float light[3][RF_LANES] );
 
-// Its sum over all pairings from 1 on for diffuse hits [0, count), divided by the
-// density of the directions: multiply by the albedo, which is f cos / density. The light of chains has this weight at
-// the hits in `weighted` (NULL: none).
+// Its sum over all pairings from 1 on at diffuse hits [0, count), divided by the density of the directions: multiply by the
+// albedo, which is f cos / density. Light that comes by chains has the weight `chain_weight` at the hits in `weighted` (NULL:
+// none).
 void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
                                    float sum[3][RF_LANES] );
 

@@ -1,5 +1,4 @@
-// The balance weights of the pairs in a tile: which hits see which second
-// vertices, and with what density they would have sampled them.
+// The balance weights inside a tile: which hits see which second vertices, and with what density they would have sampled them.
 #include "reuse/tile/tile_reuse.h"
 
 #include "base/fault.h"
@@ -9,7 +8,8 @@
 #include <float.h>
 #include <string.h>
 
-// Direction of hit i in a pairing, and ρ without density and visibility; 0 where hit and vertex face away from each other.
+// Sets the direction of hit i in a pairing, and ρ but for BSDF density and visibility; 0 where hit and vertex face away from
+// each other.
 static inline void connect( const RfVertexLanes* restrict x, const RfTileReuse* restrict reuse, RfPairingLanes* restrict pairing,
                             int i )
 {
@@ -33,7 +33,6 @@ static inline void connect( const RfVertexLanes* restrict x, const RfTileReuse* 
     pairing->weight[i] = sees ? geometry : 0.0f;
 }
 
-// Sets the directions and ρ, without density and visibility, where the weight of the pairing is above 0.
 static void connect_neighbours( const RfVertexLanes* restrict x, const RfTileReuse* restrict reuse,
                                 RfPairingLanes* restrict pairing )
 {
@@ -43,7 +42,7 @@ static void connect_neighbours( const RfVertexLanes* restrict x, const RfTileReu
         connect( x, reuse, pairing, i );
 }
 
-// The same for pairing s where the roulette has left few second vertices.
+// The same for pairing s where roulette has left few second vertices.
 static void connect_few( const RfVertexLanes* x, RfTileReuse* reuse, int s )
 {
     RfPairingLanes* pairing = reuse->pairings + s;
@@ -82,7 +81,7 @@ typedef struct Queue
     int32_t pairing[RF_PATCH_PIXELS], hit[RF_PATCH_PIXELS];
 } Queue;
 
-// Connections through panes: they have a part of the density, q, and carry light times κ.
+// Connections through panes have the part q of the density, and what they carry is multiplied by κ.
 static void test_past_panes( Queue* q, const float* const o[3], const float* const d[3] )
 {
     RfLaneScratch* s = q->scratch;
@@ -149,8 +148,8 @@ static inline void queue_segment( Queue* q, RfVec3 from, int pairing, int hit )
         test_segments( q );
 }
 
-// Tests the connections of paths to their own second vertex, which matters only with
-// blended surfaces. Their rays carry κ already. The path did get through, so the result is never 0.
+// Tests the connections of paths to their own second vertex, which alpha-blended surfaces may cover. Their rays carry κ
+// already. Since the path did get through, no weight becomes 0.
 static void test_own_paths( Queue* q, int hits )
 {
     const RfSecondVertices* second = &q->reuse->second;
@@ -211,7 +210,7 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         const RfPairingLanes* pairing = reuse->pairings + s;
         for ( int i = 0; i < hits; ++i )
         {
-            if ( pairing->weight[i] > 0.0f ) // many are 0
+            if ( pairing->weight[i] > 0.0f ) // most are 0 after roulette on paths
                 sum[pairing->vertex[i]] += pairing->weight[i];
         }
     }
