@@ -20,10 +20,25 @@
 #include <math.h>
 #include <string.h>
 
-// A film in coarse cells: what is known of the surroundings of a pixel beyond its direct neighbours.
+#define LEAST_SIDE 8 // pixels
+#define REACH 2      // of the window, pixels to each side
+#define NEAR 1       // of the inner one
+#define SIDE ( 2 * REACH + 1 )
+#define STRIP 64 // columns processed together
+#define COLUMNS ( STRIP + 2 * REACH )
 #define CELLS 32 // across and down, at most
+// The inverse of the squared relative difference that is expected between a window and what is around it:
+// 0.7 and 0.4.
+#define WIDE_PRIOR 2.0
+#define NEAR_PRIOR 6.0
+#define OUTLIER 2.0   // noise counts so many times against what the neighbours differ by
+#define WORST 10      // pixels
+#define AMBIGUOUS 0.7 // part of the sum that must not hang on what the worst pixels are
+// The shrunk values are too large by some 2 %: in eleven scenes other than those of scripts/validate estimate.
+#define CORRECTION 1.05
 
-// Sums over the pixels of a cell, each the mean of its channels.
+// A coarse grid over the film, for the surroundings of a pixel beyond its direct neighbours. Sums over the pixels of a cell,
+// each the mean of its channels.
 typedef struct Cell
 {
     double half[2];
@@ -55,8 +70,6 @@ static inline double signal_share( double mean, double variance )
     double signal = mean * mean;
     return signal > 0.0 ? signal / ( signal + variance ) : 0.0;
 }
-
-#define LEAST_SIDE 8 // pixels
 
 static void add_to_cell( Cell* cell, const double half[2] )
 {
@@ -151,21 +164,6 @@ static Around look_wide( const Surroundings* around, int x, int y, int half, con
         .variance = variance,
     };
 }
-
-#define REACH 2 // of the window, pixels to each side
-#define NEAR 1  // of the inner one
-#define SIDE ( 2 * REACH + 1 )
-#define STRIP 64 // columns processed together
-#define COLUMNS ( STRIP + 2 * REACH )
-// The inverse of the squared relative difference that is expected between a window and what is around it:
-// 0.7 and 0.4.
-#define WIDE_PRIOR 2.0
-#define NEAR_PRIOR 6.0
-#define OUTLIER 2.0   // noise counts so many times against what the neighbours differ by
-#define WORST 10      // pixels
-#define AMBIGUOUS 0.7 // part of the sum that must not hang on what the worst pixels are
-// The shrunk values are too large by some 2 %: in eleven scenes other than those of scripts/validate estimate.
-#define CORRECTION 1.05
 
 // What is kept of a pixel.
 typedef struct Pixel

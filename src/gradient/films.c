@@ -8,6 +8,17 @@
 #include <math.h>
 #include <string.h>
 
+// Of the solve with constant weights: tiles leave less noise in pixels than path tracing does, for which 0.2 is usual.
+#define ALPHA 0.5f
+// Few passes tell little of the variance of differences: a half in which a rare path is missing would trust them too much. They
+// count as no better than this share of the variance of pixels, over the passes of both halves.
+#define LEAST_SHARE 0.4f
+// Relative residual at which the solve with weights stops, times the passes: far below the noise.
+#define TOLERANCE 1e-3
+#define LEAST_TOLERANCE 1e-6 // which floats reach
+// Conjugate gradients that have not converged by then are reported of. Very noisy weights take some twenty.
+#define MOST_ITERATIONS 50
+
 typedef struct Target
 {
     float* film[RF_GRADIENT_FILMS];
@@ -88,20 +99,6 @@ uint64_t rf_accumulate_gradients( const RfEstimatorGroup* group, RfAccumulateJob
     }
     return landed;
 }
-
-// Of the solve with constant weights: tiles leave less noise in pixels than path tracing does, for which 0.2 is usual.
-#define ALPHA 0.5f
-
-// Few passes tell little of the variance of differences: a half in which a rare path is missing would trust them too much. They
-// count as no better than this share of the variance of pixels, over the passes of both halves.
-#define LEAST_SHARE 0.4f
-
-// Relative residual at which the solve with weights stops, times the passes: far below the noise.
-#define TOLERANCE 1e-3
-#define LEAST_TOLERANCE 1e-6 // which floats reach
-
-// Conjugate gradients that have not converged by then are reported of. Very noisy weights take some twenty.
-#define MOST_ITERATIONS 50
 
 // Images that the solve works on, for each half: the means of the three films and their variances. The solutions.
 enum

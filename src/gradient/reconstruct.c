@@ -9,6 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define RADIUS 2            // of the average
+#define MUCH_BRIGHTER 10.0f // times as bright
+#define LEAST_VARIANCE 1e-6 // relative to the geometric mean: a few passes that agree by chance are not certain
+#define FIRST_FLOOR 0.05f   // of distances, relative to the mean of the primal; it is halved in each round
+#define LAST_FLOOR 1e-4f
+#define SETTLED 1e-3         // relative change of the norm in a round
+#define ROUND_TOLERANCE 1e-3 // of the solves before the last
+#define LEAST_WEIGHT 1e-30f  // of the largest; what is below counts as 0
+
 // Fails with RF_ERROR_USAGE where options are out of range, or do not go with the weights.
 static RfResult check_reconstruct_options( const RfReconstructOptions* options, bool has_weights, RfError* error )
 {
@@ -174,10 +183,6 @@ static void level_components( const RfGradientSystem* system, const uint32_t* la
 // beside a window would be taken for as uncertain as the window's edge, so that its own value counted for nothing against
 // differences across the edge.
 
-#define RADIUS 2            // of the average
-#define MUCH_BRIGHTER 10.0f // times as bright
-#define LEAST_VARIANCE 1e-6 // relative to the geometric mean: a few passes that agree by chance are not certain
-
 // Pixels of a plane that count: columns·rows of width·height.
 typedef struct Extent
 {
@@ -311,11 +316,6 @@ void rf_weights_of_half( const RfGradientHalf* half, float* const scratch[2], fl
 
 // L1 by iteratively reweighted least squares: the weight of each datum is the inverse of how far the last solution
 // is from it. Weights that come from the data themselves make it biased.
-
-#define FIRST_FLOOR 0.05f // of distances, relative to the mean of the primal; it is halved in each round
-#define LAST_FLOOR 1e-4f
-#define SETTLED 1e-3         // relative change of the norm in a round
-#define ROUND_TOLERANCE 1e-3 // of the solves before the last
 
 // Distance over the three channels of a datum (at index `at` of `rgb`) from u_j − u_i, or from u_i where j is i.
 static float distance( const RfGradientSolver* solver, const float* rgb, size_t i, size_t j )
@@ -461,8 +461,6 @@ RfResult rf_reconstruct_halves( const RfGradientHalf halves[2], const RfReconstr
         *info = worst;
     return result;
 }
-
-#define LEAST_WEIGHT 1e-30f // of the largest; what is below counts as 0
 
 RfReconstructOptions rf_default_reconstruct_options( void )
 {

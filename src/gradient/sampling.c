@@ -8,7 +8,8 @@
 
 #include <string.h>
 
-#define SALT 0x6d41e00000000u // keeps the random numbers of the shift apart
+#define SALT 0x6d41e00000000u     // keeps the random numbers of the shift apart
+#define TILE_SALT 0x3b1c00000000u // keeps the random numbers of tiles apart from those of paths
 
 static int up( int a, int b ) { return ( a + b - 1 ) / b; }
 static int at_most( int a, int b ) { return a < b ? a : b; }
@@ -87,8 +88,6 @@ int rf_list_extended_tiles( const RfExtendedTiles* l, uint64_t pass_key, int pat
     }
     return count;
 }
-
-#define TILE_SALT 0x3b1c00000000u // keeps the random numbers of tiles apart from those of paths
 
 struct RfGradientScratch
 {

@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define RESTARTS 4              // with the residual computed anew; conjugate gradients in floats drift from it
+#define CONSTANT_TOLERANCE 1e-5 // of the direct solve, whose residual is that of rounding
+
 // FFTW plans share tables: one thread at a time.
 static pthread_mutex_t s_planner = PTHREAD_MUTEX_INITIALIZER;
 
@@ -63,9 +66,6 @@ void rf_solve_constant( const RfCosineTransform* transform, double a, double b_x
     }
     fftwf_execute_r2r( transform->backward, plane, plane );
 }
-
-#define RESTARTS 4              // with the residual computed anew; conjugate gradients in floats drift from it
-#define CONSTANT_TOLERANCE 1e-5 // of the direct solve, whose residual is that of rounding
 
 // Bytes of the vectors of a channel.
 static size_t channel_bytes( int width, int height )

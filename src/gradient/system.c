@@ -6,6 +6,9 @@
 #include <math.h>
 #include <string.h>
 
+#define DAMPING 0.8f      // of the Jacobi steps; below 1 they converge for every such matrix
+#define COARSEST_STEPS 16 // Jacobi steps on the coarsest level, of a few pixels
+
 // Floats before the first pixel: at least a row, and a multiple of 16 for the alignment.
 static size_t lead( int width ) { return ( (size_t)width + 15 ) / 16 * 16; }
 
@@ -113,9 +116,6 @@ double rf_system_norm( const RfGradientSystem* system, const RfGradientImages* i
     double norm = sqrt( of_primal ) + sqrt( of_gradients );
     return norm > 0.0 || RF_FAULT( zero_data ) ? norm : 1.0;
 }
-
-#define DAMPING 0.8f      // of the Jacobi steps; below 1 they converge for every such matrix
-#define COARSEST_STEPS 16 // Jacobi steps on the coarsest level, of a few pixels
 
 static int half_of( int n ) { return ( n + 1 ) / 2; }
 

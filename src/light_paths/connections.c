@@ -9,8 +9,9 @@
 #include <string.h>
 
 #define MOST_CANDIDATES 512
-#define EVENLY 0.25f      // of the trial connections, whatever they promise: derivatives err near foci
-#define LEAST_SHARE 0.02f // of trial connections, where other light is so much stronger
+#define EVENLY 0.25f      // of the trial connections are uniform over the candidates: derivatives are unreliable near foci
+#define LEAST_SHARE 0.02f // of trial connections, however bright the direct light
+#define SCATTERED 0.5f    // albedo that is assumed beyond the first vertex
 
 // Light paths, or particles, whose footprint holds a camera vertex.
 typedef struct Candidates
@@ -29,7 +30,7 @@ typedef struct Candidates
     bool thinned;
 } Candidates;
 
-// The trial connections of one lane: each candidate is accepted in proportion to what it is expected to bring.
+// Trial connections of one lane: each candidate is accepted in proportion to its expected contribution.
 typedef struct Acceptance
 {
     RfRandomKey lane;
@@ -56,7 +57,7 @@ static void begin_candidates( const RfConnectionWork* w, int i, const RfFootprin
     c->thinned = false;
 }
 
-// Counts a candidate that is expected to bring so much light; keeps it if there is room.
+// Counts a candidate with its expected contribution; keeps it if there is room.
 static void keep_candidate( Candidates* c, uint32_t number, float light )
 {
     int k = c->count++;
@@ -93,7 +94,7 @@ static void note_path( void* user, uint32_t number )
         keep_candidate( c, number, light );
 }
 
-// Finds candidates; of more than there is room for every k-th. Returns one over the probability of being among them.
+// Finds candidates, every k-th of them if there are too many. Returns the reciprocal of the probability of being kept.
 static float find_candidates( Candidates* c, RfRandomKey key )
 {
     rf_find_footprints( c->tree, c->y, c->note, c );
@@ -125,7 +126,7 @@ static float offered_part( const Acceptance* a, const Candidates* c, int k )
     return ( 1.0f - EVENLY ) * c->light[k] / a->sum + EVENLY / (float)c->kept;
 }
 
-// The key of a candidate, and one over the probability of accepting it; 0: it was not.
+// The key of a candidate, and the reciprocal of the probability of accepting it; 0: it was not accepted.
 static float accept( const Acceptance* a, const Candidates* c, int k, RfRandomKey* key )
 {
     *key = rf_pixel_key( (uint64_t)a->lane.a << 32 | a->lane.b, c->path[k] );
@@ -154,7 +155,7 @@ static void add_light( RfConnectionWork* w, int i, RfRandomKey key, RfVec3 wi_of
     }
 }
 
-// The way from a VPL to a point, and the cone of the particles that cover it. False: no light goes there.
+// The direction from a VPL to a point, and the cone of the particles that cover it. False: the VPL does not light it.
 static bool find_way( const RfLightPaths* paths, const RfLightPath* path, RfVec3 y, RfVplConnection* connection,
                       float* distance2 )
 {
@@ -201,7 +202,7 @@ static void note_particle( void* user, uint32_t number )
         keep_candidate( c, number, light );
 }
 
-// The light that a VPL scatters towards a direction, as a model scatters it.
+// The radiant intensity of a VPL towards a direction, by its scattering model.
 static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, RfVec3 d )
 {
     const RfVpl* vpl = &path->vpl;
@@ -220,7 +221,7 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
     const float *wo_in[3] = { &d.x, &d.y, &d.z }, *wi_in[3] = { &wi.x, &wi.y, &wi.z };
     float* out[3] = { &f.x, &f.y, &f.z };
     rf_bsdf_evaluate( m->kind, 1, &lanes, wo_in, wi_in, out, NULL );
-    // flux comes through the area, the model asks for irradiance by the shading normal
+    // flux is per geometric area; the model takes irradiance by the shading normal
     float cosines = rf_dot( vpl->n, wi ) / rf_maxf( rf_dot( vpl->ng, wi ), 1e-6f );
     return rf_scale( rf_mul( path->flux, f ), cosines * vpl->falloff );
 }
@@ -302,7 +303,7 @@ void rf_connect_vpls( RfConnectionWork* w, RfRandomKey lane, int i )
     }
 }
 
-// The chain of a trail, from a point of an emitter on. False: light does not go that way.
+// Rebuilds a trail as a chain from a point of the emitter. False: light cannot take it.
 static bool follow_back( const RfTracer* tracer, const RfTrail* trail, int length, uint32_t emitter, RfVec3 point,
                          RfChain* chain )
 {
@@ -355,11 +356,9 @@ static float weigh_chance( const RfConnector* connector, const RfTrail* trail, i
     return 1.0f - rf_connection_weight( paths, area, -rf_dot( trail->n, chain.end.d ), trail->vertex );
 }
 
-#define SCATTERED 0.5f // that a surface is taken to scatter of what arrives, beyond the first vertex
-
 const float rf_connection_shares[RF_CONNECTION_SHARES] = { 0.0f, 0.03f, 0.06f, 0.125f, 0.25f, 0.5f, 1.0f };
 
-// How the light of a vertex counts at the first one.
+// Throughput from a vertex to the first one.
 static float throughput_of( const RfConnectionWork* w, int i )
 {
     if ( w->vertex == 1 )
@@ -389,13 +388,13 @@ static void count_chance( RfConnectionLanes* out, double light, double found, do
     out->chance[octave].square += through * through * light * found;
 }
 
-// Counts up what the square of this light would be with other shares, before its balance weight.
+// Adds the second moment that this light would have with each share of light paths.
 static void measure_connection( const RfConnectionWork* w, const RfConnection* connection, float light )
 {
     const RfChain* chain = &connection->chain;
     float cosine = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ), chance = RF_INV_PI * cosine,
           through = throughput_of( w, connection->lane );
-    // what a scattered ray that finds the same light brings
+    // the contribution of a scattered ray that finds the same light
     float found = rf_luminance( rf_mul( chain->start.radiance, chain->weight ) ) * cosine / ( chance * chain->probability );
     const RfLightPaths* paths = w->settings->paths;
     count_chance( w->out, (double)light, (double)found, (double)through );
@@ -415,7 +414,7 @@ static void measure_connection( const RfConnectionWork* w, const RfConnection* c
     }
 }
 
-// The light of a solved connection before its normalisation; 0 where nothing arrives.
+// The contribution of a solved connection before normalisation; 0 if it is blocked by geometry.
 static RfVec3 light_of( const RfConnectionWork* w, const RfConnection* connection )
 {
     const RfVertexLanes* v = w->v;
@@ -515,7 +514,7 @@ static void test_visibility( RfConnectionWork* w )
         w->connection[index[k]].open = visible[k] > 0.0f;
 }
 
-// The weight of a connection at a vertex that a ray of the vertex before has found.
+// The weight of a connection at a vertex against connections of the previous vertex to the VPL there.
 static float own_weight( const RfConnectionWork* w, const RfConnection* connection )
 {
     const RfVertexLanes* v = w->v;
@@ -587,7 +586,7 @@ void rf_connect_vertices( const RfLightPathConnector* connector, RfWavefront* ke
                           const RfVertexLanes* v, int vertex )
 {
     RfConnectionLanes* out = connector->out;
-    RfConnectionWork w; // its arrays are large: they stay as they are
+    RfConnectionWork w; // its large arrays are not cleared
     w.settings = connector;
     w.keys = keys;
     w.rays = rays;

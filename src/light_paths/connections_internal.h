@@ -1,4 +1,4 @@
-// Internal to this folder: connections at work.
+// Connections at work, for src/light_paths and its tests.
 #ifndef REFRAME_LIGHT_PATHS_CONNECTIONS_INTERNAL_H
 #define REFRAME_LIGHT_PATHS_CONNECTIONS_INTERNAL_H
 
@@ -16,7 +16,7 @@ typedef struct RfConnection
     int lane;
     const RfLightPath* path;
     RfRandomKey key;
-    float scale;   // one over the probability with which it was accepted
+    float scale;   // reciprocal of the probability with which it was accepted
     float offered; // that probability with all connections, more than one perhaps
     float chance;  // of rf_chance_area
     // connections of a way that all light paths could find; `connections` of them, or rare_connections, are wanted
@@ -77,17 +77,17 @@ static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )
 void rf_connect_vpls( RfConnectionWork* work, RfRandomKey lane, int i );
 void rf_flush_vpls( RfConnectionWork* work );
 
-// Counts, for all open connections, the light paths drawn from around the solution until one is found from which a walk leads
-// to the same: on average one over the probability of that.
+// Counts, for each open connection, the light paths drawn around the solution until a manifold walk from one converges to the
+// same solution: an unbiased estimate of the reciprocal of that probability.
 void rf_repeat_trials( RfConnectionWork* work );
 
 // The same for connections to VPLs: trials until a particle from within the cone covers the vertex.
 void rf_repeat_vpl_trials( RfConnectionWork* work );
 
-// One over the probability that a particle covers the vertex.
+// Reciprocal of the probability that a particle covers the vertex.
 float rf_vpl_inverse_probability( const RfConnectionWork* work, const RfVplConnection* connection );
 
-// Photon mapping: what lands around the camera vertex is taken to land there, evenly over the footprint.
+// Density estimation as in photon mapping: paths that land near the camera vertex count as landing there.
 void rf_estimate_density( RfConnectionWork* work );
 
 #endif

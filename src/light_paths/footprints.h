@@ -1,4 +1,4 @@
-// A tree over footprints, by the boxes around them.
+// A bounding volume hierarchy over footprints: which of them hold a point?
 #ifndef REFRAME_LIGHT_PATHS_FOOTPRINTS_H
 #define REFRAME_LIGHT_PATHS_FOOTPRINTS_H
 

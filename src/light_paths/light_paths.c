@@ -7,15 +7,25 @@
 
 #include <string.h>
 
-#define MOST_REACH 0.3f       // of directions: a chord
-#define MOST_SHIFT 0.1f       // of the rays of infinite lights, in radii of the scene
-#define RARE_FOOTPRINT 4.0f   // times as large as others, at most
-#define FOOTPRINT_MARGIN 1.3f // over what derivatives or planes tell
-#define LEAST_COSINE 0.2f     // at which light lands, for footprints
+#define MOST_REACH 0.3f              // of directions: a chord of the unit sphere
+#define MOST_SHIFT 0.1f              // of the rays of infinite lights, in radii of the scene
+#define RARE_FOOTPRINT 4.0f          // times as large as others, at most
+#define FOOTPRINT_MARGIN 1.3f        // over what derivatives or planes tell
+#define LEAST_COSINE 0.2f            // at which light lands, for footprints
+#define MOST_PARTICLE_FOOTPRINT 4.0f // in those of light paths
+#define PARTICLES 0x9e3779b9u        // makes the key of what is scattered
+#define CONNECTIONS 3.0f             // c
+#define MOST_FOOTPRINT 0.05f         // of half the axes, in radii of the scene
+#define RARE_CONNECTIONS 0.2f        // found where MOST_FOOTPRINT allows fewer, by larger ones
+#define PATHS_PER_PIXEL 0.125
+#define LEAST_PATHS 512u
+#define MOST_PATHS 65536u
+#define LIGHT_PATHS 0xfffffff1u // in the place of a frame, for the random numbers
+#define EVENTS 0x51ed270bu      // makes the key of a chain's events
 
 static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
 
-// How the chain's end moves over the surface at p: the eigenvectors of what steers it, longer first.
+// The principal axes of how the chain's end moves over the surface at p, longer first.
 static bool find_moves( const RfChain* chain, RfVec3 p, RfVec3 normal, RfVec3 moves[2], float axis[2], float stretch[2] )
 {
     RfVec3 meet, m[2], d = chain->end.d;
@@ -42,7 +52,7 @@ static void find_most( float radius, float limit, const float stretch[2], float 
     most[1] = rf_minf( limit, radius / rf_maxf( stretch[1], 1e-6f * stretch[0] ) );
 }
 
-// As far in both axes as the area takes; what is cut off one is added to the other.
+// An ellipse of this area within the limits: what is cut off one axis is added to the other.
 static void set_reach( float area, const float most[2], RfReach* reach )
 {
     reach->along = rf_minf( sqrtf( area ), most[0] );
@@ -88,9 +98,6 @@ float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float are
     float connections = (float)paths->emitted * area * steer_pdf * starts;
     return connections > 0.0f ? 1.0f / connections : INFINITY;
 }
-
-#define MOST_PARTICLE_FOOTPRINT 4.0f // in those of light paths
-#define PARTICLES 0x9e3779b9u        // makes the key of what is scattered
 
 // The bytes of the particles of n light paths, and their layout in memory of that size.
 static size_t scattered_bytes( size_t n )
@@ -166,7 +173,7 @@ float rf_scattered_radius( const RfLightPaths* paths, const RfLightPath* path, R
     return rf_minf( radius, MOST_PARTICLE_FOOTPRINT * paths->most_radius );
 }
 
-// A direction by the cosine. Particle `number` of the set, from a sequence of low discrepancy (Roberts, R2).
+// A cosine-weighted direction. Particle `number` of the set, from a sequence of low discrepancy (Roberts, R2).
 static RfVec3 draw_direction( RfRandomKey shift, uint32_t number, RfVec3 n )
 {
     double a = (double)number * 0.75487766624669276 + (double)rf_random( shift, 2 );
@@ -212,7 +219,7 @@ static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* path
     return (uint64_t)rays;
 }
 
-// Draws what the stored paths scatter. Returns the rays traced.
+// Scatters particles from the VPLs of the stored paths. Returns the rays traced.
 static uint64_t scatter_light_paths( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key )
 {
     RfRandomKey shift = rf_pixel_key( pass_key ^ PARTICLES, UINT32_MAX );
@@ -239,15 +246,6 @@ static uint64_t scatter_light_paths( const RfEstimatorGroup* group, RfLightPaths
     rf_build_footprints( &paths->scattered_tree );
     return rays;
 }
-
-#define CONNECTIONS 3.0f      // c
-#define MOST_FOOTPRINT 0.05f  // of half the axes, in radii of the scene
-#define RARE_CONNECTIONS 0.2f // found where MOST_FOOTPRINT allows fewer, by larger ones
-#define PATHS_PER_PIXEL 0.125
-#define LEAST_PATHS 512u
-#define MOST_PATHS 65536u
-#define LIGHT_PATHS 0xfffffff1u // in the place of a frame, for the random numbers
-#define EVENTS 0x51ed270bu      // makes the key of a chain's events
 
 enum
 {
@@ -282,7 +280,7 @@ static void* take( char** at, size_t bytes )
     return here;
 }
 
-// Every material has the same share of the points, and every point of a material the same density.
+// Points are drawn uniformly by area on each material, and every material has the same share of them.
 static void list_surfaces( const RfTracer* tracer, RfLightPaths* paths )
 {
     const RfScene* scene = rf_tracer_scene( tracer );

@@ -53,7 +53,7 @@ typedef struct RfLightPaths
     int share_of;           // the group that `share` was chosen for, from 1; 0: none yet
     float share;            // of the light paths and connections of a set that is drawn
     bool measures;          // connections tell what their error would be with other shares (RfConnectionLanes)
-    uint32_t emitted;       // n, with those that came to nothing
+    uint32_t emitted;       // n, with those that were lost
     uint32_t count;         // stored
     float connections;      // c: connections that a camera vertex finds per way in which light comes to it, on average
     float rare_connections; // likewise, where footprints are cut
@@ -90,14 +90,14 @@ static inline const RfLightPaths* rf_drawn_light_paths( const RfLightPaths* path
     return paths != NULL && paths->share > 0.0f ? paths : NULL;
 }
 
-// The density of what steers a chain that starts as this one does; 0: it is never drawn.
+// The density with which a chain is drawn that starts like this one, by the parameters that steer it; 0: it is never drawn.
 float rf_steer_pdf( const RfLightPaths* paths, const RfChain* chain );
 
 // Reciprocal of the expected number of connections per steradian at p that find the light which arrives there by a chain, sr: a
 // function of the path alone. 0: no other technique finds that light. Infinity: connections do not.
 float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float area, float steer_pdf, RfVec3 p );
 
-// Connections of a path's `vertex`-th vertex that are tried at most, with this share.
+// The largest number of trial connections at a path's `vertex`-th vertex, with this share.
 static inline float rf_trial_connections( float share, int vertex )
 {
     return share * ( vertex == 1 ? RF_TRIAL_CONNECTIONS : RF_TRIAL_CONNECTIONS_BEYOND );
@@ -145,14 +145,14 @@ static inline bool rf_may_scatter( const RfTracer* tracer, const RfChain* chain 
 // Where rays start at the VPL.
 static inline RfVec3 rf_vpl_start( const RfLightPath* path ) { return rf_madd( path->at.p, path->vpl.ng, path->vpl.offset ); }
 
-// The squared sine of the cone around the way to a point, which leaves the VPL at this cosine: particles whose direction
-// lies in it cover the point. With one over the cosine as many connections are found everywhere.
+// The squared sine of the cone around the direction to a point, which leaves the VPL at this cosine: particles within the cone
+// cover the point. It is wider at grazing angles, so that the expected number of connections is the same everywhere.
 static inline float rf_vpl_cone( const RfLightPaths* paths, float cosine )
 {
     return paths->vpl_connections / ( (float)RF_SCATTERED_PER_PATH * rf_maxf( cosine, RF_LEAST_VPL_COSINE ) );
 }
 
-// The footprints of particles: points further away are not covered. `hit`: where they landed.
+// The radius of a particle's footprint, m. `hit`: where it landed.
 float rf_scattered_radius( const RfLightPaths* paths, const RfLightPath* path, RfVec3 hit, RfVec3 ng );
 
 #endif

@@ -3,10 +3,14 @@
 
 #include "bsdf/bsdf.h"
 
+#define MOST_STEPS 12
+#define LEAST_DAMPING 0.05f
+#define RELATIVE_MISS 2e-5f // of the last segment's length
+#define ABSOLUTE_MISS 1e-6f // of the scene's radius
 // Where a normal is nearly perpendicular to a direction, cameras would be lifted to the horizon (bsdf/bsdf.h); chains end.
 #define MIN_COS RF_MIN_COS
 
-// To the plane of a surface through the hit.
+// Transfers the differentials to the plane of a surface at the hit.
 static void transfer( RfRayPair* ray, RfVec3 p, RfVec3 n )
 {
     float along = rf_dot( ray->d, n ), t = rf_dot( rf_sub( p, ray->o ), n ) / along;
@@ -18,7 +22,7 @@ static void transfer( RfRayPair* ray, RfVec3 p, RfVec3 n )
     ray->o = p;
 }
 
-// How the interpolated normal changes along dp.
+// The derivative of the shading normal along dp.
 static RfVec3 normal_change( const RfTriangleRecord* t, const RfChainVertex* v, RfVec3 n, float sign, RfVec3 dp )
 {
     if ( v->normal_scale == 0.0f )
@@ -41,8 +45,8 @@ static bool refract( RfVec3 d, RfVec3 n, float eta, RfVec3* out )
     return true;
 }
 
-// The ray goes on at a vertex in the direction `out`. n is on the side that it comes from, eta as seen from there; sign is
-// −1 where that is not the side that the light comes from.
+// Propagates the differentials through reflection or refraction towards `out`. n is on the side that it comes from, eta as
+// seen from there; sign is −1 where that is not the side that the light comes from.
 static void scatter_pair( RfRayPair* ray, const RfTriangleRecord* t, const RfChainVertex* v, RfVec3 n, float eta, float sign,
                           RfVec3 out )
 {
@@ -112,7 +116,7 @@ static bool fill_vertex( const RfTriangleRecord* t, float u, float v, const RfMa
     return -rf_dot( out->n, ray->d ) > MIN_COS;
 }
 
-// Takes an event at the vertex. False: it cannot be.
+// Reflects or refracts at the vertex. False: the event is impossible there.
 static bool take_event( const RfMaterial* m, RfChainVertex* v, RfVec3 ng, RfChainEvents events, float random, RfChain* chain )
 {
     RfVec3 d = chain->end.d, reflected, transmitted;
@@ -283,11 +287,6 @@ float rf_chain_spread( const RfTracer* tracer, const RfChain* chain, RfVec3 y )
     return fabsf( rf_dot( rf_cross( a, b ), ray.d ) );
 }
 
-#define MOST_STEPS 12
-#define LEAST_DAMPING 0.05f
-#define RELATIVE_MISS 2e-5f // of the last segment's length
-#define ABSOLUTE_MISS 1e-6f // of the scene's radius
-
 bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss, float* spread )
 {
     RfVec3 meet, moves[2];
@@ -304,7 +303,7 @@ bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], fl
     return true;
 }
 
-// Where a walk goes next.
+// The next step of a walk.
 typedef struct Next
 {
     float step[2];
@@ -326,7 +325,7 @@ static void start_walk( RfManifoldWalk* b, Next* next )
                 rf_reach_squared( &b->most, next->step[0], next->step[1] ) <= 1.0f;
 }
 
-// Takes or refuses the chain that was tried.
+// Accepts or rejects the chain that was tried.
 static void judge( const RfTracer* tracer, RfManifoldWalk* b, const RfChain* tried, Next* next )
 {
     float step[2], miss, spread;

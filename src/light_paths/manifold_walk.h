@@ -54,7 +54,7 @@ static inline RfVec3 rf_sample_reach( const RfReach* reach, RfVec3 direction, fl
     return rf_add( rf_scale( t, x * inverse ), rf_scale( b, y * inverse ) );
 }
 
-// A ray with its derivatives by two parameters.
+// A ray with its differentials by two parameters.
 typedef struct RfRayPair
 {
     RfVec3 o, d;
@@ -116,7 +116,7 @@ void rf_begin_chain( RfChain* chain );
 bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float u, float v, RfChainEvents events, RfRandomKey key,
                     RfChain* chain );
 
-// The ray at the plane through p with normal n: where it meets it, and how that moves. False: it does not.
+// The intersection of a ray with the plane through p with normal n, and its derivatives. False: there is none.
 bool rf_meet_plane( const RfRayPair* ray, RfVec3 p, RfVec3 n, RfVec3* meet, RfVec3 moves[2] );
 
 // The measure of what is sampled at the light per unit solid angle at y, for light that comes to y by this chain: for lights
@@ -170,8 +170,8 @@ typedef struct RfManifoldWalk
     bool met; // out: `at` meets y
 } RfManifoldWalk;
 
-// The step of Newton's method from a ray towards y; by how far it misses; the area on the plane per unit of what steers.
-// False: there is none.
+// Newton's step from a ray towards y, its distance from y, and the Jacobian from the parameters to area on the plane. False: it
+// is singular.
 bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss, float* spread );
 
 // Walks the active ones of `count` ≤ RF_CHAIN_BLOCK chains. Of `at` only start, events, length and end need be set. Whether

@@ -3,10 +3,10 @@
 // at all, as photon mapping does (--kernel-normalization exact, disc and density).
 #include "light_paths/connections_internal.h"
 
-#define MOST_REPEATS 4096 // so many are never needed but for rounding
+#define MOST_REPEATS 4096 // reached by rounding errors alone
 #define SAME 0.05f        // solutions closer than this, in reaches, are one
 
-// Draws what steers evenly from all within reach of the solution. False: nothing is emitted there.
+// Draws a start uniformly within reach of the solution. False: nothing is emitted there.
 static bool draw_start( const RfConnectionWork* w, const RfConnection* connection, uint32_t trial, RfEmission* e )
 {
     const RfTracer* tracer = w->settings->path->tracer;
@@ -24,8 +24,8 @@ static bool draw_start( const RfConnectionWork* w, const RfConnection* connectio
     return rf_emit_towards( rf_tracer_lights( tracer ), d, e );
 }
 
-// One more trial of the connections that are pending: light paths from around the solution, until one is found that a walk
-// would lead to the same. Returns how many are pending still.
+// One more trial of the pending connections: a light path near the solution, from which a manifold walk may converge to the
+// same. Returns how many are still pending.
 static int try_again( RfConnectionWork* w, uint32_t trial, bool* pending )
 {
     const RfTracer* tracer = w->settings->path->tracer;
@@ -86,7 +86,7 @@ void rf_repeat_trials( RfConnectionWork* w )
         left = try_again( w, trial, pending );
 }
 
-// Draws a direction evenly from the cone. False: a VPL that scatters by the cosine does not take it.
+// Draws a direction uniformly from the cone. False: it is rejected, as VPLs scatter by the cosine.
 static bool draw_from_cone( const RfVplConnection* connection, uint32_t trial, RfVec3* d )
 {
     float versine = connection->versine * rf_random( connection->key, 3 * trial );
@@ -110,7 +110,7 @@ static bool covers( const RfConnectionWork* w, const RfVplConnection* connection
     return rf_dot( apart, apart ) <= radius * radius;
 }
 
-// One more trial of the connections that are pending. Returns how many are pending still.
+// One more trial of the pending connections to VPLs. Returns how many are still pending.
 static int try_vpls_again( RfConnectionWork* w, uint32_t trial, bool* pending )
 {
     const RfTracer* tracer = w->settings->path->tracer;

@@ -29,7 +29,7 @@ static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
     array[2][i] = v.z;
 }
 
-// A direction by the cosine.
+// A cosine-weighted direction.
 static RfVec3 direction_by( RfVec3 n, float u0, float u1 )
 {
     RfVec3 t, b;
@@ -75,7 +75,7 @@ static void leave( const RfVertexLanes* v, int sample, RfWavefront* wavefront, R
     }
 }
 
-// Of the rays those that are wanted.
+// Compacts the rays to those that are wanted.
 static void compact( const float* wanted, RfRayLanes* rays )
 {
     int count = 0;
@@ -89,7 +89,7 @@ static void compact( const float* wanted, RfRayLanes* rays )
     rays->count = count;
 }
 
-// Keeps the rays that meet a mirror or glass first: few do, and to find all about a vertex takes longer than to find it.
+// Keeps the few rays that hit a mirror or glass first, before the costlier lookup of their vertices.
 static void keep_chains( const RfPathSettings* settings, RfWavefront* wavefront )
 {
     RfRayLanes* rays = &wavefront->rays;
@@ -130,7 +130,7 @@ static bool emits( const RfVertexLanes* v, int i )
     return v->light_pdf_solid_angle[i] > 0.0f && v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f;
 }
 
-// Mirrors and smooth glass send the rays on; all others end.
+// Continues the rays at mirrors and smooth glass; all others end.
 static void scatter( const RfRayLanes* rays, int sample, int vertex, RfWavefront* wavefront, RfRayLanes* next )
 {
     RfVertexLanes* v = &wavefront->vertices;

@@ -1,6 +1,6 @@
-// Chain samples: further rays from first hits, drawn by the cosine, that only look for light at the end of a chain, a run of
-// mirrors and smooth glass. A scattered ray finds such light rarely, and has cost a whole path by then; a chain sample ends
-// where it meets anything else. src/reuse/estimators.md, section 10.
+// Chain samples: extra cosine-weighted rays from first hits that only look for light at the end of a specular chain. A
+// scattered ray rarely finds such light, and costs a whole path; a chain sample ends at anything but mirrors and smooth glass.
+// src/reuse/estimators.md, section 10.
 #ifndef REFRAME_PATH_CHAIN_SAMPLES_H
 #define REFRAME_PATH_CHAIN_SAMPLES_H
 

@@ -8,12 +8,13 @@
 #include <float.h>
 #include <string.h>
 
-// The direction to the light, the unoccluded radiance, and the length of the shadow
-// segment. A punctual light is a delta: its density is RF_DELTA_PDF, and its radiance has the same factor. Both are
-// smaller by another factor where the radiance would exceed MAX_PUNCTUAL_RADIANCE, which leaves room among the
-// floats for scattering models and throughputs.
+// Radiance of punctual lights and of the sky is bounded by this, which leaves room among the floats for scattering models and
+// throughputs.
 #define MAX_PUNCTUAL_RADIANCE 1e32f
 
+// A sample of a punctual light or of the sky: direction, unoccluded radiance, and the length of the shadow segment. A punctual
+// light is a delta: its density is RF_DELTA_PDF and its radiance has the same factor, or both a smaller one where the radiance
+// would exceed the bound.
 typedef struct NonAreaSample
 {
     RfVec3 wi, radiance; // of the sky: 1, to be looked up where nothing is in the way

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-// Light that a path finds by a chain.
+// Events of the chain by which a path may find light.
 static void add_event( RfChainLight* chain_light, const RfVertexLanes* v, int i, const float* const wi[3], float pdf )
 {
     int slot = v->slot[i], at = chain_light->length[slot];
@@ -162,7 +162,7 @@ static void count_deltas( const RfPathSettings* settings, RfWavefront* wavefront
     }
 }
 
-// The emission of a vertex lane that a path has come to by so many delta vertices is shared with connections.
+// Weights the emission of a vertex that a path has reached by a chain of `length` against connections.
 static void share_emission( const RfPathSettings* settings, const RfLaneScratch* hits, RfVertexLanes* v, int i, int length )
 {
     const RfConnector* connector = settings->connector;

@@ -55,7 +55,7 @@ typedef struct RfPathSettings
     int max_depth;     // path vertices after the camera, ≥ 1
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
-    const RfConnector* connector; // NULL: light that mirrors and glass send on is hit by chance
+    const RfConnector* connector; // NULL: caustics are found by scattered rays alone
 } RfPathSettings;
 
 // A thread's wavefront.
@@ -126,7 +126,7 @@ struct RfConnector
     float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 };
 
-// Light samples of a vertex with those of the connector.
+// Light samples per vertex, with that of the connector.
 static inline int rf_light_lanes_count( const RfPathSettings* settings )
 {
     return settings->light_samples + ( settings->connector != NULL );
@@ -195,7 +195,7 @@ static inline float rf_leaving_side( const RfVertexLanes* v, int i, const float 
     return cos_g > 0.0f ? 1.0f : -1.0f;
 }
 
-// Writes the ray that leaves a vertex lane on a side to a lane of the rays, but for its throughput.
+// Writes the ray that leaves a vertex lane on a side to a lane of the rays, except for its throughput.
 static inline void rf_write_ray( const RfVertexLanes* v, int i, const float wi[3], float side, float pdf, RfRayLanes* rays,
                                  int to )
 {
@@ -235,7 +235,7 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
 
 #define RF_NOT_CONNECTED 255
 
-// Connections are sought at least as if light came in at this cosine.
+// Lower bound of the cosine at a VPL, for the search of connections.
 #define RF_LEAST_VPL_COSINE 0.1f
 
 // Light that comes to a vertex x by a chain, is scattered there and arrives at y before it, both matte, is found in two ways:

@@ -50,7 +50,6 @@ static uint64_t splat_filtered( const RfHitBatch* batch, const RfAccumulateScrat
 }
 
 // Hits, by the pixels, ratios and filters of the scratch; glossy ones with its sums. Return how many landed.
-// Hits, by the pixels, ratios and filters of the scratch; glossy ones with its sums. Return how many landed.
 static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
 {
     if ( rf_has_views( batch ) )
@@ -119,7 +118,7 @@ static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight,
     return landed;
 }
 
-// Light without a sample of its own.
+// Glints: radiance without a sample of its own.
 static void splat_glints( const RfHitBatch* batch, float weight, PixelRange range )
 {
     for ( int i = 0; i < batch->glint_count; ++i )
@@ -368,7 +367,7 @@ static void note_landed_eyes( const RfAccumulation* a, RfAccumulateJob job, Pixe
     }
 }
 
-// By the pixel filter.
+// Spreads the samples of a batch by the pixel filter.
 static uint64_t spread( const RfAccumulation* a, int eye, const RfHitBatch* batch, PixelRange range,
                         const RfAccumulateScratch* scratch )
 {
@@ -377,7 +376,7 @@ static uint64_t spread( const RfAccumulation* a, int eye, const RfHitBatch* batc
     return landed + ( eye == batch->eye ? spread_own_frame( batch, !a->shape.own_frame_light, a->weight, s ) : 0 );
 }
 
-// Each sample in its own pixel.
+// Adds each sample of a batch to its own pixel.
 static uint64_t splat( const RfAccumulation* a, int eye, const RfHitBatch* batch, PixelRange range,
                        const RfAccumulateScratch* scratch )
 {

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-// Takes them where a camera ray has come by a chain: no other frame helps such hits, and a sample there has cost the most.
+// Hits behind a chain get chain samples: no other frame helps them, and their paths are the most expensive.
 static void list_hits( const RfHarvestScratch* scratch, RfChainSamples* samples )
 {
     const RfVertexLanes* v = scratch->hits;

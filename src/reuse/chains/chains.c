@@ -9,8 +9,10 @@
 
 #include <string.h>
 
-// So many vertices of a chain have their reflections split, and panes for vertices.
+// Up to this vertex of a chain, reflections are split and thin panes are vertices.
 #define MOST_SPLIT 4
+// Reflections more likely than this are not split: they would be followed twice.
+#define SELDOM 0.5f
 
 static inline RfVec3 throughput_of( const RfChains* chains, int slot )
 {
@@ -26,7 +28,7 @@ static inline void set_throughput( RfChains* chains, int slot, RfVec3 t )
 
 _Static_assert( RF_CHAIN_ROULETTE_BEYOND >= MOST_SPLIT, "chains that may pass panes straight have no roulette" );
 
-// Makes the specular lanes of `found` the vertices where chains are.
+// Advances the chains to the specular lanes of `found`.
 static void go_to( const RfVertexLanes* found, RfVertexLanes* at )
 {
     int first = rf_record_count( found );
@@ -46,7 +48,7 @@ static uint32_t dimension_of( const RfPathSettings* path, int vertex )
     return RF_DIMENSION_CHAINS + rf_vertex_dimension( vertex, path->light_samples );
 }
 
-// True if light sampling can find light at a vertex: some of its lobes are no deltas.
+// Whether light sampling contributes at a vertex: some lobe is not a delta.
 static bool is_lit( const RfVertexLanes* v, int i )
 {
     float base = v->param[RF_PARAM_DIFFUSE][i] + v->param[RF_PARAM_DIFFUSE + 1][i] + v->param[RF_PARAM_DIFFUSE + 2][i];
@@ -63,7 +65,7 @@ static bool any_is_lit( const RfVertexLanes* v )
     return false;
 }
 
-// Adds light samples at vertices of chains, for their lobes that are no deltas, to wavefront->arrivals.
+// Next event estimation at chain vertices, for lobes that are not deltas, into wavefront->arrivals.
 static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
                          const RfChains* chains )
 {
@@ -155,9 +157,6 @@ static void append( RfVertexLanes* lanes, int count )
         lanes->first[kind] += count;
 }
 
-// Reflections that are drawn more often than this are left to chance: splitting them would follow them twice.
-#define SELDOM 0.5f
-
 // Whether reflection at lane i of GLASS is one of the things that may happen there, and a rare one. At flat mirrors
 // (`mirrored`) at normal incidence: the hits that they show are reused, so all cameras must agree about whose emission is
 // counted, whatever their angle.
@@ -179,7 +178,7 @@ static bool reflects_seldom( const RfVertexLanes* v, int i, bool mirrored )
     return rf_reflection_probability_of_lane( &lanes, i, wo ) < SELDOM;
 }
 
-// The reflecting lobes of vertices that do other things as well, but for chains whose light is counted already.
+// Lists reflections to split: at vertices that also transmit, unless the chain's light is counted already.
 static void list_reflections( int vertex, RfChains* chains, RfVertexLanes* out )
 {
     const RfVertexLanes* at = &chains->at;
@@ -224,7 +223,7 @@ static void add_reflected_emission( const RfPathSettings* path, RfWavefront* wav
                           ( RfReceiver ){ .arrivals = &wavefront->arrivals } );
 }
 
-// Makes the mirrors and glass that the rays hit the reflections' next vertices, the `vertex`-th of their chains.
+// Advances the reflections to the mirrors and glass that they hit, the `vertex`-th vertices of their chains.
 static void follow_reflections( const RfPathSettings* path, int vertex, const RfWavefront* wavefront, RfVertexLanes* at,
                                 RfChains* chains )
 {
@@ -238,8 +237,8 @@ static void follow_reflections( const RfPathSettings* path, int vertex, const Rf
     go_to( &wavefront->vertices, at );
 }
 
-// What reflections at the chains' `vertex`-th vertices see of lights, added to wavefront->arrivals; notes them in
-// chains->split. With `coats`, smooth coats among these first vertices as well; NULL: later ones.
+// Splits the reflections at the chains' `vertex`-th vertices: adds the light that they find to wavefront->arrivals, and marks
+// them in chains->split. With `coats`, smooth coats among these first vertices as well; NULL: later ones.
 static void split_reflections( const RfPathSettings* path, int vertex, const RfVertexLanes* coats, RfWavefront* wavefront,
                                RfChains* chains )
 {
@@ -363,7 +362,7 @@ static void start_chains( const RfPathSettings* path, const RfVertexLanes* first
     chains->ends.count = 0;
 }
 
-// Light samples where chains are. Vertices that are split have theirs.
+// Next event estimation at the chains' current vertices; split ones have had theirs.
 static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
 {
     const RfVertexLanes* at = &chains->at;
@@ -383,7 +382,7 @@ static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* w
         light_lobes( path, vertex, unlit, wavefront, chains );
 }
 
-// What chains see of lights at their vertices.
+// The light that chains find at their vertices.
 static void find_lights( const RfPathSettings* path, int vertex, RfWavefront* wavefront, RfChains* chains )
 {
     for ( int i = 0; vertex > MOST_SPLIT && i < chains->at.count; ++i )
@@ -400,8 +399,8 @@ static void note_panes_at( const RfPathSettings* path, RfChains* chains )
         chains->pane[at->slot[i]] = rf_is_at_pane( path->tracer, at, i );
 }
 
-// Sorts the chains by what happened: what is behind panes is seen straight, flat mirrors show what one reflection sees,
-// and the light that split reflections see is counted already.
+// Classifies the chains by their last event: transmission through panes counts as direct view, one reflection in a flat mirror
+// as the view of its image, all else as a chain that no other camera can follow.
 static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
 {
     const RfRayLanes* rays = &wavefront->rays;
@@ -419,7 +418,7 @@ static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
     }
 }
 
-// Takes the light away that is counted already.
+// Drops emission that a split reflection has counted already.
 static void drop_counted_light( const RfChains* chains, RfWavefront* wavefront )
 {
     RfVertexLanes* found = &wavefront->vertices;
@@ -473,7 +472,7 @@ static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVerte
     return chains->view[slot] == RF_VIEW_DIRECT && kind == RF_BSDF_GGX && rf_is_smooth_coat( found, i );
 }
 
-// Notes the chains that have reached a non-specular vertex, and the throughputs of all.
+// Records the chains that have reached a non-specular vertex, and the throughputs of all.
 static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, const RfRayLanes* rays, int vertex,
                        RfChains* chains )
 {
@@ -497,7 +496,7 @@ static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, c
     }
 }
 
-// Ends the chains that have no vertex left.
+// Ends the chains that max_depth leaves no vertex.
 static void end_last( const RfPathSettings* path, int vertex, RfChains* chains )
 {
     for ( int i = 0; i < chains->at.count; ++i )

@@ -26,7 +26,7 @@ float rf_base_probability_of( const RfVertexLanes* v, int i );
 // Turns lane `to` into the lobe of GGX lane i as a vertex of RF_BSDF_GLASS.
 void rf_make_lobe( const RfVertexLanes* v, int i, RfVertexLanes* lobes, int to );
 
-// Takes the lobe off a GGX lane.
+// Leaves the base of a GGX lane, without its coat.
 void rf_make_base( RfVertexLanes* v, int i );
 
 // Multiplies the densities of the hits that are bases by the probabilities that the camera draws these, and divides

@@ -38,8 +38,8 @@ static RfVec3 position( const RfHitBatch* batch, int i ) { return rf_vec3( batch
 
 static RfVec3 normal( const RfHitBatch* batch, int i ) { return rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ); }
 
-// The probability that the mirror reflects on the straight way from the image to a hit, and its weight. 0 at angles where
-// the scattering model would bend the reflection, and from behind where there is an inside.
+// The probability of the reflection between the image and a hit, and its weight. 0 where the shading model would deflect the
+// ray, and from inside a body.
 static float reflection( const Image* image, RfVec3 way, RfVec3* weight )
 {
     float cos_o = fabsf( rf_dot( way, image->mirror->n ) ) / rf_length( way );

@@ -11,7 +11,7 @@ typedef struct RfProjectedLanes
 {
     int32_t* pixel;   // y·width + x
     float* density;   // film density J; 0: the camera does not see the hit there
-    float* filter[3]; // what is left of the light on its way to the camera, set for batches with views only; NULL: not asked for
+    float* filter[3]; // throughput of the way to the camera, set for batches with views only; NULL: not asked for
     float* offset[2]; // the place in the pixel, 0 to 1; NULL: not asked for
 } RfProjectedLanes;
 

@@ -8,18 +8,18 @@
 #include <math.h>
 #include <string.h>
 
-// Tiles share all light but that of light samples at first hits, which are cheap beside the rest of a path: with tiles there
-// are as many at least (scripts/bench/RESULTS.md).
+#define LENS_SALT 0x1e4500000000u // keeps the random numbers of the lens apart
+// Light samples per first hit with tiles, at least. Tiles share all other light, and these samples are cheap beside the rest of
+// a path (scripts/bench/RESULTS.md).
 #define DIRECT_SAMPLES 2
+// Chain samples per hit behind a chain (path/chain_samples.h).
+#define CHAIN_SAMPLES 4
 
 static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool connections )
 {
     int least = tile_pixels == 1 || connections || group->even_light_samples ? 1 : DIRECT_SAMPLES;
     return group->settings->light_samples > least ? group->settings->light_samples : least;
 }
-
-// Chain samples of a hit behind a chain (path/chain_samples.h): in the still life 8 bring no more than they cost.
-#define CHAIN_SAMPLES 4
 
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
@@ -114,8 +114,6 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     return scratch;
 }
 
-#define LENS_SALT 0x1e4500000000u // keeps the random numbers of the lens apart
-
 RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job )
 {
     uint64_t pass_key = rf_harvest_key( harvest, job.eye, job.pass ) ^ LENS_SALT;
@@ -179,7 +177,7 @@ bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
     return false;
 }
 
-// Keeps the listed pixels whose tiles have a pixel in the pieces that are traced. Returns how many.
+// Drops the listed pixels whose tiles have no pixel in the pieces that are traced. Returns how many are left.
 static int choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch )
 {
     const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + (int)( eye - harvest->eyes ) );
@@ -201,8 +199,8 @@ static int choose_traced( const RfHarvest* harvest, const RfEye* eye, int count,
     return left;
 }
 
-// Adaptive sampling. Keeps the listed pixels whose tiles are drawn: with the mean of what their pixels need, less
-// harvest->round, as probability. Returns how many.
+// Adaptive sampling by rounds: a tile is sampled with the probability mean need − harvest->round. Returns how many pixels are
+// left.
 static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarvestScratch* scratch )
 {
     Tiles list;
@@ -220,7 +218,7 @@ static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, RfHa
     return left;
 }
 
-// Counts the samples of each tile: the whole part of its need, and one more with the rest as probability.
+// Samples per tile: the integer part of its need, and one more with the fraction as probability.
 static int count_copies( const Tiles* list, uint64_t key, int32_t* copies )
 {
     int most = 0;
@@ -233,8 +231,8 @@ static int count_copies( const Tiles* list, uint64_t key, int32_t* copies )
     return most;
 }
 
-// The same for all rounds at once: tiles are listed as often as they are wanted, each time as a tile of its own;
-// copy[] tells which time it is. Of wavefronts full of these it lists number harvest->round.
+// All rounds at once: each sample of a tile is a tile of its own, copy[] its number among these. Tiles are packed into
+// wavefronts, of which this lists number harvest->round.
 static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarvestScratch* scratch, int32_t* copy )
 {
     Tiles list;
@@ -267,7 +265,7 @@ static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarv
     return left;
 }
 
-// Turns uniform numbers into places drawn by the filter of each pixel.
+// Importance samples the pixel filter: turns uniform numbers into places in the pixels.
 static void draw_places( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel,
                          float random[][RF_LANES] )
 {
@@ -315,7 +313,7 @@ static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
         batch->view[i] = !rf_follows_chains( scratch ) ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
 }
 
-// Lists specular hits and chains without a hit, of mirrors, glass and coats, behind the rays that missed.
+// Lists the own-frame samples behind the misses: specular first hits, and chains that end without a non-specular vertex.
 static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     for ( int i = 0; i < first->count; ++i )
@@ -328,7 +326,7 @@ static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded,
     }
 }
 
-// Lists the pixels whose chain brought light and has a hit, too.
+// Lists glints: light that a chain finds on its way, for pixels that have a hit as well.
 static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int32_t* glint_slot )
 {
     const RfChains* chains = scratch->chains;
@@ -342,7 +340,7 @@ static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int
     }
 }
 
-// Hits keep the pixel they were drawn in. Rays that hit nothing are misses; what has no record is listed behind these.
+// Notes the pixel of each hit, miss and own-frame sample.
 static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     uint8_t hit[RF_LANES], recorded[RF_LANES];
@@ -370,7 +368,7 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
         note_glints( scratch, batch, scratch->glint_slot );
 }
 
-// Places in the pixels of what is listed from `first` on.
+// Film offsets of what is listed from `first` on.
 static void note_offsets( const RfHarvestScratch* scratch, int first, int count, const int32_t* slot, RfHitBatch* batch )
 {
     for ( int i = 0; i < count; ++i )
@@ -403,7 +401,7 @@ static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWav
     }
 }
 
-// Further samples of a pixel have the random numbers of further passes.
+// Extra samples of a pixel take the random numbers of later passes.
 static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int count, const int32_t* copy,
                               RfHarvestScratch* scratch )
 {
@@ -415,7 +413,7 @@ static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int coun
     }
 }
 
-// The rays of cameras that are no pinholes.
+// Rays of orthographic and panoramic cameras.
 static void make_other_rays( const RfEye* eye, int count, const int32_t* pixel, float ( *random )[RF_LANES], RfRayLanes* rays )
 {
     const float inverse[2] = { 1.0f / eye->focal_x, 1.0f / eye->focal };
@@ -476,7 +474,7 @@ void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRa
     }
 }
 
-// Panes that camera rays pass do not count in max_depth. Returns RfWavefront.spent.
+// Thin panes that camera rays pass do not count towards max_depth. Returns RfWavefront.spent.
 static const int32_t* find_passed_panes( const RfHarvest* harvest, RfHarvestScratch* scratch, float* const wi[3] )
 {
     const RfVertexLanes* v = &scratch->first;
@@ -546,7 +544,7 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
         rf_split_tiles( scratch->chains, scratch->tile_of, &scratch->tile_count );
 }
 
-// Of pinholes.
+// First hits of a batch, with the cameras at its point of the lens.
 static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
                                RfRayCounts* rays )
 {
@@ -590,7 +588,7 @@ void rf_scale_roulette( RfHarvestScratch* scratch, int count )
     }
 }
 
-// Beyond the hits; with light paths, connections at all vertices.
+// The rest of the paths; with light paths, connections at all vertices.
 static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     if ( harvest->light_paths == NULL )

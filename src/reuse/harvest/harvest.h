@@ -1,6 +1,5 @@
-// First phase, harvest: the first hits of one patch of one frame in one pass, with the light that
-// arrives at them, their visibility from every camera of the group, and the densities
-// that the MIS weights need, into a batch of hit records.
+// First phase, harvest: traces one patch of one frame in one pass into a batch of hit records: first hits, the light that
+// arrives at them, their visibility from every camera of the group, and the densities for MIS weights.
 #ifndef REFRAME_REUSE_HARVEST_HARVEST_H
 #define REFRAME_REUSE_HARVEST_HARVEST_H
 
@@ -47,7 +46,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape );
 // Lays a workspace out in memory of that size, aligned to 64.
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory );
 
-// Does a patch have pixels in the pieces? It may still have no tile there.
+// Whether a patch has pixels in the pieces that are traced; its tiles may still have none.
 bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job );
 
 // Fills `batch` with the hits of patch job.job; adds the rays traced to `rays`. Returns the camera rays.

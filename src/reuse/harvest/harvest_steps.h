@@ -39,7 +39,7 @@ struct RfHarvestScratch
     RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
 };
 
-// Tests of what the scene and the settings call for.
+// What the scene and the settings call for.
 static inline bool rf_reuses_tiles( const RfHarvestScratch* scratch )
 {
     return rf_calls_for( scratch->tiles != NULL, RF_EFFECT_TILE_CONNECTIONS );
@@ -62,7 +62,7 @@ static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pa
 // The point of the lens and the moment of the shutter that a batch has: the same for all cameras of the group.
 RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 
-// The harvest with the pinholes that the cameras are at a point of the lens and a moment of the shutter, in scratch->eyes.
+// The harvest with its cameras as pinholes at that point of the lens and moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
 // One camera ray through a uniform point of each pixel, or one drawn by a filter (NULL: none): lane i is slot i, which must
@@ -73,7 +73,7 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
 // Follows the camera rays that hit mirrors and glass, if there are any: scratch->hits.
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
 
-// The weight of the paths up to their hits counts in the roulette.
+// Starts roulette with the throughput of the chains up to the hits.
 void rf_scale_roulette( RfHarvestScratch* scratch, int count );
 
 // Light samples at the hits.
@@ -89,17 +89,17 @@ void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );
 // and scratch->density.
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
 
-// Radiance of the misses: the sky, and that of specular hits, which are listed behind them.
+// Radiance of the own-frame samples: the sky, and specular hits, which are listed behind the misses.
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 // Adds the light that paths found by chains to what arrives at their hits, and takes the chain samples.
 void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling );
 
-// The light of a pairing at glossy hits: what came by a chain could have been found by chain samples as well.
+// Marks the light of chains in a pairing at glossy hits as light that chain samples could have found as well.
 void rf_share_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out );
 
-// What a path finds by a chain is worth more where its tile shares it (`shared`). Any number is right; this one is about by
-// how much sharing divides the squared error of such light in the still life.
+// The weight of a scattered ray against one chain sample is larger where its tile shares the light that it finds (`shared`).
+// Any value is unbiased; this is about the factor by which sharing reduces the variance of such light.
 #define RF_SHARED_CHAIN_WORTH 3.0f
 static inline RfChainSampling rf_chain_sampling( const RfHarvest* harvest, bool shared )
 {

@@ -91,7 +91,7 @@ static void copy_chain_light( const RfChains* chains, const int32_t* slot, int c
     }
 }
 
-// What chains bring themselves: to pixels without a hit, and to pixels with one.
+// Light that chains find on their way, for pixels without a hit and for pixels with one.
 static void light_chains( const RfHarvestScratch* scratch, const RfHitBatch* batch )
 {
     int first = scratch->ray_miss_count;

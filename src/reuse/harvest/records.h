@@ -26,7 +26,7 @@ typedef struct RfHitBatch
     int miss_count;                    // own-frame samples: rays that missed, hits of specular models, and
                                        // chains that end without a hit
     int sky_count;                     // the first of them: camera rays that missed
-    int glint_count;                   // light that chains bring to pixels beside that of their hit
+    int glint_count;                   // light that chains find on the way to a hit, for their own pixel
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];
@@ -75,7 +75,7 @@ enum
     RF_VIEW_CHAIN,      // by a chain that no other camera can follow
 };
 
-// Misses follow the hits in the arrays that both have: every ray is one or the other.
+// Misses follow the hits in the arrays that both have.
 static inline int32_t* rf_miss_pixel( const RfHitBatch* batch ) { return batch->pixel + batch->count; }
 // 4 each: r g b 1. Not set without own_frame_light: black.
 static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch->radiance + 4 * (size_t)batch->count; }

@@ -1,5 +1,5 @@
-// Camera visibility of a batch: which cameras of the group see which hits, and with
-// what film density. The tests are packets from the camera (src/reuse/estimators.md, section 8).
+// Which cameras of the group see which hits of a batch, and with what film density. Visibility is tested by packets from the
+// camera (src/reuse/estimators.md, section 8).
 #include "base/fault.h"
 #include "reuse/harvest/harvest_steps.h"
 
@@ -10,8 +10,8 @@
 #include <stdint.h>
 #include <string.h>
 
-// The hits lifted off their surface, for segments from the cameras that end there:
-// clear of the rounding of the cameras' coordinates as well.
+// Offsets the hits from their surface, the ends of segments from the cameras, by more than the rounding of the cameras'
+// coordinates as well.
 static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const float* restrict offset,
                        float lifted[3][RF_LANES] )
 {
@@ -51,8 +51,8 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
-// Tests the straight ways to hits with density > 0. What cameras see behind thin panes is reused, but for coats: these are
-// split where a camera sees them without a pane before them.
+// Tests the straight segments to hits with density > 0. Hits behind thin panes are reused, except on smooth coats, which are
+// split where a camera sees them directly.
 static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3],
                          float* density )
 {
@@ -77,7 +77,7 @@ static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* ba
     return rays;
 }
 
-// Tests the hits with density > 0, on the straight way or by the mirror in which they were found.
+// Tests the hits with density > 0, directly or by way of the mirror in which they were found.
 static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3], float* density )
 {
     if ( !rf_has_views( batch ) )
