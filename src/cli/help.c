@@ -53,16 +53,21 @@ void rf_print_manual_head( FILE* file )
            file );
 }
 
-static void print_option( const char* usage, const RfOption* option, FILE* file )
+static void print_heading( const char* name, FILE* file ) { fprintf( file, ".SS %c%s\n", name[0] - 'a' + 'A', name + 1 ); }
+
+static void print_option( const RfOption* option, FILE* file )
 {
+    char usage[128], usual[RF_DEFAULT_SIZE];
+    rf_format_option( option, usage, sizeof usage );
+    rf_format_default( option, usual );
     fputs( ".TP\n.B ", file );
     print_text( usage, file );
     fputc( '\n', file );
     print_text( option->help, file );
-    if ( option->default_text != NULL )
+    if ( usual[0] != '\0' )
     {
         fputs( " (default: ", file );
-        print_text( option->default_text, file );
+        print_text( usual, file );
         fputc( ')', file );
     }
     fputc( '\n', file );
@@ -76,12 +81,7 @@ void rf_print_manual_section( const RfCommandTable* table, FILE* file )
     fputs( "\n.PP\n", file );
     print_text( table->summary, file );
     fputc( '\n', file );
-    for ( int i = 0; i < table->option_count; ++i )
-    {
-        char usage[128];
-        rf_format_option( table->options + i, usage, sizeof usage );
-        print_option( usage, table->options + i, file );
-    }
+    rf_list_options( table, file, print_heading, print_option );
 }
 
 // A paragraph for each AOV: its channels and what it is.

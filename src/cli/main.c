@@ -11,18 +11,18 @@
 #include <string.h>
 
 static const RfCommand s_commands[] = {
-    { "render", rf_command_render, "a camera's path to a sequence of EXR files" },
-    { "info", rf_command_info, "what is in a scene, and which effects it uses" },
-    { "plan", rf_command_plan, "which group sizes fit, and which one pays" },
-    { "tune", rf_command_tune, "the group and the tile that pay best, by short renders" },
-    { "cost", rf_command_cost, "what accuracy costs in time: error against seconds, with and without reuse" },
-    { "compare", rf_command_compare, "the error of images against references" },
-    { "flicker", rf_command_flicker, "how much the error changes from frame to frame" },
-    { "report", rf_command_report, "rendered sequences as one HTML page, to look at" },
-    { "reconstruct", rf_command_reconstruct, "images from noisy images and gradients" },
-    { "png", rf_command_png, "EXR files as PNG, to look at" },
-    { "convert", rf_command_convert, "OBJ, PLY, FBX or Collada as .glb" },
-    { "completion", rf_command_completion, "what makes bash or zsh complete commands and options" },
+    { "render", rf_command_render, "render a camera animation to EXR files" },
+    { "info", rf_command_info, "list what is in a scene, and which effects it uses" },
+    { "plan", rf_command_plan, "show which group sizes fit into memory, and which pays best" },
+    { "tune", rf_command_tune, "find the most efficient group and tile by short renders" },
+    { "cost", rf_command_cost, "measure error over time, with and without reuse" },
+    { "compare", rf_command_compare, "measure the error of images against references" },
+    { "flicker", rf_command_flicker, "measure how much the error changes from frame to frame" },
+    { "report", rf_command_report, "show rendered sequences in one HTML page" },
+    { "reconstruct", rf_command_reconstruct, "reconstruct images from noisy images and gradients" },
+    { "png", rf_command_png, "convert EXR files to PNG" },
+    { "convert", rf_command_convert, "convert OBJ, PLY, FBX or Collada to .glb" },
+    { "completion", rf_command_completion, "print shell completion for bash or zsh" },
     { 0 }, // the end
 };
 
@@ -40,7 +40,7 @@ static int finish_output( void )
 static int print_usage( void )
 {
     printf( "usage: reframe COMMAND [OPTIONS] FILES\n"
-            "Renders camera paths through glTF scenes; every light path serves all frames that see its first hit.\n\n" );
+            "Renders camera animations through glTF scenes; every path serves all frames that see its first hit.\n\n" );
     for ( int i = 0; i < COMMAND_COUNT; ++i )
         printf( "  %-12s%s\n", s_commands[i].name, s_commands[i].summary );
     printf( "\n  reframe COMMAND --help    the options of a command; also: reframe help COMMAND\n"

@@ -24,8 +24,7 @@ static const RfOption s_options[] = {
       .min = -32,
       .max = 32,
       .meta = "E",
-      .default_text = "0",
-      .help = "brighter by E stops: each doubles the light" },
+      .help = "exposure in stops: each doubles the light" },
     { .name = "layer",
       .type = RF_OPTION_STRING,
       .value = &s_layer,
@@ -37,7 +36,7 @@ static const RfOption s_options[] = {
       .value = &s_frames,
       .meta = "A-B[xSTEP][,...]",
       .default_text = "all",
-      .help = "only these of a sequence, by their numbers" },
+      .help = "only these frame numbers of a sequence" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no line about what was written" },
 };
 static const RfCommandTable s_table = { .command = COMMAND,

@@ -2,6 +2,7 @@
 #include "gradient/gradient.h"
 #include "reuse/reuse.h"
 
+#include <math.h>
 #include <string.h>
 
 // The first is the default.
@@ -43,9 +44,23 @@ RfRenderSettings rf_default_render_settings( void )
         .adaptive = RF_ADAPTIVE_AUTO,
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,
-        .filter = RF_FILTER_BOX,
+        .filter = rf_default_filter( s_estimators[0] ),
         .max_depth = 12,
         .light_samples = 1,
         .seed = 1,
     };
+}
+
+void rf_use_estimator( RfRenderSettings* settings, const RfEstimator* estimator )
+{
+    settings->estimator = estimator;
+    settings->tile = rf_default_tile( estimator );
+    settings->filter = rf_default_filter( estimator );
+}
+
+#define MOST_SPP_FOR_NOISE ( 1 << 16 ) // noise that has not come down by then will not
+
+int rf_default_most_spp( double noise, double flicker )
+{
+    return isgreater( noise, 0.0 ) || isgreater( flicker, 0.0 ) ? MOST_SPP_FOR_NOISE : RF_MAX_SPP;
 }

@@ -150,8 +150,8 @@ const char* rf_estimator_name( const RfEstimator* estimator );
 // The tile that it has where none is asked for.
 RfTile rf_default_tile( const RfEstimator* estimator );
 
-// The pixel filter that the program takes unless told otherwise: Blackman-Harris, which has the least noise and flicker at
-// equal CPU time, or the box of one pixel where the estimator ("gradient") gains nothing by it. The library's own default is that box.
+// Its pixel filter: Blackman-Harris, which has the least noise and flicker at equal CPU time, or the box of one pixel where
+// the estimator ("gradient") gains nothing by another.
 RfFilter rf_default_filter( const RfEstimator* estimator );
 
 // The parts of the frames that alone are traced (render/pieces.h).
@@ -189,20 +189,28 @@ typedef struct RfRenderSettings
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
+// Limits, of the program's options and of scene files too.
 #define RF_MAX_SPP ( 1 << 20 )
 #define RF_MAX_NOISE 1e6
 #define RF_MAX_FLICKER 1e6
 #define RF_MAX_TIME 1e9
 #define RF_MAX_GROUP ( 1 << 20 )
-#define RF_MAX_DEPTH ( 1 << 20 )
+#define RF_MAX_DEPTH 1000
 #define RF_MAX_LIGHT_SAMPLES 64
 #define RF_MAX_QUEUE 64
-#define RF_MAX_THREADS 4096
+#define RF_MAX_THREADS 1024
 #define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
-// 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where they pay, exact weights, a box of one
-// pixel as filter, depth 12, seed 1, all cores, half of the free memory, no AOVs, no files, no light paths.
+// The defaults, which are the program's too: 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where
+// they pay, exact weights, the estimator's filter, depth 12, seed 1, all cores, half of the free memory, no AOVs, no files, no
+// light paths.
 RfRenderSettings rf_default_render_settings( void );
+
+// Sets the estimator, with its own tile and filter.
+void rf_use_estimator( RfRenderSettings* settings, const RfEstimator* estimator );
+
+// The program's limit of samples per pixel where a relMSE or an F1 is to be reached, and where both are 0: for a time.
+int rf_default_most_spp( double noise, double flicker );
 
 RF_API_END
 

@@ -58,7 +58,7 @@ static void test_frame_lists_as_users_write_them( void** state )
         "", "1,", ",1", "a", "1-", "1-3x0", "1-3x-1", "1 - 3", "--1", "1-3x", "99999999999999999999"
     };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
-        expect_refused( wrong[i], "wants frames such as" );
+        expect_refused( wrong[i], "expected frames such as" );
 }
 
 // p' = p · M, divided by w.

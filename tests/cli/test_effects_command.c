@@ -89,7 +89,7 @@ static void test_names_are_checked( void** state )
 static void test_renders_say_what_they_do( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o said.exr " SMALL "--no-effect phong,light-tree --json said.json 2> said" ), 0,
+    cli_expect( cli_run( "$R render $VASE -o said.exr " SMALL "--verbose --no-effect phong,light-tree --json said.json 2> said" ), 0,
                 NULL );
     cli_expect( cli_run( "grep -q 'effects: diffuse,ggx,.*; left out: phong,light-tree$' said" ), 0, NULL );
     cli_expect( cli_run( "grep -q 'warning: --no-effect light-tree: changes nothing: up to 2 lights' said" ), 0, NULL );

@@ -301,7 +301,7 @@ static void test_wrong_input_is_refused( void** state )
     check_failed( flicker( "v.####.exr", "--frames", "60", NULL ), 2, "--frames: there is no frame 60" );
     check_failed( flicker( "v.####.exr", "--frames", "7-9x2", NULL ), 1, "after frame 7 comes 9" );
     check_failed( flicker( "v.####.exr", "--frames", "6-9", NULL ), 1, "frame 6 is missing" );
-    check_failed( flicker( "v.####.exr", "--reference", temp_path( "m.##.exr" ), NULL ), 1, "wants frame 7" );
+    check_failed( flicker( "v.####.exr", "--reference", temp_path( "m.##.exr" ), NULL ), 1, "needs frame 7" );
     check_failed( flicker( "v.####.exr", "--reference", temp_path( "r.0007.exr" ), NULL ), 2, "--reference" );
     check_failed( flicker( "v.####.exr", "--border", "1", NULL ), 2, "--border" );
     check_failed( flicker( "v.####.exr", "--column", "2", NULL ), 2, "--png" );

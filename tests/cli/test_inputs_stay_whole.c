@@ -38,7 +38,7 @@ static void test_scene_is_never_overwritten( void** state )
                 "$R plan scene.json --json ./sub/../scene.json" );
     check_kept( "room.glb", "--json: a.svg: ends as a file of another kind", "$R tune room.glb --svg b.svg --json a.svg" );
     check_kept( "room.glb", "--svg: a: is the file of --json too", "$R cost room.glb --svg a --json ./a" );
-    check_kept( "room.glb", "wants a name that ends in .exr", "$R render room.glb --frames 1 -o f.json" );
+    check_kept( "room.glb", "expected a name that ends in .exr", "$R render room.glb --frames 1 -o f.json" );
     cli_expect( cli_run( "echo '{}' > path.json" ), 0, NULL );
     check_kept( "path.json", "--json: path.json: is the file of --camera too",
                 "$R info room.glb --json /dev/null && $R plan room.glb --camera path.json --json path.json" );

@@ -155,17 +155,17 @@ static void test_wrong_numbers_are_refused( void** state )
     {
         char line[128], text[256];
         snprintf( line, sizeof line, "a.glb --spp %s", wrong[i] );
-        snprintf( text, sizeof text, "--spp: wants a whole number from 1 to 1048576, got '%s'", wrong[i] );
+        snprintf( text, sizeof text, "--spp: expected a whole number from 1 to 1048576, got '%s'", wrong[i] );
         expect_error( line, text );
     }
-    expect_error( "a --spp=", "--spp: wants a whole number from 1 to 1048576, got ''" );
-    expect_error( "a --group some", "--group: wants a whole number from 0 to 64 or auto, got 'some'" );
-    expect_error( "a --seed -1", "--seed: wants a whole number from 0 to 18446744073709551615, got '-1'" );
+    expect_error( "a --spp=", "--spp: expected a whole number from 1 to 1048576, got ''" );
+    expect_error( "a --group some", "--group: expected a whole number from 0 to 64 or auto, got 'some'" );
+    expect_error( "a --seed -1", "--seed: expected a whole number from 0 to 18446744073709551615, got '-1'" );
     expect_error( "a --seed 18446744073709551616",
-                  "--seed: wants a whole number from 0 to 18446744073709551615, got '18446744073709551616'" );
-    expect_error( "a --exposure nan", "--exposure: wants a number from -32 to 32, got 'nan'" );
-    expect_error( "a --exposure 33", "--exposure: wants a number from -32 to 32, got '33'" );
-    expect_error( "a --exposure 1.5.5", "--exposure: wants a number from -32 to 32, got '1.5.5'" );
+                  "--seed: expected a whole number from 0 to 18446744073709551615, got '18446744073709551616'" );
+    expect_error( "a --exposure nan", "--exposure: expected a number from -32 to 32, got 'nan'" );
+    expect_error( "a --exposure 33", "--exposure: expected a number from -32 to 32, got '33'" );
+    expect_error( "a --exposure 1.5.5", "--exposure: expected a number from -32 to 32, got '1.5.5'" );
 }
 
 static void test_wrong_words_are_refused( void** state )
@@ -179,7 +179,7 @@ static void test_wrong_words_are_refused( void** state )
         char line[128], text[256];
         snprintf( line, sizeof line, "a.glb --size=%s", sizes[i] );
         snprintf( text, sizeof text,
-                  "--size: wants WIDTHxHEIGHT, such as 960x540, each from 1 to 32768, or 720p, 1080p, 1440p, "
+                  "--size: expected WIDTHxHEIGHT, such as 960x540, each from 1 to 32768, or 720p, 1080p, 1440p, "
                   "2160p or 4k, got '%s'",
                   sizes[i] );
         expect_error( line, text );
@@ -189,13 +189,13 @@ static void test_wrong_words_are_refused( void** state )
     {
         char line[128], text[256];
         snprintf( line, sizeof line, "a.glb --memory=%s", memories[i] );
-        snprintf( text, sizeof text, "--memory: wants a size such as 512M, 4G or 1.5G, at least 1048576 bytes, got '%s'",
+        snprintf( text, sizeof text, "--memory: expected a size such as 512M, 4G or 1.5G, at least 1048576 bytes, got '%s'",
                   memories[i] );
         expect_error( line, text );
     }
-    expect_error( "a --fps 24/0", "--fps: wants frames per second, such as 24 or 24000/1001, got '24/0'" );
-    expect_error( "a --fps 0", "--fps: wants frames per second, such as 24 or 24000/1001, got '0'" );
-    expect_error( "a --weights Exact", "--weights: wants one of exact, eq15 or unweighted, got 'Exact'" );
+    expect_error( "a --fps 24/0", "--fps: expected frames per second, such as 24 or 24000/1001, got '24/0'" );
+    expect_error( "a --fps 0", "--fps: expected frames per second, such as 24 or 24000/1001, got '0'" );
+    expect_error( "a --weights Exact", "--weights: expected one of exact, eq15 or unweighted, got 'Exact'" );
 }
 
 static void test_wrong_shape_is_refused( void** state )
@@ -208,7 +208,7 @@ static void test_wrong_shape_is_refused( void** state )
     expect_error( "a --no-spp 3", "--no-spp: no such option, did you mean --spp?" );
     expect_error( "a --spp", "--spp: its value is missing" );
     expect_error( "--json --resume a", "--json: its value is missing" );
-    expect_error( "a --json=", "--json: wants a value that is not empty, got ''" );
+    expect_error( "a --json=", "--json: expected a value that is not empty, got ''" );
     expect_error( "a --resume=1", "--resume: takes no value, got '1'" );
     expect_error( "a --spp 3 --spp 4", "--spp: given twice" );
     expect_error( "a --resume --no-resume", "--resume: given twice" );
@@ -254,7 +254,7 @@ static void test_units_that_users_type( void** state )
         RfOption option = s_options[5];
         RfError error;
         assert_int_equal( rf_parse_option_value( &option, wrong[i], &error ), RF_ERROR_USAGE );
-        snprintf( text, sizeof text, "--time: wants seconds from 0 to 1e+06, or a time such as 20s, 5m or 1h30m, got '%s'",
+        snprintf( text, sizeof text, "--time: expected seconds from 0 to 1e+06, or a time such as 20s, 5m or 1h30m, got '%s'",
                   wrong[i] );
         assert_string_equal( error.text, text );
     }
@@ -305,8 +305,8 @@ static void test_value_may_be_left_out( void** state )
     }
     expect_ok( "--no-adaptive off" ); // a file of that name
     assert_string_equal( s_file, "off" );
-    expect_error( "a --adaptive=yes", "--adaptive: wants one of auto, on or off, got 'yes'" );
-    expect_error( "a --adaptive=", "--adaptive: wants one of auto, on or off, got ''" );
+    expect_error( "a --adaptive=yes", "--adaptive: expected one of auto, on or off, got 'yes'" );
+    expect_error( "a --adaptive=", "--adaptive: expected one of auto, on or off, got ''" );
     expect_error( "a --no-adaptive=on", "--no-adaptive: takes no value, got 'on'" );
     expect_error( "a --adaptive --no-adaptive", "--adaptive: given twice" );
     expect_error( "a --adaptive on off", "'off' is one file too many, see reframe render --help" );
@@ -362,7 +362,7 @@ static void test_help_names_every_option( void** state )
     assert_non_null( strstr( text, "  --spp S                         samples (default: 28)\n" ) );
     assert_non_null( strstr( text, "--weights exact|eq15|unweighted" ) );
     assert_non_null( strstr( text, "  --[no-]resume                   go on\n" ) );
-    assert_non_null( strstr( text, "  --[no-]adaptive [auto|on|off]   more samples\n" ) );
+    assert_non_null( strstr( text, "  --[no-]adaptive [auto|on|off]   more samples (default: " ) );
     assert_non_null( strstr( text, "  -j, --json FILE" ) );
     assert_non_null( strstr( text, "  --group N|auto" ) );
 }

@@ -203,10 +203,10 @@ static void test_command_defaults_and_errors( void** state )
     }
     cli_expect( cli_run( "$R plan" ), 2, "reframe plan: " );
     cli_expect( cli_run( "$R plan scene.json --group 3" ), 2, "reframe plan: --group" );
-    cli_expect( cli_run( "$R plan scene.json --adaptive --weights eq15" ), 2, "reframe plan: --adaptive: wants --weights exact" );
-    cli_expect( cli_run( "$R plan scene.json --weights eq16" ), 2, "reframe plan: --weights: wants" );
+    cli_expect( cli_run( "$R plan scene.json --adaptive --weights eq15" ), 2, "reframe plan: --adaptive: needs --weights exact" );
+    cli_expect( cli_run( "$R plan scene.json --weights eq16" ), 2, "reframe plan: --weights: expected" );
     cli_expect( cli_run( "$R plan scene.json --frames 99" ), 2, "reframe plan: --frames: there is no frame 99" );
-    cli_expect( cli_run( "$R plan scene.json --tile 99x99" ), 2, "reframe plan: --tile: wants" );
+    cli_expect( cli_run( "$R plan scene.json --tile 99x99" ), 2, "reframe plan: --tile: expected" );
     cli_expect( cli_run( "$R plan scene.json --memory 1M" ), 1, "give --memory " );
     cli_expect( cli_run( "$R plan nowhere.glb" ), 1, "reframe plan: nowhere.glb: " );
     cli_expect( cli_run( "$R plan --help > /dev/null" ), 0, NULL );

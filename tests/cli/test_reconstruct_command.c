@@ -284,7 +284,7 @@ static void test_what_cannot_be_read_leaves_no_file( void** state )
     cli_expect( cli_run( "$R reconstruct nan.exr" ), 2, "-o FILE is missing" );
     cli_expect( cli_run( "$R reconstruct nan.exr -o nan.exr" ), 2, "would overwrite what is read" );
     cli_expect( cli_run( "$R reconstruct nan.exr -o out.png" ), 2, "ends as a file of another kind" );
-    cli_expect( cli_run( "$R reconstruct nan.exr -o out.exr --alpha 0" ), 2, "--alpha: wants a number from 0.0001" );
+    cli_expect( cli_run( "$R reconstruct nan.exr -o out.exr --alpha 0" ), 2, "--alpha: expected a number from 0.0001" );
     assert_int_equal( cli_count_files( "", "." ), files );
     size_t size;
     char* kept = cli_read( "out.exr", &size );

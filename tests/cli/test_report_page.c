@@ -291,7 +291,7 @@ static void test_wrong_input_is_refused( void** state )
     page_write_frames( "x/two/diff.####.exr", 1, 2, 1.0f, 0.0f );
     cli_expect( cli_run( "$R report" ), 2, "DIR is missing" );
     cli_expect( cli_run( "$R report x/a" ), 2, "--output: is missing" );
-    cli_expect( cli_run( "$R report x/a -o x/a/f.0001.exr --overwrite" ), 2, "wants a name that ends with .html" );
+    cli_expect( cli_run( "$R report x/a -o x/a/f.0001.exr --overwrite" ), 2, "expected a name that ends with .html" );
     cli_expect( cli_run( "$R report a b c d e f g h i -o x.html" ), 2, "'i' is one file too many" );
     cli_expect( cli_run( "$R report x/a '' -o x.html" ), 2, "DIR: the name is empty" );
     cli_expect( cli_run( "$R report x/none -o x.html" ), 1, "x/none: is not there" );

@@ -102,14 +102,14 @@ static void test_render_faults( void** state )
         { "{\"output\":\"a.exr\"}", "scene.json: render.output: unknown key, the keys here are: frames, fps" },
         { "{\"threads\":3}", "scene.json: render.threads: unknown key" },
         { "{\"seed\":-1}", "scene.json: render.seed: wants a whole number from 0" },
-        { "{\"tile\":\"9x9\"}", "scene.json: render.tile: wants 1, WxH such as 3x3, or rooksN" },
+        { "{\"tile\":\"9x9\"}", "scene.json: render.tile: expected 1, WxH such as 3x3, or rooksN" },
         { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht' is no AOV, did you mean depth?" },
         { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: AOV depth is given twice" },
     };
     static const char* const frames[][2] = {
         { "\"9\"", "scene.json: render.frames: there is no frame 9, the camera's path has 7 frames" },
         { "\"3-2\"", "scene.json: render.frames: 3-2 runs backwards" },
-        { "\"one\"", "scene.json: render.frames: wants frames such as 7" },
+        { "\"one\"", "scene.json: render.frames: expected frames such as 7" },
     };
     for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
     {
@@ -288,6 +288,73 @@ static void test_schemas_match_the_readers( void** state )
     json_decref( schema );
 }
 
+// Of a schema that may be one of several, the one of this type.
+static const json_t* of_type( const json_t* schema, const char* type )
+{
+    size_t i;
+    const json_t *choices = json_object_get( schema, "oneOf" ), *choice;
+    json_array_foreach( choices, i, choice )
+    {
+        if ( json_is_string( json_object_get( choice, "type" ) ) &&
+             strcmp( json_string_value( json_object_get( choice, "type" ) ), type ) == 0 )
+            return choice;
+    }
+    return schema;
+}
+
+static void expect_limits( const json_t* schema, const RfOption* option )
+{
+    const json_t *least = json_object_get( schema, "minimum" ), *most = json_object_get( schema, "maximum" );
+    if ( !json_is_number( least ) || !json_is_number( most ) || json_number_value( least ) != option->min ||
+         json_number_value( most ) != option->max )
+        fail_msg( "--%s takes %g to %g, the schema has other limits", option->name, option->min, option->max );
+}
+
+static void expect_words( const json_t* schema, const RfOption* option )
+{
+    size_t i, count = 0;
+    const json_t *words = json_object_get( schema, "enum" ), *word;
+    json_array_foreach( words, i, word )
+    {
+        if ( json_is_string( word ) &&
+             ( option->choices[count] == NULL || strcmp( json_string_value( word ), option->choices[count++] ) != 0 ) )
+            fail_msg( "--%s has other words in the schema", option->name );
+    }
+    assert_null( option->choices[count] );
+}
+
+// A scene file may give what the command line may.
+static void test_schema_has_the_limits_of_the_options( void** state )
+{
+    (void)state;
+    json_t* schema = load_schema( "scenes/scene.schema.json" );
+    const json_t* render = json_object_get( json_object_get( schema, "properties" ), "render" );
+    int checked = 0;
+    for ( int i = 0; i < rf_render_table.option_count; ++i )
+    {
+        const RfOption* option = rf_render_table.options + i;
+        char key[64];
+        snprintf( key, sizeof key, "%s", option->name );
+        for ( char* c = key; *c != '\0'; ++c )
+            *c = *c == '-' ? '_' : *c;
+        const json_t* property = json_object_get( json_object_get( render, "properties" ), key );
+        assert_true( ( property != NULL ) == option->in_file );
+        if ( property == NULL )
+            continue;
+        ++checked;
+        if ( option->type == RF_OPTION_INT )
+            expect_limits( of_type( property, "integer" ), option );
+        else if ( option->type == RF_OPTION_REAL || option->type == RF_OPTION_RATIO || option->type == RF_OPTION_TIME )
+            expect_limits( property, option );
+        else if ( option->type == RF_OPTION_SIZE )
+            expect_limits( json_object_get( property, "items" ), option );
+        else if ( option->type == RF_OPTION_CHOICE )
+            expect_words( property, option );
+    }
+    assert_true( checked > 20 );
+    json_decref( schema );
+}
+
 static int count_examples( const char* folder, const char* command )
 {
     char path[512];
@@ -345,6 +412,7 @@ int main( void )
         cmocka_unit_test( test_camera_option_takes_a_path_file ),
         cmocka_unit_test( test_too_many_frames_is_the_files_fault ),
         cmocka_unit_test( test_schemas_match_the_readers ),
+        cmocka_unit_test( test_schema_has_the_limits_of_the_options ),
         cmocka_unit_test( test_every_example_renders ),
     };
     return cmocka_run_group_tests_name( "scene file", tests, enter, leave );

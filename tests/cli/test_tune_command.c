@@ -164,7 +164,7 @@ static void test_wrong_commands_are_refused( void** state )
     cli_expect( cli_run( "$R tune" ), 2, "reframe tune: SCENE is missing" );
     cli_expect( cli_run( "$R tune scene.json --group 3" ), 2, "reframe tune: --group: no such option" );
     cli_expect( cli_run( "$R tune scene.json --tile 3x3" ), 2, "reframe tune: --tile" );
-    cli_expect( cli_run( "$R tune scene.json --budget 0" ), 2, "reframe tune: --budget: wants " );
+    cli_expect( cli_run( "$R tune scene.json --budget 0" ), 2, "reframe tune: --budget: expected " );
     cli_expect( cli_run( "$R tune scene.json --budget" ), 2, "reframe tune: --budget: its value is missing" );
     cli_expect( cli_run( "$R tune scene.json --frames 99" ), 2, "reframe tune: --frames: there is no frame 99" );
     cli_expect( cli_run( "$R tune scene.json --size 4000x3000 --memory 1M" ), 1, "give --memory " );

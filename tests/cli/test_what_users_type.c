@@ -47,7 +47,7 @@ static void test_units_and_patterns( void** state )
     assert_true( json_number_value( json_object_get( json_object_get( json, "time" ), "wanted" ) ) == 30.0 );
     json_decref( json );
     cli_expect( cli_run( "$R compare p/f.%%04d.exr p/f.####.exr --quiet > table" ), 0, NULL );
-    cli_expect( cli_run( "$R cost $VASE --noise 5%%,x" ), 2, "--noise: wants numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --noise 5%%,x" ), 2, "--noise: expected numbers above 0" );
 }
 
 // Blender's own files, compressed as Blender 3 or older ones do, or not.
@@ -132,8 +132,8 @@ static void test_lens_options_that_make_no_lens_are_refused( void** state )
     cli_expect( cli_run( LENS "--focus 3" ), 2, "a focus changes nothing without an aperture" );
     cli_expect( cli_run( LENS "--fstop 2" ), 1, "its lens has an aperture but no focus" );
     cli_expect( cli_run( LENS "--fstop 2 --focus nothing" ), 1, "focused on 'nothing', which the scene does not have" );
-    cli_expect( cli_run( LENS "--shutter 1,0" ), 2, "--shutter 1,0: want frames" );
-    cli_expect( cli_run( LENS "--focus 0" ), 2, "--focus 0: want metres above 0" );
+    cli_expect( cli_run( LENS "--shutter 1,0" ), 2, "--shutter 1,0: expected frames" );
+    cli_expect( cli_run( LENS "--focus 0" ), 2, "--focus 0: expected metres above 0" );
     assert_false( cli_exists( "l.0001.exr" ) );
     cli_expect( cli_run( LENS "--fstop 2 --focus 3 --shutter 0.5 > log" ), 0, NULL );
 }

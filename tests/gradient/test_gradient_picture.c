@@ -74,6 +74,7 @@ static Films* make_films( float spread, int told_passes )
 static Solved* solve( const Films* films, RfReconstruction reconstruction )
 {
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
     settings.reconstruction = reconstruction;
     Solved* out = calloc( 1, sizeof *out );
     void* scratch = aligned_alloc( 64, rf_finish_gradients_bytes( &settings, WIDTH, HEIGHT ) + 64 );

@@ -112,7 +112,6 @@ static RfResult run( const RfScene* scene, RfTracer** tracer, RfCameraPath* path
     RfRenderSettings settings = rf_default_render_settings();
     snprintf( one, sizeof one, "%s/one.####.exr", folder );
     snprintf( two, sizeof two, "%s/two.####.exr", folder );
-    settings.filter = rf_default_filter( settings.estimator ); // the program does so
     settings.spp = 6;
     settings.group = 1;
     settings.files = rf_default_frame_files();

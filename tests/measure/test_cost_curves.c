@@ -40,6 +40,7 @@ static void begin( Setup* s, int eyes, int group )
     for ( int i = 0; i < MOST_EYES; ++i )
         s->frames[i] = i;
     s->settings = rf_default_render_settings();
+    s->settings.filter = RF_FILTER_BOX;
     s->settings.group = group;
     s->settings.memory = (size_t)256 << 20;
     s->settings.threads = 2;
@@ -240,9 +241,9 @@ static void test_wrong_commands_are_refused( void** state )
     (void)state;
     cli_enter();
     cli_expect( cli_run( "$R cost" ), 2, "SCENE" );
-    cli_expect( cli_run( "$R cost $VASE --noise 0.1,x" ), 2, "--noise: wants numbers above 0" );
-    cli_expect( cli_run( "$R cost $VASE --noise 0" ), 2, "--noise: wants numbers above 0" );
-    cli_expect( cli_run( "$R cost $VASE --noise 0.1," ), 2, "--noise: wants numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --noise 0.1,x" ), 2, "--noise: expected numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --noise 0" ), 2, "--noise: expected numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --noise 0.1," ), 2, "--noise: expected numbers above 0" );
     cli_expect( cli_run( "$R cost $VASE --budget 0" ), 2, "--budget" );
     cli_expect( cli_run( "$R cost $VASE --group 0 --tile 1" ), 2, "path tracing" );
     cli_expect( cli_run( "$R cost missing.glb" ), 1, "missing.glb" );

@@ -30,6 +30,7 @@ typedef struct Setup
 static RfRenderSettings settings_of( int group, const char* tile )
 {
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
     settings.memory = (size_t)256 << 20;
     settings.threads = 1;
     settings.group = group;

@@ -31,6 +31,7 @@ static Rendered render( const RfTracer* tracer, RfRenderSettings settings, int f
 static RfRenderSettings adaptive_settings( void )
 {
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
     settings.group = 2;
     settings.spp = 6;
     settings.adaptive = RF_ADAPTIVE_ON;
@@ -281,6 +282,7 @@ static void test_noise_is_measured( void** state )
     (void)state;
     RfScene scene = make_glass_room();
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
     RfSceneTraits glass = rf_scene_traits( &scene, NULL, 0, &settings );
     assert_true( rf_noise_differs( &glass ) );
     rf_destroy_scene( &scene );
@@ -299,7 +301,7 @@ static void test_command_line_takes_it( void** state )
                 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o a.exr --resume --frames 3 --size 24x16 --spp 3 --group 1 --quiet" ), 1,
                 "--resume: " );
-    cli_expect( cli_run( "$R render $VASE -o b.exr --adaptive --weights eq15" ), 2, "--adaptive: wants --weights exact" );
+    cli_expect( cli_run( "$R render $VASE -o b.exr --adaptive --weights eq15" ), 2, "--adaptive: needs --weights exact" );
     cli_expect( cli_run( "$R render $VASE -o c.exr --frames 3 --size 24x16 --noise 0.1 --group 2 --quiet --adaptive" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o d.exr --frames 20 --size 24x16 --spp 3 --group 1 --quiet --json d.json && "
                          "grep -q '\"adaptive\": *false' d.json && grep -q '\"adaptive_mode\": *\"auto\"' d.json" ),

@@ -197,9 +197,9 @@ static void test_header_and_json_agree( void** state )
 static void test_wrong_values_are_refused( void** state )
 {
     (void)state;
-    static const char* const wrong[][2] = { { "--flicker -1", "--flicker: wants" },
-                                            { "--flicker low", "--flicker: wants" },
-                                            { "--flicker 1e9", "--flicker: wants" },
+    static const char* const wrong[][2] = { { "--flicker -1", "--flicker: expected" },
+                                            { "--flicker low", "--flicker: expected" },
+                                            { "--flicker 1e9", "--flicker: expected" },
                                             { "--flicker 0.1 --estimator gradient",
                                               "the estimator 'gradient' has no estimate of flicker" } };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )

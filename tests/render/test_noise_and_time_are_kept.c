@@ -187,12 +187,12 @@ static void test_wrong_values_are_refused( void** state )
 {
     (void)state;
     static const char* const wrong[][2] = {
-        { "--noise -1", "--noise: wants" },
-        { "--noise low", "--noise: wants" },
-        { "--noise nan", "--noise: wants" },
-        { "--noise 1e9", "--noise: wants" },
-        { "--time -2", "--time: wants" },
-        { "--time inf", "--time: wants" },
+        { "--noise -1", "--noise: expected" },
+        { "--noise low", "--noise: expected" },
+        { "--noise nan", "--noise: expected" },
+        { "--noise 1e9", "--noise: expected" },
+        { "--time -2", "--time: expected" },
+        { "--time inf", "--time: expected" },
         { "--time", "--time" },
         { "--no-time", "--no-time" },
     };

@@ -45,6 +45,7 @@ static void end( Setup* s )
 static RfRenderSettings settings_of( int spp )
 {
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
     settings.spp = spp;
     settings.memory = (size_t)256 << 20;
     settings.threads = 2;

@@ -16,6 +16,7 @@
 static RfRenderSettings settings_of( int group, int spp )
 {
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
     settings.group = group;
     settings.spp = spp;
     return settings;

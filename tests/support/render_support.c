@@ -85,6 +85,7 @@ RfTracer* make_tracer( const RfScene* scene )
 RfRenderSettings plain_settings( void )
 {
     RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
     settings.tile = rf_no_tile();
     settings.adaptive = RF_ADAPTIVE_OFF;
     return settings;

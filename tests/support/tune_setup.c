@@ -10,6 +10,7 @@ void begin_tune_setup( TuneSetup* s, int eyes, int spp )
     for ( int i = 0; i < TUNE_EYES; ++i )
         s->frames[i] = i;
     s->settings = rf_default_render_settings();
+    s->settings.filter = RF_FILTER_BOX;
     s->settings.spp = spp;
     s->settings.memory = (size_t)256 << 20;
     s->settings.threads = 2;

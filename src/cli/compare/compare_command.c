@@ -487,7 +487,7 @@ static RfResult check_diff( const Compare* compare, RfError* error )
     if ( compare->diff == NULL )
         return RF_OK;
     if ( compare->in.count > 1 && !rf_is_sequence( compare->diff ) )
-        return rf_fail( error, RF_ERROR_USAGE, "--diff: %d frames want a name with ####, got '%s'", compare->in.count,
+        return rf_fail( error, RF_ERROR_USAGE, "--diff: %d frames need a name with ####, got '%s'", compare->in.count,
                         compare->diff );
     RfResult result = check_diff_names( compare, compare->in.patterns[0], error );
     return result == RF_OK ? check_diff_names( compare, compare->in.patterns[1], error ) : result;
@@ -644,7 +644,7 @@ int rf_command_compare( int argc, char** argv )
           .value = &compare.in.list,
           .meta = "A-B[xSTEP][,...]",
           .default_text = "all",
-          .help = "only these of the sequences, by their numbers" },
+          .help = "only these frame numbers of the sequences" },
         { .name = "layer",
           .type = RF_OPTION_STRING,
           .value = compare.in.layers,
@@ -656,30 +656,29 @@ int rf_command_compare( int argc, char** argv )
           .value = compare.in.layers + 1,
           .meta = "NAME",
           .default_text = "that of --layer",
-          .help = "the same of B, where its name is another" },
+          .help = "layer of B, where it has another name" },
         { .name = "overlap",
           .type = RF_OPTION_BOOL,
           .value = &compare.in.overlap,
-          .default_text = "off",
           .help = "where the data windows differ, measure the pixels that both have" },
         { .name = "diff",
           .writes = ".exr",
           .type = RF_OPTION_STRING,
           .value = &compare.diff,
           .meta = "FILE",
-          .help = "write A - B, signed, as EXR; #### is the frame" },
+          .help = "write A - B, signed, as EXR; #### is the frame number" },
         { .name = "json",
           .writes = ".json",
           .type = RF_OPTION_STRING,
           .value = &compare.json,
           .meta = "FILE",
-          .help = "write the results as JSON, - for standard output instead of the table" },
-        { .name = "quiet", .type = RF_OPTION_BOOL, .value = &compare.quiet, .help = "no progress on standard error" },
+          .help = "write the result as JSON; - is standard output, instead of the table" },
+        { .name = "quiet", .type = RF_OPTION_BOOL, .value = &compare.quiet, .help = "no progress" },
     };
     const RfCommandTable table = {
         .command = COMMAND,
-        .summary = "The error of A against the reference B: EXR files, sequences named with ####, or folders of "
-                   "one sequence each, whose frames are paired by their numbers.",
+        .summary = "Measures the error of A against the reference B: EXR files, sequences named with ####, or folders of one "
+                   "sequence each, whose frames are paired by number.",
         .files = files,
         .file_count = 2,
         .options = options,

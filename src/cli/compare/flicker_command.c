@@ -89,7 +89,7 @@ static RfResult choose_frames( FlickerRun* flicker, RfError* error )
 static RfResult check_frames( const FlickerRun* flicker, RfError* error )
 {
     if ( flicker->frame_count < 2 )
-        return rf_fail( error, RF_ERROR_IO, "%s: is frame %d alone: flicker wants two neighbouring ones at least",
+        return rf_fail( error, RF_ERROR_IO, "%s: has frame %d alone: flicker needs at least two neighbouring frames",
                         flicker->pattern, flicker->frames[0] );
     int step = rf_sequence_step( flicker->pattern, flicker->frames[0] );
     for ( int i = 1; i < flicker->frame_count; ++i )
@@ -97,7 +97,7 @@ static RfResult check_frames( const FlickerRun* flicker, RfError* error )
         int before = flicker->frames[i - 1], now = flicker->frames[i];
         if ( now != before + step )
             return rf_fail( error, RF_ERROR_IO,
-                            "%s: after frame %d comes %d: flicker wants every frame: choose neighbouring ones by --frames",
+                            "%s: after frame %d comes %d: flicker needs every frame: choose neighbouring ones by --frames",
                             flicker->pattern, before, now );
     }
     return RF_OK;
@@ -113,7 +113,7 @@ static RfResult check_reference( const FlickerRun* flicker, RfError* error )
         if ( result != RF_OK )
             return result;
         if ( access( path, F_OK ) != 0 )
-            return rf_fail( error, RF_ERROR_IO, "%.400s: is not there: the reference wants frame %d as %.400s has it", path,
+            return rf_fail( error, RF_ERROR_IO, "%.400s: is not there: the reference needs frame %d as %.400s has it", path,
                             flicker->frames[i], flicker->pattern );
     }
     return RF_OK;
@@ -461,13 +461,13 @@ int rf_command_flicker( int argc, char** argv )
           .type = RF_OPTION_STRING,
           .value = &flicker.reference,
           .meta = "SEQ",
-          .help = "what the frames should be: flicker of the error, not of the picture" },
+          .help = "reference sequence: measure the flicker of the error instead of the picture" },
         { .name = "frames",
           .type = RF_OPTION_STRING,
           .value = &flicker.frame_list,
           .meta = "A-B",
           .default_text = "all",
-          .help = "only these, by their numbers; neighbouring ones" },
+          .help = "only these frame numbers; they must be neighbours" },
         { .name = "layer",
           .type = RF_OPTION_STRING,
           .value = &flicker.layer,
@@ -479,25 +479,28 @@ int rf_command_flicker( int argc, char** argv )
           .value = &flicker.reference_layer,
           .meta = "NAME",
           .default_text = "that of --layer",
-          .help = "the same of the reference, where its name is another" },
+          .help = "layer of the reference, where it has another name" },
         { .name = "compensate",
           .type = RF_OPTION_BOOL,
           .value = &flicker.compensate,
           .given = &flicker.compensate_given,
           .default_text = "where there are motion layers; with a reference beside the plain figures",
-          .help = "follow the motion layers, masked by depth, in the main figures; --no-compensate: in none" },
+          .help = "follow the motion layers, masked by depth, in the main figures; --no-compensate: nowhere",
+          .heading = RF_HEADING_MEASUREMENT },
         { .name = "motion",
           .type = RF_OPTION_STRING,
           .value = &flicker.motion,
           .meta = "X,Y",
           .default_text = "of the layer motion or Vector",
-          .help = "channels with the way to the frame before, pixels, +x right, +y up; compensates" },
+          .help = "channels with the motion to the previous frame, pixels, +x right, +y up; implies --compensate",
+          .heading = RF_HEADING_MEASUREMENT },
         { .name = "depth",
           .type = RF_OPTION_STRING,
           .value = &flicker.depth,
           .meta = "NAME",
           .default_text = "depth.Z, Depth.Z, Depth.V or Z",
-          .help = "channel with the depth that tells what was seen before" },
+          .help = "depth channel, to find disocclusions",
+          .heading = RF_HEADING_MEASUREMENT },
         { .name = "border",
           .type = RF_OPTION_INT,
           .value = &flicker.period,
@@ -505,18 +508,20 @@ int rf_command_flicker( int argc, char** argv )
           .max = 1000000,
           .meta = "N",
           .default_text = "Reframe's own groups",
-          .help = "groups of N frames begin with the sequence: their borders apart" },
+          .help = "groups of N frames start with the sequence: report their borders separately",
+          .heading = RF_HEADING_MEASUREMENT },
         { .name = "spectrum",
           .type = RF_OPTION_BOOL,
           .value = &flicker.spectrum,
-          .default_text = "on",
-          .help = "slow drift and boiling; keeps 16 frames in memory" },
+          .help = "split the error into slow drift and boiling; keeps 16 frames in memory",
+          .heading = RF_HEADING_MEASUREMENT },
         { .name = "png",
           .writes = ".png",
           .type = RF_OPTION_STRING,
           .value = &flicker.png,
           .meta = "FILE",
-          .help = "write a slit-scan: one column over time, the reference's below" },
+          .help = "write a slit-scan: one column over time, the reference's below",
+          .heading = RF_HEADING_OUTPUT },
         { .name = "column",
           .type = RF_OPTION_INT,
           .value = &flicker.column,
@@ -525,27 +530,30 @@ int rf_command_flicker( int argc, char** argv )
           .meta = "X",
           .default_text = "the middle",
           .given = &flicker.column_given,
-          .help = "of the slit-scan, 1 is on the left" },
+          .help = "column of the slit-scan, 1 is the leftmost",
+          .heading = RF_HEADING_OUTPUT },
         { .name = "exposure",
           .type = RF_OPTION_REAL,
           .value = &flicker.exposure,
           .min = -32,
           .max = 32,
           .meta = "E",
-          .default_text = "0",
           .given = &flicker.exposure_given,
-          .help = "of the slit-scan: brighter by E stops" },
+          .help = "exposure of the slit-scan in stops",
+          .heading = RF_HEADING_OUTPUT },
         { .name = "json",
           .writes = ".json",
           .type = RF_OPTION_STRING,
           .value = &flicker.json,
           .meta = "FILE",
-          .help = "write the results as JSON, - for standard output instead of the table" },
-        { .name = "quiet", .type = RF_OPTION_BOOL, .value = &flicker.quiet, .help = "no progress on standard error" },
+          .help = "write the result as JSON; - is standard output, instead of the table",
+          .heading = RF_HEADING_OUTPUT },
+        { .name = "quiet", .type = RF_OPTION_BOOL, .value = &flicker.quiet, .help = "no progress", .heading = RF_HEADING_OUTPUT },
     };
     const RfCommandTable table = {
         .command = COMMAND,
-        .summary = "How much the error of a sequence changes from frame to frame: EXR files named with ####.",
+        .summary = "Measures how much the error of a sequence changes from frame to frame. SEQ is a sequence of EXR files named "
+                   "with ####.",
         .files = files,
         .file_count = 1,
         .options = options,

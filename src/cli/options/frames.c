@@ -349,7 +349,7 @@ static RfResult mark_all( const char* text, const Numbers* numbers, bool* wanted
         Range range;
         if ( !take_range( &next, &range ) )
             return rf_fail( error, RF_ERROR_USAGE,
-                            "--frames: wants frames such as 7, 1-48, 1-48x2, -5--1 with commas between them, got '%s'", text );
+                            "--frames: expected frames such as 7, 1-48, 1-48x2, -5--1 with commas between them, got '%s'", text );
         RfResult result = mark_range( range, numbers, wanted, error );
         if ( result != RF_OK || *next == '\0' )
             return result;

@@ -450,10 +450,23 @@ RfResult rf_parse_option_value( const RfOption* option, const char* text, RfErro
         return RF_OK;
     char wanted[256];
     describe_wanted( option, wanted, sizeof wanted );
-    return rf_fail( error, RF_ERROR_USAGE, "--%s: wants %s, got '%s'", option->name, wanted, text );
+    return rf_fail( error, RF_ERROR_USAGE, "--%s: expected %s, got '%s'", option->name, wanted, text );
 }
 
 #define MAX_OPTIONS 64
+
+// Any value of an option.
+typedef union Value
+{
+    int whole;
+    uint64_t seed;
+    double real;
+    RfSize size;
+    size_t bytes;
+    RfFps fps;
+    const char* text;
+    bool flag;
+} Value;
 
 // The state of one parse.
 typedef struct Parse
@@ -465,6 +478,7 @@ typedef struct Parse
     const char** files;
     int file_count;
     bool seen[MAX_OPTIONS];
+    Value defaults[MAX_OPTIONS];
 } Parse;
 
 static RfResult fail_unknown( const RfCommandTable* table, const char* argument, const char* name, RfError* error )
@@ -597,12 +611,45 @@ static RfResult take_file( Parse* parse, const char* argument, RfError* error )
     return RF_OK;
 }
 
+static size_t value_size( RfOptionType type )
+{
+    switch ( type )
+    {
+        case RF_OPTION_INT:
+        case RF_OPTION_CHOICE: return sizeof( int );
+        case RF_OPTION_UINT64: return sizeof( uint64_t );
+        case RF_OPTION_REAL:
+        case RF_OPTION_RATIO:
+        case RF_OPTION_TIME: return sizeof( double );
+        case RF_OPTION_SIZE: return sizeof( RfSize );
+        case RF_OPTION_MEMORY: return sizeof( size_t );
+        case RF_OPTION_FPS: return sizeof( RfFps );
+        case RF_OPTION_STRING: return sizeof( const char* );
+        case RF_OPTION_BOOL: return sizeof( bool );
+    }
+    return 0;
+}
+
+// The help tells defaults, whatever stands before --help.
+static void keep_defaults( Parse* parse )
+{
+    for ( int i = 0; i < parse->table->option_count; ++i )
+        memcpy( parse->defaults + i, parse->table->options[i].value, value_size( parse->table->options[i].type ) );
+}
+
+static void restore_defaults( const Parse* parse )
+{
+    for ( int i = 0; i < parse->table->option_count; ++i )
+        memcpy( parse->table->options[i].value, parse->defaults + i, value_size( parse->table->options[i].type ) );
+}
+
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error )
 {
     Parse parse = { .table = table, .argc = argc, .argv = argv, .next = 1, .files = files };
     *help = false;
     if ( table->option_count > MAX_OPTIONS )
         return rf_fail( error, RF_ERROR_USAGE, "%s has too many options", table->command );
+    keep_defaults( &parse );
     bool ended = false;
     while ( parse.next < argc )
     {
@@ -613,6 +660,7 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
         else if ( !ended && ( strcmp( argument, "--help" ) == 0 || strcmp( argument, "-h" ) == 0 ) )
         {
             *help = true;
+            restore_defaults( &parse );
             return RF_OK;
         }
         else if ( !ended && argument[0] == '-' && argument[1] != '\0' )
@@ -628,61 +676,4 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
     if ( table->file_max > 0 )
         *table->file_total = parse.file_count;
     return check_written_files( table, files, parse.file_count, error );
-}
-
-void rf_format_option( const RfOption* option, char* text, size_t size )
-{
-    size_t used = 0;
-    if ( option->letter != 0 )
-        used += (size_t)snprintf( text, size, "-%c, ", option->letter );
-    if ( option->type == RF_OPTION_BOOL )
-    {
-        snprintf( text + used, size - used, "--[no-]%s", option->name );
-        return;
-    }
-    const char* no = option->negated != NULL ? "[no-]" : "";
-    used += (size_t)snprintf( text + used, size - used, "--%s%s %s", no, option->name, option->bare != NULL ? "[" : "" );
-    if ( option->type != RF_OPTION_CHOICE )
-    {
-        snprintf( text + used, size - used, "%s", option->meta );
-        return;
-    }
-    for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
-        used += (size_t)snprintf( text + used, size - used, "%s%s", i > 0 ? "|" : "", option->choices[i] );
-    if ( option->bare != NULL && used < size )
-        snprintf( text + used, size - used, "]" );
-}
-
-const char* rf_file_dots( const RfCommandTable* table, int i )
-{
-    return table->file_max > table->file_count && i == table->file_count - 1 ? "..." : "";
-}
-
-static RfHelpPrinter* s_help_printer;
-
-void rf_set_help_printer( RfHelpPrinter* printer ) { s_help_printer = printer; }
-
-void rf_print_help( const RfCommandTable* table, FILE* file )
-{
-    if ( s_help_printer != NULL )
-    {
-        s_help_printer( table, file );
-        return;
-    }
-    fprintf( file, "usage: reframe %s [OPTIONS]", table->command );
-    for ( int i = 0; i < table->file_count; ++i )
-        fprintf( file, " %s%s", table->files[i], rf_file_dots( table, i ) );
-    fprintf( file, "\n%s\n\n", table->summary );
-    for ( int i = 0; i < table->option_count; ++i )
-    {
-        const RfOption* option = table->options + i;
-        char name[128];
-        rf_format_option( option, name, sizeof name );
-        fprintf( file, strlen( name ) > 30 ? "  %s\n%34s" : "  %-30s  %s", name, "" );
-        fprintf( file, "%s", option->help );
-        if ( option->default_text != NULL )
-            fprintf( file, " (default: %s)", option->default_text );
-        fputc( '\n', file );
-    }
-    fprintf( file, "  %-30s  %s\n", "-h, --help", "this text" );
 }

@@ -5,7 +5,7 @@
 // are `--name` and `--no-name`, and some choices have these forms too; `--` ends the options. Nothing is guessed or
 // clamped: what is unknown, of the wrong type, out of range, missing, given
 // twice or too much is one error line, RF_ERROR_USAGE, that starts with the
-// option ("--spp: wants a whole number from 1 to 1048576, got '0'"); the
+// option ("--spp: expected a whole number from 1 to 1048576, got '0'"); the
 // command puts "reframe render: " in front.
 #ifndef REFRAME_CLI_OPTIONS_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_OPTIONS_H
@@ -39,6 +39,18 @@ typedef struct RfSize
     int width, height;
 } RfSize;
 
+// What an option is about: the help has a heading for each where a command has many options.
+typedef enum RfHeading
+{
+    RF_HEADING_BASIC,
+    RF_HEADING_QUALITY,
+    RF_HEADING_MEASUREMENT,
+    RF_HEADING_OUTPUT,
+    RF_HEADING_PERFORMANCE,
+    RF_HEADING_RESEARCH,
+    RF_HEADING_COUNT
+} RfHeading;
+
 typedef struct RfOption
 {
     const char* name; // without dashes: "spp"
@@ -52,12 +64,13 @@ typedef struct RfOption
     const char* bare;           // CHOICE: the one that `--name` without a value stands for; NULL: it wants a value
     const char* negated;        // CHOICE: the one that `--no-name` stands for; NULL: there is no such form
     const char* meta;           // the value's name in the help: "N|auto"; CHOICE and BOOL have theirs
-    const char* default_text;   // shown in the help; or NULL
+    const char* default_text;   // in the help instead of the value's default, for which "%s" may stand in it; NULL: that value
     const char* help;           // one line
     bool* given;                // set where the option was given; or NULL
     bool in_file;               // a scene file may give it too, see file_options.h
     bool reads;                 // STRING: it names a file, or may, that is read
     const char* writes;         // STRING: it names a file that is written, with this ending (".json"; "": any); or NULL
+    RfHeading heading;
 } RfOption;
 
 // The command line of a command. All its files are required; the last may be repeated
@@ -80,8 +93,18 @@ typedef struct RfCommandTable
 // *help, and nothing else counts. What is written may not be what is read, see written_files.h.
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error );
 
-// Prints the help of a command.
+// Prints the help of a command. The values must be the defaults.
 void rf_print_help( const RfCommandTable* table, FILE* file );
+
+// Calls `heading` with the name of each heading, where the command has so many options that the help has any, and
+// `option` for each option below it.
+void rf_list_options( const RfCommandTable* table, FILE* file, void ( *heading )( const char* name, FILE* file ),
+                      void ( *option )( const RfOption* option, FILE* file ) );
+
+#define RF_DEFAULT_SIZE 256
+
+// Formats the default of an option for the help: what its value holds, or words; empty where there is none.
+void rf_format_default( const RfOption* option, char text[RF_DEFAULT_SIZE] );
 
 // Replaces what rf_print_help prints, for other texts from the same tables such as
 // the manual page.

@@ -3,7 +3,7 @@
 
 #include "cli/options/file_options.h"
 #include "cli/options/options.h"
-#include "cli/options/shot_options.h"
+#include "cli/options/shared_options.h"
 #include "output/names.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
@@ -51,13 +51,13 @@ RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, Rf
     *lens = ( RfLens ){ .has_shutter = options->shutter != NULL, .has_fstop = options->fstop_given, .fstop = options->fstop };
     if ( options->shutter != NULL && !parse_shutter( options->shutter, lens->shutter ) )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "--shutter %.80s: want frames, 0 to %g, as 0.5, or when it opens and closes, as -0.25,0.25",
+                        "--shutter %.80s: expected frames, 0 to %g, as 0.5, or when it opens and closes, as -0.25,0.25",
                         options->shutter, MAX_SHUTTER );
     if ( options->focus == NULL )
         return RF_OK;
     bool number = parse_number( options->focus, options->focus + strlen( options->focus ), &lens->focus );
     if ( number && !( lens->focus > 0.0 && lens->focus <= 1e6 ) )
-        return rf_fail( error, RF_ERROR_USAGE, "--focus %.80s: want metres above 0, or the name of a node", options->focus );
+        return rf_fail( error, RF_ERROR_USAGE, "--focus %.80s: expected metres above 0, or the name of a node", options->focus );
     if ( !number )
         lens->focus = 0.0;
     lens->focus_node = number ? NULL : options->focus;
@@ -156,259 +156,122 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_STRING,
       .value = &render_parse.options.output,
       .meta = "PATTERN",
-      .help = "where the frames go: out/frame.####.exr, #### (or %04d) is the frame's number; its folder is made" },
-    { .name = "camera",
-      .reads = true,
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.camera,
-      .meta = "NAME|FILE",
-      .default_text = "the scene file's, else the first animated one, else the first",
-      .help = "a camera of the scene, or a camera-path file (.json)" },
-    { .name = "frames",
-      .in_file = true,
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.frames,
-      .meta = "A-B[xSTEP][,...]",
-      .default_text = "all",
-      .help = "frames by their numbers, as in Blender, else from 1; negative ones count from the end" },
-    { .name = "fps",
-      .in_file = true,
-      .type = RF_OPTION_FPS,
-      .value = &render_parse.options.fps,
-      .meta = "R",
-      .default_text = "the scene's, else 24",
-      .help = "frames per second of the camera's path, 24 or 24000/1001" },
-    { .name = "size",
-      .in_file = true,
-      .type = RF_OPTION_SIZE,
-      .value = &render_parse.options.size,
-      .min = 1,
-      .max = RF_MAX_IMAGE_SIDE,
-      .meta = "WxH",
-      .default_text = "the scene's, else 960x540",
-      .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k" },
-    RF_LENS_OPTIONS( render_parse.options, true ),
-    RF_EFFECT_OPTIONS( render_parse.options, true ),
-    { .name = "spp",
-      .in_file = true,
-      .type = RF_OPTION_INT,
-      .value = &render_parse.options.settings.spp,
-      .min = 1,
-      .max = 1048576,
-      .meta = "S",
-      .given = &render_parse.options.spp_given,
-      .default_text = "28; with --noise or --flicker 65536, with --time 1048576",
-      .help = "samples traced per pixel and frame in all, over the groups that hold the frame; the most that --noise, --flicker "
-              "and --time may take" },
-    { .name = "noise",
-      .in_file = true,
-      .type = RF_OPTION_RATIO,
-      .value = &render_parse.options.settings.noise,
-      .min = 0,
-      .max = RF_MAX_NOISE,
-      .meta = "E",
-      .default_text = "0: off",
-      .help = "every frame is rendered until its estimated relMSE is at most E; 1% is 0.01" },
-    { .name = "flicker",
-      .in_file = true,
-      .type = RF_OPTION_RATIO,
-      .value = &render_parse.options.settings.flicker,
-      .min = 0,
-      .max = RF_MAX_FLICKER,
-      .meta = "F",
-      .default_text = "0: off",
-      .help =
-          "neighbouring frames are rendered until the estimated F1 of every pair (reframe flicker) is at most F; with --noise, "
-          "both hold" },
-    { .name = "time",
-      .in_file = true,
-      .type = RF_OPTION_TIME,
-      .value = &render_parse.options.settings.time,
-      .min = 0,
-      .max = RF_MAX_TIME,
-      .meta = "T",
-      .default_text = "0: off",
-      .help = "seconds of rendering for each frame asked for, on average, also 20s, 5m, 1h30m; with --noise or --flicker, "
-              "whichever comes first" },
-    { .name = "group",
-      .in_file = true,
-      .type = RF_OPTION_INT,
-      .value = &render_parse.options.settings.group,
-      .min = 0,
-      .max = 1048576,
-      .keyword = "auto",
-      .keyword_value = RF_GROUP_AUTO,
-      .meta = "N|auto",
-      .default_text = "auto",
-      .help = "paths serve groups of 2N+1 frames; 0: no reuse" },
-    { .name = "estimator",
-      .in_file = true,
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.estimator,
-      .meta = "reuse|gradient",
-      .default_text = "reuse",
-      .help = "how pixels are estimated: reuse of frames and tiles, or gradient-domain path reusing, which has tiles but no "
-              "groups" },
-    { .name = "tile",
-      .in_file = true,
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.tile,
-      .meta = "WxH|rooksN|1",
-      .default_text = "3x3; with --estimator gradient 4x4",
-      .help = "pixels of a frame that share their paths: blocks, N of an NxN grid, or none" },
-    { .name = "adaptive",
-      .in_file = true,
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.adaptive,
-      .choices = rf_adaptive_words,
-      .bare = "on",
-      .negated = "off",
-      .default_text = "auto",
-      .help = "extra samples for pixels that few other frames help: borders, what comes into view, mirrors, glass, and more "
-              "where these are noisy; auto: in frames where they pay. --adaptive alone is on, --no-adaptive is off" },
+      .help = "where frames go: out/frame.####.exr; #### (or %04d) is the frame number; the folder is created" },
+    RF_PATH_OPTIONS( render_parse.options, "frame numbers follow Blender's, else start at 1; negative ones count from the end" ),
+    RF_LENS_OPTIONS( render_parse.options ),
+    RF_STOP_OPTIONS( render_parse.options, "render each frame until its estimated relMSE is at most E; 1% is 0.01",
+                     "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
+                     "average seconds per frame, also 20s, 5m, 1h30m; with --noise or --flicker, whichever comes first" ),
+    RF_ADAPTIVE_OPTION( render_parse.options,
+                        "extra samples where other frames contribute few: borders, disocclusions, mirrors, glass; "
+                        "auto: in frames where they pay" ),
     { .name = "light-paths",
       .in_file = true,
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.options.light_paths,
       .choices = rf_light_paths_words,
-      .default_text = "off",
-      .help = "light that mirrors and glass send on, by paths from the lights that serve all frames of a group: caustics, lamps "
-              "behind glass; auto: of lamps without size and of small emitters alone, where it pays" },
-    { .name = "kernel-normalization",
+      .help = "trace paths from the lights, for caustics and lamps behind glass; auto: from small lights, where it pays",
+      .heading = RF_HEADING_QUALITY },
+    RF_FILTER_OPTIONS( render_parse.options ),
+    RF_PATH_TRACING_OPTIONS( render_parse.options ),
+    RF_SEED_OPTION( render_parse.options ),
+    RF_AOV_OPTION( render_parse.options, "further layers:" ),
+    { .name = "alpha",
       .in_file = true,
+      .type = RF_OPTION_BOOL,
+      .value = &render_parse.options.alpha,
+      .help = "write RGBA: alpha is the coverage by anything but the sky, and the colour is premultiplied",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "compression",
       .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.kernel_normalization,
-      .choices = rf_kernel_normalization_words,
-      .default_text = "exact",
-      .help = "of --light-paths: how connections are divided by their probability; disc is faster and biased, density is photon "
-              "mapping "
-              "by the same footprints, both for comparison" },
-    { .name = "weights",
-      .in_file = true,
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.weights,
-      .choices = rf_weights_words,
-      .default_text = "exact",
-      .help = "how reused paths are weighted; the others are biased, for comparison" },
-    { .name = "normalize",
-      .in_file = true,
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.normalize,
-      .choices = rf_normalize_words,
-      .default_text = "crossfit",
-      .help = "how the sum of weights is divided out" },
+      .value = &render_parse.compression,
+      .choices = s_compressions,
+      .help = "compression of the EXR files",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "half",
+      .type = RF_OPTION_BOOL,
+      .value = &render_parse.options.settings.files.half,
+      .given = &render_parse.is_half_given,
+      .help = "16-bit floats for colour and the AOVs that need no more",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "float",
+      .type = RF_OPTION_BOOL,
+      .value = &render_parse.is_float,
+      .given = &render_parse.is_float_given,
+      .help = "32-bit floats for all channels",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "resume",
+      .type = RF_OPTION_BOOL,
+      .value = &render_parse.options.resume,
+      .help = "keep finished frames of this very render; other files in the way are an error",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "overwrite",
+      .type = RF_OPTION_BOOL,
+      .value = &render_parse.options.overwrite,
+      .help = "replace existing frames; with --resume only those of another render",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "check",
+      .type = RF_OPTION_BOOL,
+      .value = &render_parse.options.check,
+      .help = "render nothing, report which frames are finished; exit status 1 unless all are",
+      .heading = RF_HEADING_OUTPUT },
+    RF_RESULT_OPTIONS( render_parse.options, "write the result as JSON, also when interrupted; - is standard output",
+                       "no progress" ),
+    { .name = "verbose",
+      .type = RF_OPTION_BOOL,
+      .value = &render_parse.options.verbose,
+      .help = "also print the effects that run",
+      .heading = RF_HEADING_OUTPUT },
+    RF_GROUP_OPTION( render_parse.options, "share paths between 2N+1 neighbouring frames; 0: between none" ),
+    RF_TILE_OPTION( render_parse.options ),
+    RF_MACHINE_OPTIONS( render_parse.options, "threads; the pictures do not depend on them" ),
+    RF_NODES_OPTION( render_parse.options, "with --check: divide the missing frames into ranges for N machines" ),
+    RF_ESTIMATOR_OPTION( render_parse.options ),
     { .name = "reconstruction",
       .in_file = true,
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.options.reconstruction,
       .choices = rf_reconstruction_words,
-      .default_text = "weighted",
-      .help =
-          "of --estimator gradient: least squares weighted by the other half's variances, or by constants; l1 is biased; none: "
-          "the pixels without their differences" },
-    RF_FILTER_OPTIONS( render_parse.options, true ),
-    { .name = "max-depth",
+      .help = "for --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
+      .heading = RF_HEADING_RESEARCH },
+    RF_WEIGHT_OPTIONS( render_parse.options ),
+    { .name = "kernel-normalization",
       .in_file = true,
-      .type = RF_OPTION_INT,
-      .value = &render_parse.options.settings.max_depth,
-      .min = 1,
-      .max = 1000,
-      .meta = "D",
-      .default_text = "12",
-      .help = "path vertices after the eye" },
-    { .name = "light-samples",
-      .in_file = true,
-      .type = RF_OPTION_INT,
-      .value = &render_parse.options.settings.light_samples,
-      .min = 1,
-      .max = 64,
-      .meta = "K",
-      .default_text = "1",
-      .help = "light samples per vertex; with tiles first hits have two at least" },
-    { .name = "seed",
-      .in_file = true,
-      .type = RF_OPTION_UINT64,
-      .value = &render_parse.options.settings.seed,
-      .meta = "S",
-      .default_text = "1",
-      .help = "of the random numbers" },
-    { .name = "memory",
-      .type = RF_OPTION_MEMORY,
-      .value = &render_parse.options.settings.memory,
-      .min = 1048576,
-      .meta = "SIZE",
-      .default_text = "half of what is free",
-      .help = "budget beyond the scene and its BVH: 512M, 4G" },
-    { .name = "threads",
-      .type = RF_OPTION_INT,
-      .value = &render_parse.options.settings.threads,
-      .min = 1,
-      .max = 1024,
-      .meta = "T",
-      .default_text = "all cores",
-      .help = "threads; the pictures do not depend on them" },
-    RF_AOV_OPTION( render_parse.options, "further channels of each frame:" ),
-    { .name = "alpha",
-      .in_file = true,
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.alpha,
-      .default_text = "no",
-      .help = "RGBA: coverage of each pixel by what is not sky; the colour is premultiplied, without the sky behind things" },
-    { .name = "compression",
       .type = RF_OPTION_CHOICE,
-      .value = &render_parse.compression,
-      .choices = s_compressions,
-      .default_text = "zip",
-      .help = "of the EXR files" },
-    { .name = "half",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.settings.files.half,
-      .given = &render_parse.is_half_given,
-      .default_text = "yes",
-      .help = "16-bit floats for the colour and the AOVs that need no more" },
-    { .name = "float",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.is_float,
-      .given = &render_parse.is_float_given,
-      .default_text = "no",
-      .help = "32-bit floats for all channels" },
-    { .name = "resume",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.resume,
-      .help = "keep the frames that are there and of this very render; others are an error, or replaced with --overwrite" },
-    { .name = "overwrite",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.overwrite,
-      .help = "replace the frames that are there, with --resume only those of another render" },
-    { .name = "check",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.check,
-      .help = "render nothing: tell which frames are there, whole and of this very render; exit status 1 unless all are" },
-    RF_NODES_OPTION( render_parse.options, "with --check: the ranges for N machines that the other frames are cut into" ),
-    { .name = "json",
-      .writes = ".json",
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.json,
-      .meta = "FILE",
-      .help = "the result for programs, also of an interrupted render; - is standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &render_parse.options.quiet, .help = "no progress" },
+      .value = &render_parse.options.kernel_normalization,
+      .choices = rf_kernel_normalization_words,
+      .help = "normalisation of connections to light paths; disc (fast) and density (photon mapping) are biased, for comparison",
+      .heading = RF_HEADING_RESEARCH },
+    RF_EFFECT_OPTIONS( render_parse.options ),
 };
 
-static const RfCommandTable render_table = { .command = "render",
-                                             .summary =
-                                                 "Renders a camera's path to a sequence of EXR files. SCENE is a .glb, a .gltf "
-                                                 "or a scene file (.json), which may hold defaults of these options.",
-                                             .files = s_files,
-                                             .file_count = 1,
-                                             .options = s_options,
-                                             .option_count = sizeof s_options / sizeof s_options[0] };
+const RfCommandTable rf_render_table = { .command = "render",
+                                         .summary = "Renders a camera animation to a sequence of EXR files. SCENE is a .glb, a "
+                                                    ".gltf or a scene file (.json), which may hold defaults of these options.",
+                                         .files = s_files,
+                                         .file_count = 1,
+                                         .options = s_options,
+                                         .option_count = sizeof s_options / sizeof s_options[0] };
 
-#define WRITE_QUEUE 2                  // frames: one being written, one waiting
-#define MOST_SPP_FOR_NOISE ( 1 << 16 ) // noise that has not come down by then will not
+#define WRITE_QUEUE 2 // frames: one being written, one waiting
 
-int rf_default_most_spp( double noise, double flicker )
+RfDefaultTexts rf_default_texts;
+
+static void print_default_texts( const RfRenderSettings* settings )
 {
-    return isgreater( noise, 0.0 ) || isgreater( flicker, 0.0 ) ? MOST_SPP_FOR_NOISE : RF_MAX_SPP;
+    const RfEstimator* gradient = rf_find_estimator( "gradient" );
+    RfTile other = rf_default_tile( gradient );
+    char tile[RF_TILE_NAME_SIZE], other_tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &settings->tile, tile );
+    rf_tile_name( &other, other_tile );
+    RfDefaultTexts* t = &rf_default_texts;
+    snprintf( t->spp, sizeof t->spp, "%d; %d with --noise or --flicker, %d with --time", settings->spp,
+              rf_default_most_spp( 1.0, 0.0 ), rf_default_most_spp( 0.0, 0.0 ) );
+    snprintf( t->tile, sizeof t->tile, "%s; %s with --estimator gradient", tile, other_tile );
+    snprintf( t->filter, sizeof t->filter, "%s; %s with --estimator gradient", rf_filter_name( settings->filter ),
+              rf_filter_name( rf_default_filter( gradient ) ) );
+    snprintf( t->filter_width, sizeof t->filter_width, "%g; %g for gaussian and blackman-harris",
+              rf_default_filter_width( RF_FILTER_BOX ), rf_default_filter_width( RF_FILTER_GAUSSIAN ) );
 }
 
 static bool ends_with( const char* text, const char* end )
@@ -422,7 +285,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
     if ( options->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "-o is missing: say where the frames go, such as -o out/frame.####.exr" );
     if ( !ends_with( options->output, ".exr" ) )
-        return rf_fail( error, RF_ERROR_USAGE, "--output: wants a name that ends in .exr, got '%s'", options->output );
+        return rf_fail( error, RF_ERROR_USAGE, "--output: expected a name that ends in .exr, got '%s'", options->output );
     if ( render_parse.is_half_given && render_parse.is_float_given && options->settings.files.half == render_parse.is_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->nodes > 0 && !options->check )
@@ -443,6 +306,7 @@ RfRenderOptions rf_default_render_options( void )
     options.light_paths = options.settings.light_paths;
     options.kernel_normalization = options.settings.kernel_normalization;
     options.filter = -1;
+    print_default_texts( &options.settings );
     return options;
 }
 
@@ -473,9 +337,8 @@ RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error )
 {
     const RfEstimator* estimator = rf_find_estimator( options->estimator );
     if ( estimator == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--estimator: wants reuse or gradient, got '%s'", options->estimator );
-    options->settings.estimator = estimator;
-    options->settings.tile = rf_default_tile( estimator );
+        return rf_fail( error, RF_ERROR_USAGE, "--estimator: expected reuse or gradient, got '%s'", options->estimator );
+    rf_use_estimator( &options->settings, estimator );
     return RF_OK;
 }
 
@@ -486,7 +349,7 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
     if ( rf_parse_tile( options->tile, &options->settings.tile ) )
         return RF_OK;
     return rf_fail( error, RF_ERROR_USAGE,
-                    "--tile: wants 1, WxH such as 3x3, or rooksN such as rooks16, of at most %d pixels, got '%s'",
+                    "--tile: expected 1, WxH such as 3x3, or rooksN such as rooks16, of at most %d pixels, got '%s'",
                     RF_MAX_TILE_PIXELS, options->tile );
 }
 
@@ -503,14 +366,14 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     RfRenderSettings* settings = &options->settings;
     take_words( options );
     if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "--adaptive: wants --weights exact, not %s",
+        return rf_fail( error, RF_ERROR_USAGE, "--adaptive: needs --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
     RfResult result = rf_parse_estimator_option( options, error );
     if ( result == RF_OK )
         rf_settle_filter( options );
     if ( result == RF_OK && strcmp( options->estimator, "gradient" ) != 0 &&
          options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
-        return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: wants --estimator gradient" );
+        return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: needs --estimator gradient" );
     if ( result == RF_OK )
         result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
@@ -525,7 +388,7 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
 // Parses on top of the current values.
 static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
-    RfResult result = rf_parse_options( &render_table, argc, argv, &render_parse.options.scene, help, error );
+    RfResult result = rf_parse_options( &rf_render_table, argc, argv, &render_parse.options.scene, help, error );
     if ( result != RF_OK || *help )
         return result;
     result = check( &render_parse.options, error );
@@ -549,7 +412,7 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
             no_effect = rf_field_member( defaults, "no_effect" );
     RfField estimator = rf_field_member( defaults, "estimator" );
-    RfResult result = rf_take_file_options( &render_table, defaults );
+    RfResult result = rf_take_file_options( &rf_render_table, defaults );
     if ( result == RF_OK && rf_parse_estimator_option( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &estimator, &error );
     if ( result == RF_OK && rf_parse_tile_option( &render_parse.options, &error ) != RF_OK )
@@ -570,4 +433,4 @@ RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char**
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
 
-void rf_print_render_help( void ) { rf_print_help( &render_table, stdout ); }
+void rf_print_render_help( void ) { rf_print_help( &rf_render_table, stdout ); }

@@ -44,12 +44,10 @@ typedef struct RfRenderOptions
     int nodes;        // machines that the frames are cut for; 0: none
     const char* json; // NULL: none
     bool quiet;
+    bool verbose;
 } RfRenderOptions;
 
 RfRenderOptions rf_default_render_options( void );
-
-// The limit of samples per pixel for --noise and --flicker (both 0: for --time alone) where --spp is not given.
-int rf_default_most_spp( double noise, double flicker );
 
 // Parses and checks what can be checked without the scene. With *help set the
 // help was asked for and nothing else is valid.
@@ -82,6 +80,9 @@ RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
 // of samples for --noise, --flicker and --time where none was given, by one rule for all commands.
 // Fails with RF_ERROR_USAGE for options that exclude each other.
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );
+
+// Their table.
+extern const RfCommandTable rf_render_table;
 
 void rf_print_render_help( void );
 

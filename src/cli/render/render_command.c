@@ -340,7 +340,8 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     if ( result != RF_OK || job->options.quiet )
         return result;
     tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
-    tell_effects( job->effects, job->effect_count );
+    if ( job->options.verbose )
+        tell_effects( job->effects, job->effect_count );
     tell_runs( &job->path, job->frames, job->frame_count, job->run_count );
     return RF_OK;
 }

@@ -4,7 +4,7 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shot.h"
-#include "cli/options/shot_options.h"
+#include "cli/options/shared_options.h"
 #include "cli/signals.h"
 #include "cli/tune/verdict.h"
 #include "image/atomic_file.h"
@@ -290,59 +290,48 @@ static CostOptions s_parsed; // the table points here
 static const char* s_scene;
 
 static const RfOption s_options[] = {
+    RF_PATH_OPTIONS( s_parsed.render, "frames to be rendered: a few of them are tried, and all are counted" ),
+    RF_LENS_OPTIONS( s_parsed.render ),
     { .name = "budget",
       .type = RF_OPTION_TIME,
       .value = &s_parsed.budget,
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
-      .default_text = "60",
-      .help = "seconds that it may take, or 5m, after a first round that is always finished; more make the figures surer" },
+      .help = "seconds to spend, or 5m; the first round is always finished, more time makes the figures more certain" },
     { .name = "noise",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.noise,
       .meta = "E[,...]",
-      .default_text = ERRORS,
-      .help = "relMSE whose cost is reported; 1% is 0.01" },
+      .help = "report the time that each relMSE takes; 1% is 0.01" },
     { .name = "flicker",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.flicker,
       .meta = "F[,...]",
-      .default_text = "none",
-      .help = "F1 of neighbouring frames whose cost is reported, too" },
+      .help = "report the time that each F1 of neighbouring frames takes" },
+    RF_FILTER_OPTIONS( s_parsed.render ),
+    RF_PATH_TRACING_OPTIONS( s_parsed.render ),
+    RF_SEED_OPTION( s_parsed.render ),
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.svg,
       .meta = "FILE",
-      .help = "a plot: seconds across, error up, with and without reuse" },
-    RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: some of them are tried, and all are counted" ),
-    RF_LENS_OPTIONS( s_parsed.render, true ),
-    RF_EFFECT_OPTIONS( s_parsed.render, true ),
-    { .name = "group",
-      .type = RF_OPTION_INT,
-      .value = &s_parsed.render.settings.group,
-      .min = 0,
-      .max = RF_MAX_GROUP,
-      .keyword = "auto",
-      .keyword_value = RF_GROUP_AUTO,
-      .meta = "N|auto",
-      .default_text = "auto",
-      .help = "half-width of the groups with reuse: groups of 2N+1 frames" },
-    RF_ESTIMATOR_OPTION( s_parsed.render ),
+      .help = "plot error over seconds, with and without reuse",
+      .heading = RF_HEADING_OUTPUT },
+    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - is standard output", "no progress" ),
+    RF_GROUP_OPTION( s_parsed.render, "half-width of the groups with reuse: 2N+1 frames" ),
     RF_TILE_OPTION( s_parsed.render ),
-    RF_LIGHT_OPTIONS( s_parsed.render ),
-    RF_FILTER_OPTIONS( s_parsed.render, true ),
-    RF_SEED_OPTION( s_parsed.render ),
     RF_MACHINE_OPTIONS( s_parsed.render, "threads of the render" ),
-    RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
+    RF_ESTIMATOR_OPTION( s_parsed.render ),
+    RF_EFFECT_OPTIONS( s_parsed.render ),
 };
 
 static const RfCommandTable s_table = {
     .command = "cost",
     .summary =
-        "Tells what accuracy costs in time: renders a few frames with ever more samples, by path tracing and with reuse, and "
-        "from these the seconds that a wanted error takes, for a frame and for all. Options and SCENE are those of render.",
+        "Measures what accuracy costs in time: renders a few frames with rising sample counts, by path tracing and with reuse, "
+        "and predicts the seconds that a wanted error takes, for a frame and for all. SCENE and options are those of render.",
     .files = s_files,
     .file_count = 1,
     .options = s_options,
@@ -364,7 +353,7 @@ static RfResult parse_list( const char* name, const char* text, double values[CO
             end += 1;
         }
         if ( end == text || !( value > 0.0 ) || !isfinite( value ) || ( *end != ',' && *end != '\0' ) )
-            return rf_fail( error, RF_ERROR_USAGE, "%s: wants numbers above 0 with commas between them, got '%s'", name, all );
+            return rf_fail( error, RF_ERROR_USAGE, "%s: expected numbers above 0 with commas between them, got '%s'", name, all );
         if ( *count == COST_ERRORS )
             return rf_fail( error, RF_ERROR_USAGE, "%s: more than %d numbers", name, COST_ERRORS );
         values[( *count )++] = value;

@@ -4,7 +4,7 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shot.h"
-#include "cli/options/shot_options.h"
+#include "cli/options/shared_options.h"
 #include "cli/signals.h"
 #include "cli/tune/verdict.h"
 #include "image/atomic_file.h"
@@ -236,49 +236,47 @@ static TuneOptions s_parsed; // the table points here
 static const char* s_scene;
 
 static const RfOption s_options[] = {
+    RF_PATH_OPTIONS( s_parsed.render, "frames to be rendered: settings are tried on them, and their cost is counted" ),
+    RF_LENS_OPTIONS( s_parsed.render ),
     { .name = "budget",
       .type = RF_OPTION_TIME,
       .value = &s_parsed.budget,
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
-      .default_text = "60",
-      .help = "seconds that it may take, or 5m; more make the choice surer" },
+      .help = "seconds to spend, or 5m; a longer search is more certain" },
     { .name = "goal",
       .type = RF_OPTION_CHOICE,
       .value = &s_parsed.goal,
       .choices = s_goals,
-      .default_text = "noise",
-      .help = "what is to be least at equal CPU time: relMSE, or F1 of neighbouring frames" },
+      .help = "quantity to minimise at equal CPU time: relMSE, or F1 of neighbouring frames" },
+    RF_SPP_OPTION( s_parsed.render ),
+    RF_FILTER_OPTIONS( s_parsed.render ),
+    RF_PATH_TRACING_OPTIONS( s_parsed.render ),
+    RF_SEED_OPTION( s_parsed.render ),
+    RF_AOV_OPTION( s_parsed.render, "further layers, which take memory:" ),
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.svg,
       .meta = "FILE",
-      .help = "a plot: memory across, efficiency up, a line for each tile" },
-    RF_PATH_OPTIONS( s_parsed.render, "frames that are to be rendered: settings are tried there, and their cost is counted" ),
-    RF_LENS_OPTIONS( s_parsed.render, true ),
-    RF_EFFECT_OPTIONS( s_parsed.render, true ),
-    RF_SPP_OPTION( s_parsed.render ),
+      .help = "plot efficiency over memory, a line for each tile",
+      .heading = RF_HEADING_OUTPUT },
+    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - is standard output", "no progress" ),
+    RF_MACHINE_OPTIONS( s_parsed.render, "threads; each tries a setting" ),
     RF_ESTIMATOR_OPTION( s_parsed.render ),
-    RF_LIGHT_OPTIONS( s_parsed.render ),
-    RF_FILTER_OPTIONS( s_parsed.render, true ),
-    RF_SEED_OPTION( s_parsed.render ),
-    RF_MACHINE_OPTIONS( s_parsed.render, "threads, each of which tries a setting" ),
-    RF_AOV_OPTION( s_parsed.render, "further channels, which need memory:" ),
-    RF_RESULT_OPTIONS( s_parsed.render, "no words on what is being tried" ),
+    RF_EFFECT_OPTIONS( s_parsed.render ),
 };
 
-static const RfCommandTable s_table = {
-    .command = "tune",
-    .summary =
-        "Finds the group and the tile that pay best on this path and this machine, by short renders: a row for each with memory, "
-        "time, error, flicker and efficiency, and the command line of the best. Options and SCENE are those of render.",
-    .files = s_files,
-    .file_count = 1,
-    .options = s_options,
-    .option_count = sizeof s_options / sizeof s_options[0]
-};
+static const RfCommandTable s_table = { .command = "tune",
+                                        .summary =
+                                            "Finds the group and the tile with the best efficiency on this animation and machine "
+                                            "by short renders: a row for each with memory, time, error, flicker and efficiency, "
+                                            "and the best as a command line. SCENE and options are those of render.",
+                                        .files = s_files,
+                                        .file_count = 1,
+                                        .options = s_options,
+                                        .option_count = sizeof s_options / sizeof s_options[0] };
 
 // Parses on top of the current values.
 static RfResult parse( int argc, char** argv, TuneOptions* options, bool* help, RfError* error )

@@ -1,4 +1,4 @@
-// Scene values of frames, for the probe; the format is described in src/page/values.h.
+// Scene values of frames, for the probe; the format is described in src/page/page.h.
 
 function lightOfHalf(half) {
   const sign = half & 0x8000 ? -1 : 1, exponent = half >> 10 & 31, mantissa = half & 1023;

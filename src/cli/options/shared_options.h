@@ -1,0 +1,250 @@
+// Rows that the option tables of render, plan, tune and cost share. `o` is the
+// RfRenderOptions that they fill; help texts that differ are arguments.
+#ifndef REFRAME_CLI_OPTIONS_SHARED_OPTIONS_H
+#define REFRAME_CLI_OPTIONS_SHARED_OPTIONS_H
+
+#include "cli/options/render_options.h"
+#include "output/names.h"
+
+#define RF_MIN_BUDGET 1048576 // bytes of --memory: below, a unit was forgotten
+#define RF_MAX_FSTOP 1e6
+#define RF_MAX_NODES 10000
+
+// The defaults of these are printed from what rf_default_render_options and the library say.
+typedef struct RfDefaultTexts
+{
+    char spp[80], tile[80], filter[80], filter_width[80];
+} RfDefaultTexts;
+extern RfDefaultTexts rf_default_texts;
+
+// Where the camera is: `frames_help` says what is done with the frames.
+#define RF_PATH_OPTIONS( o, frames_help )                                                                                        \
+    { .name = "camera",                                                                                                          \
+      .type = RF_OPTION_STRING,                                                                                                  \
+      .value = &( o ).camera,                                                                                                    \
+      .reads = true,                                                                                                             \
+      .meta = "NAME|FILE",                                                                                                       \
+      .default_text = "the scene file's, else the first animated one, else the first",                                           \
+      .help = "a camera of the scene, or a camera-path file (.json)" },                                                          \
+        { .name = "frames",                                                                                                      \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_STRING,                                                                                              \
+          .value = &( o ).frames,                                                                                                \
+          .meta = "A-B[xSTEP][,...]",                                                                                            \
+          .default_text = "all",                                                                                                 \
+          .help = ( frames_help ) },                                                                                             \
+        { .name = "fps",                                                                                                         \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_FPS,                                                                                                 \
+          .value = &( o ).fps,                                                                                                   \
+          .meta = "R",                                                                                                           \
+          .default_text = "the scene's, else 24",                                                                                \
+          .help = "frames per second of the camera animation: 24 or 24000/1001" },                                               \
+    {                                                                                                                            \
+        .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &( o ).size, .min = 1, .max = RF_MAX_IMAGE_SIDE,       \
+        .meta = "WxH", .default_text = "the scene's, else 960x540", .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k"       \
+    }
+
+// A lens and a shutter in the place of the camera's own.
+#define RF_LENS_OPTIONS( o )                                                                                                     \
+    { .name = "shutter",                                                                                                         \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_STRING,                                                                                                  \
+      .value = &( o ).shutter,                                                                                                   \
+      .meta = "LENGTH|OPEN,CLOSE",                                                                                               \
+      .default_text = "the camera's",                                                                                            \
+      .help = "shutter time in frames, around the time of the frame, or when it opens and closes; 0: no motion blur" },          \
+        { .name = "fstop",                                                                                                       \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_REAL,                                                                                                \
+          .value = &( o ).fstop,                                                                                                 \
+          .given = &( o ).fstop_given,                                                                                           \
+          .min = 0,                                                                                                              \
+          .max = RF_MAX_FSTOP,                                                                                                   \
+          .meta = "N",                                                                                                           \
+          .default_text = "the camera's",                                                                                        \
+          .help = "f-number of the lens; 0: a pinhole, without depth of field" },                                                \
+    {                                                                                                                            \
+        .name = "focus", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).focus, .meta = "METRES|NODE",                \
+        .default_text = "the camera's", .help = "focus distance in metres, or a node of the scene to focus on"                   \
+    }
+
+#define RF_SPP_OPTION( o )                                                                                                       \
+    {                                                                                                                            \
+        .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &( o ).settings.spp, .min = 1, .max = RF_MAX_SPP,        \
+        .meta = "S", .heading = RF_HEADING_QUALITY, .help = "samples per pixel traced for a frame, over all groups that hold it" \
+    }
+
+// Of a render that may stop at an error or after a time.
+#define RF_STOP_OPTIONS( o, noise_help, flicker_help, time_help )                                                                \
+    { .name = "spp",                                                                                                             \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_INT,                                                                                                     \
+      .value = &( o ).settings.spp,                                                                                              \
+      .given = &( o ).spp_given,                                                                                                 \
+      .min = 1,                                                                                                                  \
+      .max = RF_MAX_SPP,                                                                                                         \
+      .meta = "S",                                                                                                               \
+      .default_text = rf_default_texts.spp,                                                                                      \
+      .heading = RF_HEADING_QUALITY,                                                                                             \
+      .help =                                                                                                                    \
+          "samples per pixel traced for a frame, over all groups that hold it; the limit with --noise, --flicker and --time" },  \
+        { .name = "noise",                                                                                                       \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_RATIO,                                                                                               \
+          .value = &( o ).settings.noise,                                                                                        \
+          .min = 0,                                                                                                              \
+          .max = RF_MAX_NOISE,                                                                                                   \
+          .meta = "E",                                                                                                           \
+          .default_text = "off",                                                                                                 \
+          .heading = RF_HEADING_QUALITY,                                                                                         \
+          .help = ( noise_help ) },                                                                                              \
+        { .name = "flicker",                                                                                                     \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_RATIO,                                                                                               \
+          .value = &( o ).settings.flicker,                                                                                      \
+          .min = 0,                                                                                                              \
+          .max = RF_MAX_FLICKER,                                                                                                 \
+          .meta = "F",                                                                                                           \
+          .default_text = "off",                                                                                                 \
+          .heading = RF_HEADING_QUALITY,                                                                                         \
+          .help = ( flicker_help ) },                                                                                            \
+    {                                                                                                                            \
+        .name = "time", .in_file = true, .type = RF_OPTION_TIME, .value = &( o ).settings.time, .min = 0, .max = RF_MAX_TIME,    \
+        .meta = "T", .default_text = "off", .heading = RF_HEADING_QUALITY, .help = ( time_help )                                 \
+    }
+
+#define RF_ADAPTIVE_OPTION( o, adaptive_help )                                                                                   \
+    {                                                                                                                            \
+        .name = "adaptive", .in_file = true, .type = RF_OPTION_CHOICE, .value = &( o ).adaptive, .choices = rf_adaptive_words,   \
+        .bare = "on", .negated = "off", .heading = RF_HEADING_QUALITY, .help = ( adaptive_help )                                 \
+    }
+
+#define RF_FILTER_OPTIONS( o )                                                                                                   \
+    { .name = "filter",                                                                                                          \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_CHOICE,                                                                                                  \
+      .value = &( o ).filter,                                                                                                    \
+      .choices = rf_filter_words,                                                                                                \
+      .default_text = rf_default_texts.filter,                                                                                   \
+      .heading = RF_HEADING_QUALITY,                                                                                             \
+      .help = "reconstruction filter; depth and motion always have a box of one pixel" },                                        \
+    {                                                                                                                            \
+        .name = "filter-width", .in_file = true, .type = RF_OPTION_REAL, .value = &( o ).settings.filter_width,                  \
+        .min = RF_MIN_FILTER_WIDTH, .max = RF_MAX_FILTER_WIDTH, .meta = "PIXELS", .default_text = rf_default_texts.filter_width, \
+        .heading = RF_HEADING_QUALITY, .help = "filter width as in Blender: full width of a box, radius of the others"           \
+    }
+
+#define RF_PATH_TRACING_OPTIONS( o )                                                                                             \
+    { .name = "max-depth",                                                                                                       \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_INT,                                                                                                     \
+      .value = &( o ).settings.max_depth,                                                                                        \
+      .min = 1,                                                                                                                  \
+      .max = RF_MAX_DEPTH,                                                                                                       \
+      .meta = "D",                                                                                                               \
+      .heading = RF_HEADING_QUALITY,                                                                                             \
+      .help = "maximum number of path vertices after the camera" },                                                              \
+    {                                                                                                                            \
+        .name = "light-samples", .in_file = true, .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,       \
+        .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .heading = RF_HEADING_QUALITY,                                                 \
+        .help = "light samples per path vertex; with tiles at least two at first hits"                                           \
+    }
+
+#define RF_SEED_OPTION( o )                                                                                                      \
+    {                                                                                                                            \
+        .name = "seed", .in_file = true, .type = RF_OPTION_UINT64, .value = &( o ).settings.seed, .meta = "S",                   \
+        .heading = RF_HEADING_QUALITY, .help = "random seed"                                                                     \
+    }
+
+#define RF_GROUP_OPTION( o, group_help )                                                                                         \
+    {                                                                                                                            \
+        .name = "group", .in_file = true, .type = RF_OPTION_INT, .value = &( o ).settings.group, .min = 0, .max = RF_MAX_GROUP,  \
+        .keyword = "auto", .keyword_value = RF_GROUP_AUTO, .meta = "N|auto", .heading = RF_HEADING_PERFORMANCE,                  \
+        .help = ( group_help )                                                                                                   \
+    }
+
+#define RF_TILE_OPTION( o )                                                                                                      \
+    {                                                                                                                            \
+        .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).tile, .meta = "WxH|rooksN|1",                 \
+        .default_text = rf_default_texts.tile, .heading = RF_HEADING_PERFORMANCE,                                                \
+        .help = "pixels of a frame that share paths: a block, N pixels of an NxN grid, or none"                                  \
+    }
+
+#define RF_MACHINE_OPTIONS( o, threads_help )                                                                                    \
+    { .name = "memory",                                                                                                          \
+      .type = RF_OPTION_MEMORY,                                                                                                  \
+      .value = &( o ).settings.memory,                                                                                           \
+      .min = RF_MIN_BUDGET,                                                                                                      \
+      .meta = "SIZE",                                                                                                            \
+      .default_text = "half of what is free",                                                                                    \
+      .heading = RF_HEADING_PERFORMANCE,                                                                                         \
+      .help = "memory budget beyond the scene and its BVH: 512M, 4G" },                                                          \
+    {                                                                                                                            \
+        .name = "threads", .type = RF_OPTION_INT, .value = &( o ).settings.threads, .min = 1, .max = RF_MAX_THREADS,             \
+        .meta = "T", .default_text = "all cores", .heading = RF_HEADING_PERFORMANCE, .help = ( threads_help )                    \
+    }
+
+#define RF_NODES_OPTION( o, nodes_help )                                                                                         \
+    {                                                                                                                            \
+        .name = "nodes", .type = RF_OPTION_INT, .value = &( o ).nodes, .min = 1, .max = RF_MAX_NODES, .meta = "N",               \
+        .heading = RF_HEADING_PERFORMANCE, .help = ( nodes_help )                                                                \
+    }
+
+#define RF_ESTIMATOR_OPTION( o )                                                                                                 \
+    {                                                                                                                            \
+        .name = "estimator", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).estimator, .meta = "reuse|gradient",     \
+        .heading = RF_HEADING_RESEARCH,                                                                                          \
+        .help = "reuse: frames and tiles share paths; gradient: gradient-domain path reusing, without groups"                    \
+    }
+
+#define RF_WEIGHT_OPTIONS( o )                                                                                                   \
+    { .name = "weights",                                                                                                         \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_CHOICE,                                                                                                  \
+      .value = &( o ).weights,                                                                                                   \
+      .choices = rf_weights_words,                                                                                               \
+      .heading = RF_HEADING_RESEARCH,                                                                                            \
+      .help = "weights of reused paths; eq15 and unweighted are biased, for comparison" },                                       \
+    {                                                                                                                            \
+        .name = "normalize", .in_file = true, .type = RF_OPTION_CHOICE, .value = &( o ).normalize,                               \
+        .choices = rf_normalize_words, .heading = RF_HEADING_RESEARCH,                                                           \
+        .help = "how the sum of weights is divided out: crossfit and none are unbiased, none is noisy"                           \
+    }
+
+// Effects that are forced or left out.
+#define RF_EFFECT_OPTIONS( o )                                                                                                   \
+    { .name = "effects",                                                                                                         \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_CHOICE,                                                                                                  \
+      .value = &( o ).effects,                                                                                                   \
+      .choices = rf_effects_words,                                                                                               \
+      .heading = RF_HEADING_RESEARCH,                                                                                            \
+      .help = "auto: run the code of effects that the scene uses; all: of the others too, where possible, for the same picture " \
+              "to rounding" },                                                                                                   \
+    {                                                                                                                            \
+        .name = "no-effect", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).no_effect, .meta = "NAME[,...]",         \
+        .heading = RF_HEADING_RESEARCH, .help = "leave effects out, by their names in reframe info; the picture may change"      \
+    }
+
+#define RF_AOV_NAME( constant, name, letters, half, source, what ) " " name
+#define RF_AOV_OPTION( o, intro )                                                                                                \
+    {                                                                                                                            \
+        .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).aov, .meta = "AOV[,...]",                      \
+        .heading = RF_HEADING_OUTPUT,                                                                                            \
+        .help = intro RF_AOV_LIST( RF_AOV_NAME ) "; " RF_GRADIENT_AOVS_NAME " stands for the last three"                         \
+    }
+
+#define RF_RESULT_OPTIONS( o, json_help, quiet_help )                                                                            \
+    { .name = "json",                                                                                                            \
+      .type = RF_OPTION_STRING,                                                                                                  \
+      .value = &( o ).json,                                                                                                      \
+      .writes = ".json",                                                                                                         \
+      .meta = "FILE",                                                                                                            \
+      .heading = RF_HEADING_OUTPUT,                                                                                              \
+      .help = ( json_help ) },                                                                                                   \
+    {                                                                                                                            \
+        .name = "quiet", .type = RF_OPTION_BOOL, .value = &( o ).quiet, .heading = RF_HEADING_OUTPUT, .help = ( quiet_help )     \
+    }
+
+#endif
