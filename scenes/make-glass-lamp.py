@@ -9,7 +9,7 @@ Python's standard library; the same arguments give the same bytes.
   make-glass-lamp.py OUT.glb [--frames N] [--bulb RADIUS]
 
 --bulb puts a shining ball of so many metres and the same intensity in the place of
-the point, which paths from the eye can find: for comparisons.
+the point, which paths from the camera can find: for comparisons.
 """
 
 import math

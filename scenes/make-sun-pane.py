@@ -10,7 +10,7 @@ arguments give the same bytes.
   make-sun-pane.py OUT.glb [--frames N] [--disc DEGREES]
 
 --disc puts a shining disc far away, so many degrees in radius and of the same
-irradiance, in the place of the sun, which paths from the eye can find: for comparisons.
+irradiance, in the place of the sun, which paths from the camera can find: for comparisons.
 """
 
 import math

@@ -11,7 +11,7 @@ arguments give the same bytes.
 
 The camera's path is anim/vase-zoom.json, of which N frames (48) are taken,
 evenly from its beginning to its end. --variant gives vase, ball and box the
-same kind of material; --wide leads the eye around the vase in steps of 25
+same kind of material; --wide leads the camera around the vase in steps of 25
 degrees, so that neighbours of a group see the highlights at other places.
 """
 
@@ -121,7 +121,7 @@ def wide_path(frames):
 def main():
     parser = glb.make_parser("Writes the room with a glossy vase and a zooming camera.")
     parser.add_argument("--variant", choices=("lambert", "phong", "ggx"), help="material of vase, ball and box")
-    parser.add_argument("--wide", action="store_true", help="move the eye around the vase in steps of 25 degrees")
+    parser.add_argument("--wide", action="store_true", help="move the camera around the vase in steps of 25 degrees")
     arguments = parser.parse_args()
     here = os.path.dirname(os.path.abspath(__file__))
     views, yfov = read_path(os.path.join(here, os.pardir, "anim", "vase-zoom.json"), arguments.frames)
