@@ -1,3 +1,4 @@
+// From a camera of a scene and a time to an eye: its place, its lens, its shutter. Projections: scene/projection.h.
 #include "scene/camera.h"
 
 #include "scene/animation.h"
