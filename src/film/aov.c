@@ -292,21 +292,30 @@ void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
     }
 }
 
-// Adds a pixel's sample to those around it, within some rows.
-static void spread_sample( const RfPixelFilter* filter, FilteredPixel* pixels, int x, int y, int width, int height, float weight,
-                           int first_row, int end_row )
+// What all samples of a pass are spread with.
+typedef struct Spread
 {
-    const FilteredPixel* sample = pixels + (size_t)y * (size_t)width + (size_t)x;
+    const RfPixelFilter* filter;
+    int width, height;
+    float weight;           // of the pass
+    int first_row, end_row; // that get something
+} Spread;
+
+// Adds the sample of pixel (x, y) to those around it.
+static void spread_sample( const Spread* s, FilteredPixel* pixels, int x, int y )
+{
+    const RfPixelFilter* filter = s->filter;
+    const FilteredPixel* sample = pixels + (size_t)y * (size_t)s->width + (size_t)x;
     float across[RF_FILTER_TAPS], down[RF_FILTER_TAPS];
-    rf_filter_weights( filter, x, sample->place[0], width, across );
-    rf_filter_weights( filter, y, sample->place[1], height, down );
+    rf_filter_weights( filter, x, sample->place[0], s->width, across );
+    rf_filter_weights( filter, y, sample->place[1], s->height, down );
     for ( int k = 0; k < filter->taps * filter->taps; ++k )
     {
         int column = k % filter->taps, row = k / filter->taps, px = x + column - filter->reach, py = y + row - filter->reach;
-        if ( px < 0 || px >= width || py < first_row || py >= end_row )
+        if ( px < 0 || px >= s->width || py < s->first_row || py >= s->end_row )
             continue;
-        FilteredPixel* p = pixels + (size_t)py * (size_t)width + (size_t)px;
-        float share = weight * across[column] * down[row];
+        FilteredPixel* p = pixels + (size_t)py * (size_t)s->width + (size_t)px;
+        float share = s->weight * across[column] * down[row];
         p->weight += share;
         for ( int c = 0; c < 3; ++c )
             p->sum[c] += share * sample->value[c];
@@ -315,6 +324,9 @@ static void spread_sample( const RfPixelFilter* filter, FilteredPixel* pixels, i
 
 void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight, int first_row, int end_row )
 {
+    Spread s = {
+        .filter = film->filter, .width = width, .height = height, .weight = weight, .first_row = first_row, .end_row = end_row
+    };
     int reach = film->filter->reach, top = first_row > reach ? first_row - reach : 0;
     int bottom = end_row + reach < height ? end_row + reach : height;
     for ( RfAov aov = 0; aov < RF_AOV_COUNT; ++aov )
@@ -322,7 +334,7 @@ void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight,
         for ( int y = top; y < bottom && film->mean[aov] != NULL && is_filtered( aov ); ++y )
         {
             for ( int x = 0; x < width; ++x )
-                spread_sample( film->filter, filtered_pixels( film, aov ), x, y, width, height, weight, first_row, end_row );
+                spread_sample( &s, filtered_pixels( film, aov ), x, y );
         }
     }
 }

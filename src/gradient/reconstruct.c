@@ -18,6 +18,25 @@
 #define ROUND_TOLERANCE 1e-3 // of the solves before the last
 #define LEAST_WEIGHT 1e-30f  // of the largest; what is below counts as 0
 
+// Pixels of a plane that count: columns·rows of width·height.
+typedef struct Extent
+{
+    int width, columns, rows;
+} Extent;
+
+// The pixels, and the pairs of neighbours that differences in x and y are of.
+enum
+{
+    PIXELS,
+    PAIRS_X,
+    PAIRS_Y,
+};
+
+static Extent extent_of( const RfGradientImages* in, int of )
+{
+    return ( Extent ){ .width = in->width, .columns = in->width - ( of == PAIRS_X ), .rows = in->height - ( of == PAIRS_Y ) };
+}
+
 // Fails with RF_ERROR_USAGE where options are out of range, or do not go with the weights.
 static RfResult check_reconstruct_options( const RfReconstructOptions* options, bool has_weights, RfError* error )
 {
@@ -37,15 +56,14 @@ static RfResult check_reconstruct_options( const RfReconstructOptions* options, 
     return RF_OK;
 }
 
-// Fails with RF_ERROR_USAGE where one of width·height floats is negative or not finite; pixels of the last
-// `skip_x` columns and `skip_y` rows do not count. `what` is for the message.
-static RfResult check_plane( const float* plane, int width, int height, int skip_x, int skip_y, const char* what, RfError* error )
+// Fails with RF_ERROR_USAGE where a value that counts is negative or not finite. `what` is for the message.
+static RfResult check_plane( const float* plane, Extent e, const char* what, RfError* error )
 {
-    for ( int y = 0; y < height - skip_y; ++y )
+    for ( int y = 0; y < e.rows; ++y )
     {
-        for ( int x = 0; x < width - skip_x; ++x )
+        for ( int x = 0; x < e.columns; ++x )
         {
-            float value = plane[(size_t)y * (size_t)width + (size_t)x];
+            float value = plane[(size_t)y * (size_t)e.width + (size_t)x];
             if ( !isgreaterequal( value, 0.0f ) || !islessequal( value, 3.4e38f ) )
                 return rf_fail( error, RF_ERROR_USAGE, "%s: %g at pixel (%d, %d): must be finite and at least 0", what,
                                 (double)value, x, y );
@@ -55,14 +73,13 @@ static RfResult check_plane( const float* plane, int width, int height, int skip
 }
 
 // The largest magnitude among data of weight > 0 goes to *largest.
-static RfResult check_data( const float* rgb, const float* weights, const RfGradientImages* in, int skip_x, int skip_y,
-                            const char* what, float* largest, RfError* error )
+static RfResult check_data( const float* rgb, const float* weights, Extent e, const char* what, float* largest, RfError* error )
 {
-    for ( int y = 0; y < in->height - skip_y; ++y )
+    for ( int y = 0; y < e.rows; ++y )
     {
-        for ( int x = 0; x < in->width - skip_x; ++x )
+        for ( int x = 0; x < e.columns; ++x )
         {
-            size_t i = (size_t)y * (size_t)in->width + (size_t)x;
+            size_t i = (size_t)y * (size_t)e.width + (size_t)x;
             if ( weights != NULL && !( weights[i] > 0.0f ) )
                 continue;
             for ( size_t c = 0; c < 3; ++c )
@@ -90,17 +107,17 @@ static RfResult check_gradients( const RfGradientImages* in, const RfGradientWei
         return rf_fail( error, RF_ERROR_USAGE, "an image of %dx%d pixels cannot be reconstructed", w, h );
     RfResult result = RF_OK;
     if ( weights != NULL )
-        result = check_plane( a, w, h, 0, 0, "weight of the primal", error );
+        result = check_plane( a, extent_of( in, PIXELS ), "weight of the primal", error );
     if ( result == RF_OK && weights != NULL )
-        result = check_plane( b_x, w, h, 1, 0, "weight of dx", error );
+        result = check_plane( b_x, extent_of( in, PAIRS_X ), "weight of dx", error );
     if ( result == RF_OK && weights != NULL )
-        result = check_plane( b_y, w, h, 0, 1, "weight of dy", error );
+        result = check_plane( b_y, extent_of( in, PAIRS_Y ), "weight of dy", error );
     if ( result == RF_OK )
-        result = check_data( in->primal, a, in, 0, 0, "primal", &largest, error );
+        result = check_data( in->primal, a, extent_of( in, PIXELS ), "primal", &largest, error );
     if ( result == RF_OK )
-        result = check_data( in->dx, b_x, in, 1, 0, "dx", &largest, error );
+        result = check_data( in->dx, b_x, extent_of( in, PAIRS_X ), "dx", &largest, error );
     if ( result == RF_OK )
-        result = check_data( in->dy, b_y, in, 0, 1, "dy", &largest, error );
+        result = check_data( in->dy, b_y, extent_of( in, PAIRS_Y ), "dy", &largest, error );
     int exponent = 0;
     if ( largest > 0.0f )
         frexpf( largest, &exponent );
@@ -182,12 +199,6 @@ static void level_components( const RfGradientSystem* system, const uint32_t* la
 // Weights: the inverse of variances, which are averaged over neighbours, but for those that are much brighter. A dark wall
 // beside a window would be taken for as uncertain as the window's edge, so that its own value counted for nothing against
 // differences across the edge.
-
-// Pixels of a plane that count: columns·rows of width·height.
-typedef struct Extent
-{
-    int width, columns, rows;
-} Extent;
 
 // What averages need of the pixels.
 typedef struct Brightness
@@ -298,7 +309,6 @@ void rf_weights_of_half( const RfGradientHalf* half, float* const scratch[2], fl
 {
     int w = half->images.width, h = half->images.height;
     const float* variances[3] = { half->variance, half->variance_dx, half->variance_dy };
-    const Extent extents[3] = { { w, w, h }, { w, w - 1, h }, { w, w, h - 1 } };
     const size_t steps[3] = { 0, 1, (size_t)w };
     float* weights[3] = { a, b_x, b_y };
     Brightness brightness = find_brightness( &half->images, scratch );
@@ -306,12 +316,12 @@ void rf_weights_of_half( const RfGradientHalf* half, float* const scratch[2], fl
     double sum = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        smooth( variances[k], brightness, extents[k], steps[k], weights[k] );
-        sum += sum_logs( weights[k], extents[k], &count );
+        smooth( variances[k], brightness, extent_of( &half->images, PIXELS + k ), steps[k], weights[k] );
+        sum += sum_logs( weights[k], extent_of( &half->images, PIXELS + k ), &count );
     }
     double typical = count > 0 || RF_FAULT( typical ) ? exp( sum / (double)count ) : 1.0;
     for ( int k = 0; k < 3; ++k )
-        invert( weights[k], extents[k], h, typical );
+        invert( weights[k], extent_of( &half->images, PIXELS + k ), h, typical );
 }
 
 // L1 by iteratively reweighted least squares: the weight of each datum is the inverse of how far the last solution
@@ -401,14 +411,13 @@ static void solve_l1( const RfReconstructOptions* options, RfGradientSolver* sol
 
 static RfResult check_half( const RfGradientHalf* half, float* scale, RfError* error )
 {
-    int w = half->images.width, h = half->images.height;
     RfResult result = check_gradients( &half->images, NULL, scale, error );
     if ( result == RF_OK && !RF_FAULT( finite_variance ) )
-        result = check_plane( half->variance, w, h, 0, 0, "variance of the primal", error );
+        result = check_plane( half->variance, extent_of( &half->images, PIXELS ), "variance of the primal", error );
     if ( result == RF_OK && !RF_FAULT( finite_variance ) )
-        result = check_plane( half->variance_dx, w, h, 1, 0, "variance of dx", error );
+        result = check_plane( half->variance_dx, extent_of( &half->images, PAIRS_X ), "variance of dx", error );
     if ( result == RF_OK && !RF_FAULT( finite_variance ) )
-        result = check_plane( half->variance_dy, w, h, 0, 1, "variance of dy", error );
+        result = check_plane( half->variance_dy, extent_of( &half->images, PAIRS_Y ), "variance of dy", error );
     if ( result == RF_OK && !( half->passes > 0.0 && isfinite( half->passes ) ) )
         result = rf_fail( error, RF_ERROR_USAGE, "a half of %g passes has no share in the average", half->passes );
     return result;
@@ -469,26 +478,26 @@ RfReconstructOptions rf_default_reconstruct_options( void )
     };
 }
 
-static float largest_of( const float* weights, const RfGradientImages* in, int skip_x, int skip_y )
+static float largest_of( const float* weights, Extent e )
 {
     float largest = 0.0f;
-    for ( int y = 0; y < in->height - skip_y; ++y )
+    for ( int y = 0; y < e.rows; ++y )
     {
-        for ( int x = 0; x < in->width - skip_x; ++x )
-            largest = fmaxf( largest, weights[(size_t)y * (size_t)in->width + (size_t)x] );
+        for ( int x = 0; x < e.columns; ++x )
+            largest = fmaxf( largest, weights[(size_t)y * (size_t)e.width + (size_t)x] );
     }
     return largest;
 }
 
 // Copies weights times 1 / largest; those of the last columns and rows that are skipped are 0.
-static void copy_weights( const float* from, const RfGradientImages* in, int skip_x, int skip_y, float largest, float* to )
+static void copy_weights( const float* from, Extent e, int height, float largest, float* to )
 {
-    for ( int y = 0; y < in->height; ++y )
+    for ( int y = 0; y < height; ++y )
     {
-        for ( int x = 0; x < in->width; ++x )
+        for ( int x = 0; x < e.width; ++x )
         {
-            size_t i = (size_t)y * (size_t)in->width + (size_t)x;
-            float weight = x < in->width - skip_x && y < in->height - skip_y ? from[i] / largest : 0.0f;
+            size_t i = (size_t)y * (size_t)e.width + (size_t)x;
+            float weight = x < e.columns && y < e.rows ? from[i] / largest : 0.0f;
             to[i] = weight >= LEAST_WEIGHT ? weight : 0.0f;
         }
     }
@@ -523,13 +532,14 @@ static RfResult level( RfGradientSolver* solver, RfError* error )
 static RfResult solve_with_weights( const RfGradientImages* in, const RfGradientWeights* weights,
                                     const RfReconstructOptions* options, RfGradientSolver* solver, RfError* error )
 {
-    float largest = fmaxf( largest_of( weights->a, in, 0, 0 ),
-                           fmaxf( largest_of( weights->b_x, in, 1, 0 ), largest_of( weights->b_y, in, 0, 1 ) ) );
+    float largest =
+        fmaxf( largest_of( weights->a, extent_of( in, PIXELS ) ), fmaxf( largest_of( weights->b_x, extent_of( in, PAIRS_X ) ),
+                                                                         largest_of( weights->b_y, extent_of( in, PAIRS_Y ) ) ) );
     if ( !( largest > 0.0f ) && !RF_FAULT( all_weights_0 ) )
         return rf_fail( error, RF_ERROR_USAGE, "all weights are 0: nothing tells what the image is" );
-    copy_weights( weights->a, in, 0, 0, largest, solver->system.a );
-    copy_weights( weights->b_x, in, 1, 0, largest, solver->system.b_x );
-    copy_weights( weights->b_y, in, 0, 1, largest, solver->system.b_y );
+    copy_weights( weights->a, extent_of( in, PIXELS ), in->height, largest, solver->system.a );
+    copy_weights( weights->b_x, extent_of( in, PAIRS_X ), in->height, largest, solver->system.b_x );
+    copy_weights( weights->b_y, extent_of( in, PAIRS_Y ), in->height, largest, solver->system.b_y );
     rf_solve_weighted( options, solver );
     return level( solver, error );
 }
