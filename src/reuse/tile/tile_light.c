@@ -50,17 +50,15 @@ static float connection_weight( const RfPathSettings* settings, const RfTileReus
                           rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ) );
 }
 
-// The same for the receivers of a pairing, 0 without one; all 1 for light that is no light path's.
-static void find_connection_weights( const RfPathSettings* settings, const RfTileReuse* reuse, int pairing, bool connections,
+// The same for second vertices [first, end) and their receivers in a pairing; 0 without one.
+static void find_connection_weights( const RfPathSettings* settings, const RfTileReuse* reuse, int pairing, int first, int end,
                                      float* weight )
 {
-    for ( int a = 0; a < rf_record_count( &reuse->second.lanes ); ++a )
+    for ( int a = first; a < end; ++a )
     {
         int i = reuse->second.owner[a];
         bool has_receiver = i >= 0 && pairing < reuse->hits.size[i];
-        weight[a] = connections ? 0.0f : 1.0f;
-        if ( connections && has_receiver )
-            weight[a] = connection_weight( settings, reuse, rf_receiver( reuse, a, pairing ), a );
+        weight[a] = has_receiver ? connection_weight( settings, reuse, rf_receiver( reuse, a, pairing ), a ) : 0.0f;
     }
 }
 
@@ -82,7 +80,7 @@ static void add_diffuse_connections( const RfPathSettings* settings, const float
     for ( int pairing = tile_pixels - 1; pairing >= 0; --pairing )
     {
         RfPairingLanes* t = reuse->pairings + pairing;
-        find_connection_weights( settings, reuse, pairing, true, weight );
+        find_connection_weights( settings, reuse, pairing, 0, count, weight );
         for ( int c = 0; c < 3; ++c )
         {
             for ( int a = 0; a < count; ++a )
@@ -144,11 +142,14 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
         for ( int c = 0; c < 3; ++c )
             reuse->second.arrival.a[c][a] = q[c];
     }
+    float* weight = s->visible; // of light paths; other light has none beside that of its mixture
+    for ( int a = first; a < end; ++a )
+        weight[a] = 1.0f;
     for ( int pairing = 0; pairing < tile_pixels; ++pairing )
     {
         RfPairingLanes* t = reuse->pairings + pairing;
-        const float* weight = s->visible;
-        find_connection_weights( settings, reuse, pairing, connections, s->visible );
+        if ( connections )
+            find_connection_weights( settings, reuse, pairing, first, end, weight );
         for ( int c = 0; c < 3; ++c )
         {
 #pragma omp simd
