@@ -6,6 +6,7 @@
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/textured_room.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -111,6 +112,9 @@ static void test_group_0_is_a_plain_path_tracer( void** state )
         check_plain( make_mirror_room( (MirrorRoom)kind ), 1, 2 + kind % 5 );
     for ( int depth = 1; depth <= 5; ++depth ) // mirrors count as vertices
         check_plain( make_mirror_room( FLAT_MIRROR ), 1, depth );
+    check_plain( make_textured_room(), 1, 8 );
+    check_plain( make_varied_room(), 1, 8 );
+    check_plain( make_blended_room(), 1, 8 );
     for ( int light = PANES_AND_AREA_LIGHT; light <= PANES_AND_ALL; ++light )
         check_plain( make_pane_room( (PaneLight)light ), 1 + light % 2, 7 );
 }

@@ -1,6 +1,7 @@
 // Frame reuse is unbiased: against independent references, over 16 seeds, per block and
-// per pixel, for diffuse, Phong and GGX, groups of 1, 3, 7, 13 and 17 frames. The test can
-// see bias: the biased weightings fail it.
+// per pixel, for diffuse, Phong and GGX, groups of 3, 7, 13 and 17 frames. The test can
+// see bias: the biased weightings fail it. Groups of 1 are the reference's picture, bit for
+// bit (tests/render/test_same_bits.c).
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"
@@ -45,7 +46,7 @@ static void check_group( const char* what, const RfTracer* tracer, const RfEye* 
     free_images( &rendered );
 }
 
-// All groups and, of `thorough` checks, those without reuse and the end of the path. With --long all are.
+// The larger groups and, of `thorough` checks, groups of 3, plain sums and the end of the path. With --long all are.
 static void check_scene( const char* what, RfScene scene, bool thorough )
 {
     enum
@@ -67,7 +68,6 @@ static void check_scene( const char* what, RfScene scene, bool thorough )
         check_group( what, tracer, eyes, EYES, f, 8, 4 * spp, RF_NORMALIZE_CROSSFIT, &reference );
         if ( ( k == 0 && thorough ) || is_long() )
         {
-            check_group( what, tracer, eyes, EYES, f, 0, 32 * spp, RF_NORMALIZE_CROSSFIT, &reference );
             check_group( what, tracer, eyes, EYES, f, 1, 12 * spp, RF_NORMALIZE_CROSSFIT, &reference );
             check_group( what, tracer, eyes, EYES, f, 3, 7 * spp, RF_NORMALIZE_NONE, &reference );
         }
@@ -80,7 +80,7 @@ static void check_scene( const char* what, RfScene scene, bool thorough )
 static void test_diffuse_is_unbiased( void** state )
 {
     (void)state;
-    check_scene( "diffuse", make_room( ROOM_DIFFUSE ), true );
+    check_scene( "diffuse", make_room( ROOM_DIFFUSE ), false );
 }
 
 static void test_phong_is_unbiased( void** state )

@@ -180,25 +180,47 @@ static bool is_one_everywhere( const Weights* weights )
     return true;
 }
 
-static void check_weights( const char* what, int group, const char* tile, int frame, const RfTracer* tracer, const RfEye* eye,
-                           const Weights* weights )
+#define FRAMES 3
+static const int s_frames[FRAMES] = { 0, EYES / 2, EYES - 1 };
+
+// A camera path in a scene, and which pixels of the tested frames are solid: that takes as long as a render.
+typedef struct View
+{
+    const char *scene, *path;
+    const RfTracer* tracer;
+    RfEye eyes[EYES];
+    bool solid[FRAMES][PIXELS];
+    int solid_count[FRAMES];
+} View;
+
+static const View* view_of( const char* scene, const RfTracer* tracer, const CameraPath* path )
+{
+    static View v;
+    v = ( View ){ .scene = scene, .path = path->name, .tracer = tracer };
+    path->make( v.eyes );
+    for ( int f = 0; f < FRAMES; ++f )
+        v.solid_count[f] = mark_solid( tracer, v.eyes + s_frames[f], v.solid[f] );
+    return &v;
+}
+
+static void check_weights( const View* view, int group, const char* tile, int f, const Weights* weights )
 {
     if ( group == 0 )
     {
         assert_true( is_one_everywhere( weights ) );
         return;
     }
-    static bool all[PIXELS], solid[PIXELS];
+    static bool all[PIXELS];
     for ( int i = 0; i < PIXELS; ++i )
         all[i] = true;
-    int count = mark_solid( tracer, eye, solid );
+    int count = view->solid_count[f];
     double error, error_solid = 0.0, away = distance( weights, all, &error ), away_solid = 0.0, uniform;
     if ( count > 0 )
-        away_solid = distance( weights, solid, &error_solid );
+        away_solid = distance( weights, view->solid[f], &error_solid );
     double smallest = smallest_block_p( weights, &uniform );
-    printf( "%-12s group %d tile %-6s frame %2d: %5.2f SE off 1 (SE %.1e); %3d solid pixels: %5.2f SE; blocks: smallest p %.3g, "
+    printf( "%s %s group %d tile %-6s frame %2d: %5.2f SE off 1 (SE %.1e); %3d solid pixels: %5.2f SE; blocks: smallest p %.3g, "
             "uniform p %.3g\n",
-            what, group, tile, frame, away, error, count, away_solid, smallest, uniform );
+            view->scene, view->path, group, tile, s_frames[f], away, error, count, away_solid, smallest, uniform );
     assert_false( is_far_off( away, SEED_COUNT - 1 ) );
     assert_false( is_far_off( away_solid, SEED_COUNT - 1 ) );
     assert_true( is_likely( smallest ) );
@@ -219,29 +241,23 @@ static RfRenderSettings settings_of( int group, const char* tile, int max_depth,
     return settings;
 }
 
-static void check_path( const char* scene_name, const RfTracer* tracer, const CameraPath* path, int group, const char* tile,
-                        int max_depth )
+static void check_path( const View* view, int group, const char* tile, int max_depth )
 {
-    static Weights weights[3];
-    static const int frames[3] = { 0, EYES / 2, EYES - 1 };
-    RfEye eyes[EYES];
-    path->make( eyes );
+    static Weights weights[FRAMES];
 #pragma omp parallel for schedule( dynamic, 1 )
     for ( int k = 0; k < SEED_COUNT; ++k )
     {
         RfRenderSettings settings = settings_of( group, tile, max_depth, k );
-        Rendered r = render_frames( tracer, eyes, EYES, frames, 3, &settings );
-        for ( int f = 0; f < 3; ++f )
+        Rendered r = render_frames( view->tracer, view->eyes, EYES, s_frames, FRAMES, &settings );
+        for ( int f = 0; f < FRAMES; ++f )
         {
             for ( int i = 0; i < PIXELS; ++i )
                 weights[f].image[k][i] = frame_weight( &r, f )[i];
         }
         free_rendered( &r );
     }
-    char what[32];
-    snprintf( what, sizeof what, "%s %s", scene_name, path->name );
-    for ( int f = 0; f < 3; ++f )
-        check_weights( what, group, tile, frames[f], tracer, eyes + frames[f], weights + f );
+    for ( int f = 0; f < FRAMES; ++f )
+        check_weights( view, group, tile, f, weights + f );
 }
 
 static void check_scene( const char* name, RfScene scene )
@@ -250,10 +266,11 @@ static void check_scene( const char* name, RfScene scene )
     RfTracer* tracer = make_tracer( &scene );
     for ( int p = 0; p < 3; ++p )
     {
+        const View* view = view_of( name, tracer, paths + p );
         for ( int g = 0; g < 4; ++g )
-            check_path( name, tracer, paths + p, groups[g], "1", 1 );
-        check_path( name, tracer, paths + p, 3, "3x3", 1 );
-        check_path( name, tracer, paths + p, 1, "rooks16", 1 );
+            check_path( view, groups[g], "1", 1 );
+        check_path( view, 3, "3x3", 1 );
+        check_path( view, 1, "rooks16", 1 );
     }
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
@@ -265,8 +282,9 @@ static void check_mirrors( const char* name, RfScene scene )
     RfTracer* tracer = make_tracer( &scene );
     for ( int p = 0; p < 3; p += 2 )
     {
-        check_path( name, tracer, paths + p, 1, "1", 3 );
-        check_path( name, tracer, paths + p, 3, "3x3", 3 );
+        const View* view = view_of( name, tracer, paths + p );
+        check_path( view, 1, "1", 3 );
+        check_path( view, 3, "3x3", 3 );
     }
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
@@ -279,7 +297,7 @@ static void test_mirrors( void** state )
     check_mirrors( "open mirror", make_mirror_in_the_open( LIT_BY_SKY ) );
     RfScene scene = make_pane_room( PANES_AND_LAMP );
     RfTracer* tracer = make_tracer( &scene );
-    check_path( "panes", tracer, &( CameraPath ){ "close", make_close_orbit }, 3, "1", 3 );
+    check_path( view_of( "panes", tracer, &( CameraPath ){ "close", make_close_orbit } ), 3, "1", 3 );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
 }
