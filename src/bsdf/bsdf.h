@@ -3,9 +3,9 @@
 // that the compiler vectorises. One model per file; callers sort their lanes
 // by model.
 //
-// Conventions: wo points to the eye, wi to the light, both unit and away from
-// the surface; n is the shading normal on the side the eye sees. f is the BSDF
-// in 1/sr without the cosine. f = 0 and pdf = 0 where n·wi ≤ 0. An eye below
+// Conventions: wo points to the camera, wi to the light, both unit and away from
+// the surface; n is the shading normal on the side the camera sees. f is the BSDF
+// in 1/sr without the cosine. f = 0 and pdf = 0 where n·wi ≤ 0. A camera below
 // the shading horizon (n·wo < RF_MIN_COS, as happens with interpolated
 // normals) is lifted to it along n, the same way in evaluate, density and
 // sample, so the three always agree and depend on (point, wo, wi) alone.

@@ -19,7 +19,7 @@ RF_KERNEL float coat_fresnel( float cos_theta )
     return COAT_F0 + ( 1.0f - COAT_F0 ) * ( m2 * m2 * m );
 }
 
-// The probability of sampling the coat, from the eye's cosine alone.
+// The probability of sampling the coat, from the camera's cosine alone.
 RF_KERNEL float coat_probability( float clearcoat, float cos_o, RfVec3 diffuse, RfVec3 specular )
 {
     float coat = clearcoat * coat_fresnel( cos_o );
@@ -103,7 +103,7 @@ RF_KERNEL void coat_block( int first, int count, const RfBsdfLanes* lanes, const
     }
 }
 
-// The eye lifted to the horizon of the coat.
+// The direction to the camera, lifted to the horizon of the coat.
 static void lift_to_coat( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], RfEyeBlock* eyes )
 {
     RfBsdfLanes coat = { .n = { lanes->param[RF_PARAM_CLEARCOAT_N], lanes->param[RF_PARAM_CLEARCOAT_N + 1],

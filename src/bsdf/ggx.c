@@ -90,7 +90,7 @@ RF_KERNEL RfScattering scatter( RfVec3 n, RfEyeLane eye, RfVec3 wi, Parameters p
 // Normals with Spherical Caps, 2023: the distribution of Heitz, JCGT 2018, without
 // a second frame). Everything is split along n and across it: the height z of the
 // cap, measured from −Vz, and 1 − z² are sums and products of positive terms, so
-// nothing cancels for sharp lobes or grazing eyes, and no normal lies below the
+// nothing cancels for sharp lobes or grazing views, and no normal lies below the
 // surface.
 RF_KERNEL RfVec3 sample_normal( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u, float alpha )
 {

@@ -88,7 +88,7 @@ static inline float base_transmission( const Glass* g, float cos_theta )
     return is_inside( g ) ? 1.0f : 1.0f - ( 1.0f - g->bare ) * dielectric( cos_theta, g->ior );
 }
 
-// The probability of sampling the base, from the eye's cosine alone.
+// The probability of sampling the base, from the camera's cosine alone.
 static inline float base_probability( const Glass* g, float cos_o )
 {
     float base = rf_mean( g->base ) * base_transmission( g, cos_o );
@@ -269,7 +269,7 @@ void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const 
 
 // What single lobes of mirrors and glass are: panes, and delta lobes that are asked for by name.
 
-// Rays below the horizon that eyes are lifted to do not go straight, so the wall is no pane for them.
+// Rays from below the shading horizon do not go straight: they are lifted to it, so the wall is no pane for them.
 static RfPane pane( const Glass* g, float cos_o )
 {
     if ( !g->thin || g->alpha > 0.0f || cos_o < RF_MIN_COS || !( rf_max_component( g->tint ) > 0.0f ) )

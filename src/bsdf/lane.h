@@ -42,8 +42,7 @@ RF_KERNEL RfEyeLane rf_lift_to_horizon( RfVec3 n, RfVec3 wo )
 
 // The kernels are long dependency chains, longer than the processor can reorder.
 // So they run as a few short loops over a block of lanes instead of a long one:
-// first all eyes are lifted, then the rest follows. (A quarter faster for GGX and
-// Phong.)
+// first all directions to the camera are lifted, then the rest follows.
 #define RF_BLOCK 256
 
 typedef struct RfEyeBlock

@@ -5,6 +5,12 @@
 
 #define PI 3.14159265358979323846
 
+const char* const rf_filter_words[] = { [RF_FILTER_BOX] = "box",
+                                        [RF_FILTER_TENT] = "tent",
+                                        [RF_FILTER_GAUSSIAN] = "gaussian",
+                                        [RF_FILTER_BLACKMAN_HARRIS] = "blackman-harris",
+                                        NULL };
+
 // Pixels from the centre beyond which the filter is 0.
 static double reach_of( RfFilter kind, double width ) { return kind == RF_FILTER_BOX ? 0.5 * width : width; }
 

@@ -23,6 +23,9 @@ typedef struct RfPixelFilter
     double worth; // of a sample drawn by the filter beside one of the plain kind: ∫∫ h² in both directions
 } RfPixelFilter;
 
+// The names of filters, as users write them, in the order of RfFilter, with NULL at the end.
+extern const char* const rf_filter_words[];
+
 // Is there a filter? NULL stands for the box of one pixel.
 static inline bool rf_has_filter( const RfPixelFilter* filter ) { return rf_calls_for( filter != NULL, RF_EFFECT_PIXEL_FILTER ); }
 

@@ -4,14 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-// An RfTreeLight is the bounds of a single light. The box of an empty set has
-// low > high.
-typedef RfTreeLight RfLightBounds;
+#define PI 3.14159265358979324
 
 // The bounds of a set of lights: a box, an orientation cone, and the sum of their
-// intensities (Conty Estevez, Kulla 2018, section 4). Internal to the light tree.
-
-#define PI 3.14159265358979324
+// intensities (Conty Estevez, Kulla 2018, section 4). An RfTreeLight is the bounds of a
+// single light. The box of an empty set has low > high.
+typedef RfTreeLight RfLightBounds;
 
 // The bounds of no lights.
 static RfLightBounds no_lights( void )

@@ -1,5 +1,7 @@
 #include "output/names.h"
 
+#include "film/pixel_filter.h"
+
 const char* const rf_weights_words[] = {
     [RF_WEIGHTS_EXACT] = "exact", [RF_WEIGHTS_EQ15] = "eq15", [RF_WEIGHTS_UNWEIGHTED] = "unweighted", NULL
 };
@@ -25,11 +27,6 @@ const char* const rf_reconstruction_words[] = {
     [RF_RECONSTRUCTION_NONE] = "none",
     NULL,
 };
-const char* const rf_filter_words[] = { [RF_FILTER_BOX] = "box",
-                                        [RF_FILTER_TENT] = "tent",
-                                        [RF_FILTER_GAUSSIAN] = "gaussian",
-                                        [RF_FILTER_BLACKMAN_HARRIS] = "blackman-harris",
-                                        NULL };
 const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPTIVE_ON] = "on", [RF_ADAPTIVE_OFF] = "off", NULL };
 
 const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }

@@ -176,13 +176,10 @@ static void set_projection( const Source* from, const RfEye* eyes )
 
 static void set_film( const Source* from )
 {
-    static const char* const names[] = { [RF_FILTER_BOX] = "box",
-                                         [RF_FILTER_TENT] = "tent",
-                                         [RF_FILTER_GAUSSIAN] = "Gaussian",
-                                         [RF_FILTER_BLACKMAN_HARRIS] = "Blackman-Harris" };
     const RfRenderSettings* s = from->settings;
     bool filtered = !rf_is_plain_filter( s ), gradients = strcmp( rf_estimator_name( s->estimator ), "gradient" ) == 0;
-    set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "by the settings, %s" : "the box of one pixel", names[s->filter] );
+    set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "by the settings, %s" : "the box of one pixel",
+         rf_filter_words[s->filter] );
     set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "the settings ask for it" : "the settings do not ask for it" );
     bool alpha = ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
     set( from, RF_EFFECT_ALPHA, alpha, alpha ? "the settings ask for it" : "the settings do not ask for it" );

@@ -1,4 +1,4 @@
-// Depth of field and motion blur of the camera: an eye with a thin lens, and one that moves while its shutter is open,
+// Depth of field and motion blur: a camera with a thin lens, and one that moves while its shutter is open,
 // are means of pinholes (src/reuse/estimators.md, section 12).
 #ifndef REFRAME_SCENE_LENS_H
 #define REFRAME_SCENE_LENS_H

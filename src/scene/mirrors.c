@@ -8,7 +8,7 @@
 // Coplanar: sine of the angle between the normals, and distance over the largest coordinate.
 #define MAX_SINE 3e-5f
 #define MAX_DISTANCE 3e-6f
-// A smaller area is no mirror worth images of the eyes; times the square of the scene's diagonal.
+// A smaller area is no mirror worth images of the cameras; times the square of the scene's diagonal.
 #define LEAST_AREA 2e-5
 #define CANDIDATES 1024
 

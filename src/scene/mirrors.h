@@ -1,5 +1,5 @@
 // The flat mirrors of a scene: coplanar triangles that reflect like a mirror, of metal or
-// glass. What an eye sees in one, its mirror image sees through the mirror's outline
+// glass. What a camera sees in one, its mirror image sees through the mirror's outline
 // (src/reuse/estimators.md, section 10).
 #ifndef REFRAME_SCENE_MIRRORS_H
 #define REFRAME_SCENE_MIRRORS_H
@@ -40,7 +40,7 @@ static inline RfVec3 rf_mirrored_direction( const RfMirror* mirror, RfVec3 d )
     return rf_madd( d, mirror->n, -2.0f * rf_dot( mirror->n, d ) );
 }
 
-// The mirror image of an eye. It looks through the mirror at what the eye sees in it, in the same pixels.
+// The mirror image of a camera. It looks through the mirror at what the camera sees in it, in the same pixels.
 static inline RfEye rf_mirrored_eye( const RfEye* eye, const RfMirror* mirror )
 {
     RfEye image = *eye;

@@ -1,6 +1,6 @@
 // The pinhole camera model: rays through the film, projection onto it, and the film
 // density J of a surface point (src/reuse/estimators.md, notation). Everything that
-// knows how an eye maps points to pixels is here. Branch-free, for loops over lanes.
+// knows how a camera maps points to pixels is here. Branch-free, for loops over lanes.
 #ifndef REFRAME_SCENE_PINHOLE_H
 #define REFRAME_SCENE_PINHOLE_H
 
@@ -10,10 +10,10 @@
 #include <float.h>
 #include <stdint.h>
 
-// Where all rays of an eye start.
+// Where all rays of a camera start.
 static inline RfVec3 rf_pinhole_origin( const RfEye* eye ) { return eye->origin; }
 
-// Distance of x from the eye along the viewing direction, metres; negative behind it.
+// Distance of x from the camera along the viewing direction, metres; negative behind it.
 static inline float rf_pinhole_depth( const RfEye* eye, RfVec3 x )
 {
     return rf_dot( rf_sub( x, rf_pinhole_origin( eye ) ), eye->forward );
@@ -29,13 +29,13 @@ static inline RfVec3 rf_pinhole_ray( const RfEye* eye, const float inverse[2], i
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }
 
-// A divisor that is not 0. What lies in the plane of the eye is not seen, whatever the quotient.
+// A divisor that is not 0. What lies in the plane of the camera is not seen, whatever the quotient.
 static inline float rf_pinhole_divisor( float depth, float instead )
 {
     return depth != 0.0f || RF_FAULT( density_divisor ) ? depth : instead;
 }
 
-// Where a direction from the eye (any length) meets the film: pixels from its centre, +x right, +y up.
+// Where a direction from the camera (any length) meets the film: pixels from its centre, +x right, +y up.
 // Returns its part along the viewing direction; the position means nothing unless that is above 0.
 static inline float rf_pinhole_position( const RfEye* eye, RfVec3 direction, float at[2] )
 {
@@ -50,11 +50,11 @@ typedef struct RfProjection
     int32_t x, y;  // pixel; meaningless unless inside
     float density; // J_k(x) in px²/m², clamped to [RF_MIN_DENSITY, RF_MAX_DENSITY]
     float u, v;    // place in it, 0 to 1
-    int seen;      // in front of the eye, inside its film, on the side of the surface that faces it
+    int seen;      // in front of the camera, inside its film, on the side of the surface that faces it
 } RfProjection;
 
 // Ratios of densities must stay finite where a surface is seen edge-on or
-// touches the eye: at 1e-15 focal lengths, which rooms of 1e-12 m do not reach.
+// touches the camera: at 1e-15 focal lengths, which rooms of 1e-12 m do not reach.
 #define RF_MIN_DENSITY 1e-24f // 1e-12 of it, left behind blended surfaces, is above 0 as well
 #define RF_MAX_DENSITY 1e30f
 

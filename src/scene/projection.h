@@ -39,7 +39,7 @@ static inline bool rf_is_perspective( const RfEye* eye )
 // All rays have the same direction, and start where the film is.
 static inline bool rf_is_parallel( const RfEye* eye ) { return eye->projection == RF_ORTHOGRAPHIC; }
 
-// The direction of all rays of a parallel eye, 1 m along `forward`.
+// The direction of all rays of a parallel camera, 1 m along `forward`.
 static inline RfVec3 rf_parallel_direction( const RfEye* eye )
 {
     return rf_madd( rf_madd( eye->forward, eye->right, eye->shear_x ), eye->up, eye->shear_y );
@@ -88,7 +88,7 @@ static inline float rf_eye_depth( const RfEye* eye, RfVec3 x )
 void rf_eye_ray( const RfEye* eye, const float inverse[2], int column, int row, float u, float v, RfVec3* o, RfVec3* d );
 
 // Where a point, or with `infinite` what lies in a direction, is seen: pixels from the film's centre, +x right, +y up. False
-// for what is not before the eye; a parallel eye sees nothing that is infinitely far.
+// for what is not before the camera; a parallel camera sees nothing that is infinitely far.
 bool rf_eye_position( const RfEye* eye, RfVec3 point, bool infinite, float at[2] );
 
 // rf_project for cameras that are no pinholes.
@@ -100,7 +100,7 @@ static inline RfProjection rf_project_any( const RfEye* eye, RfVec3 x, RfVec3 ng
     return rf_is_perspective( eye ) ? rf_project( eye, x, ng ) : rf_project_otherwise( eye, x, ng );
 }
 
-// What an eye calls a difference of film positions along x: the shorter way round a panorama.
+// What a camera calls a difference of film positions along x: the shorter way round a panorama.
 static inline float rf_film_difference( const RfEye* eye, float dx )
 {
     float width = (float)eye->width;

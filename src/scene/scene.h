@@ -165,7 +165,7 @@ RfFps rf_scene_fps( const RfScene* scene );
 // avoid self-intersection, for coordinates up to `largest`. A point interpolated
 // in floats (24 bits) misses its plane by at most about 2e-7 of the triangle's
 // largest coordinate. A larger offset would leak light into corners and through
-// thin geometry, and let eyes see around edges.
+// thin geometry, and let cameras see around edges.
 static inline float rf_ray_offset( float largest ) { return rf_maxf( 1e-6f * largest, 1e-30f ); }
 
 static inline float rf_largest_coordinate( RfVec3 v ) { return rf_maxf( fabsf( v.x ), rf_maxf( fabsf( v.y ), fabsf( v.z ) ) ); }

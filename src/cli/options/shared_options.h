@@ -4,6 +4,7 @@
 #define REFRAME_CLI_OPTIONS_SHARED_OPTIONS_H
 
 #include "cli/options/render_options.h"
+#include "film/pixel_filter.h"
 #include "output/names.h"
 
 #define RF_MIN_BUDGET 1048576 // bytes of --memory: below, a unit was forgotten

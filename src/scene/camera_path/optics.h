@@ -1,4 +1,4 @@
-// The lens and the shutter of a camera, as files have them, and what they make of its eyes.
+// The lens and the shutter of a camera, as files have them.
 #ifndef REFRAME_SCENE_CAMERA_PATH_OPTICS_H
 #define REFRAME_SCENE_CAMERA_PATH_OPTICS_H
 
@@ -29,7 +29,7 @@ void rf_destroy_optics( RfOptics* optics );
 static inline bool rf_has_shutter( const RfOptics* optics ) { return optics->shutter[1] > optics->shutter[0]; }
 static inline bool rf_has_lens( const RfOptics* optics ) { return optics->fstop > 0.0 || optics->radius > 0.0; }
 
-// The radius of the lens for an eye of this angle of view, m. An orthographic eye has no focal length: 1 m, as in Cycles.
+// The radius of the lens for a camera of this angle of view, m. An orthographic camera has no focal length: 1 m, as in Cycles.
 double rf_optics_radius( const RfOptics* optics, const RfEye* eye );
 
 #endif
