@@ -1,6 +1,6 @@
-// Accumulates the samples of tiles into the films of a frame, and makes its picture from them. The passes of the two halves are
-// independent. Each half is solved with weights that only the other knows, so the picture is unbiased, and the difference of
-// the two solutions tells its noise.
+// Accumulates the samples of tiles into the films of a frame, and makes its picture from them. The two halves of
+// the passes are independent. Each is solved with weights from the other, so the image is unbiased, and the
+// difference of the solutions estimates its noise.
 #include "gradient/films.h"
 
 #include "reframe/reconstruct.h"
@@ -10,8 +10,8 @@
 
 // Of the solve with constant weights: tiles leave less noise in pixels than path tracing does, for which 0.2 is usual.
 #define ALPHA 0.5f
-// Few passes tell little of the variance of differences: a half in which a rare path is missing would trust them too much. They
-// count as no better than this share of the variance of pixels, over the passes of both halves.
+// Few passes say little about the variance of differences: a half that misses a rare path would trust them too
+// much. So this share of the pixel's variance, over the passes of both halves, is added to it.
 #define LEAST_SHARE 0.4f
 // Relative residual at which the solve with weights stops, times the passes: far below the noise.
 #define TOLERANCE 1e-3
@@ -196,7 +196,7 @@ static Halves load_halves( const RfFilm* films, float* memory )
     return out;
 }
 
-// Constant weights, or L1, which is not linear: each half by itself, which tells the noise, and all data together.
+// Constant weights, or L1, which is not linear: each half by itself, for the noise, and all data together.
 static RfResult solve_constant( const RfFilm* films, const Halves* halves, const RfReconstructOptions* options, float* rgb,
                                 RfReconstructInfo* info )
 {

@@ -20,7 +20,7 @@ enum
 // Adds batches to some rows of the films; returns how many samples landed there.
 uint64_t rf_accumulate_gradients( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count );
 
-// Bytes that rf_finish_gradients works in.
+// Bytes of the workspace of rf_finish_gradients.
 size_t rf_finish_gradients_bytes( const RfRenderSettings* settings, int width, int height );
 
 // RfEstimator.finish: the reconstruction that the settings ask for.

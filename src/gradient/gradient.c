@@ -1,4 +1,4 @@
-// The row of gradient-domain path reusing in the table of estimators.
+// The table entry of gradient-domain path reusing (render/estimator.h).
 #include "gradient/gradient.h"
 
 #include "gradient/films.h"

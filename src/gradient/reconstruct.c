@@ -1,5 +1,5 @@
-// Reconstructs an image from pixels and differences: checks what is given, weighs it, solves, and levels what no weight ties
-// down.
+// Reconstructs an image from pixels and differences: checks the input, computes weights, solves, and sets the
+// level of what no weight determines.
 #include "gradient/reconstruct.h"
 
 #include "base/fault.h"
@@ -128,7 +128,7 @@ static RfResult check_gradients( const RfGradientImages* in, const RfGradientWei
 
 static size_t pixels_of( const RfGradientSystem* system ) { return (size_t)system->width * (size_t)system->height; }
 
-// True if some pixel has no primal weight.
+// Whether some pixel has no primal weight.
 static bool lacks_primal( const RfGradientSystem* system )
 {
     for ( size_t i = 0; i < pixels_of( system ); ++i )
@@ -158,7 +158,7 @@ static void join( uint32_t* labels, size_t i, size_t j )
         labels[a] = b;
 }
 
-// Labels pixels that gradients of weight > 0 connect: labels[i] is the first pixel of the component of i.
+// Labels connected components, by gradients of weight > 0: labels[i] is the first pixel of the component of i.
 static void label_components( const RfGradientSystem* system, uint32_t* labels )
 {
     size_t w = (size_t)system->width, count = pixels_of( system );
@@ -175,8 +175,8 @@ static void label_components( const RfGradientSystem* system, uint32_t* labels )
         labels[i] = root_of( labels, (uint32_t)i );
 }
 
-// Moves each component that has no primal weight, and whose level is thus not determined, so that the mean of u
-// is that of `start`. `sums` are two doubles per pixel.
+// Shifts each component without primal weight so that its mean is that of `start`. `sums` are two doubles per
+// pixel.
 static void level_components( const RfGradientSystem* system, const uint32_t* labels, const float* start, float* u, double* sums )
 {
     size_t count = pixels_of( system );
@@ -196,9 +196,9 @@ static void level_components( const RfGradientSystem* system, const uint32_t* la
     }
 }
 
-// Weights: the inverse of variances, which are averaged over neighbours, but for those that are much brighter. A dark wall
-// beside a window would be taken for as uncertain as the window's edge, so that its own value counted for nothing against
-// differences across the edge.
+// Weights: inverse variances, averaged over neighbours except much brighter ones. Otherwise a dark wall beside a
+// window would seem as uncertain as the window's edge, and its value would not count against differences across
+// the edge.
 
 // What averages need of the pixels.
 typedef struct Brightness
@@ -228,7 +228,7 @@ static float third_smallest( const float* values, Extent e, int x, int y )
     return isfinite( least[2] ) ? least[2] : 0.0f;
 }
 
-// A pixel that is darker than all but two around it is taken for as bright as those: few samples may have missed its light.
+// A pixel darker than all but two around it counts as bright as those: few samples may have missed its light.
 static Brightness find_brightness( const RfGradientImages* images, float* const scratch[2] )
 {
     Extent all = { images->width, images->width, images->height };
@@ -324,8 +324,8 @@ void rf_weights_of_half( const RfGradientHalf* half, float* const scratch[2], fl
         invert( weights[k], extent_of( &half->images, PIXELS + k ), h, typical );
 }
 
-// L1 by iteratively reweighted least squares: the weight of each datum is the inverse of how far the last solution
-// is from it. Weights that come from the data themselves make it biased.
+// L1 by iteratively reweighted least squares: each datum is weighted by the inverse of its distance from the last
+// solution. Since weights depend on the data, it is biased.
 
 // Distance over the three channels of a datum (at index `at` of `rgb`) from u_j − u_i, or from u_i where j is i.
 static float distance( const RfGradientSolver* solver, const float* rgb, size_t i, size_t j )

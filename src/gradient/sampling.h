@@ -1,13 +1,12 @@
-// Traces the pixels of extended tiles: all pixels of a tile share their paths (src/reuse/estimators.md, E4), have the
-// same point inside their pixel, and the same random numbers on the way through mirrors and glass. So they have for direct
-// light, as far as differences are concerned; the values have light samples of their own, else the error of a sample would be
-// that of a whole tile, which no difference tells of.
+// Traces the pixels of extended tiles, which share their paths (src/reuse/estimators.md, E4), the position inside
+// the pixel, and random numbers in chains. For differences they also share the light samples of first hits; values
+// have their own, since a common error of a whole tile would show in no difference.
 //
-// Extended tiles: a film is cut into tiles, anew in every pass, and each tile traces one column of pixels more on its
-// right and one row more below. So every pair of neighbouring pixels lies in one extended tile at least.
+// Extended tiles: a film is cut into tiles, shifted in every pass, and each is extended by one column to the right
+// and one row below, so that every pair of neighbouring pixels lies in at least one.
 //
-// Tiles of one pixel are gradient-domain path tracing: the path of a pixel is shifted to its four neighbours, by four
-// extended tiles of two pixels, of which the neighbour has no path.
+// Tiles of one pixel are gradient-domain path tracing: the path of a pixel is shifted to its four neighbours, by
+// four extended tiles of two pixels of which the neighbour has no path.
 #ifndef REFRAME_GRADIENT_SAMPLING_H
 #define REFRAME_GRADIENT_SAMPLING_H
 
@@ -56,15 +55,15 @@ static inline int rf_tile_area( const RfExtendedTile* tile ) { return ( tile->x1
 // The tiles of a patch that have a pixel of their own on the film, shifted by `pass_key`. Returns how many.
 int rf_list_extended_tiles( const RfExtendedTiles* layout, uint64_t pass_key, int patch, RfExtendedTile* tiles );
 
-// What the films need of a patch.
+// A patch, as the films need it.
 typedef struct RfGradientBatch
 {
     int eye; // index in the group of the frame whose pixels these are
     int tile_count;
     RfExtendedTile tile[RF_LISTED_TILES];
     float value[RF_LANES][4];    // radiance: red, green, blue, and 1 where the camera ray missed; tile after tile, row after row
-    float common[RF_LANES][3];   // the same, with the light samples that all pixels of a tile have in common: for differences
-    float unshared[RF_LANES][3]; // what tiles do not share, which is not in `common`
+    float common[RF_LANES][3];   // the same with the light samples common to the tile: for differences
+    float unshared[RF_LANES][3]; // what tiles do not share; not part of `common`
 } RfGradientBatch;
 
 // A thread's workspace.

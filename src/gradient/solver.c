@@ -1,5 +1,5 @@
-// Solves the three channels: directly by a cosine transform where the weights are constant, else by conjugate gradients with
-// the multigrid cycle as preconditioner.
+// Solves the three channels: with constant weights by a cosine transform, else by conjugate gradients
+// preconditioned by multigrid.
 #include "gradient/solver.h"
 
 #include "base/fault.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RESTARTS 4              // with the residual computed anew; conjugate gradients in floats drift from it
+#define RESTARTS 4              // with the residual recomputed; conjugate gradients in floats drift from it
 #define CONSTANT_TOLERANCE 1e-5 // of the direct solve, whose residual is that of rounding
 
 // FFTW plans share tables: one thread at a time.
@@ -117,7 +117,7 @@ static void add_times( float* to, double factor, const float* from, size_t count
         to[i] += f * from[i];
 }
 
-// Computes r anew and the relative residual.
+// Recomputes r and the relative residual.
 static void measure( const RfGradientSystem* system, double norm, double tolerance, RfGradientChannel* channel )
 {
     rf_system_residual( system, channel->in, channel->index, channel->scale, channel->u, channel->r );

@@ -1,4 +1,4 @@
-// The working memory of a reconstruction: weights, the levels below them, and three channels.
+// The working memory of a reconstruction: weights, multigrid levels, and three channels.
 #ifndef REFRAME_GRADIENT_SOLVER_H
 #define REFRAME_GRADIENT_SOLVER_H
 

@@ -72,7 +72,7 @@ void rf_coarsen_multigrid( RfMultigrid* grid );
 // Takes the memory of the vectors from *memory.
 void rf_build_multigrid_vectors( const RfMultigrid* grid, char** memory, RfMultigridVectors* vectors );
 
-// z = about the solution of (matrix) z = r: symmetric and positive definite.
+// z ≈ the solution of (matrix) z = r, by a symmetric positive definite operator.
 void rf_multigrid_cycle( const RfMultigrid* grid, const RfMultigridVectors* vectors, const float* r, float* z );
 
 #endif
