@@ -13,7 +13,7 @@
 #define LEAST_SHARE 0.02f // of trial connections, however bright the direct light
 #define SCATTERED 0.5f    // albedo that is assumed beyond the first vertex
 
-// Light paths, or particles, whose footprint holds a camera vertex.
+// The light paths or particles whose footprints hold a camera vertex.
 typedef struct Candidates
 {
     const RfLightPathConnector* settings;
@@ -24,7 +24,7 @@ typedef struct Candidates
     int count;
     int kept;
     uint32_t path[MOST_CANDIDATES];
-    float light[MOST_CANDIDATES]; // that they are expected to bring
+    float light[MOST_CANDIDATES]; // predicted for them
     // second search, where there are more: those numbered next, next + stride …
     double next, stride;
     bool thinned;
@@ -36,10 +36,10 @@ typedef struct Acceptance
     RfRandomKey lane;
     float scale;  // from find_candidates
     float trials; // connections wanted
-    float sum;    // that all candidates are expected to bring
+    float sum;    // predicted for all candidates
 } Acceptance;
 
-// Sets up the search for the candidates of a lane.
+// Begins the search for a lane's candidates.
 static void begin_candidates( const RfConnectionWork* w, int i, const RfFootprintTree* tree, RfFootprintFound* note,
                               Candidates* c )
 {
@@ -108,7 +108,7 @@ static float find_candidates( Candidates* c, RfRandomKey key )
     return (float)c->stride;
 }
 
-// How many of the candidates are accepted.
+// Divides the trial connections among the candidates.
 static Acceptance weigh_candidates( const RfConnectionWork* w, RfRandomKey lane, float scale, int i, const Candidates* c )
 {
     Acceptance a = { .lane = lane, .scale = scale };
@@ -120,7 +120,7 @@ static Acceptance weigh_candidates( const RfConnectionWork* w, RfRandomKey lane,
     return a;
 }
 
-// The part of the trial connections that a candidate is offered.
+// A candidate's fraction of the trial connections.
 static float offered_part( const Acceptance* a, const Candidates* c, int k )
 {
     return ( 1.0f - EVENLY ) * c->light[k] / a->sum + EVENLY / (float)c->kept;
@@ -338,7 +338,7 @@ static bool follow_back( const RfTracer* tracer, const RfTrail* trail, int lengt
     return true;
 }
 
-// The weight of a scattered ray (RfConnector).
+// RfConnector.weigh_chance.
 static float weigh_chance( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point )
 {
     const RfLightPathConnector* kernel = (const RfLightPathConnector*)(const void*)connector;
@@ -370,14 +370,14 @@ static float throughput_of( const RfConnectionWork* w, int i )
                  : rf_luminance( rf_vec3( w->rays->throughput[0][r], w->rays->throughput[1][r], w->rays->throughput[2][r] ) ) );
 }
 
-// Connections of its way that are found with a share of all light paths (rf_find_footprint).
+// Connections of this kind found with a share of all light paths (rf_find_footprint).
 static float find_count( const RfLightPaths* paths, const RfConnection* connection, float share )
 {
     return rf_maxf( rf_minf( paths->connections, share * connection->most ),
                     rf_minf( paths->rare_connections, share * connection->rare_most ) );
 }
 
-// Counts up the scattered rays that would find light on their own.
+// Counts the scattered rays that would find this light by themselves.
 static void count_chance( RfConnectionLanes* out, double light, double found, double through )
 {
     if ( !( found * through > 0.0 && found < INFINITY ) )

@@ -1,12 +1,12 @@
-// Connections: a light path whose footprint holds a camera vertex is moved by a manifold walk so that it arrives there, and
-// divided by the probability that such a path is found. src/reuse/estimators.md, section 16.
+// Connections: a camera vertex inside the footprint of a light path connects to it by a manifold walk, divided by
+// the probability that such a path is found. src/reuse/estimators.md, section 16.
 #ifndef REFRAME_LIGHT_PATHS_CONNECTIONS_H
 #define REFRAME_LIGHT_PATHS_CONNECTIONS_H
 
 #include "light_paths/light_paths.h"
 #include "path/wavefront.h"
 
-// Shares of light paths and connections, the first of them none.
+// Shares of light paths and connections to choose from; the first is none.
 #define RF_CONNECTION_SHARES 7
 extern const float rf_connection_shares[RF_CONNECTION_SHARES];
 
@@ -51,9 +51,9 @@ typedef struct RfLightPathConnector
 RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
                                         const RfPathSettings* path, RfConnectionLanes* lanes );
 
-// Connects non-specular vertices, their paths' `vertex`-th, to light paths and to their VPLs: connector->out. Random numbers:
-// those of the keys of their slots. Adds to keys->path_rays. With the rays that hit the vertices, connections have their
-// weights.
+// Connects non-specular vertices, the `vertex`-th of their paths, to light paths and VPLs: connector->out. Random
+// numbers: by the keys of their slots. Adds to keys->path_rays. Given the rays that hit the vertices, connections
+// are weighted.
 void rf_connect_vertices( const RfLightPathConnector* connector, RfWavefront* keys, const RfRayLanes* rays,
                           const RfVertexLanes* vertices, int vertex );
 

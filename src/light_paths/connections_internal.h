@@ -10,32 +10,32 @@
 #define RF_DIMENSION_CHOOSE 0x40000000u
 #define RF_DIMENSION_ACCEPT 0x40000001u
 
-// A light path and the camera vertex that its footprint holds.
+// A light path and a camera vertex inside its footprint.
 typedef struct RfConnection
 {
     int lane;
     const RfLightPath* path;
     RfRandomKey key;
     float scale;   // reciprocal of the probability with which it was accepted
-    float offered; // that probability with all connections, more than one perhaps
+    float offered; // that probability at a share of 1, unclamped
     float chance;  // of rf_chance_area
-    // connections of a way that all light paths could find; `connections` of them, or rare_connections, are wanted
+    // connections of this kind that a full set would find within the clamped footprints
     float most, rare_most;
     RfChain chain; // solved
     RfReach reach; // of the solution
-    float repeats; // trials until it was found again
+    float repeats; // trials until success
     bool open;
     float area; // that it covers at the vertex, for rf_own_weight
     RfVec3 wi, light;
 } RfConnection;
 
-// A particle whose footprint holds a camera vertex, and its VPL.
+// A particle, its VPL, and a camera vertex inside its footprint.
 typedef struct RfVplConnection
 {
     int lane;
     const RfLightPath* path;
     RfRandomKey key;
-    float scale;   // one over the probability with which it was accepted
+    float scale;   // 1 / the probability of accepting it
     RfVec3 d;      // from the VPL to the vertex, unit
     float cosine;  // at which that leaves the VPL
     float cone;    // squared sine of the cone around it
@@ -67,7 +67,7 @@ static inline RfVec3 rf_lane_of( const float ( *array )[RF_LANES], int i )
     return rf_vec3( array[0][i], array[1][i], array[2][i] );
 }
 
-// Where segments to lights start as well.
+// Shadow rays start there as well.
 static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )
 {
     return rf_madd( rf_lane_of( v->p, i ), rf_lane_of( v->ng, i ), v->offset[i] );

@@ -10,7 +10,7 @@
 #define MOST_REACH 0.3f              // of directions: a chord of the unit sphere
 #define MOST_SHIFT 0.1f              // of the rays of infinite lights, in radii of the scene
 #define RARE_FOOTPRINT 4.0f          // times as large as others, at most
-#define FOOTPRINT_MARGIN 1.3f        // over what derivatives or planes tell
+#define FOOTPRINT_MARGIN 1.3f        // over the estimate by derivatives, or for a plane
 #define LEAST_COSINE 0.2f            // at which light lands, for footprints
 #define MOST_PARTICLE_FOOTPRINT 4.0f // in those of light paths
 #define PARTICLES 0x9e3779b9u        // makes the key of what is scattered
@@ -20,7 +20,7 @@
 #define PATHS_PER_PIXEL 0.125
 #define LEAST_PATHS 512u
 #define MOST_PATHS 65536u
-#define LIGHT_PATHS 0xfffffff1u // in the place of a frame, for the random numbers
+#define LIGHT_PATHS 0xfffffff1u // in place of a frame, for the random numbers
 #define EVENTS 0x51ed270bu      // makes the key of a chain's events
 
 static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
@@ -173,7 +173,7 @@ float rf_scattered_radius( const RfLightPaths* paths, const RfLightPath* path, R
     return rf_minf( radius, MOST_PARTICLE_FOOTPRINT * paths->most_radius );
 }
 
-// A cosine-weighted direction. Particle `number` of the set, from a sequence of low discrepancy (Roberts, R2).
+// A cosine-weighted direction. Particle `number` of the set, from the R2 sequence (Roberts).
 static RfVec3 draw_direction( RfRandomKey shift, uint32_t number, RfVec3 n )
 {
     double a = (double)number * 0.75487766624669276 + (double)rf_random( shift, 2 );
@@ -255,7 +255,7 @@ enum
 
 static uint32_t in_blocks( double n ) { return (uint32_t)ceil( n / RF_CHAIN_BLOCK ) * RF_CHAIN_BLOCK; }
 
-// How many light paths serve a pass of a group.
+// The number of light paths for a pass of a group.
 static uint32_t light_path_count( const RfEstimatorGroup* group )
 {
     double wanted = PATHS_PER_PIXEL * group->width * group->height * group->eye_count;
@@ -418,8 +418,8 @@ static uint32_t select_by( const double* cumulative, uint32_t count, double u )
     return low;
 }
 
-// A point of the mirrors and glass. Path `number` of the set; neighbours in the set have neighbouring triangles and points
-// of a sequence of low discrepancy (Roberts, R2).
+// A point of the mirrors and glass. Path `number` of the set; neighbours in the set have neighbouring triangles
+// and points of the R2 sequence (Roberts).
 static RfVec3 sample_surface( const RfLightPaths* paths, const RfTracer* tracer, RfRandomKey shift, RfRandomKey key,
                               uint32_t number, uint32_t* triangle )
 {

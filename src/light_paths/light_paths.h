@@ -1,5 +1,5 @@
-// Light paths: from emitters to mirrors or glass, through them, and to the first non-specular surface. They know no
-// camera, so a set of them serves all frames of a group. src/reuse/estimators.md, section 16.
+// Light paths: from emitters through mirrors and glass to the first non-specular surface. They know no camera, so
+// one set serves all frames of a group. src/reuse/estimators.md, section 16.
 #ifndef REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
 #define REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
 
@@ -8,39 +8,39 @@
 #include "path/wavefront.h"
 #include "render/estimator.h"
 
-#define RF_TRIAL_CONNECTIONS 8.0f        // of a camera ray's first vertex
+#define RF_TRIAL_CONNECTIONS 8.0f        // of a camera path's first vertex
 #define RF_TRIAL_CONNECTIONS_BEYOND 1.0f // of others
-#define RF_TRIED 0.3f                    // of these where other light is as strong
+#define RF_TRIED 0.3f                    // fraction of these that other light leaves, as weights assume
 
-// Where a light path lands: the VPL of what is scattered there.
+// Where a light path lands and scatters: a virtual point light.
 typedef struct RfVpl
 {
-    bool scatters; // it is matte, so that paths go on from it
+    bool scatters; // the surface is matte, so particles go on from it
     RfVec3 ng, n;  // unit geometric and shading normal, on the side that the light comes from
     uint32_t triangle;
     float u, v, offset;
-    float falloff; // of the light here, by its range
-    float area;    // m², that a connection covers here, over the connections found in it (rf_own_weight)
-    float share;   // of its light that is left to connections (rf_connection_weight)
+    float falloff; // attenuation by the light's range, up to here
+    float area;    // m²: the area that a connection covers here, per connection found in it (rf_own_weight)
+    float share;   // weight of connections in its light (rf_connection_weight)
 } RfVpl;
 
-// A light path with what a connection needs of it.
+// A light path, as connections need it.
 typedef struct RfLightPath
 {
     RfEmission start;
     uint32_t events;
     int length;        // vertices of its chain
-    float weight;      // 1 over the density of what steers it and the probability of its events
+    float weight;      // 1 / (density of the steering parameters × probability of the events)
     RfReach reach;     // of connections
     RfFootprintBox at; // where it lands, with its footprint
     RfVec3 flux;       // over the density of the path, W
     float chance;      // sr, of rf_chance_area
-    float light;       // luminance that it brings to all within reach: of a connection, over the area that it spreads to
+    float light;       // luminance of a connection, times the area over which it spreads
     RfRayPair end;     // the ray that lands
     RfVpl vpl;
 } RfLightPath;
 
-// A particle that a light path's VPL scattered, where it landed.
+// Where a particle landed that a VPL scattered.
 typedef struct RfScatteredPath
 {
     RfFootprintBox at; // around a ball
@@ -52,16 +52,16 @@ typedef struct RfLightPaths
     bool prepared;
     int share_of;           // the group that `share` was chosen for, from 1; 0: none yet
     float share;            // of the light paths and connections of a set that is drawn
-    bool measures;          // connections tell what their error would be with other shares (RfConnectionLanes)
+    bool measures;          // connections estimate their error with other shares (RfConnectionLanes)
     uint32_t emitted;       // n, with those that were lost
     uint32_t count;         // stored
-    float connections;      // c: connections that a camera vertex finds per way in which light comes to it, on average
-    float rare_connections; // likewise, where footprints are cut
+    float connections;      // c: light paths that a camera vertex finds, on average, per chain that leads light to it
+    float rare_connections; // the same where footprints are clamped
     float most_radius;      // of footprints
     RfLightPath* path;
     RfFootprintTree tree; // of `path`
     // what they scatter
-    float vpl_connections; // connections of a point to VPLs that one light path brings into being, on average
+    float vpl_connections; // connections of a vertex to the VPLs of one light path, on average
     uint32_t scattered_count;
     RfScatteredPath* scattered;
     RfFootprintTree scattered_tree;
@@ -70,7 +70,7 @@ typedef struct RfLightPaths
     uint32_t* triangle;
     double* cumulative; // of their probabilities
     float* pdf_area;    // of their points
-    bool* connected;    // by material, then the sky: its emission comes by connections (light/divide.h)
+    bool* connected;    // by material, then the sky: found by connections (light/divide.h)
     // the lights that light paths start from
     uint32_t light_count;
     uint32_t* light;
@@ -103,15 +103,15 @@ static inline float rf_trial_connections( float share, int vertex )
     return share * ( vertex == 1 ? RF_TRIAL_CONNECTIONS : RF_TRIAL_CONNECTIONS_BEYOND );
 }
 
-// The share of the connections found that are tried, as weights take it: the number that the light of a vertex calls for is
-// not known from other vertices.
+// Fraction of the connections found that are tried, as weights assume it: the fraction that the vertex's other
+// light leaves is not known from other vertices.
 static inline float rf_tried( const RfLightPaths* paths, float share, int vertex )
 {
     return rf_minf( RF_TRIED * rf_trial_connections( share, vertex ) / paths->connections, 1.0f );
 }
 
-// The balance weight of a connection to an emitter at a path's `vertex`-th vertex against rays that are scattered there by the
-// cosine (src/reuse/estimators.md, section 16). `chance`: from rf_chance_area.
+// The balance weight of a connection at a path's `vertex`-th vertex against cosine-weighted scattered rays
+// (src/reuse/estimators.md, section 16). `chance`: from rf_chance_area.
 static inline float rf_connection_weight( const RfLightPaths* paths, float chance, float cosine, int vertex )
 {
     float tried = rf_tried( paths, paths->share, vertex );
@@ -123,20 +123,19 @@ typedef struct RfFootprint
 {
     // Of connections around it: so far that `connections` of them are found on average, as far as footprints go. 0: there is none
     RfReach reach;
-    float most, rare_most; // the area that footprints allow it, and where fewer than rare_connections are found
+    float most, rare_most; // the largest area that footprints allow, usually and where fewer than rare_connections are found
     RfVec3 half;           // of the box around the footprint, m
-    float radius;          // of a ball in its place (GK 7; where it is stretched its longer axis)
+    float radius;          // of a ball instead (GK 7); its longer axis where it is stretched
 } RfFootprint;
 RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights, const RfChain* chain, float pdf, RfVec3 p,
                                RfVec3 normal );
 
-// Particles: what is scattered where light paths land. A camera vertex in the footprint of a particle is connected to the VPL
-// that it comes from.
+// Particles: scattered by VPLs. A camera vertex inside the footprint of a particle connects to its VPL.
 #define RF_SCATTERED_PER_PATH 2u
-#define RF_VPL_CONNECTIONS 3.0f // that a point finds, on average
+#define RF_VPL_CONNECTIONS 3.0f // found by a vertex, on average
 
-// Whether VPLs are connected where a chain ends. Not inside of bodies, where flux and radiance scale differently, and nowhere
-// if rays pass surfaces by chance.
+// Whether there may be a VPL where a chain ends: not inside bodies, where flux and radiance scale differently, and
+// nowhere in scenes where rays pass surfaces by chance.
 static inline bool rf_may_scatter( const RfTracer* tracer, const RfChain* chain )
 {
     return !chain->ends_inside && !rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );

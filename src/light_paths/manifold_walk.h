@@ -1,7 +1,7 @@
-// Specular chains as seen from the light, and the manifold walk that moves one so that it arrives at a point. A chain goes
-// from an emitter through mirrors and smooth glass to where it leaves. It is steered by two numbers, the direction of a light
-// with a place, or the place of a ray of an infinite light; its differentials tell how its end moves (Igehy, Tracing Ray
-// Differentials, 1999), and how its start moves when the end stays. src/reuse/estimators.md, section 16.
+// Specular chains traced from the light, through mirrors and smooth glass, and the manifold walk that moves a
+// chain until it meets a point. Two parameters steer it: the direction of emission, or for lights at infinity the
+// position of the ray. Ray differentials (Igehy, Tracing Ray Differentials, 1999) tell how its end moves with
+// these. src/reuse/estimators.md, section 16.
 #ifndef REFRAME_LIGHT_PATHS_MANIFOLD_WALK_H
 #define REFRAME_LIGHT_PATHS_MANIFOLD_WALK_H
 
@@ -9,8 +9,8 @@
 #include "light/emission.h"
 #include "trace/trace.h"
 
-// How far connections reach in what steers a chain: an ellipse around its start, in the plane of rf_basis of the direction:
-// chords of the sphere of directions, or metres.
+// The reach of a connection: an ellipse around a chain's start in its steering parameters, in the plane of
+// rf_basis of the direction: chords of the sphere of directions, or metres.
 typedef struct RfReach
 {
     float axis[2];       // unit, of `along`
@@ -67,8 +67,8 @@ typedef struct RfChainVertex
     RfVec3 n;   // unit shading normal, on the side that the light comes from
     RfVec3 out; // unit, in which the light goes on
     uint32_t triangle;
-    float normal_scale; // of the derivatives of the normal: its side over the length of the interpolated one; 0: flat
-    float eta;          // index of the far side over that of the near one; 0: a mirror
+    float normal_scale; // of the normal's derivatives: its sign over the length of the interpolated normal; 0: flat
+    float eta;          // refractive index of the far over the near side; 0: a mirror
     bool refracted;
 } RfChainVertex;
 
@@ -78,27 +78,26 @@ typedef struct RfChain
     uint32_t events;  // bit k: vertex k refracts
     int length;
     RfChainVertex vertex[RF_MAX_CHAIN];
-    RfVec3 weight;     // what reflections, refractions and media leave of the light
+    RfVec3 weight;     // throughput of reflections, refractions and media
     float probability; // of these events, where they were drawn
-    RfRayPair end;     // the ray that leaves, with its derivatives by the parameters that steer
+    RfRayPair end;     // the ray that leaves, with derivatives by the steering parameters
     float way;         // m, up to the last vertex
     uint32_t first_triangle;
     float first_area_pdf;  // the first vertex: |cos| over distance² (with a place), or |cos|
-    RfVec3 end_absorption; // of what the ray that leaves runs through, 1/m
+    RfVec3 end_absorption; // of the medium of the ray that leaves, 1/m
     bool ends_inside;      // of a body
 } RfChain;
 
-// How chains take events.
+// Where a chain's events come from.
 typedef enum RfChainEvents
 {
-    RF_CHAIN_DRAW, // at random, until they leave the delta surfaces
-    RF_CHAIN_COPY, // those in `events`, `length` of them
+    RF_CHAIN_DRAW, // drawn, until the chain leaves specular surfaces
+    RF_CHAIN_COPY, // given: `length` of them in `events`
 } RfChainEvents;
 
-// Walks `count` ≤ RF_CHAIN_BLOCK chains from their starts. Chains whose index is not in `active` are left alone. Those that
-// cannot be walked get length 0. Drawn chains that lead to more than RF_MAX_CHAIN vertices or to nothing do so too.
-// Drawn: *land has the triangle and barycentrics where they end. Copied, with `land` ≠ NULL: likewise, and a chain that
-// does not end on another surface than those of chains gets length 0.
+// Walks `count` ≤ RF_CHAIN_BLOCK chains from their starts. Inactive ones are left alone. Chains that fail get
+// length 0, as do drawn ones of more than RF_MAX_CHAIN vertices or without an end. *land has the triangle and
+// barycentrics where they end; with `land`, copied chains fail unless they end on a non-specular surface.
 #define RF_CHAIN_BLOCK 64
 typedef struct RfLanding
 {
@@ -110,8 +109,8 @@ typedef struct RfLanding
 void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,
                      RfChain* const* chains, RfLanding* land, uint64_t* rays );
 
-// A chain from its start, without vertices, and its next one, at a surface that it is known to hit; a step of
-// rf_walk_chains. False: it ends there.
+// The steps of rf_walk_chains: begins a chain without vertices, and adds the next at a surface that it is known to
+// hit. False: it ends there.
 void rf_begin_chain( RfChain* chain );
 bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float u, float v, RfChainEvents events, RfRandomKey key,
                     RfChain* chain );
@@ -119,11 +118,11 @@ bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float u, float v,
 // The intersection of a ray with the plane through p with normal n, and its derivatives. False: there is none.
 bool rf_meet_plane( const RfRayPair* ray, RfVec3 p, RfVec3 n, RfVec3* meet, RfVec3 moves[2] );
 
-// The measure of what is sampled at the light per unit solid angle at y, for light that comes to y by this chain: for lights
-// with a place, the area perpendicular to the ray at the light; for infinite ones the solid angle.
+// The measure sampled at the light per unit solid angle at y, along this chain: for finite lights the area
+// perpendicular to the ray, for infinite ones the solid angle.
 float rf_chain_spread( const RfTracer* tracer, const RfChain* chain, RfVec3 y );
 
-// Steers a start: directions by a tangent vector, infinite lights' positions by a shift.
+// Moves the steering parameters: a direction by a tangent vector, for infinite lights a position by a shift.
 static inline void rf_steer( RfEmission* e, float s1, float s2 )
 {
     RfVec3 t, b;
@@ -146,7 +145,7 @@ static inline void rf_put_ray( float o[3][RF_CHAIN_BLOCK], float d[3][RF_CHAIN_B
     d[2][i] = way.z;
 }
 
-// What flux keeps of a chain over what radiance keeps, which scales with the squared index: other than 1 if light starts within a
+// Throughput of flux over that of radiance, which scales with the squared index: not 1 if light starts inside a
 // body and ends outside.
 static inline float rf_flux_over_radiance( const RfChain* chain )
 {
@@ -159,13 +158,13 @@ static inline float rf_flux_over_radiance( const RfChain* chain )
     return scale;
 }
 
-// A chain on its way to a point.
+// A manifold walk in progress.
 typedef struct RfManifoldWalk
 {
     RfChain at;   // the best so far
     RfVec3 y;     // to be met
     RfVec3 n;     // unit geometric normal there
-    RfReach most; // refuses first steps beyond this
+    RfReach most; // limit of the first step
     bool active;
     bool met; // out: `at` meets y
 } RfManifoldWalk;
@@ -174,8 +173,8 @@ typedef struct RfManifoldWalk
 // is singular.
 bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss, float* spread );
 
-// Walks the active ones of `count` ≤ RF_CHAIN_BLOCK chains. Of `at` only start, events, length and end need be set. Whether
-// and where it succeeds depends on these and on y alone.
+// Walks the active ones of `count` ≤ RF_CHAIN_BLOCK chains to their points. Of `at` only start, events, length and
+// end must be set. Whether a walk succeeds depends on these and y alone.
 void rf_walk_manifold( const RfTracer* tracer, int count, RfManifoldWalk* walks, uint64_t* rays );
 
 #endif

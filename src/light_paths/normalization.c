@@ -1,6 +1,6 @@
-// What the light of a connection is divided by: the probability that such a connection is found (src/reuse/estimators.md,
-// section 16). Exactly, by repeated trials; by the area that connections reach over, as if all of it led to the vertex; or not
-// at all, as photon mapping does (--kernel-normalization exact, disc and density).
+// Divides the light of connections by the probability of finding them (src/reuse/estimators.md, section 16;
+// --kernel-normalization): exact, by repeated trials; disc, as if all of the reach led to the vertex; density,
+// photon density estimation without connections.
 #include "light_paths/connections_internal.h"
 
 #define MOST_REPEATS 4096 // reached by rounding errors alone
