@@ -6,15 +6,15 @@
 
 #include "path/wavefront.h"
 
-// How many there are beside a scattered ray.
+// The numbers of samples of both techniques.
 typedef struct RfChainSampling
 {
     int count;   // of each hit
-    float worth; // of the scattered ray beside one of them, > 0: more than 1 where tiles share what it finds
+    float worth; // T: chain samples that the scattered ray counts as; more than 1 where tiles share what it finds
 } RfChainSampling;
 
-// What chain samples found, by hit: one light sample, whose density is that of rf_chain_sample_pdf. Of glossy hits one of the
-// samples stands for all.
+// What chain samples found, as one light sample per hit with the density of rf_chain_sample_pdf. At glossy hits
+// one of the samples stands for all.
 typedef struct RfChainSamples
 {
     int count; // hits that have chain samples
@@ -26,14 +26,14 @@ typedef struct RfChainSamples
     RF_ALIGN float sum[RF_LANES];                        // luminance of all so far
 } RfChainSamples;
 
-// The density of all chain samples at this cosine, over the worth of the scattered ray, 1/sr.
+// The density of all chain samples at this cosine over T, 1/sr.
 static inline float rf_chain_sample_pdf( RfChainSampling sampling, float cosine )
 {
     return (float)sampling.count / sampling.worth * RF_INV_PI * cosine;
 }
 
-// Traces the chain samples of hits, the first vertices of their paths, for those listed in `samples`. Of the others nothing is
-// found. Uses the wavefront, but for its arrivals, and counts the rays up.
+// Traces chain samples for the first hits listed in `samples`; the others get none. Uses the wavefront except its
+// arrivals, and counts the rays.
 void rf_trace_chain_samples( const RfPathSettings* settings, RfChainSampling sampling, const RfVertexLanes* hits,
                              RfWavefront* wavefront, RfChainSamples* samples );
 

@@ -93,11 +93,11 @@ enum
     RF_DIMENSION_ROULETTE = RF_DIMENSION_SCATTER + 3,
     RF_DIMENSION_LIGHTS, // three for each light sample
 };
-// A light sample with the random numbers of another, each half an interval further: what lies where the other does not.
+// A light sample with the random numbers of another, each half an interval further: an antithetic sample.
 #define RF_DIMENSION_OPPOSITE 0x10000000u
 // Chain samples (path/chain_samples.h).
 #define RF_DIMENSION_CHAIN_SAMPLES 0x08000000u
-// The vertices of chains, from which camera rays go on to the vertex that is numbered 1.
+// The vertices of camera rays' chains, before the vertex numbered 1.
 #define RF_DIMENSION_CHAINS 0x20000000u
 // Russian roulette on the paths of a tile.
 #define RF_DIMENSION_CONNECTIONS 0x40000000u

@@ -68,7 +68,7 @@ typedef struct RfWeightRange
 // For tests: collects the range of the weights of all renders from now on; NULL: of none. Renders must have one thread then.
 void rf_watch_weights( RfWeightRange* range );
 
-// Notes weights that are multiplied by `scale`.
+// Records weights that carry a factor `scale`.
 void rf_note_weights( const float* weight, int count, float scale );
 
 #endif

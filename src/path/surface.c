@@ -1,4 +1,4 @@
-// From rays to vertices: hits, behind thin panes perhaps, and their surfaces, sorted by scattering model.
+// Finds the vertices that rays hit, behind thin panes too, sorted by scattering model.
 #include "path/wavefront.h"
 
 #include "base/fault.h"

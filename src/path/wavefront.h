@@ -8,28 +8,28 @@
 
 #include <string.h>
 
-// Light that a path finds by a chain, a run of mirrors and smooth glass from its first hit to emission. Other hits may follow
+// Light that a path finds by a specular chain from its first hit to emission. Other hits of its tile may follow
 // the same chain (src/reuse/tile).
 #define RF_MAX_CHAIN_LIGHT 16 // vertices of such a chain
 
 // By slot.
 typedef struct RfChainLight
 {
-    RF_ALIGN float light[3][RF_LANES]; // that leaves the chain's first vertex towards the hit; 0: none
+    RF_ALIGN float light[3][RF_LANES]; // leaving the chain's first vertex towards the hit; 0: none
     uint16_t transmitted[RF_LANES];    // bit v: transmission at vertex v of the chain, from 0; else reflection
     uint8_t length[RF_LANES];          // its vertices
     bool open[RF_LANES];               // the path has only seen such vertices since its hit, and no emission yet
 } RfChainLight;
 
-// Whether a lane scattered along a ray of density `pdf` as a mirror or smooth glass does. Thin panes are none: rays that pass
-// them by chance do not stop there.
+// Whether a lane scattered, with density `pdf`, as a mirror or smooth glass does. Thin panes do not count: rays
+// pass them without stopping.
 static inline bool rf_is_chain_event( const RfVertexLanes* v, int i, float pdf )
 {
     return i >= rf_record_count( v ) && pdf == RF_DELTA_PDF && v->param[RF_PARAM_SHAPE][i] == 0.0f &&
            v->param[RF_PARAM_IOR][i] >= 0.0f;
 }
 
-// Takes the emission that the path of a slot has hit, with its throughput, if it came there by a chain.
+// Takes the emission that a slot's path has hit, times throughput, if it came by a chain.
 static inline bool rf_take_chain_light( RfChainLight* chain_light, int slot, const float light[3] )
 {
     bool taken = chain_light->open[slot] && chain_light->length[slot] > 0 && light[0] + light[1] + light[2] > 0.0f;
@@ -67,16 +67,16 @@ typedef struct RfWavefront
     float roulette_scale[RF_LANES]; // largest channel of the path's weight up to where throughput starts
     const int32_t* spent;           // vertices before the first one, which max_depth counts as well, or −1: the first
                                     // is a pane that was passed, which it does not count; NULL: none
-    RfChainLight* chain_light;      // keeps such light apart from the arrivals; NULL: it is among them
+    RfChainLight* chain_light;      // keeps light by chains apart from the arrivals; NULL: it is among them
     RfRayLanes rays;                // the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
     uint64_t path_rays, shadow_rays; // counted up
     uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
-    uint8_t deltas[RF_LANES]; // with a connector, by slot: one more than the delta vertices since the last non-specular one;
-                              // RF_NOT_CONNECTED: none yet, or others are among them
-    bool matte[RF_LANES];     // with a connector, by slot: whether the ray left a matte vertex (rf_is_matte)
-    float lit[RF_LANES];      // with a connector, by vertex lane: luminance of the irradiance that light samples found there
+    uint8_t deltas[RF_LANES];        // with a connector, by slot: 1 + the specular vertices since the last non-specular one;
+                                     // RF_NOT_CONNECTED: none yet, or others are among them
+    bool matte[RF_LANES];            // with a connector, by slot: whether the ray left a matte vertex (rf_is_matte)
+    float lit[RF_LANES]; // with a connector, by vertex lane: luminance of the irradiance that light samples found there
     // inside
     RfRayLanes next;
     RfVertexLanes vertices;
@@ -97,7 +97,7 @@ static inline void rf_count_path_rays( RfWavefront* wavefront, const RfRayLanes*
         wavefront->rays_of[rays->slot[r]] += 1;
 }
 
-// How a path came from a non-specular vertex through mirrors and glass.
+// The specular chain by which a path left a non-specular vertex.
 typedef struct RfTrail
 {
     RfVec3 start;                    // where rays leave the vertex
@@ -107,22 +107,22 @@ typedef struct RfTrail
     float u[RF_MAX_CHAIN], v[RF_MAX_CHAIN];
 } RfTrail;
 
-// Finds the light that reaches non-specular vertices through chains of mirrors and glass (src/light_paths), which scattered
-// rays may find by chance as well.
+// Finds light that reaches non-specular vertices by specular chains (src/light_paths), which scattered rays may
+// find as well.
 struct RfConnector
 {
-    // Samples such light, the less the more is lit by light samples, for the path's `vertex`-th vertices, which `rays` hit,
-    // like a light that no scattered ray finds: densities are RF_DELTA_PDF, or 1 where there is none. Adds to
-    // keys->path_rays. Connections that the vertex before may find as well are weighted, unless `area` is given: it gets what
-    // rf_own_weight asks for.
+    // Samples such light at the paths' `vertex`-th vertices, hit by `rays`, like light samples that no scattered
+    // ray finds: densities are RF_DELTA_PDF, or 1 where there is none. Fewer are tried where wavefront->lit is
+    // large. Adds to keys->path_rays. Connections that the previous vertex may find as well are weighted, unless
+    // `area` is given, which gets the area for rf_own_weight.
     void ( *sample )( const RfConnector* connector, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* vertices,
                       int vertex, RfLightLanes* out, float* area );
-    // Connections that a point finds, on average, to VPLs that one light path brings into being.
+    // Connections that a vertex finds, on average, to the VPLs of one light path.
     float vpl_connections;
     const bool* connected; // by material, then the sky: whose emission it finds
     RfTrail* trails;       // by slot: workspace
-    // The weight of a scattered ray that came by `length` vertices of a trail to a point of an emitter: one less that of the
-    // connections that find the same light.
+    // The weight of a scattered ray that came by `length` vertices of a trail to a point of an emitter: one minus
+    // that of connections.
     float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 };
 
@@ -138,9 +138,10 @@ static inline int rf_light_lanes_count( const RfPathSettings* settings )
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
                        RfLaneScratch* scratch );
 
-// The same for rays of which those from `first_past` on pass thin panes, by chance: their throughput gets the panes' factor
-// κ, and they are not bent. Panes that these did not pass are vertices without transmission. Returns the probability q of
-// each ray of passing its panes, in the scratch; NULL: the scene has no panes (src/reuse/estimators.md, section 11).
+// The same, but rays from `first_past` on pass thin panes by chance, undeflected, and their throughput gets the
+// panes' factor κ. Panes that they did not pass are vertices without transmission. Returns the probability q of
+// each ray of passing its panes, in the scratch; NULL: the scene has no panes (src/reuse/estimators.md,
+// section 11).
 const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayLanes* rays, int first_past,
                                           RfVertexLanes* vertices, RfLaneScratch* scratch );
 
@@ -148,8 +149,8 @@ const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayL
 void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
                     float random[][RF_LANES] );
 
-// The numbers of a light sample in the scratch: two words that select the light, and two numbers for the place on it. With
-// RF_DIMENSION_OPPOSITE in `dimension`, those half an interval from the numbers without it.
+// Random numbers of a light sample, in the scratch: two words that select the light, two numbers for the point on
+// it. With RF_DIMENSION_OPPOSITE in `dimension` they are half an interval from those without it.
 void rf_draw_light_numbers( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, RfLaneScratch* scratch );
 
 // Takes one light sample per vertex lane and tests its visibility. Random numbers:
@@ -238,10 +239,10 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
 // Lower bound of the cosine at a VPL, for the search of connections.
 #define RF_LEAST_VPL_COSINE 0.1f
 
-// Light that comes to a vertex x by a chain, is scattered there and arrives at y before it, both matte, is found in two ways:
-// by a ray that y scatters and a connection at x, and by a connection at y to a light path that landed at x. The balance
-// weight of the first, with densities by the cosine (src/reuse/estimators.md, section 16). `area` is that of the footprint of
-// the connection at x, over the connections that are found in it; infinity: there is no other way.
+// Light that reaches a vertex x by a chain and y from there, both matte, is found in two ways: by a ray from y to
+// x and a connection there, and by a connection from y to the VPL at x. Returns the balance weight of the first,
+// with cosine densities (src/reuse/estimators.md, section 16). `area`: covered by the connection at x, per
+// connection found in it; infinity: the second does not find it.
 static inline float rf_own_weight( float vpl_connections, float area, RfVec3 y, RfVec3 n_y, RfVec3 x, RfVec3 ng_x )
 {
     if ( area == INFINITY )
@@ -260,7 +261,7 @@ static inline bool rf_is_matte_lane( const RfPathSettings* settings, const RfVer
     return rf_is_matte( kind, kind == RF_BSDF_LAMBERT ? 0.0f : v->param[RF_PARAM_SHAPE][i] );
 }
 
-// Adds one of a vertex's light samples to wavefront->lit, the first of them (`sample` 0) in place of what is there.
+// Adds a light sample of each vertex to wavefront->lit; the first (`sample` 0) replaces what is there.
 void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count );
 
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
@@ -269,8 +270,8 @@ void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wave
 // Absorption along rays that reach the surface of a body from inside.
 void rf_absorb( const RfVertexLanes* vertices, RfRayLanes* rays );
 
-// Finds the vertices that the rays hit, behind panes perhaps, applies absorption, and adds their emission
-// to wavefront->arrivals (see rf_add_emission_hits). Returns what rf_find_vertices_past_panes returns.
+// Finds the vertices that the rays hit, behind panes too, applies absorption, and adds their emission to
+// wavefront->arrivals (see rf_add_emission_hits). Returns what rf_find_vertices_past_panes returns.
 const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
                                    RfVertexLanes* vertices );
 
