@@ -1,4 +1,4 @@
-// The row of frame and tile reuse in the table of estimators.
+// The table entry of frame and tile reuse (render/estimator.h).
 #include "reuse/reuse.h"
 
 #include "reuse/accumulate/accumulate.h"

@@ -1,5 +1,5 @@
-// Second phase, accumulate: hit records that land in a frame are weighted (E1, E3) and added to
-// the halves of its film.
+// Phase 2, accumulation: weights the hit records that land in a frame (E1, E3) and adds them to the halves of its
+// film.
 #ifndef REFRAME_REUSE_ACCUMULATE_ACCUMULATE_H
 #define REFRAME_REUSE_ACCUMULATE_ACCUMULATE_H
 

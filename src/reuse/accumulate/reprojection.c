@@ -1,4 +1,4 @@
-// The hits of a batch as another camera sees them: where they land and with which density, and what glossy ones scatter there.
+// The hits of a batch as seen from another camera: their pixel and density, and the BSDF of glossy ones.
 #include "reuse/accumulate/reprojection.h"
 
 #include "reuse/chains/coats.h"

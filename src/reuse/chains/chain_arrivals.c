@@ -1,5 +1,5 @@
-// Light that comes to first hits by chains: what their paths found, and chain samples (path/chain_samples.h). Chain samples are
-// to it what light samples are to emission: the balance heuristic weights both (src/reuse/estimators.md, section 10).
+// Light that reaches first hits by chains: from their paths and from chain samples (path/chain_samples.h),
+// combined by the balance heuristic (src/reuse/estimators.md, section 10).
 #include "reuse/harvest/harvest_steps.h"
 
 #include <string.h>

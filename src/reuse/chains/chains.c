@@ -1,6 +1,6 @@
-// Specular chains from the camera. One starts at a mirror, at glass, or at a coat so smooth that it is better followed than
-// evaluated, and ends at the first non-specular vertex, which becomes a hit record. What the reflections at its first vertices
-// show of lights is traced in any case, not only when a ray happens to reflect (split reflections).
+// Specular chains from the camera. A chain starts at a mirror, glass or a very smooth coat and ends at the first
+// non-specular vertex, which becomes a hit record. Reflections at its first vertices are always followed to lights
+// (split reflections).
 #include "reuse/chains/chains.h"
 
 #include "path/roulette.h"

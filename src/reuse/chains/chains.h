@@ -18,8 +18,8 @@ typedef struct RfChains
     uint8_t view[RF_LANES];
     uint8_t pane[RF_LANES];      // 1: is at a thin pane
     uint8_t straight[RF_LANES];  // panes among its vertices that it passed, which do not count in max_depth
-    uint8_t split[RF_LANES];     // 1: what the reflection here shows of lights is counted already
-    uint8_t counted[RF_LANES];   // 1: was reflected where it was split
+    uint8_t split[RF_LANES];     // 1: lights reflected here are counted already
+    uint8_t counted[RF_LANES];   // 1: reflected where it was split
     uint8_t reflected[RF_LANES]; // 1: the last event was a reflection
     float lobe_weight[RF_LANES]; // 1 over the probability of drawing the lobe of a coat
     // by end
@@ -29,7 +29,7 @@ typedef struct RfChains
 // True if chains start at some of these vertices.
 bool rf_has_chains( const RfVertexLanes* first );
 
-// True if specular vertex i is a thin pane at this angle (src/reuse/estimators.md, section 11).
+// True if specular vertex i is a thin pane, seen at this angle (src/reuse/estimators.md, section 11).
 bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 
 // Follows the chains that start at some vertices of `first`, and fills everything.
@@ -37,7 +37,7 @@ bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains );
 
-// Splits tiles by the lengths of chains: paths with different numbers of vertices left do not share. `tile_of` is by slot.
+// Splits tiles by chain length: paths with different numbers of vertices left do not share. `tile_of` is by slot.
 void rf_split_tiles( const RfChains* chains, int32_t* tile_of, int* tile_count );
 
 #endif

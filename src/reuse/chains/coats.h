@@ -1,5 +1,6 @@
-// Coats so smooth that no direction of another path falls into their lobe. At a first hit, the lobe goes the way of chains,
-// and the base becomes a record: each camera ray draws one of the two (src/reuse/estimators.md, section 10).
+// Coats so smooth that no direction of another path falls into their lobe. At a first hit each camera ray draws
+// either the lobe, which is followed as a chain, or the base, which becomes a record (src/reuse/estimators.md,
+// section 10).
 #ifndef REFRAME_REUSE_CHAINS_COATS_H
 #define REFRAME_REUSE_CHAINS_COATS_H
 
@@ -11,8 +12,8 @@ static inline bool rf_is_smooth_coat( const RfVertexLanes* v, int i )
     return rf_calls_for( v->param[RF_PARAM_SHAPE][i] < RF_SMOOTH_ALPHA, RF_EFFECT_SMOOTH_METALS );
 }
 
-// The probability with which a camera ray that arrives at this cosine draws the base: its share of the light that is
-// reflected, within bounds; 0 where there is no base.
+// The probability that a camera ray at this cosine draws the base: its share of the reflected light, clamped; 0
+// without a base.
 static inline float rf_base_probability( float diffuse, float coat_f0, float coat_f90, float cos_o )
 {
     float m = 1.0f - rf_clampf( cos_o, RF_MIN_COS, 1.0f ), m2 = m * m;

@@ -171,7 +171,7 @@ int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch*
         packed.lane[kept++] = packed.lane[k];
     }
     const float* way[3] = { packed.way[0], packed.way[1], packed.way[2] };
-    // panes are vertices to the camera rays as well, but for the holes of blended ones
+    // panes are vertices to camera rays as well, except the holes of blended ones
     rf_trace_segments( tracer, kept, from, way, packed.visible );
     for ( int k = 0; k < kept; ++k )
         density[packed.lane[k]] = packed.weight[k] * packed.visible[k];

@@ -9,7 +9,7 @@
 #define LEAST_JOBS 1
 #define AHEAD 0.1       // the part of a pass's batches that is traced ahead, twice
 #define AT_AHEAD 4      // of rf_connection_shares, with which they are traced
-#define LEAST_NEEDED 4  // likewise, for lamps without size, suns and the sky
+#define LEAST_NEEDED 4  // the same for lamps without size, suns and the sky
 #define LEAST_REST 0.25 // part of the error, at least, that is assumed to be of other light
 #define LEAST_MEAN 0.1  // floor for the square of a batch's mean, in parts of that of all
 #define GAIN 0.7        // connections must lower error times cost to this, or there are none
@@ -175,8 +175,8 @@ static double find_errors( const Pilot* pilot, int count, double* moment )
     return all;
 }
 
-// The first of rf_connection_shares that may be chosen: none, unless connections are asked for. Light that nothing else finds
-// has more of them, or it would be left to spikes.
+// The first of rf_connection_shares that may be chosen: none, unless connections are asked for. Light that nothing
+// else finds needs more, or it shows as fireflies.
 static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths )
 {
     for ( uint32_t i = 0; i < paths->light_count; ++i )

@@ -1,5 +1,4 @@
-// How many light paths and connections pay: a few batches traced ahead tell their variance and cost, and those of all other
-// light.
+// Chooses how many light paths and connections pay, by the variance and cost of a few batches traced ahead.
 #ifndef REFRAME_REUSE_HARVEST_CONNECTION_SHARE_H
 #define REFRAME_REUSE_HARVEST_CONNECTION_SHARE_H
 
@@ -8,8 +7,8 @@
 // The bytes that rf_choose_connection_share works in, aligned to 64.
 size_t rf_connection_share_bytes( const RfEstimatorGroup* group );
 
-// Sets the share of light paths and connections in all passes of a group, and counts the rays traced for that. It depends on
-// scene, settings and group alone.
+// Sets the share of light paths and connections for all passes of a group, by scene, settings and group alone, and
+// counts the rays traced for it.
 void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* paths, void* memory, RfRayCounts* rays );
 
 #endif

@@ -8,7 +8,7 @@
 // rf_trace_from_origin from where the camera's rays to the points start. At most RF_LANES of them.
 int rf_trace_from_eye( const RfTracer* tracer, const RfEye* eye, int count, const float* const point[3], float* weight );
 
-// The same past panes: those of points that are not tested are left alone.
+// The same through thin panes; panes of untested points are left alone.
 int rf_trace_from_eye_past_panes( const RfTracer* tracer, const RfEye* eye, int count, const float* const point[3], float* weight,
                                   const RfPaneLanes* panes );
 

@@ -1,5 +1,5 @@
-// Traces a batch into hit records: chooses its pixels, draws a point of the lens and a moment of the shutter for all of them,
-// traces the camera rays and their specular chains, lists what they hit, and lights the hits by the rest of their paths.
+// Traces a batch into hit records: its pixels, one lens point and shutter time for all of them, camera rays and
+// their specular chains, hits, and the light that the rest of their paths brings.
 #include "reuse/harvest/harvest_steps.h"
 
 #include "path/roulette.h"

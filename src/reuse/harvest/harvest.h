@@ -21,7 +21,7 @@ typedef struct RfHarvest
     RfWeights weights;
     bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;
-    const RfPixelFilter* drawn_by; // by which places in the pixels are drawn; NULL: evenly
+    const RfPixelFilter* drawn_by; // positions in pixels are drawn by it; NULL: uniformly
     const RfEye* eyes;             // shape.eyes of them
     int first_frame;               // path frame of eyes[0]
     int group;                     // its number
@@ -43,7 +43,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group );
 // A thread's workspace.
 typedef struct RfHarvestScratch RfHarvestScratch;
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape );
-// Lays a workspace out in memory of that size, aligned to 64.
+// Lays out a workspace in memory of that size, aligned to 64.
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory );
 
 // Whether a patch has pixels in the pieces that are traced; its tiles may still have none.

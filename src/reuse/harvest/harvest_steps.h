@@ -53,7 +53,7 @@ static inline bool rf_is_adaptive( const RfHarvest* harvest )
     return rf_calls_for( harvest->need != NULL, RF_EFFECT_ADAPTIVE );
 }
 
-// Selects the random numbers of a pass of a frame.
+// The random key of a pass of a frame.
 static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pass )
 {
     return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
@@ -65,12 +65,12 @@ RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 // The harvest with its cameras as pinholes at that point of the lens and moment of the shutter, in scratch->eyes.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
 
-// One camera ray through a uniform point of each pixel, or one drawn by a filter (NULL: none): lane i is slot i, which must
-// have its random key.
+// One camera ray per pixel, through a point drawn uniformly or by a filter (NULL: uniformly). Lane i is slot i,
+// which must have its random key.
 void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
                           RfRayLanes* rays );
 
-// Follows the camera rays that hit mirrors and glass, if there are any: scratch->hits.
+// Follows camera rays through mirrors and glass: scratch->hits.
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
 
 // Starts roulette with the throughput of the chains up to the hits.
@@ -92,7 +92,7 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
 // Radiance of the own-frame samples: the sky, and specular hits, which are listed behind the misses.
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
-// Adds the light that paths found by chains to what arrives at their hits, and takes the chain samples.
+// Adds light that paths found by chains to what arrives at their hits, and traces chain samples.
 void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling );
 
 // Marks the light of chains in a pairing at glossy hits as light that chain samples could have found as well.

@@ -149,7 +149,7 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
         rf_keep_eq15( batch, arrival, batch->eq15 + direction );
 }
 
-// The light of connections. It needs no weight: nothing else brings it.
+// The light of connections, which no other technique finds: it needs no weight.
 static void add_connections( const RfHarvest* harvest, RfHitBatch* batch, const RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = scratch->hits;
@@ -174,7 +174,7 @@ static void add_connections( const RfHarvest* harvest, RfHitBatch* batch, const 
     }
 }
 
-// What a chain leaves of the light at its end.
+// Throughput of chains.
 static void dim_chains( const RfHarvest* harvest, RfHitBatch* batch, const RfHarvestScratch* scratch )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY];

@@ -1,6 +1,5 @@
-// Hit records: what the harvest passes on to accumulation. A batch holds the hits
-// of one patch of one frame in one pass, as structures of arrays. Diffuse hits come
-// first; they need no storage per direction.
+// Hit records: what the harvest passes to accumulation. A batch holds the hits of one patch of one frame in one
+// pass, as structures of arrays. Diffuse hits come first and store no directions.
 #ifndef REFRAME_REUSE_HARVEST_RECORDS_H
 #define REFRAME_REUSE_HARVEST_RECORDS_H
 
@@ -48,7 +47,7 @@ typedef struct RfHitBatch
     struct RfEq15Lanes* eq15;     // likewise; NULL except for RF_WEIGHTS_EQ15 (accumulate/biased_weights.h)
 } RfHitBatch;
 
-// What the layout of a batch depends on.
+// Determines the layout of a batch.
 typedef struct RfBatchShape
 {
     int eyes;          // in a group
@@ -61,9 +60,9 @@ typedef struct RfBatchShape
     bool own_frame_light; // misses may be lit: the scene has a sky or specular materials
     bool blurred;         // batches have their points of the lens and moments of the shutter
     bool filtered;        // samples need their place in the pixel
-    bool chains;          // camera rays go on through mirrors and glass
-    int chain_samples;    // of hits behind chains (path/chain_samples.h): one direction more, but for 0
-    bool connections;     // light that mirrors and glass send to hits comes by connections to light paths: one direction more
+    bool chains;          // camera rays are followed through mirrors and glass
+    int chain_samples;    // per hit behind a chain (path/chain_samples.h); one direction more unless 0
+    bool connections;     // hits have connections to light paths: one direction more
 } RfBatchShape;
 
 // How a hit was found.
@@ -71,7 +70,7 @@ enum
 {
     RF_VIEW_DIRECT,
     RF_VIEW_FIRST_MIRROR,
-    RF_VIEW_BASE = 254, // directly; the base without its smooth coat
+    RF_VIEW_BASE = 254, // directly: the base below a smooth coat
     RF_VIEW_CHAIN,      // by a chain that no other camera can follow
 };
 
@@ -79,7 +78,7 @@ enum
 static inline int32_t* rf_miss_pixel( const RfHitBatch* batch ) { return batch->pixel + batch->count; }
 // 4 each: r g b 1. Not set without own_frame_light: black.
 static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch->radiance + 4 * (size_t)batch->count; }
-// Glints follow the misses; theirs is r g b 0.
+// Glints follow the misses, with r g b 0.
 static inline int32_t* rf_glint_pixel( const RfHitBatch* batch ) { return rf_miss_pixel( batch ) + batch->miss_count; }
 static inline float* rf_glint_radiance( const RfHitBatch* batch )
 {
@@ -99,7 +98,7 @@ static inline bool rf_is_blurred_shape( const RfBatchShape* shape )
     return rf_calls_for( shape->blurred, RF_EFFECT_DEPTH_OF_FIELD ) || rf_calls_for( shape->blurred, RF_EFFECT_MOTION_BLUR );
 }
 
-// True if it matters how the batch's hits were found.
+// Whether it matters how the batch's hits were found.
 static inline bool rf_has_views( const RfHitBatch* batch ) { return rf_calls_for( batch->has_views, RF_EFFECT_CHAINS ); }
 
 // Directions are numbered: the light samples, what chain samples found, the scattered one and those of the neighbour paths of
@@ -111,7 +110,7 @@ static inline int rf_direction_count( const RfBatchShape* shape )
 }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 
-// The parameters that the glossy ones of some models have; `kinds`: a bit per RfBsdfKind.
+// The parameters of the glossy models among `kinds`, a bit per RfBsdfKind.
 uint32_t rf_glossy_params( unsigned kinds );
 
 // The size of one batch, bytes.

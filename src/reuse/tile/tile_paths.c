@@ -19,7 +19,7 @@ static void gather_vectors( const int32_t* from, int count, float lanes[3][RF_LA
         gather_lanes( from, count, lanes[c] );
 }
 
-// Makes the listed lanes of the second vertices, in the order of their models, the second vertices.
+// Keeps the listed lanes of the second vertices, in the order of their models.
 static void take_vertices( const int32_t* from, const int32_t* slot, int count, RfVertexLanes* spare, RfVertexLanes* second )
 {
     for ( int b = 0, kind = 0; b < count; ++b )

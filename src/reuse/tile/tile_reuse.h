@@ -122,7 +122,7 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
 void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
                                    float sum[3][RF_LANES] );
 
-// True of second vertices whose scattered light is reused.
+// True if the scattered light of second vertex a is reused.
 static inline bool rf_scatters_to_tile( const RfTileReuse* reuse, int a )
 {
     return a < rf_record_count( &reuse->second.lanes ) && reuse->second.owner[a] >= 0;
@@ -136,7 +136,7 @@ static inline int rf_receiver( const RfTileReuse* reuse, int a, int pairing )
     return hits->member[hits->begin[i] + at + ( at < 0 ? hits->size[i] : 0 )];
 }
 
-// Whether a hit gets the light of a chain by a pairing.
+// Whether a hit receives light by a chain in a pairing.
 static inline bool rf_receives_chain_light( const RfTileReuse* reuse, int pairing, int hit )
 {
     const RfPairingLanes* t = reuse->pairings + pairing;
