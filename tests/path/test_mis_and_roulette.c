@@ -1,0 +1,86 @@
+// Balance weights sum to 1, light in two parts is divided by all densities that find it, and roulette keeps the mean.
+#include "path/mis.h"
+#include "path/roulette.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#define ROUNDING 1e-6f
+
+static void assert_near( float a, float b ) { assert_true( fabsf( a - b ) <= ROUNDING * fabsf( b ) ); }
+
+static void test_weights_sum_to_one( void** state )
+{
+    (void)state;
+    static const float densities[] = { 1e-12f, 0.3f, 1.0f, 7.0f, 2e15f };
+    for ( int i = 0; i < 5; ++i )
+    {
+        for ( int k = 0; k < 5; ++k )
+        {
+            float p = densities[i], q = densities[k];
+            assert_near( rf_balance_weight( p, q ) + rf_balance_weight( q, p ), 1.0f );
+            assert_near( rf_balance_weight_of_sum( p, p + q ), rf_balance_weight( p, q ) );
+            assert_near( rf_balance_scale( p, q ) * p, rf_balance_weight( p, q ) );
+        }
+    }
+}
+
+// An own density of 0 has the weight 0, and the weight is 1 where nothing else finds the light.
+static void test_weights_of_one_technique( void** state )
+{
+    (void)state;
+    assert_true( rf_balance_weight( 0.0f, 2.0f ) == 0.0f );
+    assert_true( rf_balance_weight( 2.0f, 0.0f ) == 1.0f );
+}
+
+static void test_light_in_two_parts( void** state )
+{
+    (void)state;
+    static RfArrivalLanes s_arrival;
+    float q[3];
+    s_arrival.a[0][7] = 6.0f;
+    s_arrival.b[0][7] = 4.0f;
+    s_arrival.light_pdf[7] = 1.0f;
+    rf_weigh_arrival( &s_arrival, 7, 2.0f, q );
+    assert_near( q[0], 6.0f / ( 1.0f + 2.0f ) + 4.0f / 2.0f );
+    assert_true( q[1] == 0.0f && q[2] == 0.0f );
+    rf_weigh_arrival( &s_arrival, 7, 0.0f, q ); // scattering cannot go there
+    assert_near( q[0], 6.0f );
+    s_arrival.light_pdf[7] = 0.0f; // nor light sampling
+    rf_weigh_arrival( &s_arrival, 7, 0.0f, q );
+    assert_true( q[0] == 0.0f );
+}
+
+static void test_roulette_keeps_the_mean( void** state )
+{
+    (void)state;
+    for ( float carried = 1e-6f; carried < 10.0f; carried *= 3.0f )
+    {
+        float survival = rf_survival( carried );
+        assert_true( survival > 0.0f && survival <= 1.0f && ( survival == 1.0f || carried < 0.25f ) );
+        assert_near( carried / survival * survival, carried );
+        assert_true( rf_shared_factor( carried ) >= carried && rf_shared_factor( carried ) >= 0.1f );
+    }
+    assert_true( rf_survival( 0.0f ) == 0.0f );
+    for ( float luminance = 0.0f; luminance < 2.0f; luminance += 0.01f )
+    {
+        float survival = rf_reuse_survival( luminance, 1.0f );
+        assert_true( survival >= 0.1f && survival <= 1.0f && ( survival == 1.0f || luminance < 0.1f ) );
+    }
+    assert_true( rf_reuse_survival( 0.0f, 0.0f ) == 1.0f ); // a dark tile
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_weights_sum_to_one ),
+        cmocka_unit_test( test_weights_of_one_technique ),
+        cmocka_unit_test( test_light_in_two_parts ),
+        cmocka_unit_test( test_roulette_keeps_the_mean ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
