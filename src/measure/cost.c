@@ -248,8 +248,8 @@ static RfResult make_region( CostStudy* s, double position, double pixels, RfTes
 {
     const RfCostJob* job = s->job;
     int frame = job->frames[(int)( position * job->frame_count )];
-    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, 2 * s->settings[1].group + 1, pixels,
-                                  s->settings + 1, job->watch, region, error );
+    RfTrialShot shot = { job->tracer, job->eyes, job->eye_count, job->watch };
+    return rf_create_test_region( &shot, frame, 2 * s->settings[1].group + 1, pixels, s->settings + 1, region, error );
 }
 
 // Renders all frames of the region one by one, or as one group with reuse.
@@ -258,8 +258,7 @@ static RfResult try_curve( const CostStudy* s, const RfTestRegion* region, int c
 {
     RfRenderSettings settings = s->settings[curve];
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
-    return rf_run_trial( s->job->tracer, region, settings.group == 0 ? region->frames : 1, passes, &settings, s->job->watch,
-                         trial, error );
+    return rf_run_trial( region, settings.group == 0 ? region->frames : 1, passes, &settings, trial, error );
 }
 
 // Runs `task` for 0 … count − 1 on several threads, and returns the first failure.

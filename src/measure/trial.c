@@ -95,11 +95,11 @@ static RfResult on_frame( void* user, const RfFrameResult* frame, RfError* error
 
 // Renders all frames of a segment of the path; each goes to the callback `frame`, whose time
 // is not counted.
-static RfResult render_metered( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
+static RfResult render_metered( const RfTestRegion* region, int first, int eye_count, const RfRenderSettings* settings,
                                 RfResult ( *frame )( void* user, const RfFrameResult* result, RfError* error ), void* user,
-                                const RfTrialWatch* watch, TrialMeter* meter, RfError* error )
+                                TrialMeter* meter, RfError* error )
 {
-    Metered m = { .frame = frame, .user = user, .watch = watch, .one_thread = settings->threads == 1 };
+    Metered m = { .frame = frame, .user = user, .watch = region->shot.watch, .one_thread = settings->threads == 1 };
     RfRenderCallbacks callbacks = { &m, on_frame, on_progress };
     int* frames = malloc( (size_t)eye_count * sizeof *frames );
     if ( frames == NULL )
@@ -107,7 +107,8 @@ static RfResult render_metered( const RfTracer* tracer, const RfEye* eyes, int e
     for ( int i = 0; i < eye_count; ++i )
         frames[i] = i;
     Clock start = { 0.0, cpu_seconds( &m ), rf_wall_seconds() };
-    RfResult result = rf_render( tracer, eyes, eye_count, frames, eye_count, settings, &callbacks, NULL, error );
+    RfResult result =
+        rf_render( region->shot.tracer, region->eyes + first, eye_count, frames, eye_count, settings, &callbacks, NULL, error );
     double end = cpu_seconds( &m );
     free( frames );
     if ( m.last.samples == m.first.samples )
@@ -348,8 +349,7 @@ static void choose_pilot_settings( const RfTracer* tracer, const RfTestRegion* r
     }
 }
 
-static RfResult render_pilot( const RfTracer* tracer, const RfRenderSettings* settings, const RfTrialWatch* watch,
-                              RfTestRegion* region, RfError* error )
+static RfResult render_pilot( RfTestRegion* region, const RfRenderSettings* settings, RfError* error )
 {
     RfRenderSettings s = *settings;
     s.weights = RF_WEIGHTS_EXACT;
@@ -358,53 +358,52 @@ static RfResult render_pilot( const RfTracer* tracer, const RfRenderSettings* se
     s.queue = 0;
     s.adaptive = RF_ADAPTIVE_OFF;
     s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)region->first ) ) ^ 0x5175ull;
-    choose_pilot_settings( tracer, region, &s );
+    choose_pilot_settings( region->shot.tracer, region, &s );
     RfPieces pieces = rf_pieces_from( &region->pieces, 0 );
     s.pieces = region->pieces.traced != NULL ? &pieces : NULL;
     TrialMeter meter;
-    RfResult result = render_metered( tracer, region->eyes, region->frames, &s, keep_weights, region, watch, &meter, error );
+    RfResult result = render_metered( region, 0, region->frames, &s, keep_weights, region, &meter, error );
     region->seconds = meter.all_cpu;
     region->samples = meter.all_samples;
     return result;
 }
 
 // Parts of the pictures, or the whole of them where the estimator renders no parts.
-static RfResult choose_pieces( const RfTracer* tracer, RfTestRegion* region, int centre, double pixels, uint64_t seed,
-                               const RfRenderSettings* settings, RfError* error )
+static RfResult choose_pieces( RfTestRegion* region, int centre, double pixels, const RfRenderSettings* settings, RfError* error )
 {
-    double all = (double)region->eyes->width * region->eyes->height;
-    return rf_choose_pieces( tracer, region->eyes, region->frames, centre - region->first,
-                             rf_can_render_pieces( settings ) ? pixels : all, !rf_is_plain_filter( settings ), seed,
-                             &region->pieces, error );
+    uint64_t seed = rf_mix64( settings->seed ) ^ (uint64_t)centre;
+    if ( !rf_can_render_pieces( settings ) )
+    {
+        RfResult result = rf_choose_crops( region->eyes, region->frames, pixels, seed, &region->crops, &region->pieces, error );
+        if ( result != RF_OK || region->crops != NULL )
+            return result;
+        pixels = (double)region->eyes->width * region->eyes->height;
+    }
+    return rf_choose_pieces( region->shot.tracer, region->eyes, region->frames, centre - region->first, pixels,
+                             !rf_is_plain_filter( settings ), seed, &region->pieces, error );
 }
 
-RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, double pixels,
-                                const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
-                                RfError* error )
+RfResult rf_create_test_region( const RfTrialShot* shot, int centre, int frames, double pixels, const RfRenderSettings* settings,
+                                RfTestRegion* region, RfError* error )
 {
-    *region = ( RfTestRegion ){ .frames = clamp( frames, 1, eye_count ) };
-    region->whole = region->frames == eye_count;
-    region->first = clamp( centre - region->frames / 2, 0, eye_count - region->frames );
-    region->eyes = eyes + region->first;
-    uint64_t seed = rf_mix64( settings->seed ) ^ (uint64_t)centre;
-    RfResult result = RF_OK;
-    if ( !rf_can_render_pieces( settings ) )
-        result = rf_choose_crops( region->eyes, region->frames, pixels, seed, &region->crops, &region->pieces, error );
+    *region = ( RfTestRegion ){ .shot = *shot, .frames = clamp( frames, 1, shot->eye_count ) };
+    region->whole = region->frames == shot->eye_count;
+    region->first = clamp( centre - region->frames / 2, 0, shot->eye_count - region->frames );
+    region->eyes = shot->eyes + region->first;
+    RfResult result = choose_pieces( region, centre, pixels, settings, error );
     if ( region->crops != NULL )
     {
         region->eyes = region->crops;
         region->frames = RF_CROPS;
         region->whole = false;
     }
-    else if ( result == RF_OK )
-        result = choose_pieces( tracer, region, centre, pixels, seed, settings, error );
     if ( result != RF_OK )
         return result;
     size_t slots = (size_t)region->pieces.first_slot[region->frames];
     region->weight = malloc( ( slots + 1 ) * RF_CELL_PIXELS * sizeof *region->weight );
     if ( region->weight == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings on %d frames", region->frames );
-    return render_pilot( tracer, settings, watch, region, error );
+    return render_pilot( region, settings, error );
 }
 
 void rf_destroy_test_region( RfTestRegion* region )
@@ -421,8 +420,8 @@ static uint64_t group_seed( uint64_t seed, int group, int twin )
     return rf_mix64( rf_mix64( seed ) ^ ( (uint64_t)group << 1 | (uint64_t)twin ) );
 }
 
-static RfResult try_group( const RfTracer* tracer, const RfTestRegion* region, int first, const RfRenderSettings* settings,
-                           const RfTrialWatch* watch, TrialPair* pair, RfTrial* trial, RfError* error )
+static RfResult try_group( const RfTestRegion* region, int first, const RfRenderSettings* settings, TrialPair* pair,
+                           RfTrial* trial, RfError* error )
 {
     double seconds[2];
     RfPieces pieces = rf_pieces_from( &region->pieces, first );
@@ -433,8 +432,8 @@ static RfResult try_group( const RfTracer* tracer, const RfTestRegion* region, i
         s.seed = group_seed( settings->seed, region->first + first, twin );
         s.pieces = region->pieces.traced != NULL ? &pieces : NULL;
         TrialMeter meter;
-        RfResult result = render_metered( tracer, region->eyes + first, pair->eyes, &s, twin == 0 ? keep_first : compare_second,
-                                          pair, watch, &meter, error );
+        RfResult result =
+            render_metered( region, first, pair->eyes, &s, twin == 0 ? keep_first : compare_second, pair, &meter, error );
         if ( result != RF_OK )
             return result;
         trial->samples += meter.all_samples;
@@ -464,8 +463,8 @@ static size_t most_slots( const RfTestPieces* pieces, int eyes )
     return (size_t)most;
 }
 
-RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
-                       const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error )
+RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const RfRenderSettings* settings, RfTrial* trial,
+                       RfError* error )
 {
     *trial = ( RfTrial ){ 0 };
     // a group with more frames than the region must contain the whole path
@@ -488,7 +487,7 @@ RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int g
         return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try groups of %d frames", eyes );
     RfResult result = RF_OK;
     for ( int w = 0; w < count && result == RF_OK; ++w )
-        result = try_group( tracer, region, first + w * eyes, &s, watch, &pair, trial, error );
+        result = try_group( region, first + w * eyes, &s, &pair, trial, error );
     free( pair.rgb );
     return result;
 }

@@ -36,9 +36,19 @@ typedef struct RfTrialWatch
     void* user;
 } RfTrialWatch;
 
+// What trials render.
+typedef struct RfTrialShot
+{
+    const RfTracer* tracer;
+    const RfEye* eyes; // of the whole path
+    int eye_count;
+    const RfTrialWatch* watch; // or NULL
+} RfTrialShot;
+
 // A segment of the path with the pieces of its frames in which settings are tried.
 typedef struct RfTestRegion
 {
+    RfTrialShot shot;
     const RfEye* eyes; // `frames` of them, of the path
     int first;         // first frame on the path, from 0
     int frames;
@@ -52,10 +62,9 @@ typedef struct RfTestRegion
 
 // Creates a test region of up to `frames` frames around `centre`, of each of which about `pixels` pixels are traced, and
 // renders its pilot image with the threads, memory, seed, depth and light samples of `settings`. Free with
-// rf_destroy_test_region, also after a failure; `eyes` must live as long.
-RfResult rf_create_test_region( const RfTracer* tracer, const RfEye* eyes, int eye_count, int centre, int frames, double pixels,
-                                const RfRenderSettings* settings, const RfTrialWatch* watch, RfTestRegion* region,
-                                RfError* error );
+// rf_destroy_test_region, also after a failure; the shot's eyes must live as long.
+RfResult rf_create_test_region( const RfTrialShot* shot, int centre, int frames, double pixels, const RfRenderSettings* settings,
+                                RfTestRegion* region, RfError* error );
 
 // Pixels traced in a region of one frame, all windows together.
 static inline double rf_region_pixels( const RfTestRegion* region )
@@ -103,8 +112,8 @@ typedef struct RfTrial
 // With settings->threads 1, CPU seconds are those of the calling thread, so trials may run in
 // parallel; otherwise those of the process, which may include threads that wait for others.
 // The seeds of both renders of a group derive from settings->seed.
-RfResult rf_run_trial( const RfTracer* tracer, const RfTestRegion* region, int groups, int passes,
-                       const RfRenderSettings* settings, const RfTrialWatch* watch, RfTrial* trial, RfError* error );
+RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const RfRenderSettings* settings, RfTrial* trial,
+                       RfError* error );
 
 // Adds the error of a cell to the list of the worst ones, if it is among them.
 void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse );

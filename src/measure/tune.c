@@ -168,8 +168,8 @@ static RfResult make_region( TuneWork* w, int index, RfError* error )
     int frame = job->frames[(int)( rf_tune_position( w->first_position + index ) * job->frame_count )];
     RfRenderSettings settings = w->settings;
     settings.seed = rf_mix64( settings.seed ^ (uint64_t)( w->first_position + index ) ); // other pieces each time
-    return rf_create_test_region( job->tracer, job->eyes, job->eye_count, frame, w->region_frames, w->round->pixels, &settings,
-                                  &w->watch, w->regions + index, error );
+    RfTrialShot shot = { job->tracer, job->eyes, job->eye_count, &w->watch };
+    return rf_create_test_region( &shot, frame, w->region_frames, w->round->pixels, &settings, w->regions + index, error );
 }
 
 static RfResult try_row( TuneWork* w, int region, int k, RfError* error )
@@ -178,8 +178,8 @@ static RfResult try_row( TuneWork* w, int region, int k, RfError* error )
     RfRenderSettings settings = rf_tune_settings( row, &w->settings );
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_position + region ) ) );
     int index = region * w->row_count + k;
-    RfResult result = rf_run_trial( w->job->tracer, w->regions + region, rf_tune_groups( row->eyes ), w->round->passes, &settings,
-                                    &w->watch, w->trials + index, error );
+    RfResult result =
+        rf_run_trial( w->regions + region, rf_tune_groups( row->eyes ), w->round->passes, &settings, w->trials + index, error );
     w->done[index] = result == RF_OK;
     return result;
 }

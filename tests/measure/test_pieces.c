@@ -146,14 +146,13 @@ static void try_both( const Setup* s, double pixels, uint64_t seed, RfTrial tria
     RfTestRegion region;
     RfError error;
     settings.threads = 1;
-    assert_int_equal( rf_create_test_region( s->tracer, s->eyes, EYES, EYES / 2, EYES, pixels, &settings, NULL, &region, &error ),
-                      RF_OK );
+    RfTrialShot shot = { s->tracer, s->eyes, EYES, NULL };
+    assert_int_equal( rf_create_test_region( &shot, EYES / 2, EYES, pixels, &settings, &region, &error ), RF_OK );
     for ( int reuse = 0; reuse < 2; ++reuse )
     {
         settings = settings_of( 2 * reuse, reuse ? "3x3" : "1", seed );
         settings.threads = 1;
-        assert_int_equal( rf_run_trial( s->tracer, &region, reuse ? 1 : EYES, 2, &settings, NULL, trials + reuse, &error ),
-                          RF_OK );
+        assert_int_equal( rf_run_trial( &region, reuse ? 1 : EYES, 2, &settings, trials + reuse, &error ), RF_OK );
         trials[reuse].cpu_seconds = trials[reuse].timed_samples; // a busy machine's times are not what is tested
         trials[reuse].time_noise = 0.0;
     }

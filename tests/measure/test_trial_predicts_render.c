@@ -46,9 +46,8 @@ static void begin( Setup* s, float degrees, int centre, int frames )
     s->scene = make_room( ROOM_DIFFUSE );
     s->tracer = make_tracer( &s->scene );
     orbit_eyes( s->eyes, EYES, degrees, WIDTH, HEIGHT );
-    assert_int_equal(
-        rf_create_test_region( s->tracer, s->eyes, EYES, centre, frames, WIDTH * HEIGHT, &settings, NULL, &s->site, &error ),
-        RF_OK );
+    RfTrialShot shot = { s->tracer, s->eyes, EYES, NULL };
+    assert_int_equal( rf_create_test_region( &shot, centre, frames, WIDTH * HEIGHT, &settings, &s->site, &error ), RF_OK );
 }
 
 static void end( Setup* s )
@@ -62,7 +61,7 @@ static RfTrial trial_of( const Setup* s, int windows, int passes, const RfRender
 {
     RfTrial trial;
     RfError error;
-    if ( rf_run_trial( s->tracer, &s->site, windows, passes, settings, NULL, &trial, &error ) != RF_OK )
+    if ( rf_run_trial( &s->site, windows, passes, settings, &trial, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return trial;
 }
@@ -280,20 +279,21 @@ static void test_wrong_settings_are_refused( void** state )
     RfError error;
     begin( &s, 1.0f, 7, 5 );
     RfRenderSettings settings = settings_of( 3, "1" );
-    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 4, &settings, NULL, &trial, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_run_trial( &s.site, 1, 4, &settings, &trial, &error ), RF_ERROR_USAGE );
     settings.group = RF_GROUP_AUTO;
-    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 4, &settings, NULL, &trial, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_run_trial( &s.site, 1, 4, &settings, &trial, &error ), RF_ERROR_USAGE );
     settings.group = 2;
-    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 1, &settings, NULL, &trial, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_run_trial( &s.site, 1, 1, &settings, &trial, &error ), RF_ERROR_USAGE );
     settings.memory = 1000;
-    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 2, &settings, NULL, &trial, &error ), RF_ERROR_MEMORY );
+    assert_int_equal( rf_run_trial( &s.site, 1, 2, &settings, &trial, &error ), RF_ERROR_MEMORY );
     settings.memory = (size_t)64 << 20;
     int calls = 0;
     RfTrialWatch watch = { refuse, &calls };
-    assert_int_equal( rf_run_trial( s.tracer, &s.site, 1, 2, &settings, &watch, &trial, &error ), RF_ERROR_INTERRUPTED );
+    s.site.shot.watch = &watch;
+    assert_int_equal( rf_run_trial( &s.site, 1, 2, &settings, &trial, &error ), RF_ERROR_INTERRUPTED );
     assert_int_equal( calls, 1 );
     RfTestRegion site;
-    assert_int_equal( rf_create_test_region( s.tracer, s.eyes, EYES, 7, 5, WIDTH * HEIGHT, &settings, &watch, &site, &error ),
+    assert_int_equal( rf_create_test_region( &s.site.shot, 7, 5, WIDTH * HEIGHT, &settings, &site, &error ),
                       RF_ERROR_INTERRUPTED );
     rf_destroy_test_region( &site );
     end( &s );
