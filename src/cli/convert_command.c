@@ -83,7 +83,7 @@ static bool is_interrupted( void* user )
     return rf_is_interrupted();
 }
 
-static RfResult tell( const char* from, const char* to, const RfModelCounts* c, int warnings, RfError* error )
+static RfResult report_result( const char* from, const char* to, const RfModelCounts* c, int warnings, RfError* error )
 {
     bool json_out = s_json != NULL && strcmp( s_json, "-" ) == 0;
     if ( !s_quiet && !json_out )
@@ -109,7 +109,7 @@ static RfResult convert( const char* from, const char* to, RfError* error )
     s_convert.assimp = s_importer == IMPORTER_ASSIMP;
     s_convert.is_interrupted = is_interrupted;
     RfResult result = rf_convert_model( from, to, &s_convert, &counts, &log, error );
-    return result == RF_OK ? tell( from, to, &counts, log.count, error ) : result;
+    return result == RF_OK ? report_result( from, to, &counts, log.count, error ) : result;
 }
 
 int rf_command_convert( int argc, char** argv )

@@ -227,7 +227,7 @@ static RfResult load( const char* name, RfScene* scene, RfRenderOptions* options
     return result;
 }
 
-static RfResult tell( const char* name, RfError* error )
+static RfResult report_result( const char* name, RfError* error )
 {
     RfScene scene = { 0 };
     Facts facts = { 0 };
@@ -261,6 +261,6 @@ int rf_command_info( int argc, char** argv )
         result = rf_flush_output( &error );
     }
     else if ( result == RF_OK )
-        result = tell( files[0], &error );
+        result = report_result( files[0], &error );
     return result == RF_OK ? 0 : rf_report_error( "info", &error );
 }

@@ -90,7 +90,7 @@ static RfResult check_options( const char* path, const RfImage* image, const RfE
         return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels cannot be written: a side has at most %d", path, image->width,
                         image->height, RF_EXR_MAX_SIDE );
     if ( options->compression != RF_EXR_NONE && options->compression != RF_EXR_ZIP && options->compression != RF_EXR_PIZ )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: the compression is none of none, zip, piz", path );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: unknown compression: expected none, zip or piz", path );
     if ( options->channel_count < 0 || options->channel_count > RF_EXR_MAX_CHANNELS - 3 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be written: at most %d and R, G, B", path,
                         options->channel_count, RF_EXR_MAX_CHANNELS - 3 );

@@ -134,9 +134,9 @@ RfResult rf_create_lens_path( const RfScene* scene, const char* name, const RfLe
 void rf_destroy_camera_path( RfCameraPath* path );
 
 // The matrices of an eye as OpenEXR's worldToCamera and worldToNDC have them: row vectors
-// (p' = p · M), 16 floats row by row. Camera space: metres, the eye at the origin, +x right, +y up,
+// (p' = p · M), 16 floats row by row. Camera space: metres, the camera at the origin, +x right, +y up,
 // looking along −z. NDC: after the division by w the film is x and y in [−1, 1], +y up; z is −1 at
-// 1 cm before the eye and 1 infinitely far away, of orthographic eyes 1 at 1 km. A panorama has no NDC: zeros.
+// 1 cm in front of the camera and 1 infinitely far away, of orthographic eyes 1 at 1 km. A panorama has no NDC: zeros.
 void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] );
 
 RF_API_END

@@ -196,7 +196,7 @@ static long long worst_pair( const RfFlickerReport* report, double* f1 )
 #define VERDICT_SIZE 512
 
 // Two lines: how the error changes, and how much of it there is.
-static void tell_verdict( const RfFlickerReport* report, char text[VERDICT_SIZE] )
+static void format_verdict( const RfFlickerReport* report, char text[VERDICT_SIZE] )
 {
     RfFlickerMetrics m = rf_flicker_metrics( &report->plain.all );
     bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
@@ -230,7 +230,7 @@ static void tell_verdict( const RfFlickerReport* report, char text[VERDICT_SIZE]
 void rf_print_flicker( const RfFlickerReport* report )
 {
     char verdict[VERDICT_SIZE];
-    tell_verdict( report, verdict );
+    format_verdict( report, verdict );
     printf( "%s\n\n", verdict );
     print_pairs( report );
     print_row( "all", &report->plain.all, "" );
@@ -310,7 +310,7 @@ json_t* rf_flicker_json( RfFlickerReport* report )
     json_t* object = json_object();
     const RfErrorMetrics* e = &report->errors;
     char verdict[VERDICT_SIZE];
-    tell_verdict( report, verdict );
+    format_verdict( report, verdict );
     json_object_set_new( object, "verdict", json_string( verdict ) );
     json_object_set_new( object, "pairs", report->pairs );
     report->pairs = NULL;

@@ -22,18 +22,16 @@
 
 #define ENTRY 40 // characters of "-1234567890-1234567890x1234567890,"
 
-RfResult rf_cut_ranges( int nodes, const int* numbers, int step, int eye_count, const int* eyes, int frame_count,
-                        const RfRenderSettings* settings, RfRanges* ranges, RfError* error )
+RfResult rf_cut_ranges( int nodes, const RfDividedFrames* frames, const RfRenderSettings* settings, RfRanges* ranges,
+                        RfError* error )
 {
-    int most = nodes < frame_count ? nodes : frame_count;
-    *ranges = ( RfRanges ){ .list = malloc( (size_t)most * sizeof( RfPlanRange ) ),
-                            .nodes = nodes,
-                            .group = settings->group,
-                            .numbers = numbers,
-                            .step = step };
+    int most = nodes < frames->count ? nodes : frames->count;
+    *ranges = ( RfRanges ){
+        .list = malloc( (size_t)most * sizeof( RfPlanRange ) ), .nodes = nodes, .group = settings->group, .frames = *frames
+    };
     if ( ranges->list == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d ranges", most );
-    return rf_plan_ranges( eye_count, eyes, frame_count, settings, nodes, ranges->list, &ranges->count, error );
+    return rf_plan_ranges( frames->run_count, frames->runs, frames->count, settings, nodes, ranges->list, &ranges->count, error );
 }
 
 void rf_free_ranges( RfRanges* ranges )
@@ -91,7 +89,7 @@ void rf_print_ranges( const RfRanges* r )
     for ( int i = 0; i < r->count; ++i )
     {
         const RfPlanRange* range = r->list + i;
-        char* frames = frame_list( r->numbers + range->first, range->end - range->first, r->step );
+        char* frames = frame_list( r->frames.numbers + range->first, range->end - range->first, r->frames.step );
         printf( "  --frames %-16s %5d frame%s %6.1f %%\n", frames != NULL ? frames : "?", range->end - range->first,
                 range->end - range->first == 1 ? " " : "s", 100.0 * range->work );
         free( frames );
@@ -109,13 +107,13 @@ json_t* rf_ranges_json( const RfRanges* r )
     for ( int i = 0; i < r->count; ++i )
     {
         const RfPlanRange* range = r->list + i;
-        char* frames = frame_list( r->numbers + range->first, range->end - range->first, r->step );
+        char* frames = frame_list( r->frames.numbers + range->first, range->end - range->first, r->frames.step );
         json_array_append_new( list, json_pack( "{s:s, s:i, s:f}", "frames", frames != NULL ? frames : "", "count",
                                                 range->end - range->first, "work", range->work ) );
         free( frames );
     }
-    return json_pack( "{s:i, s:i, s:i, s:o, s:f, s:f}", "wanted", r->nodes, "group", r->group, "step", r->step, "ranges", list,
-                      "overhead", all - 1.0, "longest", longest );
+    return json_pack( "{s:i, s:i, s:i, s:o, s:f, s:f}", "wanted", r->nodes, "group", r->group, "step", r->frames.step, "ranges",
+                      list, "overhead", all - 1.0, "longest", longest );
 }
 
 #define NAME_SIZE 512

@@ -62,21 +62,29 @@ void rf_free_folder_list( RfFolderList* list );
 // folder of one file without a number gives that file.
 RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size, RfError* error );
 
-// Ranges of frames for several machines, told and as JSON.
+// Frames of a camera path that are to be divided between machines.
+typedef struct RfDividedFrames
+{
+    const int* numbers; // ascending
+    const int* runs;    // of the path that they show, likewise
+    int count;
+    int step;      // from the number of a frame of the path to that of the next
+    int run_count; // of the path
+} RfDividedFrames;
 
+// Ranges of frames for several machines, reported and as JSON.
 typedef struct RfRanges
 {
     RfPlanRange* list;
     int count;
-    int nodes;          // asked for
-    int group;          // cut for groups of this half-width
-    const int* numbers; // of all frames, ascending; the caller's
-    int step;           // from the number of a frame of the path to that of the next
+    int nodes; // asked for
+    int group; // cut for groups of this half-width
+    RfDividedFrames frames;
 } RfRanges;
 
-// Cuts frames of these numbers for `nodes` machines; the rest as for rf_plan_ranges. Free with rf_free_ranges.
-RfResult rf_cut_ranges( int nodes, const int* numbers, int step, int eye_count, const int* eyes, int frame_count,
-                        const RfRenderSettings* settings, RfRanges* ranges, RfError* error );
+// Cuts frames for `nodes` machines, as rf_plan_ranges does. Free with rf_free_ranges.
+RfResult rf_cut_ranges( int nodes, const RfDividedFrames* frames, const RfRenderSettings* settings, RfRanges* ranges,
+                        RfError* error );
 void rf_free_ranges( RfRanges* ranges );
 
 // A line for each range, and one on what the cuts cost.

@@ -83,7 +83,7 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
     return result == RF_OK ? rf_create_tracer_by( options->settings.threads, &shot->scene, &shot->tracer, error ) : result;
 }
 
-const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size )
+const char* rf_format_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size )
 {
     if ( excluded == NULL )
         return NULL;

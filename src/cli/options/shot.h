@@ -35,6 +35,6 @@ int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_c
 
 // Why a row of a plan is excluded, with the least budget where it does not fit: "does
 // not fit the memory, the least is 3M". NULL where it is not left out.
-const char* rf_tell_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size );
+const char* rf_format_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size );
 
 #endif

@@ -97,7 +97,7 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
     format_duration( floor( seconds ), spent, sizeof spent );
     fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, number, result->seconds, spent );
     if ( result->relmse_is_lower_bound )
-        fprintf( stderr, "  relMSE at least %.3g, likely %.3g, %.0f %% of that in ten pixels", result->relmse_estimate,
+        fprintf( stderr, "  relMSE at least %.3g, likely %.3g: ten pixels hold %.0f %% of it", result->relmse_estimate,
                  result->relmse_likely, 100.0 * result->worst_ten_share );
     else if ( isfinite( result->relmse_estimate ) )
         fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );

@@ -88,8 +88,8 @@ static void warn_of_solves( const RfFrameErrors* errors, RfLog* log )
                  errors->roughly, errors->roughly == 1 ? "" : "s", errors->first_rough );
     if ( errors->not_solved > 0 )
         rf_warn( log,
-                 "%d frame%s could not be reconstructed, since samples are infinite or NaN, frame %d the first: there the "
-                 "pixels are as they are with --reconstruction none",
+                 "%d frame%s could not be reconstructed, since samples are infinite or NaN, frame %d the first: they show "
+                 "the primal picture, as with --reconstruction none",
                  errors->not_solved, errors->not_solved == 1 ? "" : "s", errors->first_not_solved );
 }
 
@@ -167,7 +167,7 @@ static void warn_of_light_paths( const RfRenderSettings* s, const RfEffect* effe
 
 // Prints on standard error which settings differ from those asked for, on a path of
 // `path_frames` frames.
-static void tell_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit, int path_frames )
+static void print_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit, int path_frames )
 {
     RfGroupPlan plan = rf_plan_groups( path_frames, used->group, used->spp );
     bool has_groups = used->estimator == rf_default_render_settings().estimator;
@@ -184,7 +184,7 @@ static void tell_settings( const RfRenderSettings* asked, const RfRenderSettings
     if ( fit->threads < used->threads )
         fprintf( stderr, "reframe render: %s of memory are enough for %d of %d threads\n", memory, fit->threads, used->threads );
     if ( fit->sweeps > 1 )
-        fprintf( stderr, "reframe render: %s of memory hold the films of %d frame%s: the path is gone through %d times\n", memory,
+        fprintf( stderr, "reframe render: %s of memory hold the films of %d frame%s: the path is rendered in %d sweeps\n", memory,
                  fit->films, fit->films == 1 ? "" : "s", fit->sweeps );
 }
 
@@ -201,7 +201,7 @@ static uint64_t set_of( const RfEffect* effects, int count, bool left_out, bool 
 }
 
 // Prints the names of the effects that are on, left out and forced in a line on standard error.
-static void tell_effects( const RfEffect* effects, int count )
+static void print_effects( const RfEffect* effects, int count )
 {
     char on[RF_EFFECTS_TEXT_SIZE], out[RF_EFFECTS_TEXT_SIZE], forced[RF_EFFECTS_TEXT_SIZE];
     rf_format_effects( set_of( effects, count, false, false ), on, sizeof on );
@@ -212,7 +212,7 @@ static void tell_effects( const RfEffect* effects, int count )
 }
 
 // Says in which of the frames the camera stands still, and that these are rendered once, on standard error.
-static void tell_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
+static void print_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
 {
     int stretches = 0, first = 0, last = 0;
     if ( run_count == frame_count )
@@ -339,10 +339,10 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
         result = find_runs( job, error ); // of what is left
     if ( result != RF_OK || job->options.quiet )
         return result;
-    tell_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
+    print_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
     if ( job->options.verbose )
-        tell_effects( job->effects, job->effect_count );
-    tell_runs( &job->path, job->frames, job->frame_count, job->run_count );
+        print_effects( job->effects, job->effect_count );
+    print_runs( &job->path, job->frames, job->frame_count, job->run_count );
     return RF_OK;
 }
 

@@ -139,14 +139,14 @@ static RfResult fail_incomplete( const RfRenderJob* job, const Check* check, RfE
                     in_the_way ? "--resume --overwrite replaces the rest" : "--resume goes on" );
 }
 
-static RfResult tell( const RfRenderJob* job, const Check* check, const RfRanges* ranges, RfError* error )
+static RfResult report_result( const RfRenderJob* job, const Check* check, const RfRanges* ranges, RfError* error )
 {
     const char* json = job->options.json;
-    bool tells = json == NULL || strcmp( json, "-" ) != 0;
-    if ( tells && check->left_count == 0 )
+    bool prints = json == NULL || strcmp( json, "-" ) != 0;
+    if ( prints && check->left_count == 0 )
         rf_print( "%d frame%s in %s: all there, whole and of this render\n", job->frame_count, job->frame_count == 1 ? "" : "s",
                   job->options.output );
-    if ( tells && ranges->list != NULL )
+    if ( prints && ranges->list != NULL )
         rf_print_ranges( ranges );
     RfResult result = json != NULL ? rf_write_json( json, state_json( job, check, ranges ), error ) : rf_flush_output( error );
     return result == RF_OK && check->left_count > 0 ? fail_incomplete( job, check, error ) : result;
@@ -161,11 +161,11 @@ RfResult rf_check_render( RfRenderJob* job, RfError* error )
         result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
     if ( result == RF_OK )
         result = look_at_all( job, &check, error );
+    RfDividedFrames frames = { check.left, check.left_eyes, check.left_count, job->path.step, job->path.run_count };
     if ( result == RF_OK && job->options.nodes > 0 && check.left_count > 0 )
-        result = rf_cut_ranges( job->options.nodes, check.left, job->path.step, job->path.run_count, check.left_eyes,
-                                check.left_count, &job->options.settings, &ranges, error );
+        result = rf_cut_ranges( job->options.nodes, &frames, &job->options.settings, &ranges, error );
     if ( result == RF_OK )
-        result = tell( job, &check, &ranges, error );
+        result = report_result( job, &check, &ranges, error );
     rf_free_ranges( &ranges );
     destroy( &check );
     return result;
@@ -257,7 +257,7 @@ json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath*
 }
 
 // "--spp 28 (here 56), --seed 1 (here 2)"; empty where no setting differs.
-static void tell_differences( const RfOutput* output, int frame, char* text, size_t size )
+static void format_differences( const RfOutput* output, int frame, char* text, size_t size )
 {
     static const char* const facts[] = { "version", "frame", "frames" }; // no options, or not in this sense
     static const char* const words[] = { "version", "frame", "frames in the path" };
@@ -282,7 +282,7 @@ static void tell_differences( const RfOutput* output, int frame, char* text, siz
 static RfResult refuse_other( const RfOutput* output, int frame, const char* name, RfError* error )
 {
     char differences[512];
-    tell_differences( output, frame, differences, sizeof differences );
+    format_differences( output, frame, differences, sizeof differences );
     if ( differences[0] != '\0' )
         return rf_fail( error, RF_ERROR_IO,
                         "--resume: %.300s: is of another render, of %s: give the same, or add --overwrite to replace such frames",

@@ -432,7 +432,7 @@ static RfResult end_page( RfPage* page, const RfPageData* data, RfError* error )
     return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the page's data", page->file.path );
 }
 
-static RfResult tell( const RfPageRun* report, const RfPageData* data, uint64_t bytes, RfError* error )
+static RfResult report_result( const RfPageRun* report, const RfPageData* data, uint64_t bytes, RfError* error )
 {
     char weight[32];
     rf_format_bytes( (double)bytes, weight );
@@ -467,7 +467,7 @@ static RfResult write_page( RfPageRun* report, RfError* error )
         return result;
     }
     result = end_page( &page, &data, error );
-    return result == RF_OK ? tell( report, &data, page.bytes, error ) : result;
+    return result == RF_OK ? report_result( report, &data, page.bytes, error ) : result;
 }
 
 static RfResult run( RfPageRun* report, RfError* error )

@@ -223,8 +223,8 @@ json_t* rf_page_verdict_json( const RfPageData* data )
         ( c.compared > 1 ? compare_words : single_words )( data, &c, text, sizeof text );
         basis_words( data, &c, basis, sizeof basis );
     }
-    bool tells = worst >= 0 && data->count > 1;
+    bool prints = worst >= 0 && data->count > 1;
     return json_pack( "{s:o, s:s, s:o, s:o}", "text", rf_json_text( text ), "basis", basis, "worst_frame",
-                      tells ? json_integer( data->numbers[worst] ) : json_null(), "worst_sequence",
-                      tells ? json_integer( track ) : json_null() );
+                      prints ? json_integer( data->numbers[worst] ) : json_null(), "worst_sequence",
+                      prints ? json_integer( track ) : json_null() );
 }

@@ -110,12 +110,12 @@ static void print_goal( const CostReport* r, Goal goal )
 }
 
 // Two lines: what reuse is worth, and what the first error asked for takes.
-static void tell_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
+static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
 {
     const RfCost* cost = r->cost;
     char name[64], gain[160], frame[32], all[32];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
-    rf_tell_gain( &cost->speedup, gain, sizeof gain );
+    rf_format_gain( &cost->speedup, gain, sizeof gain );
     int used = snprintf( text, RF_VERDICT_SIZE, "a render with %s is %s", name, gain );
     if ( r->options->error_count == 0 )
         return;
@@ -135,7 +135,7 @@ static void tell_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
 static void print_cost( const CostReport* r )
 {
     char verdict[RF_VERDICT_SIZE];
-    tell_verdict( r, verdict );
+    format_verdict( r, verdict );
     printf( "%s\n\n", verdict );
     const RfCost* cost = r->cost;
     char name[64];
@@ -195,7 +195,7 @@ static json_t* cost_json( const CostReport* r )
     for ( int i = 0; i < r->options->flicker_count; ++i )
         json_array_append_new( flickers, goal_json( r, flicker_goal( r->options->flickers[i] ), "f1" ) );
     char verdict[RF_VERDICT_SIZE];
-    tell_verdict( r, verdict );
+    format_verdict( r, verdict );
     json_t* json = json_pack(
         "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
         verdict, "rows", rows, "slope", rf_json_number( cost->reuse.slope.value ), "slope_low",

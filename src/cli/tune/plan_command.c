@@ -208,14 +208,15 @@ static RfResult cut_ranges( Job* job, RfError* error )
         return RF_OK;
     if ( settings.group == RF_GROUP_AUTO )
         settings.group = job->plan.rows[job->plan.chosen].group;
-    return rf_cut_ranges( job->options.nodes, job->shot.asked, job->shot.path.step, job->shot.path.count, job->shot.asked_runs,
-                          job->shot.asked_count, &settings, &job->ranges, error );
+    RfDividedFrames frames = { job->shot.asked, job->shot.asked_runs, job->shot.asked_count, job->shot.path.step,
+                               job->shot.path.count };
+    return rf_cut_ranges( job->options.nodes, &frames, &settings, &job->ranges, error );
 }
 
 static void print_row( const RfPlanRow* row )
 {
     char sweeps[32] = "", text[128];
-    const char* excluded = rf_tell_excluded( row->excluded, &row->fit, text, sizeof text );
+    const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
     if ( !rf_plan_row_fits( row ) )
     {
         printf( " %4d %4d %5d  %s\n", row->group, row->eyes, row->spp, excluded );
@@ -237,14 +238,14 @@ static bool at_most( const Job* job )
 }
 
 // Two lines: the chosen group and what it is worth, and what the render takes with it.
-static void tell_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
+static void format_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
 {
     const RfPlanRow* row = job->plan.rows + job->plan.chosen;
     char name[64], gain[160], all[32];
     bool predicted = job->predicted.spp > 0 && !( job->options.settings.time > 0.0 );
     double bytes = (double)( row->fit.bytes_films + row->fit.bytes_hits + row->fit.bytes_lists );
     rf_format_reuse( row->eyes, &job->options.settings.tile, name, sizeof name );
-    rf_tell_gain( &job->tried, gain, sizeof gain );
+    rf_format_gain( &job->tried, gain, sizeof gain );
     rf_format_span( predicted ? job->predicted.seconds : row->seconds, all, sizeof all );
     int used = snprintf( text, RF_VERDICT_SIZE, "%s %s",
                          has_groups( job ) ? "render --group auto takes" : "render --estimator gradient takes", name );
@@ -261,7 +262,7 @@ static void print_plan( const Job* job )
 {
     const RfPlan* plan = &job->plan;
     char verdict[RF_VERDICT_SIZE];
-    tell_verdict( job, verdict );
+    format_verdict( job, verdict );
     printf( "%s\n\n", verdict );
     printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB",
             "hits MiB", "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "fixed", "gain",
@@ -299,7 +300,7 @@ static json_t* row_json( const RfPlanRow* row, const char* tile )
                       "sweeps", row->fit.sweeps, "rays", rays, "reach", rf_json_number( row->reach ), "gain_fixed",
                       rf_json_number( row->gain ), "predicted_gain", rf_json_number( row->measured_gain ), "seconds",
                       rf_json_number( row->seconds ), "relmse", "flicker", "efficiency", "excluded",
-                      rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
+                      rf_format_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
 }
 
 static json_t* plan_json( const Job* job )
@@ -317,7 +318,7 @@ static json_t* plan_json( const Job* job )
     json_t* paper =
         json_pack( "{s:f, s:o}", "theirs", PAPER_BYTES, "ours", has_groups( job ) ? json_real( job->paper_bytes ) : json_null() );
     char verdict[RF_VERDICT_SIZE];
-    tell_verdict( job, verdict );
+    format_verdict( job, verdict );
     json_t* tried = json_pack( "{s:o, s:o, s:o}", "gain", rf_json_number( job->tried.value ), "gain_low",
                                rf_json_number( job->tried.low ), "gain_high", rf_json_number( job->tried.high ) );
     json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:o, s:o}", "verdict", verdict, "predicted",

@@ -49,7 +49,7 @@ static void print_row( const RfTuneRow* row )
     printf( "%c%5d %8s %5d", row->chosen ? '*' : ' ', row->group, tile, row->spp );
     if ( row->rounds == 0 )
     {
-        const char* excluded = rf_tell_excluded( row->excluded, &row->fit, text, sizeof text );
+        const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
         printf( "  not tried%s%s\n", excluded != NULL ? ": " : "", excluded != NULL ? excluded : "" );
         return;
     }
@@ -72,7 +72,7 @@ static void print_rounds( const TuneReport* r )
 }
 
 // Two lines: the best setting and what it is worth, and what the render takes with it.
-static void tell_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
+static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
 {
     if ( r->tune->chosen < 0 )
     {
@@ -86,7 +86,7 @@ static void tell_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
     bool flicker = r->tune->goal == RF_TUNE_FLICKER;
     snprintf( gain, sizeof gain, "no group and no tile is faster at equal %s", flicker ? "flicker" : "noise" );
     if ( reuse )
-        ( flicker ? rf_tell_flicker_gain : rf_tell_gain )( &row->gain, gain, sizeof gain );
+        ( flicker ? rf_tell_flicker_gain : rf_format_gain )( &row->gain, gain, sizeof gain );
     rf_format_span( row->seconds, all, sizeof all );
     int used = snprintf(
         text, RF_VERDICT_SIZE,
@@ -102,7 +102,7 @@ static void print_tune( const TuneReport* r )
 {
     const RfTune* tune = r->tune;
     char verdict[RF_VERDICT_SIZE];
-    tell_verdict( r, verdict );
+    format_verdict( r, verdict );
     printf( "%s\n\n", verdict );
     printf( "%6s %8s %5s %9s %9s %9s %9s %6s %10s %7s %11s %6s\n", "group", "tile", "spp", "MiB", "seconds", "relMSE", "F1",
             "phi", "efficiency", "gain", "95 %", "rounds" );
@@ -129,7 +129,7 @@ static json_t* row_json( const RfTuneRow* row )
         rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "flicker", rf_json_number( row->f1 ), "phi",
         rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain.value ),
         "gain_low", rf_json_number( row->gain.low ), "gain_high", rf_json_number( row->gain.high ), "rounds", row->rounds,
-        "excluded", rf_tell_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
+        "excluded", rf_format_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
 }
 
 static json_t* tune_json( const TuneReport* r )
@@ -144,7 +144,7 @@ static json_t* tune_json( const TuneReport* r )
                                                   round->pixels, "places", round->regions, "passes", round->passes ) );
     }
     char verdict[RF_VERDICT_SIZE];
-    tell_verdict( r, verdict );
+    format_verdict( r, verdict );
     return json_pack( "{s:s, s:s, s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "goal",
                       r->tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise", "rows", rows, "rounds", rounds, "seconds",
                       r->tune->seconds, "budget", r->budget, "frames", r->frames, "width", r->width, "height", r->height,

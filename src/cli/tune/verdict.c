@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-void rf_tell_gain( const RfInterval* gain, char* text, size_t size )
+void rf_format_gain( const RfInterval* gain, char* text, size_t size )
 {
     bool slower = isless( gain->value, 1.0 );
     double value = slower ? 1.0 / gain->value : gain->value;

@@ -8,7 +8,7 @@
 #define RF_VERDICT_SIZE 640
 
 // "1.8 times faster than path tracing at equal noise (95 %: 1.5 to 2.2)".
-void rf_tell_gain( const RfInterval* gain, char* text, size_t size );
+void rf_format_gain( const RfInterval* gain, char* text, size_t size );
 // The same at equal flicker, of which the interval is not known.
 void rf_tell_flicker_gain( const RfInterval* gain, char* text, size_t size );
 
