@@ -10,7 +10,7 @@
 #define RF_CONNECTION_SHARES 7
 extern const float rf_connection_shares[RF_CONNECTION_SHARES];
 
-// What scattered rays would bring by chance alone, by its brightness: octaves of light at the first vertex.
+// Scattered rays that would find connected light by themselves, per octave of its brightness at the first vertex.
 #define RF_CHANCE_OCTAVES 48
 #define RF_FIRST_OCTAVE ( -16 )
 typedef struct RfChanceOctave

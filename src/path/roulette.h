@@ -1,36 +1,35 @@
-// Russian roulette: paths that carry little end by chance, and those that survive are scaled up by the inverse of their survival
-// probability, so the mean stays (Arvo, Kirk, Particle Transport and Image Synthesis, SIGGRAPH 1990). Where it begins and how
-// likely paths survive is decided here alone.
+// Russian roulette: paths of low throughput end at random, and survivors are divided by their survival probability, so the
+// estimate stays unbiased (Arvo, Kirk, Particle Transport and Image Synthesis, SIGGRAPH 1990). Its thresholds are here alone.
 #ifndef REFRAME_PATH_ROULETTE_H
 #define REFRAME_PATH_ROULETTE_H
 
 #include "math/vec3.h"
 
-// The first vertex of a path that roulette is played at.
+// The first vertex of a path with roulette.
 #define RF_ROULETTE_VERTEX 3
 
-// Chains of camera rays that are longer than this have it, too. Up to there they may have passed panes straight, and what a
-// camera sees straight is weighted by the panes' q alone (reuse/harvest/visibility.c).
+// Chains of camera rays have it beyond this vertex. Up to there they may have passed panes straight, and what a camera sees
+// straight is weighted by the panes' q alone (reuse/harvest/visibility.c).
 #define RF_CHAIN_ROULETTE_BEYOND 4
 
-// Survival probability of a path whose throughput has this largest channel. It falls below 1 late: by the third vertex paths have
-// cost most of their rays, and ending them sooner adds more noise than it saves time.
+// Survival probability by the largest channel of the throughput. It falls below 1 late: by the third vertex paths have cost most
+// of their rays, and ending them sooner adds more noise than it saves time.
 static inline float rf_survival( float carried )
 {
     const float certain = 0.25f;
     return rf_minf( carried / certain, 1.0f );
 }
 
-// What a factor of the throughput counts for roulette where other cameras may see the path: it has a floor, since the path may
-// be nearly invisible to its own camera alone.
+// A factor of the throughput, for roulette, at vertices that other cameras may see: it has a floor, since the path may be nearly
+// invisible to its own camera alone.
 static inline float rf_shared_factor( float factor )
 {
     const float least = 0.1f;
     return rf_maxf( factor, least );
 }
 
-// Survival probability of a path as one that the other pixels of its tile reuse, by the luminance that it brings and the mean of
-// the tile's paths (Bauszat, Petitjean, Eisemann, Gradient-Domain Path Reusing, 2017).
+// Survival probability of a path in the reuse by its tile, by its luminance and the mean luminance of the tile's paths
+// (Bauszat, Petitjean, Eisemann, Gradient-Domain Path Reusing, 2017).
 static inline float rf_reuse_survival( float luminance, float tile_mean )
 {
     const float least = 0.1f;

@@ -26,7 +26,7 @@ typedef struct RfPatchLayout
 {
     RfTile tile;
     int width, height;           // of a patch, pixels
-    int grid_width, grid_height; // all patches are shifted by less than that, anew in every pass
+    int grid_width, grid_height; // all patches are shifted by less than that in every pass
     int across, parts;           // patches in a row; patches that share the tiles of one grid
     int count;
     // Scattered, for lens and shutter, whose sample a patch has in common: the tiles of a patch (without tiles, blocks of 2×2)

@@ -41,7 +41,7 @@ typedef struct RfSecondVertices
     int32_t hit[RF_LANES];                  // the hit before it on its path; −1: a specular one
     int32_t owner[RF_LANES];                // the same where the vertex is reused, else −1. Specular vertices are reused for
                                             // light at the end of a chain alone (reuse/tile/tile_chains.h)
-    int shared;                             // so many of them, the first, scatter the same light to all receivers
+    int shared;                             // the first `shared` scatter the same light to all receivers
     RfLightLanes* direct;                   // light samples, K of them, and one of the connector
     RF_ALIGN float throughput[3][RF_LANES]; // of the ray that hit it
     float own_distance2_cos[RF_LANES];      // 1 / G_own
