@@ -6,12 +6,21 @@
 
 #define TRAITS( kind, ... ) [kind] = { __VA_ARGS__ },
 #define NAME( kind, name, ... ) [kind] = name,
+#define CASE( kind, ... )                                                                                                        \
+    case kind: break;
 
 static const RfProjectionTraits s_traits[] = { RF_PROJECTIONS( TRAITS ) };
 
 const char* const g_rf_projection_names[] = { RF_PROJECTIONS( NAME ) NULL };
 
-const RfProjectionTraits* rf_projection_traits( RfProjectionKind kind ) { return s_traits + kind; }
+const RfProjectionTraits* rf_projection_traits( RfProjectionKind kind )
+{
+    switch ( kind ) // so that the compiler tells if a kind has no row
+    {
+        RF_PROJECTIONS( CASE )
+    }
+    return s_traits + kind;
+}
 
 float rf_eye_reach( const RfEye* eye )
 {
