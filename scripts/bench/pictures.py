@@ -5,6 +5,7 @@ Pictures are frames, rows, columns and channels of 64-bit floats; EXR files are 
 import os
 import struct
 import sys
+import zlib
 
 import runs
 
@@ -70,6 +71,19 @@ def read(path, wanted="RGB"):
 def load(pattern, result, wanted="RGB"):
     """The frames that a render reported."""
     return np.stack([read(runs.frame_of(pattern, f["frame"]), wanted) for f in result["frames"]])
+
+
+def write_png(path, picture, stops=0.0):
+    """A picture in sRGB."""
+    light = np.clip(picture * 2.0 ** stops, 0.0, 1.0)
+    coded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
+    rows = np.rint(255.0 * coded).astype(np.uint8).reshape(len(picture), -1)
+    lines = b"".join(b"\0" + row.tobytes() for row in rows)
+    head = struct.pack(">2I5B", picture.shape[1], picture.shape[0], 8, 2, 0, 0, 0)
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n")
+        for kind, data in ((b"IHDR", head), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b"")):
+            file.write(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
 
 
 def blur(grey):

@@ -1,4 +1,4 @@
-"""Runs of reframe for the scripts that measure: timed renders, the JSON of other commands, scenes, and .glb files as JSON."""
+"""Runs of reframe and Blender for the scripts that measure: timed renders, the JSON of other commands, scenes, and .glb files as JSON."""
 import json
 import os
 import re
@@ -8,7 +8,9 @@ import sys
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PROGRAM = os.path.join(TOP, "build", "reframe")
+BLENDER = os.path.join(TOP, "scripts", "blender")
 PLAIN = "0:1"  # GROUP:TILE of path tracing
+SPOT_CONE = 0.1  # radians: its mean cosine is 0.9975
 ADAPTIVE = ("--adaptive", "--no-adaptive")
 
 
@@ -113,3 +115,41 @@ def write_glb(path, gltf, rest):
     text += b" " * (-len(text) % 4)
     with open(path, "wb") as file:
         file.write(struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) + struct.pack("<I4s", len(text), b"JSON") + text + rest)
+
+
+def run_quietly(command):
+    """Runs a program without its output, which is printed if it fails."""
+    # Debian's Blender looks for its Python modules beside the first python3 in PATH
+    path = os.pathsep.join(["/usr/bin", os.environ.get("PATH", "")])
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=dict(os.environ, PATH=path, OMP_WAIT_POLICY="passive"), check=False)
+    if done.returncode != 0:
+        fail("failed: %s\n%s" % (" ".join(command), done.stdout.decode(errors="replace")))
+    return done.stdout.decode(errors="replace")
+
+
+def run_in_blender(blender, script, job, base):
+    with open(base + ".job.json", "w", encoding="utf-8") as file:
+        json.dump(job, file)
+    run_quietly([blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", os.path.join(BLENDER, script), "--", base + ".job.json"])
+
+
+def make_equal(source, made):
+    """A copy of the .glb, simplified to what both renderers treat alike: materials that are neither metal nor glass become Lambert
+    (Cycles' Fresnel mix conserves energy differently), clear coats go, glass absorbs nothing, and spots get a narrow cone with a
+    hard edge (within the cone, Cycles' spots fall off with the cosine, glTF's are uniform)."""
+    gltf, rest = read_glb(source)
+    for material in gltf.get("materials", []):
+        extensions = material.setdefault("extensions", {})
+        extensions.pop("KHR_materials_clearcoat", None)
+        if "KHR_materials_volume" in extensions:
+            extensions["KHR_materials_volume"] = {"thicknessFactor": 1.0}
+        if material.get("pbrMetallicRoughness", {}).get("metallicFactor", 1.0) == 0.0 and "KHR_materials_transmission" not in extensions:
+            extensions["KHR_materials_specular"] = {"specularFactor": 0.0}
+    sky = os.path.splitext(source)[0] + "-sky.hdr"
+    if os.path.exists(sky):
+        gltf["scenes"][0]["extras"] = {"reframe": {"environment": {"map": os.path.basename(sky)}}}
+    gltf["extensionsUsed"] = sorted({*gltf.get("extensionsUsed", []), "KHR_materials_specular"})
+    for light in gltf.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", []):
+        if light["type"] == "spot":
+            light["spot"] = {"innerConeAngle": SPOT_CONE - 1e-4, "outerConeAngle": SPOT_CONE}
+    write_glb(made, gltf, rest)

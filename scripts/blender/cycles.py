@@ -2,14 +2,15 @@
 
   blender -b --factory-startup --python-exit-code 1 -P cycles.py -- JOB.json
 
-The job names the .glb, size, samples, seeds, bounces, where Cycles' pictures go and
+The job names the .glb, its frame (from 0), size, samples, seeds, bounces, where Cycles' pictures go and
 which of Reframe's to read beside them. The means of all of them are written to the
-job's "result", one list of three channels per picture. Written for Blender 3.4.
+job's "result", one list of three channels per picture, and the CPU seconds of Cycles' as "cpu".
 """
 
 import json
 import math
 import os
+import resource
 import struct
 import sys
 
@@ -30,6 +31,12 @@ def extension(description, name):
     return description.get("extensions", {}).get("KHR_materials_" + name, {})
 
 
+def make_sharp(node):
+    """Blender 4 has no such distribution: there a roughness of 0 is sharp."""
+    if "SHARP" in node.bl_rna.properties["distribution"].enum_items:
+        node.distribution = "SHARP"
+
+
 def scattering(nodes, description):
     """A matching shader. Principled does not match: its diffuse part is at least 10 per cent brighter than Lambert."""
     pbr = description.get("pbrMetallicRoughness", {})
@@ -38,7 +45,7 @@ def scattering(nodes, description):
         node = nodes.new("ShaderNodeBsdfGlass")
         node.inputs["IOR"].default_value = extension(description, "ior").get("ior", 1.5)
         node.inputs["Roughness"].default_value = 0.0
-        node.distribution = "SHARP"
+        make_sharp(node)
     elif pbr.get("metallicFactor", 1.0) > 0.0 and pbr.get("roughnessFactor", 1.0) > 0.03:
         # with metallic 1 there is only the specular lobe, and only then its Fresnel reflectance rises to white
         node = nodes.new("ShaderNodeBsdfPrincipled")
@@ -49,7 +56,8 @@ def scattering(nodes, description):
         return node
     elif pbr.get("metallicFactor", 1.0) > 0.0:
         node = nodes.new("ShaderNodeBsdfGlossy")
-        node.distribution = "SHARP"
+        node.inputs["Roughness"].default_value = 0.0
+        make_sharp(node)
     else:
         node = nodes.new("ShaderNodeBsdfDiffuse")
         node.inputs["Roughness"].default_value = 0.0
@@ -118,6 +126,7 @@ def set_cycles(scene, job):
     render.resolution_percentage = 100
     render.threads_mode, render.threads = "FIXED", job["threads"]
     render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    render.image_settings.exr_codec = "NONE"
     scene.view_settings.view_transform = "Raw"
     cycles.device, cycles.samples, cycles.pixel_filter_type = "CPU", job["samples"], "BOX"
     cycles.filter_width = 1.0
@@ -130,7 +139,9 @@ def set_cycles(scene, job):
 
 def set_up(job, gltf):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.import_scene.gltf(filepath=job["scene"], convert_lighting_mode="COMPAT")
+    known = bpy.ops.import_scene.gltf.get_rna_type().properties
+    mode = next(name for name in ("convert_lighting_mode", "export_import_convert_lighting_mode") if name in known)
+    bpy.ops.import_scene.gltf(filepath=job["scene"], **{mode: "COMPAT"})
     for description in gltf.get("materials", []):
         set_material(bpy.data.materials[description["name"]], description)
     cut_lamps({d["name"] for d in gltf.get("materials", []) if max(d.get("emissiveFactor", [0.0])) > 0.0})
@@ -142,7 +153,8 @@ def set_up(job, gltf):
     scene.camera.data.angle_y = gltf["cameras"][0]["perspective"]["yfov"]
     scene.camera.data.clip_start = 1e-3
     set_world(scene, job, gltf)
-    scene.frame_set(0)
+    scene.render.fps = 24
+    scene.frame_set(job.get("frame", 0))
     set_cycles(scene, job)
 
 
@@ -159,12 +171,16 @@ def main():
         job = json.load(file)
     set_up(job, read_gltf(job["scene"]))
     scene = bpy.context.scene
+    cpu = []
     for seed, name in enumerate(job["cycles"]):
+        begin = resource.getrusage(resource.RUSAGE_SELF)
         scene.cycles.seed = seed
         scene.render.filepath = name
         bpy.ops.render.render(write_still=True)
+        end = resource.getrusage(resource.RUSAGE_SELF)
+        cpu.append(end.ru_utime + end.ru_stime - begin.ru_utime - begin.ru_stime)
     with open(job["result"], "w", encoding="utf-8") as file:
-        json.dump({"cycles": [mean(n) for n in job["cycles"]], "reframe": [mean(n) for n in job["reframe"]]}, file)
+        json.dump({"cycles": [mean(n) for n in job["cycles"]], "reframe": [mean(n) for n in job["reframe"]], "cpu": cpu}, file)
 
 
 if __name__ == "__main__":
