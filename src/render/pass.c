@@ -10,8 +10,10 @@
 #include <string.h>
 
 // The first hits of the batch just traced, into the AOVs of its own frame.
-static void add_aovs( const RfRenderer* r, const RfPass* pass, int eye, const void* scratch )
+static void add_aovs( RfRenderer* r, const RfPass* pass, int eye, const void* batch, const void* scratch, void* user )
 {
+    (void)batch;
+    (void)user;
     int frame = pass->group->first_frame + eye;
     RfLiveFilm* live = rf_find_film( r, frame );
     if ( live == NULL )
@@ -25,32 +27,6 @@ static void add_aovs( const RfRenderer* r, const RfPass* pass, int eye, const vo
         .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] ),
     };
     rf_add_to_aovs( &job, r->setup->settings.estimator->first_hits( scratch ) );
-}
-
-// Traces batches [first, first + count) of a pass into memory.batches[0 … count), and their AOVs.
-static void trace_chunk( RfRenderer* r, const RfPass* pass, int first, int count )
-{
-    const RfEstimator* estimator = r->setup->settings.estimator;
-    int jobs = r->setup->sizes.of_estimator.jobs;
-    RfRayCounts rays = { 0 };
-#pragma omp parallel num_threads( r->setup->settings.threads )
-    {
-        rf_set_float_mode();
-        RfRayCounts mine = { 0 };
-        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
-#pragma omp for schedule( dynamic, 1 )
-        for ( int i = 0; i < count; ++i )
-        {
-            int number = r->traced_jobs != NULL ? r->traced_jobs[first + i] : first + i;
-            RfTraceJob job = { number / jobs, number % jobs, pass->number };
-            estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
-            if ( ( r->setup->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 )
-                add_aovs( r, pass, job.eye, scratch );
-        }
-#pragma omp critical
-        rf_add_rays( &rays, &mine );
-    }
-    rf_add_rays( &r->rays, &rays );
 }
 
 // Adds memory.batches[0 … count) to the films of all frames of the group. A job is some rows of one frame, so no two jobs touch the same pixel and every
@@ -201,10 +177,11 @@ RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
     begin_pass( r );
     prepare_pass( r, pass );
     int jobs = list_jobs( r, pass );
+    bool has_aovs = ( r->setup->settings.aovs & RF_FIRST_HIT_AOVS ) != 0;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        trace_chunk( r, pass, first, count );
+        rf_trace_batches( r, pass, first, count, has_aovs ? add_aovs : NULL, NULL );
         accumulate_chunk( r, pass, count );
         RfResult result = end_chunk( r, count, error );
         if ( result != RF_OK )

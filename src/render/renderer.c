@@ -1,8 +1,10 @@
 #include "render/renderer.h"
 
 #include "render/pieces.h"
+#include "trace/trace.h"
 
 #include <math.h>
+#include <omp.h>
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
 {
@@ -69,6 +71,31 @@ void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )
     sum->eye += part->eye;
     sum->thinned += part->thinned;
     sum->kept += part->kept;
+}
+
+void rf_trace_batches( RfRenderer* r, const RfPass* pass, int first, int count, RfTracedFn* traced, void* user )
+{
+    const RfEstimator* estimator = r->setup->settings.estimator;
+    int jobs = r->setup->sizes.of_estimator.jobs;
+    RfRayCounts rays = { 0 };
+#pragma omp parallel num_threads( r->setup->settings.threads )
+    {
+        rf_set_float_mode();
+        RfRayCounts mine = { 0 };
+        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
+#pragma omp for schedule( dynamic, 1 )
+        for ( int i = 0; i < count; ++i )
+        {
+            int number = r->traced_jobs != NULL ? r->traced_jobs[first + i] : first + i;
+            RfTraceJob job = { .eye = number / jobs, .job = number % jobs, .pass = pass->number };
+            estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
+            if ( traced != NULL )
+                traced( r, pass, job.eye, r->memory.batches[i], scratch, user );
+        }
+#pragma omp critical
+        rf_add_rays( &rays, &mine );
+    }
+    rf_add_rays( &r->rays, &rays );
 }
 
 RfFilmCombine rf_film_combine( RfNormalize normalize )

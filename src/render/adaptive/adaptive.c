@@ -86,9 +86,13 @@ static void draw_blocks( const RfRenderer* r, int frame, double share, float* dr
 
 // Notes the class of each pixel's hit, plus 1, and counts the rays of its sample. Counts of integers do not depend on
 // the order of threads.
-static void note_classes( const RfRenderer* r, RfFirstHits first, float* classes )
+static void note_classes( RfRenderer* r, const RfPass* pass, int eye, const void* batch, const void* scratch, void* user )
 {
+    (void)eye;
+    (void)batch;
+    RfFirstHits first = r->setup->settings.estimator->first_hits( scratch );
     const RfVertexLanes* v = first.hits;
+    float* classes = ( (RfLiveFilm*)user )->films[0].extra[pass->half];
     for ( int i = 0; i < v->count; ++i )
     {
         int class = class_of( r->memory.noise, r->setup->sizes.materials, v->material[i] );
@@ -98,26 +102,6 @@ static void note_classes( const RfRenderer* r, RfFirstHits first, float* classes
         n->samples += 1;
 #pragma omp atomic
         n->rays += first.path_rays != NULL ? first.path_rays[v->slot[i]] : 1;
-    }
-}
-
-static void trace_half( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
-{
-    const RfEstimator* estimator = r->setup->settings.estimator;
-#pragma omp parallel num_threads( r->setup->settings.threads )
-    {
-        rf_set_float_mode();
-        RfRayCounts mine = { 0 };
-        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
-#pragma omp for schedule( dynamic, 1 )
-        for ( int i = 0; i < count; ++i )
-        {
-            RfTraceJob job = { 0, first + i, pass->number };
-            estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
-            note_classes( r, estimator->first_hits( scratch ), live->films[0].extra[pass->half] );
-        }
-#pragma omp critical
-        rf_add_rays( &r->rays, &mine );
     }
 }
 
@@ -135,7 +119,7 @@ static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
         for ( int first = 0; first < jobs; first += slots )
         {
             int count = jobs - first < slots ? jobs - first : slots;
-            trace_half( r, &pass, live, first, count );
+            rf_trace_batches( r, &pass, first, count, note_classes, live );
             accumulate_extra( r, &pass, live, count );
         }
     }
@@ -417,31 +401,15 @@ void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
 
 #define EXTRA_GROUP 0x80000000u // no group of the path has these numbers
 
-// Batches [first, first + count) of a frame alone.
-static uint64_t trace_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int first, int count )
+static void count_extra( RfRenderer* r, const RfPass* pass, int eye, const void* batch, const void* scratch, void* user )
 {
-    const RfEstimator* estimator = r->setup->settings.estimator;
-    RfRayCounts rays = { 0 };
-    uint64_t samples = 0;
-#pragma omp parallel num_threads( r->setup->settings.threads ) reduction( + : samples )
-    {
-        rf_set_float_mode();
-        RfRayCounts mine = { 0 };
-        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
-#pragma omp for schedule( dynamic, 1 )
-        for ( int i = 0; i < count; ++i )
-        {
-            void* batch = r->memory.batches[i];
-            estimator->trace( pass->group, ( RfTraceJob ){ 0, first + i, pass->number }, batch, scratch, &mine );
-            samples +=
-                estimator->count_samples( batch, (float)( pass->weight * extra_worth( r ) ), live->films[0].extra[pass->half] );
-        }
-#pragma omp critical
-        rf_add_rays( &rays, &mine );
-    }
-    rf_add_rays( &r->rays, &rays );
-    live->films[0].extra_samples += samples;
-    return samples;
+    (void)eye;
+    (void)scratch;
+    RfFilm* film = ( (RfLiveFilm*)user )->films;
+    float weight = (float)( pass->weight * extra_worth( r ) );
+    uint64_t samples = r->setup->settings.estimator->count_samples( batch, weight, film->extra[pass->half] );
+#pragma omp atomic
+    film->extra_samples += samples;
 }
 
 // Extra samples of a frame: of the tiles that are drawn one more, or, packed, as many as fill a batch of each job. Returns
@@ -459,14 +427,14 @@ static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
                      .half = pass->half,
                      .weight = pass->weight };
     int jobs = r->setup->sizes.of_estimator.jobs;
-    uint64_t samples = 0;
+    uint64_t before = live->films[0].extra_samples;
     for ( int first = 0; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        samples += trace_extra( r, &extra, live, first, count );
+        rf_trace_batches( r, &extra, first, count, count_extra, live );
         accumulate_extra( r, &extra, live, count );
     }
-    return samples;
+    return live->films[0].extra_samples - before;
 }
 
 static void render_frame_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live )
