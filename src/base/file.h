@@ -1,5 +1,4 @@
-// Reads whole files into memory, and hashes their contents.
-// Blender's own files, which users give in place of an export.
+// Reads whole files into memory, hashes their contents, and refuses Blender's own, which users give in place of an export.
 #ifndef REFRAME_BASE_FILE_H
 #define REFRAME_BASE_FILE_H
 

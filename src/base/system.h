@@ -1,5 +1,5 @@
-// Resources of the machine: time, memory, cores.
-// Limits of memory and processor time of containers and services: control groups, versions 1 and 2.
+// Resources of the machine: time, memory, cores; and what control groups (versions 1 and 2) leave of them to containers and
+// services.
 #ifndef REFRAME_BASE_SYSTEM_H
 #define REFRAME_BASE_SYSTEM_H
 

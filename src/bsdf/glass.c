@@ -1,3 +1,4 @@
+// Mirrors and glass, smooth or rough: reflection and transmission of facets, over a base that may show through.
 #include "base/fault.h"
 #include "bsdf/lane.h"
 
@@ -147,7 +148,7 @@ static inline GlassSample sample_transmission( const Glass* g, RfEyeLane eye, Rf
     return out;
 }
 
-// A point of a mirror or of glass, and its events. Private to glass.c and glass.c.
+// Events at a point of a mirror or of glass.
 
 // Mirrors and glass. A microfacet surface (GGX; alpha 0: smooth) that reflects
 // by Fresnel's equations and transmits the rest, tinted (Walter et al. 2007), over

@@ -173,7 +173,7 @@ static json_t* glb_extensions( RfGlbDocument* d )
 }
 
 // The two chunks of a .glb file: the JSON document, and the byte ranges of the
-// binary buffer, one per buffer view and in their order. Internal to glb_write.c.
+// binary buffer, one per buffer view and in their order.
 
 enum
 {

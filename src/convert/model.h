@@ -1,7 +1,6 @@
 // A model being converted from another format to glTF, as plain data: importers
 // fill it, rf_write_glb writes it. The model owns all arrays. The writer rejects
 // indices out of range.
-// Rotates and scales a whole model; counts its parts.
 #ifndef REFRAME_CONVERT_MODEL_H
 #define REFRAME_CONVERT_MODEL_H
 

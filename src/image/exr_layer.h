@@ -1,4 +1,4 @@
-// Selects the channels of an EXR, for colour or for a named layer.
+// Internal to this folder: selects the channels of an EXR, for colour or for a named layer.
 #ifndef REFRAME_IMAGE_EXR_LAYER_H
 #define REFRAME_IMAGE_EXR_LAYER_H
 

@@ -1,3 +1,4 @@
+// Reads EXR files: the pixels of a part, headers, whole images.
 #include "image/exr.h"
 
 #include "image/atomic_file.h"

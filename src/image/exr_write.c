@@ -1,3 +1,4 @@
+// Writes EXR files, and reads back what was written.
 #include "image/exr.h"
 
 #include "image/atomic_file.h"

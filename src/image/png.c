@@ -1,3 +1,4 @@
+// PNG by libpng: writing and decoding.
 #include "image/decode_formats.h"
 
 #include "image/atomic_file.h"

@@ -1,3 +1,4 @@
+// From assimp's scene to a model: files, nodes, meshes.
 #include "import/assimp_import.h"
 
 #include <assimp/cimport.h>

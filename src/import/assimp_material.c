@@ -1,3 +1,4 @@
+// Materials of assimp's scene, and their images.
 #include "import/assimp_import.h"
 
 #include "base/file.h"

@@ -406,8 +406,8 @@ void rf_destroy_light_tree( RfLightTree* tree )
 #define SLACK 1e-3f  // tolerance of cosines: only a light below −SLACK is certain to be under a horizon
 #define LEAST 1e-37f // smallest importance of a child that can contribute
 
-// How much the radius of a ball adds to the cosines of its centre; the least noise
-// measured in halls of 10 to 1000 lamps.
+// How much the radius of a ball adds to the cosines of its centre: little noise in halls
+// of 10 to 1000 lamps.
 #define WIDTH 0.2f
 
 void rf_light_importance( const RfLightNode* node, RfVec3 x, RfVec3 n, float importance[RF_LIGHT_CHILDREN] )

@@ -1,7 +1,6 @@
 // Spatially varying materials: factors times textures times vertex colours, converted to the
-// parameters of the scattering models.
-// Fetches what lookups in textures are about to read into the cache, for many points at once: in large scenes most of the time
-// of a lookup is spent waiting for memory.
+// parameters of the scattering models. In large scenes most of the time of a lookup is spent waiting for memory: texels are
+// fetched into the cache for many points at once.
 #ifndef REFRAME_SCENE_TEXTURED_H
 #define REFRAME_SCENE_TEXTURED_H
 

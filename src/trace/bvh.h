@@ -1,11 +1,9 @@
 // Internal to this folder: Embree's scene. Alpha-masked and alpha-blended triangles and thin panes
 // are a geometry with a filter function; scenes without any have a single geometry.
-// Internal to this folder: Embree's filter function for alpha-masked and alpha-blended surfaces
-// and thin panes.
-// Internal to this folder: triangles that reach far beyond what is looked at, such as a ground of kilometres
-// under a room. Embree's arithmetic in floats starts at vertex 0: hits have an error in proportion to their
-// distance from it, unless the triangle is parallel to an axis plane. Where that is too much, hits are
-// checked in doubles.
+//
+// Triangles that reach far beyond what is looked at, such as a ground of kilometres under a room: Embree's arithmetic in
+// floats starts at vertex 0, and hits have an error in proportion to their distance from it, unless the triangle is parallel to
+// an axis plane. Where that is too much, hits are checked in doubles.
 #ifndef REFRAME_TRACE_BVH_H
 #define REFRAME_TRACE_BVH_H
 

@@ -6,7 +6,8 @@
 // the speed: a monotone cubic maps time to knot, so that the speed is continuous, however
 // unevenly the keys are spaced. Numbers are interpolated by that monotone cubic directly and
 // never leave the range of the neighbouring keys.
-// A curve through waypoints, parametrised by arc length for constant speed.
+//
+// Waypoints are a curve through points that is parametrised by arc length, for constant speed.
 #ifndef REFRAME_SCENE_CAMERA_PATH_CURVE_H
 #define REFRAME_SCENE_CAMERA_PATH_CURVE_H
 

@@ -1,3 +1,4 @@
+// Where the numbers of a document are: URIs, buffers, their views, and accessors.
 #include "scene/gltf/gltf_document.h"
 
 #include "base/file.h"

@@ -1,3 +1,4 @@
+// Lights: punctual ones and the environment.
 #include "scene/gltf/gltf_document.h"
 
 #include "scene/camera.h"

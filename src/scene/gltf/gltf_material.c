@@ -1,3 +1,4 @@
+// Materials and their extensions, except for textures.
 #include "scene/gltf/gltf_materials.h"
 
 #include <math.h>

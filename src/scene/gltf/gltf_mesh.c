@@ -1,3 +1,4 @@
+// Meshes: the primitives of all instances are baked into the triangles of the scene.
 #include "scene/gltf/gltf_geometry.h"
 
 #include "scene/animation.h"

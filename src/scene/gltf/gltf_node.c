@@ -1,3 +1,4 @@
+// Nodes and the animations that move them.
 #include "scene/gltf/gltf_document.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+// Primitives of meshes: triangles, and only the vertices that they use.
 #include "scene/gltf/gltf_geometry.h"
 
 #include "scene/gltf/gltf_materials.h"

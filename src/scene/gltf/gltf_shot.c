@@ -1,3 +1,4 @@
+// What `extras.reframe` of a scene says beside its environment: settings of a render, camera paths, warnings of the exporter.
 #include "scene/gltf/gltf_document.h"
 
 #include "reframe/render.h"

@@ -1,3 +1,4 @@
+// Textures of materials: their images, their uses, and what makes a material vary.
 #include "scene/gltf/gltf_materials.h"
 
 #include "base/file.h"

@@ -1,8 +1,7 @@
 // Reads our own JSON files (scene files, camera paths) and our objects inside glTF. The reader
 // is strict: every error is one line with the JSON path of the value, such as
-// `materials.vase.exponent: wants a number >= 0, got "high"`.
-// Shared by all readers of JSON files: parsing, with line and column in errors, and describing
-// values in messages.
+// `materials.vase.exponent: wants a number >= 0, got "high"`. The glTF reader shares the parser, which gives line and
+// column in errors, and the description of values in messages.
 #ifndef REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 #define REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Internal to material_edit.h: the scattering models of extras.reframe.
+// The scattering models of extras.reframe.
 
 static const char* const s_bsdfs[] = { "gltf", "lambert", "phong", NULL };
 
