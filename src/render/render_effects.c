@@ -185,16 +185,16 @@ static void set_film( const Source* from )
     set( from, RF_EFFECT_ALPHA, alpha, alpha ? "the settings ask for it" : "the settings do not ask for it" );
 }
 
-// Settings of which "auto" is asked tell whether light paths would serve, even if they are off.
-static RfSceneTraits traits_of( const RfScene* scene, const RfEye* eyes, int eye_count, RfRenderSettings settings, bool tell )
+// To explain: whether light paths would help is found by settings that ask for "auto", even if they are off.
+static RfSceneTraits traits_of( const RfScene* scene, const RfEye* eyes, int eye_count, RfRenderSettings settings, bool explain )
 {
-    if ( tell )
+    if ( explain )
         settings.light_paths = RF_LIGHT_PATHS_AUTO;
     return rf_running_traits( scene, rf_scene_traits( scene, eyes, eye_count, &settings ) );
 }
 
-// `tell`: reasons are read, also where finding one takes time.
-static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings, bool tell,
+// `explain`: the reasons are shown to users, so that they are found even where that takes time.
+static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings, bool explain,
                          RfEffect effects[RF_MAX_EFFECTS] )
 {
     RfEffect of_scene[RF_MAX_EFFECTS];
@@ -203,7 +203,7 @@ static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count,
         effects[of_scene[i].id] = of_scene[i];
     Source from = { .scene = scene,
                     .settings = settings,
-                    .traits = traits_of( scene, eyes, eye_count, *settings, tell ),
+                    .traits = traits_of( scene, eyes, eye_count, *settings, explain ),
                     .eye_count = eye_count,
                     .rows = effects };
     if ( eye_count > 0 )

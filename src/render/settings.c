@@ -166,7 +166,7 @@ RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSett
     if ( resolved->threads < 1 )
         resolved->threads = rf_core_count();
     if ( resolved->memory == 0 )
-        resolved->memory = ( rf_free_memory() / 2 ) >> 20 << 20; // whole MiB, as users are reported
+        resolved->memory = ( rf_free_memory() / 2 ) >> 20 << 20; // whole MiB, as it is reported
     if ( resolved->filter_width == 0.0 )
         resolved->filter_width = rf_default_filter_width( resolved->filter );
     // the biased weightings count hits, whose expectation is unknown: only the ratio makes sense

@@ -1,4 +1,4 @@
-// What a render will allocate, by the byte: memory.h allocates the same sums.
+// What a render will allocate, by the byte: memory/memory.h allocates the same sums.
 #ifndef REFRAME_RENDER_SIZES_H
 #define REFRAME_RENDER_SIZES_H
 

@@ -41,7 +41,7 @@ typedef struct RfRenderMemory
 } RfRenderMemory;
 
 // Settles threads and films for the budget. Fails with RF_ERROR_MEMORY where not even the smallest
-// render fits; fit->least tells its size then, too.
+// render fits; fit->least is set then, too.
 RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemoryFit* fit, RfError* error );
 
 // Allocates films, workspaces, and as many batches as serve the threads and fit the budget; buffers

@@ -1,5 +1,5 @@
-// How large a group pays: a few thousand hits along the path, traced by the render's own estimator, tell how many cameras see
-// them and how many rays that takes; fixed costs of rays tell the gain. rf_measure_plan measures the costs on this machine.
+// How large a group pays: a few thousand hits along the path, traced by the render's own estimator, give the number of cameras
+// that see them and of the rays that this takes; the gain follows by fixed costs of rays. rf_measure_plan measures these costs.
 #include "reframe/plan.h"
 
 #include "base/arena.h"

@@ -1,10 +1,9 @@
 // The stop rule of a render that is to reach an error (settings.noise), a flicker (settings.flicker) or to take a time
 // (settings.time): how many passes each group gets, decided while it is rendered.
 //
-// The plan of groups.h gives each group a number of shares, so that the passes of a frame stay
-// spread over all groups that hold it and no seams appear: a full group has one share,
-// an end group as many as it has frames. With r passes per share a frame gets r times those of a full group own-frame samples
-// per pixel, as with settings.spp.
+// The plan of groups.h gives each group a number of shares, so that the passes of a frame stay spread over all groups that hold
+// it and no seams appear: a full group has one share, an end group as many as it has frames. With r passes per share and groups
+// of m frames a frame gets r · m own-frame samples per pixel, as with settings.spp.
 //
 // For an error E: a frame's relMSE is inversely proportional to the weight W of its passes, so
 // with v = relMSE · W it needs W' = v/E − W more. A group gets r = max over its frames of W' over
