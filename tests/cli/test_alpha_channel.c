@@ -1,6 +1,6 @@
 // reframe render --alpha as a user sees it: RGBA in the files, a PNG with straight alpha, commands that read the files.
 #include "support/cli_run.h"
-#include "support/json_room.h"
+#include "support/scene_files.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 // reframe compare as a script sees it: exit status, JSON, and what it refuses.
 #include "cli/commands.h"
-#include "support/command_run.h"
-#include "support/foreign_exr.h"
+#include "support/cli_run.h"
+#include "support/image_files.h"
 #include "image/sequence.h"
 #include "support/image_support.h"
 

@@ -1,6 +1,6 @@
 // --effects and --no-effect as a user sees them: in info, in a render's line, JSON, warnings and header, and with --resume.
 #include "support/cli_run.h"
-#include "support/json_room.h"
+#include "support/scene_files.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -89,8 +89,8 @@ static void test_names_are_checked( void** state )
 static void test_renders_say_what_they_do( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o said.exr " SMALL "--verbose --no-effect phong,light-tree --json said.json 2> said" ), 0,
-                NULL );
+    cli_expect( cli_run( "$R render $VASE -o said.exr " SMALL "--verbose --no-effect phong,light-tree --json said.json 2> said" ),
+                0, NULL );
     cli_expect( cli_run( "grep -q 'effects: diffuse,ggx,.*; left out: phong,light-tree$' said" ), 0, NULL );
     cli_expect( cli_run( "grep -q 'warning: --no-effect light-tree: changes nothing: up to 2 lights' said" ), 0, NULL );
     json_t* json = cli_read_json( "said.json" );

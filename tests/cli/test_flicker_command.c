@@ -2,8 +2,8 @@
 // what it refuses.
 #include "cli/commands.h"
 #include "cli/compare/flicker_report.h"
-#include "support/command_run.h"
-#include "support/foreign_exr.h"
+#include "support/cli_run.h"
+#include "support/image_files.h"
 #include "image/sequence.h"
 #include "measure/flicker_sequence.h"
 #include "support/image_support.h"

@@ -1,8 +1,8 @@
 // reframe flicker reports plain and motion-compensated figures side by side, and finds
 // colour and layers spread over the parts of a file.
 #include "cli/commands.h"
-#include "support/command_run.h"
-#include "support/foreign_exr.h"
+#include "support/cli_run.h"
+#include "support/image_files.h"
 #include "image/sequence.h"
 #include "support/image_support.h"
 

@@ -1,7 +1,7 @@
 // What a file says about its shot is taken from it: numbers of frames, rate, size, lens; frames
 // with the same eye are rendered once; what moves in the file and not here is named.
 #include "support/cli_run.h"
-#include "support/json_room.h"
+#include "support/scene_files.h"
 
 #include "reframe/camera.h"
 #include "reframe/image.h"

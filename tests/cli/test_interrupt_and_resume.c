@@ -25,7 +25,7 @@
 #define SLOW "--frames 1-8 --size 48x27 --spp 48 --group 0 --threads 1 --quiet "
 #endif
 
-static double number( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
+static double value_of( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
 
 static bool is_true( const json_t* json, const char* key )
 {
@@ -70,21 +70,21 @@ static void check_kept( const char* name, const char* older_name, int kept )
     json_t *json = cli_read_json( name ), *older = cli_read_json( older_name );
     assert_int_equal( frame_count( json ), FRAMES );
     assert_int_equal( frame_count( older ), kept );
-    assert_int_equal( (int)number( json, "kept_frames" ), kept );
+    assert_int_equal( (int)value_of( json, "kept_frames" ), kept );
     assert_false( is_true( json, "interrupted" ) );
     for ( size_t i = 0; i < FRAMES; ++i )
     {
         const json_t *frame = frame_of( json, i ), *before = frame_of( older, i );
-        assert_int_equal( (int)number( frame, "frame" ), i + 1 );
+        assert_int_equal( (int)value_of( frame, "frame" ), i + 1 );
         assert_int_equal( is_true( frame, "kept" ), i < (size_t)kept );
-        assert_true( number( frame, "native_spp" ) > 0.0 && number( frame, "effective_spp" ) > 0.0 &&
-                     number( frame, "relmse_estimate" ) > 0.0 );
+        assert_true( value_of( frame, "native_spp" ) > 0.0 && value_of( frame, "effective_spp" ) > 0.0 &&
+                     value_of( frame, "relmse_estimate" ) > 0.0 );
         if ( i >= (size_t)kept )
             continue;
-        assert_true( number( frame, "seconds" ) > 0.0 && number( frame, "seconds" ) == number( before, "seconds" ) );
-        assert_true( fabs( number( frame, "relmse_estimate" ) - number( before, "relmse_estimate" ) ) <=
-                     1e-5 * number( before, "relmse_estimate" ) );
-        assert_true( number( frame, "native_spp" ) == number( before, "native_spp" ) );
+        assert_true( value_of( frame, "seconds" ) > 0.0 && value_of( frame, "seconds" ) == value_of( before, "seconds" ) );
+        assert_true( fabs( value_of( frame, "relmse_estimate" ) - value_of( before, "relmse_estimate" ) ) <=
+                     1e-5 * value_of( before, "relmse_estimate" ) );
+        assert_true( value_of( frame, "native_spp" ) == value_of( before, "native_spp" ) );
     }
     json_decref( json );
     json_decref( older );
@@ -95,8 +95,8 @@ static void check_interrupted_json( const char* name, int kept )
     json_t* json = cli_read_json( name );
     assert_true( is_true( json, "interrupted" ) );
     assert_int_equal( frame_count( json ), kept );
-    assert_int_equal( (int)number( json, "kept_frames" ), 0 );
-    assert_true( number( json_object_get( json, "rays" ), "primary" ) > 0.0 );
+    assert_int_equal( (int)value_of( json, "kept_frames" ), 0 );
+    assert_true( value_of( json_object_get( json, "rays" ), "primary" ) > 0.0 );
     for ( size_t i = 0; i < (size_t)kept; ++i )
         assert_false( is_true( frame_of( json, i ), "kept" ) );
     json_decref( json );
@@ -173,7 +173,7 @@ static void test_resume_and_overwrite( void** state )
     assert_int_equal( frame_count( json ), FRAMES );
     for ( size_t i = 0; i < FRAMES; ++i )
     {
-        assert_int_equal( (int)number( frame_of( json, i ), "frame" ), i + 1 );
+        assert_int_equal( (int)value_of( frame_of( json, i ), "frame" ), i + 1 );
         assert_int_equal( is_true( frame_of( json, i ), "kept" ), kept[i] );
     }
     json_decref( json );
@@ -189,9 +189,9 @@ static void expect_seconds( const char* name, bool known )
     {
         assert_true( is_true( frame_of( json, i ), "kept" ) );
         assert_int_equal( json_is_number( json_object_get( frame_of( json, i ), "seconds" ) ), known );
-        assert_true( number( frame_of( json, i ), "native_spp" ) == 2.0 );
+        assert_true( value_of( frame_of( json, i ), "native_spp" ) == 2.0 );
     }
-    assert_true( number( json_object_get( json, "rays" ), "primary" ) == 0.0 );
+    assert_true( value_of( json_object_get( json, "rays" ), "primary" ) == 0.0 );
     json_decref( json );
 }
 
@@ -288,11 +288,11 @@ static void test_seconds_of_a_group_are_shared( void** state )
     double sum = 0.0, most = 0.0;
     for ( size_t i = 0; i < FRAMES; ++i )
     {
-        double seconds = number( frame_of( json, i ), "seconds" );
+        double seconds = value_of( frame_of( json, i ), "seconds" );
         sum += seconds;
         most = fmax( most, seconds );
     }
-    assert_true( sum > 0.0 && sum <= number( json, "seconds" ) );
+    assert_true( sum > 0.0 && sum <= value_of( json, "seconds" ) );
     if ( most > 0.4 * sum ) // the first had nearly all of it
         fail_msg( "a frame has %g of %g s", most, sum );
     json_decref( json );

@@ -1,6 +1,6 @@
 // Renders on several machines as the program has them: render --check, and a report of what is not finished.
 #include "support/cli_run.h"
-#include "support/page_checks.h"
+#include "support/frame_files.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

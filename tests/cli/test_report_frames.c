@@ -1,8 +1,8 @@
 // Which frames, layers and parts of files reframe report takes, and what it says about
 // missing ones.
 #include "support/cli_run.h"
-#include "support/foreign_exr.h"
-#include "support/page_checks.h"
+#include "support/image_files.h"
+#include "support/frame_files.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -3,7 +3,7 @@
 // test_report_browser.c.
 #include "output/frame_file.h"
 #include "support/cli_run.h"
-#include "support/page_checks.h"
+#include "support/frame_files.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 // What reframe report shows of a render: samples traced, and totals where earlier frames
 // were kept.
 #include "support/cli_run.h"
-#include "support/page_checks.h"
+#include "support/frame_files.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

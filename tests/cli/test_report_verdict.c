@@ -1,7 +1,7 @@
 // What reframe report says in words: the verdict, whether reuse is faster or slower, warnings;
 // and that it takes no cost of another scene.
 #include "support/cli_run.h"
-#include "support/page_checks.h"
+#include "support/frame_files.h"
 
 #include <jansson.h>
 #include <setjmp.h>

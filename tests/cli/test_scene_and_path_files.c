@@ -1,7 +1,6 @@
 // The program with scene files and camera-path files: defaults, errors, schemas, examples.
 #include "support/cli_run.h"
-#include "support/gltf_builder.h"
-#include "support/json_room.h"
+#include "support/scene_files.h"
 
 #include "cli/options/render_options.h"
 #include "image/exr.h"

@@ -1,7 +1,7 @@
 // reframe convert: every error line; a file that crashes the importer does not take the
 // program down.
 #include "support/cli_run.h"
-#include "support/convert_support.h"
+#include "support/scene_files.h"
 
 #include "convert/glb_write.h"
 #include "convert/run_importer.h"

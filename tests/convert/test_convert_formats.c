@@ -1,6 +1,6 @@
 // reframe convert: what of OBJ, Collada and FBX arrives in the scene.
 #include "support/cli_run.h"
-#include "support/convert_support.h"
+#include "support/scene_files.h"
 
 #include "scene/textured.h"
 

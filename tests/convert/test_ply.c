@@ -1,7 +1,7 @@
 // The PLY reader: the three encodings, polygons, colours, what is ignored, and every error
 // line.
 #include "convert/ply_read.h"
-#include "support/gltf_builder.h"
+#include "support/scene_files.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 // AOVs of a render: closed forms, the variance against the true one, the same bits however
 // the frames come about, and no influence on colour.
 #include "support/filter_reference.h"
-#include "support/hard_cases.h"
+#include "support/render_support.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,8 +1,7 @@
 // Small images for the corpus of the fuzz targets, called by make-corpus.
 //
 //     make_fuzz_images FOLDER     which has png, jpeg, exr and hdr
-#include "support/encode_images.h"
-#include "support/foreign_exr.h"
+#include "support/image_files.h"
 
 #include "reframe/image.h"
 

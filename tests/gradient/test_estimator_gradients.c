@@ -2,10 +2,9 @@
 // references over 16 seeds: with tiles of several sizes, cut by the border of the film, and by gradient-domain path
 // tracing; on glossy surfaces, with glass in the tiles; the long run adds diffuse rooms, alpha blending, panes and a sky.
 #include "gradient/films.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
-#include "support/textured_room.h"
 #include "support/unbiased.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 // Hard cases of cameras: whatever the path does, pictures are finite and nothing crashes.
-#include "support/hard_cases.h"
+#include "support/render_support.h"
 
 #include <math.h>
 #include <setjmp.h>

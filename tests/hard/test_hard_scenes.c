@@ -1,6 +1,6 @@
 // Hard cases of scenes: very small, very large and distant ones have the same radiance;
 // odd triangles and extreme materials give finite pictures.
-#include "support/hard_cases.h"
+#include "support/render_support.h"
 #include "support/statistics.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 // Settings at and beyond their limits, and renders stopped by their callbacks.
-#include "support/hard_cases.h"
+#include "support/render_support.h"
 
 #include <limits.h>
 #include <setjmp.h>

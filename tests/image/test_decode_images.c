@@ -1,6 +1,6 @@
 // Decoding images made by others: each format returns what was stored; damaged, truncated
 // or oversized files fail with one line.
-#include "support/encode_images.h"
+#include "support/image_files.h"
 
 #include "image/decode.h"
 #include "image/exr.h"

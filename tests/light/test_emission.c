@@ -4,7 +4,7 @@
 #include "trace/trace.h"
 #include "support/render_support.h"
 #include "support/statistics.h"
-#include "support/textured_room.h"
+#include "support/rooms.h"
 
 #include "base/random.h"
 

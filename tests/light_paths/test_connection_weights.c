@@ -2,9 +2,8 @@
 // from a chain that a light path was bent to, and from what rays hit that went the same way from the other end.
 #include "light_paths/connections_internal.h"
 #include "render/estimator.h"
-#include "support/light_path_set.h"
-#include "support/mirror_rooms.h"
 #include "support/render_support.h"
+#include "support/rooms.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 // Light paths and connections: the same bits for any number of threads and with all records held, memory in the budget's account,
 // and no difference where there is nothing to follow.
 #include "light_paths/light_paths.h"
-#include "support/mirror_rooms.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
 
 #include <setjmp.h>

@@ -1,10 +1,9 @@
 // Connections to light paths bring the light of mirrors and glass without bias: that of lamps without size in a mirror against
 // the mirrored lamps, that of area lights against paths that hit them by chance. Welch tests over 16 seeds.
 #include "light/divide.h"
-#include "support/chain_checks.h"
-#include "support/mirror_rooms.h"
-#include "support/statistics.h"
 #include "support/unbiased.h"
+#include "support/rooms.h"
+#include "support/statistics.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

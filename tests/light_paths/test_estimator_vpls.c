@@ -1,9 +1,8 @@
 // Indirect light from caustics, without bias: a room whose lamp shines on a mirror alone,
 // against paths that hit it by chance. Welch tests over 16 seeds.
-#include "support/chain_checks.h"
+#include "support/unbiased.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
-#include "support/unbiased.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

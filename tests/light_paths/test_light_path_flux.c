@@ -1,6 +1,6 @@
 // The power that light paths carry to where they land, in closed form: also where light starts within a body of glass and ends
 // outside, so that flux and radiance scale differently.
-#include "support/light_path_set.h"
+#include "support/render_support.h"
 #include "support/scene_builder.h"
 
 #include <math.h>

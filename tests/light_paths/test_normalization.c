@@ -2,9 +2,8 @@
 // around a solution is bent to it, as counted by drawing many.
 #include "light_paths/connections_internal.h"
 #include "render/estimator.h"
-#include "support/light_path_set.h"
-#include "support/mirror_rooms.h"
 #include "support/render_support.h"
+#include "support/rooms.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 // Flicker against closed forms.
-#include "support/flicker_frames.h"
+#include "support/frame_files.h"
 
 #include <math.h>
 

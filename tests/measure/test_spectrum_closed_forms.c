@@ -1,5 +1,5 @@
 // Temporal spectrum, seams and slit-scan against closed forms.
-#include "support/flicker_frames.h"
+#include "support/frame_files.h"
 #include "measure/flicker.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 // Tuning decides: which settings are tried and why, how the time is divided, which is
 // chosen.
 #include "render/groups.h"
-#include "support/tune_setup.h"
+#include "support/render_support.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,5 @@
 // Whole tuning runs: rounds, halving, the least budget, interruption.
 #include "support/render_support.h"
-#include "support/tune_setup.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -3,7 +3,7 @@
 #include "support/cli_run.h"
 #include "render/adaptive/adaptive.h"
 #include "render/adaptive/need.h"
-#include "support/mirror_rooms.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 

@@ -1,7 +1,7 @@
 // Alpha: over the sky the picture is the one without alpha, to the last digits; its mean is an independent count of
 // rays that hit something; panes and mirrors cover, holes do not.
-#include "support/hard_cases.h"
-#include "support/pane_room.h"
+#include "support/render_support.h"
+#include "support/rooms.h"
 #include "support/statistics.h"
 
 #include "base/random.h"

@@ -1,8 +1,6 @@
 // The list of effects is complete, names what runs, and forcing or leaving out does what it says.
-#include "support/mirror_rooms.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
-#include "support/textured_room.h"
 
 #include "render/sizes.h"
 #include "scene/lens.h"

@@ -1,7 +1,7 @@
 // Extra own-frame samples where few other frames help leave the estimator unbiased and
 // E[B] = 1: in rooms with mirrors and glass, with cameras far apart, without and with
 // tiles.
-#include "support/mirror_rooms.h"
+#include "support/rooms.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"
 

@@ -1,7 +1,6 @@
 // Effects that change noise alone: without them the picture has the same mean, by an independent reference of the whole scene.
 // (Without the light tree it has the bits of selection by power: tests/render/test_effects.c.)
-#include "support/mirror_rooms.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"
 

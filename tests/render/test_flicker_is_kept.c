@@ -16,7 +16,7 @@
 #define ROOM REFRAME_SCENE_FOLDER "/noise-shelf.glb" // no lamp is seen, whose rim would be all of F1
 #define SMALL "--size 48x27 --group 1 --quiet "
 
-static double number( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
+static double value_of( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
 
 static const json_t* frame_of( const json_t* json, size_t i ) { return json_array_get( json_object_get( json, "frames" ), i ); }
 
@@ -25,13 +25,13 @@ static size_t count_of( const json_t* json ) { return json_array_size( json_obje
 // Every pair that was rendered is below by what is reported, and the first frame has none.
 static void check_told( const json_t* json, double wanted )
 {
-    assert_true( number( json_object_get( json, "flicker" ), "wanted" ) == wanted );
-    assert_int_equal( number( json_object_get( json, "flicker" ), "missed" ), 0 );
+    assert_true( value_of( json_object_get( json, "flicker" ), "wanted" ) == wanted );
+    assert_int_equal( value_of( json_object_get( json, "flicker" ), "missed" ), 0 );
     assert_true( json_is_null( json_object_get( frame_of( json, 0 ), "flicker_estimate" ) ) );
     for ( size_t i = 1; i < count_of( json ); ++i )
     {
         const json_t* frame = frame_of( json, i );
-        double told = number( frame, "flicker_estimate" ), likely = number( frame, "flicker_likely" );
+        double told = value_of( frame, "flicker_estimate" ), likely = value_of( frame, "flicker_likely" );
         bool bound = json_is_true( json_object_get( frame, "flicker_is_lower_bound" ) );
         assert_true( told > 0.0 && likely <= wanted && json_is_true( json_object_get( frame, "reached" ) ) );
         assert_true( bound ? told < likely : told == likely );
@@ -56,8 +56,8 @@ static void test_the_flicker_is_reached( void** state )
         assert_int_equal( json_array_size( json_object_get( flicker, "pairs" ) ), 4 );
         for ( size_t i = 0; i < 4; ++i )
         {
-            double f1 = number( json_array_get( json_object_get( flicker, "pairs" ), i ), "f1" );
-            double likely = number( frame_of( json, i + 1 ), "flicker_likely" );
+            double f1 = value_of( json_array_get( json_object_get( flicker, "pairs" ), i ), "f1" );
+            double likely = value_of( frame_of( json, i + 1 ), "flicker_likely" );
             truth += f1 * f1;
             told += likely * likely;
         }
@@ -80,7 +80,7 @@ static void test_less_flicker_takes_more( void** state )
                     0, NULL );
         json_t* json = cli_read_json( "m.json" );
         check_told( json, i == 0 ? 0.04 : 0.02 );
-        spp[i] = number( frame_of( json, 2 ), "native_spp" );
+        spp[i] = value_of( frame_of( json, 2 ), "native_spp" );
         json_decref( json );
     }
     assert_true( spp[1] > 1.8 * spp[0] ); // 4 times in the mean
@@ -105,13 +105,14 @@ static void test_both_goals_hold( void** state )
         cli_expect( cli_run( "$R render " ROOM " -o n.####.exr --overwrite --frames 3-5 %s --json n.json " SMALL, goals[i] ), 0,
                     NULL );
         json_t* json = cli_read_json( "n.json" );
-        assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
-        assert_int_equal( number( json_object_get( json, "flicker" ), "missed" ), 0 );
+        assert_int_equal( value_of( json_object_get( json, "noise" ), "missed" ), 0 );
+        assert_int_equal( value_of( json_object_get( json, "flicker" ), "missed" ), 0 );
         for ( size_t k = 0; k < 3; ++k )
         {
-            assert_true( number( frame_of( json, k ), "relmse_likely" ) <= number( json_object_get( json, "noise" ), "wanted" ) );
-            assert_true( k == 0 || number( frame_of( json, k ), "flicker_likely" ) <=
-                                       number( json_object_get( json, "flicker" ), "wanted" ) );
+            assert_true( value_of( frame_of( json, k ), "relmse_likely" ) <=
+                         value_of( json_object_get( json, "noise" ), "wanted" ) );
+            assert_true( k == 0 || value_of( frame_of( json, k ), "flicker_likely" ) <=
+                                       value_of( json_object_get( json, "flicker" ), "wanted" ) );
         }
         json_decref( json );
     }
@@ -123,7 +124,7 @@ static void test_what_is_not_reached_is_reported( void** state )
     cli_expect( cli_run( "$R render " ROOM " -o w.####.exr --frames 1-3 --flicker 1e-6 --spp 6 --json w.json " SMALL ), 0,
                 "--flicker 1e-06: not reached in 2 of 3 frames" );
     json_t* json = cli_read_json( "w.json" );
-    assert_int_equal( number( json_object_get( json, "flicker" ), "missed" ), 2 );
+    assert_int_equal( value_of( json_object_get( json, "flicker" ), "missed" ), 2 );
     assert_true( json_is_null( json_object_get( frame_of( json, 0 ), "flicker_estimate" ) ) ); // the first of the path
     assert_true( json_is_false( json_object_get( frame_of( json, 1 ), "reached" ) ) );
     json_decref( json );
@@ -184,7 +185,7 @@ static void test_header_and_json_agree( void** state )
     for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
     {
         assert_int_equal( rf_read_exr_string( path, keys[i][0], value, sizeof value, NULL ), RF_OK );
-        double wanted = number( frame_of( json, 1 ), keys[i][1] );
+        double wanted = value_of( frame_of( json, 1 ), keys[i][1] );
         assert_true( fabs( strtod( value, NULL ) - wanted ) <= 1e-5 * wanted );
     }
     assert_int_equal( rf_read_exr_string( path, "reframe/flicker", value, sizeof value, NULL ), RF_OK );
@@ -225,13 +226,13 @@ static void test_what_it_takes_is_predicted( void** state )
     const json_t* wanted = json_object_get( cost, "wanted_flicker" );
     assert_int_equal( json_array_size( wanted ), 2 );
     const json_t *easy = json_array_get( wanted, 0 ), *hard = json_array_get( wanted, 1 );
-    assert_true( number( easy, "f1" ) == 0.05 && number( hard, "f1" ) == 0.025 );
-    double spp = number( json_object_get( hard, "plain" ), "spp" ),
-           ratio = spp / number( json_object_get( easy, "plain" ), "spp" );
+    assert_true( value_of( easy, "f1" ) == 0.05 && value_of( hard, "f1" ) == 0.025 );
+    double spp = value_of( json_object_get( hard, "plain" ), "spp" ),
+           ratio = spp / value_of( json_object_get( easy, "plain" ), "spp" );
     assert_true( ratio > 3.3 && ratio < 4.7 );
     double taken = 0.0;
     for ( size_t i = 0; i < 4; ++i )
-        taken += number( frame_of( json, i ), "native_spp" ) / 4.0;
+        taken += value_of( frame_of( json, i ), "native_spp" ) / 4.0;
     printf( "samples for F1 0.025: predicted %.0f, taken %.1f\n", spp, taken );
     assert_true( spp > 0.4 * taken && spp < 2.5 * taken );
     json_decref( cost );

@@ -1,6 +1,6 @@
 // Finished frames are handed over on a thread of their own (settings.queue): in order,
 // while rendering continues, whatever stops it, and within the budget.
-#include "support/hard_cases.h"
+#include "support/render_support.h"
 
 #include <pthread.h>
 #include <setjmp.h>

@@ -17,7 +17,7 @@
 #define LARGER "--size 64x36 --group 1 --quiet " // estimates of small pictures are as uncertain as their errors
 #define SMALL "--size 40x24 --group 1 --quiet "
 
-static double number( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
+static double value_of( const json_t* json, const char* key ) { return json_number_value( json_object_get( json, key ) ); }
 
 static const json_t* frame_of( const json_t* json, size_t i ) { return json_array_get( json_object_get( json, "frames" ), i ); }
 
@@ -37,13 +37,13 @@ static void test_the_error_is_reached( void** state )
             0, NULL );
         cli_expect( cli_run( "$R compare n.####.exr ref.####.exr --json c.json" ), 0, NULL );
         json_t *json = cli_read_json( "n.json" ), *error = cli_read_json( "c.json" );
-        assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
+        assert_int_equal( value_of( json_object_get( json, "noise" ), "missed" ), 0 );
         for ( size_t i = 0; i < 2; ++i )
         {
             assert_true( json_is_true( json_object_get( frame_of( json, i ), "reached" ) ) );
-            assert_true( number( frame_of( json, i ), "relmse_estimate" ) <= wanted );
-            above += number( frame_of( error, i ), "relmse" ) > 1.2 * wanted;
-            native += number( frame_of( json, i ), "native_spp" );
+            assert_true( value_of( frame_of( json, i ), "relmse_estimate" ) <= wanted );
+            above += value_of( frame_of( error, i ), "relmse" ) > 1.2 * wanted;
+            native += value_of( frame_of( json, i ), "native_spp" );
             ++all;
         }
         json_decref( json );
@@ -66,7 +66,7 @@ static void test_less_noise_takes_more( void** state )
                      errors[i] ),
             0, NULL );
         json_t* json = cli_read_json( "l.json" );
-        double native = number( frame_of( json, 1 ), "native_spp" );
+        double native = value_of( frame_of( json, 1 ), "native_spp" );
         assert_true( native >= 2.0 && native > before );
         before = native;
         json_decref( json );
@@ -87,10 +87,11 @@ static void test_what_is_not_reached_is_reported( void** state )
     const CliResult* result = cli_run( "$R render $VASE -o m.####.exr --frames 1-4 --noise 1e-6 --spp 9 --json m.json " SMALL );
     cli_expect( result, 0, "--noise 1e-06: not reached in 4 of 4 frames" );
     json_t* json = cli_read_json( "m.json" );
-    assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 4 );
+    assert_int_equal( value_of( json_object_get( json, "noise" ), "missed" ), 4 );
     assert_true( json_is_false( json_object_get( frame_of( json, 0 ), "reached" ) ) );
     for ( size_t i = 0; i < 4; ++i )
-        assert_true( number( frame_of( json, i ), "native_spp" ) >= 8.0 && number( frame_of( json, i ), "native_spp" ) <= 15.0 );
+        assert_true( value_of( frame_of( json, i ), "native_spp" ) >= 8.0 &&
+                     value_of( frame_of( json, i ), "native_spp" ) <= 15.0 );
     json_decref( json );
 }
 
@@ -100,10 +101,10 @@ static void test_time_is_kept_loosely( void** state )
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o s.####.exr --frames 1-6 --time 0.4 --json s.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "s.json" );
-    double seconds = number( json, "seconds" ) - number( json, "seconds_scene" );
+    double seconds = value_of( json, "seconds" ) - value_of( json, "seconds_scene" );
     assert_true( seconds > 1.2 && seconds < 10.0 );
     assert_true( json_is_false( json_object_get( json_object_get( json, "time" ), "too_short" ) ) );
-    assert_true( number( frame_of( json, 3 ), "native_spp" ) >= 2.0 );
+    assert_true( value_of( frame_of( json, 3 ), "native_spp" ) >= 2.0 );
     json_decref( json );
 }
 
@@ -116,8 +117,8 @@ static void test_too_short_a_time_is_reported( void** state )
     assert_true( json_is_true( json_object_get( json_object_get( json, "time" ), "too_short" ) ) );
     for ( size_t i = 0; i < 4; ++i )
     {
-        assert_true( number( frame_of( json, i ), "native_spp" ) >= 2.0 );
-        assert_true( isfinite( number( frame_of( json, i ), "relmse_estimate" ) ) );
+        assert_true( value_of( frame_of( json, i ), "native_spp" ) >= 2.0 );
+        assert_true( isfinite( value_of( frame_of( json, i ), "relmse_estimate" ) ) );
     }
     json_decref( json );
 }
@@ -128,8 +129,8 @@ static void test_whichever_comes_first_stops( void** state )
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o b.####.exr --frames 1-4 --noise 0.1 --time 1000 --json b.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "b.json" );
-    assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
-    assert_true( number( json, "seconds" ) < 100.0 );
+    assert_int_equal( value_of( json_object_get( json, "noise" ), "missed" ), 0 );
+    assert_true( value_of( json, "seconds" ) < 100.0 );
     json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o b.####.exr --overwrite --frames 1-4 --noise 1e-7 --time 1 " SMALL ), 0,
                 "not reached in 4" );
@@ -148,7 +149,7 @@ static void test_resume_keeps_frames_that_reached_it( void** state )
     assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 4 );
     for ( size_t i = 0; i < 4; ++i )
     {
-        assert_true( number( frame_of( json, i ), "relmse_estimate" ) <= 0.05 );
+        assert_true( value_of( frame_of( json, i ), "relmse_estimate" ) <= 0.05 );
         assert_true( json_is_true( json_object_get( frame_of( json, i ), "reached" ) ) );
         assert_int_equal( json_is_true( json_object_get( frame_of( json, i ), "kept" ) ), i != 1 );
     }
@@ -175,7 +176,7 @@ static void test_header_and_json_agree( void** state )
     for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
     {
         assert_int_equal( rf_read_exr_string( path, keys[i][0], value, sizeof value, &error ), RF_OK );
-        double wanted = number( frame_of( json, 1 ), keys[i][1] );
+        double wanted = value_of( frame_of( json, 1 ), keys[i][1] );
         assert_true( fabs( strtod( value, NULL ) - wanted ) <= 1e-5 * wanted );
     }
     assert_int_equal( rf_read_exr_string( path, "reframe/noise", value, sizeof value, &error ), RF_OK );
@@ -209,15 +210,15 @@ static void test_defaults_of_a_scene_file( void** state )
     cli_write( "scene.json", scene, sizeof scene - 1 );
     cli_expect( cli_run( "$R render scene.json -o d.exr --frames 5 --json d.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "d.json" );
-    assert_true( number( frame_of( json, 0 ), "native_spp" ) > 3.0 );
-    assert_true( number( frame_of( json, 0 ), "relmse_estimate" ) <= 0.012 );
+    assert_true( value_of( frame_of( json, 0 ), "native_spp" ) > 3.0 );
+    assert_true( value_of( frame_of( json, 0 ), "relmse_estimate" ) <= 0.012 );
     json_decref( json );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --spp 3 --frames 5 " SMALL ), 0, "not reached in 1 of 1" );
     cli_expect( cli_run( "$R render scene.json -o d.exr --overwrite --noise 0 --frames 5 " SMALL
                          " && $R render $VASE -o e.exr --spp 3 --frames 5 " SMALL " && $R compare d.exr e.exr --json d.json" ),
                 0, NULL );
     json = cli_read_json( "d.json" );
-    assert_true( number( json, "relmse" ) == 0.0 );
+    assert_true( value_of( json, "relmse" ) == 0.0 );
     json_decref( json );
 }
 
@@ -241,9 +242,9 @@ static void test_every_way_of_rendering_reaches_it( void** state )
                 kinds[i] ),
             0, NULL );
         json_t* json = cli_read_json( "k.json" );
-        assert_int_equal( number( json_object_get( json, "noise" ), "missed" ), 0 );
+        assert_int_equal( value_of( json_object_get( json, "noise" ), "missed" ), 0 );
         for ( size_t k = 0; k < 3; ++k )
-            assert_true( number( frame_of( json, k ), "relmse_estimate" ) <= 0.1 );
+            assert_true( value_of( frame_of( json, k ), "relmse_estimate" ) <= 0.1 );
         json_decref( json );
     }
 }

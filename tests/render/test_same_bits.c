@@ -1,12 +1,10 @@
 // What must be the same to the bit: `--group 0` and a plain path tracer; any number of
 // threads; a frame alone and in its sequence; two runs; any budget; with and without
 // tiles.
-#include "support/mirror_rooms.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
-#include "support/textured_room.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

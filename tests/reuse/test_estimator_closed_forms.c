@@ -1,7 +1,7 @@
 // Orthographic cameras see a plane at one angle everywhere, so their pictures have closed forms: what a slab of absorbing
 // glass lets through is a geometric series of Fresnel's reflections, and GGX under a white sky has its single-scattering
 // albedo. By tiles and frames.
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"

@@ -1,7 +1,7 @@
 // Pixel filters are unbiased, under frames, tiles and extra samples: against the filter's formula applied to pictures
 // of many times the pixels by a plain path tracer, and at an edge against the integral of the filter.
 #include "support/filter_reference.h"
-#include "support/mirror_rooms.h"
+#include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"

@@ -1,7 +1,7 @@
 // Curved mirrors, glass, panes and lobes that are nearly specular are rendered without bias by
 // tiles, by groups of frames and by both, against independent references over 16 seeds.
-#include "support/chain_checks.h"
-#include "support/mirror_rooms.h"
+#include "support/unbiased.h"
+#include "support/rooms.h"
 #include "support/statistics.h"
 
 #include <setjmp.h>

@@ -1,7 +1,6 @@
 // Depth of field and motion blur of the camera under frames and tiles are unbiased: against a path tracer that draws a
 // point of the lens and a moment of the shutter for each of its samples.
-#include "support/mirror_rooms.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"

@@ -4,7 +4,7 @@
 // for bit (tests/render/test_same_bits.c).
 #include "support/scene_builder.h"
 #include "support/statistics.h"
-#include "support/textured_room.h"
+#include "support/rooms.h"
 #include "support/unbiased.h"
 
 #include <setjmp.h>

@@ -2,8 +2,7 @@
 // have mean one, at every pixel, for every group and camera path, with and without tiles.
 // A ray that misses everything weighs one in its own frame, so this holds where rays miss
 // as well; tested with a closed and an open scene, with mirrors in both, and with panes that cross.
-#include "support/mirror_rooms.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"

@@ -1,8 +1,8 @@
 // Mirrors whose surface varies, and surfaces with holes or half transparent before and behind
 // mirrors, are rendered without bias by tiles, by groups of frames and by both, against
 // independent references over 16 seeds.
-#include "support/chain_checks.h"
-#include "support/mirror_rooms.h"
+#include "support/unbiased.h"
+#include "support/rooms.h"
 #include "support/statistics.h"
 
 #include <setjmp.h>

@@ -2,8 +2,8 @@
 // against independent references over 16 seeds: one mirror, facing, coplanar and tessellated
 // ones, at the border of the film, with eyes on both sides of the mirror's plane and in it, with
 // paths cut at any vertex, with every kind of light.
-#include "support/chain_checks.h"
-#include "support/mirror_rooms.h"
+#include "support/unbiased.h"
+#include "support/rooms.h"
 #include "support/statistics.h"
 
 #include <setjmp.h>

@@ -3,7 +3,7 @@
 // coloured, with a base, textured, bumpy, blended) are unbiased, against a path tracer that scatters at panes as at
 // other glass and against one that passes them.
 #include "support/embree_kind.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"
 

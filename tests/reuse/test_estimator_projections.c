@@ -1,7 +1,6 @@
 // Orthographic and panoramic cameras under frames and tiles are unbiased: against a path tracer that draws their rays in
 // another way. Their densities are derivatives of their projections, and rays and projections are inverse to each other.
-#include "support/mirror_rooms.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/unbiased.h"
 

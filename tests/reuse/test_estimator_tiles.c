@@ -5,7 +5,7 @@
 // Russian roulette.
 #include "support/scene_builder.h"
 #include "support/statistics.h"
-#include "support/textured_room.h"
+#include "support/rooms.h"
 #include "support/unbiased.h"
 
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 // Split reflections (src/reuse/estimators.md, section 10): stacks of panes, slabs of glass and both in a mirror reflect what
 // closed forms say, and with far less noise than if reflections were left to chance. So do what is seen through many dark panes
 // and what one of them reflects, whatever frames share of it.
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 

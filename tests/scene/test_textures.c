@@ -3,7 +3,7 @@
 // plain path tracer to the bit.
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
-#include "support/textured_room.h"
+#include "support/rooms.h"
 
 #include <math.h>
 #include <setjmp.h>

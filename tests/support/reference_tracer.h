@@ -1,13 +1,74 @@
-// A plain path tracer, one path at a time, that knows nothing of wavefronts,
-// groups, records or weights over eyes: the independent reference of the
-// statistical tests, and what `--group 0` must equal bit for bit.
+// Points of surfaces, one at a time, for the plain tracers of the tests.
 #ifndef REFRAME_TESTS_REFERENCE_TRACER_H
 #define REFRAME_TESTS_REFERENCE_TRACER_H
 
+#include "base/random.h"
+#include "bsdf/bsdf.h"
 #include "scene/eye.h"
 #include "trace/trace.h"
 
 #include <stdint.h>
+
+// A surface point, seen along −wo.
+typedef struct Point
+{
+    RfVec3 p, ng, n, wo;
+    RfVec3 coat_n;
+    RfMaterial material; // as it is here
+    bool inside;         // seen from behind
+    float ior;           // relative, for glass
+    RfVec3 emission;
+    float offset;
+    uint32_t light;  // its number, or RF_NO_LIGHT
+    float light_pdf; // of a light sample at the ray's origin choosing this point, once the light is picked
+} Point;
+
+// The thin panes on a straight way: the probability of passing, and the colour over it.
+typedef struct Panes
+{
+    float probability;
+    RfVec3 weight;
+} Panes;
+
+// Parameters of a point as one lane.
+typedef struct Lane
+{
+    float param[RF_PARAM_COUNT];
+    RfBsdfLanes lanes;
+} Lane;
+
+// Where a path goes on from a point: direction, f |cos| / density, density,
+// and where the ray starts; side 0 where it ends.
+typedef struct Onward
+{
+    RfVec3 wi, weight, f;
+    float pdf, cos_x, side;
+} Onward;
+
+// What a ray meets first; `panes`: those on the way; NULL: they are found like other surfaces.
+bool find_point( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes* panes );
+
+void fill_point_lane( const Point* x, Lane* lane );
+
+// Of mirrors and glass.
+bool is_native_point( const Point* x );
+
+// f and density of the lobes that can be asked, for light from wi.
+RfVec3 evaluate_point( const Point* x, RfVec3 wi, float* pdf );
+
+// Samples by three random numbers from this dimension on.
+Onward scatter_at( const Point* x, RfRandomKey key, uint32_t dimension );
+
+RfVec3 onward_start( const Point* x, const Onward* onward );
+
+// Of the light from x to o, which is inside of the body if x is seen from there.
+RfVec3 part_left_at( const Point* x, RfVec3 o );
+
+// ---- reference tracer ----
+
+// A plain path tracer, one path at a time, that knows nothing of wavefronts,
+// groups, records or weights over eyes: the independent reference of the
+// statistical tests, and what `--group 0` must equal bit for bit.
 
 typedef struct ReferenceSettings
 {

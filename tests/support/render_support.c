@@ -1,10 +1,18 @@
 #include "support/render_support.h"
+
+#include "render_support.h"
 #include "reuse/tile/tile.h"
 #include "support/statistics.h"
 
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 #define MOST_FRAMES 64
 
@@ -89,4 +97,139 @@ RfRenderSettings plain_settings( void )
     settings.tile = rf_no_tile();
     settings.adaptive = RF_ADAPTIVE_OFF;
     return settings;
+}
+
+// ---- light path set ----
+
+void draw_light_path_set( const RfScene* scene, int width, int height, LightPathSet* set )
+{
+    *set = ( LightPathSet ){ .tracer = make_tracer( scene ), .settings = plain_settings() };
+    set->settings.threads = 1;
+    set->settings.light_paths = RF_LIGHT_PATHS_ON;
+    set->group = ( RfEstimatorGroup ){
+        .tracer = set->tracer, .settings = &set->settings, .width = width, .height = height, .eye_count = 1
+    };
+    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+        set->group.traits.chain_triangles += rf_is_chain_surface( scene->materials + scene->triangles.material[i] );
+    set->group.traits.materials = scene->material_count;
+    set->group.traits.most_lights = scene->triangles.count + 1;
+    set->path = ( RfPathSettings ){ .tracer = set->tracer, .max_depth = 12, .light_samples = 1 };
+    size_t bytes = rf_light_paths_bytes( &set->group );
+    set->paths = aligned_alloc( 64, bytes );
+    assert_non_null( set->paths );
+    memset( set->paths, 0, bytes );
+    rf_draw_light_paths( &set->group, 0, set->paths );
+}
+
+void free_light_path_set( LightPathSet* set )
+{
+    free( set->paths );
+    rf_destroy_tracer( set->tracer );
+}
+
+// ---- hard cases ----
+
+RfRenderSettings small_settings( int group, int spp )
+{
+    RfRenderSettings settings = rf_default_render_settings();
+    settings.filter = RF_FILTER_BOX;
+    settings.group = group;
+    settings.spp = spp;
+    settings.max_depth = 5;
+    settings.threads = 1; // small pictures: more would wait for each other
+    settings.memory = (size_t)256 << 20;
+    return settings;
+}
+
+// What (E2) subtracts is bounded by what the pixel holds in all.
+static bool may_be_negative( const RfRenderSettings* settings )
+{
+    return settings->group != 0 && settings->weights == RF_WEIGHTS_EXACT && settings->normalize == RF_NORMALIZE_CROSSFIT;
+}
+
+static void fail_pixel( const char* what, const RfRenderSettings* s, size_t i, double value )
+{
+    print_error( "%s: group %d, weights %d, normalize %d: value %zu is %g\n", what, s->group, (int)s->weights, (int)s->normalize,
+                 i, value );
+    fail();
+}
+
+double check_sane_settings( const char* what, const RfTracer* tracer, const RfEye* eyes, int eye_count,
+                            const RfRenderSettings* settings )
+{
+    Rendered r = render_all( tracer, eyes, eye_count, settings );
+    assert_int_equal( r.count, eye_count );
+    double sum = 0.0;
+    size_t values = 3 * r.pixels * (size_t)r.count;
+    for ( size_t i = 0; i < values; ++i )
+    {
+        double value = (double)r.rgb[i];
+        if ( !isfinite( value ) || ( value < 0.0 && !may_be_negative( settings ) ) )
+            fail_pixel( what, settings, i, value );
+        sum += value / (double)values;
+    }
+    for ( size_t i = 0; i < r.pixels * (size_t)r.count; ++i )
+    {
+        double weight = (double)r.weight[i];
+        if ( !isfinite( weight ) || weight < 0.0 )
+            fail_pixel( what, settings, i, weight );
+    }
+    free_rendered( &r );
+    return sum;
+}
+
+double check_sane( const char* what, const RfScene* scene, const RfEye* eyes, int eye_count )
+{
+    RfTracer* tracer = make_tracer( scene );
+    RfRenderSettings settings = small_settings( 0, 4 );
+    double mean = check_sane_settings( what, tracer, eyes, eye_count, &settings );
+    settings = small_settings( 2, 10 );
+    for ( int n = RF_NORMALIZE_CROSSFIT; n <= RF_NORMALIZE_NONE; ++n )
+    {
+        settings.normalize = (RfNormalize)n;
+        check_sane_settings( what, tracer, eyes, eye_count, &settings );
+    }
+    for ( int w = RF_WEIGHTS_EQ15; w <= RF_WEIGHTS_UNWEIGHTED; ++w )
+    {
+        settings.weights = (RfWeights)w;
+        check_sane_settings( what, tracer, eyes, eye_count, &settings );
+    }
+    rf_destroy_tracer( tracer );
+    return mean;
+}
+
+// ---- tune setup ----
+
+void begin_tune_setup( TuneSetup* s, int eyes, int spp )
+{
+    s->scene = make_room( ROOM_DIFFUSE );
+    s->tracer = make_tracer( &s->scene );
+    orbit_eyes( s->eyes, TUNE_EYES, 1.0f, TUNE_WIDTH, TUNE_HEIGHT );
+    for ( int i = 0; i < TUNE_EYES; ++i )
+        s->frames[i] = i;
+    s->settings = rf_default_render_settings();
+    s->settings.filter = RF_FILTER_BOX;
+    s->settings.spp = spp;
+    s->settings.memory = (size_t)256 << 20;
+    s->settings.threads = 2;
+    s->job = ( RfTuneJob ){ .tracer = s->tracer,
+                            .eyes = s->eyes,
+                            .eye_count = eyes,
+                            .frames = s->frames,
+                            .frame_count = eyes,
+                            .settings = &s->settings };
+}
+
+void end_tune_setup( TuneSetup* s )
+{
+    rf_destroy_tracer( s->tracer );
+    rf_destroy_scene( &s->scene );
+}
+
+int tune_rows_tried( const RfTune* tune )
+{
+    int count = 0;
+    for ( int i = 0; i < tune->count; ++i )
+        count += tune->rows[i].excluded == NULL;
+    return count;
 }

@@ -1,7 +1,9 @@
 #include "support/unbiased.h"
 
 #include "support/reference_tracer.h"
+#include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <omp.h>
@@ -177,4 +179,204 @@ void assert_unbiased( const char* what, const Images* rendered, const Images* re
     assert_true( is_likely( b.smallest_p ) );
     assert_true( is_likely( b.uniform_p ) );
     assert_true( is_likely( p.smallest_p ) );
+}
+
+// ---- chain checks ----
+
+#define BLOCK 4
+#define PIXELS ( CHAIN_WIDTH * CHAIN_HEIGHT )
+#define REFERENCE_SPP 24 // of frames that are tested by block and pixel
+#define REFERENCE_SPP_REST 12
+#define FRAMES 3
+#define MIDDLE 1          // of the frames
+#define SHARP_ALPHA 0.01f // GGX lobes that count as nearly specular
+
+static const int s_frames[FRAMES] = { 1, 3, 5 };
+
+const ChainSetting g_all_reuse[4] = {
+    { .group = 0, .tile = "3x3", .spp = 6 },
+    { .group = 1, .tile = "1", .spp = 6 },
+    { .group = 3, .tile = "1", .spp = 7 },
+    { .group = 3, .tile = "3x3", .spp = 7 },
+};
+const ChainSetting g_tiles_and_both[2] = { { .group = 0, .tile = "3x3", .spp = 6 }, { .group = 3, .tile = "3x3", .spp = 7 } };
+const ChainSetting g_adaptive[1] = {
+    { .group = 3, .tile = "3x3", .spp = 7, .adaptive = true },
+};
+const ChainSetting g_connected[2] = {
+    { .group = 0, .tile = "1", .spp = 3, .connected = true },
+    { .group = 1, .tile = "3x3", .spp = 3, .connected = true },
+};
+
+static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
+
+static int samples( int spp ) { return is_long() ? 4 * spp : spp; }
+
+ChainCase chain_case( const char* what, int max_depth )
+{
+    ChainCase c = { .what = what, .max_depth = max_depth, .settings = g_tiles_and_both, .setting_count = 2 };
+    orbit_eyes( c.eyes, CHAIN_EYES, 3.0f, CHAIN_WIDTH, CHAIN_HEIGHT );
+    return c;
+}
+
+static bool is_sharp( const RfMaterial* m )
+{
+    if ( m->kind == RF_BSDF_COATED )
+        return m->clearcoat_alpha < SHARP_ALPHA;
+    return m->kind == RF_BSDF_GLASS || ( m->kind == RF_BSDF_GGX && m->alpha < SHARP_ALPHA );
+}
+
+// Marks the pixels whose centres see a mirror, glass or a sharp lobe. Returns how many.
+static int mark_sharp( const RfTracer* tracer, const RfEye* eye, bool* marked )
+{
+    int count = 0;
+    for ( int i = 0; i < PIXELS; ++i )
+    {
+        float fx = ( (float)( i % CHAIN_WIDTH ) + 0.5f - 0.5f * CHAIN_WIDTH ) / eye->focal;
+        float fy = ( 0.5f * CHAIN_HEIGHT - (float)( i / CHAIN_WIDTH ) - 0.5f ) / eye->focal;
+        RfVec3 d = rf_normalize( rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy ) );
+        const float* o_in[3] = { &eye->origin.x, &eye->origin.y, &eye->origin.z };
+        const float* d_in[3] = { &d.x, &d.y, &d.z };
+        uint32_t triangle;
+        float u, v;
+        rf_trace_nearest( tracer, 1, o_in, d_in, true, &triangle, &u, &v );
+        marked[i] = triangle != RF_MISS &&
+                    is_sharp( rf_tracer_scene( tracer )->materials + rf_tracer_triangles( tracer )[triangle].material );
+        count += marked[i];
+    }
+    return count;
+}
+
+// Independent images of the frames that are tested.
+typedef struct FrameImages
+{
+    Images frame[FRAMES];
+} FrameImages;
+
+static void free_frames( FrameImages* images )
+{
+    for ( int f = 0; f < FRAMES; ++f )
+        free_images( images->frame + f );
+}
+
+static FrameImages reference_frames( const ChainCase* c, const RfTracer* tracer, const RfRenderSettings* settings )
+{
+    FrameImages images;
+    for ( int f = 0; f < FRAMES; ++f )
+    {
+        int spp = c->every_frame || f == MIDDLE ? REFERENCE_SPP : REFERENCE_SPP_REST;
+        images.frame[f] = reference_images( tracer, c->eyes, s_frames[f], samples( spp ), settings );
+    }
+    return images;
+}
+
+// From 0 on and far below those of the references; a different one for each case, so that one unlucky set of
+// random numbers is not in all of them. FNV-1a of the name.
+static uint64_t first_seed( const char* what )
+{
+    uint32_t hash = 2166136261u;
+    for ( ; *what != '\0'; ++what )
+        hash = ( hash ^ (uint8_t)*what ) * 16777619u;
+    return hash % 50000u * SEEDS;
+}
+
+// By the renderer, which renders the frames together.
+static FrameImages rendered_frames( const ChainCase* c, const RfTracer* tracer, RfRenderSettings settings )
+{
+    FrameImages images;
+    for ( int f = 0; f < FRAMES; ++f )
+        images.frame[f] = ( Images ){ .width = CHAIN_WIDTH, .height = CHAIN_HEIGHT, .count = SEEDS };
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        settings.seed = first_seed( c->what ) + (uint64_t)k;
+        Rendered r = render_frames( tracer, c->eyes, CHAIN_EYES, s_frames, FRAMES, &settings );
+        for ( int f = 0; f < FRAMES; ++f )
+        {
+            size_t bytes = 3 * r.pixels * sizeof( float );
+            float* rgb = images.frame[f].rgb[k] = malloc( bytes );
+            if ( rgb == NULL )
+                abort();
+            memcpy( rgb, frame_rgb( &r, f ), bytes );
+        }
+        free_rendered( &r );
+    }
+    return images;
+}
+
+// The pixels that are looked at together.
+typedef struct Marked
+{
+    bool pixel[FRAMES][PIXELS];
+    int count;
+} Marked;
+
+static void marked_means( const FrameImages* images, const Marked* marked, double means[SEEDS] )
+{
+    for ( int k = 0; k < SEEDS; ++k )
+    {
+        means[k] = 0.0;
+        for ( int i = 0; i < FRAMES * PIXELS; ++i )
+        {
+            const float* p = images->frame[i / PIXELS].rgb[k] + 3 * ( i % PIXELS );
+            double value = 0.2126 * (double)p[0] + 0.7152 * (double)p[1] + 0.0722 * (double)p[2];
+            means[k] += marked->pixel[i / PIXELS][i % PIXELS] ? value / marked->count : 0.0;
+        }
+    }
+}
+
+// Welch's test of the mean over the marked pixels. Prints the relative error of their difference, of which
+// a bias of some five is found.
+static void assert_marked_unbiased( const FrameImages* rendered, const FrameImages* reference, const Marked* marked )
+{
+    double a[SEEDS], b[SEEDS], error_a, error_b;
+    marked_means( rendered, marked, a );
+    marked_means( reference, marked, b );
+    double mean = mean_of( a, SEEDS, &error_a ), expected = mean_of( b, SEEDS, &error_b ), p = welch_p( a, SEEDS, b, SEEDS );
+    printf( "    %2d %% of the pixels: off by %.2f %% ± %.2f %%, p %.3g\n", 100 * marked->count / ( FRAMES * PIXELS ),
+            100.0 * ( mean / expected - 1.0 ), 100.0 * sqrt( error_a * error_a + error_b * error_b ) / expected, p );
+    assert_true( is_likely( p ) );
+}
+
+static void check_setting( const ChainCase* c, const RfTracer* tracer, RfRenderSettings settings, const ChainSetting* s,
+                           const FrameImages* reference, const Marked* marked )
+{
+    settings.group = s->group;
+    settings.spp = samples( s->spp );
+    settings.adaptive = s->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
+    settings.light_paths = s->connected ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
+    assert_true( rf_parse_tile( s->tile, &settings.tile ) );
+    FrameImages rendered = rendered_frames( c, tracer, settings );
+    for ( int f = 0; f < FRAMES; ++f )
+    {
+        char name[96], number[16] = "";
+        if ( c->every_frame )
+            snprintf( number, sizeof number, ", frame %d", s_frames[f] );
+        snprintf( name, sizeof name, "%s%s, group %d tile %s%s%s:", c->what, number, s->group, s->tile,
+                  s->adaptive ? ", adaptive" : "", s->connected ? ", connected" : "" );
+        if ( c->every_frame || f == MIDDLE )
+            assert_unbiased( name, rendered.frame + f, reference->frame + f, BLOCK );
+    }
+    assert_marked_unbiased( &rendered, reference, marked );
+    free_frames( &rendered );
+}
+
+void check_chains( const ChainCase* c, RfScene scene )
+{
+    static Marked marked;
+    RfTracer* tracer = make_tracer( &scene );
+    RfRenderSettings settings = plain_settings();
+    settings.max_depth = c->max_depth;
+    settings.memory = (size_t)256 << 20;
+    marked.count = 0;
+    for ( int f = 0; f < FRAMES; ++f )
+        marked.count += mark_sharp( tracer, c->eyes + s_frames[f], marked.pixel[f] );
+    assert_true( marked.count > 0 );
+    FrameImages reference = reference_frames( c, tracer, &settings );
+    for ( int k = 0; k < c->setting_count; ++k )
+        check_setting( c, tracer, settings, c->settings + k, &reference, &marked );
+    for ( int k = 0; is_long() && c->settings != g_all_reuse && k < 4; ++k )
+        check_setting( c, tracer, settings, g_all_reuse + k, &reference, &marked );
+    free_frames( &reference );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
 }

@@ -1,7 +1,7 @@
 // Rays and segments on processors of all kinds: Embree with packets of 16 (AVX-512) and without. Lanes that are not to be traced
 // are left alone, and what is found does not depend on the kind.
 #include "support/embree_kind.h"
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
 #include "trace/trace.h"
 

@@ -1,8 +1,7 @@
 // Rays and segments through thin panes against closed forms: probability and colour of several in a row, from both
 // sides, with holes of their alpha, and how often rays pass; queries that do not pass them.
-#include "support/pane_room.h"
+#include "support/rooms.h"
 #include "support/render_support.h"
-#include "support/textured_room.h"
 
 #include "trace/trace.h"
 

@@ -1,6 +1,6 @@
 // Curves of camera paths: they meet every key, have the shape of closed forms, and their
 // speed does not jump; walks by arc length.
-#include "support/camera_path_checks.h"
+#include "support/scene_files.h"
 
 #include "math/quat.h"
 #include "scene/camera_path/curve.h"

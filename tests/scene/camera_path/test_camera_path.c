@@ -1,8 +1,7 @@
 // Camera-path files: every kind against its closed form, frame times, and every way to get
 // a file wrong.
-#include "support/camera_path_checks.h"
+#include "support/scene_files.h"
 #include "support/cli_run.h"
-#include "support/gltf_builder.h"
 
 #include "scene/gltf/gltf.h"
 

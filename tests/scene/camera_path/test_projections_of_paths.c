@@ -1,8 +1,7 @@
 // Orthographic and panoramic cameras in paths and glTF files, and what a shutter sees at the ends of a path and of a lens
 // that is being shifted.
-#include "support/camera_path_checks.h"
+#include "support/scene_files.h"
 #include "support/cli_run.h"
-#include "support/gltf_checks.h"
 
 #include "scene/lens.h"
 

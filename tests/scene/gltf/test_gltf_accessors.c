@@ -1,5 +1,5 @@
 // A corpus of small glTF files with accessors of every component type, packed, strided and sparse.
-#include "support/gltf_checks.h"
+#include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
 

@@ -2,8 +2,8 @@
 // that test_gltf_faults, test_gltf_materials and test_gltf_textures do not cover: each
 // gives an error line that names the file, the object and the fault. Not here: limits that
 // take gigabytes to reach, and failed allocations.
-#include "support/encode_images.h"
-#include "support/gltf_builder.h"
+#include "support/image_files.h"
+#include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
 

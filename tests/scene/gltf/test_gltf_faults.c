@@ -1,7 +1,7 @@
 // What the glTF reader refuses: every fault is one line that names the file and the
 // object, and no input makes it crash, hang or leak.
 
-#include "support/gltf_builder.h"
+#include "support/scene_files.h"
 
 #include "base/file.h"
 #include "scene/gltf/gltf.h"

@@ -1,7 +1,7 @@
 // A corpus of small glTF files, one for each feature of the format that they can use: animations with every sampler and
 // target; what is read without being drawn, and what is ignored with one warning. Accessors, materials, textures and
 // geometry have their own tests.
-#include "support/gltf_checks.h"
+#include "support/scene_files.h"
 
 #include "scene/animation.h"
 #include "scene/camera.h"

@@ -1,6 +1,6 @@
 // Geometry as the glTF reader takes it: accessors, meshes, transforms, containers.
 
-#include "support/gltf_checks.h"
+#include "support/scene_files.h"
 
 #include <math.h>
 #include <setjmp.h>

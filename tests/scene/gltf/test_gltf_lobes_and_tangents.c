@@ -1,8 +1,8 @@
 // Textures of glTF's material extensions (transmission, volume, clear coat), and the
 // tangents that the reader makes where a file has none: against those of a sphere, and
 // where texture coordinates are mirrored.
-#include "support/encode_images.h"
-#include "support/gltf_checks.h"
+#include "support/image_files.h"
+#include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
 #include "scene/textured.h"

@@ -1,7 +1,6 @@
 // Materials, lamps and instances of glTF extensions: what is read, and every
 // error line.
-#include "support/gltf_builder.h"
-#include "support/gltf_checks.h"
+#include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
 

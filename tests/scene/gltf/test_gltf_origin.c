@@ -1,6 +1,6 @@
 // Scenes far from the origin are loaded around their middle: to the bit as if they were not, with eyes, lamps, bounds
 // and matrices where they belong.
-#include "support/gltf_checks.h"
+#include "support/scene_files.h"
 
 #include "reframe/camera.h"
 #include "scene/camera.h"

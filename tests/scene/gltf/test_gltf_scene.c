@@ -1,7 +1,7 @@
 // The rest of a glTF scene as the reader takes it: materials, cameras, animations,
 // warnings; and scenes of others where REFRAME_SCENES names their folder.
 
-#include "support/gltf_checks.h"
+#include "support/scene_files.h"
 
 #include "scene/camera.h"
 #include "scene/gltf/gltf.h"

@@ -1,8 +1,8 @@
 // Textures of glTF: where images come from, how texture infos, samplers and transforms are
 // read, colour spaces, second coordinates, vertex colours, alpha; and the error line of
 // everything that can be wrong with them.
-#include "support/encode_images.h"
-#include "support/gltf_checks.h"
+#include "support/image_files.h"
+#include "support/scene_files.h"
 
 #include "image/decode.h"
 #include "scene/gltf/gltf.h"

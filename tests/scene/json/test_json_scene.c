@@ -1,9 +1,7 @@
 // Scene files: what they change of a glTF, and every way to get one wrong.
-#include "support/camera_path_checks.h"
+#include "support/scene_files.h"
 #include "support/cli_run.h"
-#include "support/encode_images.h"
-#include "support/gltf_builder.h"
-#include "support/json_room.h"
+#include "support/image_files.h"
 
 #include "scene/json/material_edit.h"
 

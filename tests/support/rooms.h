@@ -1,8 +1,9 @@
 // Rooms with mirrors and glass, for the tests of chains: what the eye sees through delta
 // vertices before the first one that can be evaluated.
-#ifndef REFRAME_TESTS_MIRROR_ROOMS_H
-#define REFRAME_TESTS_MIRROR_ROOMS_H
+#ifndef REFRAME_TESTS_ROOMS_H
+#define REFRAME_TESTS_ROOMS_H
 
+#include "scene/textured.h"
 #include "support/scene_builder.h"
 
 typedef enum MirrorRoom
@@ -60,5 +61,65 @@ void sweep_eyes( RfEye* eyes, int count, int width, int height );
 // Eyes that pass through the plane of STANDING_MIRROR: in front of it, the middle one exactly
 // in it, and behind it.
 void crossing_eyes( RfEye* eyes, int count, int width, int height );
+
+// ---- pane room ----
+
+// A room with thin panes of all kinds.
+
+typedef enum PaneLight
+{
+    PANES_AND_AREA_LIGHT,
+    PANES_AND_LAMP, // a point light
+    PANES_AND_SUN,
+    PANES_AND_SKY,
+    PANES_AND_ALL,
+} PaneLight;
+
+// The GGX room of scene_builder.h, lit through a ceiling of clear panes, two in a row. Inside stand coloured
+// panes, one with a base, one whose transmission and roughness vary, one with bumps, one that is alpha-blended,
+// a ball of thin glass and a blended curtain.
+RfScene make_pane_room( PaneLight light );
+
+// A smooth thin wall with this tint over a Lambert base.
+RfMaterial make_thin_pane( RfVec3 tint, float base );
+
+// F of a dielectric, by Fresnel's equations.
+double fresnel( double cos_theta, double ior );
+
+// ---- textured room ----
+
+// A room where everything that textures can change is changed.
+
+// The GGX room of scene_builder.h with a textured light (part of it black), a
+// wall that is cut out by its alpha, walls with a texture of colour, a sphere
+// with vertex colours and bumps, a block whose roughness and metal vary.
+RfScene make_textured_room( void );
+
+// The GGX room with a wall, a sphere and a light that let part of the light
+// straight through, the wall by a texture's alpha.
+RfScene make_blended_room( void );
+
+// The GGX room with a ball whose parts are glass, metal and paint, a block under
+// a coat that comes and goes, with bumps of its own, and a lacquered wall.
+RfScene make_varied_room( void );
+
+// The textures of these rooms, by number.
+#define COLOR_TEXTURE 0 // with alpha
+#define BUMP_TEXTURE 2
+
+// Adds these textures and texture coordinates to a scene that has none, and vertex colours.
+void add_test_textures( RfScene* scene );
+
+// Makes a material of the scene textured, without any texture yet.
+RfTextured* texture_material( RfScene* scene, uint32_t material, RfFactors factors );
+
+// Puts a texture into a slot, looked up by the first (0) or second (1) set of coordinates.
+void use_texture( RfTextured* textured, RfTextureSlot slot, int texture, int set );
+
+// `textured` of a material without textures, of malloc.
+RfTextured* make_textured( const RfFactors* factors );
+
+// A texture of these bytes, which are copied; srgb: the curve undone for colour.
+RfTexture make_texture( int width, int height, int channels, const uint8_t* bytes, bool srgb );
 
 #endif

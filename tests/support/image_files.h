@@ -1,8 +1,9 @@
 // Image files made in memory, for the tests of what reads them. The bytes are
 // the caller's to free.
-#ifndef REFRAME_TESTS_ENCODE_IMAGES_H
-#define REFRAME_TESTS_ENCODE_IMAGES_H
+#ifndef REFRAME_TESTS_IMAGE_FILES_H
+#define REFRAME_TESTS_IMAGE_FILES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -19,5 +20,22 @@ uint8_t* encode_exr( int width, int height, float* rgb, size_t* size );
 
 // A PNG's first bytes that promise this size, with nothing behind them.
 size_t promise_png( uint8_t bytes[64], uint32_t width, uint32_t height );
+
+// ---- foreign exr ----
+
+// EXR files as other programs write them: any channels, data windows, parts.
+
+// A part: channels of these names (sorted), each with one value; the display
+// window is 64x64 from (0, 0) on.
+typedef struct Foreign
+{
+    const char* names[6];
+    float values[6];
+    int x, y, width, height; // data window
+    bool half;
+    const char* part; // its name; NULL: "one"
+} Foreign;
+
+void write_foreign_exr( const char* path, const Foreign* parts, int count );
 
 #endif
