@@ -41,7 +41,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/reframe)
 install(EXPORT reframeTargets NAMESPACE reframe:: DESTINATION ${package_folder} COMPONENT development)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/scripts/cmake/reframeConfig.cmake.in ${PROJECT_BINARY_DIR}/reframeConfig.cmake
   INSTALL_DESTINATION ${package_folder})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/reframeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/reframeConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/reframeConfig.cmake ${PROJECT_BINARY_DIR}/reframeConfigVersion.cmake
   DESTINATION ${package_folder} COMPONENT development)
 

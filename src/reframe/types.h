@@ -36,7 +36,7 @@ typedef struct RfFps
     int denominator;
 } RfFps;
 
-// The version of the library that is linked, such as "0.1.0".
+// The version of the library that is linked, such as "1.0.0".
 const char* rf_version( void );
 
 RF_API_END
