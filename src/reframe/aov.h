@@ -28,7 +28,7 @@ RF_API_BEGIN
     X( NORMAL, "normal", "XYZ", true, FILTERED_HITS,                                                                             \
        "shading normal in world space, on the side that is seen; 0 where nothing is hit" )                                       \
     X( DEPTH, "depth", "Z", false, HITS,                                                                                         \
-       "metres along the viewing direction (not distance to the camera), mean over the hits; 1e10 where no "                        \
+       "metres along the viewing direction (not distance to the camera), mean over the hits; 1e10 where no "                     \
        "sample hits anything" )                                                                                                  \
     X( MOTION, "motion", "XYZW", false, HITS,                                                                                    \
        "X and Y: film position in the path's previous frame minus that in this frame, pixels, +x right, +y "                     \
