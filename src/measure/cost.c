@@ -31,7 +31,7 @@ typedef struct CostStudy
     double start;
 } CostStudy;
 
-static inline double cost_frame_pixels( const RfCostJob* job ) { return (double)job->eyes->width * job->eyes->height; }
+static inline double cost_frame_pixels( const RfCostJob* job ) { return (double)job->shot.eyes->width * job->shot.eyes->height; }
 
 // Seconds of a frame of a curve with so many samples per pixel.
 static inline double cost_frame_seconds( const RfCostJob* job, const RfCostCurve* c, double spp, double sample_seconds )
@@ -167,16 +167,16 @@ static RfCostPrediction predict_samples( const RfCostJob* job, const RfCostCurve
     RfCostPrediction p = { .frame_seconds = (double)NAN, .seconds = (double)NAN };
     if ( !( wanted <= RF_MAX_SPP ) )
         return p;
-    RfGroupPlan plan = rf_plan_groups( job->eye_count, curve->group, wanted < 2.0 ? 2 : (int)wanted );
+    RfGroupPlan plan = rf_plan_groups( job->shot.eye_count, curve->group, wanted < 2.0 ? 2 : (int)wanted );
     double samples = 0.0, unused = 0.0;
-    for ( int first = 0; first < job->frame_count; first += per_sweep )
+    for ( int first = 0; first < job->shot.frame_count; first += per_sweep )
     {
-        int end = job->frame_count - first < per_sweep ? job->frame_count : first + per_sweep;
-        rf_add_group_samples( &plan, job->frames, first, end, &samples, &unused );
+        int end = job->shot.frame_count - first < per_sweep ? job->shot.frame_count : first + per_sweep;
+        rf_add_group_samples( &plan, job->shot.frames, first, end, &samples, &unused );
     }
     p.spp = plan.spp;
     p.frame_seconds = cost_frame_seconds( job, curve, plan.spp, curve->sample_seconds );
-    p.seconds = samples * cost_frame_pixels( job ) * curve->sample_seconds + job->frame_count * curve->finish_seconds;
+    p.seconds = samples * cost_frame_pixels( job ) * curve->sample_seconds + job->shot.frame_count * curve->finish_seconds;
     return p;
 }
 
@@ -198,10 +198,10 @@ static void share_threads( CostStudy* s )
     RfRenderSettings settings = s->settings[1];
     RfMemoryFit fit;
     settings.threads = 1;
-    int eyes = 2 * settings.group + 1 < s->job->eye_count ? 2 * settings.group + 1 : s->job->eye_count;
+    int eyes = 2 * settings.group + 1 < s->job->shot.eye_count ? 2 * settings.group + 1 : s->job->shot.eye_count;
     s->threads = s->settings[1].threads;
     s->workers = s->threads < COST_TASKS ? s->threads : COST_TASKS;
-    if ( rf_fit_memory( rf_tracer_scene( s->job->tracer ), s->job->eyes, eyes, eyes, &settings, &fit, NULL ) == RF_OK )
+    if ( rf_fit_memory( rf_tracer_scene( s->job->shot.tracer ), s->job->shot.eyes, eyes, eyes, &settings, &fit, NULL ) == RF_OK )
     {
         size_t room = settings.memory / ( 2 * ( fit.bytes_films + fit.bytes_hits + fit.bytes_lists ) );
         s->workers = room < 1 ? 1 : room < (size_t)s->workers ? (int)room : s->workers;
@@ -221,14 +221,14 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
-    RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, reuse, error );
+    RfResult result = rf_resolve_settings( &job->shot, &asked, reuse, error );
     if ( result != RF_OK )
         return result;
     *plain = *reuse;
     plain->estimator = rf_default_render_settings().estimator;
     plain->group = 0;
     plain->tile = rf_no_tile();
-    RfGroupPlan groups = rf_plan_groups( job->eye_count, reuse->group, 1 );
+    RfGroupPlan groups = rf_plan_groups( job->shot.eye_count, reuse->group, 1 );
     reuse->group = groups.eyes / 2;
     if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE && reuse->estimator == plain->estimator )
         return rf_fail( error, RF_ERROR_USAGE,
@@ -247,8 +247,8 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
 static RfResult make_region( CostStudy* s, double position, double pixels, RfTestRegion* region, RfError* error )
 {
     const RfCostJob* job = s->job;
-    int frame = job->frames[(int)( position * job->frame_count )];
-    RfTrialShot shot = { job->tracer, job->eyes, job->eye_count, job->watch };
+    int frame = job->shot.frames[(int)( position * job->shot.frame_count )];
+    RfTrialShot shot = { job->shot.tracer, job->shot.eyes, job->shot.eye_count, job->watch };
     return rf_create_test_region( &shot, frame, 2 * s->settings[1].group + 1, pixels, s->settings + 1, region, error );
 }
 
@@ -319,7 +319,7 @@ static RfResult choose_pixels( CostStudy* s, RfError* error )
 
 static RfResult make_regions( CostStudy* s, RfError* error )
 {
-    s->cost->positions = s->job->frame_count < RF_COST_POSITIONS ? s->job->frame_count : RF_COST_POSITIONS;
+    s->cost->positions = s->job->shot.frame_count < RF_COST_POSITIONS ? s->job->shot.frame_count : RF_COST_POSITIONS;
     RfResult result = choose_pixels( s, error );
     if ( result == RF_OK )
         result = run_tasks( s, s->cost->positions, make_position, error );

@@ -46,11 +46,7 @@ typedef struct RfCost
 
 typedef struct RfCostJob
 {
-    const RfTracer* tracer;
-    const RfEye* eyes; // of the whole path
-    int eye_count;
-    const int* frames; // requested
-    int frame_count;
+    RfShot shot;
     const RfRenderSettings* settings; // with reuse; spp is ignored
     double budget;                    // seconds; the first level is always measured
     double pixels;                    // not 0: the first level only, on pieces of so many pixels, whatever the budget

@@ -107,8 +107,8 @@ static RfResult render_metered( const RfTestRegion* region, int first, int eye_c
     for ( int i = 0; i < eye_count; ++i )
         frames[i] = i;
     Clock start = { 0.0, cpu_seconds( &m ), rf_wall_seconds() };
-    RfResult result =
-        rf_render( region->shot.tracer, region->eyes + first, eye_count, frames, eye_count, settings, &callbacks, NULL, error );
+    RfResult result = rf_render( &( RfShot ){ region->shot.tracer, region->eyes + first, eye_count, frames, eye_count }, settings,
+                                 &callbacks, NULL, error );
     double end = cpu_seconds( &m );
     free( frames );
     if ( m.last.samples == m.first.samples )

@@ -165,10 +165,10 @@ static bool should_continue( void* user )
 static RfResult make_region( TuneWork* w, int index, RfError* error )
 {
     const RfTuneJob* job = w->job;
-    int frame = job->frames[(int)( rf_tune_position( w->first_position + index ) * job->frame_count )];
+    int frame = job->shot.frames[(int)( rf_tune_position( w->first_position + index ) * job->shot.frame_count )];
     RfRenderSettings settings = w->settings;
     settings.seed = rf_mix64( settings.seed ^ (uint64_t)( w->first_position + index ) ); // other pieces each time
-    RfTrialShot shot = { job->tracer, job->eyes, job->eye_count, &w->watch };
+    RfTrialShot shot = { job->shot.tracer, job->shot.eyes, job->shot.eye_count, &w->watch };
     return rf_create_test_region( &shot, frame, w->region_frames, w->round->pixels, &settings, w->regions + index, error );
 }
 
@@ -366,7 +366,7 @@ static RfResult run_round( Tuner* t, const RfTuneRound* round, double deadline, 
 static RfResult calibrate( Tuner* t, RfError* error )
 {
     const RfTuneJob* job = t->job;
-    double all = (double)job->eyes->width * job->eyes->height;
+    double all = (double)job->shot.eyes->width * job->shot.eyes->height;
     RfTuneRound round = { .pixels = fmin( FIRST_PIXELS, all ),
                           .regions = t->common.threads,
                           .passes = rf_usual_passes( &t->common ) };
@@ -389,8 +389,8 @@ static RfTuneOutlook make_outlook( const Tuner* t, int number )
     double left = t->job->budget - ( rf_wall_seconds() - t->start );
     return ( RfTuneOutlook ){
         .number = number,
-        .width = t->job->eyes->width,
-        .height = t->job->eyes->height,
+        .width = t->job->shot.eyes->width,
+        .height = t->job->shot.eyes->height,
         .left = left > 0.0 ? left : 0.0,
         .rate = t->wall > 0.0 && t->cpu > 0.0 ? t->cpu / t->wall : 1.0,
         .cost_second = t->cost_second,
@@ -444,7 +444,7 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
     t->tune->round_count += complete > 0;
     round->regions = complete;
     rf_smooth_tune_rows( t->tune );
-    rf_predict_tune_rows( t->tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
+    rf_predict_tune_rows( t->tune, (double)job->shot.eyes->width * job->shot.eyes->height, job->shot.frame_count );
     if ( result == RF_ERROR_INTERRUPTED && !is_stopped( t ) )
     {
         *last = true;
@@ -469,7 +469,7 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     for ( int number = 0; number < RF_TUNE_ROUNDS && result == RF_OK && !last && count_candidates( &t ) > ( number > 0 );
           ++number )
         result = next_round( &t, number, &last, error );
-    rf_predict_tune_rows( tune, (double)job->eyes->width * job->eyes->height, job->frame_count );
+    rf_predict_tune_rows( tune, (double)job->shot.eyes->width * job->shot.eyes->height, job->shot.frame_count );
     tune->seconds = rf_wall_seconds() - t.start;
     if ( result == RF_OK && tune->chosen < 0 )
         return rf_fail( error, RF_ERROR_SCENE,

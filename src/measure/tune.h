@@ -77,11 +77,7 @@ typedef struct RfTune
 
 typedef struct RfTuneJob
 {
-    const RfTracer* tracer;
-    const RfEye* eyes; // of the whole path
-    int eye_count;
-    const int* frames; // requested
-    int frame_count;
+    RfShot shot;
     const RfRenderSettings* settings; // group and tile are ignored
     double budget;                    // seconds; the first round is always completed
     RfTuneGoal goal;

@@ -55,7 +55,8 @@ static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
 {
     RfRenderSettings settings = rf_tune_settings( row, job->settings );
     RfMemoryFit fit;
-    rf_fit_memory( rf_tracer_scene( job->tracer ), job->eyes, job->eye_count, job->frame_count, &settings, &fit, NULL );
+    rf_fit_memory( rf_tracer_scene( job->shot.tracer ), job->shot.eyes, job->shot.eye_count, job->shot.frame_count, &settings,
+                   &fit, NULL );
     return fit;
 }
 
@@ -80,14 +81,13 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
     RfRenderSettings settings = *job->settings;
     settings = rf_tune_settings( &( RfTuneRow ){ .tile = *tile }, &settings );
     RfPlan plan;
-    RfResult result =
-        rf_plan_render( job->tracer, job->eyes, job->eye_count, job->frames, job->frame_count, &settings, &plan, error );
+    RfResult result = rf_plan_render( &job->shot, &settings, &plan, error );
     if ( result != RF_OK && result != RF_ERROR_MEMORY )
         return result;
     int planned = result == RF_OK ? plan.count : 0, first = tune->count;
     for ( int i = 0; i < RF_TUNE_GROUPS; ++i )
     {
-        RfGroupPlan groups = rf_plan_groups( job->eye_count, s_groups[i], settings.spp );
+        RfGroupPlan groups = rf_plan_groups( job->shot.eye_count, s_groups[i], settings.spp );
         RfTuneRow* row = tune->rows + tune->count++;
         *row = ( RfTuneRow ){ .group = groups.eyes / 2,
                               .eyes = groups.eyes,
@@ -102,7 +102,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
             take_plan( plan.rows + i, row );
             row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
         }
-        if ( groups.eyes == job->eye_count || !rf_has_groups( job->settings->estimator ) )
+        if ( groups.eyes == job->shot.eye_count || !rf_has_groups( job->settings->estimator ) )
             break;
     }
     drop_hopeless( tune, first );
@@ -118,7 +118,7 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
     rf_format_memory( memory, text );
     return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
                                "a budget of %s is too small for frames of %dx%d, whatever the group and the tile", text,
-                               job->eyes->width, job->eyes->height ),
+                               job->shot.eyes->width, job->shot.eyes->height ),
                       RF_REMEDY_MEMORY, least, error );
 }
 
@@ -128,7 +128,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     asked.group = 0; // auto would compute a further plan
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
-    RfResult result = rf_resolve_settings( job->tracer, job->eyes, job->eye_count, &asked, common, error );
+    RfResult result = rf_resolve_settings( &job->shot, &asked, common, error );
     common->spp = asked.spp;
     int tried = 0;
     for ( int t = 0; t < RF_TUNE_TILES && result == RF_OK; ++t )
@@ -153,8 +153,8 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfMemoryFit fit;
         settings.threads = 1;
         settings.aovs = 0;
-        RfResult result = rf_fit_memory( rf_tracer_scene( job->tracer ), job->eyes, tune->rows[i].eyes, tune->rows[i].eyes,
-                                         &settings, &fit, NULL );
+        RfResult result = rf_fit_memory( rf_tracer_scene( job->shot.tracer ), job->shot.eyes, tune->rows[i].eyes,
+                                         tune->rows[i].eyes, &settings, &fit, NULL );
         size_t bytes = fit.bytes_films + fit.bytes_hits + fit.bytes_lists;
         if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 && bytes > most )
             most = bytes;

@@ -1,8 +1,9 @@
 // How large a group pays: for some half-widths n, what a render of this path
 // would hold, trace and gain.
 //
+//     RfShot shot = { tracer, path.eyes, path.count, frames, frame_count };
 //     RfPlan plan;
-//     if ( rf_plan_render( tracer, path.eyes, path.count, frames, frame_count, &settings, &plan, &error ) == RF_OK )
+//     if ( rf_plan_render( &shot, &settings, &plan, &error ) == RF_OK )
 //         for ( int i = 0; i < plan.count; ++i )
 //             printf( "group %d: gain %.1f\n", plan.rows[i].group, plan.rows[i].gain );
 //
@@ -64,15 +65,14 @@ static inline bool rf_plan_row_fits( const RfPlanRow* row ) { return row->fit.fi
 
 // Fills the rows; `settings` as for rf_render, their group is not looked at. A row is what a render of its
 // group is, the chosen one what RF_GROUP_AUTO takes, with plan->adaptive.
-// `frames` are those asked for: bytes, rays and seconds are of these, the choice
-// is not. Fails as rf_resolve_settings does, and as rf_fit_memory does for a group of one frame.
-RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
-                         const RfRenderSettings* settings, RfPlan* plan, RfError* error );
+// Bytes, rays and seconds are of the frames of the shot, at least one; the choice is not. Fails with
+// RF_ERROR_USAGE for values out of range, and as rf_fit_memory does for a group of one frame.
+RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error );
 
 // Measures the costs by about so many seconds of the render's own phases on one
-// thread, and fills in what rests on them. Settings as for rf_plan_render.
-RfResult rf_measure_plan( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                          double seconds, RfPlan* plan, RfError* error );
+// thread, and fills in what rests on them. Settings as for rf_plan_render; `plan` is as that filled it for the same path. The
+// frames of the shot are not looked at. Fails with RF_ERROR_USAGE and RF_ERROR_MEMORY as rf_plan_render does.
+RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, double seconds, RfPlan* plan, RfError* error );
 
 // Some of the frames asked for, in a row, for a machine of its own.
 typedef struct RfPlanRange

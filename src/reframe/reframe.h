@@ -17,18 +17,21 @@
 //     RfRenderSettings settings = rf_default_render_settings();
 //     RfRenderCallbacks callbacks = { &output, write, NULL };
 //     int frames[3] = { 0, 1, 2 };
+//     RfShot shot;
 //
 //     settings.files = rf_default_frame_files();
 //     if ( rf_open_scene( "room.glb", &scene, NULL, &error ) != RF_OK ||
 //          rf_create_camera_path( scene, NULL, fps, 960, 540, &path, &error ) != RF_OK ||
-//          rf_create_tracer( scene, &tracer, &error ) != RF_OK ||
-//          rf_resolve_settings( tracer, path.eyes, path.count, &settings, &output.settings, &error ) != RF_OK )
+//          rf_create_tracer( scene, &tracer, &error ) != RF_OK )
+//         return print( error.text );
+//     shot = ( RfShot ){ tracer, path.eyes, path.count, frames, 3 };
+//     if ( rf_resolve_settings( &shot, &settings, &output.settings, &error ) != RF_OK )
 //         return print( error.text );
 //     output.pattern = "out/frame.####.exr";
 //     output.tracer = tracer;
 //     output.path = &path;
 //     if ( rf_prepare_output_folder( output.pattern, &error ) != RF_OK ||
-//          rf_render( tracer, path.eyes, path.count, frames, 3, &output.settings, &callbacks, NULL, &error ) != RF_OK )
+//          rf_render( &shot, &output.settings, &callbacks, NULL, &error ) != RF_OK )
 //         return print( error.text );
 //     rf_destroy_tracer( tracer );
 //     rf_destroy_camera_path( &path );

@@ -4,9 +4,10 @@
 //
 //     RfRenderSettings asked = rf_default_render_settings(), settings;
 //     asked.spp = 16;
+//     RfShot shot = { tracer, path.eyes, path.count, frames, frame_count };
 //     RfRenderCallbacks callbacks = { user, take_frame, NULL };
-//     if ( rf_resolve_settings( tracer, path.eyes, path.count, &asked, &settings, &error ) == RF_OK )
-//         result = rf_render( tracer, path.eyes, path.count, frames, frame_count, &settings, &callbacks, &stats, &error );
+//     if ( rf_resolve_settings( &shot, &asked, &settings, &error ) == RF_OK )
+//         result = rf_render( &shot, &settings, &callbacks, &stats, &error );
 //
 // Every sample that a frame traces also serves the frames of its group, n before and n after it.
 // A group of n = 0 and tiles of one pixel are path tracing.
@@ -22,13 +23,25 @@
 
 RF_API_BEGIN
 
-// The settings as a render of this path will use them: the group chosen by the plan
+// What is rendered: some frames of a camera's path through a scene. It points to what the caller keeps, during a call only.
+// `frames` may be NULL, with a frame_count of 0, for functions that do not look at them and say so.
+typedef struct RfShot
+{
+    const RfTracer* tracer;
+    const RfEye* eyes; // the cameras of the whole path, all with one film size
+    int eye_count;     // at least 1
+    const int* frames; // those asked for: indices into the eyes, from 0, ascending
+    int frame_count;
+} RfShot;
+
+// The settings as a render of this shot will use them: the group chosen by the plan
 // (reframe/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
 // in, the width of the filter, normalisation that the weights allow, RF_ADAPTIVE_AUTO off where no frame can
-// have extra samples. Rendering with the result is the same as with the settings. Fails with RF_ERROR_USAGE for values out of range.
-RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                              RfRenderSettings* resolved, RfError* error );
+// have extra samples. Rendering with the result is the same as with the settings. The frames of
+// the shot are not looked at. Fails with RF_ERROR_USAGE for values out of range and for what this build lacks, and
+// with RF_GROUP_AUTO with RF_ERROR_MEMORY where not even single frames fit.
+RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error );
 
 // How a render fits its budget. What is short costs time and changes no pixel:
 // fewer threads, batches of hit records one after the other, and where not even
@@ -150,14 +163,14 @@ typedef struct RfRenderStats
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;
 
-// Renders `frames` (ascending indices into the `eye_count` eyes of the whole path, which have one
-// film size) and hands each to callbacks->frame as soon as it is finished, in order. A frame does
+// Renders the frames of a shot and hands each to callbacks->frame as soon as it is finished, in order. A frame does
 // not depend on which others are asked for, except with noise, flicker or time, which look at what was
 // rendered before. Two runs, and any number of threads, give the same bits, except with time.
-// `stats` may be NULL. Fails with RF_ERROR_USAGE for settings out of range, RF_ERROR_MEMORY where the
-// smallest chunk of a single film does not fit the budget, RF_ERROR_INTERRUPTED, or as a callback does.
-RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
-                    const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats, RfError* error );
+// `stats` may be NULL. Fails with RF_ERROR_USAGE for settings out of range, no frames, or frames that do not ascend or are not
+// of the path, RF_ERROR_MEMORY where the smallest chunk of a single film does not fit the budget,
+// RF_ERROR_INTERRUPTED, or as a callback does.
+RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const RfRenderCallbacks* callbacks,
+                    RfRenderStats* stats, RfError* error );
 
 RF_API_END
 

@@ -13,13 +13,13 @@
 #include <string.h>
 
 // Never a matter of which frames are asked for.
-static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings* settings,
-                              RfError* error )
+static RfResult choose_group( const RfShot* shot, RfRenderSettings* settings, RfError* error )
 {
     if ( settings->group != RF_GROUP_AUTO )
         return RF_OK;
+    RfShot first = { shot->tracer, shot->eyes, shot->eye_count, &( int ){ 0 }, 1 };
     RfPlan plan;
-    RfResult result = rf_plan_render( tracer, eyes, eye_count, &( int ){ 0 }, 1, settings, &plan, error );
+    RfResult result = rf_plan_render( &first, settings, &plan, error );
     if ( result != RF_OK )
         return result;
     settings->group = plan.rows[plan.chosen].group;
@@ -27,17 +27,16 @@ static RfResult choose_group( const RfTracer* tracer, const RfEye* eyes, int eye
     return RF_OK;
 }
 
-RfResult rf_resolve_settings( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                              RfRenderSettings* resolved, RfError* error )
+RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
-    RfResult result = rf_resolve_common( eyes, eye_count, settings, resolved, error );
+    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, resolved, error );
     if ( result == RF_OK )
-        result = rf_check_built( rf_tracer_scene( tracer ), eyes, eye_count, resolved, error );
+        result = rf_check_built( rf_tracer_scene( shot->tracer ), shot->eyes, shot->eye_count, resolved, error );
     if ( result == RF_OK )
-        result = choose_group( tracer, eyes, eye_count, resolved, error );
+        result = choose_group( shot, resolved, error );
     if ( result != RF_OK )
         return result;
-    RfGroupPlan plan = rf_plan_samples( eye_count, resolved->group, settings->spp );
+    RfGroupPlan plan = rf_plan_samples( shot->eye_count, resolved->group, settings->spp );
     resolved->group = plan.eyes / 2;
     if ( resolved->adaptive == RF_ADAPTIVE_AUTO && plan.eyes == 1 )
         resolved->adaptive = RF_ADAPTIVE_OFF;
@@ -212,15 +211,13 @@ static RfRenderer make_renderer( const RfRenderSetup* setup )
     return r;
 }
 
-RfResult rf_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
-                    const RfRenderSettings* settings, const RfRenderCallbacks* callbacks, RfRenderStats* stats, RfError* error )
+RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const RfRenderCallbacks* callbacks,
+                    RfRenderStats* stats, RfError* error )
 {
-    RfRenderSetup setup = {
-        .shot = { .tracer = tracer, .eyes = eyes, .eye_count = eye_count, .frames = frames, .frame_count = frame_count }
-    };
-    RfResult result = rf_resolve_settings( tracer, eyes, eye_count, settings, &setup.settings, error );
+    RfRenderSetup setup = { .shot = *shot };
+    RfResult result = rf_resolve_settings( shot, settings, &setup.settings, error );
     if ( result == RF_OK )
-        result = check_frames( &setup.shot, error );
+        result = check_frames( shot, error );
     if ( result != RF_OK )
         return result;
     if ( callbacks != NULL )

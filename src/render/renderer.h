@@ -3,7 +3,6 @@
 #define REFRAME_RENDER_RENDERER_H
 
 #include "render/memory/memory.h"
-#include "render/shot.h"
 
 #define RF_NO_FRAME ( -2 ) // not even the one before the first
 

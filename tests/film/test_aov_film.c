@@ -58,7 +58,7 @@ static Frames* render_layers( const RfTracer* tracer, const RfEye* eyes, int eye
         frames[i] = first + i;
     RfRenderCallbacks callbacks = { .user = f, .frame = keep };
     RfError error;
-    if ( rf_render( tracer, eyes, eye_count, frames, count, settings, &callbacks, &f->stats, &error ) != RF_OK )
+    if ( rf_render( &( RfShot ){ tracer, eyes, eye_count, frames, count }, settings, &callbacks, &f->stats, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     assert_int_equal( f->count, count );
     return f;
@@ -515,7 +515,7 @@ static void test_budget_counts_aov_films( void** state )
     {
         RfRenderStats stats;
         settings.memory = memory; // fails at every allocation once
-        RfResult result = rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, &stats, &error );
+        RfResult result = rf_render( &( RfShot ){ tracer, eyes, EYES, &( int ){ 0 }, 1 }, &settings, NULL, &stats, &error );
         assert_true( result == RF_OK || result == RF_ERROR_MEMORY );
         assert_true( stats.peak_bytes <= memory );
         failures += result != RF_OK;
@@ -523,7 +523,8 @@ static void test_budget_counts_aov_films( void** state )
     assert_true( failures > 5 );
     settings.memory = 0;
     settings.aovs = RF_AOV_BIT( RF_AOV_COUNT );
-    assert_int_equal( rf_render( tracer, eyes, EYES, &( int ){ 0 }, 1, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_render( &( RfShot ){ tracer, eyes, EYES, &( int ){ 0 }, 1 }, &settings, NULL, NULL, &error ),
+                      RF_ERROR_USAGE );
     free_frames( with );
     free_frames( without );
     rf_destroy_tracer( tracer );

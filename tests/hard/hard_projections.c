@@ -130,7 +130,7 @@ static HardInput unusable_eyes( void )
         eye.focal = k == 2 ? 0.0f : eye.focal;
         if ( k >= 3 )
             rf_set_lens( &eye, k == 5 ? INFINITY : 0.1, k == 3 ? 0.0 : k == 4 ? NAN : 1.0, 0, 0.0 );
-        refused += rf_render( tracer, &eye, 1, &( int ){ 0 }, 1, &s, NULL, NULL, &error ) == RF_ERROR_USAGE;
+        refused += rf_render( &( RfShot ){ tracer, &eye, 1, &( int ){ 0 }, 1 }, &s, NULL, NULL, &error ) == RF_ERROR_USAGE;
     }
     out.holds = refused == 6;
     rf_destroy_tracer( tracer );

@@ -68,7 +68,7 @@ static RfResult render_one( const Setup* s, const RfEye* eyes, int eye_count, in
                             RfError* error )
 {
     error->text[0] = 0;
-    return rf_render( s->tracer, eyes, eye_count, &frame, 1, settings, NULL, NULL, error );
+    return rf_render( &( RfShot ){ s->tracer, eyes, eye_count, &frame, 1 }, settings, NULL, NULL, error );
 }
 
 static void refuse( const Setup* s, const RfRenderSettings* settings )
@@ -76,7 +76,8 @@ static void refuse( const Setup* s, const RfRenderSettings* settings )
     RfError error;
     assert_int_equal( render_one( s, s->eyes, EYES, 0, settings, &error ), RF_ERROR_USAGE );
     assert_true( error.code == RF_ERROR_USAGE && error.text[0] != 0 );
-    assert_int_equal( rf_render( s->tracer, s->eyes, EYES, &( int ){ 0 }, 1, settings, NULL, NULL, NULL ), RF_ERROR_USAGE );
+    assert_int_equal( rf_render( &( RfShot ){ s->tracer, s->eyes, EYES, &( int ){ 0 }, 1 }, settings, NULL, NULL, NULL ),
+                      RF_ERROR_USAGE );
 }
 
 // Rounded to what groups need, but not beyond the most: what is resolved can be resolved again.
@@ -89,9 +90,9 @@ static void test_most_samples_resolve_to_themselves( void** state )
     orbit_eyes( eyes, 20, 1.0f, 4, 3 );
     RfRenderSettings settings = small_settings( 3, RF_MAX_SPP ), once, twice;
     RfError error;
-    assert_int_equal( rf_resolve_settings( tracer, eyes, 20, &settings, &once, &error ), RF_OK );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ tracer, eyes, 20, NULL, 0 }, &settings, &once, &error ), RF_OK );
     assert_int_equal( once.spp, RF_MAX_SPP / 7 * 7 );
-    assert_int_equal( rf_resolve_settings( tracer, eyes, 20, &once, &twice, &error ), RF_OK );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ tracer, eyes, 20, NULL, 0 }, &once, &twice, &error ), RF_OK );
     assert_int_equal( twice.spp, once.spp );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
@@ -141,9 +142,12 @@ static void test_eyes_and_frames_out_of_range( void** state )
     assert_int_equal( render_one( &s, s.eyes, EYES, EYES, &settings, &error ), RF_ERROR_USAGE );
     assert_int_equal( render_one( &s, s.eyes, EYES, -1, &settings, &error ), RF_ERROR_USAGE );
     int disordered[] = { 2, 1 }, twice[] = { 1, 1 };
-    assert_int_equal( rf_render( s.tracer, s.eyes, EYES, disordered, 2, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
-    assert_int_equal( rf_render( s.tracer, s.eyes, EYES, twice, 2, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
-    assert_int_equal( rf_render( s.tracer, s.eyes, EYES, twice, 0, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, disordered, 2 }, &settings, NULL, NULL, &error ),
+                      RF_ERROR_USAGE );
+    assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, twice, 2 }, &settings, NULL, NULL, &error ),
+                      RF_ERROR_USAGE );
+    assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, twice, 0 }, &settings, NULL, NULL, &error ),
+                      RF_ERROR_USAGE );
     s.eyes[3].width += 1;
     assert_int_equal( render_one( &s, s.eyes, EYES, 0, &settings, &error ), RF_ERROR_USAGE );
     end( &s );
@@ -165,7 +169,7 @@ static void test_too_little_memory( void** state )
         settings.memory = memory; // fails at every step of the allocations once
         RfRenderStats stats;
         int frame = 0;
-        RfResult result = rf_render( s.tracer, s.eyes, EYES, &frame, 1, &settings, NULL, &stats, &error );
+        RfResult result = rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, &frame, 1 }, &settings, NULL, &stats, &error );
         assert_true( result == RF_OK || result == RF_ERROR_MEMORY );
         assert_true( stats.peak_bytes <= memory );
         failures += result != RF_OK;
@@ -208,18 +212,20 @@ static void test_callbacks_stop_the_render( void** state )
         {
             Stopper stopper = { at, 0 };
             RfRenderCallbacks callbacks = { &stopper, stop_at_frame, NULL };
-            assert_int_equal( rf_render( s.tracer, s.eyes, EYES, all, EYES, &settings, &callbacks, NULL, &error ), RF_ERROR_IO );
+            assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, all, EYES }, &settings, &callbacks, NULL, &error ),
+                              RF_ERROR_IO );
             assert_string_equal( error.text, "disk full" );
             assert_int_equal( stopper.seen, at + 1 ); // none after it
             stopper.seen = 0;
             callbacks = ( RfRenderCallbacks ){ &stopper, NULL, stop_at_progress };
-            assert_int_equal( rf_render( s.tracer, s.eyes, EYES, all, EYES, &settings, &callbacks, NULL, &error ),
+            assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, all, EYES }, &settings, &callbacks, NULL, &error ),
                               RF_ERROR_INTERRUPTED );
             assert_int_equal( stopper.seen, at + 1 );
         }
         Stopper never = { -1, 0 };
         RfRenderCallbacks callbacks = { &never, NULL, stop_at_progress };
-        assert_int_equal( rf_render( s.tracer, s.eyes, EYES, all, EYES, &settings, &callbacks, NULL, &error ), RF_OK );
+        assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, all, EYES }, &settings, &callbacks, NULL, &error ),
+                          RF_OK );
     }
     end( &s );
 }

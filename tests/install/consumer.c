@@ -52,8 +52,9 @@ static RfResult print_scene( const RfScene* scene, RfError* error )
 static RfResult print_plan( const RfTracer* tracer, const RfCameraPath* path, const int* frames, const RfRenderSettings* settings,
                             RfError* error )
 {
+    RfShot shot = { tracer, path->eyes, path->count, frames, FRAMES };
     RfPlan plan;
-    RfResult result = rf_plan_render( tracer, path->eyes, path->count, frames, FRAMES, settings, &plan, error );
+    RfResult result = rf_plan_render( &shot, settings, &plan, error );
     for ( int i = 0; result == RF_OK && i < plan.count; ++i )
         printf( "%cplan: group %d, gain %.2f, %zu bytes\n", plan.rows[i].chosen ? '*' : ' ', plan.rows[i].group,
                 plan.rows[i].gain, plan.rows[i].fit.bytes_films + plan.rows[i].fit.bytes_hits + plan.rows[i].fit.bytes_lists );
@@ -64,6 +65,7 @@ static RfResult render( const RfTracer* tracer, const RfCameraPath* path, const 
                         const char* pattern, RfError* error )
 {
     RfOutput output = rf_default_output();
+    RfShot shot = { tracer, path->eyes, path->count, frames, FRAMES };
     RfRenderStats stats;
     char effects[RF_EFFECTS_TEXT_SIZE];
     RfRenderCallbacks callbacks = { &output, write_frame, go_on };
@@ -71,13 +73,13 @@ static RfResult render( const RfTracer* tracer, const RfCameraPath* path, const 
     output.tracer = tracer;
     output.path = path;
     output.calls_for = effects;
-    RfResult result = rf_resolve_settings( tracer, path->eyes, path->count, &asked, &output.settings, error );
+    RfResult result = rf_resolve_settings( &shot, &asked, &output.settings, error );
     if ( result == RF_OK )
         result = rf_prepare_output_folder( pattern, error );
     if ( result == RF_OK )
         rf_name_effects( rf_tracer_scene( tracer ), path->eyes, path->count, &output.settings, effects );
     if ( result == RF_OK )
-        result = rf_render( tracer, path->eyes, path->count, frames, FRAMES, &output.settings, &callbacks, &stats, error );
+        result = rf_render( &shot, &output.settings, &callbacks, &stats, error );
     for ( int i = 0; result == RF_OK && i < FRAMES; ++i )
     {
         RfFrameFileState state;
@@ -143,7 +145,7 @@ static RfResult print_failure( const RfTracer* tracer, const RfCameraPath* path,
     RfMemoryFit fit;
     settings.group = 0;
     settings.memory = 100000;
-    RfResult result = rf_resolve_settings( tracer, path->eyes, path->count, &settings, &resolved, error );
+    RfResult result = rf_resolve_settings( &( RfShot ){ tracer, path->eyes, path->count, NULL, 0 }, &settings, &resolved, error );
     if ( result != RF_OK )
         return result;
     result = rf_fit_memory( rf_tracer_scene( tracer ), path->eyes, path->count, FRAMES, &resolved, &fit, &expected );

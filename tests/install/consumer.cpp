@@ -74,7 +74,8 @@ void render( const RfTracer& tracer, const RfCameraPath& path, const std::vector
     output.pattern = pattern.c_str();
     output.tracer = &tracer;
     output.path = &path;
-    check( rf_resolve_settings( &tracer, path.eyes, path.count, &asked, &output.settings, &error ), error );
+    const RfShot shot = { &tracer, path.eyes, path.count, frames.data(), static_cast<int>( frames.size() ) };
+    check( rf_resolve_settings( &shot, &asked, &output.settings, &error ), error );
     char effects[RF_EFFECTS_TEXT_SIZE];
     rf_name_effects( rf_tracer_scene( &tracer ), path.eyes, path.count, &output.settings, effects );
     output.calls_for = effects;
@@ -83,9 +84,7 @@ void render( const RfTracer& tracer, const RfCameraPath& path, const std::vector
                                           []( void* user, const RfFrameResult* frame, RfError* failure )
                                           { return rf_write_frame( static_cast<const RfOutput*>( user ), frame, failure ); },
                                           nullptr };
-    check( rf_render( &tracer, path.eyes, path.count, frames.data(), static_cast<int>( frames.size() ), &output.settings,
-                      &callbacks, nullptr, &error ),
-           error );
+    check( rf_render( &shot, &output.settings, &callbacks, nullptr, &error ), error );
 }
 
 void compare( const std::string& one, const std::string& two )
@@ -114,8 +113,9 @@ void run( const char* name, const std::string& folder )
     settings.queue = 1;
     check( rf_parse_aovs( "albedo,depth,motion", &settings.aovs, &error ), error );
 
+    const RfShot shot = { tracer.get(), ( *path ).eyes, ( *path ).count, frames.data(), 3 };
     RfPlan plan{};
-    check( rf_plan_render( tracer.get(), ( *path ).eyes, ( *path ).count, frames.data(), 3, &settings, &plan, &error ), error );
+    check( rf_plan_render( &shot, &settings, &plan, &error ), error );
     for ( int i = 0; i < plan.count; ++i )
         std::printf( "plan: group %d, gain %.2f\n", plan.rows[i].group, plan.rows[i].gain );
 

@@ -44,13 +44,7 @@ static void begin( Setup* s, int eyes, int group )
     s->settings.group = group;
     s->settings.memory = (size_t)256 << 20;
     s->settings.threads = 2;
-    s->job = ( RfCostJob ){ .tracer = s->tracer,
-                            .eyes = s->eyes,
-                            .eye_count = eyes,
-                            .frames = s->frames,
-                            .frame_count = eyes,
-                            .settings = &s->settings,
-                            .budget = 1.0 };
+    s->job = ( RfCostJob ){ .shot = { s->tracer, s->eyes, eyes, s->frames, eyes }, .settings = &s->settings, .budget = 1.0 };
 }
 
 static void end( Setup* s )
@@ -170,8 +164,8 @@ static void test_predictions_by_hand( void** state )
     for ( int i = 0; i < 20; ++i )
     {
         RfCostJob one = s.job;
-        one.frames = s.frames + i;
-        one.frame_count = 1;
+        one.shot.frames = s.frames + i;
+        one.shot.frame_count = 1;
         alone += rf_predict_cost( &one, &reuse, 0.07, 1 ).seconds;
     }
     near( rf_predict_cost( &s.job, &reuse, 0.07, 1 ).seconds, alone );

@@ -197,10 +197,12 @@ static void test_pieces_are_refused_with_what_needs_frames( void** state )
         RfRenderSettings settings = settings_of( 1, "3x3", 1 ), resolved;
         RfError error;
         settings.pieces = &pieces;
-        assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, EYES, &settings, &resolved, &error ), RF_OK );
+        assert_int_equal( rf_resolve_settings( &( RfShot ){ s.tracer, s.eyes, EYES, NULL, 0 }, &settings, &resolved, &error ),
+                          RF_OK );
         settings.noise = k == 0 ? 0.1 : 0.0;
         settings.adaptive = k == 1 ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
-        assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, EYES, &settings, &resolved, &error ), RF_ERROR_USAGE );
+        assert_int_equal( rf_resolve_settings( &( RfShot ){ s.tracer, s.eyes, EYES, NULL, 0 }, &settings, &resolved, &error ),
+                          RF_ERROR_USAGE );
     }
     end( &s );
 }

@@ -32,7 +32,8 @@ static void test_every_setting_is_a_row( void** state )
         {
             const RfTuneRow* row = tune.rows + r;
             RfRenderSettings settings = rf_tune_settings( row, &common ), used;
-            assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, paths[i][0], &settings, &used, &error ), RF_OK );
+            assert_int_equal(
+                rf_resolve_settings( &( RfShot ){ s.tracer, s.eyes, paths[i][0], NULL, 0 }, &settings, &used, &error ), RF_OK );
             assert_true( used.group == row->group && used.spp == row->spp && row->fit.films > 0 );
             RfGroupPlan plan = rf_plan_groups( paths[i][0], row->group, 33 );
             assert_true( row->eyes == plan.eyes && row->samples >= 33.0 * TUNE_WIDTH * TUNE_HEIGHT * paths[i][0] );

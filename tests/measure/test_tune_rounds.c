@@ -185,7 +185,7 @@ static void test_interruption_after_any_round( void** state )
         s.job.report = count_round;
         s.job.user = &stop;
         s.job.budget = 1000.0; // of which nothing is waited for
-        s.job.eye_count = s.job.frame_count = 3;
+        s.job.shot.eye_count = s.job.shot.frame_count = 3;
         RfTune tune;
         RfError error;
         assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_INTERRUPTED );

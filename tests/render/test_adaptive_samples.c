@@ -135,7 +135,8 @@ static void test_auto_is_off_where_it_must( void** state )
         settings.adaptive = RF_ADAPTIVE_AUTO;
         settings.weights = cases[i].weights;
         settings.group = cases[i].group;
-        assert_int_equal( rf_resolve_settings( tracer, eyes, cases[i].eyes, &settings, &resolved, NULL ), RF_OK );
+        assert_int_equal( rf_resolve_settings( &( RfShot ){ tracer, eyes, cases[i].eyes, NULL, 0 }, &settings, &resolved, NULL ),
+                          RF_OK );
         assert_int_equal( resolved.adaptive, cases[i].resolved );
         RfMemoryFit fit, off;
         assert_int_equal( rf_fit_memory( &scene, eyes, cases[i].eyes, 1, &resolved, &fit, NULL ), RF_OK );
@@ -146,7 +147,7 @@ static void test_auto_is_off_where_it_must( void** state )
         assert_true( fit.bytes_films >= off.bytes_films + more && fit.bytes_films < off.bytes_films + more + 256 + noise );
         settings.adaptive = RF_ADAPTIVE_ON;
         bool exact = cases[i].weights == RF_WEIGHTS_EXACT;
-        assert_int_equal( rf_resolve_settings( tracer, eyes, cases[i].eyes, &settings, &resolved, NULL ),
+        assert_int_equal( rf_resolve_settings( &( RfShot ){ tracer, eyes, cases[i].eyes, NULL, 0 }, &settings, &resolved, NULL ),
                           exact ? RF_OK : RF_ERROR_USAGE );
     }
     rf_destroy_tracer( tracer );

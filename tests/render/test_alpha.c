@@ -47,7 +47,7 @@ static Picture render( const RfTracer* tracer, const RfEye* eyes, RfRenderSettin
     RfRenderCallbacks callbacks = { .user = &p, .frame = keep };
     RfError error = { 0 };
     settings.aovs = alpha ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0u;
-    if ( rf_render( tracer, eyes, EYES, &frame, 1, &settings, &callbacks, NULL, &error ) != RF_OK )
+    if ( rf_render( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &callbacks, NULL, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return p;
 }

@@ -113,7 +113,7 @@ static RfResult watch( const Setup* s, const RfRenderSettings* settings, Watch* 
     w->renderer = pthread_self();
     RfRenderCallbacks callbacks = { w, take_frame, count_progress };
     error->text[0] = 0;
-    return rf_render( s->tracer, s->eyes, EYES, s_all, EYES, settings, &callbacks, NULL, error );
+    return rf_render( &( RfShot ){ s->tracer, s->eyes, EYES, s_all, EYES }, settings, &callbacks, NULL, error );
 }
 
 // The first frame's callback ends only after two more frames were rendered.
@@ -208,11 +208,13 @@ static void test_queue_keeps_the_budget( void** state )
     RfError error;
     settings.memory = 0;
     settings.queue = RF_MAX_QUEUE + 1;
-    assert_int_equal( rf_render( s.tracer, s.eyes, EYES, s_all, EYES, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, s_all, EYES }, &settings, NULL, NULL, &error ),
+                      RF_ERROR_USAGE );
     settings.queue = -1;
-    assert_int_equal( rf_render( s.tracer, s.eyes, EYES, s_all, EYES, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, s_all, EYES }, &settings, NULL, NULL, &error ),
+                      RF_ERROR_USAGE );
     settings.queue = 3; // nobody takes the frames
-    assert_int_equal( rf_render( s.tracer, s.eyes, EYES, s_all, EYES, &settings, NULL, NULL, &error ), RF_OK );
+    assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, s_all, EYES }, &settings, NULL, NULL, &error ), RF_OK );
     end( &s );
 }
 

@@ -56,7 +56,7 @@ static RfPlan plan_of( const Setup* s, int eyes, const RfRenderSettings* setting
 {
     RfPlan plan;
     RfError error = { 0 };
-    if ( rf_plan_render( s->tracer, s->eyes, eyes, s->frames, eyes, settings, &plan, &error ) != RF_OK )
+    if ( rf_plan_render( &( RfShot ){ s->tracer, s->eyes, eyes, s->frames, eyes }, settings, &plan, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return plan;
 }
@@ -105,7 +105,7 @@ static void test_equal_eyes_give_the_closed_form( void** state )
         assert_true( fabs( plan.rows[r].reach - plan.rows[r].eyes ) < 0.01 * plan.rows[r].eyes );
         assert_true( isnan( plan.rows[r].measured_gain ) );
     }
-    assert_int_equal( rf_measure_plan( s.tracer, s.eyes, 17, &settings, 0.05, &plan, &error ), RF_OK );
+    assert_int_equal( rf_measure_plan( &( RfShot ){ s.tracer, s.eyes, 17, NULL, 0 }, &settings, 0.05, &plan, &error ), RF_OK );
     assert_true( plan.c_e > 0.0 && plan.c_l > 0.0 && plan.c_v > 0.0 );
     const RfPlanRow* whole = plan.rows + plan.count - 1; // one window, without ends
     double own = plan.c_e + plan.c_l, formula = 17.0 * own / ( own + 16.0 * plan.c_v );
@@ -173,7 +173,8 @@ static void test_choice_is_the_best_row( void** state )
     RfError error;
     for ( int k = 0; k < 2; ++k )
     {
-        assert_int_equal( rf_resolve_settings( s.tracer, s.eyes, MOST_EYES, &settings, &used, &error ), RF_OK );
+        assert_int_equal( rf_resolve_settings( &( RfShot ){ s.tracer, s.eyes, MOST_EYES, NULL, 0 }, &settings, &used, &error ),
+                          RF_OK );
         assert_int_equal( used.group, group );
         settings.group = RF_GROUP_AUTO;
     }
@@ -218,7 +219,8 @@ static void test_choice_by_memory( void** state )
     settings.memory = 1000;
     RfPlan plan;
     RfError error;
-    assert_int_equal( rf_plan_render( s.tracer, s.eyes, MOST_EYES, s.frames, 1, &settings, &plan, &error ), RF_ERROR_MEMORY );
+    assert_int_equal( rf_plan_render( &( RfShot ){ s.tracer, s.eyes, MOST_EYES, s.frames, 1 }, &settings, &plan, &error ),
+                      RF_ERROR_MEMORY );
     assert_true( error.remedy == RF_REMEDY_MEMORY && error.least_memory > settings.memory );
     end( &s );
 }
@@ -250,7 +252,8 @@ static void test_rows_without_room_stay( void** state )
         assert_non_null( strstr( row->excluded, "does not fit the memory" ) );
     }
     assert_non_null( strstr( plan.why, "5 rows left out, do not fit the memory" ) );
-    assert_int_equal( rf_measure_plan( s.tracer, s.eyes, MOST_EYES, &settings, 0.01, &plan, &error ), RF_OK );
+    assert_int_equal( rf_measure_plan( &( RfShot ){ s.tracer, s.eyes, MOST_EYES, NULL, 0 }, &settings, 0.01, &plan, &error ),
+                      RF_OK );
     assert_true( plan.rows[3].seconds > 0.0 && isnan( plan.rows[4].seconds ) && isnan( plan.rows[4].measured_gain ) );
     end( &s );
 }
@@ -259,13 +262,15 @@ static void test_rows_without_room_stay( void** state )
 static void check_resolved( const Setup* s, const RfRenderSettings* settings, const RfPlan* plan )
 {
     RfRenderSettings asked = *settings, resolved;
-    assert_int_equal( rf_resolve_settings( s->tracer, s->eyes, MOST_EYES, &asked, &resolved, NULL ), RF_OK );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s->tracer, s->eyes, MOST_EYES, NULL, 0 }, &asked, &resolved, NULL ),
+                      RF_OK );
     assert_int_equal( resolved.group, plan->rows[plan->chosen].group );
     assert_int_equal( resolved.adaptive, RF_ADAPTIVE_OFF );
     assert_int_equal( plan->adaptive, RF_ADAPTIVE_OFF );
     assert_non_null( strstr( plan->why, "without extra samples" ) );
     asked.group = resolved.group;
-    assert_int_equal( rf_resolve_settings( s->tracer, s->eyes, MOST_EYES, &asked, &resolved, NULL ), RF_OK );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s->tracer, s->eyes, MOST_EYES, NULL, 0 }, &asked, &resolved, NULL ),
+                      RF_OK );
     assert_int_equal( resolved.adaptive, RF_ADAPTIVE_AUTO );
 }
 

@@ -209,11 +209,12 @@ static void test_any_budget_same_bits( void** state )
     settings.memory = 100000;
     RfError error;
     int frame = 0;
-    assert_int_equal( rf_render( t.tracer, t.eyes, EYES, &frame, 1, &settings, NULL, NULL, &error ), RF_ERROR_MEMORY );
+    assert_int_equal( rf_render( &( RfShot ){ t.tracer, t.eyes, EYES, &frame, 1 }, &settings, NULL, NULL, &error ),
+                      RF_ERROR_MEMORY );
     assert_int_equal( error.remedy, RF_REMEDY_MEMORY );
     assert_true( error.least_memory > 100000 );
     settings.memory = error.least_memory; // which is enough
-    assert_int_equal( rf_render( t.tracer, t.eyes, EYES, &frame, 1, &settings, NULL, NULL, &error ), RF_OK );
+    assert_int_equal( rf_render( &( RfShot ){ t.tracer, t.eyes, EYES, &frame, 1 }, &settings, NULL, NULL, &error ), RF_OK );
     end_twice( &t );
 }
 

@@ -233,20 +233,25 @@ static void test_what_it_lacks_is_said( void** state )
     (void)state;
     RfError error;
     RfRenderSettings resolved, adaptive = settings_of( &s_plain ), aovs = adaptive, none = adaptive;
-    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &adaptive, &resolved, &error ), RF_OK );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &adaptive, &resolved, &error ),
+                      RF_OK );
     assert_int_equal( resolved.adaptive, RF_ADAPTIVE_OFF ); // auto
     adaptive.adaptive = RF_ADAPTIVE_ON;
-    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &adaptive, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &adaptive, &resolved, &error ),
+                      RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no adaptive sampling" ) );
     aovs.aovs = RF_AOV_BIT( RF_AOV_NORMAL );
-    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &aovs, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &aovs, &resolved, &error ),
+                      RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no" ) );
     none.estimator = NULL;
-    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &none, &resolved, &error ),
+                      RF_ERROR_USAGE );
     RfEstimator strict = s_plain;
     strict.check = refuse;
     none.estimator = &strict;
-    assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, &none, &resolved, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &none, &resolved, &error ),
+                      RF_ERROR_USAGE );
     assert_string_equal( error.text, "one light sample only" );
 }
 
@@ -265,7 +270,8 @@ static void test_settings_out_of_range_are_refused( void** state )
     bad[4].threads = RF_MAX_THREADS + 1;
     bad[5].aovs = ~0u;
     for ( int i = 0; i < 6; ++i )
-        assert_int_equal( rf_resolve_settings( s_tracer, s_eyes, EYES, bad + i, &resolved, &error ), RF_ERROR_USAGE );
+        assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, bad + i, &resolved, &error ),
+                          RF_ERROR_USAGE );
     // no tiles are no tiles, whatever size was left in the settings
     RfRenderSettings no_tiles = settings_of( NULL );
     no_tiles.tile = ( RfTile ){ RF_TILE_NONE, 8, 8 };
@@ -291,7 +297,8 @@ static void test_a_silent_callback_is_named( void** state )
     RfError error;
     RfRenderSettings settings = settings_of( NULL );
     RfRenderCallbacks callbacks = { NULL, fail_silently, NULL };
-    assert_int_equal( rf_render( s_tracer, s_eyes, EYES, ( int[] ){ 1 }, 1, &settings, &callbacks, NULL, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_render( &( RfShot ){ s_tracer, s_eyes, EYES, ( int[] ){ 1 }, 1 }, &settings, &callbacks, NULL, &error ),
+                      RF_ERROR_IO );
     assert_int_equal( error.code, RF_ERROR_IO );
     assert_non_null( strstr( error.text, "frame 2 was not taken" ) );
 }

@@ -60,7 +60,8 @@ Rendered render_frames( const RfTracer* tracer, const RfEye* eyes, int eye_count
     RfRenderSettings of_suite = *settings;
     of_suite.seed += suite_seed();
     of_suite.spp *= suite_samples();
-    must( rf_render( tracer, eyes, eye_count, frames, frame_count, &of_suite, &callbacks, &r.stats, &error ), &error );
+    must( rf_render( &( RfShot ){ tracer, eyes, eye_count, frames, frame_count }, &of_suite, &callbacks, &r.stats, &error ),
+          &error );
     float bias = settings->group > 0 || settings->tile.kind != RF_TILE_NONE ? (float)suite_bias() : 1.0f;
     for ( size_t i = 0; bias != 1.0f && i < 3 * r.pixels * (size_t)r.count; ++i )
         r.rgb[i] *= bias;
@@ -212,12 +213,7 @@ void begin_tune_setup( TuneSetup* s, int eyes, int spp )
     s->settings.spp = spp;
     s->settings.memory = (size_t)256 << 20;
     s->settings.threads = 2;
-    s->job = ( RfTuneJob ){ .tracer = s->tracer,
-                            .eyes = s->eyes,
-                            .eye_count = eyes,
-                            .frames = s->frames,
-                            .frame_count = eyes,
-                            .settings = &s->settings };
+    s->job = ( RfTuneJob ){ .shot = { s->tracer, s->eyes, eyes, s->frames, eyes }, .settings = &s->settings };
 }
 
 void end_tune_setup( TuneSetup* s )

@@ -5,6 +5,7 @@
 
 #include "cli/options/render_options.h"
 #include "reframe/camera.h"
+#include "reframe/render.h"
 #include "scene/json/scene_file.h"
 
 typedef struct RfLoadedShot
@@ -28,6 +29,12 @@ typedef RfResult RfTakeDefaults( const RfField* defaults, void* user, RfError* e
 RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefaults* take, void* user, RfLoadedShot* shot,
                        RfError* error );
 void rf_destroy_shot( RfLoadedShot* shot );
+
+// What is rendered of it.
+static inline RfShot rf_shot_to_render( const RfLoadedShot* loaded )
+{
+    return ( RfShot ){ loaded->tracer, loaded->path.eyes, loaded->path.count, loaded->frames, loaded->frame_count };
+}
 
 // The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
 // caller frees them; NULL where memory ran out.

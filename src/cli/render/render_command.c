@@ -259,12 +259,17 @@ static RfOutput output_of( const RfRenderJob* job )
     };
 }
 
+static RfShot shot_of( const RfRenderJob* job )
+{
+    return ( RfShot ){ job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count };
+}
+
 // Replaces the settings by those that are used.
 static RfResult resolve( RfRenderJob* job, RfError* error )
 {
     job->asked = job->options.settings;
-    RfResult result =
-        rf_resolve_settings( job->tracer, job->path.runs, job->path.run_count, &job->asked, &job->options.settings, error );
+    RfShot shot = shot_of( job );
+    RfResult result = rf_resolve_settings( &shot, &job->asked, &job->options.settings, error );
     return result == RF_OK ? rf_fit_memory( &job->scene, job->path.runs, job->path.run_count, job->run_count,
                                             &job->options.settings, &job->fit, error )
                            : result;
@@ -429,8 +434,8 @@ static RfResult render( RfRenderJob* job, RfError* error )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
     job->line = rf_create_progress_line( job->options.quiet );
     RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress };
-    RfResult result = rf_render( job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count,
-                                 &job->options.settings, &callbacks, &job->stats, error );
+    RfShot shot = shot_of( job );
+    RfResult result = rf_render( &shot, &job->options.settings, &callbacks, &job->stats, error );
     job->stats.missed = job->errors.missed; // of frames, not of runs
     job->stats.flicker_missed = job->errors.flicker_missed;
     rf_clear_progress( &job->line );

@@ -103,10 +103,10 @@ static void print_goal( const CostReport* r, Goal goal )
         rf_format_span( plain.frame_seconds, plain_frame, sizeof plain_frame );
         rf_format_span( path_seconds( r, plain ), plain_all, sizeof plain_all );
         printf( ", %s by path tracing (--spp %d); all %d frame%s: %s, %s by path tracing\n", plain_frame, plain.spp,
-                r->job->frame_count, r->job->frame_count == 1 ? "" : "s", all, plain_all );
+                r->job->shot.frame_count, r->job->shot.frame_count == 1 ? "" : "s", all, plain_all );
     }
     else
-        printf( "; all %d frame%s: %s\n", r->job->frame_count, r->job->frame_count == 1 ? "" : "s", all );
+        printf( "; all %d frame%s: %s\n", r->job->shot.frame_count, r->job->shot.frame_count == 1 ? "" : "s", all );
 }
 
 // Two lines: what reuse is worth, and what the first error asked for takes.
@@ -126,7 +126,7 @@ static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
     if ( p.spp > 0 )
         snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
                   "\nrelMSE %g, noise of %.2g %% in a pixel, takes %d samples: %s for a frame, %s for all %d", relmse,
-                  100.0 * sqrt( relmse / 3.0 ), p.spp, frame, all, r->job->frame_count );
+                  100.0 * sqrt( relmse / 3.0 ), p.spp, frame, all, r->job->shot.frame_count );
     else
         snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g takes more than %d samples, which is the most",
                   relmse, RF_MAX_SPP );
@@ -205,7 +205,7 @@ static json_t* cost_json( const CostReport* r )
         rf_json_number( cost->speedup.low ), "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
         json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
         "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels", cost->pixels, "places",
-        cost->positions, "frames", r->job->frame_count, "seconds", cost->seconds, "budget", r->options->budget );
+        cost->positions, "frames", r->job->shot.frame_count, "seconds", cost->seconds, "budget", r->options->budget );
     json_object_set_new(
         json, "f1_squared_of_one_sample",
         json_pack( "[o, o]", rf_json_number( cost->plain.f1_squared ), rf_json_number( cost->reuse.f1_squared ) ) );
@@ -446,8 +446,8 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     settings.group = curve->group;
     settings.tile = curve->tile;
     RfMemoryFit fit;
-    RfResult result =
-        rf_resolve_settings( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, &settings, &resolved, error );
+    RfShot shot = rf_shot_to_render( &job->shot );
+    RfResult result = rf_resolve_settings( &shot, &settings, &resolved, error );
     if ( result == RF_OK )
         result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved,
                                 &fit, error );
@@ -490,11 +490,7 @@ static RfResult run( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     RfTrialWatch watch = { go_on, NULL };
-    RfCostJob cost = { .tracer = job->shot.tracer,
-                       .eyes = job->shot.path.eyes,
-                       .eye_count = job->shot.path.count,
-                       .frames = job->shot.frames,
-                       .frame_count = job->shot.frame_count,
+    RfCostJob cost = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
                        .watch = &watch,

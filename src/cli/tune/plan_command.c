@@ -170,11 +170,7 @@ static RfResult try_chosen( Job* job, RfError* error )
     job->tried = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
     if ( row->eyes == 1 && settings.tile.kind == RF_TILE_NONE )
         return RF_OK;
-    RfCostJob trial = { .tracer = job->shot.tracer,
-                        .eyes = job->shot.path.eyes,
-                        .eye_count = job->shot.path.count,
-                        .frames = job->shot.frames,
-                        .frame_count = job->shot.frame_count,
+    RfCostJob trial = { .shot = rf_shot_to_render( &job->shot ),
                         .settings = &settings,
                         .pixels = fmin( TRY_PIXELS / row->eyes, all / RF_COST_POSITIONS ) };
     RfCost cost;
@@ -188,15 +184,14 @@ static RfResult try_chosen( Job* job, RfError* error )
 static RfResult make_plan( Job* job, RfError* error )
 {
     const RfRenderSettings* settings = &job->options.settings;
-    RfResult result = rf_plan_render( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, job->shot.frames,
-                                      job->shot.frame_count, settings, &job->plan, error );
+    RfShot shot = rf_shot_to_render( &job->shot );
+    RfResult result = rf_plan_render( &shot, settings, &job->plan, error );
     if ( result != RF_OK )
         return result;
     if ( !job->options.quiet )
         fprintf( stderr, "reframe plan: measuring costs for some seconds\n" );
     compare_with_paper( job );
-    result = rf_measure_plan( job->shot.tracer, job->shot.path.eyes, job->shot.path.count, settings, MEASURE_SECONDS, &job->plan,
-                              error );
+    result = rf_measure_plan( &shot, settings, MEASURE_SECONDS, &job->plan, error );
     return result == RF_OK ? try_chosen( job, error ) : result;
 }
 

@@ -497,11 +497,7 @@ static RfResult run( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     RfTrialWatch watch = { go_on, NULL };
-    RfTuneJob tune = { .tracer = job->shot.tracer,
-                       .eyes = job->shot.path.eyes,
-                       .eye_count = job->shot.path.count,
-                       .frames = job->shot.frames,
-                       .frame_count = job->shot.frame_count,
+    RfTuneJob tune = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
                        .goal = (RfTuneGoal)job->options.goal,

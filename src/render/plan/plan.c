@@ -5,7 +5,6 @@
 #include "base/arena.h"
 #include "base/system.h"
 #include "render/settings.h"
-#include "render/shot.h"
 #include "render/sizes.h"
 
 #include <math.h>
@@ -382,33 +381,31 @@ static void weigh_rows( const RfShot* shot, const RfRenderSettings* settings, co
     }
 }
 
-RfResult rf_plan_render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const int* frames, int frame_count,
-                         const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
     RfRenderSettings common;
     *plan = ( RfPlan ){ .c_e = NAN, .c_l = NAN, .c_v = NAN };
-    RfResult result = rf_resolve_common( eyes, eye_count, settings, &common, error );
+    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, &common, error );
     if ( result != RF_OK )
         return result;
-    list_rows( eye_count, &common, plan );
-    const RfScene* scene = rf_tracer_scene( tracer );
-    RfShot shot = { .tracer = tracer, .eyes = eyes, .eye_count = eye_count, .frames = frames, .frame_count = frame_count };
-    result = fit_rows( &shot, &common, plan, error );
+    list_rows( shot->eye_count, &common, plan );
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
+    result = fit_rows( shot, &common, plan, error );
     Counts counts;
     if ( result == RF_OK )
-        result = count( &shot, &common, plan, &counts, error );
+        result = count( shot, &common, plan, &counts, error );
     if ( result != RF_OK )
         return result;
-    RfGroupPlan groups = rf_plan_groups( eye_count, 0, common.spp );
-    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &groups, 1, &common );
-    weigh_rows( &shot, &common, &sizes.of_estimator, &counts, plan );
+    RfGroupPlan groups = rf_plan_groups( shot->eye_count, 0, common.spp );
+    RfRenderSizes sizes = rf_render_sizes( scene, shot->eyes, &groups, 1, &common );
+    weigh_rows( shot, &common, &sizes.of_estimator, &counts, plan );
     plan->hit_share = counts.hits / counts.samples;
     plan->glossy_share = counts.glossy / counts.samples;
     choose_row( plan );
-    result = settle_adaptive( &shot, &common, plan, error );
+    result = settle_adaptive( shot, &common, plan, error );
     if ( result != RF_OK )
         return result;
-    weigh_rows( &shot, &common, &sizes.of_estimator, &counts, plan ); // the chosen one's sweeps
+    weigh_rows( shot, &common, &sizes.of_estimator, &counts, plan ); // the chosen one's sweeps
     explain( plan, &common );
     rf_record_bytes( scene, &common, plan->rows[plan->chosen].eyes, &plan->bytes_diffuse, &plan->bytes_glossy );
     return RF_OK;
@@ -555,25 +552,23 @@ static int measured_eyes( const RfPlan* plan )
     return eyes;
 }
 
-RfResult rf_measure_plan( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                          double seconds, RfPlan* plan, RfError* error )
+RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, double seconds, RfPlan* plan, RfError* error )
 {
     RfRenderSettings common;
-    RfResult result = rf_resolve_common( eyes, eye_count, settings, &common, error );
+    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, &common, error );
     if ( result != RF_OK )
         return result;
     common.weights = RF_WEIGHTS_EXACT; // the biased ones need lists per pass
     int group_eyes = measured_eyes( plan );
-    RfShot shot = { .tracer = tracer, .eyes = eyes, .eye_count = eye_count };
     Probe probe;
     Meter m = { .probe = &probe };
-    result = begin_probe( &shot, &common, group_eyes, &probe, error );
+    result = begin_probe( shot, &common, group_eyes, &probe, error );
     if ( result == RF_OK )
         result = alloc_meter( &m, error );
     if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not
     {
         measure( &m, group_eyes, seconds, plan );
-        weigh( eye_count, &common, plan );
+        weigh( shot->eye_count, &common, plan );
     }
     free_meter( &m );
     end_probe( &probe );
