@@ -19,7 +19,7 @@ except ImportError:
 MAGIC, FLOAT = 20000630, 2
 FLOOR = 1e-3
 WORST = 0.001  # of the pixels, left out of trimmed means
-STEPS = 4096  # more materials than that are not told apart
+STEPS = 4096  # more materials than that are not distinguished
 
 
 def text_until_zero(data, at):

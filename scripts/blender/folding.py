@@ -253,7 +253,7 @@ class Folder(Values):
 
 # Principled of Blender 4 as a surface of glTF that reflects as much (gloss.py).
 
-TOLD = 0.015  # differences are named from here on
+REPORTED = 0.015  # differences are named from here on
 BETWEEN = 0.5  # what is taken for a roughness that varies
 FEW = 0.25, 0.85  # roughnesses for which that is checked
 PRINCIPLED_LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
@@ -267,13 +267,13 @@ def known(value, otherwise):
 
 def tell_difference(folder, node, ratio, why):
     """`ratio`: of what is reflected here and in Blender."""
-    if abs(ratio - 1.0) > TOLD:
+    if abs(ratio - 1.0) > REPORTED:
         folder.warn(node, "%s: reflects up to %.0f %% %s than in Blender" % (why, 100.0 * abs(ratio - 1.0), "less" if ratio < 1.0 else "more"))
 
 
 def tell_spread(folder, node, ratios, why):
     most = max(abs(r - 1.0) for r in ratios)
-    if most > TOLD:
+    if most > REPORTED:
         folder.warn(node, "%s: what it reflects differs from Blender's by up to %.0f %%" % (why, 100.0 * most))
 
 

@@ -332,7 +332,7 @@ class Shell:
 
 CLEARCOAT = 0.25 if bpy.app.version < (4, 0, 0) else 1.0  # of glTF's clear coat
 SCHLICK = 1.0 / 21.0  # the mean of (1 - cos)^5
-TOLD = 0.02  # differences are named from here on
+REPORTED = 0.02  # differences are named from here on
 
 
 @functools.lru_cache(maxsize=None)
@@ -358,7 +358,7 @@ def tell_multiple(folder, node, metallic=1.0):
     if node.distribution != "MULTI_GGX" or metallic == 0.0:
         return
     lost = 1.0 - float(lobes(rough)[1].mean()) if is_constant(rough) else 0.6
-    if lost > TOLD:
+    if lost > REPORTED:
         folder.warn(node, "rough metal of multiple scattering: taken as single scattering, up to %.0f %% darker" % (100.0 * lost))
 
 
@@ -398,5 +398,5 @@ def tell_held(plan):
         return
     f0 = F0_OF_GLTF * s.f0
     left = (1.0 - (f0 + (1.0 - f0) * SCHLICK) * float(lobes(s.roughness)[1].mean())) / max(*s.base, 1e-6)
-    if s.metallic < 1.0 and s.transmission == 0.0 and left < 1.0 - TOLD:
+    if s.metallic < 1.0 and s.transmission == 0.0 and left < 1.0 - REPORTED:
         plan.tell(None, "reflects more light than arrives in Blender: its diffuse part is %.0f %% darker" % (100.0 * (1.0 - left)))

@@ -98,7 +98,7 @@ def map_path(args):
 
 
 def refuse_early(scene, args):
-    """A map in the way is better told of before the work than after it."""
+    """A map in the way is better reported before the work than after it."""
     own = scene["reframe"].to_dict() if "reframe" in scene else {}
     if scene.world is not None and "environment" not in own and not args.embed and plain_radiance(scene.world) is None:
         refuse(args, map_path(args))

@@ -1,3 +1,4 @@
+// Counts allocations by name against a budget; a request beyond it fails.
 #include "base/arena.h"
 
 #include "base/remedy.h"

@@ -1,3 +1,4 @@
+// Formats errors and warnings as single lines, and names result codes.
 #include "base/plain_text.h"
 #include "base/remedy.h"
 

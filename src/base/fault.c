@@ -1,3 +1,4 @@
+// Looks up at the start which fault REFRAME_FAULT injects (builds with REFRAME_FAULTS only).
 #include "base/fault.h"
 
 // A C file must not be empty.

@@ -1,3 +1,4 @@
+// Reads regular files up to a limit without blocking on devices or pipes; hashes contents in words of 64 bits.
 #include "base/file.h"
 
 #include "base/random.h"

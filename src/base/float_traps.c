@@ -1,3 +1,4 @@
+// Enables floating-point traps of invalid operations and divisions by zero; the handler prints a backtrace.
 #ifdef REFRAME_TRAP
 #define _GNU_SOURCE // feenableexcept
 #endif

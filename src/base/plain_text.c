@@ -1,3 +1,4 @@
+// Escapes control characters of names by walking UTF-8, so that a terminal never obeys them.
 #include "base/plain_text.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+// Clocks, free memory and cores; the limits of control groups are followed up to the root of the hierarchy.
 #include "base/system.h"
 
 #include <limits.h>

@@ -1,3 +1,4 @@
+// Nearest word by Levenshtein's edit distance, for suggestions in error messages.
 #include "base/words.h"
 
 #include <stdbool.h>

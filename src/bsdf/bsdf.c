@@ -1,3 +1,4 @@
+// Dispatches to the scattering model of a kind through a table of functions.
 #include "bsdf/bsdf.h"
 
 void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],

@@ -277,7 +277,7 @@ static RfPane pane( const Glass* g, float cos_o )
         return ( RfPane ){ 0.0f, { 0, 0, 0 } };
     float base = base_probability( g, cos_o ), reflect = reflection_probability( g, reflectance( g, cos_o ) );
     float rest = 1.0f - dielectric( cos_o, g->ior );
-    // below 1, so that it tells whether there was a pane
+    // below 1, so that it shows whether there was a pane
     float probability = rf_minf( ( 1.0f - base ) * ( 1.0f - reflect ), 1.0f - 0x1p-24f );
     return ( RfPane ){ probability, rf_scale( g->tint, rest ) };
 }

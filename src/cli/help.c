@@ -1,3 +1,4 @@
+// Writes the manual page (groff) from the option tables that also give the help texts.
 #include "cli/help.h"
 
 #include "cli/commands.h"

@@ -1,3 +1,4 @@
+// Errors and warnings on standard error, JSON results in a file or on standard output, exit statuses.
 #include "cli/messages.h"
 
 #include "base/plain_text.h"

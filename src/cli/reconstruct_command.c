@@ -97,7 +97,7 @@ static bool has_channel( const RfExrHeader* header, const char* prefix, const ch
 }
 
 // Reads a layer (NULL: the colour); all must have the window of the first. Where it is missing, the message
-// tells the option that names it.
+// reports the option that names it.
 static RfResult read_layer( const char* path, const char* layer, const char* option, ReconstructFrame* frame, RfImage* image,
                             RfError* error )
 {

@@ -1,3 +1,4 @@
+// SIGINT and SIGTERM ask a render to stop in good order; a second signal ends the program at once.
 #define _GNU_SOURCE // RTLD_DEFAULT
 
 #include "cli/signals.h"

@@ -1,3 +1,4 @@
+// Writes a model as binary glTF 2.0: checks it, builds the JSON, then writes JSON and buffers in one atomic file.
 #include "convert/glb_write.h"
 
 #include "base/remedy.h"

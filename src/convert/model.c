@@ -1,3 +1,4 @@
+// Memory, defaults and counts of a model that is being converted.
 #include "convert/model.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+// Tokens of PLY: parses the header, and single values in ASCII or either byte order.
 #include "convert/ply_file.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+// Builds a mesh from PLY: polygons are triangulated by ear clipping, strips are unrolled.
 #include "convert/ply_read.h"
 
 #include "base/file.h"

@@ -1,3 +1,4 @@
+// Runs the importer in a child process, ends it when its time is over, and relays its messages.
 #include "convert/run_importer.h"
 
 #include "base/remedy.h"

@@ -12,7 +12,7 @@
 //   statistics, IEEE PAMI 1980).
 // - It is never less than what both halves have: a glint that both have seen is no firefly.
 //
-// A glint in one pixel that one sample in ten hits cannot be told from a firefly. Where the sum hangs on
+// A glint in one pixel that one sample in ten hits cannot be distinguished from a firefly. Where the sum hangs on
 // that, in its ten worst pixels, only what it is at least can be reported: those pixels with denominators from
 // their own values.
 #include "film/film_error.h"

@@ -388,7 +388,7 @@ static float mean_of_primal( const RfGradientSolver* solver )
     return (float)( sum / (double)count );
 }
 
-// Minimises the L1 norm by rounds of weighted solves, from the solution that is there. `settled` tells whether the last
+// Minimises the L1 norm by rounds of weighted solves, from the solution that is there. `settled` says whether the last
 // round left the norm as it was.
 static void solve_l1( const RfReconstructOptions* options, RfGradientSolver* solver, bool* settled )
 {

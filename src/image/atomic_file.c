@@ -1,3 +1,4 @@
+// Writes to a temporary file, syncs it, renames it to the final name, and syncs the folder.
 #define _XOPEN_SOURCE 700 // realpath
 
 #include "image/atomic_file.h"

@@ -1,3 +1,4 @@
+// Recognises image formats by their first bytes and decodes them to 8-bit or float pixels.
 #include "image/decode.h"
 
 #include "base/file.h"

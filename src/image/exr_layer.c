@@ -1,3 +1,4 @@
+// Finds the channels of a layer in an EXR by the naming conventions of renderers, and reads them.
 #include "image/exr_layer.h"
 
 #include "base/remedy.h"

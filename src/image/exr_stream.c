@@ -1,3 +1,4 @@
+// OpenEXRCore's reads and writes through callbacks that keep every system error.
 #define _DEFAULT_SOURCE // MAP_ANONYMOUS
 #include "image/exr_stream.h"
 

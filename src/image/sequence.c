@@ -1,3 +1,4 @@
+// Patterns of frame numbers (#### or %04d) in file names: matches files, lists frames and gaps.
 #include "image/sequence.h"
 
 #include "image/atomic_file.h"

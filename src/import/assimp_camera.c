@@ -1,3 +1,4 @@
+// Cameras and lights from assimp's scene, with the angles and units that each format means.
 #include "base/file.h"
 #include "import/assimp_import.h"
 

@@ -1,3 +1,4 @@
+// Estimates the solid angles of emitters' images in mirrors and glass, at points of a sequence of low discrepancy.
 #include "light/divide.h"
 
 #define POINTS 64     // of mirrors and glass

@@ -1,3 +1,4 @@
+// Samples position and direction of light that leaves an emitter, with both densities.
 #include "light/emission.h"
 
 #include "light/kinds.h"

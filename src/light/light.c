@@ -1,3 +1,4 @@
+// Collects the lights of a scene with their powers, and builds the alias table (Vose) and the light tree.
 #include "light/light.h"
 
 #include "base/fault.h"

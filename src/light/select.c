@@ -1,3 +1,4 @@
+// Selects a light at a shading point by descent of the light tree or by power; blocks of points descend level by level.
 #include "base/fault.h"
 #include "light/light.h"
 

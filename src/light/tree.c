@@ -1,3 +1,4 @@
+// Builds the light tree top-down by the surface area orientation heuristic over bins, and weighs nodes at a point.
 #include "light/tree.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 // Specular chains traced from the light, through mirrors and smooth glass, and the manifold walk that moves a
 // chain until it meets a point. Two parameters steer it: the direction of emission, or for lights at infinity the
-// position of the ray. Ray differentials (Igehy, Tracing Ray Differentials, 1999) tell how its end moves with
+// position of the ray. Ray differentials (Igehy, Tracing Ray Differentials, 1999) give how its end moves with
 // these. src/reuse/estimators.md, section 16.
 #ifndef REFRAME_LIGHT_PATHS_MANIFOLD_WALK_H
 #define REFRAME_LIGHT_PATHS_MANIFOLD_WALK_H

@@ -1,3 +1,4 @@
+// relMSE and its intervals (Student's t over blocks of pixels); the worst pixels are kept in a heap.
 #include "measure/error.h"
 
 #include "reframe/error.h"

@@ -1,3 +1,4 @@
+// Follows points of one frame into the next by depth and motion, and sums the change of their error.
 #include "measure/flicker.h"
 
 #include "reframe/image.h"

@@ -1,3 +1,4 @@
+// Draws plots as SVG: ticks, axes, curves, markers, legend and notes.
 #include "measure/plot.h"
 
 #include "reframe/error.h"

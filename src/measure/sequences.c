@@ -1,3 +1,4 @@
+// Matches the frames of two sequences and measures the error of each pair.
 #include "measure/sequences.h"
 
 #include "base/remedy.h"

@@ -1,3 +1,4 @@
+// Estimates error from differences of independently seeded passes, and cost from CPU time, on pieces of the picture.
 #include "measure/trial.h"
 
 #include "base/random.h"

@@ -1,3 +1,4 @@
+// Chooses the pieces of the picture that a trial renders, by stratified sampling and traced points.
 #include "measure/trial_pieces.h"
 
 #include "base/random.h"

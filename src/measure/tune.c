@@ -1,3 +1,4 @@
+// Successive halving over trials: rounds, candidates, workers and the time budget of `tune`.
 #include "measure/tune.h"
 
 #include "base/random.h"

@@ -188,7 +188,7 @@ static void predict_row( const RfTune* tune, RfTuneRow* row, double pixels, int 
     row->efficiency = isgreater( cost, 0.0 ) ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
 
-// The pieces are not told apart in the change from frame to frame: no interval.
+// The change from frame to frame is measured over all pieces together: no interval.
 static RfInterval flicker_gain( const RfTrial* plain, const RfTrial* row )
 {
     double a = rf_trial_f1( plain, 1.0 ), b = rf_trial_f1( row, 1.0 );

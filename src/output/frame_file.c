@@ -67,7 +67,7 @@ static RfResult make_folder( const char* folder, RfError* error )
     return rf_fail( error, RF_ERROR_IO, "%s: the folder cannot be used: %s", folder, strerror( errno ) );
 }
 
-// Tells before the work, not after it, that frames cannot be written there.
+// Reports before the work, not after it, that frames cannot be written there.
 static RfResult probe_folder( const char* folder, RfError* error )
 {
     char name[MAX_NAME + 32];
@@ -197,7 +197,7 @@ RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileStat
         return result;
     if ( stat( name, &status ) != 0 )
         return errno == ENOENT ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
-    if ( S_ISDIR( status.st_mode ) ) // told before the work, and no matter what may be replaced
+    if ( S_ISDIR( status.st_mode ) ) // reported before the work, and no matter what may be replaced
         return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
     *state = RF_FRAME_FILE_UNREADABLE;
     if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, error ) != RF_OK )

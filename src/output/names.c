@@ -1,3 +1,4 @@
+// Names of settings, as users write them and file headers have them.
 #include "output/names.h"
 
 #include "film/pixel_filter.h"

@@ -1,3 +1,4 @@
+// Version of the library, set by CMake.
 #include "reframe/types.h"
 
 const char* rf_version( void ) { return REFRAME_VERSION; }

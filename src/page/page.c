@@ -1,3 +1,4 @@
+// Streams an HTML page: template, base64 blocks and JSON, with everything escaped for its place.
 #include "page/page.h"
 
 #include "image/atomic_file.h"

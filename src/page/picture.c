@@ -1,3 +1,4 @@
+// Encodes HDR pictures for the page: a coarse base of brightness, and the detail over it as a JPEG.
 #include "page/picture.h"
 
 #include "image/jpeg.h"

@@ -1,3 +1,4 @@
+// Gathers samples for the balance heuristic, and observes the weights where a build checks their sums.
 #include "path/mis.h"
 
 #include <stddef.h>

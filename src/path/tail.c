@@ -184,7 +184,7 @@ static void share_emission( const RfPathSettings* settings, const RfLaneScratch*
 }
 
 // Emission at the end of chains from non-specular vertices is shared with the connector: what was hit shines as much as its
-// weight tells; the sky where nothing was hit is left to the connector. Notes the vertices for what comes.
+// weight says; the sky where nothing was hit is left to the connector. Notes the vertices for what comes.
 static void leave_to_connections( const RfPathSettings* settings, const RfWavefront* wavefront, RfRayLanes* rays,
                                   RfVertexLanes* vertices )
 {

@@ -1,4 +1,4 @@
-// Cameras: an eye is a pinhole camera of one frame; a camera path holds the eyes
+// Cameras. RfEye is the camera of one frame: its position, orientation, lens and moment. A camera path holds those
 // of all frames of an animation, from a scene or from a camera-path file.
 //
 //     RfCameraPath path;
@@ -7,7 +7,7 @@
 //         printf( "%s has %d frames\n", path.name, path.count );
 //     rf_destroy_camera_path( &path );
 //
-// Any array of eyes can be rendered, one of the caller's own too: rf_make_eye.
+// Any array of cameras can be rendered, one of the caller's own too: rf_make_eye.
 #ifndef REFRAME_CAMERA_H
 #define REFRAME_CAMERA_H
 
@@ -19,7 +19,7 @@
 
 RF_API_BEGIN
 
-// Where an eye is, how long its lens and how far it is shifted, at a moment of the shutter.
+// Position, orientation, focal length and shift of a camera at a moment of the shutter.
 typedef struct RfPose
 {
     RfVec3 origin;
@@ -58,31 +58,31 @@ typedef struct RfEye
     RfPose open, close; // where the camera is when the shutter opens and closes
 } RfEye;
 
-// A right-handed eye at `origin` that looks along `forward`, with `up` orthogonalised against it;
+// A right-handed camera at `origin` that looks along `forward`, with `up` orthogonalised against it;
 // `yfov` is the vertical field of view in radians. `forward` and `up` need not be unit vectors but
 // must not be zero or parallel.
 // Pixels are square and the lens is centred.
 RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height );
 
-// An orthographic eye whose picture is 2 ymag metres high.
+// An orthographic camera whose picture is 2 ymag metres high.
 RfEye rf_make_orthographic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double ymag, int width, int height );
 
-// A panoramic eye. Its pixels are square in the middle of a picture twice as wide as high; it takes no shift and no lens.
+// A panoramic camera. Its pixels are square in the middle of a picture twice as wide as high; it takes no shift and no lens.
 RfEye rf_make_panoramic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, int width, int height );
 
-// Gives the pixels of a fresh eye an aspect, width over height, and moves its picture to the right
+// Gives the pixels of a new camera an aspect, width over height, and moves its picture to the right
 // and up by shifts in heights of the picture.
 void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift_y );
 
-// Gives a fresh eye a thin lens of this radius (m; of the circle around the blades) that is focused at a distance (m along
+// Gives a new camera a thin lens of this radius (m; of the circle around the blades) that is focused at a distance (m along
 // `forward`; infinity is a valid one). `blades`: 0 or 3 and more; their rotation in radians.
 void rf_set_lens( RfEye* eye, double radius, double focus, int blades, double rotation );
 
-// Lets the camera move while the shutter is open: through the places, directions, angles of view and shifts of three fresh
-// eyes, of which `eye` itself is the middle, on a curve of second order.
+// Lets the camera move while the shutter is open: through the places, directions, angles of view and shifts of three new
+// cameras, of which `eye` itself is the middle, on a curve of second order.
 void rf_set_shutter( RfEye* eye, const RfEye* open, const RfEye* close );
 
-// The eyes of a camera's animation, one per frame.
+// The path of a camera: its state in each frame.
 typedef struct RfCameraPath
 {
     char* name;       // of the camera, or of the file
@@ -91,12 +91,12 @@ typedef struct RfCameraPath
     int first;        // number of the first frame, by which files and messages call it
     int step;         // from the number of a frame to that of the next
     RfFps fps;        // that it was sampled at
-    double origin[3]; // of the scene (RfSceneInfo): eyes are relative to it
-    uint64_t hash;    // of all eyes: a frame is made of its neighbours' samples too
+    double origin[3]; // of the scene (RfSceneInfo): the cameras are relative to it
+    uint64_t hash;    // of all cameras: a frame is made of its neighbours' samples too
 
-    // Frames in a row with the same eye are a run, which needs to be rendered only once.
+    // Frames in a row with the same camera are a run, which needs to be rendered only once.
     int run_count;
-    RfEye* runs;       // run_count eyes
+    RfEye* runs;       // run_count of them
     int* run_of_frame; // count of them, ascending
 } RfCameraPath;
 
@@ -133,10 +133,10 @@ RfResult rf_create_lens_path( const RfScene* scene, const char* name, const RfLe
 // Frees what a path holds and empties it.
 void rf_destroy_camera_path( RfCameraPath* path );
 
-// The matrices of an eye as OpenEXR's worldToCamera and worldToNDC have them: row vectors
+// The matrices of a camera as OpenEXR's worldToCamera and worldToNDC have them: row vectors
 // (p' = p · M), 16 floats row by row. Camera space: metres, the camera at the origin, +x right, +y up,
 // looking along −z. NDC: after the division by w the film is x and y in [−1, 1], +y up; z is −1 at
-// 1 cm in front of the camera and 1 infinitely far away, of orthographic eyes 1 at 1 km. A panorama has no NDC: zeros.
+// 1 cm in front of the camera and 1 infinitely far away, of orthographic cameras 1 at 1 km. A panorama has no NDC: zeros.
 void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] );
 
 RF_API_END

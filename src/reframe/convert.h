@@ -35,7 +35,7 @@ typedef struct RfModelCounts
     int meshes, nodes, materials, images, cameras, lights;
 } RfModelCounts;
 
-// Reads `source`, whose format its content tells, and writes `target`, which must end in ".glb", whole
+// Reads `source`, whose format is recognised by its content, and writes `target`, which must end in ".glb", whole
 // or not at all. `counts` and `log` may be NULL. Fails with RF_ERROR_USAGE (a target of another
 // name, a source that is glTF already), RF_ERROR_IO, RF_ERROR_FORMAT (also where assimp crashes on
 // it or takes too long), RF_ERROR_UNSUPPORTED, RF_ERROR_MEMORY, RF_ERROR_INTERRUPTED.

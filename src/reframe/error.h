@@ -24,7 +24,7 @@ typedef enum RfResult
     RF_ERROR_INTERRUPTED, // the caller asked to stop
 } RfResult;
 
-// What the caller could change to get past an error, for programs that tell their
+// What the caller could change to get past an error, for programs that advise their
 // users what to type.
 typedef enum RfRemedy
 {

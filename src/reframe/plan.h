@@ -82,7 +82,7 @@ typedef struct RfPlanRange
 } RfPlanRange;
 
 // Cuts the frames asked for into min( machines, frame_count ) ranges, for which `ranges` has room. eyes[i] is the one of the
-// path's eye_count eyes that the i-th frame is made with, ascending; frames of a camera that stands still share one.
+// path's eye_count cameras that the i-th frame is made with, ascending; frames of a camera that stands still share one.
 // None takes more than 1.05 times the least that the longest one can; within that each cut is where the halo, the groups
 // that both sides have to render, is least. The pictures do not depend on the cuts. Settings as resolved, with a group.
 // Fails with RF_ERROR_USAGE or RF_ERROR_MEMORY.

@@ -30,7 +30,7 @@ typedef struct RfShot
     const RfTracer* tracer;
     const RfEye* eyes; // the cameras of the whole path, all with one film size
     int eye_count;     // at least 1
-    const int* frames; // those asked for: indices into the eyes, from 0, ascending
+    const int* frames; // those asked for: indices into the cameras, from 0, ascending
     int frame_count;
 } RfShot;
 
@@ -75,7 +75,7 @@ typedef enum RfSolved
 // A finished frame. The pixels are valid during the callback only.
 typedef struct RfFrameResult
 {
-    int frame; // index into the eyes, from 0
+    int frame; // index into the cameras, from 0
     int width, height;
     const float* rgb;                // 3 × width × height
     const float* weight;             // width × height: the mean of the summed weights B; E[B] = 1 with exact

@@ -52,7 +52,7 @@ const char* rf_normalize_name( RfNormalize normalize );
 // How the estimator "gradient" makes a picture of pixels and differences of neighbours.
 typedef enum RfReconstruction
 {
-    RF_RECONSTRUCTION_WEIGHTED, // least squares, weighted by variances that the other half of the samples tells: unbiased
+    RF_RECONSTRUCTION_WEIGHTED, // least squares, weighted by variances estimated from the other half of the samples: unbiased
     RF_RECONSTRUCTION_L2,       // least squares with constant weights: unbiased
     RF_RECONSTRUCTION_L1,       // least absolute differences: robust, but biased
     RF_RECONSTRUCTION_NONE,     // the pixels alone, for comparison: unbiased
@@ -72,7 +72,7 @@ typedef enum RfAdaptive
 // "auto", "on", "off".
 const char* rf_adaptive_name( RfAdaptive adaptive );
 
-// Light paths through mirrors and glass, bent to what the eyes see (src/light_paths/README.md).
+// Light paths through mirrors and glass, connected to what the cameras see by manifold walks (src/light_paths/README.md).
 typedef enum RfLightPathsUse
 {
     RF_LIGHT_PATHS_AUTO, // from emitters that look small in mirrors and glass (src/light/divide.h)

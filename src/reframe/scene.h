@@ -42,7 +42,7 @@ typedef struct RfSceneInfo
     int cameras;          // may be 0: rf_create_camera_path then needs a path file
     RfVec3 bounds_min;    // of the triangles, metres; both 0 where there are none
     RfVec3 bounds_max;
-    double origin[3];          // eyes are relative to it, metres; 0 unless the scene lies so far out that floats would not do
+    double origin[3];          // cameras are relative to it, metres; 0 unless the scene lies so far out that floats would not do
     RfFps fps;                 // that the scene asks for; 0/0: it does not say
     int width, height;         // of the picture, likewise
     int moving_count;          // objects that move in the file, but stand still here

@@ -1,3 +1,4 @@
+// A ring of finished frames between the render and a thread that hands them to the caller in order.
 #include "render/frame_queue.h"
 
 #include "trace/trace.h"

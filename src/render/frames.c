@@ -1,3 +1,4 @@
+// Opens the films of a group's frames, closes those that no later group shares, and queues them.
 #include "render/frames.h"
 
 #include "base/system.h"

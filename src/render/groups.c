@@ -1,3 +1,4 @@
+// Sliding groups of consecutive frames, and how the samples of a frame divide among its groups' passes.
 #include "render/groups.h"
 
 #include "base/fault.h"

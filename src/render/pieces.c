@@ -1,3 +1,4 @@
+// Clears and combines the traced pixels of a render of pieces, run by run.
 #include "render/pieces.h"
 
 // Calls `visit` with each run of traced pixels: the first and their count.

@@ -1,3 +1,4 @@
+// The state of a render that the files of the driver share: batches, films, and the finishing of pictures.
 #include "render/renderer.h"
 
 #include "render/pieces.h"

@@ -1,3 +1,4 @@
+// Validates render settings and resolves those that are automatic, without tracing a ray.
 #include "render/settings.h"
 
 #include "base/fault.h"

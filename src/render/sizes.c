@@ -1,3 +1,4 @@
+// Bytes of every buffer of a render, so that the memory budget can be checked in advance.
 #include "render/sizes.h"
 
 #include "image/exr.h"

@@ -1,3 +1,4 @@
+// Samples animation channels of glTF (step, linear, cubic spline) into the matrices of nodes.
 #include "scene/animation.h"
 
 #include "math/quat.h"

@@ -1,3 +1,4 @@
+// Splits the mirrors and glass of a scene into a few boxes by the surface area they save.
 #include "scene/chain_bounds.h"
 
 #include <math.h>

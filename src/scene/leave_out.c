@@ -54,7 +54,7 @@ static void make_lambert( RfMaterial* m )
     m->specular = s_black;
 }
 
-// Without the textures that `normals` tells: those of normals, or all others.
+// Without normal maps (`normals`), or without all other textures.
 static void remove_textures( RfMaterial* m, bool normals )
 {
     for ( int i = 0; i < RF_TEXTURE_SLOT_COUNT; ++i )

@@ -1,3 +1,4 @@
+// Samples the aperture (a disc or a polygon, uniformly by area) and the camera's pose while the shutter is open.
 #include "scene/lens.h"
 
 #include "base/fault.h"

@@ -1,3 +1,4 @@
+// Groups coplanar specular triangles into flat mirrors and keeps the largest.
 #include "scene/mirrors.h"
 
 #include "scene/textured.h"

@@ -1,3 +1,4 @@
+// Maps points to pixels and pixels to rays: perspective, orthographic, panoramic.
 #include "scene/projection.h"
 
 #include "scene/scene.h"
@@ -15,7 +16,7 @@ const char* const g_rf_projection_names[] = { RF_PROJECTIONS( NAME ) NULL };
 
 const RfProjectionTraits* rf_projection_traits( RfProjectionKind kind )
 {
-    switch ( kind ) // so that the compiler tells if a kind has no row
+    switch ( kind ) // so that the compiler warns of a kind without a row
     {
         RF_PROJECTIONS( CASE )
     }

@@ -1,3 +1,4 @@
+// Frees scenes and their parts.
 #include "scene/scene.h"
 
 #include "scene/camera_path/camera_track.h"

@@ -1,4 +1,4 @@
-// What the library tells of a scene (reframe/scene.h).
+// What the library reports of a scene (reframe/scene.h).
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/json/scene_file.h"

@@ -1,3 +1,4 @@
+// Texture lookup (bilinear or nearest) with wrap modes, and bounds of a texture over a range of coordinates.
 #include "scene/texture.h"
 
 #include <math.h>

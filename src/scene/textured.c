@@ -1,3 +1,4 @@
+// Evaluates metallic-roughness materials at a point: factors, textures and vertex colours, as BSDF parameters.
 #include "scene/textured.h"
 
 #include "base/built_in.h"
@@ -368,7 +369,7 @@ RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t tr
     return mapped_normal( scene, m, RF_TEXTURE_CLEARCOAT_NORMAL, m->textured->clearcoat_normal_scale, triangle, u, v, n, ng );
 }
 
-// The corners' numbers, which tell where their texture coordinates are.
+// The corners' indices, which say where their texture coordinates are.
 static void fetch_corners( const RfScene* scene, const RfTexturedPoint* points, int count )
 {
     for ( int i = 0; i < count; ++i )

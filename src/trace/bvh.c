@@ -1,3 +1,4 @@
+// Builds Embree's scene with its filter functions, and corrects hits on triangles of great extent in doubles.
 #include "trace/bvh.h"
 
 #include "base/fault.h"

@@ -1,3 +1,4 @@
+// Traces arrays of rays in packets of 16 with Embree, and holds the triangle records that hits refer to.
 #include "base/fault.h"
 #include "trace/tracer.h"
 

@@ -128,7 +128,7 @@ static void test_json_of_render_and_cost_is_read( void** state )
     assert_string_equal( page_fact( sequence, "Scene", "Effects" ), "diffuse, </script>" );
     assert_string_equal( page_fact( sequence, "Time and memory", "In all" ), "2 min 5 s" );
     assert_string_equal( page_fact( sequence, "Time and memory", "Memory, peak" ), "2.5 MB" );
-    assert_string_equal( page_fact( sequence, "Rays", "To other eyes" ), "2.5 M" );
+    assert_string_equal( page_fact( sequence, "Rays", "To other cameras" ), "2.5 M" );
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
     assert_string_equal( json_string_value( json_object_get( curve, "note" ) ),

@@ -1,3 +1,4 @@
+// Prints what `flicker` measured: metrics of all pairs of frames, of those at the borders of groups, and a verdict.
 #include "cli/compare/flicker_report.h"
 
 #include "cli/messages.h"

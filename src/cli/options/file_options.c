@@ -1,3 +1,4 @@
+// Turns the `render` object of a scene file into option values: by the same table, and errors with the JSON path.
 #include "cli/options/file_options.h"
 
 #include "cli/options/options.h"

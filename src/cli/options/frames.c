@@ -1,3 +1,4 @@
+// Frame lists, file patterns of sequences, and the cut of a render into ranges for several machines.
 #include "cli/options/frames.h"
 
 #include "cli/messages.h"

@@ -1,3 +1,4 @@
+// Parses arguments by a table of options, and prints the help from it.
 #include "cli/options/options.h"
 
 #include "base/words.h"
@@ -630,7 +631,7 @@ static size_t value_size( RfOptionType type )
     return 0;
 }
 
-// The help tells defaults, whatever stands before --help.
+// The help states defaults, whatever stands before --help.
 static void keep_defaults( Parse* parse )
 {
     for ( int i = 0; i < parse->table->option_count; ++i )

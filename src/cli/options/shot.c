@@ -1,3 +1,4 @@
+// Loads scene, camera path and tracer for `plan`, `tune` and `cost`; frames of a camera at rest become one.
 #include "cli/options/shot.h"
 
 #include "cli/options/render_options.h"

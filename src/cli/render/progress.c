@@ -1,3 +1,4 @@
+// The progress line: share done, time left, error and rate; rewritten in place on a terminal only.
 #include "cli/render/progress.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+// Checks the frame files that exist: whole, damaged or of another render, for --resume and --check.
 #include "cli/render/render_files.h"
 
 #include "cli/messages.h"
@@ -59,7 +60,7 @@ static void destroy( Check* check )
     free( check->left_eyes );
 }
 
-// A frame of this render is there under its name only once it is whole; whether it still is, reading it tells.
+// A frame of this render is there under its name only once it is whole; whether it still is, only reading it shows.
 static RfResult look_at( const RfRenderJob* job, int frame, Kind* kind, RfError* error )
 {
     char name[MAX_NAME];

@@ -1,4 +1,4 @@
-// The files of a render: what is there already, what is in the way, and what --check tells of them.
+// The files of a render: what is there already, what is in the way, and what --check reports of them.
 #ifndef REFRAME_CLI_RENDER_RENDER_FILES_H
 #define REFRAME_CLI_RENDER_RENDER_FILES_H
 
@@ -30,7 +30,7 @@ json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath*
 
 // reframe render --check: which frames are there.
 
-// Looks at the file of every frame asked for: is it there, of this very render, and can all of it be read? Tells it, as JSON
+// Looks at the file of every frame asked for: is it there, of this very render, and can all of it be read? Reports it, as JSON
 // too, with the ranges that --nodes asks for. RF_ERROR_IO unless every frame is finished.
 RfResult rf_check_render( RfRenderJob* job, RfError* error );
 

@@ -1,3 +1,4 @@
+// The result of a render as JSON: settings, effects, rays, memory, seconds, and each frame.
 #include "cli/render/render_json.h"
 
 #include "cli/messages.h"

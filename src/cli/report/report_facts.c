@@ -1,3 +1,4 @@
+// Facts of a sequence on the page: settings, costs, rays, samples, warnings, and what accuracy costs.
 #include "cli/report/report_facts.h"
 
 #include "cli/messages.h"
@@ -370,7 +371,7 @@ static void add_costs( json_t* facts, const json_t* render )
                                            { "path", "Paths" },
                                            { "shadow", "To lights" },
                                            { "tile", "Within tiles" },
-                                           { "eye", "To other eyes" } };
+                                           { "eye", "To other cameras" } };
     double seconds = rf_json_number_of( render, "seconds" ), all = 0.0;
     int count = add_rendered( facts, render, "Time and memory" );
     add_fact_number( facts, "Time and memory", "Added up over tasks", "%.0f", rf_json_number_of( render, "tasks" ) );
@@ -461,7 +462,7 @@ static void add_samples( json_t* facts, const RfPageTrack* track )
     format_samples( asked, parts[2] );
     bool is_bound = isgreater( noise, 0.0 ) || isgreater( flicker, 0.0 ) || isgreater( time, 0.0 ),
          is_said = asked != rf_default_most_spp( noise, flicker );
-    if ( islessequal( least, most ) ) // where the frames tell
+    if ( islessequal( least, most ) ) // where the frames say
         snprintf( text, sizeof text, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
     else if ( isgreater( asked, 0.0 ) && !is_bound )
         snprintf( text, sizeof text, "%s", parts[2] );

@@ -1,3 +1,4 @@
+// Adds the frames of a sequence to the page: pictures, AOVs, values for the probe, error and flicker.
 #include "cli/report/report_frames.h"
 
 #include "cli/messages.h"

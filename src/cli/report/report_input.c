@@ -1,3 +1,4 @@
+// Collects the sequences of a report and the JSON beside them; tasks of one render are summed.
 #include "cli/report/report_input.h"
 
 #include "base/file.h"

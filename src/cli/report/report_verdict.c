@@ -1,3 +1,4 @@
+// The verdict of a page: compares sequences by the time they need for equal error.
 #include "cli/report/report_verdict.h"
 
 #include "cli/messages.h"

@@ -214,12 +214,12 @@ static void print_row( const RfPlanRow* row )
     const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
     if ( !rf_plan_row_fits( row ) )
     {
-        printf( " %4d %4d %5d  %s\n", row->group, row->eyes, row->spp, excluded );
+        printf( " %4d %7d %5d  %s\n", row->group, row->eyes, row->spp, excluded );
         return;
     }
     if ( row->fit.sweeps > 1 )
         snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
-    printf( "%c%4d %4d %5d %9.1f %8.1f %8.1f %7d %10.4g %10.4g %10.4g %10.4g %10.4g %6.1f %6.1f %6.1f %8.3g%s%s%s\n",
+    printf( "%c%4d %7d %5d %9.1f %8.1f %8.1f %7d %10.4g %10.4g %10.4g %10.4g %10.4g %6.1f %6.1f %6.1f %8.3g%s%s%s\n",
             row->chosen ? '*' : ' ', row->group, row->eyes, row->spp, (double)row->fit.bytes_films / 1048576.0,
             (double)row->fit.bytes_hits / 1048576.0, (double)row->fit.bytes_lists / 1048576.0, row->fit.chunks, row->rays_primary,
             row->rays_path, row->rays_shadow, row->rays_tile, row->rays_eye, row->reach, row->gain, row->measured_gain,
@@ -259,8 +259,8 @@ static void print_plan( const Job* job )
     char verdict[RF_VERDICT_SIZE];
     format_verdict( job, verdict );
     printf( "%s\n\n", verdict );
-    printf( "%5s %4s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "eyes", "spp", "films MiB",
-            "hits MiB", "work MiB", "chunks", "primary", "path", "shadow", "tile", "eye rays", "reach", "fixed", "gain",
+    printf( "%5s %7s %5s %9s %8s %8s %7s %10s %10s %10s %10s %10s %6s %6s %6s %8s\n", "group", "cameras", "spp", "films MiB",
+            "hits MiB", "work MiB", "chunks", "primary", "path", "shadow", "tile", "to cameras", "reach", "fixed", "gain",
             "seconds" );
     for ( int i = 0; i < plan->count; ++i )
         print_row( plan->rows + i );

@@ -1,3 +1,4 @@
+// Gains with their 95 % intervals as phrases for the verdicts of `tune`, `cost` and `plan`.
 #include "cli/tune/verdict.h"
 
 #include <math.h>

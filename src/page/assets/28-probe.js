@@ -88,22 +88,22 @@ class Probe {
   fill(row, panel, factors) {
     const { sequence, painter } = panel, index = this.player.shown, view = this.player.view;
     const x = Math.floor(this.place[0] * sequence.file_width), y = Math.floor(this.place[1] * sequence.file_height);
-    const told = index >= 0 ? this.values.at(sequence, index, x, y) : null;
+    const probed = index >= 0 ? this.values.at(sequence, index, x, y) : null;
     const source = index >= 0 ? panel.source(view, index) : null, near = [];
-    if (told)
-      factors.add(told.factor);
+    if (probed)
+      factors.add(probed.factor);
     if (source) {
       const light = painter.lightAt(Math.min(Math.floor(this.place[0] * painter.width), painter.width - 1), Math.min(Math.floor(this.place[1] * painter.height), painter.height - 1));
       if (!isPictureView(view))
         near.push(`${view} \u2248 ${valuesOfLayer(source.layer, light).map(value => Number.isFinite(value) ? formatNumber(value) : "nothing").join("  ")}`);
-      else if (!told || told.factor > 1)
+      else if (!probed || probed.factor > 1)
         near.push(`\u2248 ${light.map(formatNumber).join("  ")}`);
     }
-    row.light.textContent = told ? told.light.map(formatValue).join("  ") : "";
-    row.light.title = told ? "red, green, blue" : "";
+    row.light.textContent = probed ? probed.light.map(formatValue).join("  ") : "";
+    row.light.title = probed ? "red, green, blue" : "";
     row.near.textContent = near.join("   ");
-    row.element.dataset.factor = told ? told.factor : "";
-    const bytes = told ? told.light.map(value => encodeSrgb(s_curves[this.player.curve](2 ** this.player.exposure * value))) : [0, 0, 0];
+    row.element.dataset.factor = probed ? probed.factor : "";
+    const bytes = probed ? probed.light.map(value => encodeSrgb(s_curves[this.player.curve](2 ** this.player.exposure * value))) : [0, 0, 0];
     row.swatch.style.background = `rgb(${bytes.join(" ")})`;
   }
 }

@@ -59,8 +59,8 @@ class ContactSheet {
     const isWorst = this.data.verdict.worst_frame === number && this.data.verdict.worst_sequence === this.sequence;
     const label = make("span", {}, String(number), ...(isWorst ? [make("em", { textContent: "worst" })] : []));
     const button = make("button", { type: "button", className: "thumb" }, canvas, label);
-    const told = sequence.blocks[i] === null ? ", missing" : error !== null ? `, relMSE ${formatNumber(error)}` : "";
-    button.setAttribute("aria-label", `Frame ${number}${told}${isWorst ? ", the worst" : ""}`);
+    const status = sequence.blocks[i] === null ? ", missing" : error !== null ? `, relMSE ${formatNumber(error)}` : "";
+    button.setAttribute("aria-label", `Frame ${number}${status}${isWorst ? ", the worst" : ""}`);
     button.title = button.getAttribute("aria-label");
     if (error !== null && most > 0)
       label.style.setProperty("--error", `${100 * error / most}%`);

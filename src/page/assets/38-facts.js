@@ -43,7 +43,7 @@ function makeFactRow(label, values, data) {
     return cell;
   });
   const row = withRole(make("tr", {}, head, ...cells), "row");
-  row.classList.toggle("alike", values.length > 1 && values.every(value => value === values[0])); // told once on narrow screens
+  row.classList.toggle("alike", values.length > 1 && values.every(value => value === values[0])); // shown once on narrow screens
   return row;
 }
 

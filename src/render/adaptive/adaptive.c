@@ -1,3 +1,4 @@
+// Runs the pilot, decides by its variances and costs which pixels pay, and renders their extra samples.
 #include "render/adaptive/adaptive.h"
 
 #include "base/random.h"

@@ -1,3 +1,4 @@
+// From a pilot's variances to extra samples per pixel: by the root of variance over cost, above the best threshold.
 #include "render/adaptive/need.h"
 
 #include "render/adaptive/adaptive.h"

@@ -1,3 +1,4 @@
+// Predicts the flicker of a pair of frames from their noise and the passes that are still to come.
 #include "render/stop/pair_rule.h"
 
 #include <math.h>

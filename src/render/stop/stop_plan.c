@@ -1,3 +1,4 @@
+// Weights of the shares by which the stop rule approaches its goal.
 #include "render/stop/stop_plan.h"
 
 double rf_shares_of( const RfStopRule* rule, int group ) { return rf_group( &rule->plan, group ).passes / rule->scale; }

@@ -1,3 +1,4 @@
+// Decides after each pass of a group whether another one is due: by error, by flicker or by time.
 #include "render/stop/stop_rule.h"
 
 #include "render/stop/pair_rule.h"

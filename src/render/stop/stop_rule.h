@@ -89,7 +89,7 @@ double rf_stop_share( const RfStop* stop, double now );
 // little of the passes to come; with a time never more than what is left of it.
 double rf_stop_left( const RfStop* stop, double now );
 
-// Notes a finished frame, with the flicker since the one before (NaN: not known). Tells what it has missed.
+// Notes a finished frame, with the flicker since the one before (NaN: not known). Reports which goals it has missed.
 typedef struct RfMissed
 {
     bool noise, flicker;

@@ -1,3 +1,4 @@
+// The biased weightings of the literature, for comparison: `eq15` (Méndez Feliu) and `unweighted`.
 #include "reuse/accumulate/biased_weights.h"
 
 #include "base/fault.h"

@@ -1,3 +1,4 @@
+// Draws between a smooth coat's lobe, which goes on as a specular chain, and the base beneath it.
 #include "reuse/chains/coats.h"
 
 #include "scene/projection.h"

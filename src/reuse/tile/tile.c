@@ -1,3 +1,4 @@
+// Divides a film into patches and lists the pixels of their tiles: blocks, or scattered by Latin squares.
 #include "reuse/tile/tile.h"
 
 #include "base/random.h"

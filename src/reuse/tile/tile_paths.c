@@ -1,3 +1,4 @@
+// Handles copies of one path in several tiles, and thins paths by Russian roulette.
 #include "reuse/tile/tile_paths.h"
 
 #include "path/roulette.h"

@@ -61,7 +61,7 @@ static void list_members( const RfTileReuseSettings* settings, const RfVertexLan
     }
 }
 
-// Whether max_depth ends the path at second vertex a. Its throughput does not tell: panes may have absorbed all of it, and
+// Whether max_depth ends the path at second vertex a. Its throughput does not show it: panes may have absorbed all of it, and
 // other hits may see the vertex without them.
 static bool is_spent( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfTileReuse* reuse, int a )
 {

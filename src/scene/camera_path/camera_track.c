@@ -1,3 +1,4 @@
+// Evaluates a camera path at a time: keys, orbit, dolly, zoom or walk, and where the camera looks.
 #include "scene/camera_path/camera_track.h"
 
 #include "math/quat.h"

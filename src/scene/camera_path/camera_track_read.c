@@ -1,3 +1,4 @@
+// Reads and validates camera-path files (anim/camera-path.schema.json).
 #include "scene/camera_path/camera_track_read.h"
 
 #include "math/quat.h"

@@ -1,3 +1,4 @@
+// Interpolates keys by centripetal Catmull-Rom splines, rotations as quaternions; waypoints by arc length.
 #include "scene/camera_path/curve.h"
 
 #include "math/spline.h"

@@ -1,3 +1,4 @@
+// Reads aperture, focus and shutter of a camera from JSON.
 #include "scene/camera_path/optics.h"
 
 #include "scene/json/json_document.h"

@@ -1,3 +1,4 @@
+// Opens .gltf and .glb, reads all parts of the document, and moves scenes that lie far from the origin.
 #include "scene/gltf/gltf.h"
 
 #include "base/file.h"
@@ -95,7 +96,7 @@ static RfResult split_glb( const char* path, const uint8_t* bytes, size_t size, 
     return RF_OK;
 }
 
-// Where a scene that lies far from the origin is moved to, so that floats can tell its details apart. At
+// Where a scene that lies far from the origin is moved to, so that floats can resolve its details. At
 // 100 km they are 8 mm apart.
 
 #define SAMPLES 1024 // corners of triangles, evenly spread over the list

@@ -1,3 +1,4 @@
+// Errors with the place in the document, and typed reads of its values.
 #include "scene/gltf/gltf_document.h"
 
 #include "scene/json/json_document.h"

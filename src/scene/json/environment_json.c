@@ -1,3 +1,4 @@
+// Reads and validates an environment: radiance, map, rotation, visibility.
 #include "scene/json/environment_json.h"
 
 #include "base/file.h"

@@ -1,3 +1,4 @@
+// Opens JSON files and reads typed values; every error gives the JSON path.
 #include "scene/json/json_document.h"
 
 #include "base/file.h"

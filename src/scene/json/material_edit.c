@@ -1,3 +1,4 @@
+// Overrides materials by editing the parsed glTF, so that its reader validates the result.
 #include "scene/json/material_edit.h"
 
 #include "base/words.h"

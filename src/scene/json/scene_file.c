@@ -1,3 +1,4 @@
+// Opens a scene file: the glTF that it names with its materials overridden, environment and camera path.
 #include "scene/json/scene_file.h"
 
 #include "base/file.h"
