@@ -14,6 +14,7 @@ void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfAr
     }
     for ( int i = 0; i < count; ++i )
         out->light_pdf[i] = k * light->pdf_solid_angle[i];
+    out->scattered = false;
 }
 
 void rf_gather_scattered( const RfVertexLanes* v, int count, const float* const wi[3], const RfArrivals* arrivals, float k,
@@ -30,6 +31,7 @@ void rf_gather_scattered( const RfVertexLanes* v, int count, const float* const 
         }
         out->light_pdf[i] = k * arrivals->light_pdf_solid_angle[slot];
     }
+    out->scattered = true;
 }
 
 static RfWeightRange* s_range;

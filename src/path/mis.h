@@ -1,25 +1,52 @@
-// Multiple importance sampling by the balance heuristic (Veach, Guibas, Optimally Combining Sampling Techniques for Monte Carlo
-// Rendering, SIGGRAPH 1995). A sample that several techniques could have drawn, technique k with n_k samples of density p_k,
-// has the weight
+// Multiple importance sampling (Veach, Guibas, Optimally Combining Sampling Techniques for Monte Carlo Rendering, SIGGRAPH
+// 1995). A sample that several techniques could have drawn, technique k with n_k samples of density p_k, has the weight
 //
-//     w_i = n_i p_i / Σ_k n_k p_k
+//     w_i = t(n_i p_i) / Σ_k t(n_k p_k)
 //
-// and counts f w_i / (n_i p_i) = f / Σ_k n_k p_k. All weights of the renderer are computed here. Densities that become weights
-// are in the same measure; only their quotients matter.
+// and counts f w_i / (n_i p_i). The heuristic is t: the balance heuristic has t(x) = x, the power heuristic t(x) = x². All
+// weights of the renderer are computed here, and another heuristic is another t: rf_mis_term and rf_mis_term_per_density, no
+// more. Densities that become weights are in the same measure; only their quotients matter, so t must be a power. It must be
+// finite for 8 RF_DELTA_PDF.
+//
+// The cameras of a group, and the paths of a tile, are not techniques that compete. What they find is shared without regard to
+// who found it, as samples of one *mixture* with the density Σ p_k, of which each has the share p_k / Σ p. These sums are densities
+// and remain so with any heuristic; against light sampling the mixture is one technique. (With t(x) = x both are the same, hence
+// the balance heuristic in src/reuse/estimators.md, E1.)
+//
+// The biased weighting eq15 (reuse/accumulate/biased_weights.h) has a formula of its own.
 #ifndef REFRAME_PATH_MIS_H
 #define REFRAME_PATH_MIS_H
 
 #include "base/fault.h"
 #include "path/lanes.h"
 
-// w_i, with n_i p_i of the technique and the sum of all others.
-static inline float rf_balance_weight( float own, float others ) { return own / ( own + others ); }
+#include <stdbool.h>
 
-// w_i, with n_i p_i of the technique and the sum over all, > 0.
-static inline float rf_balance_weight_of_sum( float own, float sum ) { return own / sum; }
+// t(np).
+static inline float rf_mis_term( float np ) { return np; }
+
+// t(np) / np.
+static inline float rf_mis_term_per_density( float np )
+{
+    (void)np;
+    return 1.0f;
+}
+
+// w_i of a technique with n_i p_i = own against another one.
+static inline float rf_balance_weight( float own, float other )
+{
+    float term = rf_mis_term( own );
+    return term / ( term + rf_mis_term( other ) );
+}
 
 // w_i / (n_i p_i).
-static inline float rf_balance_scale( float own, float others ) { return 1.0f / ( own + others ); }
+static inline float rf_balance_scale( float own, float other )
+{
+    return rf_mis_term_per_density( own ) / ( rf_mis_term( own ) + rf_mis_term( other ) );
+}
+
+// The share of one density in a mixture, with the sum of all its densities, > 0.
+static inline float rf_mixture_share( float density, float sum ) { return density / sum; }
 
 // Radiance that arrives along the ray of each path slot. Emission hit by the ray is
 // kept separate, since light sampling at the ray's origin could have found it too
@@ -38,6 +65,7 @@ typedef struct RfArrivalLanes
     RF_ALIGN float a[3][RF_LANES]; // |cos| times radiance
     float b[3][RF_LANES];          // likewise
     float light_pdf[RF_LANES];     // K p_L
+    bool scattered;                // the directions were drawn by scattering, not by light sampling
 } RfArrivalLanes;
 
 // Light samples, K of them at each vertex.
@@ -47,11 +75,14 @@ void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfAr
 void rf_gather_scattered( const RfVertexLanes* vertices, int count, const float* const wi[3], const RfArrivals* arrivals, float k,
                           RfArrivalLanes* out );
 
-// Q = A / (K p_L + P) + B / P at a lane, with P the density of scattering (src/reuse/estimators.md, section 3).
+// Q at a lane, with P the density of scattering: A is weighted between light sampling and scattering, B has the latter's density.
+// By the balance heuristic Q = A / (K p_L + P) + B / P, whichever drew the direction (src/reuse/estimators.md, section 3).
 static inline void rf_weigh_arrival( const RfArrivalLanes* arrival, int lane, float pdf, float q[3] )
 {
     const float least = 1e-30f; // below, nothing was drawn there
-    float scale_a = arrival->light_pdf[lane] + pdf > least ? rf_balance_scale( arrival->light_pdf[lane], pdf ) : 0.0f;
+    float light_pdf = arrival->light_pdf[lane], drawn = arrival->scattered ? pdf : light_pdf;
+    float sum = rf_mis_term( light_pdf ) + rf_mis_term( pdf );
+    float scale_a = sum > least ? rf_mis_term_per_density( drawn ) / sum : 0.0f;
     float scale_b = pdf > least || RF_FAULT( mixture ) ? 1.0f / pdf : 0.0f;
     for ( int c = 0; c < 3; ++c )
         q[c] = arrival->a[c][lane] * scale_a + arrival->b[c][lane] * scale_b;

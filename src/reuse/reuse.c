@@ -103,7 +103,7 @@ static void add_own_shares( const void* batch_memory, const void* scratch_memory
     const RfHarvestScratch* scratch = scratch_memory;
     const float* own = scratch->density + (size_t)batch->eye * RF_LANES;
     for ( int i = 0; i < batch->count; ++i )
-        sum[batch->pixel[i]] += own[i] / batch->density_sum[i];
+        sum[batch->pixel[i]] += rf_mixture_share( own[i], batch->density_sum[i] );
     int hits = own_frame_hits( batch, scratch ), base = batch->miss_count - hits;
     for ( int i = 0; i < hits; ++i )
         sum[rf_miss_pixel( batch )[base + i]] += 1.0f;

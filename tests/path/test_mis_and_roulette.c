@@ -23,7 +23,7 @@ static void test_weights_sum_to_one( void** state )
         {
             float p = densities[i], q = densities[k];
             assert_near( rf_balance_weight( p, q ) + rf_balance_weight( q, p ), 1.0f );
-            assert_near( rf_balance_weight_of_sum( p, p + q ), rf_balance_weight( p, q ) );
+            assert_near( rf_mixture_share( p, p + q ) + rf_mixture_share( q, p + q ), 1.0f );
             assert_near( rf_balance_scale( p, q ) * p, rf_balance_weight( p, q ) );
         }
     }

@@ -304,7 +304,7 @@ static void reprojection_weights( const RfAccumulation* a, int eye_index, const 
     for ( int i = 0; i < batch->count; ++i )
     {
         float all = RF_FAULT( normalised_frames ) ? sum[i] + ratio[i] : sum[i];
-        ratio[i] = ( seen[i] & bit ) != 0 ? weight * rf_balance_weight_of_sum( ratio[i], all ) : 0.0f;
+        ratio[i] = ( seen[i] & bit ) != 0 ? weight * rf_mixture_share( ratio[i], all ) : 0.0f;
     }
     rf_note_weights( ratio, batch->count, weight );
 }

@@ -26,6 +26,7 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
     for ( int c = 0; c < 3; ++c )
         memset( out->a[c] + first, 0, bytes );
     memset( out->light_pdf + first, 0, bytes );
+    out->scattered = true;
     if ( harvest->shape.chain_samples > 0 )
         rf_share_chain_light( harvest, scratch, pairing, out );
 }
@@ -87,7 +88,7 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
     const float* restrict density = scratch->density + (size_t)eye * RF_LANES + first;
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
-        mixture[i] += rf_balance_weight_of_sum( density[i], sum[i] ) * pdf[i];
+        mixture[i] += rf_mixture_share( density[i], sum[i] ) * pdf[i];
 }
 
 // P of all directions. With cameras that are not weighted, the density is that of

@@ -1,6 +1,6 @@
 // The light that second vertices scatter to the hits of their tile (E4): from light samples, from the continuation of their
 // path, and from light paths. Every path of the tile that reaches a vertex could have sampled a direction there, so
-// directions are weighted over these paths, as those at first hits are over the cameras (path/mis.h):
+// directions are drawn by the mixture of these paths, as those at first hits by that of the cameras (path/mis.h):
 // Q = A / (K p_L + P) + B / P with P = Σ_k (ρ_k / Σ ρ) p(ω; seen from x^k).
 #include "reuse/tile/tile_reuse.h"
 

@@ -222,7 +222,7 @@ static void normalize_weights( int tile_pixels, int hits, RfTileReuse* reuse )
         {
             float all = sum[pairing->vertex[i]]; // 0 where all weights are
             all = all > 0.0f && !RF_FAULT( normalised_tiles ) ? all : 1.0f;
-            pairing->weight[i] = rf_balance_weight_of_sum( pairing->weight[i], all );
+            pairing->weight[i] = rf_mixture_share( pairing->weight[i], all );
         }
         rf_note_weights( pairing->weight, hits, 1.0f );
     }
