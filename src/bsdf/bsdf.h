@@ -32,8 +32,10 @@ static inline bool rf_is_model_built( RfBsdfKind kind )
         case RF_BSDF_GGX: return rf_is_built( RF_EFFECT_GGX );
         case RF_BSDF_COATED: return rf_is_built( RF_EFFECT_CLEARCOAT ) && rf_is_built( RF_EFFECT_GGX );
         case RF_BSDF_GLASS: return rf_is_built( RF_EFFECT_MIRRORS ) || rf_is_built( RF_EFFECT_TRANSMISSION );
-        default: return true;
+        case RF_BSDF_LAMBERT:
+        case RF_BSDF_KIND_COUNT: break;
     }
+    return true;
 }
 
 // f (three arrays) and the density per solid angle with which sampling chooses

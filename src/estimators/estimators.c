@@ -23,6 +23,8 @@ const RfEstimator* rf_find_estimator( const char* name )
     return NULL;
 }
 
+const RfEstimator* rf_estimator_at( int index ) { return index >= 0 && index < ESTIMATOR_COUNT ? s_estimators[index] : NULL; }
+
 const char* rf_estimator_name( const RfEstimator* estimator ) { return estimator->name; }
 
 RfTile rf_default_tile( const RfEstimator* estimator ) { return estimator->tile; }

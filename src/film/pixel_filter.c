@@ -1,7 +1,9 @@
-// Tabulates pixel filters from the integrals of their windows, and draws places from them.
+// Tabulates pixel filters from the integrals of their windows, and draws places from them. The filters there are: RfFilter
+// (reframe/render_settings.h).
 #include "film/pixel_filter.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #define PI 3.14159265358979323846
 
@@ -10,6 +12,8 @@ const char* const rf_filter_words[] = { [RF_FILTER_BOX] = "box",
                                         [RF_FILTER_GAUSSIAN] = "gaussian",
                                         [RF_FILTER_BLACKMAN_HARRIS] = "blackman-harris",
                                         NULL };
+
+bool rf_is_filter( RfFilter filter ) { return (size_t)(unsigned)filter < sizeof rf_filter_words / sizeof rf_filter_words[0] - 1; }
 
 // Pixels from the centre beyond which the filter is 0.
 static double reach_of( RfFilter kind, double width ) { return kind == RF_FILTER_BOX ? 0.5 * width : width; }

@@ -1,6 +1,8 @@
 // Pixel filters other than the box of one pixel: how much a sample at a place of the film counts in the
 // pixels around it (src/reuse/estimators.md, section 14). The filters are separable, h(x) h(y), and tabulated in steps
 // of 1/256 pixel, each with the exact mean of h, so that their integrals are exact, too.
+//
+// One filter more is a value of RfFilter (reframe/render_settings.h), its name and its integral (film/pixel_filter.c).
 #ifndef REFRAME_FILM_PIXEL_FILTER_H
 #define REFRAME_FILM_PIXEL_FILTER_H
 
@@ -8,6 +10,7 @@
 #include "reframe/render.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #define RF_FILTER_STEPS 256 // to a pixel
 #define RF_FILTER_REACH 4   // pixels to each side of a sample's own that it may count in, at most
@@ -25,6 +28,9 @@ typedef struct RfPixelFilter
 
 // The names of filters, as users write them, in the order of RfFilter, with NULL at the end.
 extern const char* const rf_filter_words[];
+
+// Is there a filter of this number?
+bool rf_is_filter( RfFilter filter );
 
 // Is there a filter? NULL stands for the box of one pixel.
 static inline bool rf_has_filter( const RfPixelFilter* filter ) { return rf_calls_for( filter != NULL, RF_EFFECT_PIXEL_FILTER ); }

@@ -13,7 +13,8 @@
 #include <stddef.h>
 
 // The kinds of a light. One more is a row here and its functions in light/kinds.c, whose table has the other half of the name;
-// the compiler then names the switches that lack it (rf_light_kind below, path/direct.c, light_paths/light_paths.c).
+// the compiler then names the switches that lack it (rf_light_kind below, path/direct.c, light_paths/light_paths.c). A punctual
+// one is a value of RfPunctualKind (scene/scene.h) too, and read by scene/gltf/gltf_light.c.
 // clang-format off
 #define RF_LIGHT_KINDS( X ) \
     X( TRIANGLE, triangle ) \

@@ -144,6 +144,9 @@ typedef struct RfEstimator RfEstimator;
 // gradient-domain path reusing.
 const RfEstimator* rf_find_estimator( const char* name );
 
+// The estimators by number from 0 on; NULL beyond the last.
+const RfEstimator* rf_estimator_at( int index );
+
 // The name that finds it.
 const char* rf_estimator_name( const RfEstimator* estimator );
 

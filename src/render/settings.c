@@ -4,6 +4,7 @@
 #include "base/fault.h"
 #include "base/remedy.h"
 #include "base/system.h"
+#include "film/pixel_filter.h"
 #include "math/vec3.h"
 #include "render/estimator.h"
 
@@ -23,7 +24,7 @@ static RfResult check_choices( const RfRenderSettings* s, RfError* error )
     if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
         return rf_fail( error, RF_ERROR_USAGE, "there is no weighting %d, or no normalisation %d", (int)s->weights,
                         (int)s->normalize );
-    if ( (unsigned)s->filter > RF_FILTER_BLACKMAN_HARRIS )
+    if ( !rf_is_filter( s->filter ) )
         return rf_fail( error, RF_ERROR_USAGE, "there is no pixel filter %d", (int)s->filter );
     if ( s->filter_width != 0.0 && !( s->filter_width >= RF_MIN_FILTER_WIDTH && s->filter_width <= RF_MAX_FILTER_WIDTH ) )
         return rf_fail( error, RF_ERROR_USAGE, "the width of a pixel filter must be %g to %g, got %g", RF_MIN_FILTER_WIDTH,

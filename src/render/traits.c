@@ -55,17 +55,27 @@ bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* setti
            ( tile_pixels > 1 || grouped || rf_wants_light_paths( traits, settings ) );
 }
 
-// The models that materials with these effects scatter by.
+// The effect of which materials scatter by the model. Mirrors are GLASS as well.
+static RfEffectId effect_of( RfBsdfKind kind )
+{
+    switch ( kind ) // so that the compiler tells if a model has none
+    {
+        case RF_BSDF_LAMBERT: return RF_EFFECT_DIFFUSE;
+        case RF_BSDF_PHONG: return RF_EFFECT_PHONG;
+        case RF_BSDF_GGX: return RF_EFFECT_GGX;
+        case RF_BSDF_COATED: return RF_EFFECT_CLEARCOAT;
+        case RF_BSDF_GLASS: return RF_EFFECT_TRANSMISSION;
+        case RF_BSDF_KIND_COUNT: break;
+    }
+    return RF_EFFECT_COUNT;
+}
+
+// The models that materials with forced effects scatter by.
 static unsigned forced_kinds( const RfScene* scene )
 {
-    static const RfEffectId effects[RF_BSDF_KIND_COUNT] = { [RF_BSDF_LAMBERT] = RF_EFFECT_DIFFUSE,
-                                                            [RF_BSDF_PHONG] = RF_EFFECT_PHONG,
-                                                            [RF_BSDF_GGX] = RF_EFFECT_GGX,
-                                                            [RF_BSDF_COATED] = RF_EFFECT_CLEARCOAT,
-                                                            [RF_BSDF_GLASS] = RF_EFFECT_TRANSMISSION };
     unsigned kinds = rf_is_forced( scene, RF_EFFECT_MIRRORS ) ? 1u << RF_BSDF_GLASS : 0;
     for ( int k = 0; k < RF_BSDF_KIND_COUNT; ++k )
-        kinds |= rf_is_forced( scene, effects[k] ) ? 1u << k : 0;
+        kinds |= rf_is_forced( scene, effect_of( (RfBsdfKind)k ) ) ? 1u << k : 0;
     return kinds;
 }
 

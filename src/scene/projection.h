@@ -2,7 +2,9 @@
 // (src/reuse/estimators.md, section 15). Loops over lanes of perspective cameras use the pinhole itself.
 //
 // One projection more is a value of RfProjectionKind (reframe/camera.h), a row here, and a case in every switch that the compiler
-// then names: none over RfProjectionKind has a default.
+// then names: none over RfProjectionKind has a default. It does not name the comparisons in scene/camera.c (the matrices, the
+// field of view), scene/projection.c, scene/camera_path/camera_track.c and camera_track_read.c (degrees or metres),
+// scene/gltf/gltf_shot.c and gltf_camera.c (which projections files may ask for), nor the users of rf_is_parallel.
 #ifndef REFRAME_SCENE_PROJECTION_H
 #define REFRAME_SCENE_PROJECTION_H
 

@@ -333,11 +333,26 @@ void rf_settle_filter( RfRenderOptions* options )
     options->settings.filter = given ? (RfFilter)options->filter : rf_default_filter( options->settings.estimator );
 }
 
+// "a or b", "a, b or c".
+static void list_estimators( char* text, size_t size )
+{
+    const RfEstimator* estimator;
+    text[0] = '\0';
+    for ( int i = 0; ( estimator = rf_estimator_at( i ) ) != NULL; ++i )
+    {
+        size_t used = strlen( text );
+        const char* before = i == 0 ? "" : rf_estimator_at( i + 1 ) != NULL ? ", " : " or ";
+        snprintf( text + used, size - used, "%s%s", before, rf_estimator_name( estimator ) );
+    }
+}
+
 RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error )
 {
     const RfEstimator* estimator = rf_find_estimator( options->estimator );
+    char names[128];
+    list_estimators( names, sizeof names );
     if ( estimator == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--estimator: expected reuse or gradient, got '%s'", options->estimator );
+        return rf_fail( error, RF_ERROR_USAGE, "--estimator: expected %s, got '%s'", names, options->estimator );
     rf_use_estimator( &options->settings, estimator );
     return RF_OK;
 }

@@ -1,4 +1,5 @@
-// Extensions: those that change the image are supported, rejected if required, or reported.
+// Extensions: those that change the image are supported, rejected if required, or reported. Here are their names alone; their
+// values are read where they belong: gltf_material.c, gltf_texture.c, gltf_light.c, gltf_node.c, gltf_primitive.c.
 
 #include "scene/gltf/gltf_document.h"
 
