@@ -1,7 +1,7 @@
 // reframe png: EXR files as PNG, to look at.
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/options.h"
 #include "cli/render/progress.h"
 #include "reframe/image.h"

@@ -2,7 +2,7 @@
 #include "base/system.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/options.h"
 #include "cli/render/progress.h"
 #include "image/exr.h"

@@ -2,7 +2,7 @@
 #ifndef REFRAME_GRADIENT_SOLVER_H
 #define REFRAME_GRADIENT_SOLVER_H
 
-#include "gradient/system.h"
+#include "gradient/linear_system.h"
 
 #include "reframe/error.h"
 

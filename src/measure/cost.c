@@ -3,7 +3,7 @@
 
 #include "base/random.h"
 #include "base/system.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/trial.h"
 #include "render/groups.h"
 #include "render/settings.h"

@@ -7,7 +7,7 @@
 #define REFRAME_MEASURE_COST_H
 
 #include "measure/trial.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 
 #define RF_COST_LEVELS 12
 #define RF_COST_POSITIONS 3

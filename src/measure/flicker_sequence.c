@@ -3,7 +3,7 @@
 
 #include "base/remedy.h"
 #include "image/exr.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/flicker.h"
 #include "measure/sequences.h"
 

@@ -2,7 +2,7 @@
 #include "measure/sequences.h"
 
 #include "base/remedy.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 
 #include <math.h>
 #include <stdlib.h>

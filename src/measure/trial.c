@@ -5,7 +5,7 @@
 #include "base/remedy.h"
 #include "base/system.h"
 #include "film/pixel_filter.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/trial_pieces.h"
 #include "reframe/measure.h"
 #include "render/settings.h"

@@ -23,7 +23,7 @@
 #ifndef REFRAME_MEASURE_TRIAL_H
 #define REFRAME_MEASURE_TRIAL_H
 
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/trial_pieces.h"
 #include "scene/eye.h"
 

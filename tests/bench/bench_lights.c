@@ -3,7 +3,7 @@
 // Usage: bench_lights [--quick] [SCENE.glb]. Without a scene: halls of 10 to
 // 10,000 lamps of the same total power.
 #include "base/random.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "support/render_support.h"
 #include "scene/camera.h"
 #include "scene/json/scene_file.h"

@@ -1,6 +1,6 @@
 // Parts of the program that need no scene: frame lists, OpenEXR matrices, fingerprints,
 // the progress line.
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
 #include "scene/pinhole.h"

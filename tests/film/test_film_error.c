@@ -4,7 +4,7 @@
 #include "base/random.h"
 #include "film/film.h"
 #include "film/film_error.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 
 #include <math.h>
 #include <setjmp.h>

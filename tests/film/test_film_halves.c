@@ -3,7 +3,7 @@
 #include "base/random.h"
 #include "film/film.h"
 #include "film/film_error.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "support/statistics.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 // Error measures against closed forms.
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "support/image_support.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 // 1.25 of it in 5 of 6 renders, and half the renders of a setting are above, half below that; where
 // it is reported as a lower bound, the relMSE is above. A lamp inside glass gives lower bounds while there are few samples.
 // With REFRAME_LONG all twelve rooms, more settings and seeds.
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "support/render_support.h"
 #include "scene/camera.h"
 #include "scene/json/scene_file.h"

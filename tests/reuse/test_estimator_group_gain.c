@@ -1,6 +1,6 @@
 // What a group gains: identical cameras are worth as many samples as there are, and the
 // ends of a path are as good as its middle.
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"

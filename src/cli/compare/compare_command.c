@@ -4,11 +4,11 @@
 
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/options.h"
 #include "cli/render/progress.h"
 #include "image/sequence.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/sequences.h"
 #include "reframe/image.h"
 #include "reframe/measure.h"

@@ -3,7 +3,7 @@
 #include "cli/commands.h"
 #include "cli/compare/flicker_report.h"
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/options.h"
 #include "cli/render/progress.h"
 #include "measure/flicker.h"

@@ -3,7 +3,7 @@
 
 #include "cli/messages.h"
 #include "cli/options/options.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/flicker.h"
 #include "reframe/image.h"
 

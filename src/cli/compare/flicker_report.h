@@ -2,7 +2,7 @@
 #ifndef REFRAME_CLI_COMPARE_FLICKER_REPORT_H
 #define REFRAME_CLI_COMPARE_FLICKER_REPORT_H
 
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/flicker.h"
 
 #include <jansson.h>

@@ -2,7 +2,7 @@
 #include "cli/options/shot.h"
 
 #include "cli/options/render_options.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/messages.h"
 #include "trace/trace.h"
 

@@ -4,7 +4,7 @@
 #include "base/system.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shot.h"
 #include "cli/render/progress.h"

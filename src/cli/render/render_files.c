@@ -2,7 +2,7 @@
 #include "cli/render/render_files.h"
 
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/render_options.h"
 #include "cli/render/render_command.h"
 #include "cli/render/render_json.h"

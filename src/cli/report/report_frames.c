@@ -3,7 +3,7 @@
 
 #include "cli/messages.h"
 #include "cli/report/report_input.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/flicker.h"
 #include "measure/flicker_sequence.h"
 #include "page/page.h"

@@ -5,7 +5,7 @@
 #include "cli/report/report_input.h"
 #include "page/picture.h"
 #include "page/page.h"
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "measure/flicker.h"
 
 #define RF_PAGE_MOST_LAYERS 7

@@ -3,7 +3,7 @@
 
 #include "base/file.h"
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "image/exr.h"
 #include "image/sequence.h"
 

@@ -1,7 +1,7 @@
 // reframe plan: group size against memory, before anything is rendered.
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shot.h"
 #include "cli/options/shared_options.h"

@@ -2,7 +2,7 @@
 #ifndef REFRAME_CLI_TUNE_VERDICT_H
 #define REFRAME_CLI_TUNE_VERDICT_H
 
-#include "measure/error.h"
+#include "measure/image_error.h"
 #include "reframe/render.h"
 
 #define RF_VERDICT_SIZE 640

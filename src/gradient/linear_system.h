@@ -7,8 +7,8 @@
 // Its preconditioner is a multigrid V-cycle. On each level 2x2 pixels become one: their a is
 // added, and so is half of each b across the new border. Unlike a cosine transform with the mean of the
 // weights it follows weights that differ by orders of magnitude.
-#ifndef REFRAME_GRADIENT_SYSTEM_H
-#define REFRAME_GRADIENT_SYSTEM_H
+#ifndef REFRAME_GRADIENT_LINEAR_SYSTEM_H
+#define REFRAME_GRADIENT_LINEAR_SYSTEM_H
 
 #include "reframe/reconstruct.h"
 

@@ -1,6 +1,6 @@
 // Frames: lists of them, sequences of files, and the ranges that several machines render.
-#ifndef REFRAME_CLI_OPTIONS_FRAMES_H
-#define REFRAME_CLI_OPTIONS_FRAMES_H
+#ifndef REFRAME_CLI_OPTIONS_FRAME_LISTS_H
+#define REFRAME_CLI_OPTIONS_FRAME_LISTS_H
 
 #include "reframe/camera.h"
 #include "scene/json/scene_file.h"

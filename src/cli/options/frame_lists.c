@@ -1,5 +1,5 @@
 // Frame lists, file patterns of sequences, and the cut of a render into ranges for several machines.
-#include "cli/options/frames.h"
+#include "cli/options/frame_lists.h"
 
 #include "cli/messages.h"
 #include "cli/options/file_options.h"

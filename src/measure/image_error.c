@@ -1,5 +1,5 @@
 // relMSE and its intervals (Student's t over blocks of pixels); the worst pixels are kept in a heap.
-#include "measure/error.h"
+#include "measure/image_error.h"
 
 #include "reframe/error.h"
 #include "reframe/measure.h"

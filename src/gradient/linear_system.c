@@ -1,5 +1,5 @@
 // The system as an operator on planes, its residual, and the multigrid cycle.
-#include "gradient/system.h"
+#include "gradient/linear_system.h"
 
 #include "base/fault.h"
 

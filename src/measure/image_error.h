@@ -1,6 +1,6 @@
 // Error of images and sequences, and the confidence intervals of what is measured.
-#ifndef REFRAME_MEASURE_ERROR_H
-#define REFRAME_MEASURE_ERROR_H
+#ifndef REFRAME_MEASURE_IMAGE_ERROR_H
+#define REFRAME_MEASURE_IMAGE_ERROR_H
 
 #include "reframe/error.h"
 #include "reframe/measure.h"
