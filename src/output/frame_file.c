@@ -143,12 +143,12 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     const RfRenderSettings* s = &output->settings;
     const RfCameraPath* path = output->path;
     // Numbers as text: no padding bytes, no byte order, and a new setting cannot
-    // be mistaken for an old one. The roulette is a constant part.
+    // be mistaken for an old one.
     char settings[512], tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &s->tile, tile );
     snprintf( settings, sizeof settings,
               "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
-              "tile %s roulette 0",
+              "tile %s",
               (unsigned long long)rf_tracer_scene( output->tracer )->content_hash, frame, path->count, path->fps.numerator,
               path->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ),
               s->max_depth, s->light_samples, (unsigned long long)s->seed, tile );
