@@ -35,6 +35,10 @@ void rf_destroy_scene( RfScene* scene )
     if ( scene == NULL )
         return;
     free_triangles( &scene->triangles );
+    for ( int i = 0; scene->meshes != NULL && i < scene->mesh_count; ++i )
+        free_triangles( &scene->meshes[i].triangles );
+    free( scene->meshes );
+    free( scene->placements );
     for ( uint32_t i = 0; scene->materials != NULL && i < scene->material_count; ++i )
     {
         free( scene->materials[i].name );

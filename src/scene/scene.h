@@ -1,6 +1,6 @@
-// A scene as plain data: world-space triangles, materials, lights, cameras, and
-// the node hierarchy that moves the cameras. Loaders fill it; everything else
-// only reads it. It does not depend on files, rays or estimators.
+// A scene as plain data: world-space triangles, meshes and where they are placed, materials,
+// lights, cameras, and the node hierarchy that moves the cameras. Loaders fill it; everything
+// else only reads it. It does not depend on files, rays or estimators.
 #ifndef REFRAME_SCENE_SCENE_H
 #define REFRAME_SCENE_SCENE_H
 
@@ -33,6 +33,26 @@ typedef struct RfTriangles
     uint32_t* indices;  // 3 × count, front face counter-clockwise
     uint32_t* material; // count
 } RfTriangles;
+
+struct RfDeformation;
+
+// A mesh in its own space, which placements put into the world.
+typedef struct RfMesh
+{
+    RfTriangles triangles;
+    RfVec3 bounds_min, bounds_max;
+    struct RfDeformation* deformation; // owned; NULL: it is rigid
+} RfMesh;
+
+// A mesh at one place of the world. Its triangles have the numbers `first` to `first` + the mesh's count.
+typedef struct RfPlacement
+{
+    int mesh;
+    uint32_t first;
+    RfMat4 matrix; // affine, from the mesh's space into the world relative to the scene's origin; invertible where shown
+    bool shown;    // false: it is not there
+    int mover;     // −1: it stands still
+} RfPlacement;
 
 // A node of the hierarchy, kept to evaluate cameras at any time.
 typedef struct RfNode
@@ -126,8 +146,16 @@ struct RfScene
     uint64_t content_hash; // of the bytes of the file and its buffers, for --resume
     double origin[3];      // all positions are relative to it, in floats; 0 unless the scene lies far out
                            // (scene/gltf/gltf.c). Nodes, channels and camera tracks are not: eyes are
+    // Triangle numbers name surfaces everywhere: those below triangles.count are these, the others those of placements
+    // (scene/placement.h).
     RfTriangles triangles;
-    RfVec3 bounds_min, bounds_max; // of the triangles; both 0 if there are none
+    uint32_t triangle_count; // all, as placed; less than RF_MISS
+    int mesh_count;
+    RfMesh* meshes;
+    int placement_count;
+    int still_placement_count;     // which come first
+    RfPlacement* placements;       // by their first triangles, ascending
+    RfVec3 bounds_min, bounds_max; // of all triangles; both 0 if there are none
     uint32_t instance_count;       // mesh primitives instanced by nodes
     uint32_t material_count;
     RfMaterial* materials;
