@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-static int components_of( RfAnimatedPath path ) { return path == RF_ROTATION ? 4 : 3; }
-
 // Index of the last key at or before `time`, which the caller has clamped.
 static int find_key( const RfChannel* channel, double time )
 {
@@ -24,7 +22,7 @@ static int find_key( const RfChannel* channel, double time )
 
 static const double* key_value( const RfChannel* channel, int key )
 {
-    int n = components_of( channel->path );
+    int n = channel->components;
     // a cubic key is in-tangent, value, out-tangent
     if ( channel->interpolation == RF_CUBICSPLINE )
         return channel->values + ( (size_t)key * 3 + 1 ) * (size_t)n;
@@ -35,7 +33,7 @@ static const double* key_value( const RfChannel* channel, int key )
 // multiplied by the key spacing.
 static void sample_cubic( const RfChannel* channel, int key, double t, double spacing, double* value )
 {
-    int n = components_of( channel->path );
+    int n = channel->components;
     const double* v0 = key_value( channel, key );
     const double* v1 = key_value( channel, key + 1 );
     const double* out_tangent = v0 + n;
@@ -48,7 +46,7 @@ static void sample_cubic( const RfChannel* channel, int key, double t, double sp
 
 static void sample_between( const RfChannel* channel, int key, double time, double* value )
 {
-    int n = components_of( channel->path );
+    int n = channel->components;
     double spacing = channel->times[key + 1] - channel->times[key];
     double t = ( time - channel->times[key] ) / spacing;
     if ( channel->interpolation == RF_CUBICSPLINE )
@@ -67,9 +65,9 @@ static void sample_between( const RfChannel* channel, int key, double time, doub
         value[i] = ( 1.0 - t ) * v0[i] + t * v1[i];
 }
 
-void rf_sample_channel( const RfChannel* channel, double time, double value[4] )
+void rf_sample_channel( const RfChannel* channel, double time, double* value )
 {
-    int n = components_of( channel->path );
+    int n = channel->components;
     int last = channel->count - 1;
     int key = 0;
     if ( time >= channel->times[last] )
@@ -119,7 +117,7 @@ void rf_node_local_matrix( const RfScene* scene, int node, double time, RfMat4* 
 
     int count;
     const RfChannel* channels = rf_node_channels( scene, node, &count );
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < count && channels[i].path <= RF_SCALE; ++i )
         rf_sample_channel( channels + i, time, trs[channels[i].path] );
     *matrix = rf_mat4_from_trs( trs[RF_TRANSLATION], trs[RF_ROTATION], trs[RF_SCALE] );
 }

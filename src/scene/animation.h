@@ -4,12 +4,12 @@
 
 #include "scene/scene.h"
 
-// The value of a channel at `time` seconds, clamped to its first and last key: 3 numbers, or a
+// The value of a channel at `time` seconds, clamped to its first and last key: as many numbers as it has components, a
 // unit quaternion for rotations.
-void rf_sample_channel( const RfChannel* channel, double time, double value[4] );
+void rf_sample_channel( const RfChannel* channel, double time, double* value );
 
-// The channels of one node, contiguous in `scene->channels`, which are sorted by node. Returns
-// the first, and their number in `count` (0 to 3).
+// The channels of one node, contiguous in `scene->channels`, which are sorted by node, then path. Returns
+// the first, and their number in `count` (0 to 5).
 const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count );
 
 // The matrix of a node relative to its parent at `time` seconds.

@@ -2,6 +2,8 @@
 #include "scene/scene.h"
 
 #include "scene/camera_path/camera_track.h"
+#include "scene/deformation.h"
+#include "scene/movement.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -36,9 +38,19 @@ void rf_destroy_scene( RfScene* scene )
         return;
     free_triangles( &scene->triangles );
     for ( int i = 0; scene->meshes != NULL && i < scene->mesh_count; ++i )
+    {
         free_triangles( &scene->meshes[i].triangles );
+        rf_destroy_deformation( scene->meshes[i].deformation );
+    }
     free( scene->meshes );
     free( scene->placements );
+    rf_destroy_movement( scene->movement );
+    for ( int i = 0; scene->unrendered != NULL && i < scene->unrendered_count; ++i )
+    {
+        free( scene->unrendered[i].what );
+        free( scene->unrendered[i].why );
+    }
+    free( scene->unrendered );
     for ( uint32_t i = 0; scene->materials != NULL && i < scene->material_count; ++i )
     {
         free( scene->materials[i].name );

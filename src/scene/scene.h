@@ -51,14 +51,24 @@ typedef struct RfPlacement
     uint32_t first;
     RfMat4 matrix; // affine, from the mesh's space into the world relative to the scene's origin; invertible where shown
     bool shown;    // false: it is not there
-    int mover;     // −1: it stands still
+    int mover;     // of the scene's movement (scene/movement.h), in their order; −1: it stands still
 } RfPlacement;
 
-// A node of the hierarchy, kept to evaluate cameras at any time.
+struct RfMovement;
+
+// Something that changes in the file and cannot be rendered so.
+typedef struct RfUnrendered
+{
+    char* what; // such as "light 'Sun'"
+    char* why;  // such as "lamps that move are not rendered yet"
+} RfUnrendered;
+
+// A node of the hierarchy, kept to evaluate cameras and what moves at any time.
 typedef struct RfNode
 {
     char* name;
     int parent;      // −1: a root
+    bool hidden;     // with all below it, unless a channel shows it; false where nothing is read that moves
     bool has_matrix; // else translation, rotation, scale
     RfMat4 matrix;
     double translation[3];
@@ -78,14 +88,17 @@ typedef enum RfAnimatedPath
     RF_TRANSLATION,
     RF_ROTATION,
     RF_SCALE,
+    RF_WEIGHTS,    // of morph targets
+    RF_VISIBILITY, // 1, or 0: hidden
 } RfAnimatedPath;
 
-// One animated property of one node: `count` keys of 3 doubles (rotations: 4).
-// A CUBICSPLINE key is in-tangent, value, out-tangent: three times as many doubles.
+// One animated property of one node: `count` keys of 3 doubles (rotations: 4, visibility: 1, weights: one for each
+// morph target). A CUBICSPLINE key is in-tangent, value, out-tangent: three times as many doubles.
 typedef struct RfChannel
 {
     int node;
     RfAnimatedPath path;
+    int components; // numbers of a value
     RfInterpolation interpolation;
     int count;
     double* times; // seconds, strictly increasing
@@ -153,8 +166,11 @@ struct RfScene
     int mesh_count;
     RfMesh* meshes;
     int placement_count;
-    int still_placement_count;     // which come first
-    RfPlacement* placements;       // by their first triangles, ascending
+    int still_placement_count;   // which come first
+    RfPlacement* placements;     // by their first triangles, ascending; those that move are placed by rf_pose_scene
+    struct RfMovement* movement; // owned: what moves, and how; NULL: nothing does
+    int unrendered_count;
+    RfUnrendered* unrendered;      // where movement is read
     RfVec3 bounds_min, bounds_max; // of all triangles; both 0 if there are none
     uint32_t instance_count;       // mesh primitives instanced by nodes
     uint32_t material_count;

@@ -1,6 +1,9 @@
 // glTF as .glb and as .gltf, the scene's path by its cameras, and the tracer's view of it.
 #include "fuzz/fuzz.h"
 #include "scene/gltf/gltf.h"
+#include "scene/gltf/gltf_document.h"
+#include "scene/movement.h"
+#include "scene/pose.h"
 
 #include "reframe/camera.h"
 
@@ -24,15 +27,35 @@ static void sample_cameras( const RfScene* scene )
     }
 }
 
+// What moves, at its first and last moment and between them.
+static void pose_movement( const char* path )
+{
+    RfError error = { 0 };
+    RfScene scene;
+    RfGltfOptions options = { .moving = true };
+    RfResult result = rf_load_gltf_with( path, &options, &scene, NULL, &error );
+    fuzz_check( result, &error );
+    for ( int k = 0; result == RF_OK && scene.movement != NULL && k < 3; ++k )
+    {
+        RfPosedScene pose = { 0 };
+        double start = scene.movement->start, end = scene.movement->end;
+        fuzz_check( rf_pose_scene( &scene, start + 0.5 * k * ( end - start ), &pose, &error ), &error );
+        rf_destroy_pose( &pose );
+    }
+    rf_destroy_scene( &scene );
+}
+
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
 {
     RfError error = { 0 };
     RfScene scene;
     RfLog log = { 0 };
-    RfResult result = rf_load_gltf( fuzz_file( "input.glb", data, size ), &scene, &log, &error );
+    const char* path = fuzz_file( "input.glb", data, size );
+    RfResult result = rf_load_gltf( path, &scene, &log, &error );
     fuzz_check( result, &error );
     if ( result == RF_OK )
         sample_cameras( &scene );
     rf_destroy_scene( &scene );
+    pose_movement( path );
     return 0;
 }

@@ -1,6 +1,7 @@
 #include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
+#include "scene/gltf/gltf_document.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"
 
@@ -202,6 +203,35 @@ RfScene gltf_load( const char* path )
 }
 
 RfScene gltf_load_built( GltfBuilder* b, const char* rest ) { return gltf_load( write_gltf( b, &gltf_folder, rest ) ); }
+
+RfScene gltf_load_moving( const char* path, const char* animation )
+{
+    RfGltfOptions options = { .moving = true, .animation = animation };
+    RfLog log = { .fn = keep_warning };
+    RfScene scene;
+    RfError error = { 0 };
+    gltf_warnings[0] = 0;
+    if ( rf_load_gltf_with( path, &options, &scene, &log, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return scene;
+}
+
+RfScene gltf_load_built_moving( GltfBuilder* b, const char* rest )
+{
+    return gltf_load_moving( write_gltf( b, &gltf_folder, rest ), NULL );
+}
+
+void gltf_refuse_moving( GltfBuilder* b, const char* rest, const char* part )
+{
+    RfGltfOptions options = { .moving = true };
+    RfScene scene;
+    RfError error = { 0 };
+    RfResult result = rf_load_gltf_with( write_gltf( b, &gltf_folder, rest ), &options, &scene, NULL, &error );
+    if ( result == RF_OK || strstr( error.text, part ) == NULL )
+        fail_msg( "wants an error with '%s', got '%s'", part, result == RF_OK ? "none" : error.text );
+    assert_null( strchr( error.text, '\n' ) );
+    rf_destroy_scene( &scene );
+}
 
 void gltf_assert_near( float got, double want )
 {

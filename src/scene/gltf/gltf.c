@@ -8,6 +8,8 @@
 #include "scene/gltf/gltf_geometry.h"
 #include "scene/gltf/gltf_materials.h"
 #include "scene/json/json_document.h"
+#include "scene/movement.h"
+#include "scene/pose.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -127,6 +129,30 @@ static size_t sample_corners( const RfTriangles* t, double corners[3][SAMPLES] )
     return count;
 }
 
+// Where everything moves: the corners of its bounds, as it starts.
+static size_t sample_movers( const RfScene* scene, double corners[3][SAMPLES] )
+{
+    size_t count = 0;
+    RfPosedScene pose = { 0 };
+    if ( scene->movement == NULL || rf_pose_scene( scene, scene->movement->start, &pose, NULL ) != RF_OK )
+        pose.scene.placement_count = 0;
+    for ( int i = 0; i < pose.scene.placement_count && count + 2 <= SAMPLES; ++i )
+    {
+        const RfPlacement* placement = pose.scene.placements + i;
+        const RfMesh* mesh = pose.scene.meshes + placement->mesh;
+        const RfVec3 bounds[2] = { mesh->bounds_min, mesh->bounds_max };
+        for ( int k = 0; k < 2 && placement->shown; ++k, ++count )
+        {
+            double local[3] = { (double)bounds[k].x, (double)bounds[k].y, (double)bounds[k].z }, at[3];
+            rf_mat4_apply( &placement->matrix, local, 1.0, at );
+            for ( int c = 0; c < 3; ++c )
+                corners[c][count] = at[c];
+        }
+    }
+    rf_destroy_pose( &pose );
+    return count;
+}
+
 // Whether the camera that is rendered by default starts nearer to the middle than to where the origin is.
 static bool eye_agrees( const RfScene* scene, const double middle[3] )
 {
@@ -148,7 +174,7 @@ static bool eye_agrees( const RfScene* scene, const double middle[3] )
 static bool find_origin( const RfScene* scene, double origin[3] )
 {
     double corners[3][SAMPLES], sorted[SAMPLES], middle[3], distance[SAMPLES], out = 0.0;
-    size_t count = sample_corners( &scene->triangles, corners );
+    size_t count = scene->triangles.count > 0 ? sample_corners( &scene->triangles, corners ) : sample_movers( scene, corners );
     if ( count == 0 )
         return false;
     for ( int c = 0; c < 3; ++c )
@@ -262,8 +288,10 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_load_meshes( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_images( gltf );
-    if ( result == RF_OK )
+    if ( result == RF_OK && !gltf->moving )
         rf_gltf_warn_of_moving( gltf );
+    if ( result == RF_OK && gltf->moving )
+        result = rf_gltf_note_unmoved( gltf );
     return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
 }
 
@@ -277,18 +305,23 @@ static void close_document( RfGltf* gltf )
     free( gltf->order );
     free( gltf->remap );
     free( gltf->remap_stamp );
+    free( gltf->apart );
 }
 
-static RfResult load_around( const double origin[3], const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log,
+static RfResult load_around( const double origin[3], const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log,
                              RfError* error )
 {
     memset( scene, 0, sizeof *scene );
     memcpy( scene->origin, origin, sizeof scene->origin );
     RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = error, .default_material = -1 };
+    gltf.moving = options->moving;
+    gltf.animation = options->animation;
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
-    if ( result == RF_OK && edit != NULL )
-        result = edit->run( edit->user, gltf.root, error );
+    if ( result == RF_OK && options->edit != NULL )
+        result = options->edit->run( options->edit->user, gltf.root, error );
+    if ( result == RF_OK && options->animation != NULL )
+        scene->content_hash = rf_hash_bytes( scene->content_hash, options->animation, strlen( options->animation ) );
     if ( result == RF_OK )
         result = read_document( &gltf );
     close_document( &gltf );
@@ -298,14 +331,20 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
 }
 
 // A scene that lies far out is loaded a second time, around its middle: rounded to floats only then.
-RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error )
+RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
     double origin[3] = { 0 };
-    RfResult result = load_around( origin, path, edit, scene, log, error );
+    RfResult result = load_around( origin, path, options, scene, log, error );
     if ( result != RF_OK || !find_origin( scene, origin ) )
         return result;
     rf_destroy_scene( scene );
-    return load_around( origin, path, edit, scene, NULL, error );
+    return load_around( origin, path, options, scene, NULL, error );
+}
+
+RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error )
+{
+    RfGltfOptions options = { .edit = edit };
+    return rf_load_gltf_with( path, &options, scene, log, error );
 }
 
 RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )

@@ -415,7 +415,7 @@ static const struct
     { "SCALAR", 1 }, { "VEC2", 2 }, { "VEC3", 3 }, { "VEC4", 4 }, { "MAT2", 4 }, { "MAT3", 9 }, { "MAT4", 16 },
 };
 
-static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* where, RfGltfAccessor* out )
+static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out )
 {
     const char* type = "";
     RfResult result = rf_gltf_get_string( gltf, json, where, "type", &type );
@@ -426,7 +426,13 @@ static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* w
         if ( strcmp( type, s_types[i].name ) == 0 )
             out->components = s_types[i].components;
     }
-    // matrices pad their columns, but no attribute that is read here is a matrix
+    // matrices of floats alone are read, which have no padding
+    if ( matrix )
+    {
+        if ( out->components == 16 && out->component_type == FLOAT )
+            return RF_OK;
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants MAT4 of floats here", type );
+    }
     if ( out->components == 0 || type[0] == 'M' )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants SCALAR, VEC2, VEC3 or VEC4 here", type );
     return RF_OK;
@@ -444,7 +450,7 @@ static RfResult read_component_type( const RfGltf* gltf, const json_t* json, con
     return result;
 }
 
-static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char* where, RfGltfAccessor* out )
+static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out )
 {
     int64_t count = 0;
     RfResult result = rf_gltf_require( gltf, json, where, "count" );
@@ -456,7 +462,7 @@ static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char*
     if ( result == RF_OK )
         result = read_component_type( gltf, json, where, &out->component_type );
     if ( result == RF_OK )
-        result = read_type( gltf, json, where, out );
+        result = read_type( gltf, json, where, matrix, out );
     if ( result == RF_OK )
         result = rf_gltf_get_bool( gltf, json, where, "normalized", &out->normalized );
     if ( result == RF_OK && out->normalized && out->component_type >= UNSIGNED_INT )
@@ -562,7 +568,7 @@ static RfResult read_sparse( const RfGltf* gltf, const json_t* json, const char*
     return check_sparse_indices( gltf, where.text, out );
 }
 
-RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor )
+static RfResult open_accessor( RfGltf* gltf, int index, bool matrix, const RfGltfAccessor** accessor )
 {
     RfGltfAccessor* self = gltf->accessors + index;
     *accessor = self;
@@ -570,13 +576,24 @@ RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** 
         return RF_OK;
     RfWhere where = rf_where( "accessors[%d]", index );
     const json_t* json = rf_gltf_item( gltf, RF_GLTF_ACCESSORS, index );
-    RfResult result = read_layout( gltf, json, where.text, self );
+    RfResult result = read_layout( gltf, json, where.text, matrix, self );
     if ( result == RF_OK )
         result = read_view( gltf, json, where.text, self );
     if ( result == RF_OK )
         result = read_sparse( gltf, json, where.text, self );
     self->open = result == RF_OK;
     return result;
+}
+
+RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor )
+{
+    return open_accessor( gltf, index, false, accessor );
+}
+
+RfResult rf_gltf_open_matrices( RfGltf* gltf, int index, const RfGltfAccessor** accessor )
+{
+    RfResult result = open_accessor( gltf, index, true, accessor );
+    return result == RF_OK ? rf_gltf_expect( gltf, index, *accessor, "skins", 16 ) : result;
 }
 
 RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components )

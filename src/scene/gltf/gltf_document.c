@@ -19,6 +19,7 @@ static const char* const s_list_names[RF_GLTF_LIST_COUNT] = {
     [RF_GLTF_MESHES] = "meshes",       [RF_GLTF_NODES] = "nodes",
     [RF_GLTF_SCENES] = "scenes",       [RF_GLTF_IMAGES] = "images",
     [RF_GLTF_SAMPLERS] = "samplers",   [RF_GLTF_TEXTURES_LIST] = "textures",
+    [RF_GLTF_SKINS_LIST] = "skins",
 };
 
 RfWhere rf_where( const char* format, ... )

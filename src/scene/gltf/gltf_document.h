@@ -25,6 +25,7 @@ typedef enum RfGltfList
     RF_GLTF_NODES,
     RF_GLTF_SAMPLERS,
     RF_GLTF_SCENES,
+    RF_GLTF_SKINS_LIST,
     RF_GLTF_TEXTURES_LIST,
     RF_GLTF_LIST_COUNT
 } RfGltfList;
@@ -41,6 +42,7 @@ typedef enum RfGltfNotice
     RF_GLTF_WEIGHT_CHANNELS,
     RF_GLTF_POINTER_CHANNELS,
     RF_GLTF_DOUBLE_CHANNELS,
+    RF_GLTF_SKIN_WEIGHTS,
     RF_GLTF_NOTICE_COUNT
 } RfGltfNotice;
 
@@ -79,6 +81,8 @@ typedef struct RfGltf
     RfScene* scene; // the result
     RfLog* log;
     RfError* error;
+    bool moving;           // as RfGltfOptions
+    const char* animation; // likewise
 
     uint8_t* file;
     size_t file_size;
@@ -100,6 +104,12 @@ typedef struct RfGltf
     uint32_t* remap_stamp;
     uint32_t remap_size;
     uint32_t stamp;
+
+    // meshes that move, deform or are hidden, see gltf_mover.c: by node
+    int* apart;
+    int apart_count;
+    uint64_t target_vertices; // of morph targets, so far
+    uint64_t shape_triangles; // of meshes in their own space, so far
 
     bool noticed[RF_GLTF_NOTICE_COUNT];
     uint32_t noticed_extensions; // one bit per row of the table in gltf_extension.c
@@ -208,6 +218,18 @@ typedef struct RfGltfEdit
 // Like rf_load_gltf, with a modification.
 RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error );
 
+// How a file is read; zeros are as rf_load_gltf reads it.
+typedef struct RfGltfOptions
+{
+    bool moving;            // what moves becomes placements that rf_pose_scene poses, and what cannot be rendered so is listed in
+                            // scene->unrendered; false: all is frozen as in the first frame
+    const char* animation;  // that goes before the others, where several move the same; NULL: the first
+    const RfGltfEdit* edit; // or NULL
+} RfGltfOptions;
+
+// Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.
+RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error );
+
 // Loads all buffers (gltf_buffer.c).
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
 
@@ -221,6 +243,9 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
 // Finds a validated accessor (gltf_buffer.c).
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
 
+// One of 4×4 matrices of floats.
+RfResult rf_gltf_open_matrices( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
+
 // Fails unless the accessor has `components` components; `user` names the attribute.
 RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components );
 
@@ -233,8 +258,15 @@ uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 // Reads the hierarchy (gltf_node.c; cameras: gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 
-// Reads the animations (gltf_node.c).
+// Reads the animations (gltf_animation.c).
 RfResult rf_gltf_load_animations( RfGltf* gltf );
+
+// The number of morph targets of a node's mesh; fails if it has none (gltf_morph.c).
+RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where, int* count );
+
+// Adds to what changes in the file and cannot be rendered so; the same is listed once.
+RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* format, ... )
+    __attribute__( ( format( printf, 3, 4 ) ) );
 
 // Reads the cameras (gltf_camera.c).
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
@@ -245,7 +277,10 @@ RfResult rf_gltf_load_lights( RfGltf* gltf );
 // Does a node move?
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
 
-// Do its values differ over time, or those of an ancestor?
+// Does a channel have different values over time?
+bool rf_gltf_channel_varies( const RfChannel* channel );
+
+// Do its transforms differ over time, or those of an ancestor?
 bool rf_gltf_varies( const RfGltf* gltf, int node );
 
 // Adds the name of something that moves in the file, but not here.
@@ -253,6 +288,19 @@ RfResult rf_gltf_note_moving( RfGltf* gltf, const char* name );
 
 // Sorts the names and warns of them; called last.
 void rf_gltf_warn_of_moving( RfGltf* gltf );
+
+// Whether a node and its ancestors are shown, where movement is read (gltf_mover.c).
+typedef enum RfGltfVisibility
+{
+    RF_GLTF_HIDDEN,
+    RF_GLTF_SHOWN,
+    RF_GLTF_SHOWN_AT_TIMES,
+} RfGltfVisibility;
+
+RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node );
+
+// Lists what scene->moving still names, which moves where the file was made but not in the file; called last.
+RfResult rf_gltf_note_unmoved( RfGltf* gltf );
 
 // Reads `render` and `moving` of the scene's extras.reframe.
 struct RfField;

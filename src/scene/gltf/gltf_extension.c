@@ -32,8 +32,11 @@ static const struct
 
 #define COUNT_OF( array ) ( sizeof( array ) / sizeof( array )[0] )
 
-static bool is_read( const char* name )
+// Those of movement are read where it is.
+static bool is_read( const RfGltf* gltf, const char* name )
 {
+    if ( gltf->moving && ( strcmp( name, "KHR_node_visibility" ) == 0 || strcmp( name, "KHR_animation_pointer" ) == 0 ) )
+        return true;
     for ( size_t i = 0; i < COUNT_OF( s_read ); ++i )
     {
         if ( strcmp( name, s_read[i] ) == 0 )
@@ -66,7 +69,7 @@ RfResult rf_gltf_check_required( const RfGltf* gltf )
         const char* name = json_string_value( json_array_get( list, i ) );
         if ( name == NULL )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] wants a string", i );
-        if ( is_read( name ) == false )
+        if ( is_read( gltf, name ) == false )
             result = fail_unsupported( gltf, name );
     }
     return result;
@@ -80,7 +83,8 @@ void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* 
     for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
     {
         uint32_t bit = 1u << i;
-        if ( ( gltf->noticed_extensions & bit ) != 0 || json_object_get( extensions, s_unread[i].name ) == NULL )
+        if ( ( gltf->noticed_extensions & bit ) != 0 || json_object_get( extensions, s_unread[i].name ) == NULL ||
+             is_read( gltf, s_unread[i].name ) )
             continue;
         gltf->noticed_extensions |= bit;
         rf_warn( gltf->log, "%s: %s is not supported yet: %s '%.80s': %s", gltf->path, s_unread[i].name, kind, name,
@@ -145,7 +149,7 @@ RfResult rf_gltf_notice_unread( RfGltf* gltf )
         const char* name = json_string_value( json_array_get( list, i ) );
         if ( name == NULL )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsUsed", "[%zu] wants a string", i );
-        if ( is_read( name ) || is_noticed( name ) )
+        if ( is_read( gltf, name ) || is_noticed( name ) )
             continue;
         if ( ++named > MAX_NAMED )
             break;

@@ -118,6 +118,19 @@ static RfResult place_light( const RfGltf* gltf, int node, const char* where, Rf
     return RF_OK;
 }
 
+static RfResult note_change( RfGltf* gltf, int node, const char* name )
+{
+    bool moves = rf_gltf_varies( gltf, node );
+    if ( !gltf->moving )
+        return moves ? rf_gltf_note_moving( gltf, gltf->scene->nodes[node].name ) : RF_OK;
+    RfWhere what = rf_where( "light '%.80s'", name );
+    if ( moves )
+        return rf_gltf_note_unrendered( gltf, what.text, "it moves, which lamps cannot do yet" );
+    if ( rf_gltf_visibility( gltf, node ) == RF_GLTF_SHOWN_AT_TIMES )
+        return rf_gltf_note_unrendered( gltf, what.text, "it is switched, which lamps cannot be yet" );
+    return RF_OK;
+}
+
 static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, const json_t* extension )
 {
     RfWhere where = rf_where( "nodes[%d].extensions." EXTENSION, node );
@@ -142,7 +155,7 @@ static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, c
     if ( result != RF_OK )
         return result;
     gltf->scene->punctual_count += 1;
-    return rf_gltf_varies( gltf, node ) ? rf_gltf_note_moving( gltf, gltf->scene->nodes[node].name ) : RF_OK;
+    return note_change( gltf, node, out->name );
 }
 
 RfResult rf_gltf_load_lights( RfGltf* gltf )
@@ -160,7 +173,8 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
         const json_t* extension;
         result =
             rf_gltf_get_extension( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] ), where.text, EXTENSION, &extension );
-        if ( result == RF_OK && extension != NULL )
+        bool hidden = gltf->moving && rf_gltf_visibility( gltf, gltf->order[i] ) == RF_GLTF_HIDDEN;
+        if ( result == RF_OK && extension != NULL && !hidden )
             result = load_node_light( gltf, lights, gltf->order[i], extension );
     }
     return result;

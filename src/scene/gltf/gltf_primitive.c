@@ -126,19 +126,32 @@ static void face_normal( const float* a, float out[9] )
         out[i] = length > 0.0 ? (float)( n[i % 3] / length ) : 0.0f;
 }
 
-// Replaces the normals of a primitive by its face normals.
-static RfResult make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* p )
+static bool spread_sources( RfGltfPrimitive* p )
+{
+    size_t corners = 3 * (size_t)p->triangle_count;
+    uint32_t* out = malloc( ( corners + 1 ) * sizeof *out );
+    if ( out == NULL )
+        return false;
+    for ( size_t i = 0; i < corners; ++i )
+        out[i] = p->sources[p->indices[i]];
+    free( p->sources );
+    p->sources = out;
+    return true;
+}
+
+RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* p )
 {
     size_t corners = 3 * (size_t)p->triangle_count;
     p->normals = malloc( ( 3 * corners + 1 ) * sizeof *p->normals );
-    if ( p->normals == NULL || !spread( &p->positions, 3, p ) || !spread( &p->uvs, 2, p ) || !spread( &p->uvs1, 2, p ) ||
-         !spread( &p->colors, 4, p ) )
+    if ( p->normals == NULL || !spread_sources( p ) || !spread( &p->positions, 3, p ) || !spread( &p->uvs, 2, p ) ||
+         !spread( &p->uvs1, 2, p ) || !spread( &p->colors, 4, p ) )
         return rf_gltf_no_memory( gltf, where );
     for ( size_t i = 0; i < corners; ++i )
         p->indices[i] = (uint32_t)i;
     for ( size_t t = 0; t < p->triangle_count; ++t )
         face_normal( p->positions + 9 * t, p->normals + 9 * t );
     p->vertex_count = (uint32_t)corners;
+    p->flat = true;
     return RF_OK;
 }
 
@@ -160,6 +173,7 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
     free( primitive->colors );
     free( primitive->tangents );
     free( primitive->indices );
+    free( primitive->sources );
     memset( primitive, 0, sizeof *primitive );
 }
 
@@ -306,8 +320,8 @@ static RfResult read_colors( const RfGltf* gltf, const char* where, int accessor
 static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes* attributes, uint32_t vertex_count,
                                RfGltfPrimitive* out )
 {
-    uint32_t* sources = NULL;
-    RfResult result = compact( gltf, where, vertex_count, out, &sources );
+    RfResult result = compact( gltf, where, vertex_count, out, &out->sources );
+    const uint32_t* sources = out->sources;
     if ( result == RF_OK )
         result = read_attribute( gltf, where, attributes->position, sources, out->vertex_count, &out->positions );
     if ( result == RF_OK )
@@ -321,7 +335,6 @@ static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes
     // glTF: tangents are ignored if there are no normals
     if ( result == RF_OK && attributes->normal >= 0 )
         result = read_attribute( gltf, where, attributes->tangent, sources, out->vertex_count, &out->tangents );
-    free( sources );
     return result;
 }
 
@@ -347,7 +360,7 @@ static RfResult add_tangents( const RfGltf* gltf, const char* where, RfGltfPrimi
     const float* uvs = ref->uv_set == 0 ? out->uvs : out->uvs1;
     if ( ref->texture < 0 || uvs == NULL )
         return RF_OK;
-    RfResult result = out->normals == NULL ? make_flat( gltf, where, out ) : RF_OK;
+    RfResult result = out->normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
     return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
 }
 
@@ -373,7 +386,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
         rf_gltf_notice( gltf, RF_GLTF_NO_POSITIONS, "%s has no POSITION: it is left out", where );
         return RF_OK;
     }
-    if ( json_object_get( primitive, "targets" ) != NULL )
+    if ( json_object_get( primitive, "targets" ) != NULL && !gltf->moving )
         rf_gltf_notice( gltf, RF_GLTF_MORPH_TARGETS, "morph targets are not supported: %s keeps its base shape", where );
 
     result = find_material( gltf, primitive, where, &out->material );

@@ -6,6 +6,7 @@
 #include "scene/camera.h"
 #include "scene/camera_path/optics.h"
 #include "scene/json/json_document.h"
+#include "scene/movement.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -139,15 +140,21 @@ RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char*
     return RF_OK;
 }
 
-static bool channel_varies( const RfChannel* channel )
+bool rf_gltf_channel_varies( const RfChannel* channel )
 {
-    size_t values = channel->path == RF_ROTATION ? 4 : 3, cubic = channel->interpolation == RF_CUBICSPLINE ? 3 : 1;
+    size_t values = (size_t)channel->components, cubic = channel->interpolation == RF_CUBICSPLINE ? 3 : 1;
     const double* first = channel->values + ( cubic == 3 ? values : 0 );
     for ( int k = 1; k < channel->count; ++k )
     {
         for ( size_t i = 0; i < values; ++i )
         {
             if ( first[(size_t)k * cubic * values + i] != first[i] )
+                return true;
+            if ( cubic == 1 )
+                continue;
+            // equal keys with tangents: out of the key before, into this one
+            const double* out = channel->values + ( 3 * (size_t)k - 1 ) * values;
+            if ( out[i] != 0.0 || out[values + i] != 0.0 )
                 return true;
         }
     }
@@ -165,7 +172,7 @@ bool rf_gltf_varies( const RfGltf* gltf, int node )
         const RfChannel* channels = rf_node_channels( scene, node, &count );
         for ( int i = 0; i < count; ++i )
         {
-            if ( channel_varies( channels + i ) )
+            if ( channels[i].path <= RF_SCALE && rf_gltf_channel_varies( channels + i ) )
                 return true;
         }
     }
@@ -231,6 +238,40 @@ void rf_gltf_warn_of_moving( RfGltf* gltf )
         snprintf( end, 32, " and %d more", count - listed );
     rf_warn( gltf->log, "%s: %s move%s or change%s in the file, but only cameras move here: taken as in the first frame",
              gltf->path, names, count == 1 ? "s" : "", count == 1 ? "s" : "" );
+}
+
+static bool is_moving_node( const RfScene* scene, const char* name )
+{
+    for ( int i = 0; scene->movement != NULL && i < scene->movement->node_count; ++i )
+    {
+        if ( strcmp( scene->nodes[scene->movement->nodes[i].node].name, name ) == 0 )
+            return true;
+    }
+    return false;
+}
+
+RfResult rf_gltf_note_unmoved( RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    RfResult result = RF_OK;
+    sort_names( scene );
+    int kept = 0, count = scene->moving_count;
+    for ( int i = 0; i < count; ++i )
+    {
+        char* name = scene->moving[i];
+        if ( is_moving_node( scene, name ) )
+        {
+            free( name );
+            continue;
+        }
+        scene->moving[kept++] = name;
+        RfWhere what = rf_where( "object '%.80s'", name );
+        if ( result == RF_OK )
+            result =
+                rf_gltf_note_unrendered( gltf, what.text, "it moves or changes where the file was made, but not in the file" );
+    }
+    scene->moving_count = kept;
+    return result;
 }
 
 // What the program that wrote a file warned of, in `extras.reframe` of the scene:

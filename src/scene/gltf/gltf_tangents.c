@@ -227,12 +227,19 @@ static void copy( float* values, size_t to, size_t from, size_t components )
         memcpy( values + to * components, values + from * components, components * sizeof *values );
 }
 
+static bool grow_sources( RfGltfPrimitive* p, size_t count )
+{
+    uint32_t* grown = realloc( p->sources, ( count + 1 ) * sizeof *grown );
+    p->sources = grown != NULL ? grown : p->sources;
+    return grown != NULL;
+}
+
 // Assigns the duplicates to triangles of the second orientation.
 static bool split( const Spaces* s, uint32_t count )
 {
     RfGltfPrimitive* p = s->primitive;
-    if ( !grow( &p->positions, count, 3 ) || !grow( &p->normals, count, 3 ) || !grow( &p->uvs, count, 2 ) ||
-         !grow( &p->uvs1, count, 2 ) || !grow( &p->colors, count, 4 ) )
+    if ( !grow_sources( p, count ) || !grow( &p->positions, count, 3 ) || !grow( &p->normals, count, 3 ) ||
+         !grow( &p->uvs, count, 2 ) || !grow( &p->uvs1, count, 2 ) || !grow( &p->colors, count, 4 ) )
         return false;
     for ( uint32_t v = 0; v < p->vertex_count; ++v )
     {
@@ -243,6 +250,7 @@ static bool split( const Spaces* s, uint32_t count )
         copy( p->uvs, s->twin[v], v, 2 );
         copy( p->uvs1, s->twin[v], v, 2 );
         copy( p->colors, s->twin[v], v, 4 );
+        p->sources[s->twin[v]] = p->sources[v];
     }
     return true;
 }

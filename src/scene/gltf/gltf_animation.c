@@ -1,0 +1,529 @@
+// Animations: the channels of all of them merged into one list sorted by node, and the time
+// span in which each node moves.
+#include "scene/gltf/gltf_document.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Numbers in all channels, 1 GiB: channels may share samplers, so a small file could otherwise
+// request any amount.
+#define MAX_VALUES ( (uint64_t)1 << 27 )
+
+typedef struct Loader
+{
+    int capacity;
+    uint64_t values;
+    uint8_t* taken; // per node: one bit per animated property
+    int* owner;     // per node: the last animation that moves it
+    int* left_out;  // animations that move what one before them moves
+    int left_out_count;
+    int instead; // of the first of those
+} Loader;
+
+#define MAX_NAMED 5 // in a warning
+
+static RfResult read_times( RfGltf* gltf, int index, const char* where, RfChannel* channel )
+{
+    const RfGltfAccessor* accessor = gltf->accessors + index;
+    channel->times = malloc( (size_t)channel->count * sizeof *channel->times );
+    if ( channel->times == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    if ( accessor->component_type != 5126 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "input accessors[%d] wants floats", index );
+    double last = -1.0;
+    for ( int i = 0; i < channel->count; ++i )
+    {
+        float time;
+        RfResult result = rf_gltf_read_floats( gltf, index, (uint32_t)i, &time );
+        if ( result != RF_OK )
+            return result;
+        if ( time < 0.0f || (double)time <= last )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
+                                 "input accessors[%d], key %d is at %g s: times must be at "
+                                 "least 0 and increase",
+                                 index, i, (double)time );
+        last = channel->times[i] = (double)time;
+    }
+    return RF_OK;
+}
+
+static RfResult check_rotation( const RfGltf* gltf, const char* where, const RfChannel* channel, int element, double* q )
+{
+    // tangents are not unit quaternions
+    if ( channel->path != RF_ROTATION || ( channel->interpolation == RF_CUBICSPLINE && element % 3 != 1 ) )
+        return RF_OK;
+    double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
+    if ( ( length > 1e-6 && length < 1e6 ) == false )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output %d is not a unit quaternion", element );
+    // the tangents of a spline belong to unnormalised values: it is normalised after interpolation
+    for ( int i = 0; i < 4 && channel->interpolation != RF_CUBICSPLINE; ++i )
+        q[i] /= length;
+    return RF_OK;
+}
+
+static RfResult read_values( RfGltf* gltf, int index, const char* where, RfChannel* channel )
+{
+    const RfGltfAccessor* accessor = gltf->accessors + index;
+    int per_key = channel->interpolation == RF_CUBICSPLINE ? 3 : 1;
+    int components = channel->components;
+    int64_t elements = (int64_t)channel->count * per_key;
+    if ( channel->path == RF_WEIGHTS ) // each is an element
+    {
+        elements *= components;
+        components = 1;
+    }
+    RfResult result = rf_gltf_expect( gltf, index, accessor, where, components );
+    if ( result != RF_OK )
+        return result;
+    if ( accessor->count != elements )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output accessors[%d] has %u elements, %lld are needed", index,
+                             accessor->count, (long long)elements );
+    channel->values = malloc( (size_t)elements * (size_t)components * sizeof *channel->values );
+    if ( channel->values == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    for ( int i = 0; result == RF_OK && i < elements; ++i )
+    {
+        float value[4];
+        double* out = channel->values + (size_t)i * (size_t)components;
+        result = rf_gltf_read_floats( gltf, index, (uint32_t)i, value );
+        for ( int c = 0; result == RF_OK && c < components; ++c )
+            out[c] = (double)value[c];
+        if ( result == RF_OK )
+            result = check_rotation( gltf, where, channel, i, out );
+    }
+    return result;
+}
+
+// Truth has nothing between its values.
+static RfResult check_visibility( const RfGltf* gltf, const char* where, RfChannel* channel )
+{
+    if ( channel->path != RF_VISIBILITY )
+        return RF_OK;
+    if ( channel->interpolation != RF_STEP )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "shows and hides nodes[%d], which wants STEP", channel->node );
+    for ( int i = 0; i < channel->count; ++i )
+        channel->values[i] = channel->values[i] != 0.0 ? 1.0 : 0.0;
+    return RF_OK;
+}
+
+static RfResult read_interpolation( const RfGltf* gltf, const json_t* json, const char* where, RfInterpolation* out )
+{
+    static const char* const s_names[] = { "STEP", "LINEAR", "CUBICSPLINE" };
+    const char* name = "LINEAR";
+    RfResult result = rf_gltf_get_string( gltf, json, where, "interpolation", &name );
+    if ( result != RF_OK )
+        return result;
+    for ( int i = 0; i < 3; ++i )
+    {
+        if ( strcmp( name, s_names[i] ) == 0 )
+        {
+            *out = (RfInterpolation)i;
+            return RF_OK;
+        }
+    }
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "interpolation '%.20s' wants STEP, LINEAR or CUBICSPLINE", name );
+}
+
+static RfResult read_sampler( RfGltf* gltf, Loader* loader, const json_t* json, const char* where, RfChannel* channel )
+{
+    int input = -1, output = -1;
+    const RfGltfAccessor *times = NULL, *values = NULL;
+    RfResult result = read_interpolation( gltf, json, where, &channel->interpolation );
+    if ( result == RF_OK )
+        result = rf_gltf_require( gltf, json, where, "input" );
+    if ( result == RF_OK )
+        result = rf_gltf_require( gltf, json, where, "output" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_index( gltf, json, where, "input", RF_GLTF_ACCESSORS, &input );
+    if ( result == RF_OK )
+        result = rf_gltf_get_index( gltf, json, where, "output", RF_GLTF_ACCESSORS, &output );
+    if ( result == RF_OK )
+        result = rf_gltf_open_accessor( gltf, input, &times );
+    if ( result == RF_OK )
+        result = rf_gltf_expect( gltf, input, times, where, 1 );
+    if ( result == RF_OK )
+        result = rf_gltf_open_accessor( gltf, output, &values );
+    if ( result != RF_OK )
+        return result;
+
+    loader->values += (uint64_t)times->count + (uint64_t)values->count * (uint64_t)values->components;
+    if ( loader->values > MAX_VALUES )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %llu numbers in the animations: bake fewer keys",
+                             (unsigned long long)MAX_VALUES );
+    channel->count = (int)times->count;
+    result = read_times( gltf, input, where, channel );
+    if ( result == RF_OK )
+        result = read_values( gltf, output, where, channel );
+    return result == RF_OK ? check_visibility( gltf, where, channel ) : result;
+}
+
+// KHR_animation_pointer: what a channel animates, as a path in the document. `pointer` stays NULL where the channel says it all.
+
+static RfResult find_pointer( const RfGltf* gltf, const json_t* target, const char* where, const char** pointer )
+{
+    const json_t* extension;
+    RfResult result = rf_gltf_get_extension( gltf, target, where, "KHR_animation_pointer", &extension );
+    if ( result == RF_OK && extension == NULL )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.extensions.KHR_animation_pointer is missing" );
+    if ( result == RF_OK )
+        result = rf_gltf_require( gltf, extension, where, "pointer" );
+    return result == RF_OK ? rf_gltf_get_string( gltf, extension, where, "pointer", pointer ) : result;
+}
+
+// Sets node and path of those that can be followed, and then clears the pointer.
+static RfResult follow_pointer( const RfGltf* gltf, const char* where, const char** pointer, RfChannel* channel )
+{
+    static const char* const s_members[] = { "translation", "rotation", "scale", "weights",
+                                             "extensions/KHR_node_visibility/visible" };
+    int length = 0;
+    long long node = -1;
+    if ( sscanf( *pointer, "/nodes/%9lld/%n", &node, &length ) != 1 || length == 0 )
+        return RF_OK;
+    if ( node < 0 || node >= gltf->counts[RF_GLTF_NODES] )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "pointer '%.80s' names a node that does not exist", *pointer );
+    for ( int i = 0; i < 5; ++i )
+    {
+        if ( strcmp( *pointer + length, s_members[i] ) != 0 )
+            continue;
+        channel->node = (int)node;
+        channel->path = (RfAnimatedPath)i;
+        *pointer = NULL;
+        return RF_OK;
+    }
+    return RF_OK;
+}
+
+// What a pointer names, in words.
+static RfWhere name_target( const RfGltf* gltf, const char* pointer )
+{
+    static const struct
+    {
+        const char *list, *kind;
+    } s_lists[] = {
+        { "materials", "material" }, { "nodes", "node" },       { "meshes", "mesh" },
+        { "cameras", "camera" },     { "textures", "texture" }, { "extensions/KHR_lights_punctual/lights", "light" }
+    };
+    for ( size_t i = 0; i < sizeof s_lists / sizeof s_lists[0]; ++i )
+    {
+        size_t length = strlen( s_lists[i].list );
+        if ( strncmp( pointer + 1, s_lists[i].list, length ) != 0 || pointer[1 + length] != '/' )
+            continue;
+        const json_t* list = json_object_get( gltf->root, s_lists[i].list );
+        if ( strcmp( s_lists[i].kind, "light" ) == 0 )
+            list = json_object_get( json_object_get( json_object_get( gltf->root, "extensions" ), "KHR_lights_punctual" ),
+                                    "lights" );
+        int index = atoi( pointer + 2 + length );
+        const char* name = json_string_value( json_object_get( json_array_get( list, (size_t)index ), "name" ) );
+        return name != NULL && name[0] != 0 ? rf_where( "%s '%.80s'", s_lists[i].kind, name )
+                                            : rf_where( "%s %d", s_lists[i].kind, index );
+    }
+    return rf_where( "%.100s", pointer );
+}
+
+static RfResult note_pointer( RfGltf* gltf, const char* pointer )
+{
+    RfWhere what = name_target( gltf, pointer );
+    return rf_gltf_note_unrendered( gltf, what.text, "the file animates %.160s, which is not rendered yet", pointer );
+}
+
+// Morph targets and pointers of a file that is frozen.
+static void notice_frozen( RfGltf* gltf, const char* where, const char* path )
+{
+    if ( strcmp( path, "pointer" ) == 0 )
+        rf_gltf_notice( gltf, RF_GLTF_POINTER_CHANNELS, "KHR_animation_pointer is not supported: what %s moves stands still",
+                        where );
+    else
+        rf_gltf_notice( gltf, RF_GLTF_WEIGHT_CHANNELS, "morph targets are not supported: what %s moves stands still", where );
+}
+
+static RfResult find_path( RfGltf* gltf, const json_t* target, const char* where, const char* path, RfChannel* channel,
+                           const char** pointer )
+{
+    static const char* const s_paths[] = { "translation", "rotation", "scale", "weights" };
+    if ( strcmp( path, "pointer" ) == 0 )
+    {
+        RfResult result = find_pointer( gltf, target, where, pointer );
+        return result == RF_OK ? follow_pointer( gltf, where, pointer, channel ) : result;
+    }
+    for ( int i = 0; i < 4; ++i )
+    {
+        if ( strcmp( path, s_paths[i] ) == 0 )
+        {
+            channel->path = (RfAnimatedPath)i;
+            return RF_OK;
+        }
+    }
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.path '%.20s' does not exist", path );
+}
+
+// Reads which node and property the channel animates, and whether it is supported. `pointer` is set to one that is not.
+static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where, RfChannel* channel, bool* wanted,
+                             const char** pointer )
+{
+    const json_t* target = NULL;
+    const char* path = "";
+    *wanted = false;
+    *pointer = NULL;
+    RfResult result = rf_gltf_require( gltf, json, where, "target" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_object( gltf, json, where, "target", &target );
+    if ( result == RF_OK )
+        result = rf_gltf_require( gltf, target, where, "path" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_string( gltf, target, where, "path", &path );
+    if ( result == RF_OK )
+        result = rf_gltf_get_index( gltf, target, where, "node", RF_GLTF_NODES, &channel->node );
+    if ( result != RF_OK )
+        return result;
+    if ( !gltf->moving && ( strcmp( path, "pointer" ) == 0 || strcmp( path, "weights" ) == 0 ) )
+    {
+        notice_frozen( gltf, where, path );
+        return RF_OK;
+    }
+    result = find_path( gltf, target, where, path, channel, pointer );
+    channel->components = channel->path == RF_ROTATION ? 4 : channel->path == RF_VISIBILITY ? 1 : 3;
+    // without a node, an extension defines the target
+    *wanted = result == RF_OK && *pointer == NULL && channel->node >= 0;
+    return *wanted && channel->path == RF_WEIGHTS ? rf_gltf_count_targets( gltf, channel->node, where, &channel->components )
+                                                  : result;
+}
+
+static RfResult check_target( RfGltf* gltf, Loader* loader, const char* where, const RfChannel* channel, bool* wanted )
+{
+    const RfNode* node = gltf->scene->nodes + channel->node;
+    if ( node->has_matrix && channel->path <= RF_SCALE )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "moves nodes[%d], which has a matrix", channel->node );
+    uint8_t bit = (uint8_t)( 1u << channel->path );
+    if ( ( loader->taken[channel->node] & bit ) != 0 )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS, "%s moves node '%.80s', which an earlier channel moves: the first is used",
+                        where, node->name );
+        *wanted = false;
+    }
+    loader->taken[channel->node] |= bit;
+    return RF_OK;
+}
+
+static RfResult append_channel( RfGltf* gltf, Loader* loader, const RfChannel* channel )
+{
+    RfScene* scene = gltf->scene;
+    if ( scene->channel_count == loader->capacity )
+    {
+        int capacity = loader->capacity > 0 ? loader->capacity * 2 : 8;
+        RfChannel* grown = realloc( scene->channels, (size_t)capacity * sizeof *grown );
+        if ( grown == NULL )
+            return rf_gltf_no_memory( gltf, "animations" );
+        scene->channels = grown;
+        loader->capacity = capacity;
+    }
+    scene->channels[scene->channel_count++] = *channel;
+    return RF_OK;
+}
+
+static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, const json_t* samplers, int animation,
+                              size_t index )
+{
+    RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, index );
+    if ( json_is_object( json ) == 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants an object" );
+    RfChannel channel = { 0 };
+    bool wanted;
+    const char* pointer;
+    RfResult result = read_target( gltf, json, where.text, &channel, &wanted, &pointer );
+    if ( result == RF_OK && pointer != NULL )
+        result = note_pointer( gltf, pointer );
+    if ( result == RF_OK && wanted )
+        result = check_target( gltf, loader, where.text, &channel, &wanted );
+    if ( result == RF_OK && wanted )
+        loader->owner[channel.node] = animation;
+    if ( result != RF_OK || wanted == false )
+        return result;
+
+    int64_t sampler = -1;
+    result = rf_gltf_require( gltf, json, where.text, "sampler" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, json, where.text, "sampler", 0, (int64_t)json_array_size( samplers ) - 1, &sampler );
+    if ( result != RF_OK )
+        return result;
+    RfWhere self = rf_where( "animations[%d].samplers[%lld]", animation, (long long)sampler );
+    const json_t* sampler_json = json_array_get( samplers, (size_t)sampler );
+    if ( json_is_object( sampler_json ) == 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "wants an object" );
+    result = read_sampler( gltf, loader, sampler_json, self.text, &channel );
+    if ( result == RF_OK )
+        result = append_channel( gltf, loader, &channel );
+    if ( result != RF_OK )
+    {
+        free( channel.times );
+        free( channel.values );
+    }
+    return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
+}
+
+// Whether an animation moves what one before it moves.
+static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const json_t* channels, int animation, int* other )
+{
+    *other = -1;
+    for ( size_t i = 0; *other < 0 && i < json_array_size( channels ); ++i )
+    {
+        RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, i );
+        RfChannel channel = { 0 };
+        bool wanted;
+        const char* pointer;
+        RfResult result = read_target( gltf, json_array_get( channels, i ), where.text, &channel, &wanted, &pointer );
+        if ( result != RF_OK )
+            return result;
+        if ( wanted && ( loader->taken[channel.node] & 1u << channel.path ) != 0 )
+            *other = loader->owner[channel.node];
+    }
+    return RF_OK;
+}
+
+static RfResult load_animation( RfGltf* gltf, Loader* loader, int index )
+{
+    RfWhere where = rf_where( "animations[%d]", index );
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_ANIMATIONS, index );
+    const json_t *channels = NULL, *samplers = NULL;
+    int other = -1;
+    RfResult result = rf_gltf_get_array( gltf, json, where.text, "channels", &channels );
+    if ( result == RF_OK )
+        result = rf_gltf_get_array( gltf, json, where.text, "samplers", &samplers );
+    if ( result == RF_OK && gltf->moving )
+        result = find_conflict( gltf, loader, channels, index, &other );
+    if ( result == RF_OK && other >= 0 )
+    {
+        loader->instead = loader->left_out_count == 0 ? other : loader->instead;
+        loader->left_out[loader->left_out_count++] = index;
+        return RF_OK;
+    }
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( channels ); ++i )
+        result = load_channel( gltf, loader, json_array_get( channels, i ), samplers, index, i );
+    return result;
+}
+
+static RfWhere name_animation( const RfGltf* gltf, int index )
+{
+    const char* name = json_string_value( json_object_get( rf_gltf_item( gltf, RF_GLTF_ANIMATIONS, index ), "name" ) );
+    return name != NULL && name[0] != 0 ? rf_where( "'%.50s'", name ) : rf_where( "animations[%d]", index );
+}
+
+// The names of some animations: all where `list` is NULL.
+static void name_animations( const RfGltf* gltf, const int* list, int count, char text[MAX_NAMED * 64 + 32] )
+{
+    char* end = text;
+    *end = 0;
+    for ( int i = 0; i < count && i < MAX_NAMED; ++i )
+    {
+        RfWhere name = name_animation( gltf, list != NULL ? list[i] : i );
+        end += snprintf( end, 64, "%s%.55s", i > 0 ? ", " : "", name.text );
+    }
+    if ( count > MAX_NAMED )
+        snprintf( end, 32, " and %d more", count - MAX_NAMED );
+}
+
+static void warn_of_left_out( const RfGltf* gltf, const Loader* loader )
+{
+    char names[MAX_NAMED * 64 + 32];
+    if ( loader->left_out_count == 0 || gltf->animation != NULL )
+        return;
+    name_animations( gltf, loader->left_out, loader->left_out_count, names );
+    RfWhere used = name_animation( gltf, loader->instead );
+    rf_warn( gltf->log, "%s: animation %s is used: %s, which move%s the same, %s left out", gltf->path, used.text, names,
+             loader->left_out_count == 1 ? "s" : "", loader->left_out_count == 1 ? "is" : "are" );
+}
+
+// The animation that goes before all others; −1: the first.
+static RfResult find_chosen( const RfGltf* gltf, int* chosen )
+{
+    char names[MAX_NAMED * 64 + 32];
+    *chosen = -1;
+    int count = gltf->counts[RF_GLTF_ANIMATIONS];
+    if ( gltf->animation == NULL )
+        return RF_OK;
+    for ( int i = 0; i < count && *chosen < 0; ++i )
+    {
+        const char* name = json_string_value( json_object_get( rf_gltf_item( gltf, RF_GLTF_ANIMATIONS, i ), "name" ) );
+        if ( name != NULL && strcmp( name, gltf->animation ) == 0 )
+            *chosen = i;
+    }
+    if ( *chosen >= 0 )
+        return RF_OK;
+    name_animations( gltf, NULL, count, names );
+    return rf_gltf_fail( gltf, RF_ERROR_USAGE, "animations", "none is called '%.80s'%s%s", gltf->animation,
+                         count > 0 ? ": there are " : ": there are none", names );
+}
+
+static RfResult load_all( RfGltf* gltf, Loader* loader )
+{
+    int chosen, count = gltf->counts[RF_GLTF_ANIMATIONS];
+    RfResult result = find_chosen( gltf, &chosen );
+    if ( result == RF_OK && chosen >= 0 )
+        result = load_animation( gltf, loader, chosen );
+    for ( int i = 0; result == RF_OK && i < count; ++i )
+    {
+        if ( i != chosen )
+            result = load_animation( gltf, loader, i );
+    }
+    if ( result == RF_OK )
+        warn_of_left_out( gltf, loader );
+    return result;
+}
+
+static int compare_channels( const void* a, const void* b )
+{
+    const RfChannel *left = a, *right = b;
+    if ( left->node != right->node )
+        return left->node < right->node ? -1 : 1;
+    return (int)left->path - (int)right->path;
+}
+
+static void widen( RfGltfSpan* span, double start, double end )
+{
+    span->start = fmin( span->start, start );
+    span->end = fmax( span->end, end );
+}
+
+static RfResult find_spans( RfGltf* gltf )
+{
+    const RfScene* scene = gltf->scene;
+    gltf->spans = malloc( ( (size_t)scene->node_count + 1 ) * sizeof *gltf->spans );
+    if ( gltf->spans == NULL )
+        return rf_gltf_no_memory( gltf, "animations" );
+    for ( int i = 0; i < scene->node_count; ++i )
+        gltf->spans[i] = ( RfGltfSpan ){ INFINITY, -INFINITY };
+    for ( int i = 0; i < scene->channel_count; ++i )
+    {
+        const RfChannel* channel = scene->channels + i;
+        if ( channel->path > RF_SCALE ) // which moves nothing
+            continue;
+        widen( gltf->spans + channel->node, channel->times[0], channel->times[channel->count - 1] );
+    }
+    // parents come first, so one pass propagates all ancestors
+    for ( int i = 0; i < gltf->order_count; ++i )
+    {
+        int node = gltf->order[i], parent = scene->nodes[node].parent;
+        if ( parent >= 0 )
+            widen( gltf->spans + node, gltf->spans[parent].start, gltf->spans[parent].end );
+    }
+    return RF_OK;
+}
+
+RfResult rf_gltf_load_animations( RfGltf* gltf )
+{
+    size_t nodes = (size_t)gltf->scene->node_count + 1, animations = (size_t)gltf->counts[RF_GLTF_ANIMATIONS] + 1;
+    Loader loader = { .taken = calloc( nodes, 1 ),
+                      .owner = calloc( nodes, sizeof *loader.owner ),
+                      .left_out = calloc( animations, sizeof *loader.left_out ) };
+    bool room = loader.taken != NULL && loader.owner != NULL && loader.left_out != NULL;
+    RfResult result = room ? load_all( gltf, &loader ) : rf_gltf_no_memory( gltf, "animations" );
+    free( loader.taken );
+    free( loader.owner );
+    free( loader.left_out );
+    if ( result != RF_OK )
+        return result;
+    if ( gltf->scene->channel_count > 0 )
+        qsort( gltf->scene->channels, (size_t)gltf->scene->channel_count, sizeof( RfChannel ), compare_channels );
+    return find_spans( gltf );
+}

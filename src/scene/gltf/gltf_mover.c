@@ -1,0 +1,679 @@
+// What moves, deforms, or is shown at times only: which nodes do, and how they become meshes, placements and movers.
+#include "scene/gltf/gltf_geometry.h"
+
+#include "scene/animation.h"
+#include "scene/pose.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Instances included: a small file could otherwise request any amount.
+#define MAX_MOVERS ( 1 << 20 )
+
+// Triangle numbers are below this.
+#define MAX_NUMBER 0xfffffff0u
+
+// Where the determinant is less than this part of the cube of the longest edge, a matrix may lose a dimension as it moves.
+#define FLAT_RATIO 1e-6
+
+#define BOUNDS_SAMPLES 16 // times at which the bounds are taken
+
+RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* format, ... )
+{
+    RfScene* scene = gltf->scene;
+    char why[256];
+    va_list args;
+    va_start( args, format );
+    vsnprintf( why, sizeof why, format, args );
+    va_end( args );
+    size_t count = (size_t)scene->unrendered_count;
+    const RfUnrendered* last = count > 0 ? scene->unrendered + count - 1 : NULL;
+    if ( last != NULL && strcmp( last->what, what ) == 0 && strcmp( last->why, why ) == 0 )
+        return RF_OK;
+    if ( ( count & ( count - 1 ) ) == 0 ) // a power of two as long as the list grows
+    {
+        RfUnrendered* grown = realloc( scene->unrendered, ( count > 0 ? 2 * count : 1 ) * sizeof *grown );
+        if ( grown == NULL )
+            return rf_gltf_no_memory( gltf, "animations" );
+        scene->unrendered = grown;
+    }
+    RfUnrendered entry = { strdup( what ), strdup( why ) };
+    scene->unrendered[scene->unrendered_count++] = entry;
+    return entry.what != NULL && entry.why != NULL ? RF_OK : rf_gltf_no_memory( gltf, "animations" );
+}
+
+// The channel of a node that animates `path`, or −1.
+static int find_channel( const RfScene* scene, int node, RfAnimatedPath path )
+{
+    int count;
+    const RfChannel* channels = rf_node_channels( scene, node, &count );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( channels[i].path == path )
+            return (int)( channels + i - scene->channels );
+    }
+    return -1;
+}
+
+RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node )
+{
+    const RfScene* scene = gltf->scene;
+    RfGltfVisibility found = RF_GLTF_SHOWN;
+    for ( ; node >= 0; node = scene->nodes[node].parent )
+    {
+        int index = find_channel( scene, node, RF_VISIBILITY );
+        const RfChannel* channel = index >= 0 ? scene->channels + index : NULL;
+        if ( channel != NULL && rf_gltf_channel_varies( channel ) )
+            found = RF_GLTF_SHOWN_AT_TIMES;
+        else if ( channel != NULL ? channel->values[0] == 0.0 : scene->nodes[node].hidden )
+            return RF_GLTF_HIDDEN;
+    }
+    return found;
+}
+
+static RfResult read_skin_of( const RfGltf* gltf, int node, int* skin )
+{
+    RfWhere where = rf_where( "nodes[%d]", node );
+    return rf_gltf_get_index( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), where.text, "skin", RF_GLTF_SKINS_LIST, skin );
+}
+
+// Whether the mesh of a node has another shape than without its morph targets.
+static RfResult is_morphed( const RfGltf* gltf, int node, int mesh, bool* morphed )
+{
+    int count;
+    *morphed = find_channel( gltf->scene, node, RF_WEIGHTS ) >= 0;
+    RfResult result = rf_gltf_mesh_targets( gltf, mesh, &count );
+    if ( result != RF_OK || *morphed || count == 0 )
+        return result;
+    double* weights = malloc( (size_t)count * sizeof *weights );
+    if ( weights == NULL )
+        return rf_gltf_no_memory( gltf, "meshes" );
+    result = rf_gltf_read_rest_weights( gltf, node, mesh, count, weights );
+    for ( int i = 0; result == RF_OK && i < count; ++i )
+        *morphed = *morphed || weights[i] != 0.0;
+    free( weights );
+    return result;
+}
+
+RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh )
+{
+    int skin;
+    bool morphed;
+    RfGltfVisibility visibility = rf_gltf_visibility( gltf, node );
+    RfResult result = read_skin_of( gltf, node, &skin );
+    if ( result == RF_OK )
+        result = is_morphed( gltf, node, *mesh, &morphed );
+    if ( result != RF_OK )
+        return result;
+    if ( visibility == RF_GLTF_HIDDEN )
+        *mesh = -1;
+    if ( visibility == RF_GLTF_HIDDEN ||
+         ( visibility == RF_GLTF_SHOWN && skin < 0 && !morphed && !rf_gltf_varies( gltf, node ) ) )
+        return RF_OK;
+    if ( gltf->apart == NULL )
+        gltf->apart = malloc( ( (size_t)gltf->scene->node_count + 1 ) * sizeof *gltf->apart );
+    if ( gltf->apart == NULL )
+        return rf_gltf_no_memory( gltf, "nodes" );
+    gltf->apart[gltf->apart_count++] = node;
+    *mesh = -1;
+    return RF_OK;
+}
+
+// What is set apart, in the making.
+typedef struct Builder
+{
+    RfGltf* gltf;
+    RfMovement* movement;
+    int* moving_of;     // per node of the scene: its place among the moving nodes, or −1
+    int* shape_of[3];   // per mesh of the document: its meshes of the scene, rigid, deforming and skinned, or −1
+    int mesh_capacity;  // of the scene
+    int mover_capacity; // of movers and placements
+} Builder;
+
+static void free_builder( Builder* b )
+{
+    free( b->moving_of );
+    for ( int k = 0; k < 3; ++k )
+        free( b->shape_of[k] );
+}
+
+static int* fill( size_t count )
+{
+    int* list = malloc( ( count + 1 ) * sizeof *list );
+    for ( size_t i = 0; list != NULL && i < count; ++i )
+        list[i] = -1;
+    return list;
+}
+
+static RfResult begin( Builder* b )
+{
+    RfGltf* gltf = b->gltf;
+    size_t nodes = (size_t)gltf->scene->node_count, meshes = (size_t)gltf->counts[RF_GLTF_MESHES];
+    b->movement = gltf->scene->movement = calloc( 1, sizeof *b->movement );
+    b->moving_of = fill( nodes );
+    for ( int k = 0; k < 3; ++k )
+        b->shape_of[k] = fill( meshes );
+    if ( b->movement == NULL || b->moving_of == NULL || b->shape_of[0] == NULL || b->shape_of[1] == NULL ||
+         b->shape_of[2] == NULL )
+        return rf_gltf_no_memory( gltf, "nodes" );
+    b->movement->nodes = malloc( ( nodes + 1 ) * sizeof *b->movement->nodes );
+    return b->movement->nodes != NULL ? rf_gltf_load_skins( gltf, b->movement ) : rf_gltf_no_memory( gltf, "nodes" );
+}
+
+// Adds a node and the ancestors that it lacks, from the top, and returns its place.
+static int add_moving_node( Builder* b, int node )
+{
+    const RfScene* scene = b->gltf->scene;
+    while ( b->moving_of[node] < 0 )
+    {
+        int top = node;
+        while ( scene->nodes[top].parent >= 0 && b->moving_of[scene->nodes[top].parent] < 0 )
+            top = scene->nodes[top].parent;
+        int parent = scene->nodes[top].parent;
+        b->moving_of[top] = b->movement->node_count;
+        b->movement->nodes[b->movement->node_count++] = ( RfMovingNode ){ .node = top,
+                                                                          .parent = parent >= 0 ? b->moving_of[parent] : -1,
+                                                                          .shows = find_channel( scene, top, RF_VISIBILITY ) };
+    }
+    return b->moving_of[node];
+}
+
+// Joints become moving nodes, of the skins that are used.
+static void use_skin( Builder* b, bool* used, int skin )
+{
+    RfSkin* self = b->movement->skins + skin;
+    for ( int i = 0; !used[skin] && i < self->joint_count; ++i )
+        self->joints[i] = add_moving_node( b, self->joints[i] );
+    used[skin] = true;
+}
+
+static bool does_skin_move( const Builder* b, int skin )
+{
+    const RfSkin* self = b->movement->skins + skin;
+    for ( int i = 0; i < self->joint_count; ++i )
+    {
+        if ( rf_gltf_varies( b->gltf, b->movement->nodes[self->joints[i]].node ) )
+            return true;
+    }
+    return false;
+}
+
+static RfResult add_mesh( Builder* b, const RfGltfShape* shape, int* index )
+{
+    RfScene* scene = b->gltf->scene;
+    if ( scene->mesh_count >= b->mesh_capacity )
+    {
+        int capacity = scene->mesh_count > 0 ? 2 * scene->mesh_count : 4;
+        RfMesh* grown = realloc( scene->meshes, (size_t)capacity * sizeof *grown );
+        if ( grown == NULL )
+            return rf_gltf_no_memory( b->gltf, "meshes" );
+        scene->meshes = grown;
+        b->mesh_capacity = capacity;
+    }
+    *index = scene->mesh_count++;
+    memset( scene->meshes + *index, 0, sizeof *scene->meshes );
+    return rf_gltf_read_shape( b->gltf, shape, scene->meshes + *index );
+}
+
+static RfResult find_mesh( Builder* b, int mesh, bool deforms, bool skinned, int* index )
+{
+    int* known = b->shape_of[skinned ? 2 : deforms ? 1 : 0] + mesh;
+    RfGltfShape shape = { mesh, deforms, skinned };
+    RfResult result = *known >= 0 ? RF_OK : add_mesh( b, &shape, known );
+    *index = *known;
+    return result;
+}
+
+static bool does_scale_vary( const RfScene* scene, int node )
+{
+    for ( ; node >= 0; node = scene->nodes[node].parent )
+    {
+        int scale = find_channel( scene, node, RF_SCALE );
+        if ( scale >= 0 && rf_gltf_channel_varies( scene->channels + scale ) )
+            return true;
+    }
+    return false;
+}
+
+static bool is_flat( const RfMat4* m )
+{
+    double longest = 0.0;
+    for ( int c = 0; c < 12; c += 4 )
+        longest = fmax( longest, sqrt( m->m[c] * m->m[c] + m->m[c + 1] * m->m[c + 1] + m->m[c + 2] * m->m[c + 2] ) );
+    return !( fabs( rf_mat4_det3( m ) ) > FLAT_RATIO * longest * longest * longest );
+}
+
+// Scales that stand still multiply, whatever turns between them.
+static bool may_flatten( const RfScene* scene, int node, const RfMat4* local )
+{
+    if ( does_scale_vary( scene, node ) )
+        return true;
+    RfMat4 world = *local;
+    for ( ; node >= 0; node = scene->nodes[node].parent )
+    {
+        RfMat4 own;
+        rf_node_local_matrix( scene, node, 0.0, &own );
+        world = rf_mat4_mul( &own, &world );
+    }
+    return is_flat( &world );
+}
+
+static RfResult reserve_mover( Builder* b )
+{
+    RfScene* scene = b->gltf->scene;
+    int count = b->movement->mover_count;
+    if ( count >= MAX_MOVERS )
+        return rf_gltf_fail( b->gltf, RF_ERROR_UNSUPPORTED, "nodes", "more than %d objects move: join some", MAX_MOVERS );
+    if ( count < b->mover_capacity )
+        return RF_OK;
+    size_t capacity = count > 0 ? 2 * (size_t)count : 8;
+    RfMover* movers = realloc( b->movement->movers, capacity * sizeof *movers );
+    b->movement->movers = movers != NULL ? movers : b->movement->movers;
+    RfPlacement* placements =
+        realloc( scene->placements, ( (size_t)scene->still_placement_count + capacity ) * sizeof *placements );
+    scene->placements = placements != NULL ? placements : scene->placements;
+    if ( movers == NULL || placements == NULL )
+        return rf_gltf_no_memory( b->gltf, "nodes" );
+    b->mover_capacity = (int)capacity;
+    return RF_OK;
+}
+
+// What the movers of one node have in common.
+typedef struct Common
+{
+    int node, document_mesh, mesh;
+    uint32_t primitives; // of the mesh
+    bool still;          // it deforms, but does not move
+    RfMover mover;
+} Common;
+
+static RfResult read_weights( const Builder* b, const Common* common, RfMover* mover )
+{
+    if ( mover->target_count == 0 )
+        return RF_OK;
+    mover->weights = malloc( (size_t)mover->target_count * sizeof *mover->weights );
+    if ( mover->weights == NULL )
+        return rf_gltf_no_memory( b->gltf, "nodes" );
+    return rf_gltf_read_rest_weights( b->gltf, common->node, common->document_mesh, mover->target_count, mover->weights );
+}
+
+static RfResult add_mover( Builder* b, const Common* common, const RfMat4* local )
+{
+    RfScene* scene = b->gltf->scene;
+    RfResult result = reserve_mover( b );
+    if ( result != RF_OK )
+        return result;
+    int index = b->movement->mover_count++;
+    RfMover* mover = b->movement->movers + index;
+    *mover = common->mover;
+    mover->local = *local;
+    mover->settles = common->still;
+    mover->flattens = mover->skin < 0 && may_flatten( scene, common->node, local );
+    scene->placements[scene->placement_count++] =
+        ( RfPlacement ){ .mesh = common->mesh, .matrix = rf_mat4_identity(), .mover = index };
+    scene->instance_count += common->primitives;
+    return read_weights( b, common, mover );
+}
+
+// A skin places its mesh, wherever the node is.
+static RfResult add_instances( Builder* b, const Common* common )
+{
+    RfGltfInstances instances;
+    RfResult result = rf_gltf_open_instances( b->gltf, common->node, &instances );
+    if ( result == RF_OK && common->mover.skin >= 0 && instances.translation + instances.rotation + instances.scale > -3 )
+    {
+        RfWhere where = rf_where( "nodes[%d]", common->node );
+        return rf_gltf_fail( b->gltf, RF_ERROR_UNSUPPORTED, where.text,
+                             "instances with a skin are not read: use one node for each" );
+    }
+    for ( uint32_t i = 0; result == RF_OK && i < instances.count; ++i )
+    {
+        RfMat4 local = { 0 };
+        result = rf_gltf_instance_matrix( b->gltf, &instances, i, &local );
+        if ( result == RF_OK )
+            result = add_mover( b, common, &local );
+    }
+    return result;
+}
+
+static bool shines( const RfScene* scene, const RfMesh* mesh )
+{
+    for ( uint32_t i = 0; i < mesh->triangles.count; ++i )
+    {
+        if ( rf_max_component( scene->materials[mesh->triangles.material[i]].emission ) > 0.0f )
+            return true;
+    }
+    return false;
+}
+
+static RfResult check_joints( const Builder* b, const Common* common )
+{
+    const RfDeformation* deformation = b->gltf->scene->meshes[common->mesh].deformation;
+    if ( common->mover.skin < 0 )
+        return RF_OK;
+    int joints = b->movement->skins[common->mover.skin].joint_count;
+    if ( deformation->joint_count <= joints )
+        return RF_OK;
+    RfWhere where = rf_where( "nodes[%d]", common->node );
+    return rf_gltf_fail( b->gltf, RF_ERROR_FORMAT, where.text, "its mesh follows joint %d, but its skin has %d joints",
+                         deformation->joint_count - 1, joints );
+}
+
+static bool weights_vary( const RfScene* scene, const RfMover* mover )
+{
+    return mover->weights_moved >= 0 && rf_gltf_channel_varies( scene->channels + mover->weights_moved );
+}
+
+// Reads what the movers of a node have in common.
+static RfResult describe( Builder* b, bool* used, Common* common )
+{
+    RfGltf* gltf = b->gltf;
+    RfScene* scene = gltf->scene;
+    RfWhere where = rf_where( "nodes[%d]", common->node );
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, common->node );
+    RfMover* mover = &common->mover;
+    bool morphed = false;
+    RfResult result = rf_gltf_get_index( gltf, json, where.text, "mesh", RF_GLTF_MESHES, &common->document_mesh );
+    if ( result == RF_OK )
+        result = read_skin_of( gltf, common->node, &mover->skin );
+    if ( result == RF_OK )
+        result = is_morphed( gltf, common->node, common->document_mesh, &morphed );
+    if ( result != RF_OK )
+        return result;
+    const json_t* mesh = rf_gltf_item( gltf, RF_GLTF_MESHES, common->document_mesh );
+    common->primitives = (uint32_t)json_array_size( json_object_get( mesh, "primitives" ) );
+    if ( mover->skin >= 0 )
+        use_skin( b, used, mover->skin );
+    mover->node = add_moving_node( b, common->node );
+    mover->weights_moved = morphed ? find_channel( scene, common->node, RF_WEIGHTS ) : -1;
+    if ( morphed )
+        result = rf_gltf_mesh_targets( gltf, common->document_mesh, &mover->target_count );
+    bool travels = mover->skin >= 0 ? does_skin_move( b, mover->skin ) : rf_gltf_varies( gltf, common->node );
+    common->still = !travels && !weights_vary( scene, mover ) && rf_gltf_visibility( gltf, common->node ) == RF_GLTF_SHOWN;
+    if ( result == RF_OK )
+        result = find_mesh( b, common->document_mesh, morphed || mover->skin >= 0, mover->skin >= 0, &common->mesh );
+    return result == RF_OK ? check_joints( b, common ) : result;
+}
+
+static RfResult place_node( Builder* b, bool* used, int node )
+{
+    RfScene* scene = b->gltf->scene;
+    Common common = { .node = node };
+    RfResult result = describe( b, used, &common );
+    if ( result != RF_OK || scene->meshes[common.mesh].triangles.count == 0 )
+        return result;
+    if ( !common.still && shines( scene, scene->meshes + common.mesh ) )
+    {
+        RfWhere what = rf_where( "object '%.80s'", scene->nodes[node].name );
+        result = rf_gltf_note_unrendered( b->gltf, what.text, "it moves and shines, which is not rendered yet" );
+    }
+    return result == RF_OK ? add_instances( b, &common ) : result;
+}
+
+// Numbers the triangles of all placements after those of the scene.
+static RfResult number_triangles( const RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    uint64_t next = scene->triangles.count;
+    for ( int i = 0; i < scene->placement_count; ++i )
+    {
+        RfPlacement* placement = scene->placements + i;
+        placement->first = (uint32_t)next;
+        next += scene->meshes[placement->mesh].triangles.count;
+        if ( next > MAX_NUMBER )
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "nodes", "more than %u triangles in all: split the scene",
+                                 MAX_NUMBER );
+    }
+    scene->triangle_count = (uint32_t)next;
+    return RF_OK;
+}
+
+// Appends an attribute, of `components` numbers, of a mesh to those of the scene; that which only one of them has gets `fill`.
+static bool append_floats( float** to, size_t before, const float* from, size_t more, size_t components, float fill )
+{
+    if ( *to == NULL && from == NULL )
+        return true;
+    bool fresh = *to == NULL;
+    float* grown = realloc( *to, ( before + more + 1 ) * components * sizeof *grown );
+    if ( grown == NULL )
+        return false;
+    *to = grown;
+    for ( size_t i = 0; fresh && i < before * components; ++i )
+        grown[i] = fill;
+    for ( size_t i = 0; i < more * components; ++i )
+        grown[before * components + i] = from != NULL ? from[i] : fill;
+    return true;
+}
+
+static bool has_area( const uint32_t* corners ) { return corners[0] != corners[1]; }
+
+// Appends what deforms and stands still, as it is posed, in world space.
+static bool append_posed( RfTriangles* to, const RfTriangles* from )
+{
+    size_t before = to->vertex_count, more = from->vertex_count, all = (size_t)to->count + from->count;
+    uint32_t* indices = realloc( to->indices, ( 3 * all + 1 ) * sizeof *indices );
+    to->indices = indices != NULL ? indices : to->indices;
+    uint32_t* material = realloc( to->material, ( all + 1 ) * sizeof *material );
+    to->material = material != NULL ? material : to->material;
+    if ( indices == NULL || material == NULL || !append_floats( &to->positions, before, from->positions, more, 3, 0.0f ) ||
+         !append_floats( &to->normals, before, from->normals, more, 3, 0.0f ) ||
+         !append_floats( &to->uvs, before, from->uvs, more, 2, 0.0f ) ||
+         !append_floats( &to->uvs1, before, from->uvs1, more, 2, 0.0f ) ||
+         !append_floats( &to->colors, before, from->colors, more, 4, 1.0f ) ||
+         !append_floats( &to->tangents, before, from->tangents, more, 4, 0.0f ) )
+        return false;
+    for ( size_t i = 0; i < from->count; ++i )
+    {
+        const uint32_t* corners = from->indices + 3 * i;
+        if ( !has_area( corners ) )
+            continue;
+        for ( size_t c = 0; c < 3; ++c )
+            indices[3 * (size_t)to->count + c] = (uint32_t)before + corners[c];
+        material[to->count++] = from->material[i];
+    }
+    to->vertex_count += from->vertex_count;
+    return true;
+}
+
+// Takes the movers of what stands still out, after appending it as it is posed to the triangles of the scene.
+static RfResult settle( Builder* b, const RfPosedScene* pose )
+{
+    RfScene* scene = b->gltf->scene;
+    RfMovement* movement = b->movement;
+    int kept = 0, first = scene->still_placement_count;
+    for ( int i = 0; i < movement->mover_count; ++i )
+    {
+        RfMover mover = movement->movers[i];
+        const RfPlacement* posed = pose->scene.placements + first + i;
+        if ( mover.settles )
+        {
+            if ( posed->shown && !append_posed( &scene->triangles, &pose->scene.meshes[posed->mesh].triangles ) )
+                return rf_gltf_no_memory( b->gltf, "meshes" );
+            free( mover.weights );
+            movement->movers[i].weights = NULL;
+            continue;
+        }
+        movement->movers[i].weights = NULL;
+        movement->movers[kept] = mover;
+        scene->placements[first + kept] = scene->placements[first + i];
+        scene->placements[first + kept].mover = kept;
+        kept += 1;
+    }
+    movement->mover_count = kept;
+    scene->placement_count = first + kept;
+    return RF_OK;
+}
+
+static bool any_settles( const RfMovement* movement )
+{
+    for ( int i = 0; i < movement->mover_count; ++i )
+    {
+        if ( movement->movers[i].settles )
+            return true;
+    }
+    return false;
+}
+
+static RfResult settle_still( Builder* b )
+{
+    RfPosedScene pose = { 0 };
+    if ( !any_settles( b->movement ) )
+        return RF_OK;
+    RfResult result = rf_pose_scene( b->gltf->scene, b->movement->start, &pose, b->gltf->error );
+    if ( result == RF_OK )
+        result = settle( b, &pose );
+    rf_destroy_pose( &pose );
+    return result;
+}
+
+static void free_mesh( RfMesh* mesh )
+{
+    RfTriangles* t = &mesh->triangles;
+    float* const floats[] = { t->positions, t->normals, t->uvs, t->uvs1, t->colors, t->tangents };
+    for ( size_t i = 0; i < sizeof floats / sizeof floats[0]; ++i )
+        free( floats[i] );
+    free( t->indices );
+    free( t->material );
+    rf_destroy_deformation( mesh->deformation );
+}
+
+// Frees the meshes that are no longer placed.
+static RfResult drop_meshes( const RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    int kept = 0, *renumbered = fill( (size_t)scene->mesh_count );
+    if ( renumbered == NULL )
+        return rf_gltf_no_memory( gltf, "meshes" );
+    for ( int i = 0; i < scene->placement_count; ++i )
+        renumbered[scene->placements[i].mesh] = 0;
+    for ( int i = 0; i < scene->mesh_count; ++i )
+    {
+        if ( renumbered[i] < 0 )
+        {
+            free_mesh( scene->meshes + i );
+            continue;
+        }
+        renumbered[i] = kept;
+        scene->meshes[kept++] = scene->meshes[i];
+    }
+    for ( int i = 0; i < scene->placement_count; ++i )
+        scene->placements[i].mesh = renumbered[scene->placements[i].mesh];
+    scene->mesh_count = kept;
+    free( renumbered );
+    return RF_OK;
+}
+
+static void widen( RfMovement* movement, const RfChannel* channel )
+{
+    movement->start = fmin( movement->start, channel->times[0] );
+    movement->end = fmax( movement->end, channel->times[channel->count - 1] );
+}
+
+static void find_span( const RfScene* scene, RfMovement* movement )
+{
+    movement->start = (double)INFINITY;
+    movement->end = -(double)INFINITY;
+    for ( int i = 0; i < movement->node_count; ++i )
+    {
+        int count;
+        const RfChannel* channels = rf_node_channels( scene, movement->nodes[i].node, &count );
+        for ( int c = 0; c < count; ++c )
+        {
+            if ( channels[c].path != RF_WEIGHTS )
+                widen( movement, channels + c );
+        }
+    }
+    for ( int i = 0; i < movement->mover_count; ++i )
+    {
+        if ( movement->movers[i].weights_moved >= 0 )
+            widen( movement, scene->channels + movement->movers[i].weights_moved );
+    }
+    if ( movement->start > movement->end )
+        movement->start = movement->end = 0.0;
+}
+
+static void grow_by_placement( RfScene* scene, bool* any, const RfPlacement* placement, const RfMesh* mesh )
+{
+    for ( int i = 0; placement->shown && i < 8; ++i )
+    {
+        const RfVec3 *low = &mesh->bounds_min, *high = &mesh->bounds_max;
+        double corner[3] = { (double)( ( i & 1 ) != 0 ? low->x : high->x ), (double)( ( i & 2 ) != 0 ? low->y : high->y ),
+                             (double)( ( i & 4 ) != 0 ? low->z : high->z ) };
+        double at[3];
+        rf_mat4_apply( &placement->matrix, corner, 1.0, at );
+        rf_grow_bounds( &scene->bounds_min, &scene->bounds_max, !*any, rf_vec3( (float)at[0], (float)at[1], (float)at[2] ) );
+        *any = true;
+    }
+}
+
+// Around what moves as well, at times throughout: a measure of the scene's size, nothing that must hold it.
+static RfResult widen_bounds( Builder* b, uint32_t first_triangle )
+{
+    RfScene* scene = b->gltf->scene;
+    const RfTriangles* t = &scene->triangles;
+    RfPosedScene pose = { 0 };
+    RfResult result = RF_OK;
+    bool any = first_triangle > 0 || scene->still_placement_count > 0;
+    for ( size_t i = 3 * (size_t)first_triangle; i < 3 * (size_t)t->count; ++i )
+    {
+        const float* p = t->positions + 3 * (size_t)t->indices[i];
+        rf_grow_bounds( &scene->bounds_min, &scene->bounds_max, !any, rf_vec3( p[0], p[1], p[2] ) );
+        any = true;
+    }
+    for ( int k = 0; result == RF_OK && b->movement->mover_count > 0 && k <= BOUNDS_SAMPLES; ++k )
+    {
+        double part = (double)k / BOUNDS_SAMPLES;
+        double time = b->movement->start + part * ( b->movement->end - b->movement->start );
+        result = rf_pose_scene( scene, time, &pose, b->gltf->error );
+        for ( int i = scene->still_placement_count; result == RF_OK && i < scene->placement_count; ++i )
+        {
+            const RfPlacement* placement = pose.scene.placements + i;
+            grow_by_placement( scene, &any, placement, pose.scene.meshes + placement->mesh );
+            if ( k == 0 && placement->mesh < scene->mesh_count ) // as it starts
+                scene->placements[i] = *placement;
+        }
+    }
+    rf_destroy_pose( &pose );
+    return result;
+}
+
+static RfResult place_all( Builder* b )
+{
+    RfGltf* gltf = b->gltf;
+    RfScene* scene = gltf->scene;
+    RfResult result = begin( b );
+    bool* used = calloc( (size_t)gltf->counts[RF_GLTF_SKINS_LIST] + 1, sizeof *used );
+    if ( result == RF_OK && used == NULL )
+        result = rf_gltf_no_memory( gltf, "skins" );
+    for ( int i = 0; result == RF_OK && i < gltf->apart_count; ++i )
+        result = place_node( b, used, gltf->apart[i] );
+    free( used );
+    if ( result != RF_OK )
+        return result;
+    find_span( scene, b->movement );
+    uint32_t before = scene->triangles.count;
+    result = settle_still( b );
+    if ( result == RF_OK )
+        result = drop_meshes( gltf );
+    if ( result == RF_OK )
+        result = number_triangles( gltf );
+    if ( result == RF_OK )
+        result = widen_bounds( b, before );
+    if ( result == RF_OK && b->movement->mover_count == 0 )
+    {
+        rf_destroy_movement( b->movement );
+        scene->movement = NULL;
+    }
+    return result;
+}
+
+RfResult rf_gltf_place_movers( RfGltf* gltf )
+{
+    Builder builder = { .gltf = gltf };
+    RfResult result = gltf->apart_count > 0 ? place_all( &builder ) : RF_OK;
+    free_builder( &builder );
+    return result;
+}

@@ -1,0 +1,237 @@
+// Skins, and which joints each vertex follows.
+#include "scene/gltf/gltf_geometry.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_JOINTS 65536
+
+// Exporters write weights as bytes: their sum may miss 1 by so much before it is worth a warning.
+#define WEIGHT_TOLERANCE 0.05f
+
+// Of the largest: less moves nothing, and denormal numbers count as 0 later.
+#define LEAST_WEIGHT 1e-9f
+
+// Exporters write the last row of a matrix with rounding errors.
+#define AFFINE_TOLERANCE 1e-5f
+
+static RfResult read_joint( const RfGltf* gltf, const json_t* joints, const char* where, size_t at, int* joint )
+{
+    const json_t* value = json_array_get( joints, at );
+    int count = gltf->counts[RF_GLTF_NODES];
+    if ( !json_is_integer( value ) || json_integer_value( value ) < 0 || json_integer_value( value ) >= count )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints[%zu] wants an index below %d", at, count );
+    *joint = (int)json_integer_value( value );
+    return RF_OK;
+}
+
+static RfResult read_joints( const RfGltf* gltf, const json_t* json, const char* where, RfSkin* skin )
+{
+    const json_t* joints = NULL;
+    RfResult result = rf_gltf_require( gltf, json, where, "joints" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_array( gltf, json, where, "joints", &joints );
+    if ( result != RF_OK )
+        return result;
+    size_t count = json_array_size( joints );
+    if ( count == 0 || count > MAX_JOINTS )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints wants 1 to %d nodes, got %zu", MAX_JOINTS, count );
+    skin->joints = malloc( count * sizeof *skin->joints );
+    skin->inverse_binds = malloc( count * sizeof *skin->inverse_binds );
+    if ( skin->joints == NULL || skin->inverse_binds == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    skin->joint_count = (int)count;
+    for ( size_t i = 0; result == RF_OK && i < count; ++i )
+    {
+        result = read_joint( gltf, joints, where, i, skin->joints + i );
+        skin->inverse_binds[i] = rf_mat4_identity();
+    }
+    return result;
+}
+
+static RfResult read_inverse_bind( const RfGltf* gltf, const char* where, int index, uint32_t element, RfMat4* out )
+{
+    float m[16];
+    RfResult result = rf_gltf_read_floats( gltf, index, element, m );
+    if ( result != RF_OK )
+        return result;
+    if ( fabsf( m[3] ) > AFFINE_TOLERANCE || fabsf( m[7] ) > AFFINE_TOLERANCE || fabsf( m[11] ) > AFFINE_TOLERANCE ||
+         fabsf( m[15] - 1.0f ) > AFFINE_TOLERANCE )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "inverseBindMatrices[%u] has a last row other than 0 0 0 1", element );
+    for ( int i = 0; i < 16; ++i )
+        out->m[i] = (double)m[i];
+    out->m[3] = out->m[7] = out->m[11] = 0.0;
+    out->m[15] = 1.0;
+    return RF_OK;
+}
+
+// Without them they are the identity.
+static RfResult read_inverse_binds( RfGltf* gltf, const json_t* json, const char* where, RfSkin* skin )
+{
+    int index;
+    RfResult result = rf_gltf_get_index( gltf, json, where, "inverseBindMatrices", RF_GLTF_ACCESSORS, &index );
+    if ( result != RF_OK || index < 0 )
+        return result;
+    const RfGltfAccessor* accessor;
+    result = rf_gltf_open_matrices( gltf, index, &accessor );
+    if ( result != RF_OK )
+        return result;
+    if ( accessor->count < (uint32_t)skin->joint_count )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "inverseBindMatrices has %u elements for %d joints", accessor->count,
+                             skin->joint_count );
+    for ( int i = 0; result == RF_OK && i < skin->joint_count; ++i )
+        result = read_inverse_bind( gltf, where, index, (uint32_t)i, skin->inverse_binds + i );
+    return result;
+}
+
+RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement )
+{
+    int count = gltf->counts[RF_GLTF_SKINS_LIST];
+    movement->skins = calloc( (size_t)count + 1, sizeof *movement->skins );
+    if ( movement->skins == NULL )
+        return rf_gltf_no_memory( gltf, "skins" );
+    movement->skin_count = count;
+    RfResult result = RF_OK;
+    for ( int i = 0; result == RF_OK && i < count; ++i )
+    {
+        RfWhere where = rf_where( "skins[%d]", i );
+        const json_t* json = rf_gltf_item( gltf, RF_GLTF_SKINS_LIST, i );
+        result = read_joints( gltf, json, where.text, movement->skins + i );
+        if ( result == RF_OK )
+            result = read_inverse_binds( gltf, json, where.text, movement->skins + i );
+    }
+    return result;
+}
+
+// JOINTS_0 and WEIGHTS_0, JOINTS_1 and WEIGHTS_1: accessors, or −1.
+typedef struct Influences
+{
+    int joints[2], weights[2];
+} Influences;
+
+static RfResult open_influence( RfGltf* gltf, const json_t* attributes, const char* where, const char* name, bool joints,
+                                int* index )
+{
+    int base = -1;
+    RfResult result = rf_gltf_get_index( gltf, attributes, where, name, RF_GLTF_ACCESSORS, index );
+    if ( result == RF_OK )
+        result = rf_gltf_get_index( gltf, attributes, where, "POSITION", RF_GLTF_ACCESSORS, &base );
+    if ( result != RF_OK || *index < 0 )
+        return result;
+    const RfGltfAccessor* accessor;
+    result = rf_gltf_open_accessor( gltf, *index, &accessor );
+    if ( result == RF_OK )
+        result = rf_gltf_expect( gltf, *index, accessor, where, 4 );
+    if ( result != RF_OK )
+        return result;
+    bool whole = accessor->component_type == 5121 || accessor->component_type == 5123, real = accessor->component_type == 5126;
+    if ( joints && ( !whole || accessor->normalized ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants unsigned bytes or shorts", name );
+    if ( !joints && !real && !( whole && accessor->normalized ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants floats or normalized unsigned bytes or shorts", name );
+    if ( accessor->count != gltf->accessors[base].count )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, POSITION has %u", name, accessor->count,
+                             gltf->accessors[base].count );
+    return RF_OK;
+}
+
+static RfResult open_influences( RfGltf* gltf, const json_t* json, const char* owner, Influences* out )
+{
+    static const char* const s_names[][2] = { { "JOINTS_0", "WEIGHTS_0" }, { "JOINTS_1", "WEIGHTS_1" } };
+    RfWhere where = rf_where( "%s.attributes", owner );
+    const json_t* attributes = json_object_get( json, "attributes" );
+    for ( int i = 0; i < 2; ++i )
+    {
+        RfResult result = open_influence( gltf, attributes, where.text, s_names[i][0], true, out->joints + i );
+        if ( result == RF_OK )
+            result = open_influence( gltf, attributes, where.text, s_names[i][1], false, out->weights + i );
+        if ( result != RF_OK )
+            return result;
+        if ( ( out->joints[i] < 0 ) != ( out->weights[i] < 0 ) )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants %s and %s, or neither", s_names[i][0], s_names[i][1] );
+    }
+    if ( out->joints[0] < 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "has no JOINTS_0, but a node has its mesh with a skin" );
+    return RF_OK;
+}
+
+// Keeps the joints with a weight, which then sum to 1; `count` of them are read.
+static RfResult keep_influences( RfGltf* gltf, const char* where, uint32_t vertex, const float* joints, const float* weights,
+                                 int count, RfDeformation* deformation )
+{
+    const size_t at = (size_t)vertex * (size_t)deformation->influences;
+    uint16_t* joint = deformation->joints + at;
+    float* weight = deformation->weights + at;
+    double sum = 0.0;
+    float largest = 0.0f;
+    int kept = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( weights[i] < 0.0f )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "a weight of a joint is %g, it wants 0 or more",
+                                 (double)weights[i] );
+        largest = rf_maxf( largest, weights[i] );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( !( weights[i] > LEAST_WEIGHT * largest ) )
+            continue;
+        sum += (double)weights[i];
+        joint[kept] = (uint16_t)joints[i];
+        weight[kept++] = weights[i];
+    }
+    if ( kept == 0 )
+    {
+        joint[0] = (uint16_t)joints[0];
+        weight[0] = 1.0f;
+        sum = kept = 1;
+        rf_gltf_notice( gltf, RF_GLTF_SKIN_WEIGHTS, "%s has vertices without weights: they follow their first joint", where );
+    }
+    else if ( fabs( sum - 1.0 ) > (double)WEIGHT_TOLERANCE )
+        rf_gltf_notice( gltf, RF_GLTF_SKIN_WEIGHTS, "%s has vertices whose weights sum to %g: they are scaled to 1", where, sum );
+    for ( int i = 0; i < kept; ++i )
+    {
+        weight[i] = (float)( (double)weight[i] / sum );
+        if ( joint[i] >= deformation->joint_count )
+            deformation->joint_count = joint[i] + 1;
+    }
+    return RF_OK;
+}
+
+RfResult rf_gltf_read_influences( RfGltf* gltf, const json_t* json, const char* where, const RfGltfPrimitive* primitive,
+                                  uint32_t base, RfDeformation* deformation )
+{
+    Influences from;
+    RfResult result = open_influences( gltf, json, where, &from );
+    if ( result != RF_OK )
+        return result;
+    size_t all = ( (size_t)base + primitive->vertex_count ) * (size_t)deformation->influences;
+    uint16_t* joints = realloc( deformation->joints, ( all + 1 ) * sizeof *joints );
+    deformation->joints = joints != NULL ? joints : deformation->joints;
+    float* weights = realloc( deformation->weights, ( all + 1 ) * sizeof *weights );
+    deformation->weights = weights != NULL ? weights : deformation->weights;
+    if ( joints == NULL || weights == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    size_t before = (size_t)base * (size_t)deformation->influences;
+    memset( joints + before, 0, ( all - before ) * sizeof *joints );
+    memset( weights + before, 0, ( all - before ) * sizeof *weights );
+    for ( uint32_t v = 0; result == RF_OK && v < primitive->vertex_count; ++v )
+    {
+        float joint[8] = { 0 }, weight[8] = { 0 };
+        for ( int i = 0; result == RF_OK && i < 2 && from.joints[i] >= 0; ++i )
+        {
+            result = rf_gltf_read_floats( gltf, from.joints[i], primitive->sources[v], joint + 4 * i );
+            if ( result == RF_OK )
+                result = rf_gltf_read_floats( gltf, from.weights[i], primitive->sources[v], weight + 4 * i );
+        }
+        if ( result == RF_OK )
+            result = keep_influences( gltf, where, base + v, joint, weight, deformation->influences, deformation );
+    }
+    return result;
+}
+
+bool rf_gltf_has_eight_joints( const json_t* primitive )
+{
+    return json_object_get( json_object_get( primitive, "attributes" ), "JOINTS_1" ) != NULL;
+}
