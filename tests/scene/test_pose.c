@@ -435,6 +435,58 @@ static void test_a_posed_figure_that_stands_still( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Tangents turn with the joints; where these mirror, the bitangent stays on its side.
+static void test_tangents_of_a_skin( void** state )
+{
+    (void)state;
+    static const float s_along[] = { 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, -1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0 };
+    static const float s_turns[] = { 0, (float)HALF, 0, (float)HALF, 0, 0, 0, 1 }, s_scales[] = { 1, 1, 1, 1, 1, -1 };
+    for ( int k = 0; k < 2; ++k )
+    {
+        GltfBuilder b = make_strip();
+        add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
+        add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
+        add_gltf_floats( &b, "VEC4", 4, 6, s_along ); // 9
+        char rest[2048];
+        snprintf( rest, sizeof rest,
+                  "\"nodes\":[{\"mesh\":0,\"skin\":0},{}],\"skins\":[{\"joints\":[1,1]}],"
+                  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":9,\"JOINTS_0\":3,"
+                  "\"WEIGHTS_0\":4},\"indices\":2}]}],\"animations\":[{\"samplers\":[{\"input\":6,\"output\":%d}],\"channels\":[{"
+                  "\"sampler\":0,\"target\":{\"node\":1,\"path\":\"%s\"}}]}]",
+                  7 + k, k == 0 ? "rotation" : "scale" );
+        RfScene scene = gltf_load_built_moving( &b, rest );
+        RfPosedScene pose = pose_at( &scene, k == 0 ? 0.0 : 1.0 );
+        const RfTriangles* t = &pose.scene.meshes[pose.scene.placements[0].mesh].triangles;
+        // vertices in the order of their first use: 0 2 1 3 4 5
+        gltf_assert_three( t->tangents, k == 0, 0, k == 0 ? 0 : -1 );
+        gltf_assert_near( t->tangents[3], k == 0 ? 1 : -1 );
+        gltf_assert_near( t->tangents[7], k == 0 ? -1 : 1 );
+        gltf_assert_three( t->tangents + 20, 0, 0, 0 ); // none in the file
+        gltf_assert_near( t->tangents[23], 0 );
+        rf_destroy_pose( &pose );
+        rf_destroy_scene( &scene );
+    }
+}
+
+// Far from the origin, where floats are a metre apart: the scene is loaded around another.
+static void test_a_figure_far_out( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_strip();
+    static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
+    add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
+    RfScene scene = gltf_load_built_moving(
+        &b, "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"children\":[2],\"translation\":[10000000.125,0,0]},{\"translation\":[0,1,"
+            "0]}],\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":5}]," ONE_MESH(
+                "{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"indices\":2}" ) "," LINEAR( "2", "rotation",
+                                                                                                               "6", "7" ) );
+    assert_true( fabs( scene.origin[0] - 1e7 ) < 100.0 );
+    RfPosedScene pose = pose_at( &scene, 1.0 );
+    assert_corner( &pose.scene, 2, 1, 10000000.125 - scene.origin[0] - 1, 1, 0 );
+    rf_destroy_pose( &pose );
+    rf_destroy_scene( &scene );
+}
+
 // ---- Morph targets --------------------------------------------------------------
 
 // A square of two triangles, 0; normals, 1; times, 2; target 3 lifts all, target 4, sparse, moves the corner (1, 1) onto (0, 0).
@@ -550,6 +602,31 @@ static void test_weights_at_rest( void** state )
     b = make_morph( 1, s_none );
     scene = gltf_load_built_moving( &b, SQUARE( ",\"weights\":[0,0]" ) );
     gltf_assert_corner( &scene, 0, 1, 0, 5 );
+    rf_destroy_scene( &scene );
+}
+
+// A face on a head that turns: targets first, then the joints.
+static void test_morph_targets_of_a_skin( void** state )
+{
+    (void)state;
+    static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
+    static const float s_wider[] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0 }, s_half[] = { 0, 0.5f };
+    GltfBuilder b = make_strip();
+    add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
+    add_gltf_floats( &b, "VEC3", 3, 6, s_wider );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_half );
+    RfScene scene = gltf_load_built_moving(
+        &b, "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"children\":[2],\"translation\":[3,0,0]},{\"translation\":[0,1,0]}],"
+            "\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":5}]," ONE_MESH(
+                "{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"indices\":2,\"targets\":[{\"POSITION\":8}]"
+                "}" ) ",\"animations\":[{\"samplers\":[{\"input\":6,\"output\":7},{\"input\":6,\"output\":9}],\"channels\":[{"
+                      "\"sampler\":0,"
+                      "\"target\":{\"node\":2,\"path\":\"rotation\"}},{\"sampler\":1,\"target\":{\"node\":0,\"path\":"
+                      "\"weights\"}}]}]" );
+    RfPosedScene pose = pose_at( &scene, 1.0 );
+    assert_corner( &pose.scene, 2, 1, 1.5, 1, 0 );
+    assert_corner( &pose.scene, 3, 2, 1.5, 1, 1 );
+    rf_destroy_pose( &pose );
     rf_destroy_scene( &scene );
 }
 
@@ -728,9 +805,12 @@ int main( void )
         cmocka_unit_test( test_singular_skins ),
         cmocka_unit_test( test_mirrored_skins_keep_their_outside ),
         cmocka_unit_test( test_a_posed_figure_that_stands_still ),
+        cmocka_unit_test( test_tangents_of_a_skin ),
+        cmocka_unit_test( test_a_figure_far_out ),
         cmocka_unit_test( test_morph_targets ),
         cmocka_unit_test( test_weights_by_splines ),
         cmocka_unit_test( test_weights_at_rest ),
+        cmocka_unit_test( test_morph_targets_of_a_skin ),
         cmocka_unit_test( test_a_triangle_that_closes ),
         cmocka_unit_test( test_ten_thousand_nodes ),
         cmocka_unit_test( test_instances_that_move ),

@@ -1,7 +1,6 @@
 #include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
-#include "scene/gltf/gltf_document.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"
 

@@ -341,13 +341,8 @@ RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfSc
     return load_around( origin, path, options, scene, NULL, error );
 }
 
-RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error )
-{
-    RfGltfOptions options = { .edit = edit };
-    return rf_load_gltf_with( path, &options, scene, log, error );
-}
-
 RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )
 {
-    return rf_load_edited_gltf( path, NULL, scene, log, error );
+    RfGltfOptions options = { 0 };
+    return rf_load_gltf_with( path, &options, scene, log, error );
 }

@@ -9,4 +9,16 @@
 // file uses are logged once each. On failure `scene` is left empty.
 RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error );
 
+// How a file is read; zeros are as rf_load_gltf reads it.
+typedef struct RfGltfOptions
+{
+    bool moving;           // what moves becomes placements that rf_pose_scene poses, and what cannot be rendered so is listed in
+                           // scene->unrendered; false: all is frozen as in the first frame
+    const char* animation; // that goes before the others, where several move the same; NULL: the first
+    const struct RfGltfEdit* edit; // of the document, before it is read (scene/gltf/gltf_document.h); or NULL
+} RfGltfOptions;
+
+// Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.
+RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error );
+
 #endif

@@ -6,6 +6,7 @@
 #ifndef REFRAME_SCENE_GLTF_GLTF_DOCUMENT_H
 #define REFRAME_SCENE_GLTF_GLTF_DOCUMENT_H
 
+#include "scene/gltf/gltf.h"
 #include "scene/textured.h"
 
 #include <jansson.h>
@@ -214,21 +215,6 @@ typedef struct RfGltfEdit
     RfResult ( *run )( void* user, json_t* root, RfError* error );
     void* user;
 } RfGltfEdit;
-
-// Like rf_load_gltf, with a modification.
-RfResult rf_load_edited_gltf( const char* path, const RfGltfEdit* edit, RfScene* scene, RfLog* log, RfError* error );
-
-// How a file is read; zeros are as rf_load_gltf reads it.
-typedef struct RfGltfOptions
-{
-    bool moving;            // what moves becomes placements that rf_pose_scene poses, and what cannot be rendered so is listed in
-                            // scene->unrendered; false: all is frozen as in the first frame
-    const char* animation;  // that goes before the others, where several move the same; NULL: the first
-    const RfGltfEdit* edit; // or NULL
-} RfGltfOptions;
-
-// Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.
-RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error );
 
 // Loads all buffers (gltf_buffer.c).
 RfResult rf_gltf_load_buffers( RfGltf* gltf );

@@ -74,7 +74,7 @@ static RfResult edit( void* user, json_t* root, RfError* error )
     return rf_edit_materials( &materials, root );
 }
 
-static RfResult load_gltf( const RfField* root, RfScene* scene, RfLog* log )
+static RfResult load_gltf( const RfField* root, const RfGltfOptions* options, RfScene* scene, RfLog* log )
 {
     const char* name = NULL;
     RfField field = rf_field_member( root, "scene" ), materials = rf_field_member( root, "materials" );
@@ -87,7 +87,9 @@ static RfResult load_gltf( const RfField* root, RfScene* scene, RfLog* log )
     if ( path == NULL )
         return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
     RfGltfEdit change = { edit, &materials };
-    result = rf_load_edited_gltf( path, &change, scene, log, root->error );
+    RfGltfOptions edited = *options;
+    edited.edit = &change;
+    result = rf_load_gltf_with( path, &edited, scene, log, root->error );
     free( path );
     return result;
 }
@@ -197,13 +199,14 @@ static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* 
     return RF_OK;
 }
 
-RfResult rf_load_scene_file( const RfSceneFile* file, RfScene* scene, RfLog* log, RfError* error )
+RfResult rf_load_scene_file_with( const RfSceneFile* file, const RfGltfOptions* options, RfScene* scene, RfLog* log,
+                                  RfError* error )
 {
     if ( file->document.root == NULL )
-        return rf_load_gltf( file->path, scene, log, error );
+        return rf_load_gltf_with( file->path, options, scene, log, error );
     memset( scene, 0, sizeof *scene );
     RfField root = rf_root_field( &file->document, error );
-    RfResult result = load_gltf( &root, scene, log );
+    RfResult result = load_gltf( &root, options, scene, log );
     if ( result == RF_OK )
         result = load_environment( &root, scene );
     if ( result == RF_OK )
@@ -213,6 +216,12 @@ RfResult rf_load_scene_file( const RfSceneFile* file, RfScene* scene, RfLog* log
     if ( result != RF_OK )
         rf_destroy_scene( scene );
     return result;
+}
+
+RfResult rf_load_scene_file( const RfSceneFile* file, RfScene* scene, RfLog* log, RfError* error )
+{
+    RfGltfOptions options = { 0 };
+    return rf_load_scene_file_with( file, &options, scene, log, error );
 }
 
 RfResult rf_load_scene( const char* path, RfScene* scene, RfLog* log, RfError* error )

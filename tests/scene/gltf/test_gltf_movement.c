@@ -3,7 +3,7 @@
 #include "support/scene_files.h"
 
 #include "scene/deformation.h"
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
 
