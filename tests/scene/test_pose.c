@@ -656,6 +656,19 @@ static void test_a_triangle_that_closes( void** state )
     rf_destroy_scene( &scene );
 }
 
+// By joints, and by weights that nobody means.
+static void test_deformed_out_of_reach( void** state )
+{
+    (void)state;
+    static const float s_far[] = { 0, 0, 0, 0, 2e15f, 0 }, s_absurd[] = { 0, 0, 1e30f, 0, 3e38f, 0 };
+    GltfBuilder b = make_strip();
+    add_gltf_floats( &b, "VEC3", 3, 2, s_far );
+    gltf_refuse_moving( &b, STRIP( "," LINEAR( "2", "translation", "6", "7" ) ),
+                        "object 'arm' at 0.5625 s: a vertex is at 1.125e+15" );
+    b = make_morph( 6, s_absurd );
+    gltf_refuse_moving( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ), "object 'sheet' at 0.1875 s: a vertex is at 3.75e+29" );
+}
+
 // ---- Many -----------------------------------------------------------------------
 
 #define MANY 10000
@@ -812,6 +825,7 @@ int main( void )
         cmocka_unit_test( test_weights_at_rest ),
         cmocka_unit_test( test_morph_targets_of_a_skin ),
         cmocka_unit_test( test_a_triangle_that_closes ),
+        cmocka_unit_test( test_deformed_out_of_reach ),
         cmocka_unit_test( test_ten_thousand_nodes ),
         cmocka_unit_test( test_instances_that_move ),
         cmocka_unit_test( test_the_fox_walks ),
