@@ -1,6 +1,7 @@
 #include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
+#include "scene/placement.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"
 
@@ -275,6 +276,56 @@ int gltf_leave( void** state )
     (void)state;
     remove_folder( &gltf_folder );
     return 0;
+}
+
+// ---- what moves ----
+
+void gltf_find_placed_corner( const RfScene* scene, uint32_t triangle, int corner, double out[3] )
+{
+    RfTriangleAt at = rf_locate_triangle( scene, triangle );
+    const float* p = at.triangles->positions + 3 * (size_t)at.triangles->indices[3 * (size_t)at.index + (size_t)corner];
+    double local[3] = { (double)p[0], (double)p[1], (double)p[2] };
+    if ( at.placement != NULL )
+        rf_mat4_apply( &at.placement->matrix, local, 1.0, out );
+    else
+        memcpy( out, local, sizeof local );
+}
+
+void gltf_assert_placed_corner( const RfScene* scene, uint32_t triangle, int corner, double x, double y, double z )
+{
+    double at[3];
+    gltf_find_placed_corner( scene, triangle, corner, at );
+    gltf_assert_near( (float)at[0], x );
+    gltf_assert_near( (float)at[1], y );
+    gltf_assert_near( (float)at[2], z );
+}
+
+const float* gltf_placed_normal( const RfScene* scene, uint32_t triangle, int corner )
+{
+    RfTriangleAt at = rf_locate_triangle( scene, triangle );
+    return at.triangles->normals + 3 * (size_t)at.triangles->indices[3 * (size_t)at.index + (size_t)corner];
+}
+
+RfPosedScene gltf_pose_at( const RfScene* scene, double time )
+{
+    RfPosedScene pose = { 0 };
+    RfError error = { 0 };
+    if ( rf_pose_scene( scene, time, &pose, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return pose;
+}
+
+void gltf_assert_unit_normals( const RfScene* scene )
+{
+    for ( int m = 0; m < scene->mesh_count; ++m )
+    {
+        const RfTriangles* t = &scene->meshes[m].triangles;
+        for ( size_t v = 0; scene->meshes[m].deformation == NULL && t->count > 0 && v < t->vertex_count; ++v )
+        {
+            const float* n = t->normals + 3 * v;
+            gltf_assert_near( n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1.0 );
+        }
+    }
 }
 
 // ---- json room ----

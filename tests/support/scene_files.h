@@ -7,6 +7,7 @@
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/json/scene_file.h"
+#include "scene/pose.h"
 #include "scene/scene.h"
 
 #include <stdbool.h>
@@ -91,6 +92,16 @@ void gltf_assert_rgb( RfVec3 got, double r, double g, double b );
 // Position and normal of a corner, counted over all triangles.
 void gltf_assert_corner( const RfScene* scene, int corner, double x, double y, double z );
 void gltf_assert_normal( const RfScene* scene, int corner, double x, double y, double z );
+
+// What moves, at a moment; fails the test where that cannot be posed.
+RfPosedScene gltf_pose_at( const RfScene* scene, double time );
+// A corner of a triangle of any number, in the world.
+void gltf_find_placed_corner( const RfScene* scene, uint32_t triangle, int corner, double out[3] );
+void gltf_assert_placed_corner( const RfScene* scene, uint32_t triangle, int corner, double x, double y, double z );
+// Its normal, in the space of its mesh.
+const float* gltf_placed_normal( const RfScene* scene, uint32_t triangle, int corner );
+// Of all meshes that are posed.
+void gltf_assert_unit_normals( const RfScene* scene );
 
 // That the last load has warned so.
 void gltf_assert_warned( const char* text );
