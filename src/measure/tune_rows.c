@@ -15,8 +15,8 @@ static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
 static const char* const s_extended_tiles[RF_TUNE_TILES] = { "1", "2x2", "4x4", "6x6", "8x8" }; // of estimators without groups
 
-static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double",
-                  s_hopeless[] = "by the plan worth less than a smaller group";
+static const char s_no_room[] = "does not fit in memory", s_rounded[] = "spp would more than double",
+                  s_hopeless[] = "predicted to gain less than a smaller group";
 
 #define BEYOND 0.97  // of the best gain that the plan predicts for a tile: with less a larger group is not tried
 #define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested

@@ -331,7 +331,7 @@ static void test_shot_is_blenders( void** state )
     assert_true( told != NULL && strstr( told + 1, moves ) != NULL ); // at once, and repeated at the end
     done = cli_run( "$R info shot.glb" );
     assert_non_null( strstr( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s" ) );
-    assert_non_null( strstr( done->out, "picture    64x36" ) );
+    assert_non_null( strstr( done->out, "size       64x36" ) );
     done = cli_run( "$R render shot.glb -o f.####.exr --frames 101,110 --group 0 --tile 1 --spp 64 --filter box --quiet" );
     assert_int_equal( done->status, 0 );
     assert_non_null( strstr( done->err, "'Cube', 'Follower', 'Wave' move or change in the file, but only cameras move here" ) );

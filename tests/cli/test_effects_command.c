@@ -60,9 +60,9 @@ static void test_info_tells_all_effects( void** state )
 {
     (void)state;
     const CliResult* result = cli_run( "$R info $VASE --no-effect phong" );
-    cli_expect( result, 0, "--no-effect phong: the picture is another than the scene asks for: materials keep" );
+    cli_expect( result, 0, "--no-effect phong: changes the picture: materials keep" );
     assert_non_null( strstr( result->out, "  out  phong " ) );
-    assert_non_null( strstr( result->out, "  off  alpha                 the settings do not ask for it (--alpha)" ) );
+    assert_non_null( strstr( result->out, "  off  alpha                 off in the settings (--alpha)" ) );
     cli_expect( cli_run( "$R info $VASE --effects all --json all.json > text" ), 0, NULL );
     json_t* json = cli_read_json( "all.json" );
     assert_true( json_is_true( json_object_get( row_of( json, "panes" ), "forced" ) ) );

@@ -131,7 +131,7 @@ static void test_it_is_planned_and_tuned( void** state )
     (void)state;
     static const char shot[] = "$VASE --estimator gradient --size 48x36 --frames 1-2 --quiet --threads 2";
     const CliResult* done = cli_run( "$R plan %s --json p.json", shot );
-    assert_true( done->status == 0 && strstr( done->out, "render --estimator gradient takes 4x4 tiles" ) != NULL );
+    assert_true( done->status == 0 && strstr( done->out, "--estimator gradient: 4x4 tiles" ) != NULL );
     json_t* json = cli_read_json( "p.json" );
     assert_true( json_array_size( json_object_get( json, "rows" ) ) == 1 );
     assert_string_equal( json_string_value( json_object_get( json, "why" ) ), "the estimator 'gradient' reuses no frames" );

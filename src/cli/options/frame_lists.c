@@ -85,8 +85,8 @@ void rf_print_ranges( const RfRanges* r )
 {
     double all, longest;
     sum_up( r, &all, &longest );
-    printf( "\n%d range%s for --nodes %d, group %d, and what each traces of the whole:\n", r->count, r->count == 1 ? "" : "s",
-            r->nodes, r->group );
+    printf( "\n%d range%s for --nodes %d, group %d, with the share of the work:\n", r->count, r->count == 1 ? "" : "s", r->nodes,
+            r->group );
     for ( int i = 0; i < r->count; ++i )
     {
         const RfPlanRange* range = r->list + i;
@@ -95,9 +95,8 @@ void rf_print_ranges( const RfRanges* r )
                 range->end - range->first == 1 ? " " : "s", 100.0 * range->work );
         free( frames );
     }
-    printf(
-        "overhead of the halos at the cuts: %.1f %% more samples in all; at best done in %.1f %% of the time of one machine\n",
-        100.0 * ( all - 1.0 ), 100.0 * longest );
+    printf( "overhead of the halos at the cuts: %.1f %% more samples in total; at best %.1f %% of the time of one machine\n",
+            100.0 * ( all - 1.0 ), 100.0 * longest );
 }
 
 json_t* rf_ranges_json( const RfRanges* r )
@@ -460,7 +459,7 @@ RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceI
     if ( result != RF_OK )
         return result;
     if ( !input->is_sequence )
-        return list == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and %s is a file", from );
+        return list == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: needs a sequence, and %s is a file", from );
     result = rf_sequence_frames( input->pattern, &input->frames, &input->count, error );
     if ( result != RF_OK )
         return result;

@@ -144,6 +144,6 @@ void rf_print_help( const RfCommandTable* table, FILE* file )
         fputc( '\n', file );
     rf_list_options( table, file, print_heading, print_option );
     fputs( table->option_count > MOST_WITHOUT_HEADINGS ? "\n" : "", file );
-    print_row( "-h, --help", "this text", file );
+    print_row( "-h, --help", "print this help", file );
     fputc( '\n', file );
 }

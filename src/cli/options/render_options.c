@@ -74,7 +74,7 @@ typedef struct Instead
 } Instead;
 
 static const Instead s_instead[RF_EFFECT_COUNT] = {
-    [RF_EFFECT_CAMERA_ANIMATION] = { NULL, "render a still by --frames 1" },
+    [RF_EFFECT_CAMERA_ANIMATION] = { NULL, "render a still with --frames 1" },
     [RF_EFFECT_SMOOTH_METALS] = { NULL, "give --no-effect chains" },
     [RF_EFFECT_LIGHT_PATHS] = { "--light-paths", "give --light-paths off" },
     [RF_EFFECT_FRAME_GROUPS] = { "--group", "give --group 0" },
@@ -82,7 +82,7 @@ static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_ADAPTIVE] = { "--adaptive", "give --no-adaptive" },
     [RF_EFFECT_STOP_RULE] = { "--noise, --flicker, --time", "leave --noise, --flicker and --time out" },
     [RF_EFFECT_PIXEL_FILTER] = { "--filter", "give --filter box" },
-    [RF_EFFECT_OTHER_PROJECTION] = { NULL, "render along a path of a camera in perspective" },
+    [RF_EFFECT_OTHER_PROJECTION] = { NULL, "render with a perspective camera" },
     [RF_EFFECT_GRADIENTS] = { "--estimator", "give --estimator reuse" },
     [RF_EFFECT_ALPHA] = { "--alpha", "give --no-alpha" },
 };
@@ -119,9 +119,9 @@ static void warn_of( const RfEffect* row, RfLog* log )
     if ( !may_be_called_for( row ) )
         rf_warn( log, "--no-effect %s: changes nothing: %s", row->name, row->why );
     else if ( rf_effect_without( row->id ) == RF_WITHOUT_OTHER_PICTURE )
-        rf_warn( log, "--no-effect %s: the picture is another than the scene asks for: %s", row->name, text );
+        rf_warn( log, "--no-effect %s: changes the picture: %s", row->name, text );
     else
-        rf_warn( log, "--no-effect %s: the picture is the same in the mean, with other noise: %s", row->name, text );
+        rf_warn( log, "--no-effect %s: changes only the noise: %s", row->name, text );
 }
 
 RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene, RfLog* log, RfError* error )
@@ -156,31 +156,32 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_STRING,
       .value = &render_parse.options.output,
       .meta = "PATTERN",
-      .help = "where frames go: out/frame.####.exr; #### (or %04d) is the frame number; the folder is created" },
+      .help = "output files, such as out/frame.####.exr; #### (or %04d) is the frame number; the folder is created if missing" },
     RF_PATH_OPTIONS( render_parse.options, "frame numbers follow Blender's, else start at 1; negative ones count from the end" ),
     RF_LENS_OPTIONS( render_parse.options ),
-    RF_STOP_OPTIONS( render_parse.options, "render each frame until its estimated relMSE is at most E; 1% is 0.01",
-                     "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
-                     "average seconds per frame, also 20s, 5m, 1h30m; with --noise or --flicker, whichever comes first" ),
+    RF_STOP_OPTIONS(
+        render_parse.options, "render each frame until its estimated relMSE is at most E; 1% is 0.01",
+        "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
+        "average time per frame: seconds, or 20s, 5m, 1h30m; with --noise or --flicker, whichever is reached first" ),
     RF_ADAPTIVE_OPTION( render_parse.options,
                         "extra samples where other frames contribute few: borders, disocclusions, mirrors, glass; "
-                        "auto: in frames where they pay" ),
+                        "auto: only in frames where they pay off" ),
     { .name = "light-paths",
       .in_file = true,
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.options.light_paths,
       .choices = rf_light_paths_words,
-      .help = "trace paths from the lights, for caustics and lamps behind glass; auto: from small lights, where it pays",
+      .help = "trace paths from the lights, for caustics and lamps behind glass; auto: from small lights, where it pays off",
       .heading = RF_HEADING_QUALITY },
     RF_FILTER_OPTIONS( render_parse.options ),
     RF_PATH_TRACING_OPTIONS( render_parse.options ),
     RF_SEED_OPTION( render_parse.options ),
-    RF_AOV_OPTION( render_parse.options, "further layers:" ),
+    RF_AOV_OPTION( render_parse.options, "additional layers:" ),
     { .name = "alpha",
       .in_file = true,
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.alpha,
-      .help = "write RGBA: alpha is the coverage by anything but the sky, and the colour is premultiplied",
+      .help = "write RGBA: alpha is the coverage by anything but sky, colour is premultiplied",
       .heading = RF_HEADING_OUTPUT },
     { .name = "compression",
       .type = RF_OPTION_CHOICE,
@@ -192,7 +193,7 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.settings.files.half,
       .given = &render_parse.is_half_given,
-      .help = "16-bit floats for colour and the AOVs that need no more",
+      .help = "16-bit floats for colour and for AOVs that do not need 32",
       .heading = RF_HEADING_OUTPUT },
     { .name = "float",
       .type = RF_OPTION_BOOL,
@@ -203,36 +204,36 @@ static const RfOption s_options[] = {
     { .name = "resume",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.resume,
-      .help = "keep finished frames of this very render; other files in the way are an error",
+      .help = "keep finished frames of the same render; other existing files are an error",
       .heading = RF_HEADING_OUTPUT },
     { .name = "overwrite",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.overwrite,
-      .help = "replace existing frames; with --resume only those of another render",
+      .help = "replace existing frames; with --resume, only those of another render",
       .heading = RF_HEADING_OUTPUT },
     { .name = "check",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.check,
-      .help = "render nothing, report which frames are finished; exit status 1 unless all are",
+      .help = "render nothing; report which frames are finished, with exit status 1 unless all are",
       .heading = RF_HEADING_OUTPUT },
-    RF_RESULT_OPTIONS( render_parse.options, "write the result as JSON, also when interrupted; - is standard output",
+    RF_RESULT_OPTIONS( render_parse.options, "write the result as JSON, even if interrupted; - for standard output",
                        "no progress" ),
     { .name = "verbose",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.verbose,
-      .help = "also print the effects that run",
+      .help = "also list the effects in use",
       .heading = RF_HEADING_OUTPUT },
-    RF_GROUP_OPTION( render_parse.options, "share paths between 2N+1 neighbouring frames; 0: between none" ),
+    RF_GROUP_OPTION( render_parse.options, "share paths between 2N+1 neighbouring frames; 0: no frame reuse" ),
     RF_TILE_OPTION( render_parse.options ),
-    RF_MACHINE_OPTIONS( render_parse.options, "threads; the pictures do not depend on them" ),
-    RF_NODES_OPTION( render_parse.options, "with --check: divide the missing frames into ranges for N machines" ),
+    RF_MACHINE_OPTIONS( render_parse.options, "threads; their number does not affect the pictures" ),
+    RF_NODES_OPTION( render_parse.options, "with --check: split the missing frames into ranges for N machines" ),
     RF_ESTIMATOR_OPTION( render_parse.options ),
     { .name = "reconstruction",
       .in_file = true,
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.options.reconstruction,
       .choices = rf_reconstruction_words,
-      .help = "for --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
+      .help = "with --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
       .heading = RF_HEADING_RESEARCH },
     RF_WEIGHT_OPTIONS( render_parse.options ),
     { .name = "kernel-normalization",
@@ -247,7 +248,7 @@ static const RfOption s_options[] = {
 
 const RfCommandTable rf_render_table = { .command = "render",
                                          .summary = "Renders a camera animation to a sequence of EXR files. SCENE is a .glb, a "
-                                                    ".gltf or a scene file (.json), which may hold defaults of these options.",
+                                                    ".gltf or a scene file (.json), which may set defaults of these options.",
                                          .files = s_files,
                                          .file_count = 1,
                                          .options = s_options,
@@ -289,7 +290,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
     if ( render_parse.is_half_given && render_parse.is_float_given && options->settings.files.half == render_parse.is_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->nodes > 0 && !options->check )
-        return rf_fail( error, RF_ERROR_USAGE, "--nodes: is of --check here; reframe plan has it, too" );
+        return rf_fail( error, RF_ERROR_USAGE, "--nodes: needs --check; before a render use reframe plan --nodes" );
     return RF_OK;
 }
 

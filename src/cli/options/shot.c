@@ -89,7 +89,7 @@ const char* rf_format_excluded( const char* excluded, const RfMemoryFit* fit, ch
     if ( excluded == NULL )
         return NULL;
     bool fits = fit->films > 0;
-    snprintf( text, size, fits ? "%s" : "%s, the least is %zuM", excluded, rf_whole_mib( fit->least ) );
+    snprintf( text, size, fits ? "%s" : "%s, needs at least %zuM", excluded, rf_whole_mib( fit->least ) );
     return text;
 }
 

@@ -169,7 +169,7 @@ void rf_tell_unfinished( const char* name, const json_t* progress )
     const json_t* left = json_object_get( progress, "left" );
     rf_format_left( left, frames, sizeof frames );
     if ( json_array_size( left ) > 0 )
-        rf_print( "%s: %.0f of %.0f frames are finished, not yet %s\n", name, rf_json_number_of( progress, "finished" ),
+        rf_print( "%s: %.0f of %.0f frames are finished, missing %s\n", name, rf_json_number_of( progress, "finished" ),
                   rf_json_number_of( progress, "asked" ), frames );
 }
 

@@ -50,7 +50,7 @@ static void print_row( const RfTuneRow* row )
     if ( row->rounds == 0 )
     {
         const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
-        printf( "  not tried%s%s\n", excluded != NULL ? ": " : "", excluded != NULL ? excluded : "" );
+        printf( "  not measured%s%s\n", excluded != NULL ? ": " : "", excluded != NULL ? excluded : "" );
         return;
     }
     char sweeps[32] = "";
@@ -64,9 +64,9 @@ static void print_row( const RfTuneRow* row )
 static void print_rounds( const TuneReport* r )
 {
     const RfTune* tune = r->tune;
-    printf( "%.1f s;", tune->seconds );
+    printf( "measured in %.1f s:", tune->seconds );
     for ( int i = 0; i < tune->round_count; ++i )
-        printf( "%s round %d on pieces of %.0f pixels, %d place%s", i > 0 ? "," : "", i + 1, tune->rounds[i].pixels,
+        printf( "%s round %d on %.0f pixels at %d camera position%s", i > 0 ? "," : "", i + 1, tune->rounds[i].pixels,
                 tune->rounds[i].regions, tune->rounds[i].regions == 1 ? "" : "s" );
     printf( "\n" );
 }
@@ -76,7 +76,7 @@ static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
 {
     if ( r->tune->chosen < 0 )
     {
-        snprintf( text, RF_VERDICT_SIZE, "no setting was tried to the end" );
+        snprintf( text, RF_VERDICT_SIZE, "no setting was fully measured" );
         return;
     }
     const RfTuneRow* row = r->tune->rows + r->tune->chosen;
@@ -84,18 +84,16 @@ static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
     bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE;
     rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
     bool flicker = r->tune->goal == RF_TUNE_FLICKER;
-    snprintf( gain, sizeof gain, "no group and no tile is faster at equal %s", flicker ? "flicker" : "noise" );
+    snprintf( gain, sizeof gain, "as no group or tile is faster at equal %s", flicker ? "flicker" : "noise" );
     if ( reuse )
         ( flicker ? rf_tell_flicker_gain : rf_format_gain )( &row->gain, gain, sizeof gain );
     rf_format_span( row->seconds, all, sizeof all );
-    int used = snprintf(
-        text, RF_VERDICT_SIZE,
-        "the best is %s: %s\nwith it %d frame%s of %dx%d at %d samples take%s about %s, with a relMSE of about %.2g: noise of "
-        "%.2g %% in a pixel",
-        name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, r->frames == 1 ? "s" : "", all,
-        row->relmse, 100.0 * sqrt( row->relmse / 3.0 ) );
+    int used = snprintf( text, RF_VERDICT_SIZE,
+                         "best: %s, %s\n%d frame%s at %dx%d and %d spp: about %s, relMSE about %.2g (%.2g %% noise per pixel)",
+                         name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, all, row->relmse,
+                         100.0 * sqrt( row->relmse / 3.0 ) );
     if ( flicker )
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", and an F1 of about %.2g", row->f1 );
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", F1 about %.2g", row->f1 );
 }
 
 static void print_tune( const TuneReport* r )
@@ -108,12 +106,12 @@ static void print_tune( const TuneReport* r )
             "phi", "efficiency", "gain", "95 %", "rounds" );
     for ( int i = 0; i < tune->count; ++i )
         print_row( tune->rows + i );
-    printf( "seconds: of all %d frames, wall-clock; efficiency: 1 / (%s x CPU seconds of a frame); gain: over "
-            "group 0, tile 1, on the same pieces\n",
+    printf( "seconds: wall-clock time of all %d frames; efficiency: 1 / (%s x CPU seconds per frame); gain: over path "
+            "tracing (group 0, tile 1) on the same pixels\n",
             r->frames, tune->goal == RF_TUNE_FLICKER ? "F1 squared" : "relMSE" );
     print_rounds( r );
     if ( r->command != NULL )
-        printf( "* the best:\n%s\n", r->command );
+        printf( "* best:\n%s\n", r->command );
 }
 
 static json_t* row_json( const RfTuneRow* row )
@@ -205,9 +203,9 @@ static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError*
                     .subtitle = subtitle,
                     .series = curves.series,
                     .series_count = curves.count,
-                    .x = { .label = "memory of the render beyond the scene, MiB", .log = true },
-                    .y = { .label = tune->goal == RF_TUNE_FLICKER ? "efficiency, 1 / (F1 squared \xc2\xb7 CPU seconds of a frame)"
-                                                                  : "efficiency, 1 / (relMSE \xc2\xb7 CPU seconds of a frame)",
+                    .x = { .label = "memory beyond the scene, MiB", .log = true },
+                    .y = { .label = tune->goal == RF_TUNE_FLICKER ? "efficiency, 1 / (F1 squared \xc2\xb7 CPU seconds per frame)"
+                                                                  : "efficiency, 1 / (relMSE \xc2\xb7 CPU seconds per frame)",
                            .log = true } };
     RfPlotNote best;
     if ( tune->chosen >= 0 )
@@ -236,7 +234,7 @@ static TuneOptions s_parsed; // the table points here
 static const char* s_scene;
 
 static const RfOption s_options[] = {
-    RF_PATH_OPTIONS( s_parsed.render, "frames to be rendered: settings are tried on them, and their cost is counted" ),
+    RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
     { .name = "budget",
       .type = RF_OPTION_TIME,
@@ -244,35 +242,35 @@ static const RfOption s_options[] = {
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
-      .help = "seconds to spend, or 5m; a longer search is more certain" },
+      .help = "time to spend, in seconds or as 5m; a longer search is more reliable" },
     { .name = "goal",
       .type = RF_OPTION_CHOICE,
       .value = &s_parsed.goal,
       .choices = s_goals,
-      .help = "quantity to minimise at equal CPU time: relMSE, or F1 of neighbouring frames" },
+      .help = "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" },
     RF_SPP_OPTION( s_parsed.render ),
     RF_FILTER_OPTIONS( s_parsed.render ),
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
-    RF_AOV_OPTION( s_parsed.render, "further layers, which take memory:" ),
+    RF_AOV_OPTION( s_parsed.render, "additional layers, which take memory:" ),
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.svg,
       .meta = "FILE",
-      .help = "plot efficiency over memory, a line for each tile",
+      .help = "plot efficiency against memory, one line per tile",
       .heading = RF_HEADING_OUTPUT },
-    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - is standard output", "no progress" ),
-    RF_MACHINE_OPTIONS( s_parsed.render, "threads; each tries a setting" ),
+    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
+    RF_MACHINE_OPTIONS( s_parsed.render, "threads; each measures one setting at a time" ),
     RF_ESTIMATOR_OPTION( s_parsed.render ),
     RF_EFFECT_OPTIONS( s_parsed.render ),
 };
 
 static const RfCommandTable s_table = { .command = "tune",
                                         .summary =
-                                            "Finds the group and the tile with the best efficiency on this animation and machine "
-                                            "by short renders: a row for each with memory, time, error, flicker and efficiency, "
-                                            "and the best as a command line. SCENE and options are those of render.",
+                                            "Finds the most efficient group and tile for this animation and machine by short "
+                                            "renders. Prints memory, time, error, flicker and efficiency of each setting, and "
+                                            "the best as a command line. SCENE and options are those of render.",
                                         .files = s_files,
                                         .file_count = 1,
                                         .options = s_options,
@@ -448,7 +446,7 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe tune: round %d: %d settings on pieces of %.0f pixels, %d place%s of the path, about %.0f s\n",
+        fprintf( stderr, "reframe tune: round %d: %d settings on %.0f pixels at %d camera position%s, about %.0f s\n",
                  tune->round_count + 1, candidates, round->pixels, round->regions, round->regions == 1 ? "" : "s",
                  round->seconds );
 }
@@ -510,11 +508,11 @@ static RfResult run( Job* job, RfError* error )
         RfResult reported = report( job, error );
         return reported != RF_OK
                    ? reported
-                   : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d round%s: what they found stands above",
+                   : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d round%s: the results so far are above",
                               job->tune.round_count, job->tune.round_count == 1 ? "" : "s" );
     }
     if ( result == RF_ERROR_INTERRUPTED )
-        return rf_fail( error, result, "interrupted in the first round: nothing is found yet" );
+        return rf_fail( error, result, "interrupted in the first round: no results yet" );
     return result == RF_OK ? report( job, error ) : result;
 }
 

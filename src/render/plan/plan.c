@@ -158,8 +158,8 @@ static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 #define COST_DIRECTION 7.0 // this for each direction of a glossy hit
 
 // Why the automatic choice leaves a row out.
-static const char s_no_room[] = "does not fit the memory", s_films[] = "films over half of the memory",
-                  s_sweeps[] = "goes through the path several times", s_rounded[] = "samples rounded up too far";
+static const char s_no_room[] = "does not fit in memory", s_films[] = "films take over half of the memory",
+                  s_sweeps[] = "needs several sweeps", s_rounded[] = "samples rounded up too far";
 
 #define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
 #define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
@@ -302,9 +302,9 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
     snprintf( rounded, sizeof rounded, "%d sample%s would be rounded up by more than a quarter", settings->spp,
               settings->spp == 1 ? "" : "s" );
     const char* const reasons[][3] = { { s_films, s_films, s_films },
-                                       { s_sweeps, s_sweeps, "go through the path several times" },
+                                       { s_sweeps, s_sweeps, "need several sweeps" },
                                        { s_rounded, rounded, rounded },
-                                       { s_no_room, s_no_room, "do not fit the memory" } };
+                                       { s_no_room, s_no_room, "do not fit in memory" } };
     const RfPlanRow* best = plan->rows + plan->chosen;
     for ( int i = 0; i < plan->count; ++i )
         best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;
@@ -314,18 +314,18 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
         snprintf( plan->why, size, "the estimator '%s' reuses no frames", settings->estimator->name );
         return;
     }
-    size_t used =
-        (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
-                          best->gain, best->group );
+    size_t used = (size_t)snprintf( plan->why, size,
+                                    "the smallest group within 10 %% of the best gain at fixed ray costs, %.1f with group %d",
+                                    best->gain, best->group );
     for ( size_t k = 0; k < sizeof reasons / sizeof reasons[0] && used < size; ++k )
     {
         int rows = rows_against( plan, reasons[k][0] );
         if ( rows > 0 )
-            used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s left out, %s", rows, rows == 1 ? "" : "s",
+            used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s excluded: %s", rows, rows == 1 ? "" : "s",
                                       reasons[k][rows == 1 ? 1 : 2] );
     }
     if ( plan->adaptive != settings->adaptive && plan->rows[plan->chosen].eyes > 1 && used < size )
-        snprintf( plan->why + used, size - used, "; without extra samples, for which there is no room" );
+        snprintf( plan->why + used, size - used, "; without extra samples, which do not fit in memory" );
 }
 
 // Counts a few batches of the path.
