@@ -85,8 +85,7 @@ static bool is_interrupted( void* user )
 
 static RfResult report_result( const char* from, const char* to, const RfModelCounts* c, int warnings, RfError* error )
 {
-    bool json_out = s_json != NULL && strcmp( s_json, "-" ) == 0;
-    if ( !s_quiet && !json_out )
+    if ( !s_quiet && rf_prints_text( s_json ) )
         rf_print( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles,
                   c->meshes, c->materials, c->images, c->cameras, c->lights );
     if ( s_json == NULL )
@@ -120,10 +119,7 @@ int rf_command_convert( int argc, char** argv )
     s_convert = rf_default_convert_options();
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &s_table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = convert( files[0], files[1], &error );
     return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );

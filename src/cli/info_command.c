@@ -234,7 +234,7 @@ static RfResult report_result( const char* name, RfError* error )
     RfResult result = load( name, &scene, &facts.render, error );
     if ( result == RF_OK )
         result = gather( &scene, &facts, error );
-    if ( result == RF_OK && ( s_json == NULL || strcmp( s_json, "-" ) != 0 ) )
+    if ( result == RF_OK && rf_prints_text( s_json ) )
     {
         print_info( &scene, &facts );
         result = rf_flush_output( error );
@@ -256,10 +256,7 @@ int rf_command_info( int argc, char** argv )
     s_render = rf_default_render_options();
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &s_table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = report_result( files[0], &error );
     return result == RF_OK ? 0 : rf_report_error( "info", &error );

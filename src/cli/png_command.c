@@ -145,10 +145,7 @@ int rf_command_png( int argc, char** argv )
     Job job = { .from = { .count = 0 } };
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &s_table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = run( files, &job, &error );
     rf_free_sequence_input( &job.from );

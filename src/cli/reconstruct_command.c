@@ -562,8 +562,7 @@ int rf_command_reconstruct( int argc, char** argv )
     RfResult result = rf_parse_options( &table, argc, argv, job.files.images, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
+        result = rf_show_help( &table, &error );
         return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
     }
     job.rows = json_array();
@@ -571,7 +570,7 @@ int rf_command_reconstruct( int argc, char** argv )
     RfReportedWarnings reported = { COMMAND, job.warnings };
     RfLog log = rf_keeping_log( &reported );
     job.log = &log;
-    job.table = job.json == NULL || strcmp( job.json, "-" ) != 0;
+    job.table = rf_prints_text( job.json );
     if ( result == RF_OK )
         result = run( &job, &error );
     free_reconstruct_files( &job.files );

@@ -685,11 +685,10 @@ int rf_command_compare( int argc, char** argv )
     RfResult result = rf_parse_options( &table, argc, argv, compare.in.patterns, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
+        result = rf_show_help( &table, &error );
         return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
     }
-    compare.table = compare.json == NULL || strcmp( compare.json, "-" ) != 0;
+    compare.table = rf_prints_text( compare.json );
     if ( compare.in.layers[1] == NULL )
         compare.in.layers[1] = compare.in.layers[0];
     if ( result == RF_OK )

@@ -428,7 +428,7 @@ static RfResult check_options( const FlickerRun* flicker, RfError* error )
 
 static RfResult run( FlickerRun* flicker, RfError* error )
 {
-    flicker->table = flicker->json == NULL || strcmp( flicker->json, "-" ) != 0;
+    flicker->table = rf_prints_text( flicker->json );
     flicker->report.pairs = json_array();
     RfResult result = check_options( flicker, error );
     if ( result == RF_OK )
@@ -562,10 +562,7 @@ int rf_command_flicker( int argc, char** argv )
     bool help = false;
     RfResult result = rf_parse_options( &table, argc, argv, &flicker.pattern, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &table, &error );
     else if ( result == RF_OK )
         result = run( &flicker, &error );
     return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );

@@ -96,6 +96,9 @@ RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, c
 // Prints the help of a command. The values must be the defaults.
 void rf_print_help( const RfCommandTable* table, FILE* file );
 
+// The same on standard output: what a command does for --help.
+RfResult rf_show_help( const RfCommandTable* table, RfError* error );
+
 // Calls `heading` with the name of each heading, where the command has so many options that the help has any, and
 // `option` for each option below it.
 void rf_list_options( const RfCommandTable* table, FILE* file, void ( *heading )( const char* name, FILE* file ),

@@ -448,5 +448,3 @@ RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char**
     RfResult result = rf_read_render_defaults( defaults, options );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
-
-void rf_print_render_help( void ) { rf_print_help( &rf_render_table, stdout ); }

@@ -84,8 +84,6 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );
 // Their table.
 extern const RfCommandTable rf_render_table;
 
-void rf_print_render_help( void );
-
 // --effects and --no-effect, and the options that decide on effects.
 
 // Leaves out and forces what the options ask for, before the scene has a path, and warns of pictures that are others then.

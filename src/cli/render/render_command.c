@@ -515,8 +515,7 @@ int rf_command_render( int argc, char** argv )
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_render_help();
-        result = rf_flush_output( &error );
+        result = rf_show_help( &rf_render_table, &error );
         destroy_render_job( &job );
         return result == RF_OK ? 0 : rf_report_error( "render", &error );
     }

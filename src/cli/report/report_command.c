@@ -436,7 +436,7 @@ static RfResult report_result( const RfPageRun* report, const RfPageData* data, 
 {
     char weight[32];
     rf_format_bytes( (double)bytes, weight );
-    bool prints = report->json == NULL || strcmp( report->json, "-" ) != 0;
+    bool prints = rf_prints_text( report->json );
     if ( prints )
         rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
     for ( int i = 0; i < report->place_count && prints; ++i )
@@ -608,8 +608,7 @@ int rf_command_report( int argc, char** argv )
     RfResult result = rf_parse_options( &table, argc, argv, report.places, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
+        result = rf_show_help( &table, &error );
         return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
     }
     rf_catch_interrupts();

@@ -7,7 +7,6 @@
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
 #include "cli/tune/verdict.h"
-#include "image/atomic_file.h"
 #include "measure/cost.h"
 #include "measure/plot.h"
 #include "scene/json/json_document.h"
@@ -264,13 +263,7 @@ static RfResult write_cost_plot( const CostReport* r, const char* path, RfError*
                     .series_count = 4,
                     .x = { .label = "seconds per frame", .log = true },
                     .y = { .label = "relMSE", .log = true } };
-    char* svg;
-    size_t size;
-    RfResult result = rf_draw_plot( &plot, &svg, &size, error );
-    if ( result == RF_OK )
-        result = rf_write_file_atomic( path, svg, size, error );
-    free( svg );
-    return result;
+    return rf_write_plot( &plot, path, error );
 }
 
 #define BUDGET 60.0 // seconds
@@ -353,10 +346,14 @@ static RfResult parse_list( const char* name, const char* text, double values[CO
     return RF_OK;
 }
 
-// Parses on top of the current values.
-static RfResult parse( int argc, char** argv, CostOptions* options, bool* help, RfError* error )
+// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
+// With *help set the help was asked for and nothing else is valid.
+static RfResult parse( const RfField* defaults, int argc, char** argv, CostOptions* options, bool* help, RfError* error )
 {
-    RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
+    s_parsed = ( CostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
+    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
@@ -373,25 +370,6 @@ static RfResult parse( int argc, char** argv, CostOptions* options, bool* help, 
     return result;
 }
 
-// Parses and checks what can be checked without the scene. With *help set the
-// help was asked for and nothing else is valid.
-static RfResult parse_cost_options( int argc, char** argv, CostOptions* options, bool* help, RfError* error )
-{
-    s_parsed = ( CostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
-    return parse( argc, argv, options, help, error );
-}
-
-// The same over the defaults of a scene file.
-static RfResult parse_cost_options_over( const RfField* defaults, int argc, char** argv, CostOptions* options, RfError* error )
-{
-    bool help;
-    s_parsed = ( CostOptions ){ .budget = BUDGET, .noise = ERRORS };
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
-    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
-}
-
-static void print_cost_help( void ) { rf_print_help( &s_table, stdout ); }
-
 typedef struct Job
 {
     int argc;
@@ -405,7 +383,8 @@ typedef struct Job
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
     Job* job = user;
-    return parse_cost_options_over( defaults, job->argc, job->argv, &job->options, error );
+    bool help;
+    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 static RfResult load( Job* job, RfError* error )
@@ -414,12 +393,6 @@ static RfResult load( Job* job, RfError* error )
     RfResult result = rf_load_shot( "cost", &job->options.render, take_defaults, job, &job->shot, error );
     job->load_seconds = rf_wall_seconds() - start;
     return result;
-}
-
-static bool go_on( void* user )
-{
-    (void)user;
-    return !rf_is_interrupted();
 }
 
 static void say( void* user, const RfCost* cost, int spp )
@@ -465,7 +438,7 @@ static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* erro
     if ( result != RF_OK )
         return result;
     const char* json = job->options.render.json;
-    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    if ( rf_prints_text( json ) )
     {
         print_cost( &r );
         result = rf_flush_output( error );
@@ -480,7 +453,7 @@ static RfResult run( Job* job, RfError* error )
     RfResult result = load( job, error );
     if ( result != RF_OK )
         return result;
-    RfTrialWatch watch = { go_on, NULL };
+    RfTrialWatch watch = { rf_may_go_on, NULL };
     RfCostJob cost = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
@@ -503,12 +476,9 @@ int rf_command_cost( int argc, char** argv )
     RfError error;
     bool help;
     Job job = { .argc = argc, .argv = argv };
-    RfResult result = parse_cost_options( argc, argv, &job.options, &help, &error );
+    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
-    {
-        print_cost_help();
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
     {
         rf_catch_interrupts();

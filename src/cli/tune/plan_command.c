@@ -86,10 +86,15 @@ static const RfCommandTable s_table = {
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-// Parses on top of the current values.
-static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
+// With *help set the help was asked for and nothing else is valid. There is no `output`.
+static RfResult parse( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
-    RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
+    s_parsed = rf_default_render_options();
+    s_group_given = false;
+    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
     if ( result != RF_OK || *help )
         return result;
     if ( s_group_given && s_parsed.nodes == 0 )
@@ -97,27 +102,6 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     *options = s_parsed;
     return rf_settle_render_options( options, error );
 }
-
-// Parses and checks what can be checked without the scene. With *help set the
-// help was asked for and nothing else is valid. There is no `output`.
-static RfResult parse_plan_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
-{
-    s_parsed = rf_default_render_options();
-    s_group_given = false;
-    return parse( argc, argv, options, help, error );
-}
-
-// The same over the defaults of a scene file.
-static RfResult parse_plan_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options,
-                                         RfError* error )
-{
-    bool help;
-    s_group_given = false;
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed );
-    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
-}
-
-static void print_plan_help( void ) { rf_print_help( &s_table, stdout ); }
 
 #define MEASURE_SECONDS 1.0
 #define TRY_PIXELS 70000.0 // of the frames of a group together, for holding the chosen row against path tracing
@@ -143,7 +127,8 @@ typedef struct Job
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
     Job* job = user;
-    return parse_plan_options_over( defaults, job->argc, job->argv, &job->options, error );
+    bool help;
+    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 // Has the render groups, and records of hits?
@@ -333,7 +318,7 @@ static RfResult run( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     const char* json = job->options.json;
-    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    if ( rf_prints_text( json ) )
     {
         print_plan( job );
         if ( job->ranges.list != NULL )
@@ -348,12 +333,9 @@ int rf_command_plan( int argc, char** argv )
     RfError error;
     bool help;
     Job job = { .argc = argc, .argv = argv };
-    RfResult result = parse_plan_options( argc, argv, &job.options, &help, &error );
+    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
-    {
-        print_plan_help();
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = run( &job, &error );
     rf_free_ranges( &job.ranges );

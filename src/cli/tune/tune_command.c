@@ -7,7 +7,6 @@
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
 #include "cli/tune/verdict.h"
-#include "image/atomic_file.h"
 #include "measure/plot.h"
 #include "measure/tune.h"
 #include "scene/json/json_document.h"
@@ -217,13 +216,7 @@ static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError*
         plot.notes = &best;
         plot.note_count = 1;
     }
-    char* svg;
-    size_t size;
-    RfResult result = rf_draw_plot( &plot, &svg, &size, error );
-    if ( result == RF_OK )
-        result = rf_write_file_atomic( path, svg, size, error );
-    free( svg );
-    return result;
+    return rf_write_plot( &plot, path, error );
 }
 
 #define BUDGET 60.0 // seconds
@@ -276,10 +269,14 @@ static const RfCommandTable s_table = { .command = "tune",
                                         .options = s_options,
                                         .option_count = sizeof s_options / sizeof s_options[0] };
 
-// Parses on top of the current values.
-static RfResult parse( int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
+// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
+// With *help set the help was asked for and nothing else is valid.
+static RfResult parse( const RfField* defaults, int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
 {
-    RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
+    s_parsed = ( TuneOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
+    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
@@ -291,25 +288,6 @@ static RfResult parse( int argc, char** argv, TuneOptions* options, bool* help, 
     *options = s_parsed;
     return result;
 }
-
-// Parses and checks what can be checked without the scene. With *help set the
-// help was asked for and nothing else is valid.
-static RfResult parse_tune_options( int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
-{
-    s_parsed = ( TuneOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
-    return parse( argc, argv, options, help, error );
-}
-
-// The same over the defaults of a scene file.
-static RfResult parse_tune_options_over( const RfField* defaults, int argc, char** argv, TuneOptions* options, RfError* error )
-{
-    bool help;
-    s_parsed = ( TuneOptions ){ .budget = BUDGET };
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
-    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
-}
-
-static void print_tune_help( void ) { rf_print_help( &s_table, stdout ); }
 
 static bool is_plain( const char* text )
 {
@@ -433,13 +411,8 @@ typedef struct Job
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
     Job* job = user;
-    return parse_tune_options_over( defaults, job->argc, job->argv, &job->options, error );
-}
-
-static bool go_on( void* user )
-{
-    (void)user;
-    return !rf_is_interrupted();
+    bool help;
+    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 static void say( void* user, const RfTune* tune, const RfTuneRound* round, int candidates )
@@ -476,7 +449,7 @@ static RfResult report( Job* job, RfError* error )
                      .budget = options->budget };
     const char* json = options->render.json;
     RfResult result = RF_OK;
-    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    if ( rf_prints_text( json ) )
     {
         print_tune( &r );
         result = rf_flush_output( error );
@@ -494,7 +467,7 @@ static RfResult run( Job* job, RfError* error )
     RfResult result = rf_load_shot( "tune", &job->options.render, take_defaults, job, &job->shot, error );
     if ( result != RF_OK )
         return result;
-    RfTrialWatch watch = { go_on, NULL };
+    RfTrialWatch watch = { rf_may_go_on, NULL };
     RfTuneJob tune = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
@@ -521,12 +494,9 @@ int rf_command_tune( int argc, char** argv )
     RfError error;
     bool help;
     Job job = { .argc = argc, .argv = argv };
-    RfResult result = parse_tune_options( argc, argv, &job.options, &help, &error );
+    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
-    {
-        print_tune_help();
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
     {
         rf_catch_interrupts();
