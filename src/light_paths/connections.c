@@ -226,31 +226,37 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
     return rf_scale( rf_mul( path->flux, f ), cosines * vpl->falloff );
 }
 
-static void test_vpl_visibility( RfConnectionWork* w )
+// Closes the connections that are blocked, by shadow rays from the vertices to the ends of the chains, or from the VPLs to the
+// vertices.
+static void test_visibility( RfConnectionWork* w, bool of_vpls )
 {
     float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
-    int index[RF_CHAIN_BLOCK], count = 0;
-    for ( int k = 0; k < w->vpl_count; ++k )
+    bool* tested[RF_CHAIN_BLOCK];
+    int count = 0;
+    for ( int k = 0; k < ( of_vpls ? w->vpl_count : w->count ); ++k )
     {
-        const RfVplConnection* connection = w->vpl_connection + k;
-        if ( !connection->open )
+        RfConnection* chain = w->connection + k;
+        RfVplConnection* vpl = w->vpl_connection + k;
+        bool* open = of_vpls ? &vpl->open : &chain->open;
+        if ( !*open )
             continue;
-        RfVec3 from = rf_vpl_start( connection->path ), way = rf_sub( rf_start_of( w->v, connection->lane ), from );
-        rf_put_ray( o, d, count, from, way );
-        index[count++] = k;
+        RfVec3 vertex = rf_start_of( w->v, of_vpls ? vpl->lane : chain->lane );
+        RfVec3 from = of_vpls ? rf_vpl_start( vpl->path ) : vertex, to = of_vpls ? vertex : chain->chain.end.o;
+        rf_put_ray( o, d, count, from, rf_sub( to, from ) );
+        tested[count++] = open;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
     rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
     w->out->rays += (uint64_t)count;
     for ( int k = 0; k < count; ++k )
-        w->vpl_connection[index[k]].open = visible[k] > 0.0f;
+        *tested[k] = visible[k] > 0.0f;
 }
 
 void rf_flush_vpls( RfConnectionWork* w )
 {
     if ( w->vpl_count == 0 )
         return;
-    test_vpl_visibility( w );
+    test_visibility( w, true );
     if ( w->settings->normalization == RF_KERNEL_EXACT )
         rf_repeat_vpl_trials( w );
     float particles = (float)w->settings->paths->emitted * (float)RF_SCATTERED_PER_PATH;
@@ -493,27 +499,6 @@ static void solve( RfConnectionWork* w )
     }
 }
 
-// Shadow rays to the last vertices of the chains.
-static void test_visibility( RfConnectionWork* w )
-{
-    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
-    int index[RF_CHAIN_BLOCK], count = 0;
-    for ( int k = 0; k < w->count; ++k )
-    {
-        const RfConnection* connection = w->connection + k;
-        if ( !connection->open )
-            continue;
-        RfVec3 from = rf_start_of( w->v, connection->lane ), way = rf_sub( connection->chain.end.o, from );
-        rf_put_ray( o, d, count, from, way );
-        index[count++] = k;
-    }
-    const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
-    rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
-    w->out->rays += (uint64_t)count;
-    for ( int k = 0; k < count; ++k )
-        w->connection[index[k]].open = visible[k] > 0.0f;
-}
-
 // The weight of a connection at a vertex against connections of the previous vertex to the VPL there.
 static float own_weight( const RfConnectionWork* w, const RfConnection* connection )
 {
@@ -543,7 +528,7 @@ static void add( RfConnectionWork* w, const RfConnection* connection )
 static void walk_to_vertices( RfConnectionWork* w )
 {
     solve( w );
-    test_visibility( w );
+    test_visibility( w, false );
     if ( w->settings->normalization == RF_KERNEL_EXACT )
         rf_repeat_trials( w );
 }
