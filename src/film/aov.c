@@ -347,7 +347,7 @@ static void finish_filtered( const RfAovFilm* film, RfAov aov, size_t pixels, fl
         image[i] = p[i / 3].weight > 0.0f ? p[i / 3].sum[i % 3] / p[i / 3].weight : 0.0f;
 }
 
-void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image )
+void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNormalize normalize, float* image )
 {
     size_t pixels = (size_t)colour->width * (size_t)colour->height;
     const float* mean = film->mean[aov];
@@ -358,14 +358,14 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFi
     }
     switch ( aov )
     {
-        case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
-        case RF_AOV_PRIMAL: rf_combine_film( colour, RF_FILM_RATIO, image, NULL ); break;
+        case RF_AOV_VARIANCE: rf_estimate_variance( colour, normalize, image ); break;
+        case RF_AOV_PRIMAL: rf_combine_film( colour, RF_NORMALIZE_RATIO, image, NULL ); break;
         case RF_AOV_DX:
         case RF_AOV_DY:
-            rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_FILM_RATIO, image, NULL );
+            rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_NORMALIZE_RATIO, image, NULL );
             rf_add_film_steps( colour + RF_UNSHARED_FILM, 0, 1, aov == RF_AOV_DY, image );
             break;
-        case RF_AOV_ALPHA: rf_combine_alpha( colour, combine, mean, image ); break;
+        case RF_AOV_ALPHA: rf_combine_alpha( colour, normalize, mean, image ); break;
         case RF_AOV_SAMPLES:
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = (float)film->landed[i];

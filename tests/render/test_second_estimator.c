@@ -126,10 +126,9 @@ static RfRelmse split_finish( const RfRenderSettings* settings, const RfFilm* fi
 {
     (void)settings;
     (void)scratch;
-    RfFilmCombine combine = RF_FILM_CROSSFIT;
     float red[3 * WIDTH * HEIGHT];
-    rf_combine_film( films + 1, combine, red, NULL );
-    rf_combine_film( films, combine, picture->rgb, picture->weight );
+    rf_combine_film( films + 1, RF_NORMALIZE_CROSSFIT, red, NULL );
+    rf_combine_film( films, RF_NORMALIZE_CROSSFIT, picture->rgb, picture->weight );
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
         picture->rgb[3 * i] = red[3 * i];
     return rf_plain_relmse( (double)NAN );
