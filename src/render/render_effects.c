@@ -170,9 +170,8 @@ static void set_projection( const Source* from, const RfEye* eyes )
     int others = 0, all = from->eye_count > 0 ? from->eye_count : scene->camera_count;
     for ( int i = 0; i < all; ++i )
         others += ( from->eye_count > 0 ? (int)eyes[i].projection : scene->cameras[i].projection ) != RF_PERSPECTIVE;
-    set( from, RF_EFFECT_OTHER_PROJECTION, others > 0,
-         others > 0 ? "orthographic or panoramic: %d of %d %s" : "all in perspective", others, all,
-         from->eye_count > 0 ? "frames" : "cameras" );
+    set( from, RF_EFFECT_OTHER_PROJECTION, others > 0, others > 0 ? "not in perspective: %d of %d %s" : "all in perspective",
+         others, all, from->eye_count > 0 ? "frames" : "cameras" );
 }
 
 static void set_film( const Source* from )

@@ -72,19 +72,23 @@ void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float wor
         const double* row = camera[i];
         for ( int j = 0; j < 4; ++j )
             world_to_camera[4 * i + j] = (float)row[j];
-        if ( eye->projection != RF_PERSPECTIVE )
+        float* ndc = world_to_ndc + 4 * i;
+        switch ( rf_projection_of( eye ) )
         {
-            double w = eye->projection == RF_ORTHOGRAPHIC ? row[3] : 0.0, used = eye->projection == RF_ORTHOGRAPHIC ? 1.0 : 0.0;
-            world_to_ndc[4 * i + 0] = (float)( used * x_scale * row[0] + x_shift * w );
-            world_to_ndc[4 * i + 1] = (float)( used * y_scale * row[1] + y_shift * w );
-            world_to_ndc[4 * i + 2] = (float)( used * -2.0 * row[2] / ( far - near ) - w * ( far + near ) / ( far - near ) );
-            world_to_ndc[4 * i + 3] = (float)w;
-            continue;
+            case RF_PERSPECTIVE:
+                ndc[0] = (float)( x_scale * row[0] - x_shift * row[2] );
+                ndc[1] = (float)( y_scale * row[1] - y_shift * row[2] );
+                ndc[2] = (float)( -row[2] - 2.0 * near * row[3] );
+                ndc[3] = (float)-row[2];
+                break;
+            case RF_ORTHOGRAPHIC:
+                ndc[0] = (float)( x_scale * row[0] + x_shift * row[3] );
+                ndc[1] = (float)( y_scale * row[1] + y_shift * row[3] );
+                ndc[2] = (float)( -2.0 * row[2] / ( far - near ) - row[3] * ( far + near ) / ( far - near ) );
+                ndc[3] = (float)row[3];
+                break;
+            case RF_PANORAMIC: memset( ndc, 0, 4 * sizeof *ndc ); break;
         }
-        world_to_ndc[4 * i + 0] = (float)( x_scale * row[0] - x_shift * row[2] );
-        world_to_ndc[4 * i + 1] = (float)( y_scale * row[1] - y_shift * row[2] );
-        world_to_ndc[4 * i + 2] = (float)( -row[2] - 2.0 * near * row[3] );
-        world_to_ndc[4 * i + 3] = (float)-row[2];
     }
 }
 
@@ -234,7 +238,9 @@ static bool in_range( const double* origin )
     return true;
 }
 
-// Makes a fresh eye orthographic or panoramic.
+static bool has_fov( RfProjectionKind projection ) { return rf_projection_traits( projection )->extent == RF_EXTENT_FOV; }
+
+// Makes a fresh eye in perspective one of another projection.
 static void project_otherwise( RfEye* eye, RfProjectionKind projection, double ymag )
 {
     switch ( projection )
@@ -265,7 +271,7 @@ static RfResult node_eye( const RfScene* scene, const RfCamera* self, double tim
                         "remove zero scales from it and from its parents",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
     *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ),
-                               self->projection == RF_PERSPECTIVE ? self->yfov : 1.0, width, height );
+                               has_fov( (RfProjectionKind)self->projection ) ? self->yfov : 1.0, width, height );
     project_otherwise( eye, (RfProjectionKind)self->projection, self->ymag );
     return RF_OK;
 }
@@ -280,7 +286,7 @@ static RfResult track_eye( const RfScene* scene, const RfCamera* self, double ti
     if ( result != RF_OK )
         return result;
     *eye = rf_make_eye_inline( in_scene( scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ),
-                               view.projection == RF_PERSPECTIVE ? view.fov : 1.0, width, height );
+                               has_fov( view.projection ) ? view.fov : 1.0, width, height );
     project_otherwise( eye, view.projection, view.fov );
     if ( view.aspect != 1.0 || view.shift[0] != 0.0 || view.shift[1] != 0.0 )
         rf_shift_eye( eye, view.aspect, view.shift[0], view.shift[1] );

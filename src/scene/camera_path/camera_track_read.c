@@ -25,11 +25,12 @@ static RfResult read_projection( const RfField* top, RfCameraTrack* track )
     return result == RF_OK ? check_projection( top, track->projection ) : result;
 }
 
-// What says how much a camera sees: "fov", or "ymag" if it is orthographic.
+static RfExtent extent_of( RfProjectionKind projection ) { return rf_projection_traits( projection )->extent; }
+
+// The member that says how much a camera sees; that of one that sees all is missing.
 static const char* extent_name( RfProjectionKind projection )
 {
-    const char* extent = rf_projection_traits( projection )->extent;
-    return extent[0] != 0 ? extent : "fov";
+    return extent_of( projection ) == RF_EXTENT_YMAG ? "ymag" : "fov";
 }
 
 // Fails if an object has what a camera of this projection has not.
@@ -38,9 +39,9 @@ static RfResult check_projection( const RfField* object, RfProjectionKind projec
     RfField fov = rf_field_member( object, "fov" ), ymag = rf_field_member( object, "ymag" ),
             shift = rf_field_member( object, "shift" ), aspect = rf_field_member( object, "pixelAspect" );
     const RfProjectionTraits* traits = rf_projection_traits( projection );
-    if ( strcmp( traits->extent, "fov" ) != 0 && fov.json != NULL )
+    if ( traits->extent != RF_EXTENT_FOV && fov.json != NULL )
         return rf_field_fail( &fov, "is that of a perspective camera: %s", traits->instead_of_fov );
-    if ( strcmp( traits->extent, "ymag" ) != 0 && ymag.json != NULL )
+    if ( traits->extent != RF_EXTENT_YMAG && ymag.json != NULL )
         return rf_field_fail( &ymag, "is that of an orthographic camera: set \"projection\": \"orthographic\", or leave it out" );
     if ( !traits->takes_shift && shift.json != NULL )
         return rf_field_fail( &shift, "a panorama cannot be shifted: turn the camera" );
@@ -52,7 +53,7 @@ static RfResult check_projection( const RfField* object, RfProjectionKind projec
 // Reads a field of view in degrees, or ymag in metres, which is required; without a field of view `value` is unchanged.
 static RfResult read_extent( const RfField* field, RfProjectionKind projection, double* value )
 {
-    if ( projection != RF_ORTHOGRAPHIC )
+    if ( extent_of( projection ) != RF_EXTENT_YMAG )
         return rf_field_number( field, rf_range( 0.1, 179.0 ), value );
     if ( field->json == NULL )
         return rf_field_fail( field, "is missing: half the height of the picture, in metres" );
@@ -218,12 +219,12 @@ static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* 
     RfResult known = read_projection( top, track );
     if ( known != RF_OK )
         return known;
-    bool orthographic = track->projection == RF_ORTHOGRAPHIC;
+    bool in_metres = extent_of( track->projection ) == RF_EXTENT_YMAG;
     RfField field = rf_field_member( top, extent_name( track->projection ) );
     double fov[2] = { RF_DEFAULT_FOV, RF_DEFAULT_FOV };
     if ( must_change && !json_is_object( field.json ) )
         return rf_field_wants( &field,
-                               orthographic ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
+                               in_metres ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
     if ( !json_is_object( field.json ) )
     {
         RfResult result = read_extent( &field, track->projection, fov );
@@ -233,7 +234,7 @@ static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* 
     for ( int i = 0; i < 2 && result == RF_OK; ++i )
     {
         RfField end = rf_field_member( &field, s_keys[i] );
-        result = rf_field_require( &field, s_keys[i], orthographic ? "metres" : "degrees" );
+        result = rf_field_require( &field, s_keys[i], in_metres ? "metres" : "degrees" );
         if ( result == RF_OK )
             result = read_extent( &end, track->projection, fov + i );
     }
