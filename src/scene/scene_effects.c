@@ -24,23 +24,18 @@ static bool is_used( const Census* census, uint32_t material )
 
 static bool is_nonzero( RfVec3 c ) { return rf_max_component( c ) > 0.0f; }
 
-static RfVec3 load_vec3( const float* array, uint32_t index )
-{
-    return rf_vec3( array[3 * (size_t)index], array[3 * (size_t)index + 1], array[3 * (size_t)index + 2] );
-}
-
 // True if a shading normal deviates more than half a degree from the geometric normal.
 static bool is_smooth( const RfTriangles* triangles, uint32_t triangle )
 {
     const uint32_t* index = triangles->indices + 3 * (size_t)triangle;
-    RfVec3 p0 = load_vec3( triangles->positions, index[0] );
-    RfVec3 e1 = rf_sub( load_vec3( triangles->positions, index[1] ), p0 );
-    RfVec3 e2 = rf_sub( load_vec3( triangles->positions, index[2] ), p0 );
+    RfVec3 p0 = rf_load_vec3( triangles->positions, index[0] );
+    RfVec3 e1 = rf_sub( rf_load_vec3( triangles->positions, index[1] ), p0 );
+    RfVec3 e2 = rf_sub( rf_load_vec3( triangles->positions, index[2] ), p0 );
     RfVec3 face = rf_cross( e1, e2 );
     float length = rf_length( face );
     for ( int k = 0; k < 3 && length > 0.0f; ++k )
     {
-        if ( rf_dot( load_vec3( triangles->normals, index[k] ), face ) < 0.99996f * length )
+        if ( rf_dot( rf_load_vec3( triangles->normals, index[k] ), face ) < 0.99996f * length )
             return true;
     }
     return false;

@@ -1,6 +1,7 @@
 // Frame lists, file patterns of sequences, and the cut of a render into ranges for several machines.
 #include "cli/options/frame_lists.h"
 
+#include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/file_options.h"
 #include "image/atomic_file.h"
@@ -118,12 +119,6 @@ json_t* rf_ranges_json( const RfRanges* r )
 
 #define NAME_SIZE 512
 
-static bool ends_with( const char* name, const char* suffix )
-{
-    size_t length = strlen( name ), end = strlen( suffix );
-    return length > end && strcmp( name + length - end, suffix ) == 0;
-}
-
 static int compare_names( const void* a, const void* b ) { return strcmp( *(char* const*)a, *(char* const*)b ); }
 
 static bool append( RfFolderList* list, int* room, const char* name )
@@ -154,7 +149,7 @@ RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* l
     RfResult result = RF_OK;
     for ( const struct dirent* entry = readdir( dir ); entry != NULL && result == RF_OK; entry = readdir( dir ) )
     {
-        if ( entry->d_name[0] != '.' && ends_with( entry->d_name, suffix ) && !append( list, &room, entry->d_name ) )
+        if ( entry->d_name[0] != '.' && rf_ends_with( entry->d_name, suffix ) && !append( list, &room, entry->d_name ) )
             result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its files", folder );
     }
     closedir( dir );

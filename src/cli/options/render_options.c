@@ -5,6 +5,7 @@
 #include "cli/options/options.h"
 #include "cli/options/shared_options.h"
 #include "output/names.h"
+#include "image/exr.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
 #include "reframe/render.h"
@@ -144,7 +145,6 @@ RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene,
 
 // The options of `reframe render`, a row each.
 
-static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
 static const char* const s_files[] = { "SCENE" };
 
 static RenderParse render_parse;
@@ -186,7 +186,7 @@ static const RfOption s_options[] = {
     { .name = "compression",
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.compression,
-      .choices = s_compressions,
+      .choices = rf_compression_words,
       .help = "compression of the EXR files",
       .heading = RF_HEADING_OUTPUT },
     { .name = "half",

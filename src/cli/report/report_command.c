@@ -1,6 +1,7 @@
 // reframe report DIR…: one self-contained HTML page of rendered sequences.
 #include "cli/report/report_command.h"
 
+#include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
@@ -234,12 +235,6 @@ static void tell_names_apart( RfPageRun* report )
         snprintf( report->sequences[report->place_count].name, sizeof report->sequences[0].name, "reference" );
 }
 
-static int compare_ints( const void* a, const void* b )
-{
-    int x = *(const int*)a, y = *(const int*)b;
-    return ( x > y ) - ( x < y );
-}
-
 // The frames of all sequences, each once.
 static RfResult join_frames( RfPageRun* report, RfError* error )
 {
@@ -256,7 +251,7 @@ static RfResult join_frames( RfPageRun* report, RfError* error )
         memcpy( report->numbers + all, sequence->frames, (size_t)sequence->frame_count * sizeof( int ) );
         all += sequence->frame_count;
     }
-    qsort( report->numbers, (size_t)all, sizeof( int ), compare_ints );
+    qsort( report->numbers, (size_t)all, sizeof( int ), rf_compare_frames );
     for ( int i = 0; i < all; ++i )
     {
         if ( report->count == 0 || report->numbers[report->count - 1] != report->numbers[i] )
@@ -336,17 +331,11 @@ static void destroy_page_run( RfPageRun* report )
 #define COMMAND "report"
 #define HEAVY_BYTES 100000000 // pages from here on get a hint
 
-static bool ends_with( const char* name, const char* suffix )
-{
-    size_t length = strlen( name ), end = strlen( suffix );
-    return length > end && strcmp( name + length - end, suffix ) == 0;
-}
-
 static RfResult check_options( const RfPageRun* report, RfError* error )
 {
     if ( report->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--output: is missing: give the page's name, such as -o report.html" );
-    if ( !ends_with( report->output, ".html" ) && !ends_with( report->output, ".htm" ) )
+    if ( !rf_ends_with( report->output, ".html" ) && !rf_ends_with( report->output, ".htm" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: expected a name that ends with .html, got '%s'", report->output );
     if ( report->reference_layer != NULL && report->reference == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: needs --reference" );

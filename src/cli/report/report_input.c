@@ -74,15 +74,9 @@ typedef struct RfTaskFrames
     int count;
 } RfTaskFrames;
 
-static int compare_ints( const void* a, const void* b )
-{
-    int x = *(const int*)a, y = *(const int*)b;
-    return ( x > y ) - ( x < y );
-}
-
 static bool is_among( const RfTaskFrames* there, int number )
 {
-    return there->count > 0 && bsearch( &number, there->numbers, (size_t)there->count, sizeof( int ), compare_ints ) != NULL;
+    return there->count > 0 && bsearch( &number, there->numbers, (size_t)there->count, sizeof( int ), rf_compare_frames ) != NULL;
 }
 
 static bool take_number( const char** text, long* number )

@@ -67,7 +67,7 @@ static Pilot* lay_out( const RfEstimatorGroup* group, void* memory )
     return pilot;
 }
 
-static float luminance_of( float ( *light )[RF_LANES], int i )
+static float lane_luminance( float ( *light )[RF_LANES], int i )
 {
     return rf_luminance( rf_vec3( light[0][i], light[1][i], light[2][i] ) );
 }
@@ -93,8 +93,8 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
         for ( int i = 0; i < found[k].hits; ++i )
         {
             int slot = s->hits->slot[i];
-            found[k].light[slot] = s->wavefront.lit[i] + RF_PI * luminance_of( s->wavefront.arrivals.rest, slot ) +
-                                   luminance_of( s->connections->light, i );
+            found[k].light[slot] = s->wavefront.lit[i] + RF_PI * lane_luminance( s->wavefront.arrivals.rest, slot ) +
+                                   lane_luminance( s->connections->light, i );
         }
         pilot->rays += now.primary + now.path + now.shadow + now.tile + now.eye;
         memcpy( found[k].moment, s->connections->moment, sizeof found[k].moment );

@@ -77,8 +77,6 @@ typedef struct RfRange
 
 static inline RfRange rf_range( double low, double high ) { return ( RfRange ){ low, high, false }; }
 
-static inline RfRange rf_at_least( double low ) { return ( RfRange ){ low, (double)INFINITY, false }; }
-
 static inline RfRange rf_above( double low, double high ) { return ( RfRange ){ low, high, true }; }
 
 // Reads a number. A missing value leaves `value` unchanged; a wrong type or a value out of
