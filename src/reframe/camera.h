@@ -115,6 +115,11 @@ RfCameraPath rf_empty_camera_path( void );
 RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
                                 RfError* error );
 
+// Limits, of the program's options and of scene and camera-path files too.
+#define RF_MAX_FSTOP 1e6     // beyond that a pinhole would do
+#define RF_MAX_FOCUS 1e6     // m
+#define RF_MAX_SHUTTER 100.0 // frames before and after the frame's own time
+
 // A lens and a shutter in the place of a camera's own.
 typedef struct RfLens
 {
@@ -126,7 +131,7 @@ typedef struct RfLens
     const char* focus_node; // the node of the scene that is in focus; NULL: none
 } RfLens;
 
-// rf_create_camera_path with another lens; NULL: the camera's own.
+// rf_create_camera_path with another lens; NULL: the camera's own. RF_ERROR_USAGE for one beyond the limits.
 RfResult rf_create_lens_path( const RfScene* scene, const char* name, const RfLens* lens, RfFps fps, int width, int height,
                               RfCameraPath* path, RfError* error );
 

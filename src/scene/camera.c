@@ -491,6 +491,21 @@ static RfResult sample_keys( const Moment* m, double offset, double* fstop, doub
     return result;
 }
 
+// A lens asked for has the limits of one that is read.
+static RfResult check_lens( const RfLens* lens, RfError* error )
+{
+    const double* shutter = lens->shutter;
+    if ( lens->has_fstop && !( lens->fstop >= 0.0 && lens->fstop <= RF_MAX_FSTOP ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the f-number of a lens must be 0 to %g, got %g", RF_MAX_FSTOP, lens->fstop );
+    if ( !( lens->focus >= 0.0 && lens->focus <= RF_MAX_FOCUS ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the focus of a lens must be 0 to %g m, got %g", RF_MAX_FOCUS, lens->focus );
+    if ( lens->has_shutter && !( shutter[0] >= -RF_MAX_SHUTTER && shutter[0] <= shutter[1] && shutter[1] <= RF_MAX_SHUTTER ) )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "a shutter must open and close within %g frames of the frame's time, got %g and %g", RF_MAX_SHUTTER,
+                        shutter[0], shutter[1] );
+    return RF_OK;
+}
+
 static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics, double offset, RfEye* eye )
 {
     if ( rf_is_left_out( m->scene, RF_EFFECT_DEPTH_OF_FIELD ) )
@@ -534,12 +549,15 @@ RfResult rf_camera_lens_eye( const RfScene* scene, const RfCamera* camera, const
 {
     Moment m = { scene, camera, frame, numerator, denominator, error };
     RfOptics optics = optics_of( camera );
+    RfResult result = asked != NULL ? check_lens( asked, error ) : RF_OK;
+    if ( result != RF_OK )
+        return result;
     if ( asked != NULL && asked->has_shutter )
         memcpy( optics.shutter, asked->shutter, sizeof optics.shutter );
     bool blurs = rf_has_shutter( &optics ) && !rf_is_left_out( scene, RF_EFFECT_MOTION_BLUR );
     double middle = blurs ? 0.5 * ( optics.shutter[0] + optics.shutter[1] ) : 0.0;
     RfEye open, close;
-    RfResult result = eye_at( &m, middle, width, height, eye );
+    result = eye_at( &m, middle, width, height, eye );
     if ( result == RF_OK )
         result = add_lens( &m, asked, &optics, middle, eye );
     if ( result != RF_OK || !blurs )

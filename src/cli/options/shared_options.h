@@ -7,8 +7,8 @@
 #include "film/pixel_filter.h"
 #include "output/names.h"
 
+#include "reframe/camera.h"
 #define RF_MIN_BUDGET 1048576 // bytes of --memory: below, a unit was forgotten
-#define RF_MAX_FSTOP 1e6
 #define RF_MAX_NODES 10000
 
 // The defaults of these are printed from what rf_default_render_options and the library say.

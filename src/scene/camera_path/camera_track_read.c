@@ -460,8 +460,8 @@ static RfResult read_lens_value( const RfField* key, const char* name, double hi
 
 static RfResult read_lens_key( const RfField* key, Keys* keys, int i )
 {
-    RfResult result = read_lens_value( key, "focus", 1e6, i, &keys->focuses, keys->focus );
-    return result == RF_OK ? read_lens_value( key, "fstop", 1e6, i, &keys->stops, keys->fstop ) : result;
+    RfResult result = read_lens_value( key, "focus", RF_MAX_FOCUS, i, &keys->focuses, keys->focus );
+    return result == RF_OK ? read_lens_value( key, "fstop", RF_MAX_FSTOP, i, &keys->stops, keys->fstop ) : result;
 }
 
 static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, const RfCameraTrack* track )

@@ -65,6 +65,32 @@ static void test_panoramic_paths( void** state )
     rf_destroy_camera( &camera );
 }
 
+// A caller's lens has the limits of one in a file.
+static void test_lenses_have_limits( void** state )
+{
+    (void)state;
+    static const RfLens s_wrong[] = {
+        { .has_fstop = true, .fstop = -1.0 },
+        { .has_fstop = true, .fstop = 2.0 * RF_MAX_FSTOP },
+        { .has_fstop = true, .fstop = (double)NAN },
+        { .focus = -1.0 },
+        { .focus = 2.0 * RF_MAX_FOCUS },
+        { .has_shutter = true, .shutter = { 0.5, 0.0 } },
+        { .has_shutter = true, .shutter = { -RF_MAX_SHUTTER - 1.0, 0.0 } },
+        { .has_shutter = true, .shutter = { 0.0, RF_MAX_SHUTTER + 1.0 } },
+    };
+    RfCamera camera = load_path( KEYED( "\"projection\":\"orthographic\",\"ymag\":2,\"keys\":[{\"frame\":1," PLACE "}]" ) );
+    RfLens right = { .has_fstop = true, .fstop = 2.0, .focus = 5.0, .has_shutter = true, .shutter = { -0.25, 0.25 } };
+    RfScene scene = { 0 };
+    RfEye eye;
+    RfError error = { 0 };
+    assert_int_equal( rf_camera_lens_eye( &scene, &camera, &right, 0, 24, 1, 8, 8, &eye, &error ), RF_OK );
+    assert_close( (double)eye.focus, 5.0, 1e-6 );
+    for ( size_t i = 0; i < sizeof s_wrong / sizeof s_wrong[0]; ++i )
+        assert_int_equal( rf_camera_lens_eye( &scene, &camera, s_wrong + i, 0, 24, 1, 8, 8, &eye, &error ), RF_ERROR_USAGE );
+    rf_destroy_camera( &camera );
+}
+
 static void test_faults_name_the_key( void** state )
 {
     (void)state;
@@ -172,9 +198,13 @@ static void test_shifts_move_within_the_shutter( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_orthographic_paths ),           cmocka_unit_test( test_panoramic_paths ),
-        cmocka_unit_test( test_faults_name_the_key ),          cmocka_unit_test( test_cameras_of_gltf ),
-        cmocka_unit_test( test_shutters_see_beyond_the_ends ), cmocka_unit_test( test_shifts_move_within_the_shutter ),
+        cmocka_unit_test( test_orthographic_paths ),
+        cmocka_unit_test( test_panoramic_paths ),
+        cmocka_unit_test( test_lenses_have_limits ),
+        cmocka_unit_test( test_faults_name_the_key ),
+        cmocka_unit_test( test_cameras_of_gltf ),
+        cmocka_unit_test( test_shutters_see_beyond_the_ends ),
+        cmocka_unit_test( test_shifts_move_within_the_shutter ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }
