@@ -218,7 +218,9 @@ void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* pa
     RfHarvest harvest = rf_make_harvest( group );
     int all = harvest.patches.count * group->eye_count, count = (int)fmax( AHEAD * all, LEAST_JOBS );
     count = count > MOST_JOBS ? MOST_JOBS : count > all ? all : count;
-    paths->measures = group->settings->kernel_normalization != RF_KERNEL_DENSITY;
+    const RfNormalization* normalization = rf_find_normalization( group->settings->kernel_normalization );
+    paths->balls = normalization->balls;
+    paths->measures = normalization->weighted;
     paths->share = paths->measures ? rf_connection_shares[AT_AHEAD] : 1.0f;
     if ( !paths->measures )
         return;
