@@ -3,6 +3,7 @@
 #include "reuse/harvest/harvest_steps.h"
 
 #include "path/roulette.h"
+#include "reuse/accumulate/biased_weights.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -29,12 +30,11 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
     bool connections = rf_wants_light_paths( &group->traits, settings );
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples; // not in gradients
-    return ( RfBatchShape ){
+    RfBatchShape shape = {
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
         .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
-        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blurred = rf_is_blurred( &group->traits ),
         .blended = group->traits.blended,
         .panes = group->traits.panes,
@@ -44,6 +44,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
     };
+    shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
+    return shape;
 }
 
 RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
