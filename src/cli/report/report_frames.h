@@ -7,8 +7,8 @@
 #include "page/page.h"
 #include "measure/image_error.h"
 #include "measure/flicker.h"
+#include "reframe/aov.h"
 
-#define RF_PAGE_MOST_LAYERS 7
 #define RF_PAGE_LAYER_BYTES 16e6 // of all AOVs of the page; pictures are made smaller to stay below
 
 typedef struct RfPageLayer
@@ -21,7 +21,7 @@ typedef struct RfPageLayer
 
 typedef struct RfPageLayers
 {
-    RfPageLayer layers[RF_PAGE_MOST_LAYERS];
+    RfPageLayer layers[RF_AOV_COUNT];
     int count;
     int factor; // pictures are smaller by it
     int width, height;
