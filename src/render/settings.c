@@ -17,8 +17,6 @@ static bool can_adapt( const RfRenderSettings* s )
     return e->add_own_shares != NULL && e->count_samples != NULL && e->films == 1 && s->weights == RF_WEIGHTS_EXACT;
 }
 
-double rf_default_filter_width( RfFilter filter ) { return filter == RF_FILTER_BOX || filter == RF_FILTER_TENT ? 1.0 : 1.5; }
-
 static RfResult check_choices( const RfRenderSettings* s, RfError* error )
 {
     if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
