@@ -10,8 +10,9 @@
 // as long as `trace` depends on (group, job) alone and `accumulate` adds batches in
 // the order given.
 //
-// To add an estimator: a folder with its functions, one row in estimators/estimators.c, and its level in
-// tests/scripts/check-includes. A minimal one, a path tracer, is in tests/render/test_second_estimator.c. This header is the
+// To add an estimator: a folder with its functions, one row in estimators/estimators.h with its include in estimators.c, its
+// level in tests/scripts/check-includes, and its name in scenes/scene.schema.json (a test compares). The option, its help and
+// the defaults in it follow. A minimal one, a path tracer, is in tests/render/test_second_estimator.c. This header is the
 // documentation of the table: required are name, films, sizes, lay_out_batch, lay_out_scratch, trace and accumulate.
 #ifndef REFRAME_RENDER_ESTIMATOR_H
 #define REFRAME_RENDER_ESTIMATOR_H

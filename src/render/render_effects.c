@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 // What the rows are made of.
 typedef struct Source
@@ -177,7 +176,7 @@ static void set_projection( const Source* from, const RfEye* eyes )
 static void set_film( const Source* from )
 {
     const RfRenderSettings* s = from->settings;
-    bool filtered = !rf_is_plain_filter( s ), gradients = strcmp( rf_estimator_name( s->estimator ), "gradient" ) == 0;
+    bool filtered = !rf_is_plain_filter( s ), gradients = s->estimator->has_gradients;
     set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "%s" : "box of one pixel", rf_filter_words[s->filter] );
     set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "on in the settings" : "off in the settings" );
     bool alpha = ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;

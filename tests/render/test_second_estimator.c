@@ -2,6 +2,7 @@
 // the socket of render/estimator.h. Its picture is that of frame and tile reuse with groups of one
 // frame and no tiles, bit for bit; and an estimator may ask for several films.
 #include "render/estimator.h"
+#include "estimators/estimators.h"
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
@@ -308,6 +309,8 @@ static void test_estimators_have_names( void** state )
     assert_ptr_equal( rf_find_estimator( "reuse" ), rf_default_render_settings().estimator );
     assert_string_equal( rf_estimator_name( rf_find_estimator( "reuse" ) ), "reuse" );
     assert_null( rf_find_estimator( "plain" ) );
+    for ( int i = 0; rf_estimator_words[i] != NULL; ++i )
+        assert_ptr_equal( rf_find_estimator( rf_estimator_words[i] ), rf_estimator_at( i ) );
 }
 
 int main( void )

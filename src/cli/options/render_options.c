@@ -1,14 +1,16 @@
 // What is made of the options of `reframe render`.
 #include "cli/options/render_options.h"
 
+#include "base/words.h"
 #include "cli/options/file_options.h"
 #include "cli/options/options.h"
 #include "cli/options/shared_options.h"
-#include "output/names.h"
 #include "image/exr.h"
+#include "output/names.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
 #include "reframe/render.h"
+#include "render/estimator.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -254,36 +256,59 @@ const RfCommandTable rf_render_table = { .command = "render",
 
 #define WRITE_QUEUE 2 // frames: one being written, one waiting
 
-RfDefaultTexts rf_default_texts;
 
-static void print_default_texts( const RfRenderSettings* settings )
+RfDefaultTexts rf_default_texts;
+// Adds what another estimator has by default, where it differs.
+static void add_other( char* text, size_t size, const char* usual, const char* other, const RfEstimator* estimator )
 {
-    const RfEstimator* gradient = rf_find_estimator( "gradient" );
-    RfTile other = rf_default_tile( gradient );
-    char tile[RF_TILE_NAME_SIZE], other_tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &settings->tile, tile );
-    rf_tile_name( &other, other_tile );
-    RfDefaultTexts* t = &rf_default_texts;
-    snprintf( t->spp, sizeof t->spp, "%d; %d with --noise or --flicker, %d with --time", settings->spp,
-              rf_default_most_spp( 1.0, 0.0 ), rf_default_most_spp( 0.0, 0.0 ) );
-    snprintf( t->tile, sizeof t->tile, "%s; %s with --estimator gradient", tile, other_tile );
-    snprintf( t->filter, sizeof t->filter, "%s; %s with --estimator gradient", rf_filter_name( settings->filter ),
-              rf_filter_name( rf_default_filter( gradient ) ) );
-    snprintf( t->filter_width, sizeof t->filter_width, "%g; %g for gaussian and blackman-harris",
-              rf_default_filter_width( RF_FILTER_BOX ), rf_default_filter_width( RF_FILTER_GAUSSIAN ) );
+    size_t used = strlen( text );
+    if ( strcmp( other, usual ) != 0 )
+        snprintf( text + used, size - used, "; %s with --estimator %s", other, rf_estimator_name( estimator ) );
 }
 
-static bool ends_with( const char* text, const char* end )
+// That of the box; and of the filters with others, which are listed side by side.
+static void print_filter_widths( char* text, size_t size )
 {
-    size_t length = strlen( text ), end_length = strlen( end );
-    return length > end_length && strcmp( text + length - end_length, end ) == 0;
+    double usual = rf_default_filter_width( RF_FILTER_BOX ), before = usual;
+    size_t used = (size_t)snprintf( text, size, "%g", usual );
+    for ( int i = 0; rf_is_filter( (RfFilter)i ) && used < size; ++i )
+    {
+        double width = rf_default_filter_width( (RfFilter)i );
+        if ( width != usual && width == before )
+            used += (size_t)snprintf( text + used, size - used, " and %s", rf_filter_words[i] );
+        else if ( width != usual )
+            used += (size_t)snprintf( text + used, size - used, "; %g for %s", width, rf_filter_words[i] );
+        before = width;
+    }
+}
+
+static void print_default_texts( const RfRenderSettings* settings )
+    RfDefaultTexts* t = &rf_default_texts;
+{
+    const RfEstimator* estimator;
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &settings->tile, tile );
+    const char* filter = rf_filter_name( settings->filter );
+    snprintf( t->spp, sizeof t->spp, "%d; %d with --noise or --flicker, %d with --time", settings->spp,
+              rf_default_most_spp( 1.0, 0.0 ), rf_default_most_spp( 0.0, 0.0 ) );
+    snprintf( t->tile, sizeof t->tile, "%s", tile );
+    snprintf( t->filter, sizeof t->filter, "%s", filter );
+    for ( int i = 0; ( estimator = rf_estimator_at( i ) ) != NULL; ++i )
+    {
+        RfTile its = rf_default_tile( estimator );
+        char other[RF_TILE_NAME_SIZE];
+        rf_tile_name( &its, other );
+        add_other( t->tile, sizeof t->tile, tile, other, estimator );
+        add_other( t->filter, sizeof t->filter, filter, rf_filter_name( rf_default_filter( estimator ) ), estimator );
+    }
+    print_filter_widths( t->filter_width, sizeof t->filter_width );
 }
 
 static RfResult check( const RfRenderOptions* options, RfError* error )
 {
     if ( options->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "-o is missing: say where the frames go, such as -o out/frame.####.exr" );
-    if ( !ends_with( options->output, ".exr" ) )
+    if ( !rf_ends_with( options->output, ".exr" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: expected a name that ends in .exr, got '%s'", options->output );
     if ( render_parse.is_half_given && render_parse.is_float_given && options->settings.files.half == render_parse.is_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
@@ -295,7 +320,6 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
 RfRenderOptions rf_default_render_options( void )
 {
     RfRenderOptions options = { .settings = rf_default_render_settings() };
-    options.estimator = rf_estimator_name( options.settings.estimator );
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;
@@ -332,28 +356,9 @@ void rf_settle_filter( RfRenderOptions* options )
     options->settings.filter = given ? (RfFilter)options->filter : rf_default_filter( options->settings.estimator );
 }
 
-// "a or b", "a, b or c".
-static void list_estimators( char* text, size_t size )
+void rf_take_estimator_option( RfRenderOptions* options )
 {
-    const RfEstimator* estimator;
-    text[0] = '\0';
-    for ( int i = 0; ( estimator = rf_estimator_at( i ) ) != NULL; ++i )
-    {
-        size_t used = strlen( text );
-        const char* before = i == 0 ? "" : rf_estimator_at( i + 1 ) != NULL ? ", " : " or ";
-        snprintf( text + used, size - used, "%s%s", before, rf_estimator_name( estimator ) );
-    }
-}
-
-RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error )
-{
-    const RfEstimator* estimator = rf_find_estimator( options->estimator );
-    char names[128];
-    list_estimators( names, sizeof names );
-    if ( estimator == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--estimator: expected %s, got '%s'", names, options->estimator );
-    rf_use_estimator( &options->settings, estimator );
-    return RF_OK;
+    rf_use_estimator( &options->settings, rf_estimator_at( options->estimator ) );
 }
 
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
@@ -382,14 +387,11 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: needs --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
-    RfResult result = rf_parse_estimator_option( options, error );
-    if ( result == RF_OK )
-        rf_settle_filter( options );
-    if ( result == RF_OK && strcmp( options->estimator, "gradient" ) != 0 &&
-         options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+    rf_take_estimator_option( options );
+    rf_settle_filter( options );
+    if ( !settings->estimator->has_gradients && options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: needs --estimator gradient" );
-    if ( result == RF_OK )
-        result = rf_parse_tile_option( options, error );
+    RfResult result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
         result = rf_parse_aov_option( options, error );
     if ( result == RF_OK )
@@ -425,10 +427,8 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     RfError error = { 0 };
     RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
             no_effect = rf_field_member( defaults, "no_effect" );
-    RfField estimator = rf_field_member( defaults, "estimator" );
     RfResult result = rf_take_file_options( &rf_render_table, defaults );
-    if ( result == RF_OK && rf_parse_estimator_option( &render_parse.options, &error ) != RF_OK )
-        result = rf_fail_file_option( &estimator, &error );
+    rf_take_estimator_option( &render_parse.options );
     if ( result == RF_OK && rf_parse_tile_option( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_aov_option( &render_parse.options, &error ) != RF_OK )

@@ -4,10 +4,11 @@
 #define REFRAME_CLI_OPTIONS_SHARED_OPTIONS_H
 
 #include "cli/options/render_options.h"
+#include "estimators/estimators.h"
 #include "film/pixel_filter.h"
 #include "output/names.h"
-
 #include "reframe/camera.h"
+
 #define RF_MIN_BUDGET 1048576 // bytes of --memory: below, a unit was forgotten
 #define RF_MAX_NODES 10000
 
@@ -193,11 +194,12 @@ extern RfDefaultTexts rf_default_texts;
         .heading = RF_HEADING_PERFORMANCE, .help = ( nodes_help )                                                                \
     }
 
+#define RF_ESTIMATOR_WHAT( name, what ) "; " #name ": " what
 #define RF_ESTIMATOR_OPTION( o )                                                                                                 \
     {                                                                                                                            \
-        .name = "estimator", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).estimator, .meta = "reuse|gradient",     \
-        .heading = RF_HEADING_RESEARCH,                                                                                          \
-        .help = "reuse: share paths in groups and tiles; gradient: gradient-domain path reusing in tiles, no groups"             \
+        .name = "estimator", .in_file = true, .type = RF_OPTION_CHOICE, .value = &( o ).estimator,                               \
+        .choices = rf_estimator_words, .heading = RF_HEADING_RESEARCH,                                                           \
+        .help = "how pixels are estimated" RF_ESTIMATOR_LIST( RF_ESTIMATOR_WHAT )                                                \
     }
 
 #define RF_WEIGHT_OPTIONS( o )                                                                                                   \

@@ -15,7 +15,8 @@
 #include "reframe/effects.h"
 #include "reframe/output.h"
 #include "reframe/render.h"
-#include "render/groups.h"
+#include "render/estimator.h"
+#include "render/settings.h"
 #include "scene/json/scene_file.h"
 #include "scene/scene.h"
 #include "trace/trace.h"
@@ -142,17 +143,15 @@ static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene,
                  options->scene );
 }
 
-#define LEAST_WEIGHTED_PASSES 4 // two in each half: src/gradient/films.c
-
 // A reconstruction that is biased, or that so few samples cannot have.
 static void warn_of_reconstruction( const RfRenderSettings* s, RfLog* log )
 {
-    if ( strcmp( rf_estimator_name( s->estimator ), "gradient" ) != 0 )
+    if ( !s->estimator->has_gradients )
         return;
     if ( s->reconstruction == RF_RECONSTRUCTION_L1 )
         rf_warn( log, "--reconstruction l1: is biased, and the error estimate does not know by how much" );
-    else if ( s->reconstruction == RF_RECONSTRUCTION_WEIGHTED && s->spp < LEAST_WEIGHTED_PASSES )
-        rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", LEAST_WEIGHTED_PASSES );
+    else if ( s->reconstruction == RF_RECONSTRUCTION_WEIGHTED && s->spp < s->estimator->usual_passes )
+        rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", s->estimator->usual_passes );
 }
 
 // Light paths that were asked for and that there are none of, or whose normalisation is biased.
@@ -170,8 +169,7 @@ static void warn_of_light_paths( const RfRenderSettings* s, const RfEffect* effe
 static void print_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit, int path_frames )
 {
     RfGroupPlan plan = rf_plan_groups( path_frames, used->group, used->spp );
-    bool has_groups = used->estimator == rf_default_render_settings().estimator;
-    if ( asked->group == RF_GROUP_AUTO && has_groups )
+    if ( asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ) )
         fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );

@@ -357,11 +357,9 @@ static RfResult parse( const RfField* defaults, int argc, char** argv, CostOptio
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    result = rf_parse_estimator_option( &s_parsed.render, error );
-    if ( result == RF_OK )
-        rf_settle_filter( &s_parsed.render );
-    if ( result == RF_OK )
-        result = rf_parse_tile_option( &s_parsed.render, error );
+    rf_take_estimator_option( &s_parsed.render );
+    rf_settle_filter( &s_parsed.render );
+    result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
         result = parse_list( "--noise", s_parsed.noise, s_parsed.errors, &s_parsed.error_count, error );
     if ( result == RF_OK )

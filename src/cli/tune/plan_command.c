@@ -9,6 +9,7 @@
 #include "measure/cost.h"
 #include "output/names.h"
 #include "reframe/plan.h"
+#include "render/settings.h"
 #include "scene/json/json_document.h"
 
 #include <jansson.h>
@@ -132,7 +133,7 @@ static RfResult take_defaults( const RfField* defaults, void* user, RfError* err
 }
 
 // Has the render groups, and records of hits?
-static bool has_groups( const Job* job ) { return job->options.settings.estimator == rf_default_render_settings().estimator; }
+static bool has_groups( const Job* job ) { return rf_has_groups( job->options.settings.estimator ); }
 
 // Plain records: without tiles, and one light sample, as in the paper.
 static void compare_with_paper( Job* job )
@@ -228,7 +229,9 @@ static void format_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
     rf_format_reuse( row->eyes, &job->options.settings.tile, name, sizeof name );
     rf_format_gain( &job->tried, gain, sizeof gain );
     rf_format_span( predicted ? job->predicted.seconds : row->seconds, all, sizeof all );
-    int used = snprintf( text, RF_VERDICT_SIZE, "%s: %s", has_groups( job ) ? "--group auto" : "--estimator gradient", name );
+    bool groups = has_groups( job );
+    int used = snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s", groups ? "group" : "estimator",
+                         groups ? "auto" : rf_estimator_name( job->options.settings.estimator ), name );
     if ( isfinite( job->tried.value ) )
         used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", %s", gain );
     snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%d frame%s at %dx%d and %s%d spp: %s %s, %.0f MiB beyond the scene",

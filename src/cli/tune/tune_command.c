@@ -280,11 +280,9 @@ static RfResult parse( const RfField* defaults, int argc, char** argv, TuneOptio
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    result = rf_parse_estimator_option( &s_parsed.render, error );
-    if ( result == RF_OK )
-        rf_settle_filter( &s_parsed.render );
-    if ( result == RF_OK )
-        result = rf_parse_aov_option( &s_parsed.render, error );
+    rf_take_estimator_option( &s_parsed.render );
+    rf_settle_filter( &s_parsed.render );
+    result = rf_parse_aov_option( &s_parsed.render, error );
     *options = s_parsed;
     return result;
 }
