@@ -61,8 +61,7 @@ typedef enum RfWithout
     X( STOP_RULE, "stop-rule", IMPOSSIBLE, false, "settings without a noise, a flicker or a time to stop at" )                   \
     X( PIXEL_FILTER, "pixel-filter", IMPOSSIBLE, false, "the box of one pixel" )                                                 \
     X( OTHER_PROJECTION, "other-projection", IMPOSSIBLE, false, "a camera in perspective" )                                      \
-    X( GRADIENTS, "gradients", IMPOSSIBLE, false, "another estimator" )                                                          \
-    X( ALPHA, "alpha", IMPOSSIBLE, false, "settings without it" )
+    X( GRADIENTS, "gradients", IMPOSSIBLE, false, "another estimator" )
 
 // RF_EFFECT_DIFFUSE and so on, in the order of the list.
 typedef enum RfEffectId

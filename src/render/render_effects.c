@@ -179,8 +179,6 @@ static void set_film( const Source* from )
     bool filtered = !rf_is_plain_filter( s ), gradients = s->estimator->has_gradients;
     set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "%s" : "box of one pixel", rf_filter_words[s->filter] );
     set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "on in the settings" : "off in the settings" );
-    bool alpha = ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
-    set( from, RF_EFFECT_ALPHA, alpha, alpha ? "on in the settings" : "off in the settings" );
 }
 
 // To explain: whether light paths would help is found by settings that ask for "auto", even if they are off.

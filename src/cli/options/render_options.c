@@ -85,7 +85,6 @@ static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_PIXEL_FILTER] = { "--filter", "give --filter box" },
     [RF_EFFECT_OTHER_PROJECTION] = { NULL, "render with a perspective camera" },
     [RF_EFFECT_GRADIENTS] = { "--estimator", "give --estimator reuse" },
-    [RF_EFFECT_ALPHA] = { "--alpha", "give --no-alpha" },
 };
 
 const char* rf_effect_option( RfEffectId effect ) { return s_instead[effect].option; }
@@ -256,8 +255,8 @@ const RfCommandTable rf_render_table = { .command = "render",
 
 #define WRITE_QUEUE 2 // frames: one being written, one waiting
 
-
 RfDefaultTexts rf_default_texts;
+
 // Adds what another estimator has by default, where it differs.
 static void add_other( char* text, size_t size, const char* usual, const char* other, const RfEstimator* estimator )
 {
@@ -283,8 +282,8 @@ static void print_filter_widths( char* text, size_t size )
 }
 
 static void print_default_texts( const RfRenderSettings* settings )
-    RfDefaultTexts* t = &rf_default_texts;
 {
+    RfDefaultTexts* t = &rf_default_texts;
     const RfEstimator* estimator;
     char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &settings->tile, tile );

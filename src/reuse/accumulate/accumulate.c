@@ -100,7 +100,7 @@ static void splat_sky( const RfHitBatch* batch, float weight, PixelRange range )
 // Misses and specular hits: weight 1 in their own frame, 0 elsewhere. Returns how many landed.
 static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
 {
-    if ( rf_calls_for( range.sky != NULL, RF_EFFECT_ALPHA ) )
+    if ( range.sky != NULL )
         splat_sky( batch, weight, range );
     uint64_t landed = 0;
     for ( int i = 0; i < batch->miss_count; ++i )

@@ -59,7 +59,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .weights = settings->weights,
-        .alpha = rf_calls_for( ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0, RF_EFFECT_ALPHA ),
+        .alpha = ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0,
         .seed = settings->seed,
         .drawn_by = group->need != NULL ? group->filter : NULL,
         .eyes = group->eyes,
