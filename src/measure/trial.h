@@ -53,7 +53,7 @@ typedef struct RfTestRegion
     int first;         // first frame on the path, from 0
     int frames;
     bool whole;   // the region is the whole path
-    RfEye* crops; // of an estimator that renders no pieces: the eyes are these windows (crops.h); NULL: the path's
+    RfEye* crops; // of an estimator that renders no pieces: the eyes are these windows (rf_choose_crops); NULL: the path's
     RfTestPieces pieces;
     float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, slot after slot
     double seconds; // CPU seconds spent on the pilot image

@@ -91,7 +91,7 @@ void rf_page_block_id( const RfPageTrack* track, int number, char id[32] );
 
 // The blocks of a frame on the page: what a person looks at.
 //   s<track>-<number>          the picture, see page/picture.h
-//   v<track>-<number>          scene values, see page/values.h
+//   v<track>-<number>          scene values, see page/page.h
 //   w<track>-<number>          finer ones, of one frame
 //   l<track>-<layer>-<number>  an AOV, as a picture
 
