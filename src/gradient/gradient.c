@@ -34,7 +34,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .accumulate_scratch = 64,
         .finish_scratch = rf_finish_gradients_bytes( group->settings, group->width, group->height ),
         .diffuse_record = sizeof( float[4] ),
-        .shiny_record = sizeof( float[4] ),
+        .glossy_record = sizeof( float[4] ),
         .directions = 1,
     };
 }

@@ -536,7 +536,7 @@ static RfResult solve_with_weights( const RfGradientImages* in, const RfGradient
         fmaxf( largest_of( weights->a, extent_of( in, PIXELS ) ), fmaxf( largest_of( weights->b_x, extent_of( in, PAIRS_X ) ),
                                                                          largest_of( weights->b_y, extent_of( in, PAIRS_Y ) ) ) );
     if ( !( largest > 0.0f ) && !RF_FAULT( all_weights_0 ) )
-        return rf_fail( error, RF_ERROR_USAGE, "all weights are 0: nothing tells what the image is" );
+        return rf_fail( error, RF_ERROR_USAGE, "all weights are 0: the image is undefined" );
     copy_weights( weights->a, extent_of( in, PIXELS ), in->height, largest, solver->system.a );
     copy_weights( weights->b_x, extent_of( in, PAIRS_X ), in->height, largest, solver->system.b_x );
     copy_weights( weights->b_y, extent_of( in, PAIRS_Y ), in->height, largest, solver->system.b_y );

@@ -318,9 +318,9 @@ static bool follow_back( const RfTracer* tracer, const RfTrail* trail, int lengt
 
 float rf_weigh_chance( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point )
 {
-    const RfLightPathConnector* kernel = (const RfLightPathConnector*)(const void*)connector;
-    const RfTracer* tracer = kernel->path->tracer;
-    const RfLightPaths* paths = kernel->paths;
+    const RfLightPathConnector* self = (const RfLightPathConnector*)(const void*)connector;
+    const RfTracer* tracer = self->path->tracer;
+    const RfLightPaths* paths = self->paths;
     RfChain chain;
     if ( paths->light_count == 0 || !follow_back( tracer, trail, length, triangle, point, &chain ) )
         return 1.0f;

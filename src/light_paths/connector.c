@@ -14,11 +14,11 @@ const RfNormalization* rf_find_normalization( RfKernelNormalization normalizatio
 static void sample( const RfConnector* connector, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* v, int vertex,
                     RfLightLanes* out, float* area )
 {
-    const RfLightPathConnector* kernel = (const RfLightPathConnector*)(const void*)connector;
-    const RfConnectionLanes* connections = kernel->out;
+    const RfLightPathConnector* self = (const RfLightPathConnector*)(const void*)connector;
+    const RfConnectionLanes* connections = self->out;
     int count = rf_record_count( v );
-    rf_connect_vertices( kernel, keys, area == NULL ? rays : NULL, v, vertex );
-    float scale = RF_DELTA_PDF * (float)kernel->path->light_samples;
+    rf_connect_vertices( self, keys, area == NULL ? rays : NULL, v, vertex );
+    float scale = RF_DELTA_PDF * (float)self->path->light_samples;
     for ( int i = 0; i < v->count; ++i )
     {
         bool found = i < count && connections->found[i] > 0;

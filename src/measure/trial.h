@@ -1,7 +1,7 @@
 // A trial measures the cost and error of a group and a tile from a few passes of a few frames,
 // without a reference.
 //
-// It does not render whole pictures but pieces of them (pieces.h), in the resolution of the render: on a smaller picture a
+// It does not render whole pictures but pieces of them (trial_pieces.h), in the resolution of the render: on a smaller picture a
 // tile covers more of the scene and the camera moves by fewer pixels, so reuse is worth another amount there.
 //
 // A segment of 2n+1 frames of the path is rendered as a single group: a long path consists of
@@ -53,7 +53,7 @@ typedef struct RfTestRegion
     int first;         // first frame on the path, from 0
     int frames;
     bool whole;   // the region is the whole path
-    RfEye* crops; // of an estimator that renders no pieces: the eyes are these windows (rf_choose_crops); NULL: the path's
+    RfEye* crops; // of an estimator that renders no pieces: the cameras are these windows (rf_choose_crops); NULL: the path's
     RfTestPieces pieces;
     float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, slot after slot
     double seconds; // CPU seconds spent on the pilot image
@@ -62,7 +62,7 @@ typedef struct RfTestRegion
 
 // Creates a test region of up to `frames` frames around `centre`, of each of which about `pixels` pixels are traced, and
 // renders its pilot image with the threads, memory, seed, depth and light samples of `settings`. Free with
-// rf_destroy_test_region, also after a failure; the shot's eyes must live as long.
+// rf_destroy_test_region, also after a failure; the shot's cameras must live as long.
 RfResult rf_create_test_region( const RfTrialShot* shot, int centre, int frames, double pixels, const RfRenderSettings* settings,
                                 RfTestRegion* region, RfError* error );
 

@@ -59,8 +59,8 @@ typedef struct RfEstimatorSizes
     size_t shared;             // what all batches of a pass share, all zero at first; 0: nothing
     bool whole_pass;           // `accumulate` needs all batches of a pass at once, and whole films
     // for the report of the plan
-    size_t diffuse_record, shiny_record; // bytes of one hit
-    int directions;                      // that a shiny hit's record holds
+    size_t diffuse_record, glossy_record; // bytes of one hit
+    int directions;                       // that a glossy hit's record holds
 } RfEstimatorSizes;
 
 // One batch of a pass.
@@ -88,7 +88,7 @@ typedef struct RfAccumulateJob
 typedef struct RfReuseCount
 {
     double hits;      // of camera rays
-    double shiny;     // among them those whose light depends on the camera
+    double glossy;    // among them those whose light depends on the camera
     double own_share; // sum over the hits of the share of their weight that their own frame keeps, 0 to 1
     double eye_rays;  // visibility tests traced
 } RfReuseCount;

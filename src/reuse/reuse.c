@@ -33,7 +33,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .shared = shape.connections ? rf_light_paths_bytes( group ) + rf_connection_share_bytes( group ) : 0,
         .whole_pass = shape.arrivals > 0,
         .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
-        .shiny_record = per_lane( rf_batch_bytes( &shape ) ),
+        .glossy_record = per_lane( rf_batch_bytes( &shape ) ),
         .directions = rf_direction_count( &shape ),
     };
 }
@@ -132,7 +132,7 @@ static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_mem
     for ( int i = 0; i < batch->count; ++i )
         share += (double)own[i] / (double)batch->density_sum[i];
     count->hits += scratch->first.count;
-    count->shiny += rf_glossy_count( batch );
+    count->glossy += rf_glossy_count( batch );
     count->own_share += share + own_frame_hits( batch, scratch );
     count->eye_rays += (double)rays.eye;
 }

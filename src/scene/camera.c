@@ -1,4 +1,4 @@
-// From a camera of a scene and a time to an eye: its place, its lens, its shutter. Projections: scene/projection.h.
+// A camera of a scene at a moment, as an RfEye: its place, its lens, its shutter. Projections: scene/projection.h.
 #include "scene/camera.h"
 
 #include "scene/animation.h"
@@ -240,7 +240,7 @@ static bool in_range( const double* origin )
 
 static bool has_fov( RfProjectionKind projection ) { return rf_projection_traits( projection )->extent == RF_EXTENT_FOV; }
 
-// Makes a fresh eye in perspective one of another projection.
+// Makes a new camera in perspective one of another projection.
 static void project_otherwise( RfEye* eye, RfProjectionKind projection, double ymag )
 {
     switch ( projection )
@@ -379,7 +379,7 @@ RfResult rf_read_camera( const RfField* object, const char* name, RfCamera* came
     return result == RF_OK ? wrap_track( &track, name, camera, error ) : result;
 }
 
-// Eyes with the lens and the shutter of their camera.
+// The lens and the shutter.
 
 // A camera at a frame of its path.
 typedef struct Moment

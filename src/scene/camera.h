@@ -1,4 +1,4 @@
-// Evaluates cameras and their animation: one eye per frame.
+// Evaluates cameras and their animation: one RfEye per frame.
 #ifndef REFRAME_SCENE_CAMERA_H
 #define REFRAME_SCENE_CAMERA_H
 
@@ -20,7 +20,7 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
 // The same, but the message names the file for every camera.
 RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error );
 
-// The eye of `camera` at `time` seconds on a film of width × height pixels.
+// `camera` at `time` seconds, on a film of width × height pixels.
 // Follows animated ancestors, also mirrored or scaled ones; the axes are
 // orthonormalised. The camera looks along −Z of its node with +Y up.
 // Fails (RF_ERROR_SCENE) if the transform is degenerate or not finite, or if the
@@ -35,7 +35,7 @@ RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 struct RfField;
 RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamera* camera, RfError* error );
 
-// The eye of a camera (of the scene or from rf_load_camera) at frame `frame` of its
+// A camera (of the scene or from rf_load_camera) at frame `frame` of its
 // path, counted from 0, at numerator / denominator frames per second: a pinhole that stands still.
 RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
                         int height, RfEye* eye, RfError* error );

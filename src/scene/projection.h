@@ -106,7 +106,7 @@ static inline RfVec3 rf_eye_way( const RfEye* eye, RfVec3 x )
 // No coordinate of the points where rays start is larger.
 float rf_eye_reach( const RfEye* eye );
 
-// Distance of x along the view, m; of a panorama from the eye.
+// Distance of x along the view, m; of a panorama from the camera.
 static inline float rf_eye_depth( const RfEye* eye, RfVec3 x )
 {
     switch ( rf_projection_of( eye ) )

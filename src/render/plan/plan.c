@@ -112,7 +112,7 @@ static void count_batch( Probe* p, int frame, int job, int pass, const int* eyes
         aim_probe( p, frame, eyes[r] );
         estimator->count_reuse( &p->group, p->eye, p->batch, p->scratch, &count );
         c->hits += r == 0 ? count.hits : 0.0;
-        c->glossy += r == 0 ? count.shiny : 0.0;
+        c->glossy += r == 0 ? count.glossy : 0.0;
         c->share[r] += count.own_share;
         c->eye_rays[r] += count.eye_rays;
     }
@@ -417,7 +417,7 @@ void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, in
     RfEstimatorGroup group = rf_size_group( scene, rf_scene_traits( scene, &eye, 1, settings ), &eye, eyes, settings );
     RfEstimatorSizes sizes = settings->estimator->sizes( &group );
     *diffuse = sizes.diffuse_record;
-    *glossy = sizes.shiny_record;
+    *glossy = sizes.glossy_record;
 }
 
 // What samples and their reuse cost in this scene on this machine: a few batches are traced and added to a film.

@@ -1,4 +1,4 @@
-// The eyes of a whole path.
+// The cameras of a whole path.
 #include "base/file.h"
 #include "reframe/render.h"
 #include "scene/camera.h"
@@ -37,7 +37,7 @@ int rf_frame_number( const RfCameraPath* path, int frame )
     return path->step > 0 ? path->first + frame * path->step : frame + 1; // a path of the caller's own may have no numbers
 }
 
-// Frames with equal eyes that follow each other. RfEye has no padding.
+// Frames with equal cameras that follow each other. RfEye has no padding.
 static RfResult find_runs( RfCameraPath* path, RfError* error )
 {
     path->runs = malloc( (size_t)path->count * sizeof *path->runs );
@@ -53,7 +53,7 @@ static RfResult find_runs( RfCameraPath* path, RfError* error )
     return RF_OK;
 }
 
-// The eyes of all frames; the hash starts with what a path file has.
+// The cameras of all frames; the hash starts with what a path file has.
 static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, const RfLens* lens, RfFps fps, int width, int height,
                            RfCameraPath* path, RfError* error )
 {

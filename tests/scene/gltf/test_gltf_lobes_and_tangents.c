@@ -183,7 +183,7 @@ static void test_clearcoat_textures( void** state )
     gltf_assert_rgb( n, 0.5 * lean / coat, 0.5 * lean / coat, lean / coat );
     rf_destroy_scene( &scene );
 
-    // bumps below do not bend a coat without a texture of its own
+    // bumps below do not turn the normal of a coat without a texture of its own
     scene = load_material(
         MATERIAL( "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}" ) );
     n = rf_coat_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up );
