@@ -27,7 +27,7 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     hash = rf_hash_bytes( rf_hash_bytes( hash, numbers, sizeof numbers ), size, sizeof size );
     float film[3] = { e->focal_x, e->axis_x, e->axis_y };
     bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
-    hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // as before there were shifts
+    hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // square pixels and a centred lens add nothing
     // RfEye has no padding
     return rf_is_sharp( e ) && e->projection == RF_PERSPECTIVE ? hash : rf_hash_bytes( hash, e, sizeof *e );
 }
