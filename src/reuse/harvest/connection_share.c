@@ -10,7 +10,7 @@
 #define LEAST_JOBS 1
 #define AHEAD 0.1       // the part of a pass's batches that is traced ahead, twice
 #define AT_AHEAD 4      // of rf_connection_shares, with which they are traced
-#define LEAST_NEEDED 4  // the same for lamps without size, suns and the sky
+#define LEAST_NEEDED 4  // the same, at least, for lights that need light paths
 #define LEAST_REST 0.25 // part of the error, at least, that is assumed to be of other light
 #define LEAST_MEAN 0.1  // floor for the square of a batch's mean, in parts of that of all
 #define GAIN 0.7        // connections must lower error times cost to this, or there are none
@@ -182,7 +182,7 @@ static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths
 {
     for ( uint32_t i = 0; i < paths->light_count; ++i )
     {
-        if ( rf_light_kind( rf_tracer_lights( group->tracer ), paths->light[i] ) != RF_LIGHT_TRIANGLE )
+        if ( rf_needs_light_paths( rf_light_kind( rf_tracer_lights( group->tracer ), paths->light[i] ) ) )
             return LEAST_NEEDED;
     }
     return group->settings->light_paths == RF_LIGHT_PATHS_ON ? 1 : 0;
