@@ -55,8 +55,7 @@ static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
 {
     RfRenderSettings settings = rf_tune_settings( row, job->settings );
     RfMemoryFit fit;
-    rf_fit_memory( rf_tracer_scene( job->shot.tracer ), job->shot.eyes, job->shot.eye_count, job->shot.frame_count, &settings,
-                   &fit, NULL );
+    rf_fit_memory( &job->shot, &settings, &fit, NULL );
     return fit;
 }
 
@@ -153,8 +152,8 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfMemoryFit fit;
         settings.threads = 1;
         settings.aovs = 0;
-        RfResult result = rf_fit_memory( rf_tracer_scene( job->shot.tracer ), job->shot.eyes, tune->rows[i].eyes,
-                                         tune->rows[i].eyes, &settings, &fit, NULL );
+        RfShot group = { job->shot.tracer, job->shot.eyes, tune->rows[i].eyes, NULL, tune->rows[i].eyes };
+        RfResult result = rf_fit_memory( &group, &settings, &fit, NULL );
         size_t bytes = fit.bytes_films + fit.bytes_hits + fit.bytes_lists;
         if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 && bytes > most )
             most = bytes;

@@ -90,6 +90,7 @@ typedef struct RfEffect
 typedef struct RfScene RfScene;
 typedef struct RfEye RfEye;
 struct RfRenderSettings;
+struct RfShot;
 
 // Fills `effects` in the order of the list with those that a scene alone decides; returns their number, on or off.
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
@@ -123,9 +124,8 @@ void rf_format_effects( uint64_t effects, char* text, size_t size );
 
 #define RF_EFFECTS_TEXT_SIZE 1024
 
-// The names of those that a render calls for, for RfOutput.calls_for.
-void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const struct RfRenderSettings* settings,
-                      char text[RF_EFFECTS_TEXT_SIZE] );
+// The names of those that a render of the shot calls for, whichever its frames, for RfOutput.calls_for.
+void rf_name_effects( const struct RfShot* shot, const struct RfRenderSettings* settings, char text[RF_EFFECTS_TEXT_SIZE] );
 
 // Leaves effects out of a scene, and runs the code of others whether or not something calls for them. Once, before the scene
 // has a path or a tracer. Fails with RF_ERROR_USAGE for effects that cannot be left out or forced.

@@ -219,24 +219,28 @@ int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_cou
     return list_effects( scene, eyes, eye_count, settings, true, effects );
 }
 
-void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                      char text[RF_EFFECTS_TEXT_SIZE] )
+// For programs: without the search for reasons.
+static int list_of_shot( const RfShot* shot, const RfRenderSettings* settings, RfEffect effects[RF_MAX_EFFECTS] )
+{
+    return list_effects( rf_tracer_scene( shot->tracer ), shot->eyes, shot->eye_count, settings, false, effects );
+}
+
+void rf_name_effects( const RfShot* shot, const RfRenderSettings* settings, char text[RF_EFFECTS_TEXT_SIZE] )
 {
     RfEffect effects[RF_MAX_EFFECTS];
     uint64_t on = 0;
-    int count = list_effects( scene, eyes, eye_count, settings, false, effects );
+    int count = list_of_shot( shot, settings, effects );
     for ( int i = 0; i < count; ++i )
         on |= effects[i].on ? RF_EFFECT_BIT( effects[i].id ) : 0;
     rf_format_effects( on, text, RF_EFFECTS_TEXT_SIZE );
 }
 
-RfResult rf_check_built( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                         RfError* error )
+RfResult rf_check_built( const RfShot* shot, const RfRenderSettings* settings, RfError* error )
 {
     RfEffect effects[RF_MAX_EFFECTS];
     if ( RF_EFFECTS_NOT_BUILT == 0 )
         return RF_OK;
-    int count = list_effects( scene, eyes, eye_count, settings, false, effects );
+    int count = list_of_shot( shot, settings, effects );
     for ( int i = 0; i < count; ++i )
     {
         if ( effects[i].on && !rf_is_built( effects[i].id ) )

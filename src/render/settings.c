@@ -148,14 +148,13 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
     return RF_OK;
 }
 
-RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
-                            RfError* error )
+RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
     RfResult result = check_settings( settings, error );
     if ( result == RF_OK )
         result = check_estimator( settings, error );
     if ( result == RF_OK )
-        result = check_eyes( eyes, eye_count, error );
+        result = check_eyes( shot->eyes, shot->eye_count, error );
     if ( result != RF_OK )
         return result;
     *resolved = *settings;

@@ -77,7 +77,7 @@ void render( const RfTracer& tracer, const RfCameraPath& path, const std::vector
     const RfShot shot = { &tracer, path.eyes, path.count, frames.data(), static_cast<int>( frames.size() ) };
     check( rf_resolve_settings( &shot, &asked, &output.settings, &error ), error );
     char effects[RF_EFFECTS_TEXT_SIZE];
-    rf_name_effects( rf_tracer_scene( &tracer ), path.eyes, path.count, &output.settings, effects );
+    rf_name_effects( &shot, &output.settings, effects );
     output.calls_for = effects;
     check( rf_prepare_output_folder( output.pattern, &error ), error );
     const RfRenderCallbacks callbacks = { &output,

@@ -203,7 +203,8 @@ static void test_choice_by_memory( void** state )
         RfError error;
         settings.group = 0;
         settings.memory = (size_t)1 << 30;
-        assert_int_equal( rf_fit_memory( &s.scene, s.eyes, MOST_EYES, MOST_EYES, &settings, &fit, &error ), RF_OK );
+        RfShot shot = { s.tracer, s.eyes, MOST_EYES, NULL, MOST_EYES };
+        assert_int_equal( rf_fit_memory( &shot, &settings, &fit, &error ), RF_OK );
         settings.memory = fit.least + films * film;
         RfPlan plan = plan_of( &s, MOST_EYES, &settings );
         int group = plan.rows[plan.chosen].group;

@@ -268,9 +268,7 @@ static RfResult resolve( RfRenderJob* job, RfError* error )
     job->asked = job->options.settings;
     RfShot shot = shot_of( job );
     RfResult result = rf_resolve_settings( &shot, &job->asked, &job->options.settings, error );
-    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.runs, job->path.run_count, job->run_count,
-                                            &job->options.settings, &job->fit, error )
-                           : result;
+    return result == RF_OK ? rf_fit_memory( &shot, &job->options.settings, &job->fit, error ) : result;
 }
 
 static RfResult load_scene( RfRenderJob* job, RfError* error )

@@ -411,8 +411,7 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     RfShot shot = rf_shot_to_render( &job->shot );
     RfResult result = rf_resolve_settings( &shot, &settings, &resolved, error );
     if ( result == RF_OK )
-        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved,
-                                &fit, error );
+        result = rf_fit_memory( &shot, &resolved, &fit, error );
     if ( result == RF_OK )
         *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
     return result;

@@ -231,23 +231,27 @@ static void fixed_costs( const Counts* c, const RfEstimatorSizes* sizes, int ind
     *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + adding : 0.0;
 }
 
+// All frames of the path.
+static RfShot whole_path( const RfShot* shot )
+{
+    return ( RfShot ){ shot->tracer, shot->eyes, shot->eye_count, NULL, shot->eye_count };
+}
+
 // Why the automatic choice leaves a group out; NULL: it does not. It depends on path, size and settings
 // alone, as if the whole path were asked for and one thread had all the memory. Several sweeps
 // repeat the tracing, which the gain does not account for.
 static const char* reason_against( const RfShot* shot, const RfRenderSettings* settings, const RfPlanRow* row )
 {
-    const RfScene* scene = rf_tracer_scene( shot->tracer );
-    const RfEye* eyes = shot->eyes;
-    int eye_count = shot->eye_count;
     RfRenderSettings s = *settings;
     s.group = row->group;
     s.threads = 1;
     if ( s.adaptive == RF_ADAPTIVE_AUTO ) // what may be of use in some frames is no reason for smaller groups in all
         s.adaptive = RF_ADAPTIVE_OFF;
-    RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
-    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
+    RfGroupPlan plan = rf_plan_samples( shot->eye_count, row->group, settings->spp );
+    RfRenderSizes sizes = rf_render_sizes( rf_tracer_scene( shot->tracer ), shot->eyes, &plan, shot->eye_count, &s );
     RfMemoryFit fit;
-    if ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) != RF_OK )
+    RfShot whole = whole_path( shot );
+    if ( rf_fit_memory( &whole, &s, &fit, NULL ) != RF_OK )
         return s_no_room;
     if ( rf_films_bytes( &sizes ) > settings->memory / 2 )
         return s_films;
@@ -271,21 +275,18 @@ static void choose_row( RfPlan* plan )
 // need, rather than through the path several times.
 static RfResult settle_adaptive( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
-    const RfScene* scene = rf_tracer_scene( shot->tracer );
-    const RfEye* eyes = shot->eyes;
-    int eye_count = shot->eye_count;
+    RfShot whole = whole_path( shot );
     RfPlanRow* row = plan->rows + plan->chosen;
     RfRenderSettings s = *settings;
     RfMemoryFit fit;
     plan->adaptive = settings->adaptive == RF_ADAPTIVE_AUTO && row->eyes == 1 ? RF_ADAPTIVE_OFF : settings->adaptive;
     s.group = row->group;
     s.threads = 1;
-    if ( plan->adaptive != RF_ADAPTIVE_AUTO ||
-         ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) == RF_OK && fit.sweeps == 1 ) )
+    if ( plan->adaptive != RF_ADAPTIVE_AUTO || ( rf_fit_memory( &whole, &s, &fit, NULL ) == RF_OK && fit.sweeps == 1 ) )
         return RF_OK;
     plan->adaptive = s.adaptive = RF_ADAPTIVE_OFF;
     s.threads = settings->threads;
-    return rf_fit_memory( scene, eyes, eye_count, shot->frame_count, &s, &row->fit, error );
+    return rf_fit_memory( shot, &s, &row->fit, error );
 }
 
 static int rows_against( const RfPlan* plan, const char* reason )
@@ -349,13 +350,12 @@ static RfResult count( const RfShot* shot, const RfRenderSettings* settings, con
 // Only the smallest group has to fit.
 static RfResult fit_rows( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
-    const RfScene* scene = rf_tracer_scene( shot->tracer );
     for ( int i = 0; i < plan->count; ++i )
     {
         RfPlanRow* row = plan->rows + i;
         RfRenderSettings s = *settings;
         s.group = row->group;
-        RfResult result = rf_fit_memory( scene, shot->eyes, shot->eye_count, shot->frame_count, &s, &row->fit, error );
+        RfResult result = rf_fit_memory( shot, &s, &row->fit, error );
         if ( result != RF_OK && i == 0 )
             return result;
         if ( i > 0 )
@@ -385,7 +385,7 @@ RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, R
 {
     RfRenderSettings common;
     *plan = ( RfPlan ){ .c_e = NAN, .c_l = NAN, .c_v = NAN };
-    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, &common, error );
+    RfResult result = rf_resolve_common( shot, settings, &common, error );
     if ( result != RF_OK )
         return result;
     list_rows( shot->eye_count, &common, plan );
@@ -555,7 +555,7 @@ static int measured_eyes( const RfPlan* plan )
 RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, double seconds, RfPlan* plan, RfError* error )
 {
     RfRenderSettings common;
-    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, &common, error );
+    RfResult result = rf_resolve_common( shot, settings, &common, error );
     if ( result != RF_OK )
         return result;
     common.weights = RF_WEIGHTS_EXACT; // the biased ones need lists per pass
