@@ -143,9 +143,9 @@ static void test_lens_of_every_frame( void** state )
     RfScene* scene;
     RfCameraPath path;
     RfError error;
-    RfFps file = { 0, 0 };
+    RfPathOptions of_file = { 0 };
     assert_int_equal( rf_open_scene( name, &scene, NULL, &error ), RF_OK );
-    assert_int_equal( rf_create_camera_path( scene, NULL, file, 0, 0, &path, &error ), RF_OK );
+    assert_int_equal( rf_create_camera_path( scene, &of_file, &path, &error ), RF_OK );
     assert_int_equal( path.count, 10 );
     assert_int_equal( path.run_count, 10 );
     assert_int_equal( rf_frame_number( &path, 9 ), 110 );

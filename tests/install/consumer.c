@@ -110,7 +110,7 @@ static RfResult run( const RfScene* scene, RfTracer** tracer, RfCameraPath* path
 {
     const int frames[FRAMES] = { 3, 4, 5 };
     char one[1024], two[1024], tile[RF_TILE_NAME_SIZE];
-    RfFps fps = { 24, 1 };
+    RfPathOptions options = { NULL, NULL, { 24, 1 }, WIDTH, HEIGHT };
     RfRenderSettings settings = rf_default_render_settings();
     snprintf( one, sizeof one, "%s/one.####.exr", folder );
     snprintf( two, sizeof two, "%s/two.####.exr", folder );
@@ -124,7 +124,7 @@ static RfResult run( const RfScene* scene, RfTracer** tracer, RfCameraPath* path
     rf_tile_name( &settings.tile, tile );
     printf( "tile %s, weights %s\n", tile, rf_weights_name( settings.weights ) );
     if ( result == RF_OK )
-        result = rf_create_camera_path( scene, NULL, fps, WIDTH, HEIGHT, path, error );
+        result = rf_create_camera_path( scene, &options, path, error );
     if ( result == RF_OK )
         result = rf_create_tracer( scene, tracer, error );
     if ( result == RF_OK )

@@ -36,7 +36,11 @@ class Path
     Path( const RfScene& scene, RfFps fps, int width, int height )
     {
         RfError error{};
-        check( rf_create_camera_path( &scene, nullptr, fps, width, height, &m_path, &error ), error );
+        RfPathOptions options{};
+        options.fps = fps;
+        options.width = width;
+        options.height = height;
+        check( rf_create_camera_path( &scene, &options, &m_path, &error ), error );
     }
     ~Path() { rf_destroy_camera_path( &m_path ); }
     Path( const Path& ) = delete;

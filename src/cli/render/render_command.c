@@ -314,9 +314,10 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     RfResult result = load_scene( job, error );
     if ( result == RF_OK )
         result = rf_parse_lens_options( &job->options, &lens, error );
+    const RfRenderOptions* o = &job->options;
+    RfPathOptions asked = { o->camera, &lens, o->fps, o->size.width, o->size.height };
     if ( result == RF_OK )
-        result = rf_create_lens_path( &job->scene, job->options.camera, &lens, job->options.fps, job->options.size.width,
-                                      job->options.size.height, &job->path, error );
+        result = rf_create_camera_path( &job->scene, &asked, &job->path, error );
     if ( result == RF_OK )
         result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )

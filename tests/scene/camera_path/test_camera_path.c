@@ -170,15 +170,17 @@ static void test_frame_times_are_exact_multiples( void** state )
         load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"fov\":90,\"duration\":1}" );
     RfEye eye;
     RfError error = { 0 };
-    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 200, 100, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 30, 1 }, 200, 100 }, 3, &eye, &error ),
+                      RF_OK );
     assert_close( (double)eye.origin.x, 1.0, 1e-6 );
     assert_close( (double)eye.focal, 50.0, 1e-4 );
     assert_int_equal( eye.width, 200 );
-    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 0, 100, &eye, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 30, 1 }, 0, 100 }, 3, &eye, &error ),
+                      RF_ERROR_USAGE );
     rf_destroy_camera( &camera );
 
     camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"frames\":11}" );
-    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 8, 8, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 30, 1 }, 8, 8 }, 3, &eye, &error ), RF_OK );
     assert_close( (double)eye.origin.x, 3.0, 1e-6 );
     scene = ( RfScene ){ .camera_count = 1, .cameras = &camera };
     assert_int_equal( rf_scene_eye( &scene, 0, 1.0, 8, 8, &eye, &error ), RF_ERROR_USAGE );
@@ -319,7 +321,8 @@ static int load_mutations( const char* text, uint64_t count )
         for ( int frame = 0; frame < 5 && result == RF_OK; ++frame )
         {
             RfEye eye;
-            RfResult seen = rf_camera_eye( &scene, &camera, 7.0 * frame, 24, 1, 16, 9, &eye, &error );
+            RfResult seen =
+                rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 16, 9 }, 7.0 * frame, &eye, &error );
             assert_true( seen != RF_OK || ( isfinite( eye.origin.x ) && isfinite( eye.forward.x ) && eye.focal > 0.0f ) );
         }
         loaded += result == RF_OK;
@@ -362,8 +365,10 @@ static void test_vase_zoom_is_the_scenes_camera( void** state )
     for ( int i = 0; i < count; ++i )
     {
         RfEye a, b;
-        assert_int_equal( rf_camera_eye( &scene, &camera, i, 24, 1, 160, 90, &a, &error ), RF_OK );
-        assert_int_equal( rf_camera_eye( &scene, scene.cameras, i, 24, 1, 160, 90, &b, &error ), RF_OK );
+        assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 160, 90 }, i, &a, &error ),
+                          RF_OK );
+        assert_int_equal(
+            rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 24, 1 }, 160, 90 }, i, &b, &error ), RF_OK );
         assert_close( (double)rf_length( rf_sub( a.origin, b.origin ) ), 0.0, 1e-5 );
         assert_close( (double)rf_length( rf_sub( a.forward, b.forward ) ), 0.0, 1e-5 );
         assert_close( (double)rf_length( rf_sub( a.up, b.up ) ), 0.0, 1e-5 );

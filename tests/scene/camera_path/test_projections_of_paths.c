@@ -22,7 +22,7 @@ static RfEye eye_of( const RfCamera* camera, double frame )
     RfScene scene = { 0 };
     RfEye eye;
     RfError error = { 0 };
-    if ( rf_camera_lens_eye( &scene, camera, NULL, frame, 24, 1, 200, 100, &eye, &error ) != RF_OK )
+    if ( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, camera, NULL, { 24, 1 }, 200, 100 }, frame, &eye, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return eye;
 }
@@ -60,7 +60,8 @@ static void test_panoramic_paths( void** state )
         KEYED( "\"projection\":\"panoramic\",\"keys\":[{\"frame\":1," PLACE "}],\"lens\":{\"radius\":1,\"focus\":1}" ) );
     RfScene scene = { 0 };
     RfError error = { 0 };
-    assert_int_equal( rf_camera_lens_eye( &scene, &camera, NULL, 0, 24, 1, 8, 8, &eye, &error ), RF_ERROR_SCENE );
+    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+                      RF_ERROR_SCENE );
     assert_non_null( strstr( error.text, "a panoramic camera has no depth of field here" ) );
     rf_destroy_camera( &camera );
 }
@@ -84,10 +85,13 @@ static void test_lenses_have_limits( void** state )
     RfScene scene = { 0 };
     RfEye eye;
     RfError error = { 0 };
-    assert_int_equal( rf_camera_lens_eye( &scene, &camera, &right, 0, 24, 1, 8, 8, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, &right, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+                      RF_OK );
     assert_close( (double)eye.focus, 5.0, 1e-6 );
     for ( size_t i = 0; i < sizeof s_wrong / sizeof s_wrong[0]; ++i )
-        assert_int_equal( rf_camera_lens_eye( &scene, &camera, s_wrong + i, 0, 24, 1, 8, 8, &eye, &error ), RF_ERROR_USAGE );
+        assert_int_equal(
+            rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, s_wrong + i, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+            RF_ERROR_USAGE );
     rf_destroy_camera( &camera );
 }
 

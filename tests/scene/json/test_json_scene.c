@@ -388,7 +388,8 @@ static void test_cameras_are_chosen_and_replaced( void** state )
     assert_int_equal( index, 2 );
     assert_string_equal( scene.cameras[index].name, "path" );
     RfEye eye;
-    assert_int_equal( rf_camera_eye( &scene, scene.cameras + index, 3, 24, 1, 16, 9, &eye, &error ), RF_OK );
+    assert_int_equal(
+        rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras + index, NULL, { 24, 1 }, 16, 9 }, 3, &eye, &error ), RF_OK );
     assert_close( (double)eye.origin.z, 4.0, 1e-6 );
     rf_destroy_scene( &scene );
 
