@@ -19,10 +19,11 @@
 #define SEARCH 3.5           // for light paths around a vertex
 #define PASS ( INT_MAX - 2 ) // and the next: their random numbers are no other pass's
 
-// Irradiance found at each hit by a batch, by slot; negative: there is none.
+// Irradiance found at each hit by a batch, by slot.
 typedef struct Found
 {
     float light[RF_LANES];
+    bool is_hit[RF_LANES]; // else there is no light
     int hits;
     double moment[RF_CONNECTION_SHARES]; // RfConnectionLanes
     RfChanceOctave chance[RF_CHANCE_OCTAVES];
@@ -87,12 +88,12 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
         memset( s->connections->chance, 0, sizeof s->connections->chance );
         rf_clear_ray_counts( &s->wavefront );
         rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
-        for ( int i = 0; i < RF_LANES; ++i )
-            found[k].light[i] = -1.0f;
+        memset( found[k].is_hit, 0, sizeof found[k].is_hit );
         found[k].hits = rf_record_count( s->hits );
         for ( int i = 0; i < found[k].hits; ++i )
         {
             int slot = s->hits->slot[i];
+            found[k].is_hit[slot] = true;
             found[k].light[slot] = s->wavefront.lit[i] + RF_PI * lane_luminance( s->wavefront.arrivals.rest, slot ) +
                                    lane_luminance( s->connections->light, i );
         }
@@ -122,7 +123,7 @@ static Pair compare( const Found* a, const Found* b )
     int count = 0;
     for ( int i = 0; i < RF_LANES; ++i )
     {
-        if ( a->light[i] < 0.0f || b->light[i] < 0.0f )
+        if ( !a->is_hit[i] || !b->is_hit[i] )
             continue;
         double apart = (double)a->light[i] - (double)b->light[i];
         squares += 0.5 * apart * apart;

@@ -180,13 +180,14 @@ bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
 }
 
 // Drops the listed pixels whose tiles have no pixel in the pieces that are traced. Returns how many are left.
-static int choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch )
+static int choose_traced( const RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
 {
-    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + (int)( eye - harvest->eyes ) );
+    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + eye );
+    int width = harvest->eyes[eye].width;
     bool in_tiles = rf_reuses_tiles( scratch ), traced[RF_LANES] = { false };
     for ( int i = 0; i < count; ++i )
     {
-        int y = scratch->pixel[i] / eye->width, x = scratch->pixel[i] - y * eye->width;
+        int y = scratch->pixel[i] / width, x = scratch->pixel[i] - y * width;
         int tile = in_tiles ? scratch->tile_of[i] : i;
         traced[tile] = traced[tile] || rf_is_traced( harvest->pieces, cells, x, y );
     }
@@ -563,7 +564,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     else if ( rf_is_adaptive( harvest ) )
         count = choose_needy( harvest, key, count, scratch );
     else if ( harvest->pieces != NULL )
-        count = choose_traced( harvest, eye, count, scratch );
+        count = choose_traced( harvest, job.eye, count, scratch );
     make_keys( key, count, scratch->pixel, wavefront );
     if ( rf_is_adaptive( harvest ) && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
