@@ -1,6 +1,6 @@
 // Reconstructs an image from pixels and differences: checks the input, computes weights, solves, and sets the
 // level of what no weight determines.
-#include "gradient/reconstruct.h"
+#include "gradient/reconstruct_internal.h"
 
 #include "base/fault.h"
 #include "gradient/solver.h"
