@@ -13,7 +13,7 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
     if ( !rf_is_tile( &s->tile ) )
         return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
     if ( s->adaptive == RF_ADAPTIVE_ON && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples want exact weights" );
+        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
     return RF_OK;
 }
 

@@ -191,7 +191,7 @@ static void test_own_layers_are_found_by_name( void** state )
     json_decref( json );
     check_failed( flicker( "m.##.exr", "--motion", "motion.X,none", NULL ), 1, "no channel none" );
     check_failed( flicker( "m.##.exr", "--depth", "none", NULL ), 1, "no channel none" );
-    check_failed( flicker( "m.##.exr", "--motion", "motion.X", NULL ), 2, "wants the names of two channels" );
+    check_failed( flicker( "m.##.exr", "--motion", "motion.X", NULL ), 2, "must be the names of two channels" );
     check_failed( flicker( "m.##.exr", "--motion", "motion.X,motion.Y", "--no-compensate", NULL ), 2, "--motion" );
     check_failed( flicker( "v.####.exr", "--compensate", NULL ), 1, "has no motion layer" );
 }

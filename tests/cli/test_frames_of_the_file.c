@@ -272,10 +272,10 @@ static void test_wrong_shots_are_errors( void** state )
 {
     (void)state;
     static const char* const cases[][2] = {
-        { ",\"extras\":{\"reframe\":{\"render\":{\"size\":[0,4]}}}", "scenes[0].extras.reframe.render.size[0]: wants" },
-        { ",\"extras\":{\"reframe\":{\"render\":{\"fps\":24.5}}}", "render.fps: wants a whole number" },
+        { ",\"extras\":{\"reframe\":{\"render\":{\"size\":[0,4]}}}", "scenes[0].extras.reframe.render.size[0]: must be" },
+        { ",\"extras\":{\"reframe\":{\"render\":{\"fps\":24.5}}}", "render.fps: must be a whole number" },
         { ",\"extras\":{\"reframe\":{\"render\":{\"spp\":1}}}", "render.spp: unknown key" },
-        { ",\"extras\":{\"reframe\":{\"moving\":[1]}}", "moving[0]: wants" },
+        { ",\"extras\":{\"reframe\":{\"moving\":[1]}}", "moving[0]: must be" },
     };
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
@@ -283,7 +283,7 @@ static void test_wrong_shots_are_errors( void** state )
         cli_expect( cli_run( "$R info room.gltf" ), 1, cases[i][1] );
     }
     write_moving( "\"step\":1.5," );
-    cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: wants a whole number" );
+    cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: must be a whole number" );
 }
 
 int main( void )

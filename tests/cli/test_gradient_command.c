@@ -21,9 +21,9 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
         const char *options, *answer;
     } s_cases[] = {
         { "--group 1", "the estimator 'gradient' reuses no frames, where gradients seldom pay: group 0, not 1" },
-        { "--tile rooks16", "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to 8x8" },
-        { "--tile 1x4", "the estimator 'gradient' wants tiles of 1 pixel" },
-        { "--tile 16x4", "the estimator 'gradient' wants tiles of 1 pixel" },
+        { "--tile rooks16", "the estimator 'gradient' needs tiles of 1 pixel, or blocks of 2x2 to 8x8" },
+        { "--tile 1x4", "the estimator 'gradient' needs tiles of 1 pixel" },
+        { "--tile 16x4", "the estimator 'gradient' needs tiles of 1 pixel" },
         { "--adaptive", "the estimator 'gradient' has no adaptive sampling" },
         { "--weights eq15", "the estimator 'gradient' has exact weights only" },
         { "--normalize ratio", "the estimator 'gradient' has no normalisation to choose" },

@@ -121,7 +121,7 @@ RfResult rf_plan_ranges( const RfShot* shot, const RfRenderSettings* settings, i
 {
     int frame_count = shot->frame_count;
     if ( frame_count < 1 || machines < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "ranges want at least one frame and one machine" );
+        return rf_fail( error, RF_ERROR_USAGE, "ranges need at least one frame and one machine" );
     size_t count = (size_t)frame_count;
     Work w = { .count = frame_count,
                .sum = malloc( ( count + 1 ) * sizeof( double ) ),

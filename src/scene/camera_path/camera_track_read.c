@@ -84,7 +84,7 @@ static RfResult read_up( const RfField* field, double up[3] )
 {
     RfResult result = rf_field_numbers( field, coordinates(), 3, up );
     if ( result == RF_OK && up[0] == 0.0 && up[1] == 0.0 && up[2] == 0.0 )
-        return rf_field_fail( field, "wants a direction, got three zeros" );
+        return rf_field_fail( field, "must be a direction, got three zeros" );
     return result;
 }
 
@@ -114,12 +114,12 @@ RfResult rf_read_rotation( const RfField* field, double q[4] )
     if ( json_is_object( field->json ) )
         return read_angles( field, q );
     if ( !json_is_array( field->json ) )
-        return rf_field_wants( field, "a quaternion [x, y, z, w] or an object of yaw, pitch, roll" );
+        return rf_field_must_be( field, "a quaternion [x, y, z, w] or an object of yaw, pitch, roll" );
     RfResult result = rf_field_numbers( field, rf_range( -2.0, 2.0 ), 4, q );
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
     // decimals written by hand are rounded
     if ( result == RF_OK && !( fabs( length - 1.0 ) < 0.1 ) )
-        return rf_field_fail( field, "wants a quaternion of length 1, got length %g", length );
+        return rf_field_fail( field, "must be a quaternion of length 1, got length %g", length );
     rf_quat_normalize( q );
     return result;
 }
@@ -194,7 +194,7 @@ static RfResult read_span( const RfField* top, const char* const* names, RfCamer
         return rf_field_number( &field, rf_above( 0.0, RF_MAX_TRACK_SECONDS ), &track->end );
     result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &value );
     track->end = value - 1.0;
-    return result == RF_OK && floor( value ) != value ? rf_field_wants( &field, "a whole number" ) : result;
+    return result == RF_OK && floor( value ) != value ? rf_field_must_be( &field, "a whole number" ) : result;
 }
 
 // A curve over the fraction of the duration, 0 to 1: constant, or from a first value to a
@@ -223,8 +223,8 @@ static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* 
     RfField field = rf_field_member( top, extent_name( track->projection ) );
     double fov[2] = { RF_DEFAULT_FOV, RF_DEFAULT_FOV };
     if ( must_change && !json_is_object( field.json ) )
-        return rf_field_wants( &field,
-                               in_metres ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
+        return rf_field_must_be( &field,
+                                 in_metres ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
     if ( !json_is_object( field.json ) )
     {
         RfResult result = read_extent( &field, track->projection, fov );
@@ -562,9 +562,9 @@ static RfResult read_film( const RfField* top, RfCameraTrack* track )
     if ( result == RF_OK )
         result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &step );
     if ( result == RF_OK && floor( step ) != step )
-        return rf_field_wants( &field, "a whole number" );
+        return rf_field_must_be( &field, "a whole number" );
     if ( result == RF_OK && field.json != NULL && !track->in_frames )
-        return rf_field_fail( &field, "wants keys with frames, not times" );
+        return rf_field_fail( &field, "must have keys with frames, not times" );
     track->step = (int)step;
     return result;
 }
@@ -629,7 +629,7 @@ static RfResult read_kind( const RfField* top, RfCameraTrack* track )
     int kind = 0;
     RfField field = rf_field_member( top, "kind" );
     if ( !json_is_object( top->json ) )
-        return rf_field_wants( top, "an object" );
+        return rf_field_must_be( top, "an object" );
     RfResult result = rf_field_require( top, "kind", "one of keyed, orbit, dolly, zoom, walk" );
     if ( result == RF_OK )
         result = rf_field_choice( &field, s_kinds, &kind );

@@ -18,7 +18,7 @@ static RfResult read_shutter( const RfField* field, double shutter[2] )
     {
         RfResult result = rf_field_numbers( field, rf_range( -RF_MAX_SHUTTER, RF_MAX_SHUTTER ), 2, shutter );
         if ( result == RF_OK && shutter[0] > shutter[1] )
-            return rf_field_fail( field, "closes before it opens: want [open, close]" );
+            return rf_field_fail( field, "closes before it opens: it must be [open, close]" );
         return result;
     }
     double length = 0.0;
@@ -46,7 +46,7 @@ static RfResult read_blades( const RfField* field, int* blades )
     double number = 0.0;
     RfResult result = rf_field_number( field, rf_range( 0.0, MAX_BLADES ), &number );
     if ( result == RF_OK && ( floor( number ) != number || ( number > 0.0 && number < 3.0 ) ) )
-        return rf_field_wants( field, "0 for a round aperture, or a whole number from 3" );
+        return rf_field_must_be( field, "0 for a round aperture, or a whole number from 3" );
     *blades = (int)number;
     return result;
 }

@@ -29,7 +29,7 @@ static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* w
 {
     RfResult result = read_extent( gltf, json, where, "perspective", "yfov", yfov );
     if ( result == RF_OK && ( *yfov > 0.0 && *yfov < PI ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it wants more than 0 and less than pi radians", *yfov );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it must be more than 0 and less than pi radians", *yfov );
     return result;
 }
 
@@ -39,7 +39,7 @@ static RfResult read_ymag( const RfGltf* gltf, const json_t* json, const char* w
     RfResult result = read_extent( gltf, json, where, "orthographic", "ymag", ymag );
     *ymag = fabs( *ymag ); // below 0 says the same
     if ( result == RF_OK && !( *ymag > 0.0 && *ymag < 1e12 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "ymag is %g, it wants more than 0 and less than 1e12", *ymag );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "ymag is %g, it must be more than 0 and less than 1e12", *ymag );
     return result;
 }
 
@@ -67,7 +67,7 @@ static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
         return result;
     int kind = kind_of( type );
     if ( kind < 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "type '%.20s' wants perspective or orthographic", type );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "type '%.20s' must be perspective or orthographic", type );
     camera->projection = kind;
     switch ( (RfProjectionKind)kind )
     {

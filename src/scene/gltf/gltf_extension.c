@@ -67,7 +67,7 @@ RfResult rf_gltf_check_required( const RfGltf* gltf )
     {
         const char* name = json_string_value( json_array_get( list, i ) );
         if ( name == NULL )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] wants a string", i );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] must be a string", i );
         if ( is_read( name ) == false )
             result = fail_unsupported( gltf, name );
     }
@@ -195,7 +195,7 @@ RfResult rf_gltf_notice_unread( RfGltf* gltf )
     {
         const char* name = json_string_value( json_array_get( list, i ) );
         if ( name == NULL )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsUsed", "[%zu] wants a string", i );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsUsed", "[%zu] must be a string", i );
         notice_used( gltf, name, &unknown );
     }
     return result;

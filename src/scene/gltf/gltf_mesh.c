@@ -73,7 +73,7 @@ static RfResult open_instances( RfGltf* gltf, int node, RfGltfInstances* out )
     if ( result == RF_OK )
         result = open_attribute( gltf, attributes, where.text, "SCALE", 3, &out->scale, &count );
     if ( result == RF_OK && count == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants at least one of TRANSLATION, ROTATION and SCALE" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must have at least one of TRANSLATION, ROTATION and SCALE" );
     out->count = count;
     return result;
 }
@@ -592,7 +592,7 @@ static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, const Instances* i
         RfWhere self = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
         const json_t* primitive = json_array_get( primitives, i );
         if ( json_is_object( primitive ) == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "wants an object" );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
         result = place_primitive( gltf, baker, instances, mesh, primitive, self.text );
     }
     return result;

@@ -74,7 +74,7 @@ static RfResult read_node_index( const RfGltf* gltf, const json_t* list, size_t 
     const json_t* value = json_array_get( list, at );
     if ( json_is_integer( value ) == 0 || json_integer_value( value ) < 0 ||
          json_integer_value( value ) >= gltf->counts[RF_GLTF_NODES] )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s[%zu] wants an index below %d", key, at,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s[%zu] must be an index below %d", key, at,
                              gltf->counts[RF_GLTF_NODES] );
     *node = (int)json_integer_value( value );
     return RF_OK;
@@ -227,7 +227,7 @@ static RfResult read_times( RfGltf* gltf, int index, const char* where, RfChanne
     if ( channel->times == NULL )
         return rf_gltf_no_memory( gltf, where );
     if ( accessor->component_type != 5126 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "input accessors[%d] wants floats", index );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "input accessors[%d] must be floats", index );
     double last = -1.0;
     for ( int i = 0; i < channel->count; ++i )
     {
@@ -302,7 +302,7 @@ static RfResult read_interpolation( const RfGltf* gltf, const json_t* json, cons
             return RF_OK;
         }
     }
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "interpolation '%.20s' wants STEP, LINEAR or CUBICSPLINE", name );
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "interpolation '%.20s' must be STEP, LINEAR or CUBICSPLINE", name );
 }
 
 static RfResult read_sampler( RfGltf* gltf, Loader* loader, const json_t* json, const char* where, RfChannel* channel )
@@ -411,7 +411,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
 {
     RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, index );
     if ( json_is_object( json ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants an object" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must be an object" );
     RfChannel channel = { 0 };
     bool wanted;
     RfResult result = read_target( gltf, json, where.text, &channel, &wanted );
@@ -429,7 +429,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
     RfWhere self = rf_where( "animations[%d].samplers[%lld]", animation, (long long)sampler );
     const json_t* sampler_json = json_array_get( samplers, (size_t)sampler );
     if ( json_is_object( sampler_json ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "wants an object" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
     result = read_sampler( gltf, loader, sampler_json, self.text, &channel );
     if ( result == RF_OK )
         result = append_channel( gltf, loader, &channel );

@@ -27,7 +27,7 @@ static RfResult read_whole( const RfField* field, double high, int* value )
     double number = 0.0;
     RfResult result = rf_field_number( field, rf_range( 1.0, high ), &number );
     if ( result == RF_OK && floor( number ) != number )
-        return rf_field_wants( field, "a whole number" );
+        return rf_field_must_be( field, "a whole number" );
     *value = (int)number;
     return result;
 }

@@ -294,7 +294,7 @@ RfResult rf_edit_materials( const RfField* materials, json_t* root )
     if ( materials->json == NULL )
         return RF_OK;
     if ( !json_is_object( materials->json ) )
-        return rf_field_wants( materials, "an object of materials by name" );
+        return rf_field_must_be( materials, "an object of materials by name" );
     json_t* list = json_object_get( root, "materials" );
     RfResult result = RF_OK;
     const char* name;

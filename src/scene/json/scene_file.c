@@ -77,7 +77,7 @@ static RfResult load_gltf( const RfField* root, RfScene* scene, RfLog* log )
     if ( result != RF_OK )
         return result;
     if ( rf_ends_with( name, ".json" ) )
-        return rf_field_wants( &field, "a .glb or .gltf file" );
+        return rf_field_must_be( &field, "a .glb or .gltf file" );
     char* path = rf_path_beside( root->file, name );
     if ( path == NULL )
         return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
@@ -174,7 +174,7 @@ static RfResult load_camera( const RfField* root, RfScene* scene )
     }
     const char* name = NULL;
     if ( !json_is_string( field.json ) )
-        return rf_field_wants( &field, "the name of a camera, a camera-path file (.json) or a camera path" );
+        return rf_field_must_be( &field, "the name of a camera, a camera-path file (.json) or a camera path" );
     RfResult result = rf_field_text( &field, &name );
     if ( result != RF_OK )
         return result;

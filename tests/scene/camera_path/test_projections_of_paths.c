@@ -100,9 +100,10 @@ static void test_faults_name_the_key( void** state )
     (void)state;
     static const char* const s_faults[][2] = {
         { KEYED( "\"projection\":\"fisheye\",\"keys\":[{\"frame\":1," PLACE "}]" ),
-          "projection: wants one of perspective, orthographic, panoramic, got \"fisheye\"" },
+          "projection: must be one of perspective, orthographic, panoramic, got \"fisheye\"" },
         { KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1," PLACE "}]" ), "keys[0].ymag: is missing" },
-        { KEYED( "\"projection\":\"orthographic\",\"ymag\":0,\"keys\":[{\"frame\":1," PLACE "}]" ), "ymag: wants a number > 0" },
+        { KEYED( "\"projection\":\"orthographic\",\"ymag\":0,\"keys\":[{\"frame\":1," PLACE "}]" ),
+          "ymag: must be a number > 0" },
         { KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1,\"ymag\":1,\"fov\":40," PLACE "}]" ),
           "keys[0].fov: is that of a perspective camera" },
         { KEYED( "\"keys\":[{\"frame\":1,\"ymag\":1," PLACE "}]" ), "keys[0].ymag: is that of an orthographic camera" },

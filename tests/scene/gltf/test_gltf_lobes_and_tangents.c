@@ -205,8 +205,8 @@ static void test_faults_are_one_line( void** state )
         { "KHR_materials_volume.thicknessTexture: index is 7", "\"KHR_materials_volume\":{\"thicknessTexture\":{\"index\":7}}" },
         { "KHR_materials_clearcoat.clearcoatTexture: texCoord is 2",
           "\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{\"index\":0,\"texCoord\":2}}" },
-        { "clearcoatRoughnessTexture wants an object", "\"KHR_materials_clearcoat\":{\"clearcoatRoughnessTexture\":0}" },
-        { "clearcoatNormalTexture: scale wants",
+        { "clearcoatRoughnessTexture must be an object", "\"KHR_materials_clearcoat\":{\"clearcoatRoughnessTexture\":0}" },
+        { "clearcoatNormalTexture: scale must be",
           "\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"scale\":\"1\"}}" },
     };
     for ( size_t i = 0; i < sizeof s_faults / sizeof s_faults[0]; ++i )
