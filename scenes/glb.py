@@ -201,7 +201,7 @@ def frame_count(text):
     """Type for argparse: a number of frames."""
     count = int(text) if text.isdecimal() else 0
     if not 1 <= count <= 100000:
-        raise argparse.ArgumentTypeError("wants a whole number from 1 to 100000, got '%s'" % text)
+        raise argparse.ArgumentTypeError("must be a whole number from 1 to 100000, got '%s'" % text)
     return count
 
 
@@ -210,7 +210,7 @@ def number_between(low, high, what):
     def read(text):
         value = float(text)
         if not low <= value <= high:
-            raise argparse.ArgumentTypeError("wants %s, got '%s'" % (what, text))
+            raise argparse.ArgumentTypeError("must be %s, got '%s'" % (what, text))
         return value
     read.__name__ = "number"  # in argparse's messages
     return read

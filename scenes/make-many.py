@@ -23,7 +23,7 @@ from shapes import make_quad, make_sphere
 def whole(text):
     count = int(text) if text.isdecimal() else 0
     if not 1 <= count <= 100000000:
-        raise argparse.ArgumentTypeError("wants a whole number from 1 to 100000000, got '%s'" % text)
+        raise argparse.ArgumentTypeError("must be a whole number from 1 to 100000000, got '%s'" % text)
     return count
 
 

@@ -103,7 +103,7 @@ class Folder(Values):
         if not is_constant(colour):
             self.warn(node, "its colour varies: what passes is not tinted")
             return Surface(alpha=0.0)
-        # a pane that neither bends nor reflects, only tints
+        # a pane that neither refracts nor reflects, only tints
         return Surface(base=colour, metallic=0.0, roughness=0.0, specular=1.0, transmission=1.0, ior=1.0)
 
     def of_emission(self, node):

@@ -102,7 +102,7 @@ def is_solid(plan, o):
         return False
     is_clear = is_constant(s.roughness) and s.roughness < MIRROR and s.transmission == 1.0 and plan.absorption is None
     if is_clear and s.normal is None and has_slabs(o, plan.material):
-        warn("%s: glass as a thin box: its sides are taken as panes, which bend nothing" % who)
+        warn("%s: glass as a thin box: its sides are taken as thin panes, without refraction" % who)
         return False
     return True
 
@@ -330,7 +330,7 @@ def patch_of(plan, value, solid):
     return patch
 
 
-# Panes that are modelled as thin boxes: two parallel walls of glass, which together bend nothing.
+# Panes that are modelled as thin boxes: two parallel walls of glass, which together do not deflect light.
 
 THIN = 0.02  # of the root of a wall's area, at most
 RIM = 0.2  # of a wall's area, at most, are the faces between the two

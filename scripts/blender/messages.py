@@ -54,7 +54,7 @@ def default_bake_cache():
 
 def bake_size(text):
     if not text.isdecimal() or not 16 <= int(text) <= 8192:
-        raise argparse.ArgumentTypeError("wants 16 to 8192 pixels, got '%s'" % text)
+        raise argparse.ArgumentTypeError("must be 16 to 8192 pixels, got '%s'" % text)
     return int(text)
 
 
@@ -96,7 +96,7 @@ def frame_range(scene, text):
         return scene.frame_start, scene.frame_end, scene.frame_step
     match = re.fullmatch(r"(\d+)-(\d+)(?:x([1-9]\d*))?", text)
     if match is None:
-        fail("--frames: wants A-B or A-BxSTEP, got '%s'" % text)
+        fail("--frames: must be A-B or A-BxSTEP, got '%s'" % text)
     first, last, step = (int(n) for n in match.groups("1"))
     if last < first:
         fail("--frames: %d comes after %d" % (first, last))

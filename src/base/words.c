@@ -1,8 +1,20 @@
-// Nearest word by Levenshtein's edit distance, for suggestions in error messages.
+// Ends of names; the nearest word by Levenshtein's edit distance, for suggestions in error messages.
 #include "base/words.h"
 
-#include <stdbool.h>
 #include <string.h>
+#include <strings.h>
+
+bool rf_ends_with( const char* text, const char* end )
+{
+    size_t length = strlen( text ), end_length = strlen( end );
+    return length > end_length && strcmp( text + length - end_length, end ) == 0;
+}
+
+bool rf_has_extension( const char* path, const char* extension )
+{
+    size_t length = strlen( path ), end_length = strlen( extension );
+    return length > end_length && strcasecmp( path + length - end_length, extension ) == 0;
+}
 
 static int edit_distance( const char* a, const char* b )
 {

@@ -1,6 +1,14 @@
-// Suggests corrections of misspelt words, for error messages.
+// Ends of names, and corrections of misspelt words, for error messages.
 #ifndef REFRAME_BASE_WORDS_H
 #define REFRAME_BASE_WORDS_H
+
+#include <stdbool.h>
+
+// Does it end so, and begin with something else?
+bool rf_ends_with( const char* text, const char* end );
+
+// The same for the extension of a file, in any case: ".glb".
+bool rf_has_extension( const char* path, const char* extension );
 
 // The one of `count` words nearest to `word` by edit distance, or NULL if none is close enough
 // to be a misspelling.

@@ -59,7 +59,7 @@ void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const
 void rf_bsdf_sample_weighted( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
                               const float* const u[3], float* const wi[3], float* const weight[3], float* pdf_solid_angle );
 
-// A thin pane: a smooth thin wall of GLASS, which rays pass without being bent.
+// A thin pane: a smooth thin wall of GLASS, which rays pass without refraction.
 typedef struct RfPane
 {
     float probability; // q, with which sampling takes a ray straight through; 0: not a pane here

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 // The order matters: hits are sorted by model. LAMBERT comes first, then the
-// glossy models, then those that cannot be evaluated for a given direction.
+// glossy models, then the specular ones.
 typedef enum RfBsdfKind
 {
     RF_BSDF_LAMBERT, // diffuse only: looks the same to every camera

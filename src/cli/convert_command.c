@@ -34,43 +34,43 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_CHOICE,
       .value = &s_up,
       .choices = s_ups,
-      .help = "the axis of IN that points up; z is turned to glTF's y" },
+      .help = "up axis of IN; z is rotated to glTF's y" },
     { .name = "scale",
       .type = RF_OPTION_REAL,
       .value = &s_convert.scale,
       .min = 1e-9,
       .max = 1e9,
       .meta = "S",
-      .help = "metres per unit of IN, on top of the file's own unit" },
+      .help = "metres per unit of IN, in addition to the file's own unit" },
     { .name = "importer",
       .type = RF_OPTION_CHOICE,
       .value = &s_importer,
       .choices = s_importers,
-      .help = "what reads IN; auto: Reframe's own reader for PLY, assimp for the rest" },
+      .help = "reader for IN; auto: Reframe's own for PLY, assimp for the rest" },
     { .name = "memory",
       .type = RF_OPTION_MEMORY,
       .value = &s_convert.memory,
       .min = 128 << 20,
       .meta = "SIZE",
-      .help = "limit of assimp's address space" },
+      .help = "address space limit for assimp" },
     { .name = "timeout",
       .type = RF_OPTION_TIME,
       .value = &s_convert.seconds,
       .min = 0.1,
       .max = 86400,
       .meta = "SECONDS",
-      .help = "limit of assimp's time" },
+      .help = "time limit for assimp" },
     { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_convert.overwrite, .help = "replace an existing OUT.glb" },
     { .name = "json",
       .writes = ".json",
       .type = RF_OPTION_STRING,
       .value = &s_json,
       .meta = "FILE",
-      .help = "write the result as JSON; - is standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no line about what was converted, no warnings" },
+      .help = "write the result as JSON; - for standard output" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no summary, no warnings" },
 };
 static const RfCommandTable s_table = { .command = COMMAND,
-                                        .summary = "Writes OBJ, PLY, FBX or Collada as .glb.",
+                                        .summary = "Converts OBJ, PLY, FBX or Collada to .glb.",
                                         .files = s_files,
                                         .file_count = 2,
                                         .writes_last = true,
@@ -85,8 +85,7 @@ static bool is_interrupted( void* user )
 
 static RfResult report_result( const char* from, const char* to, const RfModelCounts* c, int warnings, RfError* error )
 {
-    bool json_out = s_json != NULL && strcmp( s_json, "-" ) == 0;
-    if ( !s_quiet && !json_out )
+    if ( !s_quiet && rf_prints_text( s_json ) )
         rf_print( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles,
                   c->meshes, c->materials, c->images, c->cameras, c->lights );
     if ( s_json == NULL )
@@ -120,10 +119,7 @@ int rf_command_convert( int argc, char** argv )
     s_convert = rf_default_convert_options();
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &s_table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = convert( files[0], files[1], &error );
     return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );

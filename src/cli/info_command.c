@@ -26,30 +26,30 @@ static const RfOption s_options[] = {
       .given = &s_fps_given,
       .meta = "R",
       .default_text = "the scene's, else 24",
-      .help = "frames per second, to count the frames of the cameras" },
+      .help = "frames per second, for the frame counts of the cameras" },
     { .name = "effects",
       .type = RF_OPTION_CHOICE,
       .value = &s_render.effects,
       .given = &s_effects_given,
       .choices = rf_effects_words,
-      .help = "list the effects as render --effects has them" },
+      .help = "list the effects as with render --effects" },
     { .name = "no-effect",
       .type = RF_OPTION_STRING,
       .value = &s_render.no_effect,
       .meta = "NAME[,...]",
       .default_text = "none",
-      .help = "list the effects as render --no-effect has them" },
+      .help = "list the effects as with render --no-effect" },
     { .name = "json",
       .writes = ".json",
       .type = RF_OPTION_STRING,
       .value = &s_json,
       .meta = "FILE",
-      .help = "write the result as JSON; - is standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "accepted as by all commands; there is no progress" },
+      .help = "write the result as JSON; - for standard output" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "accepted for consistency; there is no progress" },
 };
 static const RfCommandTable s_table = {
     .command = "info",
-    .summary = "Lists what is in a scene (.glb, .gltf or scene file, .json) and which effects it uses.",
+    .summary = "Lists what is in a scene (.glb, .gltf or .json scene file) and which effects it uses.",
     .files = s_files,
     .file_count = 1,
     .options = s_options,
@@ -93,13 +93,13 @@ static void name_frames( const RfCameraInfo* camera, char* text, size_t size )
 static void print_film( const RfSceneInfo* scene )
 {
     if ( scene->width > 0 )
-        rf_print( "picture    %dx%d\n", scene->width, scene->height );
+        rf_print( "size       %dx%d\n", scene->width, scene->height );
 }
 
 static void print_moving( const RfSceneInfo* scene )
 {
     if ( scene->moving_count > 0 )
-        rf_print( "moving     %d object%s, taken as in the first frame: only cameras move here\n", scene->moving_count,
+        rf_print( "moving     %d object%s, rendered as in the first frame: only cameras can move\n", scene->moving_count,
                   scene->moving_count == 1 ? "" : "s" );
     for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
         rf_print( "  %s\n", scene->moving[i] );
@@ -110,7 +110,7 @@ static void print_moving( const RfSceneInfo* scene )
 static void print_warnings( const RfSceneInfo* scene )
 {
     if ( scene->export_warning_count > 0 )
-        rf_print( "warnings   %d of the export\n", scene->export_warning_count );
+        rf_print( "warnings   %d from the export\n", scene->export_warning_count );
     for ( int i = 0; i < scene->export_warning_count; ++i )
         rf_print( "  %s\n", scene->export_warnings[i] );
 }
@@ -125,8 +125,8 @@ static void print_cameras( const Facts* facts )
         name_frames( c, numbers, sizeof numbers );
         bool plain = strcmp( c->projection, "perspective" ) == 0;
         rf_print( "  %s: %d frame%s%s at %g frames/s, %s%s%s\n", c->name, c->frames, c->frames == 1 ? "" : "s", numbers,
-                  (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "stands still",
-                  plain ? "" : ", ", plain ? "" : c->projection );
+                  (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "static", plain ? "" : ", ",
+                  plain ? "" : c->projection );
     }
 }
 
@@ -158,7 +158,7 @@ static void print_info( const RfScene* scene, const Facts* facts )
     rf_print( "materials  %u\n", s->materials );
     rf_print( "lights     %u", s->lights );
     if ( s->lights > 0 )
-        rf_print( " (emitting triangles %u, %.4g m2; lamps without size %d; sky %s)", s->emitting_triangles, s->emitting_area,
+        rf_print( " (emissive triangles %u, %.4g m2; punctual lights %d; sky %s)", s->emitting_triangles, s->emitting_area,
                   s->punctual_lights, s->has_sky ? "yes" : "no" );
     rf_print( "\n" );
     if ( s->triangles > 0 )
@@ -234,7 +234,7 @@ static RfResult report_result( const char* name, RfError* error )
     RfResult result = load( name, &scene, &facts.render, error );
     if ( result == RF_OK )
         result = gather( &scene, &facts, error );
-    if ( result == RF_OK && ( s_json == NULL || strcmp( s_json, "-" ) != 0 ) )
+    if ( result == RF_OK && rf_prints_text( s_json ) )
     {
         print_info( &scene, &facts );
         result = rf_flush_output( error );
@@ -256,10 +256,7 @@ int rf_command_info( int argc, char** argv )
     s_render = rf_default_render_options();
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &s_table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = report_result( files[0], &error );
     return result == RF_OK ? 0 : rf_report_error( "info", &error );

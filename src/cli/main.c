@@ -13,9 +13,9 @@
 static const RfCommand s_commands[] = {
     { "render", rf_command_render, "render a camera animation to EXR files" },
     { "info", rf_command_info, "list what is in a scene, and which effects it uses" },
-    { "plan", rf_command_plan, "show which group sizes fit into memory, and which pays best" },
+    { "plan", rf_command_plan, "show which group sizes fit in memory, and which is best" },
     { "tune", rf_command_tune, "find the most efficient group and tile by short renders" },
-    { "cost", rf_command_cost, "measure error over time, with and without reuse" },
+    { "cost", rf_command_cost, "measure error against render time, with and without reuse" },
     { "compare", rf_command_compare, "measure the error of images against references" },
     { "flicker", rf_command_flicker, "measure how much the error changes from frame to frame" },
     { "report", rf_command_report, "show rendered sequences in one HTML page" },
@@ -40,7 +40,7 @@ static int finish_output( void )
 static int print_usage( void )
 {
     printf( "usage: reframe COMMAND [OPTIONS] FILES\n"
-            "Renders camera animations through glTF scenes; every path serves all frames that see its first hit.\n\n" );
+            "Renders camera animations through glTF scenes; every path is shared by the frames that see its first hit.\n\n" );
     for ( int i = 0; i < COMMAND_COUNT; ++i )
         printf( "  %-12s%s\n", s_commands[i].name, s_commands[i].summary );
     printf( "\n  reframe COMMAND --help    the options of a command; also: reframe help COMMAND\n"

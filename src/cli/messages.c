@@ -155,6 +155,8 @@ RfResult rf_flush_output( RfError* error )
     return RF_OK;
 }
 
+bool rf_prints_text( const char* json ) { return json == NULL || strcmp( json, "-" ) != 0; }
+
 RfResult rf_write_json( const char* path, json_t* json, RfError* error )
 {
     if ( json == NULL )

@@ -6,6 +6,7 @@
 #include "reframe/error.h"
 
 #include <jansson.h>
+#include <stdbool.h>
 
 // The exit status that a result stands for: 0, 1, 2 (usage) or 130 (interrupted).
 int rf_exit_status( RfResult result );
@@ -50,6 +51,9 @@ json_t* rf_json_number( double value );
 
 // The number of an object's key; NaN where there is none, or no object.
 double rf_json_number_of( const json_t* object, const char* key );
+
+// Is the result printed as text? Yes, unless the file of --json (NULL: none) is standard output.
+bool rf_prints_text( const char* json );
 
 // Writes `json` and a newline to `path` ("-": standard output) and releases it.
 // A file is written whole or not at all. NULL json is RF_ERROR_MEMORY.

@@ -24,25 +24,25 @@ static const RfOption s_options[] = {
       .min = -32,
       .max = 32,
       .meta = "E",
-      .help = "exposure in stops: each doubles the light" },
+      .help = "exposure in stops: each doubles the brightness" },
     { .name = "layer",
       .type = RF_OPTION_STRING,
       .value = &s_layer,
       .meta = "NAME",
-      .default_text = "the colour",
+      .default_text = "colour",
       .help = "a layer, part or channel of the files, or three channels X,Y,Z" },
     { .name = "frames",
       .type = RF_OPTION_STRING,
       .value = &s_frames,
       .meta = "A-B[xSTEP][,...]",
       .default_text = "all",
-      .help = "only these frame numbers of a sequence" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no line about what was written" },
+      .help = "convert only these frames of a sequence" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no summary" },
 };
 static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary = "Writes EXR files as 8-bit PNG with the sRGB curve, and with their alpha if "
                                                    "they have one. IN is a file, a sequence named with ####, or its folder; "
-                                                   "OUT a file, a name with #### for a sequence, or a folder that is there.",
+                                                   "OUT a file, a name with #### for a sequence, or an existing folder.",
                                         .files = s_files,
                                         .file_count = 2,
                                         .writes_last = true,
@@ -145,10 +145,7 @@ int rf_command_png( int argc, char** argv )
     Job job = { .from = { .count = 0 } };
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &s_table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = run( files, &job, &error );
     rf_free_sequence_input( &job.from );

@@ -277,7 +277,7 @@ static RfResult choose_method( const ReconstructChoice* choice, const Reconstruc
         return RF_OK;
     solve->own_weights = frame->half_count == 1;
     if ( choice->alpha_given )
-        return rf_fail( error, RF_ERROR_USAGE, "--alpha: is of the methods l2 and l1; weighted takes weights from variances" );
+        return rf_fail( error, RF_ERROR_USAGE, "--alpha: needs --method l2 or l1; weighted takes its weights from variances" );
     if ( !frame->has_variance )
         return rf_fail( error, RF_ERROR_FORMAT,
                         "%s: has no channel primal.variance: name its variances by --variance A,X,Y, or choose --method l2",
@@ -491,7 +491,7 @@ int rf_command_reconstruct( int argc, char** argv )
           .type = RF_OPTION_STRING,
           .value = &job.output,
           .meta = "FILE",
-          .help = "the image; for a sequence with #### for the frame number" },
+          .help = "output image; for a sequence, with #### for the frame number" },
         { .name = "method",
           .type = RF_OPTION_CHOICE,
           .value = &job.choice.method,
@@ -507,10 +507,11 @@ int rf_command_reconstruct( int argc, char** argv )
           .min = 1e-4,
           .max = 1e4,
           .meta = "A",
-          .help = "of l2 and l1: weight of the primal against the gradients" },
-        TEXT_OPTION( "primal", job.files.primal, "NAME", "primal, else the colour", "the layer of the noisy image, or X,Y,Z" ),
-        TEXT_OPTION( "dx", job.files.dx, "NAME", "dx", "the layer of differences to the pixel on the right" ),
-        TEXT_OPTION( "dy", job.files.dy, "NAME", "dy", "the layer of differences to the pixel below" ),
+          .help = "weight of the primal image against the gradients, with l2 and l1" },
+        TEXT_OPTION( "primal", job.files.primal, "NAME", "primal, else colour",
+                     "layer of the noisy image, or three channels X,Y,Z" ),
+        TEXT_OPTION( "dx", job.files.dx, "NAME", "dx", "layer of differences to the pixel on the right" ),
+        TEXT_OPTION( "dy", job.files.dy, "NAME", "dy", "layer of differences to the pixel below" ),
         TEXT_OPTION( "variance", job.files.variance, "A,X,Y", "primal.variance,dx.variance,dy.variance",
                      "three channels: variances of primal, dx and dy" ),
         { .name = "dx-from",
@@ -525,7 +526,7 @@ int rf_command_reconstruct( int argc, char** argv )
           .reads = true,
           .meta = "FILE",
           .help = "read dy from this file or sequence instead" },
-        TEXT_OPTION( "frames", job.files.frames, "A-B[xSTEP][,...]", "all", "only these of the sequence, by their numbers" ),
+        TEXT_OPTION( "frames", job.files.frames, "A-B[xSTEP][,...]", "all", "reconstruct only these frames of the sequence" ),
         { .name = "half",
           .type = RF_OPTION_BOOL,
           .value = &job.half,
@@ -536,12 +537,12 @@ int rf_command_reconstruct( int argc, char** argv )
           .type = RF_OPTION_STRING,
           .value = &job.json,
           .meta = "FILE",
-          .help = "write how the solves went as JSON; - is standard output",
+          .help = "write statistics of the solves as JSON; - for standard output",
           .heading = RF_HEADING_OUTPUT },
         { .name = "quiet",
           .type = RF_OPTION_BOOL,
           .value = &job.quiet,
-          .help = "no progress, no line about what was written",
+          .help = "no progress, no summary",
           .heading = RF_HEADING_OUTPUT },
     };
     const RfCommandTable table = {
@@ -561,8 +562,7 @@ int rf_command_reconstruct( int argc, char** argv )
     RfResult result = rf_parse_options( &table, argc, argv, job.files.images, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
+        result = rf_show_help( &table, &error );
         return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
     }
     job.rows = json_array();
@@ -570,7 +570,7 @@ int rf_command_reconstruct( int argc, char** argv )
     RfReportedWarnings reported = { COMMAND, job.warnings };
     RfLog log = rf_keeping_log( &reported );
     job.log = &log;
-    job.table = job.json == NULL || strcmp( job.json, "-" ) != 0;
+    job.table = rf_prints_text( job.json );
     if ( result == RF_OK )
         result = run( &job, &error );
     free_reconstruct_files( &job.files );

@@ -47,3 +47,9 @@ void rf_catch_interrupts( void )
 }
 
 bool rf_is_interrupted( void ) { return s_interrupted != 0; }
+
+bool rf_may_go_on( void* user )
+{
+    (void)user;
+    return s_interrupted == 0;
+}

@@ -10,6 +10,9 @@
 void rf_catch_interrupts( void );
 bool rf_is_interrupted( void );
 
+// The opposite, for callbacks that say whether to go on.
+bool rf_may_go_on( void* user );
+
 // The end of the program by a library in C++ that cannot go on: Embree and TBB without memory.
 
 // From here on an exception that nothing catches ends the program with a line of ours and exit status 1, not with abort.

@@ -1,6 +1,7 @@
 // From a file of another format to a .glb (reframe/convert.h).
 #include "base/file.h"
 #include "base/remedy.h"
+#include "base/words.h"
 #include "convert/glb_write.h"
 #include "convert/ply_read.h"
 #include "convert/run_importer.h"
@@ -8,18 +9,11 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 RfConvertOptions rf_default_convert_options( void )
 {
     return ( RfConvertOptions ){ .scale = 1.0, .memory = (size_t)4 << 30, .seconds = 120.0 };
-}
-
-static bool ends_with( const char* name, const char* ending )
-{
-    size_t length = strlen( name ), end = strlen( ending );
-    return length > end && strcasecmp( name + length - end, ending ) == 0;
 }
 
 #define HEAD_BYTES 8
@@ -41,7 +35,7 @@ static RfResult read_head( const char* path, char head[HEAD_BYTES], RfError* err
 
 static RfResult check_files( const char* from, const char* to, bool overwrite, char head[HEAD_BYTES], RfError* error )
 {
-    if ( !ends_with( to, ".glb" ) )
+    if ( !rf_has_extension( to, ".glb" ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: only .glb is written: name it .glb", to );
     RfResult result = read_head( from, head, error );
     if ( result != RF_OK )
@@ -49,7 +43,7 @@ static RfResult check_files( const char* from, const char* to, bool overwrite, c
     result = rf_refuse_blend_file( from, head, HEAD_BYTES, error );
     if ( result != RF_OK )
         return result;
-    if ( ends_with( from, ".glb" ) || ends_with( from, ".gltf" ) || memcmp( head, "glTF", 4 ) == 0 )
+    if ( rf_has_extension( from, ".glb" ) || rf_has_extension( from, ".gltf" ) || memcmp( head, "glTF", 4 ) == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: is glTF already and needs no conversion: render it as it is", from );
     struct stat status;
     if ( !overwrite && lstat( to, &status ) == 0 )

@@ -88,7 +88,7 @@ static RfResult read_format( RfPlyFile* file, const Line* line )
         file->format = (RfPlyFormat)i;
         return RF_OK;
     }
-    return rf_ply_fail( file, "format wants ascii, binary_little_endian or binary_big_endian, and 1.0" );
+    return rf_ply_fail( file, "format must be ascii, binary_little_endian or binary_big_endian, and 1.0" );
 }
 
 static RfResult copy_name( RfPlyFile* file, const char* word, char name[RF_PLY_NAME] )
@@ -102,7 +102,7 @@ static RfResult copy_name( RfPlyFile* file, const char* word, char name[RF_PLY_N
 static RfResult read_element( RfPlyFile* file, const Line* line )
 {
     if ( line->count != 3 )
-        return rf_ply_fail( file, "element wants a name and a count" );
+        return rf_ply_fail( file, "element must have a name and a count" );
     if ( file->element_count == RF_PLY_MAX_ELEMENTS )
         return rf_ply_fail( file, "more than %d elements", RF_PLY_MAX_ELEMENTS );
     RfPlyElement* element = file->elements + file->element_count;
@@ -127,12 +127,12 @@ static RfResult read_property( RfPlyFile* file, const Line* line )
     *p = ( RfPlyProperty ){ 0 };
     p->is_list = line->count > 1 && strcmp( line->words[1], "list" ) == 0;
     if ( line->count != ( p->is_list ? 5 : 3 ) )
-        return rf_ply_fail( file, "property wants a type and a name, or list, two types and a name" );
+        return rf_ply_fail( file, "property must have a type and a name, or list, two types and a name" );
     const char* type = line->words[line->count - 2];
     if ( !find_type( type, &p->type ) || ( p->is_list && !find_type( line->words[2], &p->count_type ) ) )
         return rf_ply_fail( file, "the type of property %.40s is unknown", line->words[line->count - 1] );
     if ( p->is_list && p->count_type >= RF_PLY_FLOAT32 )
-        return rf_ply_fail( file, "the length of list %.40s wants an integer type", line->words[4] );
+        return rf_ply_fail( file, "the length of list %.40s must have an integer type", line->words[4] );
     element->property_count += 1;
     return copy_name( file, line->words[line->count - 1], p->name );
 }

@@ -95,7 +95,8 @@ static RfResult bind( RfPlyReader* r, const RfPlyElement* element, const char* c
     {
         RfPlyType type = element->properties[properties[k]].type;
         if ( colour && type != RF_PLY_UINT8 && type != RF_PLY_UINT16 && type < RF_PLY_FLOAT32 )
-            return rf_ply_fail( &r->file, "property %s wants uchar, ushort or float: the white value of other types is undefined",
+            return rf_ply_fail( &r->file,
+                                "property %s must be uchar, ushort or float: the white value of other types is undefined",
                                 names[k][0] );
         slots[properties[k]] = ( Slot ){ *values, stride,
                                          k,       colour ? colour_scale( type ) : 1.0f,

@@ -1,15 +1,19 @@
-// The estimators there are. A further one is a folder and a row here.
+// The estimators there are, and what they use by default.
+#include "estimators/estimators.h"
+
 #include "gradient/gradient.h"
 #include "reuse/reuse.h"
 
 #include <math.h>
 #include <string.h>
 
-// The first is the default.
-static const RfEstimator* const s_estimators[] = {
-    &rf_reuse_estimator,
-    &rf_gradient_estimator,
-};
+#define TABLE( name, what ) &rf_##name##_estimator,
+static const RfEstimator* const s_estimators[] = { RF_ESTIMATOR_LIST( TABLE ) };
+#undef TABLE
+
+#define WORD( name, what ) #name,
+const char* const rf_estimator_words[] = { RF_ESTIMATOR_LIST( WORD ) NULL };
+#undef WORD
 
 #define ESTIMATOR_COUNT ( (int)( sizeof s_estimators / sizeof s_estimators[0] ) )
 

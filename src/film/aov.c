@@ -97,34 +97,44 @@ void rf_format_aovs( unsigned aovs, char* text, size_t size )
 // Points farther off the film centre of another camera count as behind it, pixels.
 #define FARTHEST_MOTION 1e6f
 
+static bool is_filtered( RfAov aov ) { return ( RF_FILTERED_AOVS & RF_AOV_BIT( aov ) ) != 0; }
+
 // A pixel of an AOV that is filtered.
 typedef struct FilteredPixel
 {
-    float sum[3], weight; // over the passes so far
-    float value[3];       // of the pixel's sample in the pass that is traced
-    float place[2];       // of this sample in the pixel
+    float *sum, *weight; // over the passes so far
+    float* value;        // of the pixel's sample in the pass that is traced
+    float* place;        // of this sample in the pixel
 } FilteredPixel;
 
-#define FILTERED_FLOATS ( (int)( sizeof( FilteredPixel ) / sizeof( float ) ) )
+static int filtered_floats( int channels ) { return 2 * channels + 3; }
 
-static bool is_filtered( RfAov aov ) { return ( RF_FILTERED_AOVS & RF_AOV_BIT( aov ) ) != 0; }
+static FilteredPixel filtered_pixel( float* pixels, int channels, int pixel )
+{
+    float* at = pixels + (size_t)pixel * (size_t)filtered_floats( channels );
+    return ( FilteredPixel ){ at, at + channels, at + channels + 1, at + 2 * channels + 1 };
+}
 
-static FilteredPixel* filtered_pixels( const RfAovFilm* film, RfAov aov ) { return (FilteredPixel*)(void*)film->mean[aov]; }
+// The switches over AOVs have no default, so that the compiler names those where a new row is missing.
 
 int rf_aov_film_floats( RfAov aov, bool filtered )
 {
-    if ( filtered && is_filtered( aov ) )
-        return FILTERED_FLOATS;
+    int channels = rf_aov_channels( aov );
     switch ( aov )
     {
+        case RF_AOV_ALBEDO:
+        case RF_AOV_NORMAL:
+        case RF_AOV_MOTION: return filtered && is_filtered( aov ) ? filtered_floats( channels ) : channels;
+        case RF_AOV_DEPTH: return channels + 1;
+        case RF_AOV_SAMPLES: return channels;
         case RF_AOV_VARIANCE: // made from the films of the colour
         case RF_AOV_PRIMAL:
         case RF_AOV_DX:
         case RF_AOV_DY: return 0;
-        case RF_AOV_DEPTH:
         case RF_AOV_ALPHA: return 2;
-        default: return rf_aov_channels( aov );
+        case RF_AOV_COUNT: break;
     }
+    return 0;
 }
 
 void rf_clear_aov_film( RfAovFilm* film, int width, int height )
@@ -209,7 +219,13 @@ static void value_at_hit( const RfAovJob* job, RfAov aov, const RfVertexLanes* v
         case RF_AOV_NORMAL: store( value, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) ); break;
         case RF_AOV_DEPTH: value[0] = rf_eye_depth( job->eye, p ); break;
         case RF_AOV_MOTION: motion_of( job, ( Seen ){ p, false }, value ); break;
-        default: break;
+        case RF_AOV_VARIANCE: // not of hits
+        case RF_AOV_SAMPLES:
+        case RF_AOV_PRIMAL:
+        case RF_AOV_DX:
+        case RF_AOV_DY:
+        case RF_AOV_ALPHA:
+        case RF_AOV_COUNT: break;
     }
 }
 
@@ -262,16 +278,17 @@ static void add_means( const Batch* b, RfAov aov )
 // Keeps the samples of an AOV that is spread when the pass is complete.
 static void set_samples( const Batch* b, RfAov aov )
 {
+    int channels = rf_aov_channels( aov );
     for ( int slot = 0; slot < b->first.rays->count; ++slot )
     {
         if ( b->first.pixel[slot] < 0 )
             continue;
-        FilteredPixel* p = filtered_pixels( b->job->film, aov ) + b->first.pixel[slot];
-        p->place[0] = b->first.place[0][slot];
-        p->place[1] = b->first.place[1][slot];
+        FilteredPixel p = filtered_pixel( b->job->film->mean[aov], channels, b->first.pixel[slot] );
+        p.place[0] = b->first.place[0][slot];
+        p.place[1] = b->first.place[1][slot];
         float value[MOST_CHANNELS] = { 0 };
         value_of( b, aov, slot, value );
-        memcpy( p->value, value, sizeof p->value );
+        memcpy( p.value, value, (size_t)channels * sizeof *value );
     }
 }
 
@@ -296,29 +313,30 @@ void rf_add_to_aovs( const RfAovJob* job, RfFirstHits first )
 typedef struct Spread
 {
     const RfPixelFilter* filter;
-    int width, height;
+    float* pixels; // of an AOV
+    int channels, width, height;
     float weight;           // of the pass
     int first_row, end_row; // that get something
 } Spread;
 
 // Adds the sample of pixel (x, y) to those around it.
-static void spread_sample( const Spread* s, FilteredPixel* pixels, int x, int y )
+static void spread_sample( const Spread* s, int x, int y )
 {
     const RfPixelFilter* filter = s->filter;
-    const FilteredPixel* sample = pixels + (size_t)y * (size_t)s->width + (size_t)x;
+    FilteredPixel sample = filtered_pixel( s->pixels, s->channels, y * s->width + x );
     float across[RF_FILTER_TAPS], down[RF_FILTER_TAPS];
-    rf_filter_weights( filter, x, sample->place[0], s->width, across );
-    rf_filter_weights( filter, y, sample->place[1], s->height, down );
+    rf_filter_weights( filter, x, sample.place[0], s->width, across );
+    rf_filter_weights( filter, y, sample.place[1], s->height, down );
     for ( int k = 0; k < filter->taps * filter->taps; ++k )
     {
         int column = k % filter->taps, row = k / filter->taps, px = x + column - filter->reach, py = y + row - filter->reach;
         if ( px < 0 || px >= s->width || py < s->first_row || py >= s->end_row )
             continue;
-        FilteredPixel* p = pixels + (size_t)py * (size_t)s->width + (size_t)px;
+        FilteredPixel p = filtered_pixel( s->pixels, s->channels, py * s->width + px );
         float share = s->weight * across[column] * down[row];
-        p->weight += share;
-        for ( int c = 0; c < 3; ++c )
-            p->sum[c] += share * sample->value[c];
+        *p.weight += share;
+        for ( int c = 0; c < s->channels; ++c )
+            p.sum[c] += share * sample.value[c];
     }
 }
 
@@ -331,41 +349,46 @@ void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight,
     int bottom = end_row + reach < height ? end_row + reach : height;
     for ( RfAov aov = 0; aov < RF_AOV_COUNT; ++aov )
     {
-        for ( int y = top; y < bottom && film->mean[aov] != NULL && is_filtered( aov ); ++y )
+        s.pixels = film->mean[aov];
+        s.channels = rf_aov_channels( aov );
+        for ( int y = top; y < bottom && s.pixels != NULL && is_filtered( aov ); ++y )
         {
             for ( int x = 0; x < width; ++x )
-                spread_sample( &s, filtered_pixels( film, aov ), x, y );
+                spread_sample( &s, x, y );
         }
     }
 }
 
 // Divided by the sum of the weights: a constant stays one.
-static void finish_filtered( const RfAovFilm* film, RfAov aov, size_t pixels, float* image )
+static void finish_filtered( float* pixels, int channels, int count, float* image )
 {
-    const FilteredPixel* p = filtered_pixels( film, aov );
-    for ( size_t i = 0; i < 3 * pixels; ++i )
-        image[i] = p[i / 3].weight > 0.0f ? p[i / 3].sum[i % 3] / p[i / 3].weight : 0.0f;
+    for ( int i = 0; i < count; ++i, image += channels )
+    {
+        FilteredPixel p = filtered_pixel( pixels, channels, i );
+        for ( int c = 0; c < channels; ++c )
+            image[c] = *p.weight > 0.0f ? p.sum[c] / *p.weight : 0.0f;
+    }
 }
 
-void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image )
+void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNormalize normalize, float* image )
 {
     size_t pixels = (size_t)colour->width * (size_t)colour->height;
     const float* mean = film->mean[aov];
     if ( rf_has_filter( film->filter ) && is_filtered( aov ) )
     {
-        finish_filtered( film, aov, pixels, image );
+        finish_filtered( film->mean[aov], rf_aov_channels( aov ), (int)pixels, image );
         return;
     }
     switch ( aov )
     {
-        case RF_AOV_VARIANCE: rf_estimate_variance( colour, combine, image ); break;
-        case RF_AOV_PRIMAL: rf_combine_film( colour, RF_FILM_RATIO, image, NULL ); break;
+        case RF_AOV_VARIANCE: rf_estimate_variance( colour, normalize, image ); break;
+        case RF_AOV_PRIMAL: rf_combine_film( colour, RF_NORMALIZE_RATIO, image, NULL ); break;
         case RF_AOV_DX:
         case RF_AOV_DY:
-            rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_FILM_RATIO, image, NULL );
+            rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_NORMALIZE_RATIO, image, NULL );
             rf_add_film_steps( colour + RF_UNSHARED_FILM, 0, 1, aov == RF_AOV_DY, image );
             break;
-        case RF_AOV_ALPHA: rf_combine_alpha( colour, combine, mean, image ); break;
+        case RF_AOV_ALPHA: rf_combine_alpha( colour, normalize, mean, image ); break;
         case RF_AOV_SAMPLES:
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = (float)film->landed[i];
@@ -374,6 +397,9 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFi
             for ( size_t i = 0; i < pixels; ++i )
                 image[i] = mean[2 * i + 1] > 0.0f ? mean[2 * i] : RF_DEPTH_OF_NOTHING;
             break;
-        default: memcpy( image, mean, pixels * (size_t)rf_aov_channels( aov ) * sizeof( float ) );
+        case RF_AOV_ALBEDO:
+        case RF_AOV_NORMAL:
+        case RF_AOV_MOTION: memcpy( image, mean, pixels * (size_t)rf_aov_channels( aov ) * sizeof( float ) ); break;
+        case RF_AOV_COUNT: break;
     }
 }

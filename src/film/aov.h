@@ -71,6 +71,6 @@ void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight,
 
 // The image of an AOV: rf_aov_channels floats per pixel. `colour` are the films of the frame, the first its colour,
 // which RF_AOV_VARIANCE is taken from.
-void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfFilmCombine combine, float* image );
+void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNormalize normalize, float* image );
 
 #endif

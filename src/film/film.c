@@ -1,7 +1,8 @@
-// Sums of a frame's two halves, their combination to a picture (E2), and its variance.
+// Sums of a frame's two halves, the picture that they make, and its variance.
 #include "film/film.h"
 
 #include "base/fault.h"
+#include "film/normalize.h"
 
 #include <string.h>
 
@@ -45,45 +46,24 @@ void rf_end_film_pass( RfFilm* film, int half, double weight )
     memset( film->half[half], 0, rf_film_half_bytes( film->width, film->height ) );
 }
 
-// (E2) in sums, n the weights of a half's passes: [ A_e + c_o (n_e − B_e) + A_o + c_e (n_o − B_o) ] / (n_e + n_o).
-// Where B is exactly n, as without reuse, this is the plain mean, bit for bit.
-static double crossfit( const RfFilmPixel* p, int c )
+void rf_combine_film( const RfFilm* film, RfNormalize normalize, float* rgb, float* weight )
 {
-    double e = p->half[0][c] + rf_film_quotient( p->half[1], c ) * ( p->weight[0] - p->half[0][3] );
-    double o = p->half[1][c] + rf_film_quotient( p->half[0], c ) * ( p->weight[1] - p->half[1][3] );
-    return ( e + o ) / ( p->weight[0] + p->weight[1] );
+    rf_combine_film_pixels( film, normalize, 0, (size_t)film->width * (size_t)film->height, rgb, weight );
 }
 
-static double combine_channel( const RfFilmPixel* p, RfFilmCombine combine, int c )
-{
-    double a = p->half[0][c] + p->half[1][c], b = p->half[0][3] + p->half[1][3];
-    switch ( combine )
-    {
-        case RF_FILM_CROSSFIT: return crossfit( p, c );
-        case RF_FILM_RATIO: return b > 0.0 ? a / b : 0.0;
-        case RF_FILM_PLAIN: return a / ( p->weight[0] + p->weight[1] );
-    }
-    return 0.0;
-}
-
-void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight )
-{
-    rf_combine_film_pixels( film, combine, 0, (size_t)film->width * (size_t)film->height, rgb, weight );
-}
-
-void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t first, size_t count, float* rgb, float* weight )
+void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t first, size_t count, float* rgb, float* weight )
 {
     for ( size_t i = first; i < first + count; ++i )
     {
         RfFilmPixel p = rf_film_pixel( film, i );
         for ( int c = 0; c < 3; ++c )
-            rgb[3 * i + (size_t)c] = (float)combine_channel( &p, combine, c );
+            rgb[3 * i + (size_t)c] = (float)rf_film_value( &p, normalize, c );
         if ( weight != NULL )
             weight[i] = (float)( ( p.half[0][3] + p.half[1][3] ) / ( p.weight[0] + p.weight[1] ) );
     }
 }
 
-void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* sky, float* alpha )
+void rf_combine_alpha( const RfFilm* film, RfNormalize normalize, const float* sky, float* alpha )
 {
     size_t count = (size_t)film->width * (size_t)film->height;
     for ( size_t i = 0; i < count; ++i )
@@ -92,11 +72,11 @@ void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* s
         RfFilmPixel p = rf_film_pixel( film, i );
         for ( size_t h = 0; h < 2; ++h )
             p.half[h][0] = p.half[h][3] - (double)sky[h * count + i];
-        alpha[i] = (float)combine_channel( &p, combine, 0 );
+        alpha[i] = (float)rf_film_value( &p, normalize, 0 );
     }
 }
 
-void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance )
+void rf_estimate_variance( const RfFilm* film, RfNormalize normalize, float* variance )
 {
     size_t count = (size_t)film->width * (size_t)film->height;
     double share = rf_film_half_share( film );
@@ -105,7 +85,7 @@ void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* var
         RfFilmPixel p = rf_film_pixel( film, i );
         for ( int c = 0; c < 3; ++c )
         {
-            double d = share > 0.0 ? rf_film_half_value( &p, combine, 0, c ) - rf_film_half_value( &p, combine, 1, c ) : 0.0;
+            double d = share > 0.0 ? rf_film_half_value( &p, normalize, 0, c ) - rf_film_half_value( &p, normalize, 1, c ) : 0.0;
             variance[3 * i + (size_t)c] = (float)( share * d * d );
         }
     }

@@ -3,7 +3,7 @@
 #ifndef REFRAME_FILM_FILM_H
 #define REFRAME_FILM_FILM_H
 
-#include "base/fault.h"
+#include "reframe/render_settings.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,13 +25,6 @@ typedef struct RfFilm
 // Additions to a pixel after which a sum in floats is moved to one in doubles.
 // n equal values lose n·2^−25 of their sum at most: 3e-5.
 #define RF_FILM_ADDITIONS ( 1 << 10 )
-
-typedef enum RfFilmCombine
-{
-    RF_FILM_CROSSFIT, // (E2)
-    RF_FILM_RATIO,    // A / B
-    RF_FILM_PLAIN,    // A
-} RfFilmCombine;
 
 // Bytes of a half, and of the doubles that it is emptied into.
 static inline size_t rf_film_half_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( float ); }
@@ -61,10 +54,10 @@ void rf_end_film_pass( RfFilm* film, int half, double weight );
 
 // The image of the film: rgb (3 per pixel), and the mean of B over the passes
 // in `weight` (1 per pixel; may be NULL). A pixel without weight is black.
-void rf_combine_film( const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight );
+void rf_combine_film( const RfFilm* film, RfNormalize normalize, float* rgb, float* weight );
 
 // The same for pixels [first, first + count) only.
-void rf_combine_film_pixels( const RfFilm* film, RfFilmCombine combine, size_t first, size_t count, float* rgb, float* weight );
+void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t first, size_t count, float* rgb, float* weight );
 
 // Adds to each pixel of `image` what the mean of its right neighbour, or of the one below, has more than its own: of the halves
 // `first` to `last`.
@@ -72,12 +65,12 @@ void rf_add_film_steps( const RfFilm* film, int first, int last, bool down, floa
 
 // Coverage of the pixels by what camera rays hit, combined like the colour. `sky`: the weight of the rays that missed,
 // a plane of pixels for each half.
-void rf_combine_alpha( const RfFilm* film, RfFilmCombine combine, const float* sky, float* alpha );
+void rf_combine_alpha( const RfFilm* film, RfNormalize normalize, const float* sky, float* alpha );
 
 // Variance of the pixels of the combined film, 3 channels each, estimated from the difference of
 // the halves: unbiased, but noisy, since each pixel has one such difference. 0 where a half
 // is empty.
-void rf_estimate_variance( const RfFilm* film, RfFilmCombine combine, float* variance );
+void rf_estimate_variance( const RfFilm* film, RfNormalize normalize, float* variance );
 
 // A pixel of a film in the two halves.
 typedef struct RfFilmPixel
@@ -96,26 +89,6 @@ static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
             p.half[h][c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
     }
     return p;
-}
-
-// c_h = A_h / B_h; 0 where no sample landed.
-static inline double rf_film_quotient( const double* half, int c )
-{
-    return half[3] > 0.0 || RF_FAULT( empty_half ) ? half[c] / half[3] : 0.0;
-}
-
-// The value of a pixel from one half alone.
-static inline double rf_film_half_value( const RfFilmPixel* p, RfFilmCombine combine, int h, int c )
-{
-    const double* own = p->half[h];
-    switch ( combine )
-    {
-        case RF_FILM_CROSSFIT:
-            return ( own[c] + rf_film_quotient( p->half[1 - h], c ) * ( p->weight[h] - own[3] ) ) / p->weight[h];
-        case RF_FILM_RATIO: return rf_film_quotient( own, c );
-        case RF_FILM_PLAIN: return own[c] / p->weight[h];
-    }
-    return 0.0;
 }
 
 // With variance v per weight the halves differ by v (1/e + 1/o), the whole has

@@ -17,6 +17,8 @@
 // their own values.
 #include "film/film_error.h"
 
+#include "film/normalize.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -89,14 +91,14 @@ static void add_cell( Cell* sum, const Cell* cell )
 }
 
 // Mean of the channels in each half.
-static void grey( const RfFilm* film, RfFilmCombine combine, size_t i, double half[2] )
+static void grey( const RfFilm* film, RfNormalize normalize, size_t i, double half[2] )
 {
     RfFilmPixel p = rf_film_pixel( film, i );
     for ( int h = 0; h < 2; ++h )
     {
         half[h] = 0.0;
         for ( int c = 0; c < 3; ++c )
-            half[h] += rf_film_half_value( &p, combine, h, c ) / 3.0;
+            half[h] += rf_film_half_value( &p, normalize, h, c ) / 3.0;
     }
 }
 
@@ -117,7 +119,7 @@ static double correlation_of( const Surroundings* around )
 }
 
 // Sums a film up.
-static void survey( const RfFilm* film, RfFilmCombine combine, Surroundings* around )
+static void survey( const RfFilm* film, RfNormalize normalize, Surroundings* around )
 {
     int longer = film->width > film->height ? film->width : film->height, side = ( longer + CELLS - 1 ) / CELLS;
     memset( around, 0, sizeof *around );
@@ -130,7 +132,7 @@ static void survey( const RfFilm* film, RfFilmCombine combine, Surroundings* aro
         for ( int x = 0; x < film->width; ++x )
         {
             double half[2];
-            grey( film, combine, (size_t)y * (size_t)film->width + (size_t)x, half );
+            grey( film, normalize, (size_t)y * (size_t)film->width + (size_t)x, half );
             add_to_cell( &around->cells[y / side][x / side], half );
         }
     }
@@ -178,7 +180,7 @@ typedef struct Pixel
 typedef struct Strip
 {
     const RfFilm* film;
-    RfFilmCombine combine;
+    RfNormalize normalize;
     const float* rgb;
     int first, end;
     double share; // rf_film_half_share
@@ -200,13 +202,13 @@ typedef struct Sum
 
 static double mean_of_channels( const float* rgb ) { return ( (double)rgb[0] + (double)rgb[1] + (double)rgb[2] ) / 3.0; }
 
-static Pixel load_pixel( const RfFilm* film, RfFilmCombine combine, const float* rgb, size_t i )
+static Pixel load_pixel( const RfFilm* film, RfNormalize normalize, const float* rgb, size_t i )
 {
     RfFilmPixel p = rf_film_pixel( film, i );
     Pixel pixel = { .value = mean_of_channels( rgb + 3 * i ) };
     for ( int c = 0; c < 3; ++c )
     {
-        double a = rf_film_half_value( &p, combine, 0, c ), b = rf_film_half_value( &p, combine, 1, c );
+        double a = rf_film_half_value( &p, normalize, 0, c ), b = rf_film_half_value( &p, normalize, 1, c );
         pixel.half[0] += a / 3.0;
         pixel.half[1] += b / 3.0;
         pixel.error += ( a - b ) * ( a - b );
@@ -222,7 +224,7 @@ static void go_to_row( Strip* s, int y )
     {
         size_t start = (size_t)row * (size_t)s->film->width;
         for ( int x = s->first; x < s->end; ++x )
-            s->pixels[row % SIDE][x - s->first] = load_pixel( s->film, s->combine, s->rgb, start + (size_t)x );
+            s->pixels[row % SIDE][x - s->first] = load_pixel( s->film, s->normalize, s->rgb, start + (size_t)x );
     }
 }
 
@@ -306,12 +308,12 @@ static void add( Sum* sum, Term term )
 }
 
 // Adds columns [first, end) of the film.
-static void add_strip( Sum* sum, const Surroundings* around, const RfFilm* film, RfFilmCombine combine, const float* rgb,
+static void add_strip( Sum* sum, const Surroundings* around, const RfFilm* film, RfNormalize normalize, const float* rgb,
                        int first, int end )
 {
     Strip s = {
         .film = film,
-        .combine = combine,
+        .normalize = normalize,
         .rgb = rgb,
         .first = first > REACH ? first - REACH : 0,
         .end = end + REACH < film->width ? end + REACH : film->width,
@@ -346,16 +348,16 @@ static RfRelmse conclude( const Sum* sum, double scale )
     };
 }
 
-RfRelmse rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb )
+RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const float* rgb )
 {
     double share = rf_film_half_share( film );
     if ( share == 0.0 )
         return rf_plain_relmse( (double)NAN );
     Surroundings around;
-    survey( film, combine, &around );
+    survey( film, normalize, &around );
     Sum sum = { 0 };
     for ( int first = 0; first < film->width; first += STRIP )
-        add_strip( &sum, &around, film, combine, rgb, first, first + STRIP < film->width ? first + STRIP : film->width );
+        add_strip( &sum, &around, film, normalize, rgb, first, first + STRIP < film->width ? first + STRIP : film->width );
     return conclude( &sum, share / ( (double)film->width * (double)film->height ) );
 }
 
@@ -364,7 +366,7 @@ typedef struct Errors
 {
     const RfFilm* film; // NULL: kept
     const float* kept;
-    RfFilmCombine combine;
+    RfNormalize normalize;
 } Errors;
 
 typedef struct Sums
@@ -375,18 +377,18 @@ typedef struct Sums
 
 // √(e o) / (e + o) times the difference of the halves: with variance v per weight it has the variance v / (e + o) of the
 // whole. Extra samples make the weights those of the pixel.
-static void error_of_pixel( const RfFilm* film, RfFilmCombine combine, size_t i, double error[3] )
+static void error_of_pixel( const RfFilm* film, RfNormalize normalize, size_t i, double error[3] )
 {
     RfFilmPixel p = rf_film_pixel( film, i );
     double e = p.weight[0], o = p.weight[1], scale = sqrt( e * o ) / ( e + o );
     for ( int c = 0; c < 3; ++c )
-        error[c] = scale * ( rf_film_half_value( &p, combine, 0, c ) - rf_film_half_value( &p, combine, 1, c ) );
+        error[c] = scale * ( rf_film_half_value( &p, normalize, 0, c ) - rf_film_half_value( &p, normalize, 1, c ) );
 }
 
 static void load_error( const Errors* errors, size_t i, double error[3] )
 {
     if ( errors->film != NULL )
-        error_of_pixel( errors->film, errors->combine, i, error );
+        error_of_pixel( errors->film, errors->normalize, i, error );
     else
         for ( size_t c = 0; c < 3; ++c )
             error[c] = (double)errors->kept[3 * i + c];
@@ -446,41 +448,42 @@ static RfFlicker unknown( void )
     return ( RfFlicker ){ .before = (double)NAN, .now = (double)NAN, .product = (double)NAN, .worst_share = (double)NAN };
 }
 
-RfFlicker rf_flicker_of_films( const RfFilm* before, const RfFilm* now, RfFilmCombine combine )
+RfFlicker rf_flicker_of_films( const RfFilm* before, const RfFilm* now, RfNormalize normalize )
 {
     if ( !has_halves( before ) || !has_halves( now ) )
         return unknown();
-    return flicker_of( &( Errors ){ .film = before, .combine = combine }, &( Errors ){ .film = now, .combine = combine } );
+    return flicker_of( &( Errors ){ .film = before, .normalize = normalize },
+                       &( Errors ){ .film = now, .normalize = normalize } );
 }
 
-RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfFilmCombine combine )
+RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfNormalize normalize )
 {
     if ( !has_halves( now ) )
         return unknown();
-    return flicker_of( &( Errors ){ .kept = before }, &( Errors ){ .film = now, .combine = combine } );
+    return flicker_of( &( Errors ){ .kept = before }, &( Errors ){ .film = now, .normalize = normalize } );
 }
 
-double rf_film_mean_square( const RfFilm* film, RfFilmCombine combine )
+double rf_film_mean_square( const RfFilm* film, RfNormalize normalize )
 {
     size_t pixels = pixels_of( film );
     double sum = 0.0;
     for ( size_t i = 0; i < pixels && has_halves( film ); ++i )
     {
         double error[3];
-        error_of_pixel( film, combine, i, error );
+        error_of_pixel( film, normalize, i, error );
         sum += error[0] * error[0] + error[1] * error[1] + error[2] * error[2];
     }
     return has_halves( film ) ? sum / ( 3.0 * (double)pixels ) : (double)NAN;
 }
 
-void rf_keep_film_error( const RfFilm* film, RfFilmCombine combine, float* error )
+void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* error )
 {
     size_t pixels = pixels_of( film );
     for ( size_t i = 0; i < pixels; ++i )
     {
         double e[3] = { (double)NAN, (double)NAN, (double)NAN };
         if ( has_halves( film ) )
-            error_of_pixel( film, combine, i, e );
+            error_of_pixel( film, normalize, i, e );
         for ( size_t c = 0; c < 3; ++c )
             error[3 * i + c] = (float)e[c];
     }

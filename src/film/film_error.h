@@ -33,7 +33,7 @@ static inline double rf_prudent_relmse( const RfRelmse* r )
 
 // Estimated relMSE of `rgb`, the combined film, from the difference of the halves; NaN where one
 // of them is empty. How often it holds is in src/render/README.md.
-RfRelmse rf_estimate_relmse( const RfFilm* film, RfFilmCombine combine, const float* rgb );
+RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const float* rgb );
 // Estimated means over pixels and channels of e_t² of both frames and of the product of their errors. What two frames
 // share is in the product.
 typedef struct RfFlicker
@@ -44,14 +44,14 @@ typedef struct RfFlicker
 
 // Estimated error of the picture of a film, 3 values per pixel: of the right size and with the right correlation to that
 // of another frame, with a sign that means nothing.
-void rf_keep_film_error( const RfFilm* film, RfFilmCombine combine, float* error );
+void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* error );
 
 // The flicker of two films, or of what was kept of the film before and a film.
-RfFlicker rf_flicker_of_films( const RfFilm* before, const RfFilm* now, RfFilmCombine combine );
-RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfFilmCombine combine );
+RfFlicker rf_flicker_of_films( const RfFilm* before, const RfFilm* now, RfNormalize normalize );
+RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfNormalize normalize );
 
 // Mean square of the error of one film.
-double rf_film_mean_square( const RfFilm* film, RfFilmCombine combine );
+double rf_film_mean_square( const RfFilm* film, RfNormalize normalize );
 
 // F1² (E13).
 static inline double rf_flicker_f1_squared( const RfFlicker* f ) { return f->before + f->now - 2.0 * f->product; }

@@ -1,5 +1,4 @@
-// Tabulates pixel filters from the integrals of their windows, and draws places from them. The filters there are: RfFilter
-// (reframe/render_settings.h).
+// The pixel filters there are: tabulates them from the integrals of their windows, and draws places from them.
 #include "film/pixel_filter.h"
 
 #include <math.h>
@@ -7,47 +6,78 @@
 
 #define PI 3.14159265358979323846
 
-const char* const rf_filter_words[] = { [RF_FILTER_BOX] = "box",
-                                        [RF_FILTER_TENT] = "tent",
-                                        [RF_FILTER_GAUSSIAN] = "gaussian",
-                                        [RF_FILTER_BLACKMAN_HARRIS] = "blackman-harris",
-                                        NULL };
+// The integrals ∫ h from −∞ to x within the reach.
 
-bool rf_is_filter( RfFilter filter ) { return (size_t)(unsigned)filter < sizeof rf_filter_words / sizeof rf_filter_words[0] - 1; }
+static double box( double x, double width ) { return x / width + 0.5; }
 
-// Pixels from the centre beyond which the filter is 0.
-static double reach_of( RfFilter kind, double width ) { return kind == RF_FILTER_BOX ? 0.5 * width : width; }
+static double tent( double x, double width )
+{
+    return x < 0.0 ? 0.5 * pow( 1.0 + x / width, 2.0 ) : 1.0 - 0.5 * pow( 1.0 - x / width, 2.0 );
+}
+
+// exp(−8 x²/width²), as Blender's: a standard deviation of a quarter of the width.
+static double gaussian( double x, double width ) { return 0.5 + 0.5 * erf( sqrt( 8.0 ) * x / width ) / erf( sqrt( 8.0 ) ); }
 
 // ∫ of the Blackman-Harris window from its centre to x (Harris, On the use of windows for harmonic analysis with the
 // discrete Fourier transform, Proc. IEEE 1978: four terms, −92 dB), over a width of 2 `reach`.
-static double blackman_harris( double x, double reach )
+static double window( double x, double reach )
 {
     double angle = PI * x / reach, scale = reach / PI;
     return 0.35875 * x +
            scale * ( 0.48829 * sin( angle ) + 0.14128 / 2.0 * sin( 2.0 * angle ) + 0.01168 / 3.0 * sin( 3.0 * angle ) );
 }
 
+static double blackman_harris( double x, double width ) { return 0.5 + 0.5 * window( x, width ) / window( width, width ); }
+
+// X( constant, name, reach over width, usual width in pixels, integral ), a row per RfFilter.
+#define FILTERS( X )                                                                                                             \
+    X( BOX, "box", 0.5, 1.0, box )                                                                                               \
+    X( TENT, "tent", 1.0, 1.0, tent )                                                                                            \
+    X( GAUSSIAN, "gaussian", 1.0, 1.5, gaussian )                                                                                \
+    X( BLACKMAN_HARRIS, "blackman-harris", 1.0, 1.5, blackman_harris )
+
+typedef struct Kind
+{
+    double reach, width;
+    double ( *integral )( double x, double width );
+} Kind;
+
+#define ROW( constant, name, reach, width, integral ) [RF_FILTER_##constant] = { reach, width, integral },
+static const Kind s_kinds[] = { FILTERS( ROW ) };
+#undef ROW
+
+#define WORD( constant, name, reach, width, integral ) [RF_FILTER_##constant] = name,
+const char* const rf_filter_words[] = { FILTERS( WORD ) NULL };
+#undef WORD
+
+bool rf_is_filter( RfFilter filter ) { return (size_t)(unsigned)filter < sizeof s_kinds / sizeof s_kinds[0]; }
+
+double rf_default_filter_width( RfFilter filter ) { return s_kinds[filter].width; }
+
+// Pixels from the centre beyond which the filter is 0.
+static double reach_of( RfFilter kind, double width ) { return s_kinds[kind].reach * width; }
+
+// Whole pixels to each side of a sample's own that it may count in.
+static int whole_reach( const RfRenderSettings* s ) { return (int)ceil( reach_of( s->filter, s->filter_width ) - 0.5 ); }
+
+int rf_filter_pixels( const RfRenderSettings* settings )
+{
+    int taps = 2 * whole_reach( settings ) + 1;
+    return taps * taps;
+}
+
 // ∫ h from −∞ to x.
 static double integral( RfFilter kind, double width, double x )
 {
     double reach = reach_of( kind, width );
-    x = fmin( fmax( x, -reach ), reach );
-    switch ( kind )
-    {
-        case RF_FILTER_BOX: return x / width + 0.5;
-        case RF_FILTER_TENT: return x < 0.0 ? 0.5 * pow( 1.0 + x / reach, 2.0 ) : 1.0 - 0.5 * pow( 1.0 - x / reach, 2.0 );
-        // exp(−8 x²/width²), as Blender's: a standard deviation of a quarter of the width
-        case RF_FILTER_GAUSSIAN: return 0.5 + 0.5 * erf( sqrt( 8.0 ) * x / width ) / erf( sqrt( 8.0 ) );
-        case RF_FILTER_BLACKMAN_HARRIS: return 0.5 + 0.5 * blackman_harris( x, reach ) / blackman_harris( reach, reach );
-    }
-    return 0.0;
+    return s_kinds[kind].integral( fmin( fmax( x, -reach ), reach ), width );
 }
 
 void rf_make_pixel_filter( const RfRenderSettings* settings, RfPixelFilter* filter )
 {
     RfFilter kind = settings->filter;
     double width = settings->filter_width, square = 0.0;
-    int reach = (int)ceil( reach_of( kind, width ) - 0.5 ), taps = 2 * reach + 1;
+    int reach = whole_reach( settings ), taps = 2 * reach + 1;
     filter->reach = reach;
     filter->taps = taps;
     for ( int tap = 0; tap < taps; ++tap )

@@ -2,14 +2,14 @@
 // pixels around it (src/reuse/estimators.md, section 14). The filters are separable, h(x) h(y), and tabulated in steps
 // of 1/256 pixel, each with the exact mean of h, so that their integrals are exact, too.
 //
-// One filter more is a value of RfFilter (reframe/render_settings.h), its name and its integral (film/pixel_filter.c).
+// One filter more is a value of RfFilter (reframe/render_settings.h), a row of FILTERS (film/pixel_filter.c) with its integral,
+// and its name in scenes/scene.schema.json (a test compares).
 #ifndef REFRAME_FILM_PIXEL_FILTER_H
 #define REFRAME_FILM_PIXEL_FILTER_H
 
 #include "base/built_in.h"
 #include "reframe/render.h"
 
-#include <math.h>
 #include <stdbool.h>
 
 #define RF_FILTER_STEPS 256 // to a pixel
@@ -43,12 +43,7 @@ static inline bool rf_is_plain_filter( const RfRenderSettings* settings )
 }
 
 // Pixels that a sample counts in.
-static inline int rf_filter_pixels( const RfRenderSettings* settings )
-{
-    double across = settings->filter == RF_FILTER_BOX ? settings->filter_width : 2.0 * settings->filter_width;
-    int taps = 2 * (int)ceil( 0.5 * across - 0.5 ) + 1;
-    return taps * taps;
-}
+int rf_filter_pixels( const RfRenderSettings* settings );
 
 // Tabulates the filter of resolved settings.
 void rf_make_pixel_filter( const RfRenderSettings* settings, RfPixelFilter* filter );

@@ -208,7 +208,7 @@ static RfResult solve_constant( const RfFilm* films, const Halves* halves, const
     }
     float* means = (float*)halves->half[0].images.primal;
     for ( int f = 0; f < RF_FILM_SQUARES; ++f )
-        rf_combine_film( films + f, RF_FILM_RATIO, means + 3 * pixels_of( films ) * (size_t)f, NULL );
+        rf_combine_film( films + f, RF_NORMALIZE_RATIO, means + 3 * pixels_of( films ) * (size_t)f, NULL );
     add_unshared_steps( films, 0, 1, means );
     return result == RF_OK ? rf_reconstruct( &halves->half[0].images, NULL, options, rgb, info, NULL ) : result;
 }
@@ -250,23 +250,23 @@ static RfRelmse estimate_noise( const Halves* halves, const RfFilm* film, const 
         solved.weight[h] = halves->half[h].passes;
     }
     if ( picture->variance != NULL )
-        rf_estimate_variance( &solved, RF_FILM_RATIO, picture->variance );
-    return rf_estimate_relmse( &solved, RF_FILM_RATIO, picture->rgb );
+        rf_estimate_variance( &solved, RF_NORMALIZE_RATIO, picture->variance );
+    return rf_estimate_relmse( &solved, RF_NORMALIZE_RATIO, picture->rgb );
 }
 
 // The pixels alone.
 static RfRelmse finish_pixels( const RfFilm* primal, RfPicture* picture )
 {
-    rf_combine_film( primal, RF_FILM_RATIO, picture->rgb, NULL );
+    rf_combine_film( primal, RF_NORMALIZE_RATIO, picture->rgb, NULL );
     if ( picture->variance != NULL )
-        rf_estimate_variance( primal, RF_FILM_RATIO, picture->variance );
-    return rf_estimate_relmse( primal, RF_FILM_RATIO, picture->rgb );
+        rf_estimate_variance( primal, RF_NORMALIZE_RATIO, picture->variance );
+    return rf_estimate_relmse( primal, RF_NORMALIZE_RATIO, picture->rgb );
 }
 
 RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch )
 {
     const RfFilm* primal = films + RF_FILM_PRIMAL;
-    rf_combine_film( primal, RF_FILM_RATIO, picture->rgb, picture->weight );
+    rf_combine_film( primal, RF_NORMALIZE_RATIO, picture->rgb, picture->weight );
     if ( settings->reconstruction == RF_RECONSTRUCTION_NONE )
         return finish_pixels( primal, picture );
     Halves halves = load_halves( films, scratch );
@@ -276,7 +276,7 @@ RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* fi
     {
         // samples that are not finite: the pixels as they are show where
         picture->solved = RF_SOLVED_NOT;
-        rf_combine_film( primal, RF_FILM_RATIO, picture->rgb, NULL );
+        rf_combine_film( primal, RF_NORMALIZE_RATIO, picture->rgb, NULL );
         finish_pixels( primal, picture );
         return rf_plain_relmse( (double)NAN );
     }
@@ -284,6 +284,6 @@ RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* fi
     if ( halves.half[0].passes > 0.0 && halves.half[1].passes > 0.0 ) // a single pass may lie in either half
         return estimate_noise( &halves, primal, picture );
     if ( picture->variance != NULL )
-        rf_estimate_variance( primal, RF_FILM_RATIO, picture->variance ); // 0: a single pass
+        rf_estimate_variance( primal, RF_NORMALIZE_RATIO, picture->variance ); // 0: a single pass
     return rf_plain_relmse( (double)NAN );
 }

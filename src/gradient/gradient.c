@@ -16,7 +16,7 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE,
                         "the estimator 'gradient' reuses no frames, where gradients seldom pay: group 0, not %d", s->group );
     if ( !is_tile( &s->tile ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to %dx%d",
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' needs tiles of 1 pixel, or blocks of 2x2 to %dx%d",
                         RF_MAX_TILE_SIDE, RF_MAX_TILE_SIDE );
     if ( s->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator 'gradient' has exact weights only" );
@@ -34,7 +34,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .accumulate_scratch = 64,
         .finish_scratch = rf_finish_gradients_bytes( group->settings, group->width, group->height ),
         .diffuse_record = sizeof( float[4] ),
-        .shiny_record = sizeof( float[4] ),
+        .glossy_record = sizeof( float[4] ),
         .directions = 1,
     };
 }

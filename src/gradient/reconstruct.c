@@ -1,6 +1,6 @@
 // Reconstructs an image from pixels and differences: checks the input, computes weights, solves, and sets the
 // level of what no weight determines.
-#include "gradient/reconstruct.h"
+#include "gradient/reconstruct_internal.h"
 
 #include "base/fault.h"
 #include "gradient/solver.h"
@@ -43,7 +43,7 @@ static RfResult check_reconstruct_options( const RfReconstructOptions* options, 
     bool weighted = options->method == RF_RECONSTRUCT_WEIGHTED;
     if ( weighted != has_weights )
         return rf_fail( error, RF_ERROR_USAGE,
-                        weighted ? "the weighted reconstruction wants weights, and got none"
+                        weighted ? "the weighted reconstruction needs weights, and got none"
                                  : "weights are of the weighted reconstruction, not of the others" );
     // a square of alpha that is no float or drowns in the gradients says nothing of the image
     if ( !weighted && ( !isgreaterequal( options->alpha, 1e-4f ) || !islessequal( options->alpha, 1e4f ) ) )
@@ -52,7 +52,7 @@ static RfResult check_reconstruct_options( const RfReconstructOptions* options, 
         return rf_fail( error, RF_ERROR_USAGE, "the tolerance must be above 0 and the iterations at least 1, got %g and %d",
                         options->tolerance, options->max_iterations );
     if ( options->method == RF_RECONSTRUCT_L1 && options->l1_rounds < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "L1 wants at least 1 round, got %d", options->l1_rounds );
+        return rf_fail( error, RF_ERROR_USAGE, "L1 needs at least 1 round, got %d", options->l1_rounds );
     return RF_OK;
 }
 
@@ -536,7 +536,7 @@ static RfResult solve_with_weights( const RfGradientImages* in, const RfGradient
         fmaxf( largest_of( weights->a, extent_of( in, PIXELS ) ), fmaxf( largest_of( weights->b_x, extent_of( in, PAIRS_X ) ),
                                                                          largest_of( weights->b_y, extent_of( in, PAIRS_Y ) ) ) );
     if ( !( largest > 0.0f ) && !RF_FAULT( all_weights_0 ) )
-        return rf_fail( error, RF_ERROR_USAGE, "all weights are 0: nothing tells what the image is" );
+        return rf_fail( error, RF_ERROR_USAGE, "all weights are 0: the image is undefined" );
     copy_weights( weights->a, extent_of( in, PIXELS ), in->height, largest, solver->system.a );
     copy_weights( weights->b_x, extent_of( in, PAIRS_X ), in->height, largest, solver->system.b_x );
     copy_weights( weights->b_y, extent_of( in, PAIRS_Y ), in->height, largest, solver->system.b_y );

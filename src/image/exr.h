@@ -4,6 +4,9 @@
 
 #include "reframe/image.h"
 
+// The names of compressions, as users write them, in the order of RfExrCompression, with NULL at the end.
+extern const char* const rf_compression_words[];
+
 // Peak working memory of rf_write_exr in bytes, without the channels themselves and
 // about 2 MiB of tables: several buffers of one chunk of scan lines. `pixel_bytes` is
 // the size of a pixel over all channels: 2 for each half channel, 4 for each float.

@@ -81,6 +81,8 @@ typedef struct Writer
     bool started;                                         // the pipeline is initialised
 } Writer;
 
+const char* const rf_compression_words[] = { [RF_EXR_NONE] = "none", [RF_EXR_ZIP] = "zip", [RF_EXR_PIZ] = "piz", NULL };
+
 RfExrOptions rf_default_exr_options( void ) { return ( RfExrOptions ){ .compression = RF_EXR_ZIP, .half = true }; }
 
 static RfResult check_options( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
@@ -90,8 +92,8 @@ static RfResult check_options( const char* path, const RfImage* image, const RfE
     if ( image->width > RF_EXR_MAX_SIDE || image->height > RF_EXR_MAX_SIDE )
         return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels cannot be written: a side has at most %d", path, image->width,
                         image->height, RF_EXR_MAX_SIDE );
-    if ( options->compression != RF_EXR_NONE && options->compression != RF_EXR_ZIP && options->compression != RF_EXR_PIZ )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: unknown compression: expected none, zip or piz", path );
+    if ( (unsigned)options->compression > RF_EXR_PIZ )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: there is no compression %d", path, (int)options->compression );
     if ( options->channel_count < 0 || options->channel_count > RF_EXR_MAX_CHANNELS - 3 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be written: at most %d and R, G, B", path,
                         options->channel_count, RF_EXR_MAX_CHANNELS - 3 );

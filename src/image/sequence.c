@@ -107,7 +107,7 @@ static int match_name( const Pattern* parts, const char* name )
     return (int)frame;
 }
 
-static int compare_ints( const void* a, const void* b )
+int rf_compare_frames( const void* a, const void* b )
 {
     int x = *(const int*)a, y = *(const int*)b;
     return ( x > y ) - ( x < y );
@@ -145,7 +145,7 @@ static RfResult list_folder( const char* pattern, const Pattern* parts, DIR* fol
     }
     if ( *count == 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: there is no such file", pattern );
-    qsort( *frames, (size_t)*count, sizeof( int ), compare_ints );
+    qsort( *frames, (size_t)*count, sizeof( int ), rf_compare_frames );
     return RF_OK;
 }
 

@@ -8,6 +8,9 @@
 // links, or one is a pattern that matches the other.
 bool rf_may_be_same_file( const char* a, const char* b );
 
+// Ascending, for qsort and bsearch.
+int rf_compare_frames( const void* a, const void* b );
+
 #define RF_MAX_MISSING 100000
 
 // Lists the numbers missing between the first and the last frame, at most RF_MAX_MISSING, in

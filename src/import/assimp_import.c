@@ -76,15 +76,10 @@ static RfResult import_nodes( RfImport* import, RfError* error )
     return rf_fail( error, RF_ERROR_MEMORY, RF_IMPORT_MEMORY );
 }
 
-static float clamp01( float value )
-{
-    return value > 0.0f ? value < 1.0f ? value : 1.0f : 0.0f; // 0 for NaN
-}
-
 // OBJ and PLY colours are sRGB; other formats do not specify it and are taken as linear.
 static float to_linear( float c, RfSourceFormat format )
 {
-    c = clamp01( c );
+    c = rf_clamp01( c );
     if ( format != RF_SOURCE_OBJ && format != RF_SOURCE_PLY )
         return c;
     return c <= 0.04045f ? c / 12.92f : powf( ( c + 0.055f ) / 1.055f, 2.4f );
@@ -131,7 +126,7 @@ static float* copy_colors( const struct aiMesh* from, uint32_t count, RfSourceFo
         out[4 * i] = to_linear( c->r, format );
         out[4 * i + 1] = to_linear( c->g, format );
         out[4 * i + 2] = to_linear( c->b, format );
-        out[4 * i + 3] = clamp01( c->a );
+        out[4 * i + 3] = rf_clamp01( c->a );
     }
     return out;
 }

@@ -127,11 +127,6 @@ typedef struct RfPhong
     int illumination; // OBJ's "illum", −1 for other formats
 } RfPhong;
 
-static float clamp01( float value )
-{
-    return value > 0.0f ? value < 1.0f ? value : 1.0f : 0.0f; // 0 for NaN
-}
-
 static bool get_color( const struct aiMaterial* from, const char* key, float* out )
 {
     struct aiColor4D c;
@@ -183,9 +178,9 @@ static float largest( const float* color ) { return fmaxf( color[0], fmaxf( colo
 // diffuse colour means a metal.
 static void set_surface( RfModelMaterial* m, const RfPhong* p )
 {
-    float shine = clamp01( largest( p->specular ) );
-    m->roughness = clamp01( powf( 2.0f / ( fmaxf( p->exponent, 0.0f ) + 2.0f ), 0.25f ) );
-    m->specular = clamp01( 2.0f * shine );
+    float shine = rf_clamp01( largest( p->specular ) );
+    m->roughness = rf_clamp01( powf( 2.0f / ( fmaxf( p->exponent, 0.0f ) + 2.0f ), 0.25f ) );
+    m->specular = rf_clamp01( 2.0f * shine );
     m->metallic = 0.0f;
     const float* base = p->diffuse;
     if ( shine == 0.0f )
@@ -197,7 +192,7 @@ static void set_surface( RfModelMaterial* m, const RfPhong* p )
         m->specular = 1.0f;
     }
     for ( int i = 0; i < 3; ++i )
-        m->base_color[i] = clamp01( base[i] );
+        m->base_color[i] = rf_clamp01( base[i] );
 }
 
 // OBJ's illumination models 4, 6, 7 and 9 are glass, tinted by Tf.
@@ -210,13 +205,13 @@ static bool set_glass( RfModelMaterial* m, const RfPhong* p )
     m->metallic = m->roughness = 0.0f;
     m->specular = 1.0f;
     for ( int k = 0; k < 3; ++k )
-        m->base_color[k] = clamp01( p->filter[k] );
+        m->base_color[k] = rf_clamp01( p->filter[k] );
     return true;
 }
 
 static void set_opacity( RfImport* import, RfModelMaterial* m, const RfPhong* p )
 {
-    float opacity = clamp01( p->opacity );
+    float opacity = rf_clamp01( p->opacity );
     if ( opacity == 0.0f )
     {
         // exporters disagree on which end is transparent, and invisible materials are not intended
@@ -238,9 +233,9 @@ static void set_physical( RfModelMaterial* m, const struct aiMaterial* from, boo
     if ( given && ( roughness >= 0.0f || metallic >= 0.0f ) )
         m->specular = 1.0f;
     if ( given && roughness >= 0.0f )
-        m->roughness = clamp01( roughness );
+        m->roughness = rf_clamp01( roughness );
     if ( given && metallic >= 0.0f )
-        m->metallic = clamp01( metallic );
+        m->metallic = rf_clamp01( metallic );
 }
 
 // The file name of the first texture of a kind; false if there is none.

@@ -122,7 +122,8 @@ static double mean_image( const Points* emitter, bool two_sided, const Points* c
     return weights > 0.0 ? sum / weights : 0.0;
 }
 
-// Negative: the material has no triangles.
+// The solid angle that a material's emission covers in mirrors and glass, as seen from what these light, sr: an estimate that
+// takes them for flat and knows no shadows. 0: it does not shine on them. Negative: the material has no triangles.
 static double image_of( const RfScene* scene, uint32_t material, const Points* chain, const Points* receivers )
 {
     Points emitter;
@@ -130,14 +131,6 @@ static double image_of( const RfScene* scene, uint32_t material, const Points* c
     if ( emitter.count == 0 )
         return -1.0;
     return mean_image( &emitter, scene->materials[material].double_sided, chain, receivers );
-}
-
-double rf_image_solid_angle( const RfScene* scene, uint32_t material )
-{
-    Points chain, receivers;
-    spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
-    spread_points( scene, ( Kind ){ .chain = false }, POINTS, &receivers );
-    return fmax( image_of( scene, material, &chain, &receivers ), 0.0 );
 }
 
 double rf_sky_solid_angle( const RfEnvironment* e )

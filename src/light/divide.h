@@ -13,10 +13,6 @@ typedef struct RfDivision
     uint32_t connected, all; // emitters: materials, punctual lights, the sky
 } RfDivision;
 
-// The solid angle that a material's emission covers in mirrors and glass, as seen from what these light: an estimate that
-// takes them for flat and knows no shadows. 0: it does not shine on them.
-double rf_image_solid_angle( const RfScene* scene, uint32_t material );
-
 // The solid angle of the sky, where a bright part of it counts as the whole; 0: it is black.
 double rf_sky_solid_angle( const RfEnvironment* environment );
 

@@ -41,11 +41,3 @@ double rf_light_power( const RfLights* lights, uint32_t light )
 {
     return rf_light_model( lights, light )->power( lights, light );
 }
-
-double rf_total_light_power( const RfLights* lights )
-{
-    double sum = 0.0;
-    for ( uint32_t i = 0; i < lights->count; ++i )
-        sum += rf_light_power( lights, i );
-    return sum;
-}

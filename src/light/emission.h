@@ -57,7 +57,4 @@ static inline float rf_emission_falloff( const RfEmission* emission, float dista
 // Luminance of a light's flux, W; of light from infinity through the scene's bounding ball; of a textured triangle an estimate.
 double rf_light_power( const RfLights* lights, uint32_t light );
 
-// The same of all lights together.
-double rf_total_light_power( const RfLights* lights );
-
 #endif

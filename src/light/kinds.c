@@ -373,7 +373,7 @@ static void sky_find_pdf( const RfLights* lights, RfEmission* e )
     e->pdf_area = disc_pdf( lights, e->position, e->direction );
 }
 
-#define ROW( NAME, name )                                                                                                        \
+#define ROW( NAME, name, needs_light_paths )                                                                                     \
     [RF_LIGHT_##NAME] = { name##_selection_power, name##_bound, name##_power,   name##_sample_emitter,                           \
                           name##_steer,           name##_emit,  name##_find_pdf },
 

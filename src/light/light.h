@@ -12,24 +12,35 @@
 
 #include <stddef.h>
 
-// The kinds of a light. One more is a row here and its functions in light/kinds.c, whose table has the other half of the name;
-// the compiler then names the switches that lack it (rf_light_kind below, path/direct.c, light_paths/light_paths.c). A punctual
-// one is a value of RfPunctualKind (scene/scene.h) too, and read by scene/gltf/gltf_light.c.
+// The kinds of a light: X( NAME, name, needs light paths ). One more is a row here and its functions in light/kinds.c, whose
+// table has the other half of the name; the compiler then names what lacks it: rf_light_kind below, and the switches of
+// path/direct.c and light_paths/light_paths.c. A punctual one is a value of RfPunctualKind (scene/scene.h) too, and read by
+// scene/gltf/gltf_light.c.
+//
+// A light needs light paths if little else finds its caustics: no ray hits what has no size, and of the sky light paths carry
+// small bright spots alone, such as the sun.
 // clang-format off
 #define RF_LIGHT_KINDS( X ) \
-    X( TRIANGLE, triangle ) \
-    X( POINT, point ) \
-    X( SPOT, spot ) \
-    X( DIRECTIONAL, directional ) \
-    X( SKY, sky )
+    X( TRIANGLE, triangle, false ) \
+    X( POINT, point, true ) \
+    X( SPOT, spot, true ) \
+    X( DIRECTIONAL, directional, true ) \
+    X( SKY, sky, true )
 // clang-format on
 
 typedef enum RfLightKind
 {
-#define RF_LIGHT_KIND( NAME, name ) RF_LIGHT_##NAME,
+#define RF_LIGHT_KIND( NAME, name, needs_light_paths ) RF_LIGHT_##NAME,
     RF_LIGHT_KINDS( RF_LIGHT_KIND )
 #undef RF_LIGHT_KIND
 } RfLightKind;
+
+#define RF_ONE_MORE( NAME, name, needs_light_paths ) +1
+enum
+{
+    RF_LIGHT_KIND_COUNT = RF_LIGHT_KINDS( RF_ONE_MORE ) // no value of RfLightKind, which switches would have to name
+};
+#undef RF_ONE_MORE
 
 // Up to so many lights are selected by power: a lamp of two triangles needs no tree.
 #define RF_FEW_LIGHTS 2
@@ -83,8 +94,17 @@ static inline const RfPunctual* rf_punctual_light( const RfLights* lights, uint3
     return lights->punctual + ( light - lights->triangle_count );
 }
 
+static inline bool rf_needs_light_paths( RfLightKind kind )
+{
+#define RF_NEEDS( NAME, name, needs_light_paths ) [RF_LIGHT_##NAME] = needs_light_paths,
+    static const bool needs[] = { RF_LIGHT_KINDS( RF_NEEDS ) };
+#undef RF_NEEDS
+    return needs[kind];
+}
+
 static inline RfLightKind rf_light_kind( const RfLights* lights, uint32_t light )
 {
+    _Static_assert( RF_LIGHT_KIND_COUNT == 5, "numbers of lights: what is neither a triangle nor punctual counts as the sky" );
     if ( light < lights->triangle_count )
         return RF_LIGHT_TRIANGLE;
     if ( rf_calls_for( light - lights->triangle_count < (uint32_t)lights->punctual_count, RF_EFFECT_PUNCTUAL_LIGHTS ) )

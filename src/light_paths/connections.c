@@ -8,27 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-#define MOST_CANDIDATES 512
 #define EVENLY 0.25f      // of the trial connections are uniform over the candidates: derivatives are unreliable near foci
 #define LEAST_SHARE 0.02f // of trial connections, however bright the direct light
 #define SCATTERED 0.5f    // albedo that is assumed beyond the first vertex
-
-// The light paths or particles whose footprints hold a camera vertex.
-typedef struct Candidates
-{
-    const RfLightPathConnector* settings;
-    const RfFootprintTree* tree;
-    RfFootprintFound* note; // counts those that are candidates, and keeps them by keep_candidate
-    RfVec3 y, ng, n;
-    int spent, vertex;
-    int count;
-    int kept;
-    uint32_t path[MOST_CANDIDATES];
-    float light[MOST_CANDIDATES]; // predicted for them
-    // second search, where there are more: those numbered next, next + stride …
-    double next, stride;
-    bool thinned;
-} Candidates;
 
 // Trial connections of one lane: each candidate is accepted in proportion to its expected contribution.
 typedef struct Acceptance
@@ -41,7 +23,7 @@ typedef struct Acceptance
 
 // Begins the search for a lane's candidates.
 static void begin_candidates( const RfConnectionWork* w, int i, const RfFootprintTree* tree, RfFootprintFound* note,
-                              Candidates* c )
+                              RfCandidates* c )
 {
     const RfVertexLanes* v = w->v;
     c->settings = w->settings;
@@ -57,50 +39,41 @@ static void begin_candidates( const RfConnectionWork* w, int i, const RfFootprin
     c->thinned = false;
 }
 
-// Counts a candidate with its expected contribution; keeps it if there is room.
-static void keep_candidate( Candidates* c, uint32_t number, float light )
+void rf_keep_candidate( RfCandidates* c, uint32_t number, float light )
 {
     int k = c->count++;
     if ( c->thinned && (double)k < c->next )
         return;
-    if ( c->kept == MOST_CANDIDATES )
+    if ( c->kept == RF_MOST_CANDIDATES )
         return;
     c->path[c->kept] = number;
     c->light[c->kept++] = light;
     c->next += c->stride;
 }
 
-// Notes a light path, if it may be connected.
-static void note_path( void* user, uint32_t number )
+void rf_note_path( void* user, uint32_t number )
 {
-    Candidates* c = user;
+    RfCandidates* c = user;
     const RfLightPath* path = c->settings->paths->path + number;
-    float step[2], miss, spread = 1.0f;
+    float step[2], miss, spread;
     if ( c->spent + path->length + 2 > c->settings->path->max_depth )
         return;
-    RfVec3 apart = rf_sub( c->y, path->at.p );
-    if ( c->settings->normalization == RF_KERNEL_DENSITY )
-    {
-        if ( rf_dot( apart, apart ) > path->at.half.x * path->at.half.x )
-            return;
-    }
-    else if ( !rf_newton_step( &path->end, c->y, c->ng, step, &miss, &spread ) ||
-              !( rf_reach_squared( &path->reach, step[0], step[1] ) <= RF_STEP_MARGIN * RF_STEP_MARGIN ) )
+    if ( !rf_newton_step( &path->end, c->y, c->ng, step, &miss, &spread ) ||
+         !( rf_reach_squared( &path->reach, step[0], step[1] ) <= RF_STEP_MARGIN * RF_STEP_MARGIN ) )
         return;
-    float light = path->light / spread;
-    if ( c->settings->normalization != RF_KERNEL_DENSITY )
-        light *= rf_connection_weight( c->settings->paths, path->chance, -rf_dot( c->n, path->end.d ), c->vertex );
+    float light =
+        path->light / spread * rf_connection_weight( c->settings->paths, path->chance, -rf_dot( c->n, path->end.d ), c->vertex );
     if ( light > 0.0f )
-        keep_candidate( c, number, light );
+        rf_keep_candidate( c, number, light );
 }
 
 // Finds candidates, every k-th of them if there are too many. Returns the reciprocal of the probability of being kept.
-static float find_candidates( Candidates* c, RfRandomKey key )
+static float find_candidates( RfCandidates* c, RfRandomKey key )
 {
     rf_find_footprints( c->tree, c->y, c->note, c );
-    if ( c->count <= MOST_CANDIDATES )
+    if ( c->count <= RF_MOST_CANDIDATES )
         return 1.0f;
-    c->stride = (double)c->count / MOST_CANDIDATES;
+    c->stride = (double)c->count / RF_MOST_CANDIDATES;
     c->next = c->stride * (double)rf_random( key, 0 );
     c->count = c->kept = 0;
     c->thinned = true;
@@ -109,7 +82,7 @@ static float find_candidates( Candidates* c, RfRandomKey key )
 }
 
 // Divides the trial connections among the candidates.
-static Acceptance weigh_candidates( const RfConnectionWork* w, RfRandomKey lane, float scale, int i, const Candidates* c )
+static Acceptance weigh_candidates( const RfConnectionWork* w, RfRandomKey lane, float scale, int i, const RfCandidates* c )
 {
     Acceptance a = { .lane = lane, .scale = scale };
     for ( int k = 0; k < c->kept; ++k )
@@ -121,13 +94,13 @@ static Acceptance weigh_candidates( const RfConnectionWork* w, RfRandomKey lane,
 }
 
 // A candidate's fraction of the trial connections.
-static float offered_part( const Acceptance* a, const Candidates* c, int k )
+static float offered_part( const Acceptance* a, const RfCandidates* c, int k )
 {
     return ( 1.0f - EVENLY ) * c->light[k] / a->sum + EVENLY / (float)c->kept;
 }
 
 // The key of a candidate, and the reciprocal of the probability of accepting it; 0: it was not accepted.
-static float accept( const Acceptance* a, const Candidates* c, int k, RfRandomKey* key )
+static float accept( const Acceptance* a, const RfCandidates* c, int k, RfRandomKey* key )
 {
     *key = rf_pixel_key( (uint64_t)a->lane.a << 32 | a->lane.b, c->path[k] );
     float accepted = rf_minf( a->trials * offered_part( a, c, k ), 1.0f );
@@ -170,7 +143,7 @@ static bool find_way( const RfLightPaths* paths, const RfLightPath* path, RfVec3
 }
 
 // The weight of a connection to a VPL.
-static float weight_of( const Candidates* c, const RfLightPath* path )
+static float weight_of( const RfCandidates* c, const RfLightPath* path )
 {
     const RfLightPaths* paths = c->settings->paths;
     return path->vpl.share *
@@ -180,7 +153,7 @@ static float weight_of( const Candidates* c, const RfLightPath* path )
 // Notes a particle, if its VPL may be connected.
 static void note_particle( void* user, uint32_t number )
 {
-    Candidates* c = user;
+    RfCandidates* c = user;
     const RfLightPaths* paths = c->settings->paths;
     const RfScatteredPath* particle = paths->scattered + number;
     const RfLightPath* path = paths->path + particle->path;
@@ -199,7 +172,7 @@ static void note_particle( void* user, uint32_t number )
     float covers = connection.cosine * connection.cone * (float)RF_SCATTERED_PER_PATH;
     float light = rf_luminance( path->flux ) * connection.cosine * cos_n * weight_of( c, path ) / ( distance2 * covers );
     if ( light > 0.0f && light < INFINITY )
-        keep_candidate( c, number, light );
+        rf_keep_candidate( c, number, light );
 }
 
 // The radiant intensity of a VPL towards a direction, by its scattering model.
@@ -226,38 +199,43 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
     return rf_scale( rf_mul( path->flux, f ), cosines * vpl->falloff );
 }
 
-static void test_vpl_visibility( RfConnectionWork* w )
+// Closes the connections that are blocked, by shadow rays from the vertices to the ends of the chains, or from the VPLs to the
+// vertices.
+static void test_visibility( RfConnectionWork* w, bool of_vpls )
 {
     float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
-    int index[RF_CHAIN_BLOCK], count = 0;
-    for ( int k = 0; k < w->vpl_count; ++k )
+    bool* tested[RF_CHAIN_BLOCK];
+    int count = 0;
+    for ( int k = 0; k < ( of_vpls ? w->vpl_count : w->count ); ++k )
     {
-        const RfVplConnection* connection = w->vpl_connection + k;
-        if ( !connection->open )
+        RfConnection* chain = w->connection + k;
+        RfVplConnection* vpl = w->vpl_connection + k;
+        bool* open = of_vpls ? &vpl->open : &chain->open;
+        if ( !*open )
             continue;
-        RfVec3 from = rf_vpl_start( connection->path ), way = rf_sub( rf_start_of( w->v, connection->lane ), from );
-        rf_put_ray( o, d, count, from, way );
-        index[count++] = k;
+        RfVec3 vertex = rf_start_of( w->v, of_vpls ? vpl->lane : chain->lane );
+        RfVec3 from = of_vpls ? rf_vpl_start( vpl->path ) : vertex, to = of_vpls ? vertex : chain->chain.end.o;
+        rf_put_ray( o, d, count, from, rf_sub( to, from ) );
+        tested[count++] = open;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
     rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
     w->out->rays += (uint64_t)count;
     for ( int k = 0; k < count; ++k )
-        w->vpl_connection[index[k]].open = visible[k] > 0.0f;
+        *tested[k] = visible[k] > 0.0f;
 }
 
 void rf_flush_vpls( RfConnectionWork* w )
 {
     if ( w->vpl_count == 0 )
         return;
-    test_vpl_visibility( w );
-    if ( w->settings->normalization == RF_KERNEL_EXACT )
-        rf_repeat_vpl_trials( w );
+    test_visibility( w, true );
+    w->settings->normalization->divide_vpls( w );
     float particles = (float)w->settings->paths->emitted * (float)RF_SCATTERED_PER_PATH;
     for ( int k = 0; k < w->vpl_count; ++k )
     {
         const RfVplConnection* connection = w->vpl_connection + k;
-        RfVec3 light = rf_scale( connection->light, rf_vpl_inverse_probability( w, connection ) / particles );
+        RfVec3 light = rf_scale( connection->light, connection->inverse_probability / particles );
         float most = rf_max_component( light );
         if ( connection->open && most > 0.0f && most < INFINITY )
             add_light( w, connection->lane, connection->key, rf_scale( connection->d, -1.0f ), light, INFINITY );
@@ -266,7 +244,7 @@ void rf_flush_vpls( RfConnectionWork* w )
 }
 
 // The light and the cone of a connection that was accepted.
-static bool prepare_vpl( const RfConnectionWork* w, const Candidates* c, RfVplConnection* connection )
+static bool prepare_vpl( const RfConnectionWork* w, const RfCandidates* c, RfVplConnection* connection )
 {
     float distance2;
     if ( !find_way( w->settings->paths, connection->path, c->y, connection, &distance2 ) )
@@ -286,9 +264,9 @@ static bool prepare_vpl( const RfConnectionWork* w, const Candidates* c, RfVplCo
 void rf_connect_vpls( RfConnectionWork* w, RfRandomKey lane, int i )
 {
     const RfLightPaths* paths = w->settings->paths;
-    if ( w->settings->normalization == RF_KERNEL_DENSITY || !rf_is_matte_lane( w->settings->path, w->v, i ) )
+    if ( w->settings->normalization->divide_vpls == NULL || !rf_is_matte_lane( w->settings->path, w->v, i ) )
         return;
-    Candidates c;
+    RfCandidates c;
     begin_candidates( w, i, &paths->scattered_tree, note_particle, &c );
     lane.a ^= 0x70617265u; // apart from those of light paths
     Acceptance trials = weigh_candidates( w, lane, find_candidates( &c, lane ), i, &c );
@@ -338,15 +316,12 @@ static bool follow_back( const RfTracer* tracer, const RfTrail* trail, int lengt
     return true;
 }
 
-// RfConnector.weigh_chance.
-static float weigh_chance( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point )
+float rf_weigh_chance( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point )
 {
-    const RfLightPathConnector* kernel = (const RfLightPathConnector*)(const void*)connector;
-    const RfTracer* tracer = kernel->path->tracer;
-    const RfLightPaths* paths = kernel->paths;
+    const RfLightPathConnector* self = (const RfLightPathConnector*)(const void*)connector;
+    const RfTracer* tracer = self->path->tracer;
+    const RfLightPaths* paths = self->paths;
     RfChain chain;
-    if ( kernel->normalization == RF_KERNEL_DENSITY )
-        return 0.0f;
     if ( paths->light_count == 0 || !follow_back( tracer, trail, length, triangle, point, &chain ) )
         return 1.0f;
     chain.start.pdf_light /= (float)paths->light_cumulative[paths->light_count - 1];
@@ -493,27 +468,6 @@ static void solve( RfConnectionWork* w )
     }
 }
 
-// Shadow rays to the last vertices of the chains.
-static void test_visibility( RfConnectionWork* w )
-{
-    float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
-    int index[RF_CHAIN_BLOCK], count = 0;
-    for ( int k = 0; k < w->count; ++k )
-    {
-        const RfConnection* connection = w->connection + k;
-        if ( !connection->open )
-            continue;
-        RfVec3 from = rf_start_of( w->v, connection->lane ), way = rf_sub( connection->chain.end.o, from );
-        rf_put_ray( o, d, count, from, way );
-        index[count++] = k;
-    }
-    const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
-    rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
-    w->out->rays += (uint64_t)count;
-    for ( int k = 0; k < count; ++k )
-        w->connection[index[k]].open = visible[k] > 0.0f;
-}
-
 // The weight of a connection at a vertex against connections of the previous vertex to the VPL there.
 static float own_weight( const RfConnectionWork* w, const RfConnection* connection )
 {
@@ -529,10 +483,9 @@ static float own_weight( const RfConnectionWork* w, const RfConnection* connecti
 static void add( RfConnectionWork* w, const RfConnection* connection )
 {
     const RfLightPaths* paths = w->settings->paths;
-    float found = rf_reach_area( &connection->reach ) * (float)paths->emitted, weight = own_weight( w, connection );
-    if ( w->settings->normalization != RF_KERNEL_DENSITY )
-        weight *= rf_connection_weight( paths, connection->chance,
-                                        rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ), w->vertex );
+    float found = rf_reach_area( &connection->reach ) * (float)paths->emitted;
+    float cosine = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi );
+    float weight = own_weight( w, connection ) * rf_connection_weight( paths, connection->chance, cosine, w->vertex );
     if ( paths->measures )
         measure_connection( w, connection, rf_luminance( connection->light ) * connection->repeats / found );
     RfVec3 light = rf_scale( connection->light, connection->repeats * weight / found );
@@ -540,22 +493,17 @@ static void add( RfConnectionWork* w, const RfConnection* connection )
         add_light( w, connection->lane, connection->key, connection->wi, light, connection->area );
 }
 
-static void walk_to_vertices( RfConnectionWork* w )
+void rf_walk_to_vertices( RfConnectionWork* w )
 {
     solve( w );
-    test_visibility( w );
-    if ( w->settings->normalization == RF_KERNEL_EXACT )
-        rf_repeat_trials( w );
+    test_visibility( w, false );
 }
 
 static void flush( RfConnectionWork* w )
 {
     if ( w->count == 0 )
         return;
-    if ( w->settings->normalization == RF_KERNEL_DENSITY )
-        rf_estimate_density( w );
-    else
-        walk_to_vertices( w );
+    w->settings->normalization->solve( w );
     for ( int k = 0; k < w->count; ++k )
     {
         if ( w->connection[k].open )
@@ -566,8 +514,8 @@ static void flush( RfConnectionWork* w )
 
 static void connect_lane( RfConnectionWork* w, RfRandomKey lane, int i )
 {
-    Candidates c;
-    begin_candidates( w, i, &w->settings->paths->tree, note_path, &c );
+    RfCandidates c;
+    begin_candidates( w, i, &w->settings->paths->tree, w->settings->normalization->note_path, &c );
     float scale = find_candidates( &c, lane );
     Acceptance trials = weigh_candidates( w, lane, scale, i, &c );
     for ( int k = 0; k < c.kept; ++k )
@@ -619,43 +567,4 @@ void rf_connect_vertices( const RfLightPathConnector* connector, RfWavefront* ke
     }
     keys->path_rays += out->rays;
     out->all_rays += out->rays;
-}
-
-// Connections as light samples.
-static void sample( const RfConnector* connector, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* v, int vertex,
-                    RfLightLanes* out, float* area )
-{
-    const RfLightPathConnector* kernel = (const RfLightPathConnector*)(const void*)connector;
-    const RfConnectionLanes* connections = kernel->out;
-    int count = rf_record_count( v );
-    rf_connect_vertices( kernel, keys, area == NULL ? rays : NULL, v, vertex );
-    float scale = RF_DELTA_PDF * (float)kernel->path->light_samples;
-    for ( int i = 0; i < v->count; ++i )
-    {
-        bool found = i < count && connections->found[i] > 0;
-        for ( int c = 0; c < 3; ++c )
-        {
-            out->wi[c][i] = found ? connections->wi[c][i] : v->n[c][i];
-            out->radiance_cos[c][i] = found ? connections->one[c][i] * scale : 0.0f;
-        }
-        out->pdf_solid_angle[i] = found ? RF_DELTA_PDF : 1.0f;
-    }
-    for ( int i = 0; i < v->count && area != NULL; ++i )
-        area[i] = i < count && connections->found[i] > 0 ? connections->area[i] : INFINITY;
-}
-
-RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
-                                        const RfPathSettings* path, RfConnectionLanes* lanes )
-{
-    return ( RfLightPathConnector ){
-        .connector = { .sample = sample,
-                       .vpl_connections = paths->vpl_connections,
-                       .connected = paths->connected,
-                       .trails = lanes->trail,
-                       .weigh_chance = weigh_chance },
-        .path = path,
-        .paths = paths,
-        .normalization = normalization,
-        .out = lanes,
-    };
 }

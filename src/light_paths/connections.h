@@ -4,6 +4,7 @@
 #define REFRAME_LIGHT_PATHS_CONNECTIONS_H
 
 #include "light_paths/light_paths.h"
+#include "light_paths/normalization.h"
 #include "path/wavefront.h"
 
 // Shares of light paths and connections to choose from; the first is none.
@@ -43,7 +44,7 @@ typedef struct RfLightPathConnector
     RfConnector connector;
     const RfPathSettings* path;
     const RfLightPaths* paths;
-    RfKernelNormalization normalization;
+    const RfNormalization* normalization;
     RfConnectionLanes* out;
 } RfLightPathConnector;
 

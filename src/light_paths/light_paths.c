@@ -497,7 +497,7 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
             rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
         path->reach = footprint.reach;
         path->at = ( RfFootprintBox ){ land.p[i], footprint.half };
-        if ( group->settings->kernel_normalization == RF_KERNEL_DENSITY )
+        if ( paths->balls )
             path->at.half = rf_vec3( footprint.radius, footprint.radius, footprint.radius );
         path->chance = rf_chance_area( paths, c, rf_reach_area( &path->reach ), pdf, land.p[i] );
         path->flux = flux_of( path, c );

@@ -52,6 +52,7 @@ typedef struct RfLightPaths
     bool prepared;
     int share_of;           // the group that `share` was chosen for, from 1; 0: none yet
     float share;            // of the light paths and connections of a set that is drawn
+    bool balls;             // footprints are balls, else boxes (RfNormalization)
     bool measures;          // connections estimate their error with other shares (RfConnectionLanes)
     uint32_t emitted;       // n, with those that were lost
     uint32_t count;         // stored

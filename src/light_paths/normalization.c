@@ -1,6 +1,5 @@
-// Divides the light of connections by the probability of finding them (src/reuse/estimators.md, section 16;
-// --kernel-normalization): exact, by repeated trials; disc, as if all of the reach led to the vertex; density,
-// photon density estimation without connections.
+// Divides the light of connections by the probability of finding them, by repeated trials: unbiased (src/reuse/estimators.md,
+// section 16).
 #include "light_paths/connections_internal.h"
 
 #define MOST_REPEATS 4096 // reached by rounding errors alone
@@ -146,7 +145,8 @@ static int try_vpls_again( RfConnectionWork* w, uint32_t trial, bool* pending )
     return left;
 }
 
-void rf_repeat_vpl_trials( RfConnectionWork* w )
+// Trials of connections to VPLs, until a particle from within the cone covers the vertex.
+static void repeat_vpl_trials( RfConnectionWork* w )
 {
     bool pending[RF_CHAIN_BLOCK];
     int left = 0;
@@ -156,24 +156,26 @@ void rf_repeat_vpl_trials( RfConnectionWork* w )
         left = try_vpls_again( w, trial, pending );
 }
 
-float rf_vpl_inverse_probability( const RfConnectionWork* w, const RfVplConnection* connection )
+static void divide_vpls( RfConnectionWork* w )
 {
-    if ( w->settings->normalization == RF_KERNEL_EXACT )
-        return connection->repeats / ( 2.0f * connection->versine * connection->most );
-    return 1.0f / ( connection->cone * connection->cosine );
-}
-
-void rf_estimate_density( RfConnectionWork* w )
-{
-    for ( int k = 0; k < w->count; ++k )
+    repeat_vpl_trials( w );
+    for ( int k = 0; k < w->vpl_count; ++k )
     {
-        RfConnection* connection = w->connection + k;
-        connection->wi = rf_scale( connection->path->end.d, -1.0f );
-        connection->light = rf_scale( connection->path->flux, connection->scale );
-        connection->reach = ( RfReach ){ { 1.0f, 0.0f }, connection->path->at.half.x, connection->path->at.half.x };
-        connection->repeats = 1.0f;
-        connection->area = INFINITY;
-        connection->open = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ) > 0.0f &&
-                           rf_dot( rf_lane_of( w->v->ng, connection->lane ), connection->wi ) > 0.0f;
+        RfVplConnection* connection = w->vpl_connection + k;
+        connection->inverse_probability = connection->repeats / ( 2.0f * connection->versine * connection->most );
     }
 }
+
+static void solve( RfConnectionWork* w )
+{
+    rf_walk_to_vertices( w );
+    rf_repeat_trials( w );
+}
+
+const RfNormalization rf_exact_normalization = {
+    .weighted = true,
+    .note_path = rf_note_path,
+    .solve = solve,
+    .divide_vpls = divide_vpls,
+    .weigh_chance = rf_weigh_chance,
+};

@@ -7,11 +7,17 @@
 #include "reframe/types.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <stdint.h>
 
 #define RF_PI 3.14159265358979f
 #define RF_INV_PI 0.318309886183791f
 
 static inline RfVec3 rf_vec3( float x, float y, float z ) { return ( RfVec3 ){ x, y, z }; }
+static inline RfVec3 rf_load_vec3( const float* array, uint32_t index )
+{
+    return rf_vec3( array[3 * (size_t)index], array[3 * (size_t)index + 1], array[3 * (size_t)index + 2] );
+}
 static inline RfVec3 rf_add( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x + b.x, a.y + b.y, a.z + b.z ); }
 static inline RfVec3 rf_sub( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x - b.x, a.y - b.y, a.z - b.z ); }
 static inline RfVec3 rf_mul( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x * b.x, a.y * b.y, a.z * b.z ); }

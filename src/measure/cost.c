@@ -201,7 +201,8 @@ static void share_threads( CostStudy* s )
     int eyes = 2 * settings.group + 1 < s->job->shot.eye_count ? 2 * settings.group + 1 : s->job->shot.eye_count;
     s->threads = s->settings[1].threads;
     s->workers = s->threads < COST_TASKS ? s->threads : COST_TASKS;
-    if ( rf_fit_memory( rf_tracer_scene( s->job->shot.tracer ), s->job->shot.eyes, eyes, eyes, &settings, &fit, NULL ) == RF_OK )
+    RfShot group = { s->job->shot.tracer, s->job->shot.eyes, eyes, NULL, eyes };
+    if ( rf_fit_memory( &group, &settings, &fit, NULL ) == RF_OK )
     {
         size_t room = settings.memory / ( 2 * ( fit.bytes_films + fit.bytes_hits + fit.bytes_lists ) );
         s->workers = room < 1 ? 1 : room < (size_t)s->workers ? (int)room : s->workers;
@@ -248,8 +249,8 @@ static RfResult make_region( CostStudy* s, double position, double pixels, RfTes
 {
     const RfCostJob* job = s->job;
     int frame = job->shot.frames[(int)( position * job->shot.frame_count )];
-    RfTrialShot shot = { job->shot.tracer, job->shot.eyes, job->shot.eye_count, job->watch };
-    return rf_create_test_region( &shot, frame, 2 * s->settings[1].group + 1, pixels, s->settings + 1, region, error );
+    RfTestSite site = { frame, 2 * s->settings[1].group + 1, pixels };
+    return rf_create_test_region( &job->shot, job->watch, &site, s->settings + 1, region, error );
 }
 
 // Renders all frames of the region one by one, or as one group with reuse.

@@ -61,7 +61,7 @@ RfFollow rf_follow( const RfFlickerFrame* now, const RfFlickerFrame* before, boo
 // and leaves φ unchanged.
 //
 // With motion compensation, e_{t−1} is the error at the reprojected position in the
-// previous frame (follow.h), in all three means. These are taken over the pixels that
+// previous frame (RfFollow), in all three means. These are taken over the pixels that
 // were visible there; their fraction is the coverage. Bilinear interpolation reduces
 // noise between pixels, in the numerator and the denominator of φ alike.
 //
@@ -101,7 +101,7 @@ RfFlickerMetrics rf_flicker_metrics( const RfFlickerSums* sums );
 // The temporal spectrum of the error, in bands: how fast the error changes.
 //
 // The values of a pixel over T consecutive frames, reprojected from the last frame backwards
-// if motion compensation is on (follow.h), are transformed by the orthonormal discrete cosine
+// if motion compensation is on (RfFollow), are transformed by the orthonormal discrete cosine
 // transform of type II (Ahmed, Natarajan, Rao 1974):
 //   X_k = s_k Σ_t e_t cos( π (2t + 1) k / 2T ),  s_0² = 1/T, else 2/T,
 // with frequency k / 2T cycles per frame. Σ_k X_k² = Σ_t e_t², so the bands sum to the mean

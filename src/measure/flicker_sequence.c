@@ -70,7 +70,7 @@ static RfResult name_motion( const char* path, const RfExrHeader* header, const 
 {
     const char* comma = strchr( text, ',' );
     if ( comma == NULL || comma == text || comma[1] == '\0' || strchr( comma + 1, ',' ) != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "motion: wants the names of two channels, X,Y, got '%s'", text );
+        return rf_fail( error, RF_ERROR_USAGE, "motion: must be the names of two channels, X,Y, got '%s'", text );
     const char* names[2] = { text, comma + 1 };
     size_t lengths[2] = { (size_t)( comma - text ), strlen( comma + 1 ) };
     for ( int i = 0; i < 2; ++i )
@@ -316,13 +316,13 @@ typedef struct Run
 static RfResult check_numbers( const Run* run, const int* numbers, int count, RfError* error )
 {
     if ( count < 2 )
-        return rf_fail( error, RF_ERROR_IO, "%s: is frame %d alone: flicker wants two neighbouring ones at least", run->pattern,
+        return rf_fail( error, RF_ERROR_IO, "%s: is frame %d alone: flicker needs two neighbouring ones at least", run->pattern,
                         numbers[0] );
     int step = rf_sequence_step( run->pattern, numbers[0] );
     for ( int i = 1; i < count; ++i )
     {
         if ( numbers[i] != numbers[i - 1] + step )
-            return rf_fail( error, RF_ERROR_IO, "%s: after frame %d comes %d: flicker wants every frame", run->pattern,
+            return rf_fail( error, RF_ERROR_IO, "%s: after frame %d comes %d: flicker needs every frame", run->pattern,
                             numbers[i - 1], numbers[i] );
     }
     return RF_OK;

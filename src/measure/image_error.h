@@ -44,7 +44,7 @@ double rf_student_quantile( int freedom );
 // Sums are accumulated in double, in row and frame order.
 //
 // The 95 % confidence interval of the bias is estimated from blocks of pixels,
-// each pooled over all frames: bias_interval.h.
+// each pooled over all frames.
 
 // True if any pixel is NaN or infinite, so that the measures are undefined.
 static inline bool rf_has_no_error( const RfErrorMetrics* m )

@@ -1,6 +1,7 @@
 // Draws plots as SVG: ticks, axes, curves, markers, legend and notes.
 #include "measure/plot.h"
 
+#include "image/atomic_file.h"
 #include "reframe/error.h"
 
 #include <math.h>
@@ -384,4 +385,15 @@ RfResult rf_draw_plot( const RfPlot* plot, char** svg, size_t* size, RfError* er
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the plot" );
     }
     return RF_OK;
+}
+
+RfResult rf_write_plot( const RfPlot* plot, const char* path, RfError* error )
+{
+    char* svg;
+    size_t size;
+    RfResult result = rf_draw_plot( plot, &svg, &size, error );
+    if ( result == RF_OK )
+        result = rf_write_file_atomic( path, svg, size, error );
+    free( svg );
+    return result;
 }

@@ -51,6 +51,9 @@ typedef struct RfPlot
 // and bytes that are not UTF-8 or not valid in XML become '?'. Fails with RF_ERROR_MEMORY.
 RfResult rf_draw_plot( const RfPlot* plot, char** svg, size_t* size, RfError* error );
 
+// The same into a file.
+RfResult rf_write_plot( const RfPlot* plot, const char* path, RfError* error );
+
 // Ascending tick positions between min and max, at most `room`. Long logarithmic axes: powers
 // of ten; short ones: 1, 2 and 5 times powers of ten. Linear axes, and logarithmic ones of
 // less than a decade: multiples of 1, 2 or 5 times a power of ten. Returns the number of

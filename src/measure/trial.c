@@ -100,7 +100,7 @@ static RfResult render_metered( const RfTestRegion* region, int first, int eye_c
                                 RfResult ( *frame )( void* user, const RfFrameResult* result, RfError* error ), void* user,
                                 TrialMeter* meter, RfError* error )
 {
-    Metered m = { .frame = frame, .user = user, .watch = region->shot.watch, .one_thread = settings->threads == 1 };
+    Metered m = { .frame = frame, .user = user, .watch = region->watch, .one_thread = settings->threads == 1 };
     RfRenderCallbacks callbacks = { &m, on_frame, on_progress };
     int* frames = malloc( (size_t)eye_count * sizeof *frames );
     if ( frames == NULL )
@@ -324,7 +324,8 @@ static bool pilot_fits( const RfTracer* tracer, const RfTestRegion* region, cons
     RfRenderSettings s = *settings;
     RfMemoryFit fit;
     s.threads = 1;
-    RfResult result = rf_fit_memory( rf_tracer_scene( tracer ), region->eyes, region->frames, region->frames, &s, &fit, NULL );
+    RfShot group = { tracer, region->eyes, region->frames, NULL, region->frames };
+    RfResult result = rf_fit_memory( &group, &s, &fit, NULL );
     return result == RF_OK && fit.sweeps == 1;
 }
 
@@ -384,14 +385,14 @@ static RfResult choose_pieces( RfTestRegion* region, int centre, double pixels, 
                              !rf_is_plain_filter( settings ), seed, &region->pieces, error );
 }
 
-RfResult rf_create_test_region( const RfTrialShot* shot, int centre, int frames, double pixels, const RfRenderSettings* settings,
-                                RfTestRegion* region, RfError* error )
+RfResult rf_create_test_region( const RfShot* shot, const RfTrialWatch* watch, const RfTestSite* site,
+                                const RfRenderSettings* settings, RfTestRegion* region, RfError* error )
 {
-    *region = ( RfTestRegion ){ .shot = *shot, .frames = clamp( frames, 1, shot->eye_count ) };
+    *region = ( RfTestRegion ){ .shot = *shot, .watch = watch, .frames = clamp( site->frames, 1, shot->eye_count ) };
     region->whole = region->frames == shot->eye_count;
-    region->first = clamp( centre - region->frames / 2, 0, shot->eye_count - region->frames );
+    region->first = clamp( site->centre - region->frames / 2, 0, shot->eye_count - region->frames );
     region->eyes = shot->eyes + region->first;
-    RfResult result = choose_pieces( region, centre, pixels, settings, error );
+    RfResult result = choose_pieces( region, site->centre, site->pixels, settings, error );
     if ( region->crops != NULL )
     {
         region->eyes = region->crops;

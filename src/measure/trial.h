@@ -1,7 +1,7 @@
 // A trial measures the cost and error of a group and a tile from a few passes of a few frames,
 // without a reference.
 //
-// It does not render whole pictures but pieces of them (pieces.h), in the resolution of the render: on a smaller picture a
+// It does not render whole pictures but pieces of them (trial_pieces.h), in the resolution of the render: on a smaller picture a
 // tile covers more of the scene and the camera moves by fewer pixels, so reuse is worth another amount there.
 //
 // A segment of 2n+1 frames of the path is rendered as a single group: a long path consists of
@@ -36,35 +36,34 @@ typedef struct RfTrialWatch
     void* user;
 } RfTrialWatch;
 
-// What trials render.
-typedef struct RfTrialShot
-{
-    const RfTracer* tracer;
-    const RfEye* eyes; // of the whole path
-    int eye_count;
-    const RfTrialWatch* watch; // or NULL
-} RfTrialShot;
-
 // A segment of the path with the pieces of its frames in which settings are tried.
 typedef struct RfTestRegion
 {
-    RfTrialShot shot;
-    const RfEye* eyes; // `frames` of them, of the path
-    int first;         // first frame on the path, from 0
+    RfShot shot;               // its frames are not looked at
+    const RfTrialWatch* watch; // or NULL
+    const RfEye* eyes;         // `frames` of them, of the path
+    int first;                 // first frame on the path, from 0
     int frames;
     bool whole;   // the region is the whole path
-    RfEye* crops; // of an estimator that renders no pieces: the eyes are these windows (crops.h); NULL: the path's
+    RfEye* crops; // of an estimator that renders no pieces: the cameras are these windows (rf_choose_crops); NULL: the path's
     RfTestPieces pieces;
     float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, slot after slot
     double seconds; // CPU seconds spent on the pilot image
     double samples; // own-frame samples traced for it
 } RfTestRegion;
 
-// Creates a test region of up to `frames` frames around `centre`, of each of which about `pixels` pixels are traced, and
-// renders its pilot image with the threads, memory, seed, depth and light samples of `settings`. Free with
-// rf_destroy_test_region, also after a failure; the shot's eyes must live as long.
-RfResult rf_create_test_region( const RfTrialShot* shot, int centre, int frames, double pixels, const RfRenderSettings* settings,
-                                RfTestRegion* region, RfError* error );
+// Where on the path a region is, and how large.
+typedef struct RfTestSite
+{
+    int centre, frames; // up to so many frames around the frame `centre`
+    double pixels;      // traced of each, about
+} RfTestSite;
+
+// Creates a test region and renders its pilot image with the threads, memory, seed, depth and light samples of `settings`. Of
+// the shot its frames are not looked at; `watch` may be NULL. Free with rf_destroy_test_region, also after a failure; what shot
+// and watch point to must live as long.
+RfResult rf_create_test_region( const RfShot* shot, const RfTrialWatch* watch, const RfTestSite* site,
+                                const RfRenderSettings* settings, RfTestRegion* region, RfError* error );
 
 // Pixels traced in a region of one frame, all windows together.
 static inline double rf_region_pixels( const RfTestRegion* region )

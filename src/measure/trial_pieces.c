@@ -61,7 +61,7 @@ static int whole_cells( double side, int most )
     return pixels < most ? pixels : most;
 }
 
-// The same eye with the film from pixel (x, y) on.
+// The same camera with the film from pixel (x, y) on.
 static RfEye crop( const RfEye* eye, int x, int y, int width, int height )
 {
     RfEye out = *eye;

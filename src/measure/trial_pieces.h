@@ -56,7 +56,7 @@ static inline int rf_cell_pixels( const RfTestPieces* pieces, int cell, int32_t 
 size_t rf_test_pieces_bytes( int frames, size_t pixels );
 
 // Windows of the picture in which an estimator is tried that makes a picture of all that it traces, and so renders no
-// pieces (pieces.h): eyes with a smaller film, in the resolution of the render.
+// pieces (render/pieces.h): cameras with a smaller film, in the resolution of the render.
 
 #define RF_CROPS 7
 

@@ -169,8 +169,8 @@ static RfResult make_region( TuneWork* w, int index, RfError* error )
     int frame = job->shot.frames[(int)( rf_tune_position( w->first_position + index ) * job->shot.frame_count )];
     RfRenderSettings settings = w->settings;
     settings.seed = rf_mix64( settings.seed ^ (uint64_t)( w->first_position + index ) ); // other pieces each time
-    RfTrialShot shot = { job->shot.tracer, job->shot.eyes, job->shot.eye_count, &w->watch };
-    return rf_create_test_region( &shot, frame, w->region_frames, w->round->pixels, &settings, w->regions + index, error );
+    RfTestSite site = { frame, w->region_frames, w->round->pixels };
+    return rf_create_test_region( &job->shot, &w->watch, &site, &settings, w->regions + index, error );
 }
 
 static RfResult try_row( TuneWork* w, int region, int k, RfError* error )

@@ -6,7 +6,7 @@
 // All settings of a round use the same positions, the same pilot images for relMSE and the
 // same seeds. Errors are summed over all positions before they are compared: relMSE is
 // dominated by few pixels, and a mean of ratios would have a bias that depends on the noise. A
-// row also borrows strength from the trials of the other rows (tune_smooth.c).
+// row also borrows strength from the trials of the other rows (rf_smooth_tune_rows).
 //
 // Trials run in parallel on one thread each, so that their times are those of the work alone,
 // however small the images are.

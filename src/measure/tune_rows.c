@@ -15,8 +15,8 @@ static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
 static const char* const s_extended_tiles[RF_TUNE_TILES] = { "1", "2x2", "4x4", "6x6", "8x8" }; // of estimators without groups
 
-static const char s_no_room[] = "does not fit the memory", s_rounded[] = "the samples would more than double",
-                  s_hopeless[] = "by the plan worth less than a smaller group";
+static const char s_no_room[] = "does not fit in memory", s_rounded[] = "spp would more than double",
+                  s_hopeless[] = "predicted to gain less than a smaller group";
 
 #define BEYOND 0.97  // of the best gain that the plan predicts for a tile: with less a larger group is not tried
 #define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
@@ -55,8 +55,7 @@ static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
 {
     RfRenderSettings settings = rf_tune_settings( row, job->settings );
     RfMemoryFit fit;
-    rf_fit_memory( rf_tracer_scene( job->shot.tracer ), job->shot.eyes, job->shot.eye_count, job->shot.frame_count, &settings,
-                   &fit, NULL );
+    rf_fit_memory( &job->shot, &settings, &fit, NULL );
     return fit;
 }
 
@@ -153,8 +152,8 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfMemoryFit fit;
         settings.threads = 1;
         settings.aovs = 0;
-        RfResult result = rf_fit_memory( rf_tracer_scene( job->shot.tracer ), job->shot.eyes, tune->rows[i].eyes,
-                                         tune->rows[i].eyes, &settings, &fit, NULL );
+        RfShot group = { job->shot.tracer, job->shot.eyes, tune->rows[i].eyes, NULL, tune->rows[i].eyes };
+        RfResult result = rf_fit_memory( &group, &settings, &fit, NULL );
         size_t bytes = fit.bytes_films + fit.bytes_hits + fit.bytes_lists;
         if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 && bytes > most )
             most = bytes;

@@ -153,26 +153,25 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
               path->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ),
               s->max_depth, s->light_samples, (unsigned long long)s->seed, tile );
     uint64_t hash = hash_text( hash_text( path->hash, rf_version() ), settings );
-    // 0 and 1 as when adaptive sampling was off or on
+    // What is off adds nothing, here and below: an option that is added later leaves the fingerprints of frames without it.
     static const int adaptive[] = { [RF_ADAPTIVE_OFF] = 0, [RF_ADAPTIVE_ON] = 1, [RF_ADAPTIVE_AUTO] = 2 };
     snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, adaptive[s->adaptive] );
     if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF )
         hash = hash_text( hash, settings );
     snprintf( settings, sizeof settings, "flicker %.17g", s->flicker );
-    if ( s->flicker > 0.0 ) // a frame without is what it was before it could be asked for
+    if ( s->flicker > 0.0 )
         hash = hash_text( hash, settings );
     snprintf( settings, sizeof settings, "filter %s %.17g", rf_filter_name( s->filter ), s->filter_width );
-    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 ) // a box of one pixel is what frames had before there were others
+    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
         hash = hash_text( hash, settings );
     char aovs[RF_AOVS_TEXT_SIZE];
     rf_format_aovs( s->aovs, aovs, sizeof aovs );
     snprintf( settings, sizeof settings, "runs %d", path->run_count );
-    if ( path->run_count > 0 &&
-         path->run_count < path->count ) // a path without is what it was before equal frames were rendered once
+    if ( path->run_count > 0 && path->run_count < path->count )
         hash = hash_text( hash, settings );
-    if ( s->aovs != 0 ) // a frame without any is what it was before there were any
+    if ( s->aovs != 0 )
         hash = hash_text( hash, aovs );
-    if ( s->estimator != rf_default_render_settings().estimator ) // likewise
+    if ( s->estimator != rf_default_render_settings().estimator )
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         hash = hash_text( hash, rf_reconstruction_name( s->reconstruction ) );
@@ -182,7 +181,7 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     const RfScene* scene = rf_tracer_scene( output->tracer );
     snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
               (unsigned long long)scene->effects_left_out );
-    if ( ( scene->effects_forced | scene->effects_left_out ) != 0 ) // likewise
+    if ( ( scene->effects_forced | scene->effects_left_out ) != 0 )
         hash = hash_text( hash, settings );
     snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
 }

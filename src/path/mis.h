@@ -5,8 +5,8 @@
 //
 // and counts f w_i / (n_i p_i). The heuristic is t: the balance heuristic has t(x) = x, the power heuristic t(x) = x². All
 // weights of the renderer are computed here, and another heuristic is another t: rf_mis_term and rf_mis_term_per_density, no
-// more. Densities that become weights are in the same measure; only their quotients matter, so t must be a power. It must be
-// finite for 8 RF_DELTA_PDF.
+// more. Densities that become weights are in the same measure; only their quotients matter, so t must be a power, of which a
+// factor cancels. It must be finite for RF_MAX_LIGHT_SAMPLES RF_DELTA_PDF, 2^66: the square is (2^-8 x)².
 //
 // The cameras of a group, and the paths of a tile, are not techniques that compete. What they find is shared without regard to
 // who found it, as samples of one *mixture* with the density Σ p_k, of which each has the share p_k / Σ p. These sums are densities
@@ -82,7 +82,7 @@ static inline void rf_weigh_arrival( const RfArrivalLanes* arrival, int lane, fl
     const float least = 1e-30f; // below, nothing was drawn there
     float light_pdf = arrival->light_pdf[lane], drawn = arrival->scattered ? pdf : light_pdf;
     float sum = rf_mis_term( light_pdf ) + rf_mis_term( pdf );
-    float scale_a = sum > least ? rf_mis_term_per_density( drawn ) / sum : 0.0f;
+    float scale_a = sum > rf_mis_term( least ) ? rf_mis_term_per_density( drawn ) / sum : 0.0f;
     float scale_b = pdf > least || RF_FAULT( mixture ) ? 1.0f / pdf : 0.0f;
     for ( int c = 0; c < 3; ++c )
         q[c] = arrival->a[c][lane] * scale_a + arrival->b[c][lane] * scale_b;

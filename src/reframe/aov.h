@@ -21,8 +21,9 @@ RF_API_BEGIN
 //     HITS           the same by the box of one pixel: a filter would mix more of what is behind into depth and motion
 //     FILMS          the films of the colour, or counts of samples
 //
-// To add one: a row here, and what it is in film/aov.c: at a hit and a miss (value_at_hit, value_at_miss), or as
-// made from films (rf_aov_film_floats, rf_finish_aov). Options, files, attributes, the budget and the manual follow from the row.
+// To add one: a row here, what it is in film/aov.c: at a hit and a miss (value_at_hit, value_at_miss), or as made from films
+// (rf_aov_film_floats, rf_finish_aov), and how a page shows it (look_of in cli/report/report_frames.c). The compiler warns of
+// each that lacks the row. Options, files, attributes, the budget and the manual follow from it.
 #define RF_AOV_LIST( X )                                                                                                         \
     X( ALBEDO, "albedo", "RGB", true, FILTERED_HITS, "reflectance for light along the normal; 0 where nothing is hit" )          \
     X( NORMAL, "normal", "XYZ", true, FILTERED_HITS,                                                                             \

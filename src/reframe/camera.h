@@ -2,8 +2,8 @@
 // of all frames of an animation, from a scene or from a camera-path file.
 //
 //     RfCameraPath path;
-//     RfFps fps = { 24, 1 };
-//     if ( rf_create_camera_path( scene, NULL, fps, 960, 540, &path, &error ) == RF_OK )
+//     RfPathOptions options = { .fps = { 24, 1 }, .width = 960, .height = 540 };
+//     if ( rf_create_camera_path( scene, &options, &path, &error ) == RF_OK )
 //         printf( "%s has %d frames\n", path.name, path.count );
 //     rf_destroy_camera_path( &path );
 //
@@ -106,14 +106,10 @@ int rf_frame_number( const RfCameraPath* path, int frame );
 // A path without frames, which rf_destroy_camera_path accepts.
 RfCameraPath rf_empty_camera_path( void );
 
-// Samples the path of a camera at `fps` frames per second on a film of width × height pixels; 0/0 and
-// 0 × 0 are the scene's own (RfSceneInfo), else 24 and 960 × 540.
-// `name` is a camera of the scene; NULL is the one that a scene file asks for, else the first
-// animated one, else the first; a name that ends in ".json" is a camera-path file. On failure the
-// path is empty: RF_ERROR_USAGE where there is no such camera (the line names those there are),
-// RF_ERROR_SCENE for a path that cannot be followed, RF_ERROR_MEMORY, or as reading the file fails.
-RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
-                                RfError* error );
+// Limits, of the program's options and of scene and camera-path files too.
+#define RF_MAX_FSTOP 1e6     // beyond that a pinhole would do
+#define RF_MAX_FOCUS 1e6     // m
+#define RF_MAX_SHUTTER 100.0 // frames before and after the frame's own time
 
 // A lens and a shutter in the place of a camera's own.
 typedef struct RfLens
@@ -126,9 +122,20 @@ typedef struct RfLens
     const char* focus_node; // the node of the scene that is in focus; NULL: none
 } RfLens;
 
-// rf_create_camera_path with another lens; NULL: the camera's own.
-RfResult rf_create_lens_path( const RfScene* scene, const char* name, const RfLens* lens, RfFps fps, int width, int height,
-                              RfCameraPath* path, RfError* error );
+// Which camera's path is sampled, and how; all zero: as the scene has it.
+typedef struct RfPathOptions
+{
+    const char* camera; // of the scene; a name that ends in ".json" is a camera-path file; NULL: the camera that a scene file
+                        // asks for, else the first animated one, else the first
+    const RfLens* lens; // NULL: the camera's own
+    RfFps fps;          // 0/0: the scene's own (RfSceneInfo), else 24
+    int width, height;  // of the film, pixels; 0 × 0: likewise, else 960 × 540
+} RfPathOptions;
+
+// Samples the path of a camera. On failure the path is empty: RF_ERROR_USAGE where there is no such camera (the line names
+// those there are) and for a lens beyond the limits, RF_ERROR_SCENE for a path that cannot be followed, RF_ERROR_MEMORY, or as
+// reading the file fails.
+RfResult rf_create_camera_path( const RfScene* scene, const RfPathOptions* options, RfCameraPath* path, RfError* error );
 
 // Frees what a path holds and empties it.
 void rf_destroy_camera_path( RfCameraPath* path );

@@ -31,11 +31,11 @@ typedef enum RfWithout
     X( PHONG, "phong", OTHER_PICTURE, true, "materials keep their diffuse part" )                                                \
     X( GGX, "ggx", OTHER_PICTURE, true, "materials keep their diffuse part: metals are black, nothing has a coat" )              \
     X( AREA_LIGHTS, "area-lights", OTHER_PICTURE, false, "no material emits" )                                                   \
-    X( TWO_SIDED_EMISSION, "two-sided-emission", OTHER_PICTURE, false, "materials emit on their front alone" )                   \
+    X( TWO_SIDED_EMISSION, "two-sided-emission", OTHER_PICTURE, false, "materials emit from the front only" )                    \
     X( INTERPOLATED_NORMALS, "interpolated-normals", OTHER_PICTURE, false, "triangles are shaded flat" )                         \
-    X( CAMERA_ANIMATION, "camera-animation", IMPOSSIBLE, false, "a choice of one frame renders a still" )                        \
-    X( DEPTH_OF_FIELD, "depth-of-field", OTHER_PICTURE, true, "the camera is a pinhole: all is sharp" )                          \
-    X( MOTION_BLUR, "motion-blur", OTHER_PICTURE, true, "the shutter is open for a moment only" )                                \
+    X( CAMERA_ANIMATION, "camera-animation", IMPOSSIBLE, false, "one frame renders as a still" )                                 \
+    X( DEPTH_OF_FIELD, "depth-of-field", OTHER_PICTURE, true, "the camera is a pinhole" )                                        \
+    X( MOTION_BLUR, "motion-blur", OTHER_PICTURE, true, "the shutter time is zero" )                                             \
     X( CLEARCOAT, "clearcoat", OTHER_PICTURE, true, "materials keep what is under their clear coat" )                            \
     X( MIRRORS, "mirrors", OTHER_PICTURE, true, "perfect mirrors are black" )                                                    \
     X( FLAT_MIRRORS, "flat-mirrors", OTHER_NOISE, true, "what is seen in flat mirrors is not reused in other frames" )           \
@@ -44,16 +44,16 @@ typedef enum RfWithout
        "light finds its way through thin glass by chance alone: that of punctual lights does not, and each pane counts in the "  \
        "depth of paths" )                                                                                                        \
     X( ABSORPTION, "absorption", OTHER_PICTURE, false, "glass is clear inside" )                                                 \
-    X( PUNCTUAL_LIGHTS, "punctual-lights", OTHER_PICTURE, false, "lamps without size are off" )                                  \
+    X( PUNCTUAL_LIGHTS, "punctual-lights", OTHER_PICTURE, false, "punctual lights are off" )                                     \
     X( ENVIRONMENT, "environment", OTHER_PICTURE, false, "the sky is black" )                                                    \
-    X( TEXTURES, "textures", OTHER_PICTURE, true, "materials have their factors alone" )                                         \
+    X( TEXTURES, "textures", OTHER_PICTURE, true, "materials keep only their factors" )                                          \
     X( VERTEX_COLORS, "vertex-colors", OTHER_PICTURE, false, "vertex colours are white" )                                        \
     X( ALPHA_BLEND, "alpha-blend", OTHER_PICTURE, true, "blended surfaces are opaque" )                                          \
     X( ALPHA_MASK, "alpha-mask", OTHER_PICTURE, true, "masked surfaces are opaque" )                                             \
     X( NORMAL_MAPS, "normal-maps", OTHER_PICTURE, false, "normal textures are flat" )                                            \
     X( SMOOTH_METALS, "smooth-metals", IMPOSSIBLE, true, "it goes with chains: leave those out" )                                \
-    X( LIGHT_TREE, "light-tree", OTHER_NOISE, false, "lights are drawn by their power alone" )                                   \
-    X( CHAINS, "chains", OTHER_NOISE, true, "what mirrors and glass show is not reused, in tiles nor in other frames" )          \
+    X( LIGHT_TREE, "light-tree", OTHER_NOISE, false, "lights are sampled by power" )                                             \
+    X( CHAINS, "chains", OTHER_NOISE, true, "what mirrors and glass show is not reused, neither in tiles nor in other frames" )  \
     X( LIGHT_PATHS, "light-paths", IMPOSSIBLE, false, "settings without it" )                                                    \
     X( FRAME_GROUPS, "frame-groups", IMPOSSIBLE, false, "groups of one frame" )                                                  \
     X( TILE_CONNECTIONS, "tile-connections", IMPOSSIBLE, false, "tiles of one pixel" )                                           \
@@ -61,8 +61,7 @@ typedef enum RfWithout
     X( STOP_RULE, "stop-rule", IMPOSSIBLE, false, "settings without a noise, a flicker or a time to stop at" )                   \
     X( PIXEL_FILTER, "pixel-filter", IMPOSSIBLE, false, "the box of one pixel" )                                                 \
     X( OTHER_PROJECTION, "other-projection", IMPOSSIBLE, false, "a camera in perspective" )                                      \
-    X( GRADIENTS, "gradients", IMPOSSIBLE, false, "another estimator" )                                                          \
-    X( ALPHA, "alpha", IMPOSSIBLE, false, "settings without it" )
+    X( GRADIENTS, "gradients", IMPOSSIBLE, false, "another estimator" )
 
 // RF_EFFECT_DIFFUSE and so on, in the order of the list.
 typedef enum RfEffectId
@@ -91,6 +90,7 @@ typedef struct RfEffect
 typedef struct RfScene RfScene;
 typedef struct RfEye RfEye;
 struct RfRenderSettings;
+struct RfShot;
 
 // Fills `effects` in the order of the list with those that a scene alone decides; returns their number, on or off.
 int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
@@ -124,9 +124,8 @@ void rf_format_effects( uint64_t effects, char* text, size_t size );
 
 #define RF_EFFECTS_TEXT_SIZE 1024
 
-// The names of those that a render calls for, for RfOutput.calls_for.
-void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const struct RfRenderSettings* settings,
-                      char text[RF_EFFECTS_TEXT_SIZE] );
+// The names of those that a render of the shot calls for, whichever its frames, for RfOutput.calls_for.
+void rf_name_effects( const struct RfShot* shot, const struct RfRenderSettings* settings, char text[RF_EFFECTS_TEXT_SIZE] );
 
 // Leaves effects out of a scene, and runs the code of others whether or not something calls for them. Once, before the scene
 // has a path or a tracer. Fails with RF_ERROR_USAGE for effects that cannot be left out or forced.

@@ -81,13 +81,13 @@ typedef struct RfPlanRange
     double work;    // samples that rendering them alone traces, over those of all frames on one machine
 } RfPlanRange;
 
-// Cuts the frames asked for into min( machines, frame_count ) ranges, for which `ranges` has room. eyes[i] is the one of the
-// path's eye_count cameras that the i-th frame is made with, ascending; frames of a camera that stands still share one.
+// Cuts the frames of a shot into min( machines, frame_count ) ranges, for which `ranges` has room. Frames of a camera that stands
+// still may share one: shot->frames ascend, but may repeat. Tracer and cameras are not looked at, only the number of these.
 // None takes more than 1.05 times the least that the longest one can; within that each cut is where the halo, the groups
 // that both sides have to render, is least. The pictures do not depend on the cuts. Settings as resolved, with a group.
 // Fails with RF_ERROR_USAGE or RF_ERROR_MEMORY.
-RfResult rf_plan_ranges( int eye_count, const int* eyes, int frame_count, const RfRenderSettings* settings, int machines,
-                         RfPlanRange* ranges, int* range_count, RfError* error );
+RfResult rf_plan_ranges( const RfShot* shot, const RfRenderSettings* settings, int machines, RfPlanRange* ranges,
+                         int* range_count, RfError* error );
 
 // Bytes of a hit record of a diffuse and of a glossy hit, in groups of `eyes` frames.
 void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy );

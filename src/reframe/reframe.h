@@ -12,7 +12,7 @@
 //     RfScene* scene = NULL;
 //     RfTracer* tracer = NULL;
 //     RfCameraPath path = rf_empty_camera_path();
-//     RfFps fps = { 24, 1 };
+//     RfPathOptions asked = { .fps = { 24, 1 }, .width = 960, .height = 540 };
 //     RfOutput output = rf_default_output();
 //     RfRenderSettings settings = rf_default_render_settings();
 //     RfRenderCallbacks callbacks = { &output, write, NULL };
@@ -21,7 +21,7 @@
 //
 //     settings.files = rf_default_frame_files();
 //     if ( rf_open_scene( "room.glb", &scene, NULL, &error ) != RF_OK ||
-//          rf_create_camera_path( scene, NULL, fps, 960, 540, &path, &error ) != RF_OK ||
+//          rf_create_camera_path( scene, &asked, &path, &error ) != RF_OK ||
 //          rf_create_tracer( scene, &tracer, &error ) != RF_OK )
 //         return print( error.text );
 //     shot = ( RfShot ){ tracer, path.eyes, path.count, frames, 3 };

@@ -59,10 +59,9 @@ typedef struct RfMemoryFit
     size_t least;       // the smallest budget that works
 } RfMemoryFit;
 
-// The fit of a render of `frame_count` frames with resolved settings. Fails with RF_ERROR_MEMORY
-// where the budget is too small: fit->least and error->least_memory are what is needed.
-RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
-                        RfMemoryFit* fit, RfError* error );
+// The fit of a render of the shot with resolved settings; of its frames only their number is looked at. Fails with
+// RF_ERROR_MEMORY where the budget is too small: fit->least and error->least_memory are what is needed.
+RfResult rf_fit_memory( const RfShot* shot, const RfRenderSettings* settings, RfMemoryFit* fit, RfError* error );
 
 // How the reconstruction of a frame went (`gradient`).
 typedef enum RfSolved

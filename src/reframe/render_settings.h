@@ -40,7 +40,7 @@ typedef enum RfFilter
 // "box", "tent", "gaussian", "blackman-harris".
 const char* rf_filter_name( RfFilter filter );
 
-// 1, 1, 1.5 and 1.5 pixels.
+// 1 pixel for box and tent, 1.5 for the others.
 double rf_default_filter_width( RfFilter filter );
 
 // "exact", "eq15", "unweighted".

@@ -10,8 +10,9 @@
 // as long as `trace` depends on (group, job) alone and `accumulate` adds batches in
 // the order given.
 //
-// To add an estimator: a folder with its functions, one row in estimators/estimators.c, and its level in
-// tests/scripts/check-includes. A minimal one, a path tracer, is in tests/render/test_second_estimator.c. This header is the
+// To add an estimator: a folder with its functions, one row in estimators/estimators.h with its include in estimators.c, its
+// level in tests/scripts/check-includes, and its name in scenes/scene.schema.json (a test compares). The option, its help and
+// the defaults in it follow. A minimal one, a path tracer, is in tests/render/test_second_estimator.c. This header is the
 // documentation of the table: required are name, films, sizes, lay_out_batch, lay_out_scratch, trace and accumulate.
 #ifndef REFRAME_RENDER_ESTIMATOR_H
 #define REFRAME_RENDER_ESTIMATOR_H
@@ -58,8 +59,8 @@ typedef struct RfEstimatorSizes
     size_t shared;             // what all batches of a pass share, all zero at first; 0: nothing
     bool whole_pass;           // `accumulate` needs all batches of a pass at once, and whole films
     // for the report of the plan
-    size_t diffuse_record, shiny_record; // bytes of one hit
-    int directions;                      // that a shiny hit's record holds
+    size_t diffuse_record, glossy_record; // bytes of one hit
+    int directions;                       // that a glossy hit's record holds
 } RfEstimatorSizes;
 
 // One batch of a pass.
@@ -87,7 +88,7 @@ typedef struct RfAccumulateJob
 typedef struct RfReuseCount
 {
     double hits;      // of camera rays
-    double shiny;     // among them those whose light depends on the camera
+    double glossy;    // among them those whose light depends on the camera
     double own_share; // sum over the hits of the share of their weight that their own frame keeps, 0 to 1
     double eye_rays;  // visibility tests traced
 } RfReuseCount;

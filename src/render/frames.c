@@ -67,13 +67,13 @@ static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFi
 // The flicker since the frame before, unknown where that was not rendered; keeps the error of this one for the next.
 static RfFlicker take_flicker( RfRenderer* r, const RfLiveFilm* live )
 {
-    RfFilmCombine combine = rf_film_combine( r->setup->settings.normalize );
+    RfNormalize normalize = r->setup->settings.normalize;
     RfFlicker flicker = { .before = (double)NAN, .now = (double)NAN, .product = (double)NAN, .worst_share = (double)NAN };
     if ( !r->setup->sizes.paired )
         return flicker;
     if ( r->kept_frame == live->frame - 1 )
-        flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
-    rf_keep_film_error( live->films, combine, r->memory.kept_errors );
+        flicker = rf_flicker_since( r->memory.kept_errors, live->films, normalize );
+    rf_keep_film_error( live->films, normalize, r->memory.kept_errors );
     r->kept_frame = live->frame;
     return flicker;
 }
@@ -82,12 +82,12 @@ static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuf
 {
     // what several films make up is divided by counts
     bool made = r->setup->settings.estimator->finish != NULL;
-    RfFilmCombine combine = made ? RF_FILM_RATIO : rf_film_combine( r->setup->settings.normalize );
+    RfNormalize normalize = made ? RF_NORMALIZE_RATIO : r->setup->settings.normalize;
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
         buffer->result.aovs[a] = buffer->layers[a];
         if ( buffer->layers[a] != NULL && !( made && a == RF_AOV_VARIANCE ) )
-            rf_finish_aov( &live->aovs, (RfAov)a, live->films, combine, buffer->layers[a] );
+            rf_finish_aov( &live->aovs, (RfAov)a, live->films, normalize, buffer->layers[a] );
     }
 }
 

@@ -1,4 +1,4 @@
-// Renders the passes of a group: batches are harvested in parallel and accumulated in a fixed order.
+// Renders the passes of a group: batches are traced in parallel and accumulated in a fixed order.
 #include "render/pass.h"
 
 #include "base/system.h"

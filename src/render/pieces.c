@@ -33,18 +33,18 @@ void rf_clear_traced( const RfPieces* pieces, int frame, RfFilm* film )
 typedef struct Combination
 {
     const RfFilm* film;
-    RfFilmCombine combine;
+    RfNormalize normalize;
     float *rgb, *weight;
 } Combination;
 
 static void combine_run( void* user, size_t first, size_t count )
 {
     const Combination* c = user;
-    rf_combine_film_pixels( c->film, c->combine, first, count, c->rgb, c->weight );
+    rf_combine_film_pixels( c->film, c->normalize, first, count, c->rgb, c->weight );
 }
 
-void rf_combine_traced( const RfPieces* pieces, int frame, const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight )
+void rf_combine_traced( const RfPieces* pieces, int frame, const RfFilm* film, RfNormalize normalize, float* rgb, float* weight )
 {
-    Combination c = { .film = film, .combine = combine, .rgb = rgb, .weight = weight };
+    Combination c = { .film = film, .normalize = normalize, .rgb = rgb, .weight = weight };
     visit_traced( pieces, frame, film->width, film->height, combine_run, &c );
 }

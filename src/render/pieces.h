@@ -36,6 +36,6 @@ static inline bool rf_is_traced( const RfPieces* pieces, const uint8_t* cells, i
 void rf_clear_traced( const RfPieces* pieces, int frame, RfFilm* film );
 
 // Combines a frame's film where it is traced; the rest of rgb and weight stays as it is.
-void rf_combine_traced( const RfPieces* pieces, int frame, const RfFilm* film, RfFilmCombine combine, float* rgb, float* weight );
+void rf_combine_traced( const RfPieces* pieces, int frame, const RfFilm* film, RfNormalize normalize, float* rgb, float* weight );
 
 #endif

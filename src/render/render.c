@@ -29,9 +29,9 @@ static RfResult choose_group( const RfShot* shot, RfRenderSettings* settings, Rf
 
 RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
-    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, resolved, error );
+    RfResult result = rf_resolve_common( shot, settings, resolved, error );
     if ( result == RF_OK )
-        result = rf_check_built( rf_tracer_scene( shot->tracer ), shot->eyes, shot->eye_count, resolved, error );
+        result = rf_check_built( shot, resolved, error );
     if ( result == RF_OK )
         result = choose_group( shot, resolved, error );
     if ( result != RF_OK )

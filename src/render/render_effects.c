@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 // What the rows are made of.
 typedef struct Source
@@ -46,11 +45,11 @@ static void set_path( const Source* from, const RfEye* eyes )
         moving += rf_dot( step, step ) + rf_dot( turn, turn ) + fabsf( e->focal - f->focal ) > 0.0f;
     }
     int all = from->eye_count;
-    set( from, RF_EFFECT_CAMERA_ANIMATION, moving > 0, moving > 0 ? "the camera moves in %d frames" : "the camera stands still",
+    set( from, RF_EFFECT_CAMERA_ANIMATION, moving > 0, moving > 0 ? "the camera moves in %d frames" : "the camera is static",
          all );
     if ( !from->rows[RF_EFFECT_DEPTH_OF_FIELD].left_out )
         set( from, RF_EFFECT_DEPTH_OF_FIELD, lens > 0,
-             lens > 0 ? "the camera has a lens in %d of %d frames" : "the camera has no lens: all is sharp", lens, all );
+             lens > 0 ? "the camera has a lens in %d of %d frames" : "the camera is a pinhole", lens, all );
     if ( !from->rows[RF_EFFECT_MOTION_BLUR].left_out )
         set( from, RF_EFFECT_MOTION_BLUR, shutter > 0,
              shutter > 0 ? "the camera moves while its shutter is open in %d of %d frames"
@@ -70,10 +69,10 @@ static void set_light_tree( const Source* from )
     for ( uint32_t i = 0; i < scene->triangles.count && lights <= RF_FEW_LIGHTS; ++i )
         lights += emits( scene, i );
     if ( from->settings->light_sampling == RF_LIGHTS_BY_POWER )
-        set( from, RF_EFFECT_LIGHT_TREE, false, "lights are drawn by their power: the settings ask for it" );
+        set( from, RF_EFFECT_LIGHT_TREE, false, "off in the settings: lights are sampled by power" );
     else
         set( from, RF_EFFECT_LIGHT_TREE, lights > RF_FEW_LIGHTS,
-             lights > RF_FEW_LIGHTS ? "more than %d lights" : "up to %d lights are drawn by their power", RF_FEW_LIGHTS );
+             lights > RF_FEW_LIGHTS ? "more than %d lights" : "up to %d lights are sampled by power", RF_FEW_LIGHTS );
 }
 
 // The first reason for chains that is on.
@@ -105,7 +104,7 @@ static void set_chains( const Source* from )
     RfSceneTraits called = from->traits;
     called.chains = reason != NULL;
     if ( reason == NULL )
-        set( from, RF_EFFECT_CHAINS, false, "no mirror, no glass, no GGX lobe that is nearly a mirror" );
+        set( from, RF_EFFECT_CHAINS, false, "no mirror, no glass, no GGX lobe that is almost a mirror" );
     else if ( !rf_wants_chains( &called, s, tile_pixels( &s->tile ) ) )
         set( from, RF_EFFECT_CHAINS, false, "neither tiles nor other frames would use them" );
     else
@@ -119,10 +118,10 @@ static void set_light_paths( const Source* from )
     bool on = rf_wants_light_paths( t, s );
     if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->emitters.connected > 0 )
         set( from, RF_EFFECT_LIGHT_PATHS, false,
-             "the settings do not ask for it, though mirrors or clear glass pass on light of %u small emitter%s",
-             t->emitters.connected, t->emitters.connected == 1 ? "" : "s" );
+             "not enabled, although mirrors or clear glass carry the light of %u small emitter%s", t->emitters.connected,
+             t->emitters.connected == 1 ? "" : "s" );
     else if ( s->light_paths == RF_LIGHT_PATHS_OFF )
-        set( from, RF_EFFECT_LIGHT_PATHS, false, "the settings do not ask for it" );
+        set( from, RF_EFFECT_LIGHT_PATHS, false, "off in the settings" );
     else if ( on && s->light_paths == RF_LIGHT_PATHS_AUTO )
         set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass; %u of %u emitters are small",
              t->chain_triangles, t->emitters.connected, t->emitters.all );
@@ -130,12 +129,13 @@ static void set_light_paths( const Source* from )
         set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass", t->chain_triangles );
     else
         set( from, RF_EFFECT_LIGHT_PATHS, false, "%s",
-             t->chain_triangles == 0          ? "no perfect mirror, no smooth glass with an inside"
+             t->chain_triangles == 0          ? "no perfect mirror, no smooth solid glass"
              : t->panes                       ? "there are thin panes, which light paths do not pass"
              : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
-             : s->weights != RF_WEIGHTS_EXACT ? "they want exact weights"
-             : s->estimator->prepare == NULL  ? "the estimator has none"
-                                              : "mirrors and glass meet large emitters alone, which chance finds" );
+             : s->weights != RF_WEIGHTS_EXACT ? "they need exact weights"
+             : s->estimator->prepare == NULL
+                 ? "the estimator does not support them"
+                 : "mirrors and glass carry the light of large emitters only, which BSDF sampling finds" );
 }
 
 static void set_reuse( const Source* from )
@@ -145,22 +145,22 @@ static void set_reuse( const Source* from )
     bool tiles = tile_pixels( &s->tile ) > 1, groups = s->group != 0 && from->eye_count != 1;
     rf_tile_name( &s->tile, tile );
     if ( s->group == RF_GROUP_AUTO && groups )
-        set( from, RF_EFFECT_FRAME_GROUPS, true, "of as many frames as the plan finds best" );
+        set( from, RF_EFFECT_FRAME_GROUPS, true, "of the size that the plan chooses" );
     else
-        set( from, RF_EFFECT_FRAME_GROUPS, groups, groups ? "of up to %d frames" : "frames share nothing", 2 * s->group + 1 );
+        set( from, RF_EFFECT_FRAME_GROUPS, groups, groups ? "of up to %d frames" : "no frame reuse", 2 * s->group + 1 );
     set( from, RF_EFFECT_TILE_CONNECTIONS, tiles, tiles ? "tiles of %s pixels" : "no tiles", tile );
     bool adaptive = s->adaptive == RF_ADAPTIVE_ON || ( s->adaptive == RF_ADAPTIVE_AUTO && groups );
     set( from, RF_EFFECT_ADAPTIVE, adaptive, "%s",
-         s->adaptive == RF_ADAPTIVE_ON ? "the settings ask for it"
-         : adaptive                    ? "in frames where it pays"
-                                       : "the settings do not ask for it, or no other frame helps" );
+         s->adaptive == RF_ADAPTIVE_ON ? "on in the settings"
+         : adaptive                    ? "in frames where it pays off"
+                                       : "off in the settings, or no frame reuse" );
     if ( rf_is_stopping( s ) )
-        set( from, RF_EFFECT_STOP_RULE, true, "frames stop at %s",
-             s->noise > 0.0     ? "a noise"
-             : s->flicker > 0.0 ? "a flicker"
-                                : "a time" );
+        set( from, RF_EFFECT_STOP_RULE, true, "frames stop at a target %s",
+             s->noise > 0.0     ? "noise"
+             : s->flicker > 0.0 ? "flicker"
+                                : "time" );
     else
-        set( from, RF_EFFECT_STOP_RULE, false, "the samples of a frame are given" );
+        set( from, RF_EFFECT_STOP_RULE, false, "fixed number of samples" );
 }
 
 static void set_projection( const Source* from, const RfEye* eyes )
@@ -169,20 +169,16 @@ static void set_projection( const Source* from, const RfEye* eyes )
     int others = 0, all = from->eye_count > 0 ? from->eye_count : scene->camera_count;
     for ( int i = 0; i < all; ++i )
         others += ( from->eye_count > 0 ? (int)eyes[i].projection : scene->cameras[i].projection ) != RF_PERSPECTIVE;
-    set( from, RF_EFFECT_OTHER_PROJECTION, others > 0,
-         others > 0 ? "orthographic or panoramic: %d of %d %s" : "all is in perspective", others, all,
-         from->eye_count > 0 ? "frames" : "cameras" );
+    set( from, RF_EFFECT_OTHER_PROJECTION, others > 0, others > 0 ? "not in perspective: %d of %d %s" : "all in perspective",
+         others, all, from->eye_count > 0 ? "frames" : "cameras" );
 }
 
 static void set_film( const Source* from )
 {
     const RfRenderSettings* s = from->settings;
-    bool filtered = !rf_is_plain_filter( s ), gradients = strcmp( rf_estimator_name( s->estimator ), "gradient" ) == 0;
-    set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "by the settings, %s" : "the box of one pixel",
-         rf_filter_words[s->filter] );
-    set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "the settings ask for it" : "the settings do not ask for it" );
-    bool alpha = ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
-    set( from, RF_EFFECT_ALPHA, alpha, alpha ? "the settings ask for it" : "the settings do not ask for it" );
+    bool filtered = !rf_is_plain_filter( s ), gradients = s->estimator->has_gradients;
+    set( from, RF_EFFECT_PIXEL_FILTER, filtered, filtered ? "%s" : "box of one pixel", rf_filter_words[s->filter] );
+    set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "on in the settings" : "off in the settings" );
 }
 
 // To explain: whether light paths would help is found by settings that ask for "auto", even if they are off.
@@ -223,24 +219,28 @@ int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_cou
     return list_effects( scene, eyes, eye_count, settings, true, effects );
 }
 
-void rf_name_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                      char text[RF_EFFECTS_TEXT_SIZE] )
+// For programs: without the search for reasons.
+static int list_of_shot( const RfShot* shot, const RfRenderSettings* settings, RfEffect effects[RF_MAX_EFFECTS] )
+{
+    return list_effects( rf_tracer_scene( shot->tracer ), shot->eyes, shot->eye_count, settings, false, effects );
+}
+
+void rf_name_effects( const RfShot* shot, const RfRenderSettings* settings, char text[RF_EFFECTS_TEXT_SIZE] )
 {
     RfEffect effects[RF_MAX_EFFECTS];
     uint64_t on = 0;
-    int count = list_effects( scene, eyes, eye_count, settings, false, effects );
+    int count = list_of_shot( shot, settings, effects );
     for ( int i = 0; i < count; ++i )
         on |= effects[i].on ? RF_EFFECT_BIT( effects[i].id ) : 0;
     rf_format_effects( on, text, RF_EFFECTS_TEXT_SIZE );
 }
 
-RfResult rf_check_built( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                         RfError* error )
+RfResult rf_check_built( const RfShot* shot, const RfRenderSettings* settings, RfError* error )
 {
     RfEffect effects[RF_MAX_EFFECTS];
     if ( RF_EFFECTS_NOT_BUILT == 0 )
         return RF_OK;
-    int count = list_effects( scene, eyes, eye_count, settings, false, effects );
+    int count = list_of_shot( shot, settings, effects );
     for ( int i = 0; i < count; ++i )
     {
         if ( effects[i].on && !rf_is_built( effects[i].id ) )

@@ -5,7 +5,6 @@
 #include "render/estimator.h"
 
 // Refuses, by name, what a render calls for and the build has been made without.
-RfResult rf_check_built( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings,
-                         RfError* error );
+RfResult rf_check_built( const RfShot* shot, const RfRenderSettings* settings, RfError* error );
 
 #endif

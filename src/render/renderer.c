@@ -99,29 +99,18 @@ void rf_trace_batches( RfRenderer* r, const RfPass* pass, int first, int count, 
     rf_add_rays( &r->rays, &rays );
 }
 
-RfFilmCombine rf_film_combine( RfNormalize normalize )
-{
-    switch ( normalize )
-    {
-        case RF_NORMALIZE_CROSSFIT: return RF_FILM_CROSSFIT;
-        case RF_NORMALIZE_RATIO: return RF_FILM_RATIO;
-        case RF_NORMALIZE_NONE: return RF_FILM_PLAIN;
-    }
-    return RF_FILM_CROSSFIT;
-}
-
 RfRelmse rf_finish_picture( const RfRenderer* r, const RfLiveFilm* live, RfPicture* picture )
 {
-    RfFilmCombine combine = rf_film_combine( r->setup->settings.normalize );
+    RfNormalize normalize = r->setup->settings.normalize;
     if ( r->setup->settings.estimator->finish != NULL )
         return r->setup->settings.estimator->finish( &r->setup->settings, live->films, picture, r->memory.finish_scratch );
     if ( r->setup->settings.pieces != NULL )
     {
-        rf_combine_traced( r->setup->settings.pieces, live->frame, live->films, combine, picture->rgb, picture->weight );
+        rf_combine_traced( r->setup->settings.pieces, live->frame, live->films, normalize, picture->rgb, picture->weight );
         return rf_plain_relmse( (double)NAN );
     }
-    rf_combine_film( live->films, combine, picture->rgb, picture->weight );
-    return rf_estimate_relmse( live->films, combine, picture->rgb );
+    rf_combine_film( live->films, normalize, picture->rgb, picture->weight );
+    return rf_estimate_relmse( live->films, normalize, picture->rgb );
 }
 
 RfLiveFilm* rf_find_film( const RfRenderer* r, int frame )

@@ -77,9 +77,6 @@ RfEstimatorGroup rf_frames_as_group( const RfRenderer* renderer, int first_frame
 // sum += part
 void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
 
-// The film image that a normalisation asks for.
-RfFilmCombine rf_film_combine( RfNormalize normalize );
-
 // Makes the picture of a frame's films; returns the estimate of its relMSE.
 RfRelmse rf_finish_picture( const RfRenderer* renderer, const RfLiveFilm* live, RfPicture* picture );
 

@@ -17,8 +17,6 @@ static bool can_adapt( const RfRenderSettings* s )
     return e->add_own_shares != NULL && e->count_samples != NULL && e->films == 1 && s->weights == RF_WEIGHTS_EXACT;
 }
 
-double rf_default_filter_width( RfFilter filter ) { return filter == RF_FILTER_BOX || filter == RF_FILTER_TENT ? 1.0 : 1.5; }
-
 static RfResult check_choices( const RfRenderSettings* s, RfError* error )
 {
     if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
@@ -150,14 +148,13 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
     return RF_OK;
 }
 
-RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
-                            RfError* error )
+RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
     RfResult result = check_settings( settings, error );
     if ( result == RF_OK )
         result = check_estimator( settings, error );
     if ( result == RF_OK )
-        result = check_eyes( eyes, eye_count, error );
+        result = check_eyes( shot->eyes, shot->eye_count, error );
     if ( result != RF_OK )
         return result;
     *resolved = *settings;

@@ -12,11 +12,10 @@ static inline bool rf_is_stopping( const RfRenderSettings* settings )
     return rf_calls_for( settings->noise > 0.0 || settings->flicker > 0.0 || settings->time > 0.0, RF_EFFECT_STOP_RULE );
 }
 
-// Checks settings and cameras and fills in all but the group: threads, memory, normalisation,
+// Checks settings and cameras (tracer and frames of the shot are not looked at) and fills in all but the group: threads, memory, normalisation,
 // and adaptive sampling where the estimator or the weights rule it out.
 // Fails with RF_ERROR_USAGE for values out of range.
-RfResult rf_resolve_common( const RfEye* eyes, int eye_count, const RfRenderSettings* settings, RfRenderSettings* resolved,
-                            RfError* error );
+RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error );
 
 // Can frames be traced in parts only (settings.pieces)?
 bool rf_can_render_pieces( const RfRenderSettings* settings );

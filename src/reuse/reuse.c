@@ -13,7 +13,7 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
     if ( !rf_is_tile( &s->tile ) )
         return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
     if ( s->adaptive == RF_ADAPTIVE_ON && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples want exact weights" );
+        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
     return RF_OK;
 }
 
@@ -29,11 +29,11 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .batch = header_bytes() + rf_batch_bytes( &shape ),
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
         .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
-        .pass_state = shape.eq15 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
+        .pass_state = shape.arrivals > 0 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
         .shared = shape.connections ? rf_light_paths_bytes( group ) + rf_connection_share_bytes( group ) : 0,
-        .whole_pass = shape.eq15,
+        .whole_pass = shape.arrivals > 0,
         .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
-        .shiny_record = per_lane( rf_batch_bytes( &shape ) ),
+        .glossy_record = per_lane( rf_batch_bytes( &shape ) ),
         .directions = rf_direction_count( &shape ),
     };
 }
@@ -132,7 +132,7 @@ static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_mem
     for ( int i = 0; i < batch->count; ++i )
         share += (double)own[i] / (double)batch->density_sum[i];
     count->hits += scratch->first.count;
-    count->shiny += rf_glossy_count( batch );
+    count->glossy += rf_glossy_count( batch );
     count->own_share += share + own_frame_hits( batch, scratch );
     count->eye_rays += (double)rays.eye;
 }

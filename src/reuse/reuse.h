@@ -1,4 +1,4 @@
-// Frame and tile reuse as an estimator: first hits are harvested for all frames of a
+// Frame and tile reuse as an estimator: first hits are traced for all frames of a
 // group, re-projected to the other cameras with a visibility test, and combined by
 // multiple importance sampling (Méndez Feliu, Sbert, Szirmay-Kalos, Reusing Frames in
 // Camera Animation, WSCG 2006), on top of sharing paths in tiles (Bekaert, Sbert, Halton,

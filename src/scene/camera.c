@@ -1,4 +1,4 @@
-// From a camera of a scene and a time to an eye: its place, its lens, its shutter. Projections: scene/projection.h.
+// A camera of a scene at a moment, as an RfEye: its place, its lens, its shutter. Projections: scene/projection.h.
 #include "scene/camera.h"
 
 #include "scene/animation.h"
@@ -72,19 +72,23 @@ void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float wor
         const double* row = camera[i];
         for ( int j = 0; j < 4; ++j )
             world_to_camera[4 * i + j] = (float)row[j];
-        if ( eye->projection != RF_PERSPECTIVE )
+        float* ndc = world_to_ndc + 4 * i;
+        switch ( rf_projection_of( eye ) )
         {
-            double w = eye->projection == RF_ORTHOGRAPHIC ? row[3] : 0.0, used = eye->projection == RF_ORTHOGRAPHIC ? 1.0 : 0.0;
-            world_to_ndc[4 * i + 0] = (float)( used * x_scale * row[0] + x_shift * w );
-            world_to_ndc[4 * i + 1] = (float)( used * y_scale * row[1] + y_shift * w );
-            world_to_ndc[4 * i + 2] = (float)( used * -2.0 * row[2] / ( far - near ) - w * ( far + near ) / ( far - near ) );
-            world_to_ndc[4 * i + 3] = (float)w;
-            continue;
+            case RF_PERSPECTIVE:
+                ndc[0] = (float)( x_scale * row[0] - x_shift * row[2] );
+                ndc[1] = (float)( y_scale * row[1] - y_shift * row[2] );
+                ndc[2] = (float)( -row[2] - 2.0 * near * row[3] );
+                ndc[3] = (float)-row[2];
+                break;
+            case RF_ORTHOGRAPHIC:
+                ndc[0] = (float)( x_scale * row[0] + x_shift * row[3] );
+                ndc[1] = (float)( y_scale * row[1] + y_shift * row[3] );
+                ndc[2] = (float)( -2.0 * row[2] / ( far - near ) - row[3] * ( far + near ) / ( far - near ) );
+                ndc[3] = (float)row[3];
+                break;
+            case RF_PANORAMIC: memset( ndc, 0, 4 * sizeof *ndc ); break;
         }
-        world_to_ndc[4 * i + 0] = (float)( x_scale * row[0] - x_shift * row[2] );
-        world_to_ndc[4 * i + 1] = (float)( y_scale * row[1] - y_shift * row[2] );
-        world_to_ndc[4 * i + 2] = (float)( -row[2] - 2.0 * near * row[3] );
-        world_to_ndc[4 * i + 3] = (float)-row[2];
     }
 }
 
@@ -234,7 +238,9 @@ static bool in_range( const double* origin )
     return true;
 }
 
-// Makes a fresh eye orthographic or panoramic.
+static bool has_fov( RfProjectionKind projection ) { return rf_projection_traits( projection )->extent == RF_EXTENT_FOV; }
+
+// Makes a new camera in perspective one of another projection.
 static void project_otherwise( RfEye* eye, RfProjectionKind projection, double ymag )
 {
     switch ( projection )
@@ -247,9 +253,10 @@ static void project_otherwise( RfEye* eye, RfProjectionKind projection, double y
     }
 }
 
-static RfResult node_eye( const RfScene* scene, const RfCamera* self, double time, int width, int height, RfEye* eye,
-                          RfError* error )
+static RfResult node_eye( const RfCameraSampling* sampling, double time, RfEye* eye, RfError* error )
 {
+    const RfScene* scene = sampling->scene;
+    const RfCamera* self = sampling->camera;
     RfMat4 world;
     rf_node_world_matrix( scene, self->node, time, &world );
     double forward[3], up[3];
@@ -264,35 +271,42 @@ static RfResult node_eye( const RfScene* scene, const RfCamera* self, double tim
                         "%s: camera '%.60s' at %g s: its transform is degenerate or not finite: "
                         "remove zero scales from it and from its parents",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
-    *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ),
-                               self->projection == RF_PERSPECTIVE ? self->yfov : 1.0, width, height );
+    *eye =
+        rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ),
+                            has_fov( (RfProjectionKind)self->projection ) ? self->yfov : 1.0, sampling->width, sampling->height );
     project_otherwise( eye, (RfProjectionKind)self->projection, self->ymag );
     return RF_OK;
 }
 
-static RfResult track_eye( const RfScene* scene, const RfCamera* self, double time, int width, int height, RfEye* eye,
-                           RfError* error )
+static RfResult track_eye( const RfCameraSampling* sampling, double time, RfEye* eye, RfError* error )
 {
+    const RfCamera* self = sampling->camera;
     RfView view;
     RfResult result = rf_sample_camera_track( self->track, time, &view, error );
     if ( result == RF_OK && !in_range( view.position ) )
         return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
     if ( result != RF_OK )
         return result;
-    *eye = rf_make_eye_inline( in_scene( scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ),
-                               view.projection == RF_PERSPECTIVE ? view.fov : 1.0, width, height );
+    *eye = rf_make_eye_inline( in_scene( sampling->scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ),
+                               has_fov( view.projection ) ? view.fov : 1.0, sampling->width, sampling->height );
     project_otherwise( eye, view.projection, view.fov );
     if ( view.aspect != 1.0 || view.shift[0] != 0.0 || view.shift[1] != 0.0 )
         rf_shift_eye( eye, view.aspect, view.shift[0], view.shift[1] );
     return RF_OK;
 }
 
-static RfResult check_film( const RfCamera* self, int width, int height, RfEye* eye, RfError* error )
+static RfResult check_film( const RfCameraSampling* sampling, RfEye* eye, RfError* error )
 {
     *eye = ( RfEye ){ 0 };
-    if ( width > 0 && height > 0 )
+    if ( sampling->width > 0 && sampling->height > 0 )
         return RF_OK;
-    return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': the film must have pixels, got %d × %d", self->name, width, height );
+    return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': the film must have pixels, got %d × %d", sampling->camera->name,
+                    sampling->width, sampling->height );
+}
+
+static RfResult eye_at_time( const RfCameraSampling* sampling, double time, RfEye* eye, RfError* error )
+{
+    return sampling->camera->track != NULL ? track_eye( sampling, time, eye, error ) : node_eye( sampling, time, eye, error );
 }
 
 RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error )
@@ -301,34 +315,28 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
     if ( camera < 0 || camera >= scene->camera_count )
         return rf_fail( error, RF_ERROR_USAGE, "camera %d: the scene has %d", camera, scene->camera_count );
     const RfCamera* self = scene->cameras + camera;
-    RfResult result = check_film( self, width, height, eye, error );
+    RfCameraSampling sampling = { .scene = scene, .camera = self, .width = width, .height = height };
+    RfResult result = check_film( &sampling, eye, error );
     if ( result == RF_OK && self->track != NULL && self->track->in_frames )
         return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': its path counts frames, not seconds", self->name );
-    if ( result != RF_OK )
-        return result;
-    return self->track != NULL ? track_eye( scene, self, time, width, height, eye, error )
-                               : node_eye( scene, self, time, width, height, eye, error );
+    return result == RF_OK ? eye_at_time( &sampling, time, eye, error ) : result;
 }
 
 // The time of frame `frame` of a camera's path, counted from 0: seconds, or frames for a path that counts these.
-static double camera_time( const RfCamera* camera, double frame, int numerator, int denominator )
+static double camera_time( const RfCameraSampling* sampling, double frame )
 {
+    const RfCamera* camera = sampling->camera;
     if ( camera->track != NULL && camera->track->in_frames )
         return camera->start + frame * camera->track->step;
     // A single division of integers, so that the time of a frame does not depend on how it is
     // computed.
-    return camera->start + frame * (double)denominator / (double)numerator;
+    return camera->start + frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
 }
 
-RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
-                        int height, RfEye* eye, RfError* error )
+RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
 {
-    RfResult result = check_film( camera, width, height, eye, error );
-    if ( result != RF_OK )
-        return result;
-    double time = camera_time( camera, frame, numerator, denominator );
-    return camera->track != NULL ? track_eye( scene, camera, time, width, height, eye, error )
-                                 : node_eye( scene, camera, time, width, height, eye, error );
+    RfResult result = check_film( sampling, eye, error );
+    return result == RF_OK ? eye_at_time( sampling, camera_time( sampling, frame ), eye, error ) : result;
 }
 
 void rf_camera_numbers( const RfCamera* camera, int* first, int* step )
@@ -373,15 +381,14 @@ RfResult rf_read_camera( const RfField* object, const char* name, RfCamera* came
     return result == RF_OK ? wrap_track( &track, name, camera, error ) : result;
 }
 
-// Eyes with the lens and the shutter of their camera.
+// The lens and the shutter.
 
 // A camera at a frame of its path.
 typedef struct Moment
 {
-    const RfScene* scene;
-    const RfCamera* camera;
+    const RfCameraSampling* sampling;
+    const RfCamera* camera; // its
     double frame;
-    int numerator, denominator;
     RfError* error;
 } Moment;
 
@@ -397,7 +404,8 @@ static double path_frames( const Moment* m )
 {
     const RfCamera* c = m->camera;
     bool counts = c->track != NULL && c->track->in_frames;
-    return ( c->end - c->start ) * ( counts ? 1.0 / c->track->step : (double)m->numerator / m->denominator );
+    return ( c->end - c->start ) *
+           ( counts ? 1.0 / c->track->step : (double)m->sampling->fps.numerator / m->sampling->fps.denominator );
 }
 
 // A path that goes on beyond its end as it came there: `inside` is as far before the end as `eye` becomes behind it. It
@@ -421,18 +429,17 @@ static void go_on( const RfEye* end, const RfEye* inside, RfEye* eye )
     }
 }
 
-static RfResult eye_at( const Moment* m, double offset, int width, int height, RfEye* eye )
+static RfResult eye_at( const Moment* m, double offset, RfEye* eye )
 {
     int step = m->camera->track != NULL && m->camera->track->in_frames ? m->camera->track->step : 1;
     double frame = m->frame + offset / step, last = path_frames( m ), end = fmin( fmax( frame, 0.0 ), last );
     RfEye at_end, inside;
     // key times written as floats miss their frame slightly
     if ( !m->camera->animated || fabs( frame - end ) < 1e-3 )
-        return rf_camera_eye( m->scene, m->camera, frame, m->numerator, m->denominator, width, height, eye, m->error );
-    RfResult result = rf_camera_eye( m->scene, m->camera, end, m->numerator, m->denominator, width, height, &at_end, m->error );
+        return rf_camera_eye( m->sampling, frame, eye, m->error );
+    RfResult result = rf_camera_eye( m->sampling, end, &at_end, m->error );
     if ( result == RF_OK )
-        result = rf_camera_eye( m->scene, m->camera, 2.0 * end - frame, m->numerator, m->denominator, width, height, &inside,
-                                m->error );
+        result = rf_camera_eye( m->sampling, 2.0 * end - frame, &inside, m->error );
     if ( result == RF_OK )
         go_on( &at_end, &inside, eye );
     return result;
@@ -450,17 +457,17 @@ static int find_node( const RfScene* scene, const char* name )
 
 static RfResult distance_of_node( const Moment* m, const RfEye* eye, const char* name, double* focus )
 {
-    int node = find_node( m->scene, name );
+    int node = find_node( m->sampling->scene, name );
     if ( node < 0 )
         return rf_fail( m->error, RF_ERROR_SCENE, "camera '%.60s': its lens is focused on '%.60s', which the scene does not have",
                         m->camera->name, name );
     // a path that counts frames has no seconds of its own
     bool counts = m->camera->track != NULL && m->camera->track->in_frames;
-    double time =
-        counts ? m->frame * m->denominator / m->numerator : camera_time( m->camera, m->frame, m->numerator, m->denominator );
+    RfFps fps = m->sampling->fps;
+    double time = counts ? m->frame * fps.denominator / fps.numerator : camera_time( m->sampling, m->frame );
     RfMat4 world;
-    rf_node_world_matrix( m->scene, node, time, &world );
-    const double* o = m->scene->origin;
+    rf_node_world_matrix( m->sampling->scene, node, time, &world );
+    const double* o = m->sampling->scene->origin;
     RfVec3 p = rf_vec3( (float)( world.m[12] - o[0] ), (float)( world.m[13] - o[1] ), (float)( world.m[14] - o[2] ) );
     *focus = (double)rf_pinhole_depth( eye, p );
     if ( *focus > 0.0 )
@@ -477,17 +484,32 @@ static RfResult sample_keys( const Moment* m, double offset, double* fstop, doub
     if ( track == NULL || ( track->focus.count == 0 && track->fstop.count == 0 ) )
         return RF_OK;
     RfView view;
-    double time =
-        camera_time( m->camera, m->frame + offset / ( track->in_frames ? track->step : 1 ), m->numerator, m->denominator );
+    double time = camera_time( m->sampling, m->frame + offset / ( track->in_frames ? track->step : 1 ) );
     RfResult result = rf_sample_camera_track( track, time, &view, m->error );
     *fstop = view.fstop > 0.0 ? view.fstop : *fstop;
     *focus = view.focus > 0.0 ? view.focus : *focus;
     return result;
 }
 
-static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics, double offset, RfEye* eye )
+// A lens asked for has the limits of one that is read.
+static RfResult check_lens( const RfLens* lens, RfError* error )
 {
-    if ( rf_is_left_out( m->scene, RF_EFFECT_DEPTH_OF_FIELD ) )
+    const double* shutter = lens->shutter;
+    if ( lens->has_fstop && !( lens->fstop >= 0.0 && lens->fstop <= RF_MAX_FSTOP ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the f-number of a lens must be 0 to %g, got %g", RF_MAX_FSTOP, lens->fstop );
+    if ( !( lens->focus >= 0.0 && lens->focus <= RF_MAX_FOCUS ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the focus of a lens must be 0 to %g m, got %g", RF_MAX_FOCUS, lens->focus );
+    if ( lens->has_shutter && !( shutter[0] >= -RF_MAX_SHUTTER && shutter[0] <= shutter[1] && shutter[1] <= RF_MAX_SHUTTER ) )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "a shutter must open and close within %g frames of the frame's time, got %g and %g", RF_MAX_SHUTTER,
+                        shutter[0], shutter[1] );
+    return RF_OK;
+}
+
+static RfResult add_lens( const Moment* m, RfOptics* optics, double offset, RfEye* eye )
+{
+    const RfLens* asked = m->sampling->lens;
+    if ( rf_is_left_out( m->sampling->scene, RF_EFFECT_DEPTH_OF_FIELD ) )
         return RF_OK;
     double focus = optics->focus;
     RfResult result = sample_keys( m, offset, &optics->fstop, &focus );
@@ -523,24 +545,27 @@ static RfResult add_lens( const Moment* m, const RfLens* asked, RfOptics* optics
     return result;
 }
 
-RfResult rf_camera_lens_eye( const RfScene* scene, const RfCamera* camera, const RfLens* asked, double frame, int numerator,
-                             int denominator, int width, int height, RfEye* eye, RfError* error )
+RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
 {
-    Moment m = { scene, camera, frame, numerator, denominator, error };
-    RfOptics optics = optics_of( camera );
+    Moment m = { sampling, sampling->camera, frame, error };
+    const RfLens* asked = sampling->lens;
+    RfOptics optics = optics_of( sampling->camera );
+    RfResult result = asked != NULL ? check_lens( asked, error ) : RF_OK;
+    if ( result != RF_OK )
+        return result;
     if ( asked != NULL && asked->has_shutter )
         memcpy( optics.shutter, asked->shutter, sizeof optics.shutter );
-    bool blurs = rf_has_shutter( &optics ) && !rf_is_left_out( scene, RF_EFFECT_MOTION_BLUR );
+    bool blurs = rf_has_shutter( &optics ) && !rf_is_left_out( sampling->scene, RF_EFFECT_MOTION_BLUR );
     double middle = blurs ? 0.5 * ( optics.shutter[0] + optics.shutter[1] ) : 0.0;
     RfEye open, close;
-    RfResult result = eye_at( &m, middle, width, height, eye );
+    result = eye_at( &m, middle, eye );
     if ( result == RF_OK )
-        result = add_lens( &m, asked, &optics, middle, eye );
+        result = add_lens( &m, &optics, middle, eye );
     if ( result != RF_OK || !blurs )
         return result;
-    result = eye_at( &m, optics.shutter[0], width, height, &open );
+    result = eye_at( &m, optics.shutter[0], &open );
     if ( result == RF_OK )
-        result = eye_at( &m, optics.shutter[1], width, height, &close );
+        result = eye_at( &m, optics.shutter[1], &close );
     if ( result == RF_OK )
         rf_set_shutter( eye, &open, &close );
     return result;

@@ -1,4 +1,4 @@
-// Evaluates cameras and their animation: one eye per frame.
+// Evaluates cameras and their animation: one RfEye per frame.
 #ifndef REFRAME_SCENE_CAMERA_H
 #define REFRAME_SCENE_CAMERA_H
 
@@ -20,7 +20,7 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
 // The same, but the message names the file for every camera.
 RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error );
 
-// The eye of `camera` at `time` seconds on a film of width × height pixels.
+// `camera` at `time` seconds, on a film of width × height pixels.
 // Follows animated ancestors, also mirrored or scaled ones; the axes are
 // orthonormalised. The camera looks along −Z of its node with +Y up.
 // Fails (RF_ERROR_SCENE) if the transform is degenerate or not finite, or if the
@@ -35,16 +35,22 @@ RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 struct RfField;
 RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamera* camera, RfError* error );
 
-// The eye of a camera (of the scene or from rf_load_camera) at frame `frame` of its
-// path, counted from 0, at numerator / denominator frames per second: a pinhole that stands still.
-RfResult rf_camera_eye( const RfScene* scene, const RfCamera* camera, double frame, int numerator, int denominator, int width,
-                        int height, RfEye* eye, RfError* error );
+// How the path of a camera is sampled.
+typedef struct RfCameraSampling
+{
+    const RfScene* scene;
+    const RfCamera* camera; // of the scene or from rf_load_camera
+    const RfLens* lens;     // in the place of the camera's own; NULL: that
+    RfFps fps;
+    int width, height; // of the film, pixels
+} RfCameraSampling;
 
-// The same with the camera's lens and shutter, or those of `asked`, if it is not NULL. Fails with RF_ERROR_SCENE for a lens
-// without a focus, and where the node in focus does not exist or is not before the camera; with RF_ERROR_USAGE where a focus is
-// asked for but there is no aperture.
-RfResult rf_camera_lens_eye( const RfScene* scene, const RfCamera* camera, const RfLens* asked, double frame, int numerator,
-                             int denominator, int width, int height, RfEye* eye, RfError* error );
+// The camera at frame `frame` of its path, counted from 0: a pinhole that stands still.
+RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
+
+// The same with lens and shutter. Fails with RF_ERROR_SCENE for a lens without a focus, and where the node in focus does not
+// exist or is not before the camera; with RF_ERROR_USAGE where a focus is asked for but there is no aperture.
+RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
 
 // What the camera calls its frames: the number of the first, and the step to the next. 1 and 1 unless
 // its path is keyed by frame numbers.

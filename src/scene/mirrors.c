@@ -30,7 +30,7 @@ static RfVec3 corner( const float* values, const uint32_t* index, int k )
     return rf_vec3( v[0], v[1], v[2] );
 }
 
-// False if shading normals would bend the reflection. Where all three are the same, the tracer takes the triangle's own.
+// False if shading normals would turn the reflection. Where all three are the same, the tracer takes the triangle's own.
 static bool is_flat( const RfTriangles* t, const uint32_t* index, RfVec3 n )
 {
     RfVec3 first = corner( t->normals, index, 0 );

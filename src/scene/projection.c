@@ -112,10 +112,17 @@ static void keep_on_panorama( const RfEye* eye, float* fx, float* fy )
     *fy = rf_clampf( *fy, 0.0f, height * ( 1.0f - 1e-7f ) );
 }
 
+// From where `forward` meets the film to film coordinates.
+static void to_film( const RfEye* eye, const float at[2], float* fx, float* fy )
+{
+    *fx = eye->axis_x + at[0];
+    *fy = eye->axis_y - at[1];
+}
+
 RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng )
 {
     RfVec3 way = rf_sub( x, eye->origin );
-    float depth = rf_dot( way, eye->forward ), facing = 0.0f, density = 0.0f, at[2] = { 0.0f, 0.0f };
+    float depth = rf_dot( way, eye->forward ), facing = 0.0f, density = 0.0f, fx = 0.0f, fy = 0.0f, at[2];
     bool before = true;
     switch ( rf_projection_of( eye ) )
     {
@@ -124,19 +131,19 @@ RfProjection rf_project_otherwise( const RfEye* eye, RfVec3 x, RfVec3 ng )
             facing = -rf_dot( rf_parallel_direction( eye ), ng );
             density = parallel_density( eye, facing );
             parallel_position( eye, way, depth, at );
+            to_film( eye, at, &fx, &fy );
             before = depth > 0.0f;
             break;
         case RF_PANORAMIC:
             facing = -rf_dot( way, ng );
             density = panoramic_density( eye, way, facing );
             panoramic_position( eye, way, at );
+            to_film( eye, at, &fx, &fy );
+            keep_on_panorama( eye, &fx, &fy );
             break;
     }
     density = density > RF_MIN_DENSITY ? density : RF_MIN_DENSITY;
     density = density < RF_MAX_DENSITY ? density : RF_MAX_DENSITY;
-    float fx = eye->axis_x + at[0], fy = eye->axis_y - at[1];
-    if ( rf_projection_of( eye ) == RF_PANORAMIC )
-        keep_on_panorama( eye, &fx, &fy );
     bool seen = before && facing > 0.0f && fx >= 0.0f && fx < (float)eye->width && fy >= 0.0f && fy < (float)eye->height;
     int32_t column = (int32_t)( seen ? fx : 0.0f ), row = (int32_t)( seen ? fy : 0.0f );
     return ( RfProjection ){ column, row, density, fx - (float)column, fy - (float)row, seen };

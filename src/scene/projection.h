@@ -2,29 +2,52 @@
 // (src/reuse/estimators.md, section 15). Loops over lanes of perspective cameras use the pinhole itself.
 //
 // One projection more is a value of RfProjectionKind (reframe/camera.h), a row here, and a case in every switch that the compiler
-// then names: none over RfProjectionKind has a default. It does not name the comparisons in scene/camera.c (the matrices, the
-// field of view), scene/projection.c, scene/camera_path/camera_track.c and camera_track_read.c (degrees or metres),
-// scene/gltf/gltf_shot.c and gltf_camera.c (which projections files may ask for), nor the users of rf_is_parallel.
+// then names: none over RfProjectionKind has a default. All other code asks for a column of the table, or whether a camera is in
+// perspective, for a faster way beside one that suits all cameras.
 #ifndef REFRAME_SCENE_PROJECTION_H
 #define REFRAME_SCENE_PROJECTION_H
 
 #include "base/built_in.h"
 #include "scene/pinhole.h"
 
-// X( kind, name, what says how much of the scene it shows: "" if it shows all, what it has in place of a field of view,
-//    whether it takes a shift and an aspect of the pixels, whether it takes a lens )
+// How the rays of a camera run.
+typedef enum RfEyeRays
+{
+    RF_RAYS_FROM_ORIGIN, // all from eye->origin, in different directions
+    RF_RAYS_PARALLEL,    // in one direction, from different points: rf_eye_start
+} RfEyeRays;
+
+// What says how much of the scene a camera shows.
+typedef enum RfExtent
+{
+    RF_EXTENT_FOV,  // "fov", a vertical angle
+    RF_EXTENT_YMAG, // "ymag", half the height of the picture, m
+    RF_EXTENT_ALL,  // nothing: it shows all directions
+} RfExtent;
+
+// X( kind, name, rays, extent, what it has in place of a field of view, whether it takes a shift and an aspect of the pixels,
+//    whether it takes a lens, whether glTF has it: others are perspective there, with "projection" in their extras )
 // clang-format off
 #define RF_PROJECTIONS( X ) \
-    X( RF_PERSPECTIVE, "perspective", "fov", "", true, true ) \
-    X( RF_ORTHOGRAPHIC, "orthographic", "ymag", "an orthographic one has ymag", true, true ) \
-    X( RF_PANORAMIC, "panoramic", "", "a panorama shows all directions", false, false )
+    X( RF_PERSPECTIVE, "perspective", RF_RAYS_FROM_ORIGIN, RF_EXTENT_FOV, "", true, true, true ) \
+    X( RF_ORTHOGRAPHIC, "orthographic", RF_RAYS_PARALLEL, RF_EXTENT_YMAG, "an orthographic one has ymag", true, true, true ) \
+    X( RF_PANORAMIC, "panoramic", RF_RAYS_FROM_ORIGIN, RF_EXTENT_ALL, "a panorama shows all directions", false, false, false )
 // clang-format on
 
 typedef struct RfProjectionTraits
 {
-    const char *name, *extent, *instead_of_fov;
-    bool takes_shift, takes_lens;
+    const char* name;
+    RfEyeRays rays;
+    RfExtent extent;
+    const char* instead_of_fov;
+    bool takes_shift, takes_lens, in_gltf;
 } RfProjectionTraits;
+
+#define RF_PROJECTION_ONE( ... ) +1
+enum
+{
+    RF_PROJECTION_COUNT = 0 RF_PROJECTIONS( RF_PROJECTION_ONE )
+};
 
 const RfProjectionTraits* rf_projection_traits( RfProjectionKind kind );
 
@@ -39,7 +62,16 @@ static inline bool rf_is_perspective( const RfEye* eye )
 }
 
 // All rays have the same direction, and start where the film is.
-static inline bool rf_is_parallel( const RfEye* eye ) { return eye->projection == RF_ORTHOGRAPHIC; }
+static inline bool rf_is_parallel( const RfEye* eye )
+{
+#define RF_PROJECTION_RAYS( kind, name, rays, ... )                                                                              \
+    case kind: return rays == RF_RAYS_PARALLEL;
+    switch ( rf_projection_of( eye ) )
+    {
+        RF_PROJECTIONS( RF_PROJECTION_RAYS )
+    }
+    return false;
+}
 
 // The direction of all rays of a parallel camera, 1 m along `forward`.
 static inline RfVec3 rf_parallel_direction( const RfEye* eye )
@@ -74,7 +106,7 @@ static inline RfVec3 rf_eye_way( const RfEye* eye, RfVec3 x )
 // No coordinate of the points where rays start is larger.
 float rf_eye_reach( const RfEye* eye );
 
-// Distance of x along the view, m; of a panorama from the eye.
+// Distance of x along the view, m; of a panorama from the camera.
 static inline float rf_eye_depth( const RfEye* eye, RfVec3 x )
 {
     switch ( rf_projection_of( eye ) )

@@ -24,23 +24,18 @@ static bool is_used( const Census* census, uint32_t material )
 
 static bool is_nonzero( RfVec3 c ) { return rf_max_component( c ) > 0.0f; }
 
-static RfVec3 load_vec3( const float* array, uint32_t index )
-{
-    return rf_vec3( array[3 * (size_t)index], array[3 * (size_t)index + 1], array[3 * (size_t)index + 2] );
-}
-
 // True if a shading normal deviates more than half a degree from the geometric normal.
 static bool is_smooth( const RfTriangles* triangles, uint32_t triangle )
 {
     const uint32_t* index = triangles->indices + 3 * (size_t)triangle;
-    RfVec3 p0 = load_vec3( triangles->positions, index[0] );
-    RfVec3 e1 = rf_sub( load_vec3( triangles->positions, index[1] ), p0 );
-    RfVec3 e2 = rf_sub( load_vec3( triangles->positions, index[2] ), p0 );
+    RfVec3 p0 = rf_load_vec3( triangles->positions, index[0] );
+    RfVec3 e1 = rf_sub( rf_load_vec3( triangles->positions, index[1] ), p0 );
+    RfVec3 e2 = rf_sub( rf_load_vec3( triangles->positions, index[2] ), p0 );
     RfVec3 face = rf_cross( e1, e2 );
     float length = rf_length( face );
     for ( int k = 0; k < 3 && length > 0.0f; ++k )
     {
-        if ( rf_dot( load_vec3( triangles->normals, index[k] ), face ) < 0.99996f * length )
+        if ( rf_dot( rf_load_vec3( triangles->normals, index[k] ), face ) < 0.99996f * length )
             return true;
     }
     return false;
@@ -251,15 +246,13 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = count_effect( RF_EFFECT_INTERPOLATED_NORMALS, census.smooth, "triangles with interpolated normals",
                                      "no normals are interpolated" );
     effects[count++] = camera_effect( scene );
-    effects[count++] =
-        optics_effect( scene, RF_EFFECT_DEPTH_OF_FIELD, has_lens, "no camera of the scene has a lens: all is sharp" );
+    effects[count++] = optics_effect( scene, RF_EFFECT_DEPTH_OF_FIELD, has_lens, "no camera of the scene has a lens" );
     effects[count++] = optics_effect( scene, RF_EFFECT_MOTION_BLUR, has_shutter, "no camera of the scene has a shutter" );
     effects[count++] = material_effect( &census, RF_EFFECT_CLEARCOAT, has_clearcoat, "no material has a clear coat" );
     effects[count++] = material_effect( &census, RF_EFFECT_MIRRORS, has_mirror, "no material is a perfect mirror" );
     effects[count++] = flat_mirror_effect( scene );
     effects[count++] = material_effect( &census, RF_EFFECT_TRANSMISSION, has_transmission, "no material transmits light" );
-    effects[count++] =
-        material_effect( &census, RF_EFFECT_PANES, rf_may_be_pane, "no smooth wall without thickness transmits light" );
+    effects[count++] = material_effect( &census, RF_EFFECT_PANES, rf_may_be_pane, "no smooth thin wall transmits light" );
     effects[count++] = material_effect( &census, RF_EFFECT_ABSORPTION, has_absorption, "no glass absorbs light" );
     effects[count++] = punctual_effect( scene );
     effects[count++] = environment_effect( scene );
@@ -269,7 +262,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, RF_EFFECT_ALPHA_MASK, rf_is_masked, "no material is masked by its alpha" );
     effects[count++] = material_effect( &census, RF_EFFECT_NORMAL_MAPS, has_normal_map, "no material has a normal texture" );
     effects[count++] =
-        material_effect( &census, RF_EFFECT_SMOOTH_METALS, rf_may_be_smooth, "no GGX lobe is nearly a perfect mirror" );
+        material_effect( &census, RF_EFFECT_SMOOTH_METALS, rf_may_be_smooth, "no GGX lobe is almost a perfect mirror" );
     free( census.triangles );
     for ( int i = 0; i < count; ++i )
         rf_finish_effect( scene, effects + i );

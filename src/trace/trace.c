@@ -49,26 +49,22 @@ static RfResult build_bvh( RfTracer* tracer, RfError* error )
     return result;
 }
 
-static RfVec3 load_vec3( const float* values, uint32_t index )
-{
-    return rf_vec3( values[3 * (size_t)index], values[3 * (size_t)index + 1], values[3 * (size_t)index + 2] );
-}
-
 static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light, float far_error )
 {
     const uint32_t* v = t->indices + 3 * (size_t)i;
     RfTriangleRecord r = { .material = t->material[i], .light = light, .mirror = RF_NO_MIRROR };
-    r.p0 = load_vec3( t->positions, v[0] );
-    r.e1 = rf_sub( load_vec3( t->positions, v[1] ), r.p0 );
-    r.e2 = rf_sub( load_vec3( t->positions, v[2] ), r.p0 );
-    r.n0 = load_vec3( t->normals, v[0] );
-    r.d1 = rf_sub( load_vec3( t->normals, v[1] ), r.n0 );
-    r.d2 = rf_sub( load_vec3( t->normals, v[2] ), r.n0 );
+    r.p0 = rf_load_vec3( t->positions, v[0] );
+    r.e1 = rf_sub( rf_load_vec3( t->positions, v[1] ), r.p0 );
+    r.e2 = rf_sub( rf_load_vec3( t->positions, v[2] ), r.p0 );
+    r.n0 = rf_load_vec3( t->normals, v[0] );
+    r.d1 = rf_sub( rf_load_vec3( t->normals, v[1] ), r.n0 );
+    r.d2 = rf_sub( rf_load_vec3( t->normals, v[2] ), r.n0 );
     double twice;
     r.ng = rf_unit_cross( r.e1, r.e2, &twice );
     r.ng = RF_FAULT( unit_cross ) ? rf_normalize( rf_cross( r.e1, r.e2 ) ) : r.ng;
-    float largest = rf_maxf( rf_largest_coordinate( r.p0 ), rf_maxf( rf_largest_coordinate( load_vec3( t->positions, v[1] ) ),
-                                                                     rf_largest_coordinate( load_vec3( t->positions, v[2] ) ) ) );
+    float largest =
+        rf_maxf( rf_largest_coordinate( r.p0 ), rf_maxf( rf_largest_coordinate( rf_load_vec3( t->positions, v[1] ) ),
+                                                         rf_largest_coordinate( rf_load_vec3( t->positions, v[2] ) ) ) );
     r.offset = RF_FAULT( fixed_offset ) ? 1e-5f : rf_ray_offset( largest );
     r.offset *= RF_FAULT( ray_offset ) ? 1e-3f : 1.0f;
     r.far = rf_is_far_triangle( t, i, far_error );

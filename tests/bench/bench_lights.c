@@ -178,8 +178,9 @@ static int measure_file( const char* path, int reference_spp )
     if ( result == RF_OK )
         result = rf_find_camera( &subject.scene, NULL, &camera, &error );
     if ( result == RF_OK )
-        result =
-            rf_camera_eye( &subject.scene, subject.scene.cameras + camera, 24.0, 24, 1, WIDTH, HEIGHT, &subject.eye, &error );
+        result = rf_camera_eye(
+            &( RfCameraSampling ){ &subject.scene, subject.scene.cameras + camera, NULL, { 24, 1 }, WIDTH, HEIGHT }, 24.0,
+            &subject.eye, &error );
     if ( result != RF_OK )
     {
         fprintf( stderr, "bench_lights: %s\n", error.text );

@@ -93,7 +93,8 @@ static void check_scene( const RfScene* scene, bool is_4 )
     assert_int_equal( rf_camera_frame_count( scene->cameras, 24.0, &frames, &error ), RF_OK );
     assert_int_equal( frames, 5 );
     RfEye eye;
-    assert_int_equal( rf_camera_eye( scene, scene->cameras, 4.0, 24, 1, 64, 36, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ scene, scene->cameras, NULL, { 24, 1 }, 64, 36 }, 4.0, &eye, &error ),
+                      RF_OK );
     assert_true( near( eye.origin.x, 5 ) && near( eye.origin.y, 0 ) && near( eye.origin.z, 0 ) ); // a quarter turn on
     assert_true( near( eye.forward.x, -1 ) );
     assert_int_equal( scene->punctual_count, 2 );
@@ -236,12 +237,15 @@ static void check_lens( const RfScene* scene )
     int index;
     assert_int_equal( rf_find_camera( scene, NULL, &index, NULL ), RF_OK );
     const RfCamera* camera = scene->cameras + index;
-    assert_int_equal( rf_camera_lens_eye( scene, camera, NULL, 1.0, 24, 1, 64, 36, &eye, NULL ), RF_OK );
+    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ scene, camera, NULL, { 24, 1 }, 64, 36 }, 1.0, &eye, NULL ),
+                      RF_OK );
     assert_float_equal( eye.lens_radius, 0.05 / 5.6, 1e-6 );
     assert_float_equal( eye.focus, 10.0, 1e-4 );
     assert_true( eye.moves );
-    assert_int_equal( rf_camera_eye( scene, camera, 0.75, 24, 1, 64, 36, &before, NULL ), RF_OK );
-    assert_int_equal( rf_camera_eye( scene, camera, 1.25, 24, 1, 64, 36, &after, NULL ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ scene, camera, NULL, { 24, 1 }, 64, 36 }, 0.75, &before, NULL ),
+                      RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ scene, camera, NULL, { 24, 1 }, 64, 36 }, 1.25, &after, NULL ),
+                      RF_OK );
     assert_memory_equal( &eye.open.origin, &before.origin, sizeof before.origin );
     assert_memory_equal( &eye.close.origin, &after.origin, sizeof after.origin );
 }
@@ -331,7 +335,7 @@ static void test_shot_is_blenders( void** state )
     assert_true( told != NULL && strstr( told + 1, moves ) != NULL ); // at once, and repeated at the end
     done = cli_run( "$R info shot.glb" );
     assert_non_null( strstr( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s" ) );
-    assert_non_null( strstr( done->out, "picture    64x36" ) );
+    assert_non_null( strstr( done->out, "size       64x36" ) );
     done = cli_run( "$R render shot.glb -o f.####.exr --frames 101,110 --group 0 --tile 1 --spp 64 --filter box --quiet" );
     assert_int_equal( done->status, 0 );
     assert_non_null( strstr( done->err, "'Cube', 'Follower', 'Wave' move or change in the file, but only cameras move here" ) );

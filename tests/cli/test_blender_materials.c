@@ -257,7 +257,7 @@ static void expect_glass( const RfScene* scene, const char* name, bool is_thin )
         fail_msg( "'%s' is not %s glass", name, is_thin ? "thin" : "solid" );
 }
 
-// A thin box of glass is two panes, through which lamps and the sun light a room; what bends light, or has something on its
+// A thin box of glass is two panes, through which lamps and the sun light a room; what refracts, or has something on its
 // walls or in it, stays a body.
 static void test_thin_boxes_of_glass( void** state )
 {
@@ -268,7 +268,7 @@ static void test_thin_boxes_of_glass( void** state )
         skip();
     assert_int_equal( cli_run( MAKE "panes odd_glass --samples 1024 --size " SIZE " > log 2>&1" )->status, 0 );
     const CliResult* done = cli_run( EXPORT( "panes" ) );
-    expect_line( done->err, "material 'window': glass as a thin box: its sides are taken as panes, which bend nothing" );
+    expect_line( done->err, "material 'window': glass as a thin box: its sides are taken as thin panes, without refraction" );
     compare( "panes", 0.98, 1.02 );
     RfScene scene;
     load( "panes.glb", &scene );

@@ -247,7 +247,7 @@ static void test_only_chosen_frames_are_wanted( void** state )
     check_number( "bias", 2.5 );
     json_t* json = load_json();
     assert_true( number( json_object_get( json, "worst" ), "frame" ) == 4.0 );
-    assert_non_null( strstr( json_string_value( json_object_get( json, "verdict" ) ), "of frame 4" ) );
+    assert_non_null( strstr( json_string_value( json_object_get( json, "verdict" ) ), "in frame 4" ) );
     json_decref( json );
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1-3", NULL ), 1, "frame 2 is missing" );
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "9", NULL ), 2, "--frames" );

@@ -29,34 +29,32 @@ static void test_verdict_says_bias_noise_and_worst_pixel( void** state )
                          .reference_mean = 0.5,
                          .worst = { 0, 12, 34, 12.0 } };
     check_verdict( &m, 7,
-                   "no bias seen: mean error +0.2 % (95 %: -0.4 to +0.8 %); relMSE 0.03, about 10 % of noise in each channel "
-                   "of a pixel; worst pixel (12, 34) of frame 7, off by 2e+02 %" );
+                   "no significant bias: mean error +0.2 % (95 %: -0.4 to +0.8 %); relMSE 0.03 (about 10 % noise per pixel); "
+                   "worst pixel (12, 34) in frame 7, off by 2e+02 %" );
     m.bias_low = 0.0005;
     m.relmse_trimmed = 0.0003;
     m.worst.relative = 0.75;
     check_verdict( &m, -1,
-                   "bias seen, too bright: mean error +0.2 % (95 %: +0.1 to +0.8 %); relMSE 0.03, about 10 % of noise in each "
-                   "channel of a pixel (1 % without the worst 0.1 % of the pixels); worst pixel (12, 34), off by 50 %" );
+                   "significant bias, too bright: mean error +0.2 % (95 %: +0.1 to +0.8 %); relMSE 0.03 (about 10 % noise per "
+                   "pixel, 1 % without the worst 0.1 % of pixels); worst pixel (12, 34), off by 50 %" );
     m.bias = m.bias_high = -0.001;
     m.bias_low = -0.003;
     m.reference_mean = 0.0; // nothing to be relative to
     m.relmse_trimmed = 0.03;
     m.worst.frame = -1;
     check_verdict( &m, -1,
-                   "bias seen, too dark: mean error -0.001 (95 %: -0.003 to -0.001); relMSE 0.03, about 10 % of noise in each "
-                   "channel of a pixel" );
+                   "significant bias, too dark: mean error -0.001 (95 %: -0.003 to -0.001); relMSE 0.03 (about 10 % noise per "
+                   "pixel)" );
     m.bias_low = m.bias_high = NAN;
     check_verdict( &m, -1,
-                   "mean error -0.001 (too few pixels to tell bias from noise); relMSE 0.03, about 10 % of noise in each channel "
-                   "of a pixel" );
+                   "mean error -0.001 (too few pixels to tell bias from noise); relMSE 0.03 (about 10 % noise per pixel)" );
     m.bias = -0.08; // more than half of it stands still
-    check_verdict(
-        &m, -1,
-        "mean error -0.08 (too few pixels to tell bias from noise); relMSE 0.03, a pixel is off by about 10 % in each channel" );
+    check_verdict( &m, -1,
+                   "mean error -0.08 (too few pixels to tell bias from noise); relMSE 0.03 (about 10 % error per pixel)" );
     m = ( RfErrorMetrics ){ .worst = { .frame = -1 } };
-    check_verdict( &m, -1, "no difference: every pixel is the same" );
+    check_verdict( &m, -1, "no difference: all pixels are identical" );
     m.nan = 1;
-    check_verdict( &m, -1, "no error can be reported: there are values that are no numbers" );
+    check_verdict( &m, -1, "no error can be reported: there are NaN or infinite values" );
 }
 
 int main( void )

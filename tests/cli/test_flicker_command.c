@@ -69,8 +69,8 @@ static void test_phi_against_a_constant_by_hand( void** state )
     const json_t* pairs = json_object_get( json, "pairs" );
     assert_string_equal(
         json_string_value( json_object_get( json, "verdict" ) ),
-        "the error alternates: it changes more than independent noise (phi 1.43)\na pixel's error changes by 2.6 "
-        "between neighbouring frames (F1), most before frame 10: 4; relMSE 0.36, noise of 35 %" );
+        "the error alternates: it flickers more than independent noise (phi 1.43)\nF1 2.6 (RMS change of the error between "
+        "neighbouring frames, largest at frame 10: 4); relMSE 0.36 (35 % noise per pixel)" );
     assert_int_equal( json_array_size( pairs ), 3 );
     static const double f1[] = { 0, 2, 4 }, phi[] = { 0, 2, 1.6 };
     for ( size_t i = 0; i < 3; ++i )
@@ -191,7 +191,7 @@ static void test_own_layers_are_found_by_name( void** state )
     json_decref( json );
     check_failed( flicker( "m.##.exr", "--motion", "motion.X,none", NULL ), 1, "no channel none" );
     check_failed( flicker( "m.##.exr", "--depth", "none", NULL ), 1, "no channel none" );
-    check_failed( flicker( "m.##.exr", "--motion", "motion.X", NULL ), 2, "wants the names of two channels" );
+    check_failed( flicker( "m.##.exr", "--motion", "motion.X", NULL ), 2, "must be the names of two channels" );
     check_failed( flicker( "m.##.exr", "--motion", "motion.X,motion.Y", "--no-compensate", NULL ), 2, "--motion" );
     check_failed( flicker( "v.####.exr", "--compensate", NULL ), 1, "has no motion layer" );
 }
@@ -299,7 +299,7 @@ static void test_wrong_input_is_refused( void** state )
     check_failed( flicker( "none.####.exr", NULL ), 1, "there is no such file" );
     check_failed( flicker( "v.####.exr", "--frames", "7", NULL ), 1, "two neighbouring" );
     check_failed( flicker( "v.####.exr", "--frames", "60", NULL ), 2, "--frames: there is no frame 60" );
-    check_failed( flicker( "v.####.exr", "--frames", "7-9x2", NULL ), 1, "after frame 7 comes 9" );
+    check_failed( flicker( "v.####.exr", "--frames", "7-9x2", NULL ), 1, "frame 7 is followed by 9" );
     check_failed( flicker( "v.####.exr", "--frames", "6-9", NULL ), 1, "frame 6 is missing" );
     check_failed( flicker( "v.####.exr", "--reference", temp_path( "m.##.exr" ), NULL ), 1, "needs frame 7" );
     check_failed( flicker( "v.####.exr", "--reference", temp_path( "r.0007.exr" ), NULL ), 2, "--reference" );
@@ -310,7 +310,7 @@ static void test_wrong_input_is_refused( void** state )
     write_frame( "s.2.exr", SIDE - 1, 1.0f, NULL );
     check_failed( flicker( "s.#.exr", NULL ), 1, "23x23" );
     assert_int_equal( remove( temp_path( "v.0009.exr" ) ), 0 );
-    check_failed( flicker( "v.####.exr", NULL ), 1, "after frame 8 comes 10" );
+    check_failed( flicker( "v.####.exr", NULL ), 1, "frame 8 is followed by 10" );
     write_frame( "v.0009.exr", SIDE, NAN, NULL );
     check_failed( flicker( "v.####.exr", NULL ), 1, "576 pixels with NaN" );
     json_t* json = load_json(); // written all the same

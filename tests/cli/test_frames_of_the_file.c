@@ -96,7 +96,7 @@ static void test_frames_are_called_as_in_the_file( void** state )
     const CliResult* told = cli_run( "$R info room.gltf" );
     assert_int_equal( told->status, 0 );
     assert_non_null( strstr( told->out, "Side: 10 frames (101 to 110) at 29.97 frames/s, animated" ) );
-    assert_non_null( strstr( told->out, "picture    32x24" ) );
+    assert_non_null( strstr( told->out, "size       32x24" ) );
     cli_expect(
         cli_run( "$R render room.gltf -o f.####.exr --frames 103-104,-1 --group 1 --spp 3 --tile 1 --quiet --json f.json" ), 0,
         NULL );
@@ -143,9 +143,9 @@ static void test_lens_of_every_frame( void** state )
     RfScene* scene;
     RfCameraPath path;
     RfError error;
-    RfFps file = { 0, 0 };
+    RfPathOptions of_file = { 0 };
     assert_int_equal( rf_open_scene( name, &scene, NULL, &error ), RF_OK );
-    assert_int_equal( rf_create_camera_path( scene, NULL, file, 0, 0, &path, &error ), RF_OK );
+    assert_int_equal( rf_create_camera_path( scene, &of_file, &path, &error ), RF_OK );
     assert_int_equal( path.count, 10 );
     assert_int_equal( path.run_count, 10 );
     assert_int_equal( rf_frame_number( &path, 9 ), 110 );
@@ -240,7 +240,7 @@ static void test_still_cameras_are_reported( void** state )
     (void)state;
     write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 48, 0, 40 ) "]}" );
     const CliResult* told = cli_run( "$R info room.gltf" );
-    assert_non_null( strstr( told->out, "Side: 48 frames at 29.97 frames/s, stands still" ) );
+    assert_non_null( strstr( told->out, "Side: 48 frames at 29.97 frames/s, static" ) );
     assert_non_null( strstr( told->out, "no camera of the scene moves" ) );
     told = cli_run( "$R render room.gltf -o w.####.exr --spp 2" );
     assert_int_equal( told->status, 0 );
@@ -264,17 +264,18 @@ static void test_moving_objects_are_named( void** state )
     assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "size" ), 1 ) ), 24 );
     json_decref( json );
     told = cli_run( "$R info room.gltf" );
-    assert_non_null( strstr( told->out, "moving     2 objects, taken as in the first frame: only cameras move here\n  cup\n" ) );
+    assert_non_null(
+        strstr( told->out, "moving     2 objects, rendered as in the first frame: only cameras can move\n  cup\n" ) );
 }
 
 static void test_wrong_shots_are_errors( void** state )
 {
     (void)state;
     static const char* const cases[][2] = {
-        { ",\"extras\":{\"reframe\":{\"render\":{\"size\":[0,4]}}}", "scenes[0].extras.reframe.render.size[0]: wants" },
-        { ",\"extras\":{\"reframe\":{\"render\":{\"fps\":24.5}}}", "render.fps: wants a whole number" },
+        { ",\"extras\":{\"reframe\":{\"render\":{\"size\":[0,4]}}}", "scenes[0].extras.reframe.render.size[0]: must be" },
+        { ",\"extras\":{\"reframe\":{\"render\":{\"fps\":24.5}}}", "render.fps: must be a whole number" },
         { ",\"extras\":{\"reframe\":{\"render\":{\"spp\":1}}}", "render.spp: unknown key" },
-        { ",\"extras\":{\"reframe\":{\"moving\":[1]}}", "moving[0]: wants" },
+        { ",\"extras\":{\"reframe\":{\"moving\":[1]}}", "moving[0]: must be" },
     };
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
@@ -282,7 +283,7 @@ static void test_wrong_shots_are_errors( void** state )
         cli_expect( cli_run( "$R info room.gltf" ), 1, cases[i][1] );
     }
     write_moving( "\"step\":1.5," );
-    cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: wants a whole number" );
+    cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: must be a whole number" );
 }
 
 int main( void )

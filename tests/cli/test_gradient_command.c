@@ -21,9 +21,9 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
         const char *options, *answer;
     } s_cases[] = {
         { "--group 1", "the estimator 'gradient' reuses no frames, where gradients seldom pay: group 0, not 1" },
-        { "--tile rooks16", "the estimator 'gradient' wants tiles of 1 pixel, or blocks of 2x2 to 8x8" },
-        { "--tile 1x4", "the estimator 'gradient' wants tiles of 1 pixel" },
-        { "--tile 16x4", "the estimator 'gradient' wants tiles of 1 pixel" },
+        { "--tile rooks16", "the estimator 'gradient' needs tiles of 1 pixel, or blocks of 2x2 to 8x8" },
+        { "--tile 1x4", "the estimator 'gradient' needs tiles of 1 pixel" },
+        { "--tile 16x4", "the estimator 'gradient' needs tiles of 1 pixel" },
         { "--adaptive", "the estimator 'gradient' has no adaptive sampling" },
         { "--weights eq15", "the estimator 'gradient' has exact weights only" },
         { "--normalize ratio", "the estimator 'gradient' has no normalisation to choose" },
@@ -31,7 +31,7 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
     for ( size_t i = 0; i < sizeof s_cases / sizeof s_cases[0]; ++i )
         cli_expect( cli_run( RENDER "-o a.####.exr --frames 1 %s", s_cases[i].options ), 2, s_cases[i].answer );
     cli_expect( cli_run( "$R render $VASE -o a.####.exr --estimator gradients" ), 2,
-                "reframe render: --estimator: expected reuse or gradient, got 'gradients'" );
+                "reframe render: --estimator: expected one of reuse or gradient, got 'gradients'" );
     cli_expect( cli_run( "$R render $VASE -o a.####.exr --reconstruction l2" ), 2,
                 "reframe render: --reconstruction: needs --estimator gradient" );
 }
@@ -131,7 +131,7 @@ static void test_it_is_planned_and_tuned( void** state )
     (void)state;
     static const char shot[] = "$VASE --estimator gradient --size 48x36 --frames 1-2 --quiet --threads 2";
     const CliResult* done = cli_run( "$R plan %s --json p.json", shot );
-    assert_true( done->status == 0 && strstr( done->out, "render --estimator gradient takes 4x4 tiles" ) != NULL );
+    assert_true( done->status == 0 && strstr( done->out, "--estimator gradient: 4x4 tiles" ) != NULL );
     json_t* json = cli_read_json( "p.json" );
     assert_true( json_array_size( json_object_get( json, "rows" ) ) == 1 );
     assert_string_equal( json_string_value( json_object_get( json, "why" ) ), "the estimator 'gradient' reuses no frames" );

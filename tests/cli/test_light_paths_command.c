@@ -45,7 +45,7 @@ static void test_what_cannot_be_done_is_reported( void** state )
     done =
         cli_run( "$R render " LAMP "--size 24x16 --spp 2 --frames 1 -o gradient.####.exr --estimator gradient --light-paths on" );
     assert_int_equal( done->status, 0 );
-    assert_non_null( strstr( done->err, "--light-paths on: there are none: the estimator has none" ) );
+    assert_non_null( strstr( done->err, "--light-paths on: there are none: the estimator does not support them" ) );
     done = cli_run( RENDER "-o disc.####.exr --light-paths on --kernel-normalization disc" );
     assert_int_equal( done->status, 0 );
     assert_non_null( strstr( done->err, "--kernel-normalization disc: is biased" ) );

@@ -45,9 +45,9 @@ static void test_lamps_sky_and_darkness_are_reported( void** state )
     check( "lamp.gltf",
            GLTF( "", ",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}" ) ",\"extensions\":{\"KHR_lights_punctual\":{"
                                                                                  "\"lights\":[{\"type\":\"point\"}]}}}",
-           "lights     1 (emitting triangles 0, 0 m2; lamps without size 1; sky no)", NULL );
+           "lights     1 (emissive triangles 0, 0 m2; punctual lights 1; sky no)", NULL );
     check( "sky.gltf", GLTF( ",\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1,1]}}}", "" ) "}",
-           "lights     1 (emitting triangles 0, 0 m2; lamps without size 0; sky yes)", NULL );
+           "lights     1 (emissive triangles 0, 0 m2; punctual lights 0; sky yes)", NULL );
     check( "dark.gltf", GLTF( "", "" ) "}", "lights     0\n", "no lights" );
     check(
         "off.gltf",

@@ -74,7 +74,7 @@ static void test_office_floor_renders( void** state )
     const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/office-floor.glb'" );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->out, "triangles  313632\n" ) );
-    assert_non_null( strstr( result->out, "emitting triangles 4900," ) ); // 2450 panes
+    assert_non_null( strstr( result->out, "emissive triangles 4900," ) ); // 2450 panes
 }
 
 int main( void )

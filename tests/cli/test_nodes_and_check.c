@@ -56,14 +56,13 @@ static void test_a_report_tells_unfinished_frames( void** state )
     cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 5 --json p/slurm/task-1-1.json >told" ), 0, NULL );
     const CliResult* done = cli_run( "$R report p -o p.html --quiet --json p.json" );
     cli_expect( done, 0, NULL );
-    assert_non_null( strstr( done->out, "p: 4 of 8 frames are finished, not yet 3, 6-8" ) );
+    assert_non_null( strstr( done->out, "p: 4 of 8 frames are finished, missing 3, 6-8" ) );
     json_t* json = cli_read_json( "p.json" );
     const json_t* progress = json_object_get( json_array_get( json_object_get( json, "sequences" ), 0 ), "progress" );
     assert_int_equal( number_of( progress, "asked" ), 8 );
     assert_int_equal( number_of( progress, "finished" ), 4 );
     assert_string_equal( text_of( progress, "tasks", 1, "frames" ), "5-8" );
-    assert_string_equal( text_of( json, "warnings", 0, "text" ),
-                         "the render goes on: 4 of 8 frames are finished, not yet 3, 6-8" );
+    assert_string_equal( text_of( json, "warnings", 0, "text" ), "still rendering: 4 of 8 frames are finished, missing 3, 6-8" );
     json_decref( json );
     json = page_read_data( "p.html", 4 );
     const json_t* sequence = page_sequence( json, 0 );

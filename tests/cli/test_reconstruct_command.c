@@ -220,7 +220,8 @@ static void test_halves_are_weighted_by_each_other( void** state )
     check_said( "own.exr", "own.json", "weighted, weights from the same data: biased", "weighted", true );
     cli_expect( cli_run( "$R reconstruct plain.exr --method weighted -o no.exr" ), 1, "name its variances by --variance A,X,Y" );
     cli_expect( cli_run( "$R reconstruct even.exr plain.exr --method weighted -o no.exr" ), 1, "has no channel primal.variance" );
-    cli_expect( cli_run( "$R reconstruct both.exr --method weighted --alpha 1 -o no.exr" ), 2, "--alpha: is of the methods" );
+    cli_expect( cli_run( "$R reconstruct both.exr --method weighted --alpha 1 -o no.exr" ), 2,
+                "--alpha: needs --method l2 or l1" );
     cli_expect( cli_run( "$R reconstruct plain.exr --variance a,b,c -o no.exr" ), 1, "has no layer a,b,c" );
 }
 

@@ -160,7 +160,7 @@ static void test_layers_are_chosen_by_name( void** state )
     write_parts( "l/a/f.1.exr", &a, 1 );
     write_parts( "l/r/f.1.exr", &r, 1 );
     cli_expect( cli_run( "$R report l/a -o l.html --quiet" ), 1, "has more than one layer of colour: x, y: name one by --layer" );
-    cli_expect( cli_run( "$R report l/a -o l.html --layer x --reference-layer y" ), 2, "--reference-layer: is of the sequence" );
+    cli_expect( cli_run( "$R report l/a -o l.html --layer x --reference-layer y" ), 2, "--reference-layer: needs --reference" );
     cli_expect( cli_run( "$R report l/a -o l.html --layer z --quiet" ), 1, "f.1.exr: has no layer z" );
     cli_expect( cli_run( "$R report l/a --reference l/a -o l.html --layer x --reference-layer y --quiet" ), 0, NULL );
     json_t* data = page_read_data( "l.html", 2 );

@@ -132,8 +132,7 @@ static void test_json_of_render_and_cost_is_read( void** state )
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
     assert_string_equal( json_string_value( json_object_get( curve, "note" ) ),
-                         "at equal error reuse is 4.5 times faster (95 %: 4 to 5); error falls as time to the power "
-                         "of -0.97" );
+                         "reuse is 4.5 times faster at equal error (95 %: 4 to 5); relMSE falls as time^-0.97" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ),
                          "group 3, tile 3x3" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ),
@@ -152,7 +151,7 @@ static void test_json_of_render_and_cost_is_read( void** state )
                 "--render-json: k/c.json: is not what reframe render --json writes" );
     cli_expect( cli_run( "$R report j -o k2.html --cost j/a.json" ), 1, "--cost: j/a.json: line 1" );
     cli_expect( cli_run( "$R report j -o k2.html --cost no.json" ), 1, "no.json" );
-    cli_expect( cli_run( "$R report j j -o k2.html --render-json k/r.json" ), 2, "--render-json: is of one sequence" );
+    cli_expect( cli_run( "$R report j j -o k2.html --render-json k/r.json" ), 2, "--render-json: takes one sequence" );
     assert_false( cli_exists( "k2.html" ) );
 }
 

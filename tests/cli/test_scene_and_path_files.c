@@ -78,29 +78,30 @@ static void test_render_faults( void** state )
 {
     (void)state;
     static const char* const faults[][2] = {
-        { "3", "scene.json: render: wants an object, got 3" },
-        { "{\"spp\":0}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got 0" },
-        { "{\"spp\":2.5}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got 2.5" },
-        { "{\"spp\":\"many\"}", "scene.json: render.spp: wants a whole number from 1 to 1048576, got \"many\"" },
-        { "{\"group\":\"off\"}", "scene.json: render.group: wants a whole number from 0 to 1048576 or \"auto\", got \"off\"" },
-        { "{\"size\":\"960x540\"}", "scene.json: render.size: wants an array of width and height, such as [960, 540], each a "
+        { "3", "scene.json: render: must be an object, got 3" },
+        { "{\"spp\":0}", "scene.json: render.spp: must be a whole number from 1 to 1048576, got 0" },
+        { "{\"spp\":2.5}", "scene.json: render.spp: must be a whole number from 1 to 1048576, got 2.5" },
+        { "{\"spp\":\"many\"}", "scene.json: render.spp: must be a whole number from 1 to 1048576, got \"many\"" },
+        { "{\"group\":\"off\"}", "scene.json: render.group: must be a whole number from 0 to 1048576 or \"auto\", got \"off\"" },
+        { "{\"size\":\"960x540\"}", "scene.json: render.size: must be an array of width and height, such as [960, 540], each a "
                                     "whole number from 1 to 32768, got \"960x540\"" },
         { "{\"size\":[0,5]}", "each a whole number from 1 to 32768, got [0, 5]" },
-        { "{\"size\":[20,1e9]}", "render.size: wants an array of width and height, such as [960, 540], each a whole number from "
-                                 "1 to 32768, got [20, 1000000000]" },
+        { "{\"size\":[20,1e9]}",
+          "render.size: must be an array of width and height, such as [960, 540], each a whole number from "
+          "1 to 32768, got [20, 1000000000]" },
         { "{\"size\":[20.5,10]}", "got [20.5, 10]" },
         { "{\"size\":[20,10,5]}", "from 1 to 32768, got an array of 3" },
         { "{\"fps\":0}",
-          "scene.json: render.fps: wants a whole number from 1 to 1000000, or a string such as \"24000/1001\", got 0" },
+          "scene.json: render.fps: must be a whole number from 1 to 1000000, or a string such as \"24000/1001\", got 0" },
         { "{\"fps\":\"24/0\"}", "such as \"24000/1001\", got \"24/0\"" },
-        { "{\"adaptive\":\"yes\"}", "scene.json: render.adaptive: wants true, false, or one of auto, on, off, got \"yes\"" },
-        { "{\"adaptive\":1}", "scene.json: render.adaptive: wants true, false, or one of auto, on, off, got 1" },
-        { "{\"weights\":\"best\"}", "scene.json: render.weights: wants one of exact, eq15, unweighted, got \"best\"" },
-        { "{\"frames\":\"\"}", "scene.json: render.frames: wants a string that is not empty, got \"\"" },
+        { "{\"adaptive\":\"yes\"}", "scene.json: render.adaptive: must be true, false, or one of auto, on, off, got \"yes\"" },
+        { "{\"adaptive\":1}", "scene.json: render.adaptive: must be true, false, or one of auto, on, off, got 1" },
+        { "{\"weights\":\"best\"}", "scene.json: render.weights: must be one of exact, eq15, unweighted, got \"best\"" },
+        { "{\"frames\":\"\"}", "scene.json: render.frames: must be a string that is not empty, got \"\"" },
         { "{\"max-depth\":3}", "scene.json: render.max-depth: unknown key, did you mean max_depth?" },
         { "{\"output\":\"a.exr\"}", "scene.json: render.output: unknown key, the keys here are: frames, fps" },
         { "{\"threads\":3}", "scene.json: render.threads: unknown key" },
-        { "{\"seed\":-1}", "scene.json: render.seed: wants a whole number from 0" },
+        { "{\"seed\":-1}", "scene.json: render.seed: must be a whole number from 0" },
         { "{\"tile\":\"9x9\"}", "scene.json: render.tile: expected 1, WxH such as 3x3, or rooksN" },
         { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht' is no AOV, did you mean depth?" },
         { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: AOV depth is given twice" },
@@ -209,11 +210,11 @@ static void test_too_many_frames_is_the_files_fault( void** state )
                 "keyed.json: keys[1].time: 1e+06 s at 24" );
     write_text( "none.json", "[]" );
     cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera none.json" ), 1,
-                "reframe render: none.json: wants an object, got an array of 0" );
+                "reframe render: none.json: must be an object, got an array of 0" );
     write_text( "scene.json", "3" );
-    cli_expect( cli_run( "$R info scene.json" ), 1, "reframe info: scene.json: wants an object, got 3" );
+    cli_expect( cli_run( "$R info scene.json" ), 1, "reframe info: scene.json: must be an object, got 3" );
     write_text( "list.gltf", "[]" );
-    cli_expect( cli_run( "$R info list.gltf" ), 1, "reframe info: list.gltf: document: wants an object, got an array of 0" );
+    cli_expect( cli_run( "$R info list.gltf" ), 1, "reframe info: list.gltf: document: must be an object, got an array of 0" );
 }
 
 static json_t* load_schema( const char* name )

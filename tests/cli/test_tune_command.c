@@ -58,7 +58,7 @@ static int count_of( const char* text, const char* end, const char* part )
 // A line of seven groups for each tile, axes, and a ring around the winner.
 static void check_plot( const char* svg, const json_t* tune )
 {
-    static const char* const words[] = { ">memory of the render beyond the scene, MiB<",
+    static const char* const words[] = { ">memory beyond the scene, MiB<",
                                          ">efficiency, 1 / (relMSE ",
                                          ">tile 1 (none)<",
                                          ">tile 2x2<",
@@ -116,9 +116,9 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     char* table = cli_read( "table.txt", &size );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
-    assert_non_null( strstr( table, "not tried: the samples would more than double" ) );
+    assert_non_null( strstr( table, "not measured: spp would more than double" ) );
     assert_non_null( strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --memory 200M --max-depth 4" ) );
-    cli_expect_verdict( table, tune, "the best is " );
+    cli_expect_verdict( table, tune, "best: " );
     assert_null( strstr( command, " --budget" ) );
     assert_null( strstr( command, " --quiet" ) );
     assert_int_equal( strncmp( command, "reframe ", 8 ), 0 );
@@ -129,8 +129,7 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     // words on the way, and JSON alone on standard output
     const CliResult* said = cli_run( "$R tune $VASE %s --budget 1 --json -", options );
     assert_int_equal( said->status, 0 );
-    assert_true( said->out[0] == '{' &&
-                 strstr( said->err, "reframe tune: round 1: 35 settings on pieces of 144 pixels" ) == said->err );
+    assert_true( said->out[0] == '{' && strstr( said->err, "reframe tune: round 1: 35 settings on 144 pixels" ) == said->err );
 }
 
 static void test_names_are_quoted_for_the_shell( void** state )
@@ -195,7 +194,7 @@ static void test_named_least_budget_works( void** state )
     {
         const json_t* row = json_array_get( rows, i );
         long megabytes = (long)( ( json_integer_value( json_object_get( row, "bytes_least" ) ) + 1048575 ) / 1048576 );
-        snprintf( why, sizeof why, "does not fit the memory, the least is %ldM", megabytes );
+        snprintf( why, sizeof why, "does not fit in memory, needs at least %ldM", megabytes );
         assert_true( megabytes >= least );
         if ( megabytes == least )
             continue;

@@ -85,10 +85,10 @@ static void test_folders_are_compared( void** state )
                 0, NULL );
     const CliResult* result = cli_run( "$R compare a b/ --json c.json" );
     cli_expect( result, 0, NULL );
-    assert_non_null( strstr( result->out, "no difference: every pixel is the same" ) );
-    assert_non_null( strstr( result->out, "not measured, for a/f.####.exr lacks it: frame 6\n" ) );
-    assert_non_null( strstr( result->out, "not measured, for b/g_###.exr lacks them: frames 1, 3\n" ) );
-    assert_non_null( strstr( result->out, "not measured, for both sequences lack it: frame 5\n" ) );
+    assert_non_null( strstr( result->out, "no difference: all pixels are identical" ) );
+    assert_non_null( strstr( result->out, "not measured: frame 6, missing from a/f.####.exr\n" ) );
+    assert_non_null( strstr( result->out, "not measured: frames 1, 3, missing from b/g_###.exr\n" ) );
+    assert_non_null( strstr( result->out, "not measured: frame 5, missing from both sequences\n" ) );
     json_t* json = cli_read_json( "c.json" );
     assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 2 );
     assert_int_equal( json_array_size( json_object_get( json, "missing_a" ) ), 1 );
@@ -122,7 +122,7 @@ static void test_sequences_as_png( void** state )
     cli_expect( cli_run( "$R png s s/f.####.exr" ), 2, "s/f.####.exr: ends as a file of another kind: name it .png" );
     cli_expect( cli_run( "$R png s v.####.png --frames 2" ), 1, "s/f.####.exr: frame 2 is missing" );
     cli_expect( cli_run( "$R png s/f.0001.exr v.png --layer nothing" ), 1, "s/f.0001.exr" );
-    cli_expect( cli_run( "$R png s/f.0001.exr v.png --frames 1" ), 2, "--frames: is of sequences" );
+    cli_expect( cli_run( "$R png s/f.0001.exr v.png --frames 1" ), 2, "--frames: needs a sequence" );
 }
 
 static void test_lens_options_that_make_no_lens_are_refused( void** state )

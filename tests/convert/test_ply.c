@@ -228,7 +228,7 @@ static void test_faults_are_one_line( void** state )
     (void)state;
     assert_fails( "plx\n", "line 1: does not begin with 'ply'" );
     assert_fails( "ply\nformat ascii 1.0\n", "line 3: the header has no end_header" );
-    assert_fails( "ply\nformat ascii 2.0\n", "line 2: format wants" );
+    assert_fails( "ply\nformat ascii 2.0\n", "line 2: format must be" );
     assert_fails( "ply\nend_header\n", "no format" );
     assert_fails( HEAD HEAD, "line 3: 'ply' is not a keyword" );
     assert_fails( HEAD "format ascii 1.0\n", "line 3: a second format" );
@@ -237,8 +237,8 @@ static void test_faults_are_one_line( void** state )
     assert_fails( HEAD "element vertex -1\n", "not an integer" );
     assert_fails( HEAD "property float x\n", "before any element" );
     assert_fails( HEAD "element vertex 1\nproperty quad x\n", "type of property x is unknown" );
-    assert_fails( HEAD "element vertex 1\nproperty list float int x\n", "wants an integer type" );
-    assert_fails( HEAD "element vertex 1\nproperty float\n", "property wants" );
+    assert_fails( HEAD "element vertex 1\nproperty list float int x\n", "must have an integer type" );
+    assert_fails( HEAD "element vertex 1\nproperty float\n", "property must have a type" );
     assert_fails( HEAD "element vertex 2147483648\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
                   "need more than" );
     assert_fails( HEAD "element vertex 999999999999999999\nproperty float x\nend_header\n", "need more than" );
@@ -251,7 +251,7 @@ static void test_faults_are_one_line( void** state )
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "259 0 1 2\n", "'259' does not fit into uchar" );
     assert_fails( HEAD VERTICES "property int red\nproperty int green\nproperty int blue\n" FACES(
                       1 ) "end_header\n0 0 0 9 9 9 1 0 0 9 9 9 1 1 0 9 9 9 0 1 0 9 9 9 3 0 1 2\n",
-                  "property red wants uchar, ushort or float" );
+                  "property red must be uchar, ushort or float" );
     static const char zero[] = HEAD VERTICES FACES( 1 ) "end_header\n0\0junk 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2\n";
     RfModel none;
     RfError line;

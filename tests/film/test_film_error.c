@@ -87,8 +87,8 @@ static void check_between( const char* what, Truth truth, Noise noise, double lo
                         .weight = { PASSES / 2, PASSES / 2 } };
         fill_half( &film, 0, truth, noise, seed );
         fill_half( &film, 1, truth, noise, seed );
-        rf_combine_film( &film, RF_FILM_CROSSFIT, rgb, NULL );
-        estimate += rf_estimate_relmse( &film, RF_FILM_CROSSFIT, rgb ).likely / SEEDS;
+        rf_combine_film( &film, RF_NORMALIZE_CROSSFIT, rgb, NULL );
+        estimate += rf_estimate_relmse( &film, RF_NORMALIZE_CROSSFIT, rgb ).likely / SEEDS;
         error += true_relmse( truth, rgb ) / SEEDS;
     }
     printf( "%-30s relMSE %8.4f, estimated %8.4f: %.3f\n", what, error, estimate, estimate / error );
@@ -157,8 +157,8 @@ static void test_small_films_give_a_number( void** state )
         RfFilm film = {
             .width = sizes[k][0], .height = sizes[k][1], .half = { half[0], half[1] }, .passes = { 1, 1 }, .weight = { 1, 1 }
         };
-        rf_combine_film( &film, RF_FILM_PLAIN, rgb, NULL );
-        RfRelmse relmse = rf_estimate_relmse( &film, RF_FILM_PLAIN, rgb );
+        rf_combine_film( &film, RF_NORMALIZE_NONE, rgb, NULL );
+        RfRelmse relmse = rf_estimate_relmse( &film, RF_NORMALIZE_NONE, rgb );
         // red alone: halves 1 and 3. The value is between that of the darker half and of the picture,
         // 1/3 and 2/3 in the mean of the channels
         double least = 0.25 * 4.0 / ( 4.0 / 9.0 + RF_RELMSE_EPSILON );

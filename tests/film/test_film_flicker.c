@@ -92,12 +92,12 @@ static double ratio( uint32_t first0, uint32_t end0, uint32_t first1, uint32_t e
                 add_pass( s_frames + k, seed, pass, rare );
             for ( uint32_t pass = 0; pass < 5 && extra; ++pass ) // an odd number: the halves of a pixel differ
                 add_extra( s_frames + k, seed, 1000 + 100 * k + pass );
-            rf_combine_film( &s_frames[k].film, RF_FILM_CROSSFIT, s_frames[k].rgb, NULL );
+            rf_combine_film( &s_frames[k].film, RF_NORMALIZE_CROSSFIT, s_frames[k].rgb, NULL );
         }
-        RfFlicker f = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
+        RfFlicker f = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
         estimate += rf_flicker_f1_squared( &f );
         truth += true_f1_squared();
-        assert_true( fabs( rf_film_mean_square( &s_frames[0].film, RF_FILM_CROSSFIT ) - f.before ) <= 1e-12 * f.before );
+        assert_true( fabs( rf_film_mean_square( &s_frames[0].film, RF_NORMALIZE_CROSSFIT ) - f.before ) <= 1e-12 * f.before );
     }
     printf( "passes %u-%u and %u-%u: F1 %.4f, estimated %.4f\n", first0, end0, first1, end1, sqrt( truth / SEEDS ),
             sqrt( estimate / SEEDS ) );
@@ -143,7 +143,7 @@ static void test_all_in_common_is_no_flicker( void** state )
         for ( uint32_t pass = 0; pass < 6; ++pass )
             add_pass( s_frames + k, 1, pass, 0 );
     }
-    RfFlicker f = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
+    RfFlicker f = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
     assert_true( f.now > 0.0 && fabs( rf_flicker_f1_squared( &f ) ) < 1e-12 * f.now );
     assert_false( rf_flicker_is_lower_bound( &f ) );
 }
@@ -153,9 +153,9 @@ static void test_what_is_kept_is_the_film( void** state )
     (void)state;
     static float kept[3 * PIXELS];
     ratio( 0, 6, 2, 8, false, 0 );
-    RfFlicker films = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
-    rf_keep_film_error( &s_frames[0].film, RF_FILM_CROSSFIT, kept );
-    RfFlicker since = rf_flicker_since( kept, &s_frames[1].film, RF_FILM_CROSSFIT );
+    RfFlicker films = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
+    rf_keep_film_error( &s_frames[0].film, RF_NORMALIZE_CROSSFIT, kept );
+    RfFlicker since = rf_flicker_since( kept, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
     assert_true( fabs( films.product - since.product ) <= 1e-6 * films.now &&
                  fabs( films.before - since.before ) <= 1e-6 * films.now );
     assert_true( films.now == since.now && fabs( films.worst_share - since.worst_share ) < 1e-6 );
@@ -166,11 +166,11 @@ static void test_few_pixels_are_a_lower_bound( void** state )
 {
     (void)state;
     ratio( 0, 6, 2, 8, false, 0 );
-    RfFlicker without = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
+    RfFlicker without = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
     assert_false( rf_flicker_is_lower_bound( &without ) );
     assert_true( rf_reported_flicker( &without ) == rf_flicker_f1_squared( &without ) && rf_flicker_doubt( &without ) == 1.0 );
     s_frames[1].half[0][4 * 77] += 1000.0f;
-    RfFlicker with = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
+    RfFlicker with = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
     assert_true( rf_flicker_is_lower_bound( &with ) && rf_flicker_doubt( &with ) > 1.0 );
     double told = rf_reported_flicker( &with ), others = rf_flicker_f1_squared( &without );
     assert_true( rf_flicker_f1_squared( &with ) > 10.0 * others && told < others && told > 0.9 * others );
@@ -183,8 +183,9 @@ static void test_a_single_pass_tells_nothing( void** state )
     clear( s_frames + 1, false );
     add_pass( s_frames, 1, 0, 0 );
     add_pass( s_frames + 1, 1, 0, 0 );
-    RfFlicker f = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_FILM_CROSSFIT );
-    assert_true( isnan( rf_flicker_f1_squared( &f ) ) && isnan( rf_film_mean_square( &s_frames[0].film, RF_FILM_CROSSFIT ) ) );
+    RfFlicker f = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
+    assert_true( isnan( rf_flicker_f1_squared( &f ) ) &&
+                 isnan( rf_film_mean_square( &s_frames[0].film, RF_NORMALIZE_CROSSFIT ) ) );
 }
 
 int main( void )

@@ -73,7 +73,7 @@ static void test_combined_halves_by_hand( void** state )
     set_pixel( &f, 1, 0, 4.0f, 5.0f, 7.0f, 3.5f );
     set_pixel( &f, 0, 1, 3.0f, 0.0f, 1.0f, 2.5f );
     set_pixel( &f, 1, 1, 6.0f, 1.0f, 1.0f, 2.0f );
-    rf_combine_film( &f.film, RF_FILM_CROSSFIT, f.rgb, f.weight );
+    rf_combine_film( &f.film, RF_NORMALIZE_CROSSFIT, f.rgb, f.weight );
     // ( 1 + 4/3.5 (2 − 1.5) + 4 + 1/1.5 (3 − 3.5) ) / 5 and so on
     near( f.rgb[0], ( 1.0 + 4.0 / 7.0 + 4.0 - 1.0 / 3.0 ) / 5.0 );
     near( f.rgb[1], ( 2.0 + 5.0 / 7.0 + 5.0 - 2.0 / 3.0 ) / 5.0 );
@@ -81,10 +81,10 @@ static void test_combined_halves_by_hand( void** state )
     near( f.rgb[3], ( 3.0 - 1.5 + 6.0 + 1.2 ) / 5.0 );
     near( f.weight[0], 1.0 );
     near( f.weight[1], 0.9 );
-    rf_combine_film( &f.film, RF_FILM_RATIO, f.rgb, NULL );
+    rf_combine_film( &f.film, RF_NORMALIZE_RATIO, f.rgb, NULL );
     near( f.rgb[0], 1.0 );
     near( f.rgb[5], 2.0 / 4.5 );
-    rf_combine_film( &f.film, RF_FILM_PLAIN, f.rgb, NULL );
+    rf_combine_film( &f.film, RF_NORMALIZE_NONE, f.rgb, NULL );
     near( f.rgb[1], 7.0 / 5.0 );
     near( f.rgb[4], 1.0 / 5.0 );
     free_film( &f );
@@ -121,7 +121,7 @@ static void test_long_sums_do_not_drift( void** state )
         }
         assert_int_equal( f.film.passes[0], PASSES / 2 );
         assert_int_equal( f.film.passes[1], PASSES / 2 );
-        rf_combine_film( &f.film, RF_FILM_PLAIN, f.rgb, f.weight );
+        rf_combine_film( &f.film, RF_NORMALIZE_NONE, f.rgb, f.weight );
         double count = samples == 1 ? PASSES : (double)samples * ( 1 << 12 );
         double off = (double)f.rgb[0] / ( (double)value * count / PASSES ) - 1.0;
         printf( "%d samples a pass: off by %.2g\n", samples, off );
@@ -157,10 +157,10 @@ static void test_totals_are_part_of_the_sum( void** state )
         rf_end_film_pass( &plain.film, half, 1.0 );
         rf_end_film_pass( &emptied.film, half, 1.0 );
     }
-    for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
+    for ( int c = RF_NORMALIZE_CROSSFIT; c <= RF_NORMALIZE_NONE; ++c )
     {
-        rf_combine_film( &plain.film, (RfFilmCombine)c, plain.rgb, plain.weight );
-        rf_combine_film( &emptied.film, (RfFilmCombine)c, emptied.rgb, emptied.weight );
+        rf_combine_film( &plain.film, (RfNormalize)c, plain.rgb, plain.weight );
+        rf_combine_film( &emptied.film, (RfNormalize)c, emptied.rgb, emptied.weight );
         assert_memory_equal( plain.rgb, emptied.rgb, 3 * 6 * sizeof( float ) );
         assert_memory_equal( plain.weight, emptied.weight, 6 * sizeof( float ) );
         assert_true( plain.rgb[0] > 0.0f );
@@ -187,7 +187,7 @@ static void test_equal_halves_are_equation_2( void** state )
             set_pixel( &f, h, i, uniform( i, d ), uniform( i, d + 1 ), uniform( i, d + 2 ), 0.1f + 8.0f * uniform( i, d + 3 ) );
         }
     }
-    rf_combine_film( &f.film, RF_FILM_CROSSFIT, f.rgb, NULL );
+    rf_combine_film( &f.film, RF_NORMALIZE_CROSSFIT, f.rgb, NULL );
     for ( size_t i = 0; i < 3 * PIXELS; ++i )
     {
         const float* e = f.film.half[0] + 4 * ( i / 3 );
@@ -221,14 +221,14 @@ static void test_a_pass_of_weight_3_counts_three_times( void** state )
             rf_end_film_pass( &often.film, half, 1.0 );
     }
     assert_true( heavy.film.passes[0] == 2 && often.film.passes[0] == 4 );
-    for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
+    for ( int c = RF_NORMALIZE_CROSSFIT; c <= RF_NORMALIZE_NONE; ++c )
     {
-        rf_combine_film( &heavy.film, (RfFilmCombine)c, heavy.rgb, heavy.weight );
-        rf_combine_film( &often.film, (RfFilmCombine)c, often.rgb, often.weight );
+        rf_combine_film( &heavy.film, (RfNormalize)c, heavy.rgb, heavy.weight );
+        rf_combine_film( &often.film, (RfNormalize)c, often.rgb, often.weight );
         assert_memory_equal( heavy.rgb, often.rgb, 3 * PIXELS * sizeof( float ) );
         assert_memory_equal( heavy.weight, often.weight, PIXELS * sizeof( float ) );
-        double a = rf_estimate_relmse( &heavy.film, (RfFilmCombine)c, heavy.rgb ).likely;
-        assert_true( a > 0.0 && a == rf_estimate_relmse( &often.film, (RfFilmCombine)c, often.rgb ).likely );
+        double a = rf_estimate_relmse( &heavy.film, (RfNormalize)c, heavy.rgb ).likely;
+        assert_true( a > 0.0 && a == rf_estimate_relmse( &often.film, (RfNormalize)c, often.rgb ).likely );
     }
     free_film( &heavy );
     free_film( &often );
@@ -242,7 +242,7 @@ static void check_plain_mean( int even, int odd )
         set_pixel( &f, 0, i, uniform( i, 0 ), 9.0f * uniform( i, 1 ), 1e6f * uniform( i, 2 ), (float)even );
         set_pixel( &f, 1, i, uniform( i, 3 ), 0.1f * uniform( i, 4 ), 1e-6f * uniform( i, 5 ), (float)odd );
     }
-    rf_combine_film( &f.film, RF_FILM_CROSSFIT, f.rgb, f.weight );
+    rf_combine_film( &f.film, RF_NORMALIZE_CROSSFIT, f.rgb, f.weight );
     for ( size_t i = 0; i < 3 * PIXELS; ++i )
     {
         double sum = (double)f.film.half[0][4 * ( i / 3 ) + i % 3] + (double)f.film.half[1][4 * ( i / 3 ) + i % 3];
@@ -264,27 +264,27 @@ static void test_whole_weights_give_the_plain_mean( void** state )
 static void test_empty_halves_leave_the_other( void** state )
 {
     (void)state;
-    static const RfFilmCombine combines[] = { RF_FILM_CROSSFIT, RF_FILM_RATIO, RF_FILM_PLAIN };
+    static const RfNormalize normalizes[] = { RF_NORMALIZE_CROSSFIT, RF_NORMALIZE_RATIO, RF_NORMALIZE_NONE };
     for ( int c = 0; c < 3; ++c )
     {
         Film f = make_film( 3, 1, 1, 1 );
         set_pixel( &f, 0, 1, 3.0f, 2.0f, 1.0f, 0.5f ); // pixel 0: nothing; 1: even only; 2: odd only
         set_pixel( &f, 1, 2, 3.0f, 2.0f, 1.0f, 0.5f );
-        rf_combine_film( &f.film, combines[c], f.rgb, f.weight );
+        rf_combine_film( &f.film, normalizes[c], f.rgb, f.weight );
         assert_true( f.rgb[0] == 0.0f && f.rgb[1] == 0.0f && f.rgb[2] == 0.0f && f.weight[0] == 0.0f );
         // E2: ( 3 + 0 (1 − 0.5) + 0 + 6 (1 − 0) ) / 2
-        double expected = combines[c] == RF_FILM_CROSSFIT ? 4.5 : ( combines[c] == RF_FILM_RATIO ? 6.0 : 1.5 );
+        double expected = normalizes[c] == RF_NORMALIZE_CROSSFIT ? 4.5 : ( normalizes[c] == RF_NORMALIZE_RATIO ? 6.0 : 1.5 );
         near( f.rgb[3], expected );
         near( f.rgb[6], expected );
-        assert_true( isfinite( rf_estimate_relmse( &f.film, combines[c], f.rgb ).likely ) );
+        assert_true( isfinite( rf_estimate_relmse( &f.film, normalizes[c], f.rgb ).likely ) );
 
         f.film.passes[1] = 0; // a single pass in all: no other half, c = 0
         f.film.weight[1] = 0.0;
         set_pixel( &f, 1, 2, 0.0f, 0.0f, 0.0f, 0.0f );
-        rf_combine_film( &f.film, combines[c], f.rgb, f.weight );
-        near( f.rgb[3], combines[c] == RF_FILM_RATIO ? 6.0 : 3.0 );
+        rf_combine_film( &f.film, normalizes[c], f.rgb, f.weight );
+        near( f.rgb[3], normalizes[c] == RF_NORMALIZE_RATIO ? 6.0 : 3.0 );
         assert_true( f.rgb[6] == 0.0f );
-        assert_true( isnan( rf_estimate_relmse( &f.film, combines[c], f.rgb ).likely ) );
+        assert_true( isnan( rf_estimate_relmse( &f.film, normalizes[c], f.rgb ).likely ) );
         free_film( &f );
     }
 }
@@ -327,20 +327,20 @@ static void check_unbiased( int even, int odd )
             add_noisy_pass( &f, pass >= even, i, (uint32_t)pass );
     }
     double spread[3], away[3];
-    for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
+    for ( int c = RF_NORMALIZE_CROSSFIT; c <= RF_NORMALIZE_NONE; ++c )
     {
-        rf_combine_film( &f.film, (RfFilmCombine)c, f.rgb, NULL );
+        rf_combine_film( &f.film, (RfNormalize)c, f.rgb, NULL );
         away[c] = distance( &f, 0, NOISY_MEAN, spread + c );
     }
     printf( "%d + %d passes: E2 %.2f SE off (sd %.3f), ratio %.1f SE (sd %.3f), plain %.2f SE (sd %.3f)\n", even, odd, away[0],
             spread[0], away[1], spread[1], away[2], spread[2] );
-    assert_true( fabs( away[RF_FILM_CROSSFIT] ) < 4.0 );
-    assert_true( fabs( away[RF_FILM_PLAIN] ) < 4.0 );
-    assert_true( fabs( away[RF_FILM_RATIO] ) > 10.0 );
+    assert_true( fabs( away[RF_NORMALIZE_CROSSFIT] ) < 4.0 );
+    assert_true( fabs( away[RF_NORMALIZE_NONE] ) < 4.0 );
+    assert_true( fabs( away[RF_NORMALIZE_RATIO] ) > 10.0 );
     if ( even > 2 )
-        assert_true( spread[RF_FILM_CROSSFIT] < 0.9 * spread[RF_FILM_PLAIN] );
+        assert_true( spread[RF_NORMALIZE_CROSSFIT] < 0.9 * spread[RF_NORMALIZE_NONE] );
     // constant light: E2 is as good as the ratio
-    rf_combine_film( &f.film, RF_FILM_CROSSFIT, f.rgb, NULL );
+    rf_combine_film( &f.film, RF_NORMALIZE_CROSSFIT, f.rgb, NULL );
     double flat;
     distance( &f, 2, 0.5, &flat );
     assert_true( flat < 1e-5 );
@@ -357,7 +357,7 @@ static void test_combination_has_no_bias( void** state )
 }
 
 // Noise of uniform distribution, independent in passes, pixels, channels.
-static void check_relmse( RfFilmCombine combine, int even, int odd )
+static void check_relmse( RfNormalize normalize, int even, int odd )
 {
     enum
     {
@@ -376,9 +376,9 @@ static void check_relmse( RfFilmCombine combine, int even, int odd )
             p[3] += 1.0f;
         }
     }
-    rf_combine_film( &f.film, combine, f.rgb, NULL );
+    rf_combine_film( &f.film, normalize, f.rgb, NULL );
     double expected = 3.0 * (double)( width * width ) / 12.0 / ( even + odd ) / ( (double)( mean * mean ) + RF_RELMSE_EPSILON );
-    double estimate = rf_estimate_relmse( &f.film, combine, f.rgb ).likely;
+    double estimate = rf_estimate_relmse( &f.film, normalize, f.rgb ).likely;
     printf( "%d + %d passes: relMSE %.6f, estimate %.6f\n", even, odd, expected, estimate );
     assert_true( fabs( estimate / expected - 1.0 ) < 0.05 );
     free_film( &f );
@@ -387,11 +387,11 @@ static void check_relmse( RfFilmCombine combine, int even, int odd )
 static void test_difference_estimates_relmse( void** state )
 {
     (void)state;
-    for ( int c = RF_FILM_CROSSFIT; c <= RF_FILM_PLAIN; ++c )
+    for ( int c = RF_NORMALIZE_CROSSFIT; c <= RF_NORMALIZE_NONE; ++c )
     {
-        check_relmse( (RfFilmCombine)c, 1, 1 );
-        check_relmse( (RfFilmCombine)c, 4, 4 );
-        check_relmse( (RfFilmCombine)c, 5, 2 );
+        check_relmse( (RfNormalize)c, 1, 1 );
+        check_relmse( (RfNormalize)c, 4, 4 );
+        check_relmse( (RfNormalize)c, 5, 2 );
     }
 }
 

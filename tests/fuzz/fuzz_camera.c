@@ -23,8 +23,8 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     load_room();
     RfError error = { 0 };
     RfCameraPath path;
-    RfFps fps = { 2, 1 };
-    RfResult result = rf_create_camera_path( &s_scene, fuzz_file( "input.json", data, size ), fps, 32, 18, &path, &error );
+    RfPathOptions options = { .camera = fuzz_file( "input.json", data, size ), .fps = { 2, 1 }, .width = 32, .height = 18 };
+    RfResult result = rf_create_camera_path( &s_scene, &options, &path, &error );
     fuzz_check( result, &error );
     for ( int i = 0; result == RF_OK && i < path.count; ++i ) // an eye that is accepted can be rendered
     {

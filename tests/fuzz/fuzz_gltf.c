@@ -20,7 +20,8 @@ static void sample_cameras( const RfScene* scene )
         fuzz_check( result, &error );
         if ( result != RF_OK || camera.frames > 10000 ) // long paths are slow, not wrong
             continue;
-        result = rf_create_camera_path( scene, camera.name, fps, 32, 18, &path, &error );
+        RfPathOptions options = { .camera = camera.name, .fps = fps, .width = 32, .height = 18 };
+        result = rf_create_camera_path( scene, &options, &path, &error );
         fuzz_check( result, &error );
         rf_destroy_camera_path( &path );
     }

@@ -25,8 +25,8 @@ static void sample_camera( const RfScene* scene )
 {
     RfError error = { 0 };
     RfCameraPath path;
-    RfFps fps = { 2, 1 };
-    RfResult result = rf_create_camera_path( scene, NULL, fps, 32, 18, &path, &error );
+    RfPathOptions options = { .fps = { 2, 1 }, .width = 32, .height = 18 };
+    RfResult result = rf_create_camera_path( scene, &options, &path, &error );
     fuzz_check( result, &error );
     rf_destroy_camera_path( &path );
 }

@@ -32,9 +32,9 @@ static RfRelmse keep_differences( const RfRenderSettings* settings, const RfFilm
 {
     (void)settings;
     (void)scratch;
-    rf_combine_film( films + RF_FILM_PRIMAL, RF_FILM_RATIO, picture->rgb, picture->weight );
-    rf_combine_film( films + RF_FILM_DX, RF_FILM_RATIO, s_difference[0], NULL );
-    rf_combine_film( films + RF_FILM_DY, RF_FILM_RATIO, s_difference[1], NULL );
+    rf_combine_film( films + RF_FILM_PRIMAL, RF_NORMALIZE_RATIO, picture->rgb, picture->weight );
+    rf_combine_film( films + RF_FILM_DX, RF_NORMALIZE_RATIO, s_difference[0], NULL );
+    rf_combine_film( films + RF_FILM_DY, RF_NORMALIZE_RATIO, s_difference[1], NULL );
     for ( int d = 0; d < 2; ++d )
         rf_add_film_steps( films + RF_FILM_UNSHARED, 0, 1, d == 1, s_difference[d] );
     return rf_plain_relmse( (double)NAN );

@@ -30,7 +30,7 @@ static HardInput long_sums( void )
                 film.half[pass & 1][c] += c < 3 ? values[v] : 1.0f;
             rf_end_film_pass( &film, pass & 1, 1.0 );
         }
-        rf_combine_film( &film, RF_FILM_CROSSFIT, rgb, &weight );
+        rf_combine_film( &film, RF_NORMALIZE_CROSSFIT, rgb, &weight );
         worst = fmax( worst, fabs( (double)rgb[0] / (double)values[v] - 1.0 ) );
         worst = fmax( worst, fabs( (double)weight - 1.0 ) );
     }

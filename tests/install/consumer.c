@@ -77,7 +77,7 @@ static RfResult render( const RfTracer* tracer, const RfCameraPath* path, const 
     if ( result == RF_OK )
         result = rf_prepare_output_folder( pattern, error );
     if ( result == RF_OK )
-        rf_name_effects( rf_tracer_scene( tracer ), path->eyes, path->count, &output.settings, effects );
+        rf_name_effects( &shot, &output.settings, effects );
     if ( result == RF_OK )
         result = rf_render( &shot, &output.settings, &callbacks, &stats, error );
     for ( int i = 0; result == RF_OK && i < FRAMES; ++i )
@@ -110,7 +110,7 @@ static RfResult run( const RfScene* scene, RfTracer** tracer, RfCameraPath* path
 {
     const int frames[FRAMES] = { 3, 4, 5 };
     char one[1024], two[1024], tile[RF_TILE_NAME_SIZE];
-    RfFps fps = { 24, 1 };
+    RfPathOptions options = { NULL, NULL, { 24, 1 }, WIDTH, HEIGHT };
     RfRenderSettings settings = rf_default_render_settings();
     snprintf( one, sizeof one, "%s/one.####.exr", folder );
     snprintf( two, sizeof two, "%s/two.####.exr", folder );
@@ -124,7 +124,7 @@ static RfResult run( const RfScene* scene, RfTracer** tracer, RfCameraPath* path
     rf_tile_name( &settings.tile, tile );
     printf( "tile %s, weights %s\n", tile, rf_weights_name( settings.weights ) );
     if ( result == RF_OK )
-        result = rf_create_camera_path( scene, NULL, fps, WIDTH, HEIGHT, path, error );
+        result = rf_create_camera_path( scene, &options, path, error );
     if ( result == RF_OK )
         result = rf_create_tracer( scene, tracer, error );
     if ( result == RF_OK )
@@ -145,10 +145,11 @@ static RfResult print_failure( const RfTracer* tracer, const RfCameraPath* path,
     RfMemoryFit fit;
     settings.group = 0;
     settings.memory = 100000;
-    RfResult result = rf_resolve_settings( &( RfShot ){ tracer, path->eyes, path->count, NULL, 0 }, &settings, &resolved, error );
+    RfShot shot = { tracer, path->eyes, path->count, NULL, FRAMES };
+    RfResult result = rf_resolve_settings( &shot, &settings, &resolved, error );
     if ( result != RF_OK )
         return result;
-    result = rf_fit_memory( rf_tracer_scene( tracer ), path->eyes, path->count, FRAMES, &resolved, &fit, &expected );
+    result = rf_fit_memory( &shot, &resolved, &fit, &expected );
     printf( "%s: %s; %zu bytes are enough\n", rf_result_name( result ), expected.text, expected.least_memory );
     if ( result == RF_ERROR_MEMORY && expected.remedy == RF_REMEDY_MEMORY && expected.least_memory > settings.memory )
         return RF_OK;

@@ -36,7 +36,11 @@ class Path
     Path( const RfScene& scene, RfFps fps, int width, int height )
     {
         RfError error{};
-        check( rf_create_camera_path( &scene, nullptr, fps, width, height, &m_path, &error ), error );
+        RfPathOptions options{};
+        options.fps = fps;
+        options.width = width;
+        options.height = height;
+        check( rf_create_camera_path( &scene, &options, &m_path, &error ), error );
     }
     ~Path() { rf_destroy_camera_path( &m_path ); }
     Path( const Path& ) = delete;
@@ -77,7 +81,7 @@ void render( const RfTracer& tracer, const RfCameraPath& path, const std::vector
     const RfShot shot = { &tracer, path.eyes, path.count, frames.data(), static_cast<int>( frames.size() ) };
     check( rf_resolve_settings( &shot, &asked, &output.settings, &error ), error );
     char effects[RF_EFFECTS_TEXT_SIZE];
-    rf_name_effects( rf_tracer_scene( &tracer ), path.eyes, path.count, &output.settings, effects );
+    rf_name_effects( &shot, &output.settings, effects );
     output.calls_for = effects;
     check( rf_prepare_output_folder( output.pattern, &error ), error );
     const RfRenderCallbacks callbacks = { &output,

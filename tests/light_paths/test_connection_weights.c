@@ -1,5 +1,5 @@
 // The balance weights of connections and of scattered rays that find the same path sum to one, each computed by its own technique:
-// from a chain that a light path was bent to, and from what rays hit that went the same way from the other end.
+// from the chain that a manifold walk leads a light path to, and from what rays hit that went the same way from the other end.
 #include "light_paths/connections_internal.h"
 #include "render/estimator.h"
 #include "support/render_support.h"
@@ -17,7 +17,7 @@
 #define LEAST_PATHS 100
 #define CLOSE 2e-3f
 
-// The chain of a light path bent to a point near to where it lands.
+// The chain that a manifold walk leads a light path to, at a point near to where it lands.
 static bool walk( const RfTracer* tracer, const RfLightPath* path, RfVec3 y, RfVec3 n, RfChain* chain )
 {
     RfManifoldWalk b = { .y = y, .n = n, .most = rf_scaled_reach( &path->reach, RF_STEP_MARGIN ), .active = true };

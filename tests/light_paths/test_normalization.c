@@ -1,5 +1,5 @@
 // The exact normalisation of connections: the mean number of repeated trials is one over the probability that a light path drawn
-// around a solution is bent to it, as counted by drawing many.
+// around a solution walks to it, as counted by drawing many.
 #include "light_paths/connections_internal.h"
 #include "render/estimator.h"
 #include "support/render_support.h"

@@ -146,8 +146,9 @@ static void try_both( const Setup* s, double pixels, uint64_t seed, RfTrial tria
     RfTestRegion region;
     RfError error;
     settings.threads = 1;
-    RfTrialShot shot = { s->tracer, s->eyes, EYES, NULL };
-    assert_int_equal( rf_create_test_region( &shot, EYES / 2, EYES, pixels, &settings, &region, &error ), RF_OK );
+    RfShot shot = { s->tracer, s->eyes, EYES, NULL, 0 };
+    RfTestSite site = { EYES / 2, EYES, pixels };
+    assert_int_equal( rf_create_test_region( &shot, NULL, &site, &settings, &region, &error ), RF_OK );
     for ( int reuse = 0; reuse < 2; ++reuse )
     {
         settings = settings_of( 2 * reuse, reuse ? "3x3" : "1", seed );

@@ -46,8 +46,9 @@ static void begin( Setup* s, float degrees, int centre, int frames )
     s->scene = make_room( ROOM_DIFFUSE );
     s->tracer = make_tracer( &s->scene );
     orbit_eyes( s->eyes, EYES, degrees, WIDTH, HEIGHT );
-    RfTrialShot shot = { s->tracer, s->eyes, EYES, NULL };
-    assert_int_equal( rf_create_test_region( &shot, centre, frames, WIDTH * HEIGHT, &settings, &s->site, &error ), RF_OK );
+    RfShot shot = { s->tracer, s->eyes, EYES, NULL, 0 };
+    RfTestSite site = { centre, frames, WIDTH * HEIGHT };
+    assert_int_equal( rf_create_test_region( &shot, NULL, &site, &settings, &s->site, &error ), RF_OK );
 }
 
 static void end( Setup* s )
@@ -289,13 +290,13 @@ static void test_wrong_settings_are_refused( void** state )
     settings.memory = (size_t)64 << 20;
     int calls = 0;
     RfTrialWatch watch = { refuse, &calls };
-    s.site.shot.watch = &watch;
+    s.site.watch = &watch;
     assert_int_equal( rf_run_trial( &s.site, 1, 2, &settings, &trial, &error ), RF_ERROR_INTERRUPTED );
     assert_int_equal( calls, 1 );
-    RfTestRegion site;
-    assert_int_equal( rf_create_test_region( &s.site.shot, 7, 5, WIDTH * HEIGHT, &settings, &site, &error ),
-                      RF_ERROR_INTERRUPTED );
-    rf_destroy_test_region( &site );
+    RfTestRegion region;
+    RfTestSite site = { 7, 5, WIDTH * HEIGHT };
+    assert_int_equal( rf_create_test_region( &s.site.shot, &watch, &site, &settings, &region, &error ), RF_ERROR_INTERRUPTED );
+    rf_destroy_test_region( &region );
     end( &s );
 }
 

@@ -58,7 +58,7 @@ static void test_excluded_rows_say_why( void** state )
     {
         const char* why = tune.rows[r].excluded;
         assert_true( why != NULL || tune.rows[r].spp <= 10 );
-        assert_true( why == NULL || strstr( why, tune.rows[r].spp > 10 ? "samples would" : "by the plan" ) != NULL );
+        assert_true( why == NULL || strstr( why, tune.rows[r].spp > 10 ? "spp would" : "predicted to gain less" ) != NULL );
         assert_true( why == NULL || tune.rows[r].group > 0 );
     }
     size_t least = tune.rows[0].fit.least;

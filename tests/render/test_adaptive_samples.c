@@ -135,13 +135,13 @@ static void test_auto_is_off_where_it_must( void** state )
         settings.adaptive = RF_ADAPTIVE_AUTO;
         settings.weights = cases[i].weights;
         settings.group = cases[i].group;
-        assert_int_equal( rf_resolve_settings( &( RfShot ){ tracer, eyes, cases[i].eyes, NULL, 0 }, &settings, &resolved, NULL ),
-                          RF_OK );
+        RfShot shot = { tracer, eyes, cases[i].eyes, NULL, 1 };
+        assert_int_equal( rf_resolve_settings( &shot, &settings, &resolved, NULL ), RF_OK );
         assert_int_equal( resolved.adaptive, cases[i].resolved );
         RfMemoryFit fit, off;
-        assert_int_equal( rf_fit_memory( &scene, eyes, cases[i].eyes, 1, &resolved, &fit, NULL ), RF_OK );
+        assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, NULL ), RF_OK );
         resolved.adaptive = RF_ADAPTIVE_OFF;
-        assert_int_equal( rf_fit_memory( &scene, eyes, cases[i].eyes, 1, &resolved, &off, NULL ), RF_OK );
+        assert_int_equal( rf_fit_memory( &shot, &resolved, &off, NULL ), RF_OK );
         size_t more = cases[i].resolved == RF_ADAPTIVE_AUTO ? 3 * sizeof( float ) * 40 * 30 : 0; // need and extra
         size_t noise = more > 0 ? ( scene.material_count + 1 ) * sizeof( RfMaterialNoise ) : 0;
         assert_true( fit.bytes_films >= off.bytes_films + more && fit.bytes_films < off.bytes_films + more + 256 + noise );

@@ -84,8 +84,8 @@ static void load_shot( const char* file, Shot* shot )
         fail_msg( "%s", error.text );
     for ( int i = 0; i < EYES; ++i )
     {
-        if ( rf_camera_eye( &shot->scene, shot->scene.cameras + camera, 3.0 + i, 24, 1, WIDTH, HEIGHT, shot->eyes + i, &error ) !=
-             RF_OK )
+        if ( rf_camera_eye( &( RfCameraSampling ){ &shot->scene, shot->scene.cameras + camera, NULL, { 24, 1 }, WIDTH, HEIGHT },
+                            3.0 + i, shot->eyes + i, &error ) != RF_OK )
             fail_msg( "%s", error.text );
     }
     shot->tracer = make_tracer( &shot->scene );

@@ -203,7 +203,8 @@ static void test_choice_by_memory( void** state )
         RfError error;
         settings.group = 0;
         settings.memory = (size_t)1 << 30;
-        assert_int_equal( rf_fit_memory( &s.scene, s.eyes, MOST_EYES, MOST_EYES, &settings, &fit, &error ), RF_OK );
+        RfShot shot = { s.tracer, s.eyes, MOST_EYES, NULL, MOST_EYES };
+        assert_int_equal( rf_fit_memory( &shot, &settings, &fit, &error ), RF_OK );
         settings.memory = fit.least + films * film;
         RfPlan plan = plan_of( &s, MOST_EYES, &settings );
         int group = plan.rows[plan.chosen].group;
@@ -249,9 +250,9 @@ static void test_rows_without_room_stay( void** state )
             continue;
         assert_true( row->fit.least > settings.memory && row->fit.bytes_films == 0 && isnan( row->gain ) &&
                      isnan( row->rays_path ) );
-        assert_non_null( strstr( row->excluded, "does not fit the memory" ) );
+        assert_non_null( strstr( row->excluded, "does not fit in memory" ) );
     }
-    assert_non_null( strstr( plan.why, "5 rows left out, do not fit the memory" ) );
+    assert_non_null( strstr( plan.why, "5 rows excluded: do not fit in memory" ) );
     assert_int_equal( rf_measure_plan( &( RfShot ){ s.tracer, s.eyes, MOST_EYES, NULL, 0 }, &settings, 0.01, &plan, &error ),
                       RF_OK );
     assert_true( plan.rows[3].seconds > 0.0 && isnan( plan.rows[4].seconds ) && isnan( plan.rows[4].measured_gain ) );
@@ -297,11 +298,11 @@ static void test_rows_of_several_sweeps_are_not_chosen( void** state )
             best = plan.rows[r].excluded == NULL && plan.rows[r].gain > best->gain ? plan.rows + r : best;
         int swept = 0;
         for ( int r = 0; r < plan.count; ++r )
-            swept += plan.rows[r].excluded != NULL && strstr( plan.rows[r].excluded, "several times" ) != NULL;
-        assert_true( swept > 0 && strstr( plan.why, "the path several times" ) != NULL );
+            swept += plan.rows[r].excluded != NULL && strstr( plan.rows[r].excluded, "needs several sweeps" ) != NULL;
+        assert_true( swept > 0 && strstr( plan.why, " several sweeps" ) != NULL );
         // the gain that the reason names is that of the best row that is left
         char gain[64];
-        snprintf( gain, sizeof gain, "by fixed costs, %.1f with group %d", best->gain, best->group );
+        snprintf( gain, sizeof gain, "at fixed ray costs, %.1f with group %d", best->gain, best->group );
         assert_non_null( strstr( plan.why, gain ) );
         assert_true( threads > 1 || row->fit.sweeps == 1 );
         check_resolved( &s, &settings, &plan );

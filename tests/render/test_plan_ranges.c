@@ -60,7 +60,8 @@ static double check_ranges( int eye_count, const int* eyes, int count, int group
     int found;
     RfRenderSettings settings = settings_of( group, spp );
     RfGroupPlan plan = rf_plan_groups( eye_count, group, spp );
-    assert_int_equal( rf_plan_ranges( eye_count, eyes, count, &settings, machines, ranges, &found, &error ), RF_OK );
+    RfShot shot = { .eye_count = eye_count, .frames = eyes, .frame_count = count };
+    assert_int_equal( rf_plan_ranges( &shot, &settings, machines, ranges, &found, &error ), RF_OK );
     assert_int_equal( found, machines < count ? machines : count );
     double whole = samples_of( &plan, eyes, 0, count ), longest = 0.0, sum = 0.0;
     for ( int i = 0; i < found; ++i )
@@ -119,10 +120,12 @@ static void test_a_camera_that_stands_still_is_not_cut( void** state )
     RfRenderSettings settings = settings_of( 1, 3 );
     for ( int i = 0; i < 40; ++i )
         eyes[i] = i < 18 ? i : i < 22 ? 18 : i - 3; // frames 19 to 22 are one
-    assert_int_equal( rf_plan_ranges( 37, eyes, 40, &settings, 2, ranges, &found, &error ), RF_OK );
+    RfShot shot = { .eye_count = 37, .frames = eyes, .frame_count = 40 };
+    assert_int_equal( rf_plan_ranges( &shot, &settings, 2, ranges, &found, &error ), RF_OK );
     assert_true( eyes[ranges[0].end] != eyes[ranges[0].end - 1] );
     check_ranges( 37, eyes, 40, 1, 3, 2 );
-    assert_int_equal( rf_plan_ranges( 37, eyes, 0, &settings, 2, ranges, &found, &error ), RF_ERROR_USAGE );
+    shot.frame_count = 0;
+    assert_int_equal( rf_plan_ranges( &shot, &settings, 2, ranges, &found, &error ), RF_ERROR_USAGE );
 }
 
 static void test_long_paths_take_no_time( void** state )
@@ -136,7 +139,8 @@ static void test_long_paths_take_no_time( void** state )
     assert_non_null( eyes );
     for ( int i = 0; i < count; ++i )
         eyes[i] = i;
-    assert_int_equal( rf_plan_ranges( count, eyes, count, &settings, 100, ranges, &found, &error ), RF_OK );
+    RfShot shot = { .eye_count = count, .frames = eyes, .frame_count = count };
+    assert_int_equal( rf_plan_ranges( &shot, &settings, 100, ranges, &found, &error ), RF_OK );
     assert_int_equal( found, 100 );
     assert_int_equal( ranges[99].end, count );
     free( eyes );

@@ -2,6 +2,7 @@
 // the socket of render/estimator.h. Its picture is that of frame and tile reuse with groups of one
 // frame and no tiles, bit for bit; and an estimator may ask for several films.
 #include "render/estimator.h"
+#include "estimators/estimators.h"
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
@@ -126,10 +127,9 @@ static RfRelmse split_finish( const RfRenderSettings* settings, const RfFilm* fi
 {
     (void)settings;
     (void)scratch;
-    RfFilmCombine combine = RF_FILM_CROSSFIT;
     float red[3 * WIDTH * HEIGHT];
-    rf_combine_film( films + 1, combine, red, NULL );
-    rf_combine_film( films, combine, picture->rgb, picture->weight );
+    rf_combine_film( films + 1, RF_NORMALIZE_CROSSFIT, red, NULL );
+    rf_combine_film( films, RF_NORMALIZE_CROSSFIT, picture->rgb, picture->weight );
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
         picture->rgb[3 * i] = red[3 * i];
     return rf_plain_relmse( (double)NAN );
@@ -309,6 +309,8 @@ static void test_estimators_have_names( void** state )
     assert_ptr_equal( rf_find_estimator( "reuse" ), rf_default_render_settings().estimator );
     assert_string_equal( rf_estimator_name( rf_find_estimator( "reuse" ) ), "reuse" );
     assert_null( rf_find_estimator( "plain" ) );
+    for ( int i = 0; rf_estimator_words[i] != NULL; ++i )
+        assert_ptr_equal( rf_find_estimator( rf_estimator_words[i] ), rf_estimator_at( i ) );
 }
 
 int main( void )

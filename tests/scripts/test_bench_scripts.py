@@ -123,7 +123,7 @@ class Page(unittest.TestCase):
         self.assertTrue(text.startswith("# Figures\n") and "|still-life 1:1|" in text)
 
     def test_errors(self):
-        for words, text in ((["reuse", "--binary", "nowhere"], "there is no program"), (["reuse", "--size", "9"], "--size wants"), (["nothing"], "invalid choice")):
+        for words, text in ((["reuse", "--binary", "nowhere"], "there is no program"), (["reuse", "--size", "9"], "--size must be"), (["nothing"], "invalid choice")):
             done = subprocess.run([os.path.join(SCRIPTS, "bench", "run"), *words], stderr=subprocess.PIPE, text=True, check=False)
             self.assertEqual(done.returncode, 2)
             self.assertIn(text, done.stderr)

@@ -1,4 +1,4 @@
-// Walks of bidirectional path tracing, from the eye and from lights, with what the weights of all ways to make a path need.
+// Walks of bidirectional path tracing, from the camera and from lights, with what the weights of all ways to make a path need.
 #ifndef REFRAME_TESTS_BIDIRECTIONAL_H
 #define REFRAME_TESTS_BIDIRECTIONAL_H
 
@@ -30,14 +30,14 @@ bool scatter_walk( Walk* w, const Point* x );
 
 Point seen_from( const Point* x, RfVec3 wo );
 
-// What carries light on to the eye at a vertex of a light path, and the density of going back: with normals of shading
+// What carries light on to the camera at a vertex of a light path, and the density of going back: with normals of shading
 // transport is not the same both ways.
 RfVec3 carried_light( const Point* x, RfVec3 to_eye, float* pdf_reverse );
 
 // ---- bidirectional ----
 
-// A plain bidirectional path tracer (Veach 1997), one path at a time: eye paths and light paths, one of each for each pixel
-// and pass, connected in all ways, light paths with the eye too, with balance weights. A baseline for measurements, and a referee that
+// A plain bidirectional path tracer (Veach 1997), one path at a time: camera paths and light paths, one of each for each pixel
+// and pass, connected in all ways, light paths with the camera too, with balance weights. A baseline for measurements, and a referee that
 // shares only the points of surfaces with the tracers it is compared with.
 
 typedef struct BidirectionalSettings
@@ -47,7 +47,8 @@ typedef struct BidirectionalSettings
     uint64_t seed;
 } BidirectionalSettings;
 
-// NULL, or what the scene has that is not dealt with: lights other than triangles, thin or rough glass, eyes with lenses and the like.
+// NULL, or what the scene has that is not dealt with: lights other than triangles, thin or rough glass, cameras with lenses
+// and the like.
 const char* bidirectional_lacks( const RfTracer* tracer, const RfEye* eye );
 
 // The whole image by a box filter, 3 floats per pixel.

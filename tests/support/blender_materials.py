@@ -431,7 +431,7 @@ def panes():
 
 
 def odd_glass():
-    """Glass that bends what is seen through it, or in which something lies: not panes."""
+    """Glass that refracts what is seen through it, or in which something lies: not panes."""
     plain_room()
     for v in box(clear("wedge"), (-1.2, 0.5, 1.0), (1.0, 0.015, 1.0)).data.vertices:
         v.co.y += 1.0 if v.co.x > 0.0 and v.co.y > 0.0 else 0.0

@@ -64,7 +64,7 @@ size_t mutate_bytes( uint8_t* bytes, size_t size, uint64_t number );
 
 // ---- gltf checks ----
 
-// Loading of files made by gltf_builder.h, and checks of what comes out, for
+// Loading of files made by the builder, and checks of what comes out, for
 // the tests of the glTF reader.
 
 extern GltfFolder gltf_folder;

@@ -123,7 +123,9 @@ static void say_bias( const RfErrorMetrics* m, char* text, size_t size )
     else
     {
         double low = m->bias_low * scale, high = m->bias_high * scale;
-        const char* what = low > 0.0 ? "bias seen, too bright" : high < 0.0 ? "bias seen, too dark" : "no bias seen";
+        const char* what = low > 0.0    ? "significant bias, too bright"
+                           : high < 0.0 ? "significant bias, too dark"
+                                        : "no significant bias";
         snprintf( part, sizeof part, "%s: mean error %+.2g%s (95 %%: %+.2g to %+.2g%s)", what, bias, unit, low, high, unit );
     }
     append( text, size, part );
@@ -137,17 +139,14 @@ static void say_noise( const RfErrorMetrics* m, char* text, size_t size )
 {
     char part[256], percent[16];
     snprintf( percent, sizeof percent, "%.2g %%", 100.0 * sqrt( m->relmse / 3.0 ) );
-    snprintf( part, sizeof part,
-              is_offset( m ) ? "; relMSE %.3g, a pixel is off by about %s in each channel"
-                             : "; relMSE %.3g, about %s of noise in each channel of a pixel",
-              m->relmse, percent );
+    snprintf( part, sizeof part, "; relMSE %.3g (about %s %s per pixel", m->relmse, percent, is_offset( m ) ? "error" : "noise" );
     append( text, size, part );
     if ( m->relmse_trimmed < 0.5 * m->relmse )
     {
-        snprintf( part, sizeof part, " (%.2g %% without the worst 0.1 %% of the pixels)",
-                  100.0 * sqrt( m->relmse_trimmed / 3.0 ) );
+        snprintf( part, sizeof part, ", %.2g %% without the worst 0.1 %% of pixels", 100.0 * sqrt( m->relmse_trimmed / 3.0 ) );
         append( text, size, part );
     }
+    append( text, size, ")" );
 }
 
 void rf_error_verdict( const RfErrorMetrics* m, int worst_frame, char* text, size_t size )
@@ -155,19 +154,19 @@ void rf_error_verdict( const RfErrorMetrics* m, int worst_frame, char* text, siz
     text[0] = '\0';
     if ( rf_has_no_error( m ) )
     {
-        append( text, size, "no error can be reported: there are values that are no numbers" );
+        append( text, size, "no error can be reported: there are NaN or infinite values" );
         return;
     }
     if ( m->max == 0.0 )
     {
-        append( text, size, "no difference: every pixel is the same" );
+        append( text, size, "no difference: all pixels are identical" );
         return;
     }
     say_bias( m, text, size );
     say_noise( m, text, size );
     char part[128], frame[32] = "";
     if ( worst_frame >= 0 )
-        snprintf( frame, sizeof frame, " of frame %d", worst_frame );
+        snprintf( frame, sizeof frame, " in frame %d", worst_frame );
     if ( m->worst.frame >= 0 )
     {
         snprintf( part, sizeof part, "; worst pixel (%d, %d)%s, off by %.2g %%", m->worst.x, m->worst.y, frame,
@@ -181,20 +180,16 @@ static void print_not_measured( const char* lacking, const int* frames, int coun
     char text[256];
     rf_format_frames( frames, count, text, sizeof text );
     if ( count > 0 )
-        rf_print( "not measured, for %s %s: frame%s %s\n", lacking, count == 1 ? "it" : "them", count == 1 ? "" : "s", text );
+        rf_print( "not measured: frame%s %s, missing from %s\n", count == 1 ? "" : "s", text, lacking );
 }
 
 // Prints which frames were not measured, and whose they lack; nothing where there is none. And the same
 // as keys of the JSON.
 static void print_missing( const CompareFrames* frames )
 {
-    print_not_measured( "both sequences lack", frames->missing, frames->missing_count );
+    print_not_measured( "both sequences", frames->missing, frames->missing_count );
     for ( int i = 0; i < 2; ++i )
-    {
-        char lacking[COMPARE_NAME_SIZE + 16];
-        snprintf( lacking, sizeof lacking, "%s lacks", frames->patterns[i] );
-        print_not_measured( lacking, frames->lacking[i], frames->lacking_count[i] );
-    }
+        print_not_measured( frames->patterns[i], frames->lacking[i], frames->lacking_count[i] );
 }
 
 static void set_missing( json_t* json, const CompareFrames* frames )
@@ -333,7 +328,7 @@ static RfResult find_compare_frames( CompareFrames* frames, RfError* error )
     if ( result != RF_OK )
         return result;
     if ( !are_sequences && frames->list != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and these are two files" );
+        return rf_fail( error, RF_ERROR_USAGE, "--frames: needs sequences, and these are two files" );
     if ( !are_sequences )
         return RF_OK;
     if ( frames->by_number && frames->list == NULL )
@@ -387,12 +382,13 @@ static RfResult align( bool overlap, ComparePair* pair, const RfExrWindow window
     if ( memcmp( a, b, sizeof *a ) == 0 )
         return RF_OK;
     if ( !overlap && a->x == b->x && a->y == b->y )
-        return rf_fail( error, RF_ERROR_FORMAT, "%.300s has %dx%d pixels, %.300s %dx%d: --overlap measures what both have",
-                        pair->names[0], a->width, a->height, pair->names[1], b->width, b->height );
+        return rf_fail( error, RF_ERROR_FORMAT,
+                        "%.300s has %dx%d pixels, %.300s %dx%d: --overlap compares the pixels that both have", pair->names[0],
+                        a->width, a->height, pair->names[1], b->width, b->height );
     if ( !overlap )
         return rf_fail( error, RF_ERROR_FORMAT,
                         "the data windows differ: %.300s has %dx%d pixels from (%d, %d) on, %.300s %dx%d from (%d, %d) on: "
-                        "--overlap measures what both have",
+                        "--overlap compares the pixels that both have",
                         pair->names[0], a->width, a->height, a->x, a->y, pair->names[1], b->width, b->height, b->x, b->y );
     RfExrWindow both = { .x = at_least( a->x, b->x ), .y = at_least( a->y, b->y ) };
     int64_t right = at_most( a->x + ( a->width - 1 ), b->x + ( b->width - 1 ) );
@@ -473,8 +469,8 @@ static RfResult check_diff_names( const Compare* compare, const char* pattern, R
         for ( int k = 0; k < count && is_there && result == RF_OK; ++k )
         {
             if ( frames[k].st_ino == diff.st_ino && frames[k].st_dev == diff.st_dev )
-                result = rf_fail( error, RF_ERROR_USAGE,
-                                  "--diff: %s: is one of the images that are compared: choose another name", name );
+                result = rf_fail( error, RF_ERROR_USAGE, "--diff: %s: is one of the images being compared: choose another name",
+                                  name );
         }
     }
     free( frames );
@@ -596,7 +592,7 @@ static RfResult finish( Compare* compare, RfError* error )
     if ( compare->table )
         print_error_row( "all", &metrics );
     if ( compare->table && isfinite( metrics.bias_low ) )
-        printf( "bias, 95 %% interval: %+.4e to %+.4e\n", metrics.bias_low, metrics.bias_high );
+        printf( "bias, 95 %% confidence interval: %+.4e to %+.4e\n", metrics.bias_low, metrics.bias_high );
     if ( compare->table && !rf_has_no_error( &metrics ) )
         printf( "%s\n", verdict );
     if ( compare->table )
@@ -644,41 +640,41 @@ int rf_command_compare( int argc, char** argv )
           .value = &compare.in.list,
           .meta = "A-B[xSTEP][,...]",
           .default_text = "all",
-          .help = "only these frame numbers of the sequences" },
+          .help = "compare only these frames of the sequences" },
         { .name = "layer",
           .type = RF_OPTION_STRING,
           .value = compare.in.layers,
           .meta = "NAME",
-          .default_text = "the colour",
+          .default_text = "colour",
           .help = "a layer, part or channel of the files, or three channels X,Y,Z" },
         { .name = "reference-layer",
           .type = RF_OPTION_STRING,
           .value = compare.in.layers + 1,
           .meta = "NAME",
           .default_text = "that of --layer",
-          .help = "layer of B, where it has another name" },
+          .help = "layer of B, if it is named differently" },
         { .name = "overlap",
           .type = RF_OPTION_BOOL,
           .value = &compare.in.overlap,
-          .help = "where the data windows differ, measure the pixels that both have" },
+          .help = "if the data windows differ, compare the pixels that both have" },
         { .name = "diff",
           .writes = ".exr",
           .type = RF_OPTION_STRING,
           .value = &compare.diff,
           .meta = "FILE",
-          .help = "write A - B, signed, as EXR; #### is the frame number" },
+          .help = "write the signed difference A - B as EXR; #### is the frame number" },
         { .name = "json",
           .writes = ".json",
           .type = RF_OPTION_STRING,
           .value = &compare.json,
           .meta = "FILE",
-          .help = "write the result as JSON; - is standard output, instead of the table" },
+          .help = "write the result as JSON; - for standard output, instead of the table" },
         { .name = "quiet", .type = RF_OPTION_BOOL, .value = &compare.quiet, .help = "no progress" },
     };
     const RfCommandTable table = {
         .command = COMMAND,
         .summary = "Measures the error of A against the reference B: EXR files, sequences named with ####, or folders of one "
-                   "sequence each, whose frames are paired by number.",
+                   "sequence each, whose frames are matched by number.",
         .files = files,
         .file_count = 2,
         .options = options,
@@ -689,11 +685,10 @@ int rf_command_compare( int argc, char** argv )
     RfResult result = rf_parse_options( &table, argc, argv, compare.in.patterns, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
+        result = rf_show_help( &table, &error );
         return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
     }
-    compare.table = compare.json == NULL || strcmp( compare.json, "-" ) != 0;
+    compare.table = rf_prints_text( compare.json );
     if ( compare.in.layers[1] == NULL )
         compare.in.layers[1] = compare.in.layers[0];
     if ( result == RF_OK )

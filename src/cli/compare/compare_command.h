@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <jansson.h>
 
-// The verdict in words: "no bias seen: mean error +0.02 % (95 %: -0.30 to +0.40 %);
-// relMSE 0.0123, about 6.4 % of noise in each channel of a pixel; worst pixel …".
+// The verdict in words: "no significant bias: mean error +0.02 % (95 %: -0.30 to +0.40 %);
+// relMSE 0.0123 (about 6.4 % noise per pixel); worst pixel …".
 // `worst_frame` below 0: of a single file, whose number says nothing.
 void rf_error_verdict( const RfErrorMetrics* metrics, int worst_frame, char* text, size_t size );
 

@@ -89,7 +89,7 @@ static RfResult choose_frames( FlickerRun* flicker, RfError* error )
 static RfResult check_frames( const FlickerRun* flicker, RfError* error )
 {
     if ( flicker->frame_count < 2 )
-        return rf_fail( error, RF_ERROR_IO, "%s: has frame %d alone: flicker needs at least two neighbouring frames",
+        return rf_fail( error, RF_ERROR_IO, "%s: has only frame %d: flicker needs at least two neighbouring frames",
                         flicker->pattern, flicker->frames[0] );
     int step = rf_sequence_step( flicker->pattern, flicker->frames[0] );
     for ( int i = 1; i < flicker->frame_count; ++i )
@@ -97,7 +97,7 @@ static RfResult check_frames( const FlickerRun* flicker, RfError* error )
         int before = flicker->frames[i - 1], now = flicker->frames[i];
         if ( now != before + step )
             return rf_fail( error, RF_ERROR_IO,
-                            "%s: after frame %d comes %d: flicker needs every frame: choose neighbouring ones by --frames",
+                            "%s: frame %d is followed by %d: flicker needs consecutive frames: choose them by --frames",
                             flicker->pattern, before, now );
     }
     return RF_OK;
@@ -113,7 +113,7 @@ static RfResult check_reference( const FlickerRun* flicker, RfError* error )
         if ( result != RF_OK )
             return result;
         if ( access( path, F_OK ) != 0 )
-            return rf_fail( error, RF_ERROR_IO, "%.400s: is not there: the reference needs frame %d as %.400s has it", path,
+            return rf_fail( error, RF_ERROR_IO, "%.400s: is missing: the reference needs frame %d, which %.400s has", path,
                             flicker->frames[i], flicker->pattern );
     }
     return RF_OK;
@@ -126,7 +126,7 @@ static RfResult find_flicker_frames( FlickerRun* flicker, RfError* error )
     for ( int i = 0; i < 2; ++i )
     {
         if ( patterns[i] != NULL && !rf_is_sequence( patterns[i] ) )
-            return rf_fail( error, RF_ERROR_USAGE, "%s%s: has no #### for the frame's number: give a sequence",
+            return rf_fail( error, RF_ERROR_USAGE, "%s%s: has no #### for the frame number: give a sequence",
                             i == 1 ? "--reference: " : "", patterns[i] );
     }
     RfResult result = rf_sequence_frames( flicker->pattern, &flicker->frames, &flicker->frame_count, error );
@@ -145,7 +145,7 @@ static RfResult find_flicker_frames( FlickerRun* flicker, RfError* error )
 static RfResult fail_no_motion( const FlickerRun* flicker, RfError* error )
 {
     return rf_fail( error, RF_ERROR_FORMAT,
-                    "%s: has no motion layer to follow: name its channels by --motion X,Y, or render --aov motion,depth",
+                    "%s: has no motion layer: name its channels by --motion X,Y, or render --aov motion,depth",
                     flicker->first_path );
 }
 
@@ -418,18 +418,17 @@ static RfResult check_options( const FlickerRun* flicker, RfError* error )
 {
     const char* alone = flicker->motion != NULL ? "motion" : flicker->depth != NULL ? "depth" : NULL;
     if ( alone != NULL && flicker->compensate_given && !flicker->compensate )
-        return rf_fail( error, RF_ERROR_USAGE, "--%s: is of no use with --no-compensate", alone );
+        return rf_fail( error, RF_ERROR_USAGE, "--%s: has no effect with --no-compensate", alone );
     if ( flicker->reference_layer != NULL && flicker->reference == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: is of the sequence that --reference names" );
+        return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: needs --reference" );
     if ( flicker->png == NULL && ( flicker->column_given || flicker->exposure_given ) )
-        return rf_fail( error, RF_ERROR_USAGE, "--%s: is of the picture that --png names",
-                        flicker->column_given ? "column" : "exposure" );
+        return rf_fail( error, RF_ERROR_USAGE, "--%s: needs --png", flicker->column_given ? "column" : "exposure" );
     return RF_OK;
 }
 
 static RfResult run( FlickerRun* flicker, RfError* error )
 {
-    flicker->table = flicker->json == NULL || strcmp( flicker->json, "-" ) != 0;
+    flicker->table = rf_prints_text( flicker->json );
     flicker->report.pairs = json_array();
     RfResult result = check_options( flicker, error );
     if ( result == RF_OK )
@@ -461,38 +460,38 @@ int rf_command_flicker( int argc, char** argv )
           .type = RF_OPTION_STRING,
           .value = &flicker.reference,
           .meta = "SEQ",
-          .help = "reference sequence: measure the flicker of the error instead of the picture" },
+          .help = "reference sequence: measure the flicker of the error instead of that of the picture" },
         { .name = "frames",
           .type = RF_OPTION_STRING,
           .value = &flicker.frame_list,
           .meta = "A-B",
           .default_text = "all",
-          .help = "only these frame numbers; they must be neighbours" },
+          .help = "measure only these frames, which must be consecutive" },
         { .name = "layer",
           .type = RF_OPTION_STRING,
           .value = &flicker.layer,
           .meta = "NAME",
-          .default_text = "the colour",
+          .default_text = "colour",
           .help = "a layer, part or channel of the files, or three channels X,Y,Z" },
         { .name = "reference-layer",
           .type = RF_OPTION_STRING,
           .value = &flicker.reference_layer,
           .meta = "NAME",
           .default_text = "that of --layer",
-          .help = "layer of the reference, where it has another name" },
+          .help = "layer of the reference, if it is named differently" },
         { .name = "compensate",
           .type = RF_OPTION_BOOL,
           .value = &flicker.compensate,
           .given = &flicker.compensate_given,
-          .default_text = "where there are motion layers; with a reference beside the plain figures",
-          .help = "follow the motion layers, masked by depth, in the main figures; --no-compensate: nowhere",
+          .default_text = "if there are motion layers; with a reference, in addition to the plain figures",
+          .help = "measure along the motion layers, masked by depth; --no-compensate: in place only",
           .heading = RF_HEADING_MEASUREMENT },
         { .name = "motion",
           .type = RF_OPTION_STRING,
           .value = &flicker.motion,
           .meta = "X,Y",
-          .default_text = "of the layer motion or Vector",
-          .help = "channels with the motion to the previous frame, pixels, +x right, +y up; implies --compensate",
+          .default_text = "the layer motion or Vector",
+          .help = "channels of the motion to the previous frame, in pixels, +x right, +y up; implies --compensate",
           .heading = RF_HEADING_MEASUREMENT },
         { .name = "depth",
           .type = RF_OPTION_STRING,
@@ -508,7 +507,7 @@ int rf_command_flicker( int argc, char** argv )
           .max = 1000000,
           .meta = "N",
           .default_text = "Reframe's own groups",
-          .help = "groups of N frames start with the sequence: report their borders separately",
+          .help = "report separately the borders of groups of N frames, counted from the first frame",
           .heading = RF_HEADING_MEASUREMENT },
         { .name = "spectrum",
           .type = RF_OPTION_BOOL,
@@ -530,7 +529,7 @@ int rf_command_flicker( int argc, char** argv )
           .meta = "X",
           .default_text = "the middle",
           .given = &flicker.column_given,
-          .help = "column of the slit-scan, 1 is the leftmost",
+          .help = "column of the slit-scan; 1 is the leftmost",
           .heading = RF_HEADING_OUTPUT },
         { .name = "exposure",
           .type = RF_OPTION_REAL,
@@ -546,7 +545,7 @@ int rf_command_flicker( int argc, char** argv )
           .type = RF_OPTION_STRING,
           .value = &flicker.json,
           .meta = "FILE",
-          .help = "write the result as JSON; - is standard output, instead of the table",
+          .help = "write the result as JSON; - for standard output, instead of the table",
           .heading = RF_HEADING_OUTPUT },
         { .name = "quiet", .type = RF_OPTION_BOOL, .value = &flicker.quiet, .help = "no progress", .heading = RF_HEADING_OUTPUT },
     };
@@ -563,10 +562,7 @@ int rf_command_flicker( int argc, char** argv )
     bool help = false;
     RfResult result = rf_parse_options( &table, argc, argv, &flicker.pattern, &help, &error );
     if ( result == RF_OK && help )
-    {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &table, &error );
     else if ( result == RF_OK )
         result = run( &flicker, &error );
     return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );

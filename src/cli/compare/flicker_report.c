@@ -109,23 +109,23 @@ static void print_spectrum( const RfFlickerReport* report )
         return;
     RfSpectrum s = rf_spectrum( &report->spectrum );
     char frozen[32], drift[32], boiling[32];
-    printf( "spectrum of %d frames, RMS: ", report->window );
+    printf( "spectrum over %d frames, RMS: ", report->window );
     if ( report->source == RF_ERROR_FROM_REFERENCE )
         printf( "frozen %s, ", format( s.frozen, "%.4e", frozen ) );
-    printf( "slow drift (periods from %.0f frames on) %s, boiling (shorter) %s; coverage %.2f %%\n", 1.0 / RF_SPECTRUM_SPLIT,
+    printf( "slow drift (periods of %.0f frames and more) %s, boiling (shorter) %s; coverage %.2f %%\n", 1.0 / RF_SPECTRUM_SPLIT,
             format( s.drift, "%.4e", drift ), format( s.boiling, "%.4e", boiling ), 100.0 * s.coverage );
 }
 
 static const char* describe_phi( double phi )
 {
     if ( phi < 0.1 )
-        return "the error all but stands still";
+        return "the error is almost frozen";
     if ( phi < 0.5 )
         return "the error changes slowly from frame to frame";
     if ( phi < 0.85 )
-        return "the error changes from frame to frame, less than independent noise";
-    return phi <= 1.15 ? "the error changes from frame to frame like independent noise"
-                       : "the error alternates: it changes more than independent noise";
+        return "the error flickers less than independent noise";
+    return phi <= 1.15 ? "the error flickers like independent noise"
+                       : "the error alternates: it flickers more than independent noise";
 }
 
 // The same error measured along the motion.
@@ -134,11 +134,11 @@ static void print_followed_words( const RfFlickerReport* report )
     const RfFlickerSums* sums = &report->followed.all;
     RfFlickerMetrics m = rf_flicker_metrics( sums );
     if ( report->unfollowed[0] != '\0' )
-        printf( "not along the motion: %s\n", report->unfollowed );
+        printf( "no figures along the motion: %s\n", report->unfollowed );
     if ( report->follows && isfinite( m.phi ) && m.mse > 0.0 )
-        printf( "along the motion %s: phi %.3f at an RMSE of %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
+        printf( "along the motion, %s: phi %.3f, RMSE %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
     if ( report->follows && sums->pairs < report->plain.all.pairs )
-        printf( "along the motion are %d of %d pairs: the frames of the others lack the layers\n", sums->pairs,
+        printf( "along the motion, %d of %d pairs are measured: the other frames lack the layers\n", sums->pairs,
                 report->plain.all.pairs );
 }
 
@@ -146,31 +146,31 @@ static void print_motion_words( const RfFlickerReport* report, const RfFlickerSu
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
     if ( isfinite( m.motion ) )
-        printf( "what is seen moves by %.2f pixels a frame on average\n", m.motion );
+        printf( "average motion: %.2f pixels per frame\n", m.motion );
     if ( !report->masked )
-        printf( "%s without depth: what comes into view counts as flicker\n",
+        printf( "%s without depth: disocclusions count as flicker\n",
                 report->compensated ? "motion-compensated" : "along the motion" );
     if ( sums->pairs > 0 && !( sums->pixels > 0.0 ) )
-        printf( "no pixel is seen in two neighbouring frames: are motion and depth what they should be?\n" );
+        printf( "no pixel is visible in two neighbouring frames: check the motion and depth layers\n" );
 }
 
 static void print_words( const RfFlickerReport* report )
 {
     RfFlickerMetrics m = rf_flicker_metrics( &report->plain.all );
     if ( isfinite( m.phi ) && m.mse > 0.0 && report->source == RF_ERROR_FROM_VARIANCE )
-        printf( "phi %.3f at an RMSE of %.3e, which the variance layers say; edges and highlights that move count as flicker, "
-                "--reference takes them out\n",
+        printf( "phi %.3f, RMSE %.3e from the variance layers; moving edges and highlights count as flicker unless --reference "
+                "is given\n",
                 m.phi, sqrt( m.mse ) );
     else if ( isfinite( m.phi ) && m.mse > 0.0 )
-        printf( "%s: phi %.3f at an RMSE of %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
+        printf( "%s: phi %.3f, RMSE %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
     else if ( isfinite( m.phi ) )
-        printf( "there is no error that could flicker\n" );
+        printf( "no flicker: there is no error\n" );
     else if ( report->source == RF_ERROR_UNKNOWN && isfinite( m.f1 ) )
-        printf( "phi is not known without the error: give --reference, or layers by render --aov variance\n" );
+        printf( "phi needs the size of the error: give --reference, or render --aov variance\n" );
     else if ( report->source == RF_ERROR_FROM_VARIANCE && isfinite( m.f1 ) )
-        printf( "phi is not known: the variance layers are 0, as those of a single pass are: give --reference\n" );
+        printf( "phi is unknown: the variance layers are 0, as after a single pass: give --reference\n" );
     if ( !report->compensated && report->source != RF_ERROR_FROM_REFERENCE )
-        printf( "not motion-compensated: what moves counts as flicker (render --aov motion,depth, or --reference)\n" );
+        printf( "not motion-compensated: motion counts as flicker (render --aov motion,depth, or give --reference)\n" );
     print_followed_words( report );
     if ( report->compensated || report->follows )
         print_motion_words( report, report->compensated ? &report->plain.all : &report->followed.all );
@@ -205,27 +205,26 @@ static void format_verdict( const RfFlickerReport* report, char text[VERDICT_SIZ
     long long worst = worst_pair( report, &most );
     int used;
     if ( !isfinite( m.f1 ) )
-        used = snprintf( text, VERDICT_SIZE, "no flicker can be reported" );
+        used = snprintf( text, VERDICT_SIZE, "no flicker can be measured" );
     else if ( isfinite( m.phi ) && m.mse > 0.0 && is_error )
         used = snprintf( text, VERDICT_SIZE, "%s (phi %.2f)", describe_phi( m.phi ), m.phi );
     else if ( isfinite( m.phi ) && m.mse > 0.0 )
-        used = snprintf( text, VERDICT_SIZE, "without a reference: the picture changes from frame to frame, phi %.2f at most",
-                         m.phi );
+        used = snprintf( text, VERDICT_SIZE,
+                         "phi at most %.2f: without a reference, moving edges and highlights count as flicker", m.phi );
     else if ( isfinite( m.phi ) )
-        used = snprintf( text, VERDICT_SIZE, "there is no error that could flicker" );
+        used = snprintf( text, VERDICT_SIZE, "no flicker: there is no error" );
     else
-        used = snprintf( text, VERDICT_SIZE, "the picture changes from frame to frame; how much of that is error is not known" );
+        used = snprintf( text, VERDICT_SIZE, "phi unknown: the size of the error is not known" );
     char *rest = text + used, changes[96];
     size_t size = VERDICT_SIZE - (size_t)used;
-    snprintf( changes, sizeof changes, "by %.2g between neighbouring frames (F1), most before frame %lld: %.2g", m.f1, worst,
-              most );
+    snprintf( changes, sizeof changes, "between neighbouring frames, largest at frame %lld: %.2g", worst, most );
     if ( !isfinite( m.f1 ) )
-        snprintf( rest, size, "\n%s", "there are values that are no numbers, or no pixel is seen in two neighbouring frames" );
+        snprintf( rest, size, "\n%s", "there are NaN or infinite values, or no pixel is visible in two neighbouring frames" );
     else if ( is_error && isfinite( report->errors.relmse ) )
-        snprintf( rest, size, "\na pixel's error changes %s; relMSE %.2g, noise of %.2g %%", changes, report->errors.relmse,
-                  100.0 * sqrt( report->errors.relmse / 3.0 ) );
+        snprintf( rest, size, "\nF1 %.2g (RMS change of the error %s); relMSE %.2g (%.2g %% noise per pixel)", m.f1, changes,
+                  report->errors.relmse, 100.0 * sqrt( report->errors.relmse / 3.0 ) );
     else
-        snprintf( rest, size, "\na pixel changes %s", changes );
+        snprintf( rest, size, "\nF1 %.2g (RMS change of the picture %s)", m.f1, changes );
 }
 
 void rf_print_flicker( const RfFlickerReport* report )
@@ -239,7 +238,7 @@ void rf_print_flicker( const RfFlickerReport* report )
     print_followed( report );
     print_spectrum( report );
     if ( report->source == RF_ERROR_FROM_REFERENCE && isfinite( report->errors.relmse ) )
-        printf( "relMSE of all frames: %.4e\n", report->errors.relmse );
+        printf( "relMSE over all frames: %.4e\n", report->errors.relmse );
     print_words( report );
 }
 

@@ -109,10 +109,10 @@ static RfResult take( const RfOption* option, const RfField* field )
         return RF_OK;
     describe_wanted( option, want, sizeof want );
     if ( option->type != RF_OPTION_SIZE || text == NULL )
-        return rf_field_wants( field, want );
+        return rf_field_must_be( field, want );
     for ( size_t i = 0; i < 2; ++i ) // two numbers
         print_number( json_array_get( field->json, i ), side[i], sizeof side[i] );
-    return rf_field_fail( field, "wants %s, got [%s, %s]", want, side[0], side[1] );
+    return rf_field_fail( field, "must be %s, got [%s, %s]", want, side[0], side[1] );
 }
 
 RfResult rf_fail_file_option( const RfField* field, const RfError* error )

@@ -1,6 +1,7 @@
 // Frame lists, file patterns of sequences, and the cut of a render into ranges for several machines.
 #include "cli/options/frame_lists.h"
 
+#include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/file_options.h"
 #include "image/atomic_file.h"
@@ -32,7 +33,8 @@ RfResult rf_cut_ranges( int nodes, const RfDividedFrames* frames, const RfRender
     };
     if ( ranges->list == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d ranges", most );
-    return rf_plan_ranges( frames->run_count, frames->runs, frames->count, settings, nodes, ranges->list, &ranges->count, error );
+    RfShot shot = { .eye_count = frames->run_count, .frames = frames->runs, .frame_count = frames->count };
+    return rf_plan_ranges( &shot, settings, nodes, ranges->list, &ranges->count, error );
 }
 
 void rf_free_ranges( RfRanges* ranges )
@@ -85,8 +87,8 @@ void rf_print_ranges( const RfRanges* r )
 {
     double all, longest;
     sum_up( r, &all, &longest );
-    printf( "\n%d range%s for --nodes %d, group %d, and what each traces of the whole:\n", r->count, r->count == 1 ? "" : "s",
-            r->nodes, r->group );
+    printf( "\n%d range%s for --nodes %d, group %d, with the share of the work:\n", r->count, r->count == 1 ? "" : "s", r->nodes,
+            r->group );
     for ( int i = 0; i < r->count; ++i )
     {
         const RfPlanRange* range = r->list + i;
@@ -95,9 +97,8 @@ void rf_print_ranges( const RfRanges* r )
                 range->end - range->first == 1 ? " " : "s", 100.0 * range->work );
         free( frames );
     }
-    printf(
-        "overhead of the halos at the cuts: %.1f %% more samples in all; at best done in %.1f %% of the time of one machine\n",
-        100.0 * ( all - 1.0 ), 100.0 * longest );
+    printf( "overhead of the halos at the cuts: %.1f %% more samples in total; at best %.1f %% of the time of one machine\n",
+            100.0 * ( all - 1.0 ), 100.0 * longest );
 }
 
 json_t* rf_ranges_json( const RfRanges* r )
@@ -118,12 +119,6 @@ json_t* rf_ranges_json( const RfRanges* r )
 }
 
 #define NAME_SIZE 512
-
-static bool ends_with( const char* name, const char* suffix )
-{
-    size_t length = strlen( name ), end = strlen( suffix );
-    return length > end && strcmp( name + length - end, suffix ) == 0;
-}
 
 static int compare_names( const void* a, const void* b ) { return strcmp( *(char* const*)a, *(char* const*)b ); }
 
@@ -155,7 +150,7 @@ RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* l
     RfResult result = RF_OK;
     for ( const struct dirent* entry = readdir( dir ); entry != NULL && result == RF_OK; entry = readdir( dir ) )
     {
-        if ( entry->d_name[0] != '.' && ends_with( entry->d_name, suffix ) && !append( list, &room, entry->d_name ) )
+        if ( entry->d_name[0] != '.' && rf_ends_with( entry->d_name, suffix ) && !append( list, &room, entry->d_name ) )
             result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its files", folder );
     }
     closedir( dir );
@@ -460,7 +455,7 @@ RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceI
     if ( result != RF_OK )
         return result;
     if ( !input->is_sequence )
-        return list == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: is of sequences, and %s is a file", from );
+        return list == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: needs a sequence, and %s is a file", from );
     result = rf_sequence_frames( input->pattern, &input->frames, &input->count, error );
     if ( result != RF_OK )
         return result;

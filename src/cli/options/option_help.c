@@ -1,4 +1,5 @@
 // Options as the help shows them.
+#include "cli/messages.h"
 #include "cli/options/options.h"
 
 #include <string.h>
@@ -144,6 +145,12 @@ void rf_print_help( const RfCommandTable* table, FILE* file )
         fputc( '\n', file );
     rf_list_options( table, file, print_heading, print_option );
     fputs( table->option_count > MOST_WITHOUT_HEADINGS ? "\n" : "", file );
-    print_row( "-h, --help", "this text", file );
+    print_row( "-h, --help", "print this help", file );
     fputc( '\n', file );
+}
+
+RfResult rf_show_help( const RfCommandTable* table, RfError* error )
+{
+    rf_print_help( table, stdout );
+    return rf_flush_output( error );
 }

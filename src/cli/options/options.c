@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 // Words of Blender, pbrt, Mitsuba, ffmpeg, Embree's tutorials and of Unix. Where a word has
@@ -116,17 +115,11 @@ static bool is_file( const char* path )
     return path != NULL && strcmp( path, "-" ) != 0 && ( stat( path, &status ) != 0 || S_ISREG( status.st_mode ) );
 }
 
-static bool ends_with( const char* path, const char* ending )
-{
-    size_t length = strlen( path ), more = strlen( ending );
-    return length > more && strcasecmp( path + length - more, ending ) == 0;
-}
-
 static RfResult check_kind( const Named* file, RfError* error )
 {
     for ( size_t i = 0; i < sizeof s_kinds / sizeof s_kinds[0] && file->writes[0] != '\0'; ++i )
     {
-        if ( ends_with( file->path, s_kinds[i] ) && strcmp( s_kinds[i], file->writes ) != 0 )
+        if ( rf_has_extension( file->path, s_kinds[i] ) && strcmp( s_kinds[i], file->writes ) != 0 )
             return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: ends as a file of another kind: name it %s", file->option,
                             file->path, file->writes );
     }

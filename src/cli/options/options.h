@@ -90,11 +90,14 @@ typedef struct RfCommandTable
 
 // Parses argv[1 …] (argv[0] is the command's name) into the options' values and
 // files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
-// *help, and nothing else counts. What is written may not be what is read, see written_files.h.
+// *help, and nothing else counts. What is written may not be what is read.
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error );
 
 // Prints the help of a command. The values must be the defaults.
 void rf_print_help( const RfCommandTable* table, FILE* file );
+
+// The same on standard output: what a command does for --help.
+RfResult rf_show_help( const RfCommandTable* table, RfError* error );
 
 // Calls `heading` with the name of each heading, where the command has so many options that the help has any, and
 // `option` for each option below it.
@@ -118,7 +121,7 @@ void rf_format_option( const RfOption* option, char* text, size_t size );
 // "..." for a positional argument that may be repeated, else "".
 const char* rf_file_dots( const RfCommandTable* table, int i );
 
-// Parses one value by the option's type (option_values.c).
+// Parses one value by the option's type.
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
 
 // Parses a whole number from min to max, with nothing before or after it; false otherwise.

@@ -1,13 +1,16 @@
 // What is made of the options of `reframe render`.
 #include "cli/options/render_options.h"
 
+#include "base/words.h"
 #include "cli/options/file_options.h"
 #include "cli/options/options.h"
 #include "cli/options/shared_options.h"
+#include "image/exr.h"
 #include "output/names.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
 #include "reframe/render.h"
+#include "render/estimator.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,8 +26,6 @@ typedef struct RenderParse
 
 // --shutter, --fstop and --focus.
 
-#define MAX_SHUTTER 100.0 // frames
-
 static bool parse_number( const char* text, const char* end, double* number )
 {
     char* stop;
@@ -38,8 +39,8 @@ static bool parse_shutter( const char* text, double shutter[2] )
     double length;
     if ( comma != NULL )
         return parse_number( text, comma, shutter ) && parse_number( comma + 1, end, shutter + 1 ) && shutter[0] <= shutter[1] &&
-               shutter[0] >= -MAX_SHUTTER && shutter[1] <= MAX_SHUTTER;
-    if ( !parse_number( text, end, &length ) || length < 0.0 || length > MAX_SHUTTER )
+               shutter[0] >= -RF_MAX_SHUTTER && shutter[1] <= RF_MAX_SHUTTER;
+    if ( !parse_number( text, end, &length ) || length < 0.0 || length > RF_MAX_SHUTTER )
         return false;
     shutter[0] = -0.5 * length;
     shutter[1] = 0.5 * length;
@@ -52,11 +53,11 @@ RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, Rf
     if ( options->shutter != NULL && !parse_shutter( options->shutter, lens->shutter ) )
         return rf_fail( error, RF_ERROR_USAGE,
                         "--shutter %.80s: expected frames, 0 to %g, as 0.5, or when it opens and closes, as -0.25,0.25",
-                        options->shutter, MAX_SHUTTER );
+                        options->shutter, RF_MAX_SHUTTER );
     if ( options->focus == NULL )
         return RF_OK;
     bool number = parse_number( options->focus, options->focus + strlen( options->focus ), &lens->focus );
-    if ( number && !( lens->focus > 0.0 && lens->focus <= 1e6 ) )
+    if ( number && !( lens->focus > 0.0 && lens->focus <= RF_MAX_FOCUS ) )
         return rf_fail( error, RF_ERROR_USAGE, "--focus %.80s: expected metres above 0, or the name of a node", options->focus );
     if ( !number )
         lens->focus = 0.0;
@@ -74,7 +75,7 @@ typedef struct Instead
 } Instead;
 
 static const Instead s_instead[RF_EFFECT_COUNT] = {
-    [RF_EFFECT_CAMERA_ANIMATION] = { NULL, "render a still by --frames 1" },
+    [RF_EFFECT_CAMERA_ANIMATION] = { NULL, "render a still with --frames 1" },
     [RF_EFFECT_SMOOTH_METALS] = { NULL, "give --no-effect chains" },
     [RF_EFFECT_LIGHT_PATHS] = { "--light-paths", "give --light-paths off" },
     [RF_EFFECT_FRAME_GROUPS] = { "--group", "give --group 0" },
@@ -82,9 +83,8 @@ static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_ADAPTIVE] = { "--adaptive", "give --no-adaptive" },
     [RF_EFFECT_STOP_RULE] = { "--noise, --flicker, --time", "leave --noise, --flicker and --time out" },
     [RF_EFFECT_PIXEL_FILTER] = { "--filter", "give --filter box" },
-    [RF_EFFECT_OTHER_PROJECTION] = { NULL, "render along a path of a camera in perspective" },
+    [RF_EFFECT_OTHER_PROJECTION] = { NULL, "render with a perspective camera" },
     [RF_EFFECT_GRADIENTS] = { "--estimator", "give --estimator reuse" },
-    [RF_EFFECT_ALPHA] = { "--alpha", "give --no-alpha" },
 };
 
 const char* rf_effect_option( RfEffectId effect ) { return s_instead[effect].option; }
@@ -119,9 +119,9 @@ static void warn_of( const RfEffect* row, RfLog* log )
     if ( !may_be_called_for( row ) )
         rf_warn( log, "--no-effect %s: changes nothing: %s", row->name, row->why );
     else if ( rf_effect_without( row->id ) == RF_WITHOUT_OTHER_PICTURE )
-        rf_warn( log, "--no-effect %s: the picture is another than the scene asks for: %s", row->name, text );
+        rf_warn( log, "--no-effect %s: changes the picture: %s", row->name, text );
     else
-        rf_warn( log, "--no-effect %s: the picture is the same in the mean, with other noise: %s", row->name, text );
+        rf_warn( log, "--no-effect %s: changes only the noise: %s", row->name, text );
 }
 
 RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene, RfLog* log, RfError* error )
@@ -144,7 +144,6 @@ RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene,
 
 // The options of `reframe render`, a row each.
 
-static const char* const s_compressions[] = { "none", "zip", "piz", NULL }; // in the order of RfExrCompression
 static const char* const s_files[] = { "SCENE" };
 
 static RenderParse render_parse;
@@ -156,43 +155,44 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_STRING,
       .value = &render_parse.options.output,
       .meta = "PATTERN",
-      .help = "where frames go: out/frame.####.exr; #### (or %04d) is the frame number; the folder is created" },
+      .help = "output files, such as out/frame.####.exr; #### (or %04d) is the frame number; the folder is created if missing" },
     RF_PATH_OPTIONS( render_parse.options, "frame numbers follow Blender's, else start at 1; negative ones count from the end" ),
     RF_LENS_OPTIONS( render_parse.options ),
-    RF_STOP_OPTIONS( render_parse.options, "render each frame until its estimated relMSE is at most E; 1% is 0.01",
-                     "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
-                     "average seconds per frame, also 20s, 5m, 1h30m; with --noise or --flicker, whichever comes first" ),
+    RF_STOP_OPTIONS(
+        render_parse.options, "render each frame until its estimated relMSE is at most E; 1% is 0.01",
+        "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
+        "average time per frame: seconds, or 20s, 5m, 1h30m; with --noise or --flicker, whichever is reached first" ),
     RF_ADAPTIVE_OPTION( render_parse.options,
                         "extra samples where other frames contribute few: borders, disocclusions, mirrors, glass; "
-                        "auto: in frames where they pay" ),
+                        "auto: only in frames where they pay off" ),
     { .name = "light-paths",
       .in_file = true,
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.options.light_paths,
       .choices = rf_light_paths_words,
-      .help = "trace paths from the lights, for caustics and lamps behind glass; auto: from small lights, where it pays",
+      .help = "trace paths from the lights, for caustics and lamps behind glass; auto: from small lights, where it pays off",
       .heading = RF_HEADING_QUALITY },
     RF_FILTER_OPTIONS( render_parse.options ),
     RF_PATH_TRACING_OPTIONS( render_parse.options ),
     RF_SEED_OPTION( render_parse.options ),
-    RF_AOV_OPTION( render_parse.options, "further layers:" ),
+    RF_AOV_OPTION( render_parse.options, "additional layers:" ),
     { .name = "alpha",
       .in_file = true,
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.alpha,
-      .help = "write RGBA: alpha is the coverage by anything but the sky, and the colour is premultiplied",
+      .help = "write RGBA: alpha is the coverage by anything but sky, colour is premultiplied",
       .heading = RF_HEADING_OUTPUT },
     { .name = "compression",
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.compression,
-      .choices = s_compressions,
+      .choices = rf_compression_words,
       .help = "compression of the EXR files",
       .heading = RF_HEADING_OUTPUT },
     { .name = "half",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.settings.files.half,
       .given = &render_parse.is_half_given,
-      .help = "16-bit floats for colour and the AOVs that need no more",
+      .help = "16-bit floats for colour and for AOVs that do not need 32",
       .heading = RF_HEADING_OUTPUT },
     { .name = "float",
       .type = RF_OPTION_BOOL,
@@ -203,36 +203,36 @@ static const RfOption s_options[] = {
     { .name = "resume",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.resume,
-      .help = "keep finished frames of this very render; other files in the way are an error",
+      .help = "keep finished frames of the same render; other existing files are an error",
       .heading = RF_HEADING_OUTPUT },
     { .name = "overwrite",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.overwrite,
-      .help = "replace existing frames; with --resume only those of another render",
+      .help = "replace existing frames; with --resume, only those of another render",
       .heading = RF_HEADING_OUTPUT },
     { .name = "check",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.check,
-      .help = "render nothing, report which frames are finished; exit status 1 unless all are",
+      .help = "render nothing; report which frames are finished, with exit status 1 unless all are",
       .heading = RF_HEADING_OUTPUT },
-    RF_RESULT_OPTIONS( render_parse.options, "write the result as JSON, also when interrupted; - is standard output",
+    RF_RESULT_OPTIONS( render_parse.options, "write the result as JSON, even if interrupted; - for standard output",
                        "no progress" ),
     { .name = "verbose",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.verbose,
-      .help = "also print the effects that run",
+      .help = "also list the effects in use",
       .heading = RF_HEADING_OUTPUT },
-    RF_GROUP_OPTION( render_parse.options, "share paths between 2N+1 neighbouring frames; 0: between none" ),
+    RF_GROUP_OPTION( render_parse.options, "share paths between 2N+1 neighbouring frames; 0: no frame reuse" ),
     RF_TILE_OPTION( render_parse.options ),
-    RF_MACHINE_OPTIONS( render_parse.options, "threads; the pictures do not depend on them" ),
-    RF_NODES_OPTION( render_parse.options, "with --check: divide the missing frames into ranges for N machines" ),
+    RF_MACHINE_OPTIONS( render_parse.options, "threads; their number does not affect the pictures" ),
+    RF_NODES_OPTION( render_parse.options, "with --check: split the missing frames into ranges for N machines" ),
     RF_ESTIMATOR_OPTION( render_parse.options ),
     { .name = "reconstruction",
       .in_file = true,
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.options.reconstruction,
       .choices = rf_reconstruction_words,
-      .help = "for --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
+      .help = "with --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
       .heading = RF_HEADING_RESEARCH },
     RF_WEIGHT_OPTIONS( render_parse.options ),
     { .name = "kernel-normalization",
@@ -247,7 +247,7 @@ static const RfOption s_options[] = {
 
 const RfCommandTable rf_render_table = { .command = "render",
                                          .summary = "Renders a camera animation to a sequence of EXR files. SCENE is a .glb, a "
-                                                    ".gltf or a scene file (.json), which may hold defaults of these options.",
+                                                    ".gltf or a scene file (.json), which may set defaults of these options.",
                                          .files = s_files,
                                          .file_count = 1,
                                          .options = s_options,
@@ -257,46 +257,68 @@ const RfCommandTable rf_render_table = { .command = "render",
 
 RfDefaultTexts rf_default_texts;
 
-static void print_default_texts( const RfRenderSettings* settings )
+// Adds what another estimator has by default, where it differs.
+static void add_other( char* text, size_t size, const char* usual, const char* other, const RfEstimator* estimator )
 {
-    const RfEstimator* gradient = rf_find_estimator( "gradient" );
-    RfTile other = rf_default_tile( gradient );
-    char tile[RF_TILE_NAME_SIZE], other_tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &settings->tile, tile );
-    rf_tile_name( &other, other_tile );
-    RfDefaultTexts* t = &rf_default_texts;
-    snprintf( t->spp, sizeof t->spp, "%d; %d with --noise or --flicker, %d with --time", settings->spp,
-              rf_default_most_spp( 1.0, 0.0 ), rf_default_most_spp( 0.0, 0.0 ) );
-    snprintf( t->tile, sizeof t->tile, "%s; %s with --estimator gradient", tile, other_tile );
-    snprintf( t->filter, sizeof t->filter, "%s; %s with --estimator gradient", rf_filter_name( settings->filter ),
-              rf_filter_name( rf_default_filter( gradient ) ) );
-    snprintf( t->filter_width, sizeof t->filter_width, "%g; %g for gaussian and blackman-harris",
-              rf_default_filter_width( RF_FILTER_BOX ), rf_default_filter_width( RF_FILTER_GAUSSIAN ) );
+    size_t used = strlen( text );
+    if ( strcmp( other, usual ) != 0 )
+        snprintf( text + used, size - used, "; %s with --estimator %s", other, rf_estimator_name( estimator ) );
 }
 
-static bool ends_with( const char* text, const char* end )
+// That of the box; and of the filters with others, which are listed side by side.
+static void print_filter_widths( char* text, size_t size )
 {
-    size_t length = strlen( text ), end_length = strlen( end );
-    return length > end_length && strcmp( text + length - end_length, end ) == 0;
+    double usual = rf_default_filter_width( RF_FILTER_BOX ), before = usual;
+    size_t used = (size_t)snprintf( text, size, "%g", usual );
+    for ( int i = 0; rf_is_filter( (RfFilter)i ) && used < size; ++i )
+    {
+        double width = rf_default_filter_width( (RfFilter)i );
+        if ( width != usual && width == before )
+            used += (size_t)snprintf( text + used, size - used, " and %s", rf_filter_words[i] );
+        else if ( width != usual )
+            used += (size_t)snprintf( text + used, size - used, "; %g for %s", width, rf_filter_words[i] );
+        before = width;
+    }
+}
+
+static void print_default_texts( const RfRenderSettings* settings )
+{
+    RfDefaultTexts* t = &rf_default_texts;
+    const RfEstimator* estimator;
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &settings->tile, tile );
+    const char* filter = rf_filter_name( settings->filter );
+    snprintf( t->spp, sizeof t->spp, "%d; %d with --noise or --flicker, %d with --time", settings->spp,
+              rf_default_most_spp( 1.0, 0.0 ), rf_default_most_spp( 0.0, 0.0 ) );
+    snprintf( t->tile, sizeof t->tile, "%s", tile );
+    snprintf( t->filter, sizeof t->filter, "%s", filter );
+    for ( int i = 0; ( estimator = rf_estimator_at( i ) ) != NULL; ++i )
+    {
+        RfTile its = rf_default_tile( estimator );
+        char other[RF_TILE_NAME_SIZE];
+        rf_tile_name( &its, other );
+        add_other( t->tile, sizeof t->tile, tile, other, estimator );
+        add_other( t->filter, sizeof t->filter, filter, rf_filter_name( rf_default_filter( estimator ) ), estimator );
+    }
+    print_filter_widths( t->filter_width, sizeof t->filter_width );
 }
 
 static RfResult check( const RfRenderOptions* options, RfError* error )
 {
     if ( options->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "-o is missing: say where the frames go, such as -o out/frame.####.exr" );
-    if ( !ends_with( options->output, ".exr" ) )
+    if ( !rf_ends_with( options->output, ".exr" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: expected a name that ends in .exr, got '%s'", options->output );
     if ( render_parse.is_half_given && render_parse.is_float_given && options->settings.files.half == render_parse.is_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->nodes > 0 && !options->check )
-        return rf_fail( error, RF_ERROR_USAGE, "--nodes: is of --check here; reframe plan has it, too" );
+        return rf_fail( error, RF_ERROR_USAGE, "--nodes: needs --check; before a render use reframe plan --nodes" );
     return RF_OK;
 }
 
 RfRenderOptions rf_default_render_options( void )
 {
     RfRenderOptions options = { .settings = rf_default_render_settings() };
-    options.estimator = rf_estimator_name( options.settings.estimator );
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;
@@ -333,28 +355,9 @@ void rf_settle_filter( RfRenderOptions* options )
     options->settings.filter = given ? (RfFilter)options->filter : rf_default_filter( options->settings.estimator );
 }
 
-// "a or b", "a, b or c".
-static void list_estimators( char* text, size_t size )
+void rf_take_estimator_option( RfRenderOptions* options )
 {
-    const RfEstimator* estimator;
-    text[0] = '\0';
-    for ( int i = 0; ( estimator = rf_estimator_at( i ) ) != NULL; ++i )
-    {
-        size_t used = strlen( text );
-        const char* before = i == 0 ? "" : rf_estimator_at( i + 1 ) != NULL ? ", " : " or ";
-        snprintf( text + used, size - used, "%s%s", before, rf_estimator_name( estimator ) );
-    }
-}
-
-RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error )
-{
-    const RfEstimator* estimator = rf_find_estimator( options->estimator );
-    char names[128];
-    list_estimators( names, sizeof names );
-    if ( estimator == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--estimator: expected %s, got '%s'", names, options->estimator );
-    rf_use_estimator( &options->settings, estimator );
-    return RF_OK;
+    rf_use_estimator( &options->settings, rf_estimator_at( options->estimator ) );
 }
 
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
@@ -383,14 +386,11 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: needs --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
-    RfResult result = rf_parse_estimator_option( options, error );
-    if ( result == RF_OK )
-        rf_settle_filter( options );
-    if ( result == RF_OK && strcmp( options->estimator, "gradient" ) != 0 &&
-         options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+    rf_take_estimator_option( options );
+    rf_settle_filter( options );
+    if ( !settings->estimator->has_gradients && options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: needs --estimator gradient" );
-    if ( result == RF_OK )
-        result = rf_parse_tile_option( options, error );
+    RfResult result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
         result = rf_parse_aov_option( options, error );
     if ( result == RF_OK )
@@ -426,10 +426,8 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     RfError error = { 0 };
     RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
             no_effect = rf_field_member( defaults, "no_effect" );
-    RfField estimator = rf_field_member( defaults, "estimator" );
     RfResult result = rf_take_file_options( &rf_render_table, defaults );
-    if ( result == RF_OK && rf_parse_estimator_option( &render_parse.options, &error ) != RF_OK )
-        result = rf_fail_file_option( &estimator, &error );
+    rf_take_estimator_option( &render_parse.options );
     if ( result == RF_OK && rf_parse_tile_option( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_aov_option( &render_parse.options, &error ) != RF_OK )
@@ -447,5 +445,3 @@ RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char**
     RfResult result = rf_read_render_defaults( defaults, options );
     return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
 }
-
-void rf_print_render_help( void ) { rf_print_help( &rf_render_table, stdout ); }

@@ -31,11 +31,10 @@ typedef struct RfRenderOptions
     uint64_t left_out;     // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive, filter, reconstruction, light_paths,
-        kernel_normalization; // indices of their words; of the filter -1: not given
-    const char* estimator;    // its name
-    const char* tile;         // NULL: that of the estimator
-    const char* aov;          // NULL: none
+    int weights, normalize, adaptive, filter, reconstruction, light_paths, kernel_normalization,
+        estimator;    // indices of their words; of the filter -1: not given
+    const char* tile; // NULL: that of the estimator
+    const char* aov;  // NULL: none
     bool alpha;
     const char* output;
     bool resume;
@@ -68,7 +67,7 @@ RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, Rf
 void rf_settle_filter( RfRenderOptions* options );
 
 // Sets settings.estimator from --estimator, and settings.tile to its default.
-RfResult rf_parse_estimator_option( RfRenderOptions* options, RfError* error );
+void rf_take_estimator_option( RfRenderOptions* options );
 
 // Sets settings.tile from --tile, if it was given.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
@@ -83,8 +82,6 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );
 
 // Their table.
 extern const RfCommandTable rf_render_table;
-
-void rf_print_render_help( void );
 
 // --effects and --no-effect, and the options that decide on effects.
 

@@ -4,11 +4,12 @@
 #define REFRAME_CLI_OPTIONS_SHARED_OPTIONS_H
 
 #include "cli/options/render_options.h"
+#include "estimators/estimators.h"
 #include "film/pixel_filter.h"
 #include "output/names.h"
+#include "reframe/camera.h"
 
 #define RF_MIN_BUDGET 1048576 // bytes of --memory: below, a unit was forgotten
-#define RF_MAX_FSTOP 1e6
 #define RF_MAX_NODES 10000
 
 // The defaults of these are printed from what rf_default_render_options and the library say.
@@ -26,7 +27,7 @@ extern RfDefaultTexts rf_default_texts;
       .reads = true,                                                                                                             \
       .meta = "NAME|FILE",                                                                                                       \
       .default_text = "the scene file's, else the first animated one, else the first",                                           \
-      .help = "a camera of the scene, or a camera-path file (.json)" },                                                          \
+      .help = "camera of the scene, or camera-path file (.json)" },                                                              \
         { .name = "frames",                                                                                                      \
           .in_file = true,                                                                                                       \
           .type = RF_OPTION_STRING,                                                                                              \
@@ -43,7 +44,8 @@ extern RfDefaultTexts rf_default_texts;
           .help = "frames per second of the camera animation: 24 or 24000/1001" },                                               \
     {                                                                                                                            \
         .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &( o ).size, .min = 1, .max = RF_MAX_IMAGE_SIDE,       \
-        .meta = "WxH", .default_text = "the scene's, else 960x540", .help = "pixels; also 720p, 1080p, 1440p, 2160p or 4k"       \
+        .meta = "WxH", .default_text = "the scene's, else 960x540",                                                              \
+        .help = "resolution in pixels; also 720p, 1080p, 1440p, 2160p or 4k"                                                     \
     }
 
 // A lens and a shutter in the place of the camera's own.
@@ -54,7 +56,7 @@ extern RfDefaultTexts rf_default_texts;
       .value = &( o ).shutter,                                                                                                   \
       .meta = "LENGTH|OPEN,CLOSE",                                                                                               \
       .default_text = "the camera's",                                                                                            \
-      .help = "shutter time in frames, around the time of the frame, or when it opens and closes; 0: no motion blur" },          \
+      .help = "shutter time in frames, centred on the frame, or opening and closing time; 0: no motion blur" },                  \
         { .name = "fstop",                                                                                                       \
           .in_file = true,                                                                                                       \
           .type = RF_OPTION_REAL,                                                                                                \
@@ -64,16 +66,16 @@ extern RfDefaultTexts rf_default_texts;
           .max = RF_MAX_FSTOP,                                                                                                   \
           .meta = "N",                                                                                                           \
           .default_text = "the camera's",                                                                                        \
-          .help = "f-number of the lens; 0: a pinhole, without depth of field" },                                                \
+          .help = "f-number of the lens; 0: pinhole, no depth of field" },                                                       \
     {                                                                                                                            \
         .name = "focus", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).focus, .meta = "METRES|NODE",                \
-        .default_text = "the camera's", .help = "focus distance in metres, or a node of the scene to focus on"                   \
+        .default_text = "the camera's", .help = "focus distance in metres, or scene node to focus on"                            \
     }
 
 #define RF_SPP_OPTION( o )                                                                                                       \
     {                                                                                                                            \
         .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &( o ).settings.spp, .min = 1, .max = RF_MAX_SPP,        \
-        .meta = "S", .heading = RF_HEADING_QUALITY, .help = "samples per pixel traced for a frame, over all groups that hold it" \
+        .meta = "S", .heading = RF_HEADING_QUALITY, .help = "samples traced per pixel and frame, over all groups of the frame"   \
     }
 
 // Of a render that may stop at an error or after a time.
@@ -89,7 +91,7 @@ extern RfDefaultTexts rf_default_texts;
       .default_text = rf_default_texts.spp,                                                                                      \
       .heading = RF_HEADING_QUALITY,                                                                                             \
       .help =                                                                                                                    \
-          "samples per pixel traced for a frame, over all groups that hold it; the limit with --noise, --flicker and --time" },  \
+          "samples traced per pixel and frame, over all groups of the frame; the limit with --noise, --flicker and --time" },    \
         { .name = "noise",                                                                                                       \
           .in_file = true,                                                                                                       \
           .type = RF_OPTION_RATIO,                                                                                               \
@@ -129,11 +131,11 @@ extern RfDefaultTexts rf_default_texts;
       .choices = rf_filter_words,                                                                                                \
       .default_text = rf_default_texts.filter,                                                                                   \
       .heading = RF_HEADING_QUALITY,                                                                                             \
-      .help = "reconstruction filter; depth and motion always have a box of one pixel" },                                        \
+      .help = "reconstruction filter; depth and motion always use a box of one pixel" },                                         \
     {                                                                                                                            \
         .name = "filter-width", .in_file = true, .type = RF_OPTION_REAL, .value = &( o ).settings.filter_width,                  \
         .min = RF_MIN_FILTER_WIDTH, .max = RF_MAX_FILTER_WIDTH, .meta = "PIXELS", .default_text = rf_default_texts.filter_width, \
-        .heading = RF_HEADING_QUALITY, .help = "filter width as in Blender: full width of a box, radius of the others"           \
+        .heading = RF_HEADING_QUALITY, .help = "filter width as in Blender: full width of the box, radius of the others"         \
     }
 
 #define RF_PATH_TRACING_OPTIONS( o )                                                                                             \
@@ -149,7 +151,7 @@ extern RfDefaultTexts rf_default_texts;
     {                                                                                                                            \
         .name = "light-samples", .in_file = true, .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,       \
         .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .heading = RF_HEADING_QUALITY,                                                 \
-        .help = "light samples per path vertex; with tiles at least two at first hits"                                           \
+        .help = "light samples per path vertex; with tiles, at least two at first hits"                                          \
     }
 
 #define RF_SEED_OPTION( o )                                                                                                      \
@@ -169,7 +171,7 @@ extern RfDefaultTexts rf_default_texts;
     {                                                                                                                            \
         .name = "tile", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).tile, .meta = "WxH|rooksN|1",                 \
         .default_text = rf_default_texts.tile, .heading = RF_HEADING_PERFORMANCE,                                                \
-        .help = "pixels of a frame that share paths: a block, N pixels of an NxN grid, or none"                                  \
+        .help = "pixels of a frame that share paths: a block, an N-rooks pattern, or 1 for none"                                 \
     }
 
 #define RF_MACHINE_OPTIONS( o, threads_help )                                                                                    \
@@ -178,7 +180,7 @@ extern RfDefaultTexts rf_default_texts;
       .value = &( o ).settings.memory,                                                                                           \
       .min = RF_MIN_BUDGET,                                                                                                      \
       .meta = "SIZE",                                                                                                            \
-      .default_text = "half of what is free",                                                                                    \
+      .default_text = "half of free memory",                                                                                     \
       .heading = RF_HEADING_PERFORMANCE,                                                                                         \
       .help = "memory budget beyond the scene and its BVH: 512M, 4G" },                                                          \
     {                                                                                                                            \
@@ -192,11 +194,12 @@ extern RfDefaultTexts rf_default_texts;
         .heading = RF_HEADING_PERFORMANCE, .help = ( nodes_help )                                                                \
     }
 
+#define RF_ESTIMATOR_WHAT( name, what ) "; " #name ": " what
 #define RF_ESTIMATOR_OPTION( o )                                                                                                 \
     {                                                                                                                            \
-        .name = "estimator", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).estimator, .meta = "reuse|gradient",     \
-        .heading = RF_HEADING_RESEARCH,                                                                                          \
-        .help = "reuse: frames and tiles share paths; gradient: gradient-domain path reusing, without groups"                    \
+        .name = "estimator", .in_file = true, .type = RF_OPTION_CHOICE, .value = &( o ).estimator,                               \
+        .choices = rf_estimator_words, .heading = RF_HEADING_RESEARCH,                                                           \
+        .help = "how pixels are estimated" RF_ESTIMATOR_LIST( RF_ESTIMATOR_WHAT )                                                \
     }
 
 #define RF_WEIGHT_OPTIONS( o )                                                                                                   \
@@ -210,7 +213,7 @@ extern RfDefaultTexts rf_default_texts;
     {                                                                                                                            \
         .name = "normalize", .in_file = true, .type = RF_OPTION_CHOICE, .value = &( o ).normalize,                               \
         .choices = rf_normalize_words, .heading = RF_HEADING_RESEARCH,                                                           \
-        .help = "how the sum of weights is divided out: crossfit and none are unbiased, none is noisy"                           \
+        .help = "normalisation of the weights: crossfit and none are unbiased, none is noisy"                                    \
     }
 
 // Effects that are forced or left out.
@@ -221,11 +224,12 @@ extern RfDefaultTexts rf_default_texts;
       .value = &( o ).effects,                                                                                                   \
       .choices = rf_effects_words,                                                                                               \
       .heading = RF_HEADING_RESEARCH,                                                                                            \
-      .help = "auto: run the code of effects that the scene uses; all: of the others too, where possible, for the same picture " \
-              "to rounding" },                                                                                                   \
+      .help =                                                                                                                    \
+          "auto: run code only for effects that the scene uses; all: for the others too where possible, with the same picture "  \
+          "up to rounding" },                                                                                                    \
     {                                                                                                                            \
         .name = "no-effect", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).no_effect, .meta = "NAME[,...]",         \
-        .heading = RF_HEADING_RESEARCH, .help = "leave effects out, by their names in reframe info; the picture may change"      \
+        .heading = RF_HEADING_RESEARCH, .help = "leave out effects, named as in reframe info; the picture may change"            \
     }
 
 #define RF_AOV_NAME( constant, name, letters, half, source, what ) " " name

@@ -73,9 +73,9 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
         result = rf_take_effect_options( options, &shot->scene, &log, error );
     if ( result == RF_OK )
         result = rf_parse_lens_options( options, &lens, error );
+    RfPathOptions asked = { options->camera, &lens, options->fps, options->size.width, options->size.height };
     if ( result == RF_OK )
-        result = rf_create_lens_path( &shot->scene, options->camera, &lens, options->fps, options->size.width,
-                                      options->size.height, &shot->path, error );
+        result = rf_create_camera_path( &shot->scene, &asked, &shot->path, error );
     if ( result == RF_OK )
     {
         options->size = ( RfSize ){ shot->path.eyes[0].width, shot->path.eyes[0].height };
@@ -89,7 +89,7 @@ const char* rf_format_excluded( const char* excluded, const RfMemoryFit* fit, ch
     if ( excluded == NULL )
         return NULL;
     bool fits = fit->films > 0;
-    snprintf( text, size, fits ? "%s" : "%s, the least is %zuM", excluded, rf_whole_mib( fit->least ) );
+    snprintf( text, size, fits ? "%s" : "%s, needs at least %zuM", excluded, rf_whole_mib( fit->least ) );
     return text;
 }
 

@@ -41,7 +41,7 @@ static inline RfShot rf_shot_to_render( const RfLoadedShot* loaded )
 int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count );
 
 // Why a row of a plan is excluded, with the least budget where it does not fit: "does
-// not fit the memory, the least is 3M". NULL where it is not left out.
+// not fit in memory, needs at least 3M". NULL where it is not left out.
 const char* rf_format_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size );
 
 #endif

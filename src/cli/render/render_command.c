@@ -15,7 +15,8 @@
 #include "reframe/effects.h"
 #include "reframe/output.h"
 #include "reframe/render.h"
-#include "render/groups.h"
+#include "render/estimator.h"
+#include "render/settings.h"
 #include "scene/json/scene_file.h"
 #include "scene/scene.h"
 #include "trace/trace.h"
@@ -142,17 +143,15 @@ static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene,
                  options->scene );
 }
 
-#define LEAST_WEIGHTED_PASSES 4 // two in each half: src/gradient/films.c
-
 // A reconstruction that is biased, or that so few samples cannot have.
 static void warn_of_reconstruction( const RfRenderSettings* s, RfLog* log )
 {
-    if ( strcmp( rf_estimator_name( s->estimator ), "gradient" ) != 0 )
+    if ( !s->estimator->has_gradients )
         return;
     if ( s->reconstruction == RF_RECONSTRUCTION_L1 )
         rf_warn( log, "--reconstruction l1: is biased, and the error estimate does not know by how much" );
-    else if ( s->reconstruction == RF_RECONSTRUCTION_WEIGHTED && s->spp < LEAST_WEIGHTED_PASSES )
-        rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", LEAST_WEIGHTED_PASSES );
+    else if ( s->reconstruction == RF_RECONSTRUCTION_WEIGHTED && s->spp < s->estimator->usual_passes )
+        rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", s->estimator->usual_passes );
 }
 
 // Light paths that were asked for and that there are none of, or whose normalisation is biased.
@@ -170,8 +169,7 @@ static void warn_of_light_paths( const RfRenderSettings* s, const RfEffect* effe
 static void print_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit, int path_frames )
 {
     RfGroupPlan plan = rf_plan_groups( path_frames, used->group, used->spp );
-    bool has_groups = used->estimator == rf_default_render_settings().estimator;
-    if ( asked->group == RF_GROUP_AUTO && has_groups )
+    if ( asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ) )
         fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
@@ -270,9 +268,7 @@ static RfResult resolve( RfRenderJob* job, RfError* error )
     job->asked = job->options.settings;
     RfShot shot = shot_of( job );
     RfResult result = rf_resolve_settings( &shot, &job->asked, &job->options.settings, error );
-    return result == RF_OK ? rf_fit_memory( &job->scene, job->path.runs, job->path.run_count, job->run_count,
-                                            &job->options.settings, &job->fit, error )
-                           : result;
+    return result == RF_OK ? rf_fit_memory( &shot, &job->options.settings, &job->fit, error ) : result;
 }
 
 static RfResult load_scene( RfRenderJob* job, RfError* error )
@@ -318,9 +314,10 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     RfResult result = load_scene( job, error );
     if ( result == RF_OK )
         result = rf_parse_lens_options( &job->options, &lens, error );
+    const RfRenderOptions* o = &job->options;
+    RfPathOptions asked = { o->camera, &lens, o->fps, o->size.width, o->size.height };
     if ( result == RF_OK )
-        result = rf_create_lens_path( &job->scene, job->options.camera, &lens, job->options.fps, job->options.size.width,
-                                      job->options.size.height, &job->path, error );
+        result = rf_create_camera_path( &job->scene, &asked, &job->path, error );
     if ( result == RF_OK )
         result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )
@@ -515,8 +512,7 @@ int rf_command_render( int argc, char** argv )
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_render_help();
-        result = rf_flush_output( &error );
+        result = rf_show_help( &rf_render_table, &error );
         destroy_render_job( &job );
         return result == RF_OK ? 0 : rf_report_error( "render", &error );
     }

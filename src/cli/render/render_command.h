@@ -35,7 +35,7 @@ typedef struct RfFrameErrors
 
 // Internal to `reframe render`: its state, and all that is loaded and settled before the first ray.
 
-// State of a render, created in this order and freed by rf_destroy_render_job.
+// State of a render, created in this order and freed by the command.
 typedef struct RfRenderJob
 {
     int argc; // the command line, which overrides the scene file that is read later

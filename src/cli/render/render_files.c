@@ -143,7 +143,7 @@ static RfResult fail_incomplete( const RfRenderJob* job, const Check* check, RfE
 static RfResult report_result( const RfRenderJob* job, const Check* check, const RfRanges* ranges, RfError* error )
 {
     const char* json = job->options.json;
-    bool prints = json == NULL || strcmp( json, "-" ) != 0;
+    bool prints = rf_prints_text( json );
     if ( prints && check->left_count == 0 )
         rf_print( "%d frame%s in %s: all there, whole and of this render\n", job->frame_count, job->frame_count == 1 ? "" : "s",
                   job->options.output );

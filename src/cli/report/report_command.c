@@ -1,6 +1,7 @@
 // reframe report DIR…: one self-contained HTML page of rendered sequences.
 #include "cli/report/report_command.h"
 
+#include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
@@ -136,8 +137,8 @@ static json_t* notes_json( const RfPageData* data )
         : compensated          ? "Change from the frame before along the motion layers, root mean square"
                       : "Change of the picture from the frame before, root mean square: what moves counts too (no motion layers)";
     const char* phi =
-        data->has_reference ? "1: the error is new in each frame, 0: it stands still"
-        : variance ? "The change over the variance layers; moving edges and highlights count too, a reference takes them out"
+        data->has_reference ? "1: independent noise in each frame, 0: a frozen error"
+        : variance ? "The change over the variance layers; moving edges and highlights count too, unless there is a reference"
                    : "";
     return json_pack( "{s:s, s:s, s:s, s:s, s:s}", "relmse",
                       data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference", "phi",
@@ -234,12 +235,6 @@ static void tell_names_apart( RfPageRun* report )
         snprintf( report->sequences[report->place_count].name, sizeof report->sequences[0].name, "reference" );
 }
 
-static int compare_ints( const void* a, const void* b )
-{
-    int x = *(const int*)a, y = *(const int*)b;
-    return ( x > y ) - ( x < y );
-}
-
 // The frames of all sequences, each once.
 static RfResult join_frames( RfPageRun* report, RfError* error )
 {
@@ -256,7 +251,7 @@ static RfResult join_frames( RfPageRun* report, RfError* error )
         memcpy( report->numbers + all, sequence->frames, (size_t)sequence->frame_count * sizeof( int ) );
         all += sequence->frame_count;
     }
-    qsort( report->numbers, (size_t)all, sizeof( int ), compare_ints );
+    qsort( report->numbers, (size_t)all, sizeof( int ), rf_compare_frames );
     for ( int i = 0; i < all; ++i )
     {
         if ( report->count == 0 || report->numbers[report->count - 1] != report->numbers[i] )
@@ -336,23 +331,17 @@ static void destroy_page_run( RfPageRun* report )
 #define COMMAND "report"
 #define HEAVY_BYTES 100000000 // pages from here on get a hint
 
-static bool ends_with( const char* name, const char* suffix )
-{
-    size_t length = strlen( name ), end = strlen( suffix );
-    return length > end && strcmp( name + length - end, suffix ) == 0;
-}
-
 static RfResult check_options( const RfPageRun* report, RfError* error )
 {
     if ( report->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--output: is missing: give the page's name, such as -o report.html" );
-    if ( !ends_with( report->output, ".html" ) && !ends_with( report->output, ".htm" ) )
+    if ( !rf_ends_with( report->output, ".html" ) && !rf_ends_with( report->output, ".htm" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: expected a name that ends with .html, got '%s'", report->output );
     if ( report->reference_layer != NULL && report->reference == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: is of the sequence that --reference names" );
+        return rf_fail( error, RF_ERROR_USAGE, "--reference-layer: needs --reference" );
     if ( report->render_file != NULL && report->place_count > 1 )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "--render-json: is of one sequence, and %d are given: put each file into the folder of its frames",
+                        "--render-json: takes one sequence, and %d are given: put each file into the folder of its frames",
                         report->place_count );
     if ( !report->overwrite && access( report->output, F_OK ) == 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: is there already: --overwrite replaces it", report->output );
@@ -436,14 +425,14 @@ static RfResult report_result( const RfPageRun* report, const RfPageData* data, 
 {
     char weight[32];
     rf_format_bytes( (double)bytes, weight );
-    bool prints = report->json == NULL || strcmp( report->json, "-" ) != 0;
+    bool prints = rf_prints_text( report->json );
     if ( prints )
         rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
     for ( int i = 0; i < report->place_count && prints; ++i )
         rf_tell_unfinished( report->sequences[i].name, report->sequences[i].progress );
     RfLog log = rf_stderr_log( COMMAND );
     if ( bytes > HEAVY_BYTES && !report->quiet )
-        rf_warn( &log, "%s: weighs %s, which a browser takes long to open: --width makes pictures smaller, --frames takes some",
+        rf_warn( &log, "%s: %s is slow to open in a browser: --width makes the pictures smaller, --frames selects some",
                  report->output, weight );
     if ( report->json != NULL )
         return rf_write_json( report->json, page_result_json( data, report->output, bytes ), error );
@@ -500,39 +489,39 @@ int rf_command_report( int argc, char** argv )
           .type = RF_OPTION_STRING,
           .value = &report.reference,
           .meta = "DIR",
-          .help = "reference sequence: true error and flicker, and shown beside the others" },
+          .help = "reference sequence, for true error and flicker; shown beside the others" },
         { .name = "layer",
           .type = RF_OPTION_STRING,
           .value = &report.layer,
           .meta = "NAME",
-          .default_text = "the colour",
+          .default_text = "colour",
           .help = "a layer, part or channel of all files, or three channels X,Y,Z" },
         { .name = "reference-layer",
           .type = RF_OPTION_STRING,
           .value = &report.reference_layer,
           .meta = "NAME",
           .default_text = "that of --layer",
-          .help = "layer of the reference, where it has another name" },
+          .help = "layer of the reference, if it is named differently" },
         { .name = "render-json",
           .reads = true,
           .type = RF_OPTION_STRING,
           .value = &report.render_file,
           .meta = "FILE",
-          .default_text = "one in the folder",
+          .default_text = "the one in the folder",
           .help = "output of render --json: time, memory, rays, estimated error" },
         { .name = "cost",
           .reads = true,
           .type = RF_OPTION_STRING,
           .value = &report.cost_file,
           .meta = "FILE",
-          .default_text = "one in the folder",
-          .help = "output of cost --json, for the curve of error over time" },
+          .default_text = "the one in the folder",
+          .help = "output of cost --json, for the curve of error against time" },
         { .name = "frames",
           .type = RF_OPTION_STRING,
           .value = &report.frame_list,
           .meta = "A-B[xSTEP][,...]",
           .default_text = "all",
-          .help = "only these frame numbers" },
+          .help = "show only these frames" },
         { .name = "width",
           .type = RF_OPTION_INT,
           .value = &report.width,
@@ -540,14 +529,14 @@ int rf_command_report( int argc, char** argv )
           .max = 65500,
           .meta = "W",
           .default_text = "as they are",
-          .help = "maximum width of the pictures; figures stay those of the files",
+          .help = "maximum width of the pictures; the figures are those of the files",
           .heading = RF_HEADING_OUTPUT },
         { .name = "values",
           .type = RF_OPTION_MEMORY,
           .value = &report.values,
           .min = 0,
           .meta = "SIZE",
-          .help = "limit of the pixel probe's scene values in the page; less is coarser, 0 is none",
+          .help = "page space for the scene values of the pixel probe; less is coarser, 0: none",
           .heading = RF_HEADING_OUTPUT },
         { .name = "aov",
           .type = RF_OPTION_BOOL,
@@ -581,7 +570,7 @@ int rf_command_report( int argc, char** argv )
           .type = RF_OPTION_STRING,
           .value = &report.json,
           .meta = "FILE",
-          .help = "write the result as JSON; - is standard output",
+          .help = "write the result as JSON; - for standard output",
           .heading = RF_HEADING_OUTPUT },
         { .name = "quiet",
           .type = RF_OPTION_BOOL,
@@ -592,10 +581,10 @@ int rf_command_report( int argc, char** argv )
     const RfCommandTable table = {
         .command = COMMAND,
         .summary =
-            "One HTML page of rendered sequences: a verdict, frames that play at any exposure, side by side or wiped, a pixel "
-            "probe, AOVs, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames of "
-            "960x540 take less than 40 MB for the pictures of a sequence (mostly 10), --values for the probe and at most "
-            "16 MB for AOVs.",
+            "Writes one HTML page of rendered sequences: a verdict, playback at any exposure, side by side or wiped, a pixel "
+            "probe, AOVs, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames at "
+            "960x540 take about 10 MB of pictures per sequence, at most 40 MB, and --values for the probe and up to 16 MB "
+            "for AOVs.",
         .files = files,
         .file_count = 1,
         .file_max = RF_PAGE_MOST_SEQUENCES,
@@ -608,8 +597,7 @@ int rf_command_report( int argc, char** argv )
     RfResult result = rf_parse_options( &table, argc, argv, report.places, &help, &error );
     if ( result == RF_OK && help )
     {
-        rf_print_help( &table, stdout );
-        result = rf_flush_output( &error );
+        result = rf_show_help( &table, &error );
         return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
     }
     rf_catch_interrupts();

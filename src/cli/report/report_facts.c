@@ -48,7 +48,7 @@ static void add_reported( const List* list, const json_t* render )
     if ( isgreater( missed, 0.0 ) && json_object_get( render, "warnings" ) == NULL )
         add( list, text );
     if ( json_is_true( json_object_get( render, "interrupted" ) ) )
-        add( list, "the render was interrupted: --resume goes on" );
+        add( list, "the render was interrupted: --resume continues it" );
 }
 
 // Of a render that other machines are at: no fault.
@@ -57,7 +57,7 @@ static void add_unfinished( const List* list, const json_t* progress )
     char frames[240], text[400];
     const json_t* left = json_object_get( progress, "left" );
     rf_format_left( left, frames, sizeof frames );
-    snprintf( text, sizeof text, "the render goes on: %.0f of %.0f frames are finished, not yet %s",
+    snprintf( text, sizeof text, "still rendering: %.0f of %.0f frames are finished, missing %s",
               rf_json_number_of( progress, "finished" ), rf_json_number_of( progress, "asked" ), frames );
     if ( json_array_size( left ) > 0 )
         add( list, text );
@@ -219,7 +219,7 @@ static void format_speedup( double speedup, char text[48] )
     snprintf( text, 48, times < 10.0 ? "%.2g times %s" : "%.0f times %s", times, speedup < 1.0 ? "slower" : "faster" );
 }
 
-// "at equal error reuse is 4.5 times faster (95 %: 4 to 5)"; where the interval holds 1, it says which way: "2 times slower
+// "reuse is 4.5 times faster at equal error (95 %: 4 to 5)"; where the interval holds 1, it says which way: "2 times slower
 // to 1.2 times faster"
 static void append_speedup( char* text, size_t size, const json_t* cost )
 {
@@ -230,7 +230,7 @@ static void append_speedup( char* text, size_t size, const json_t* cost )
     if ( !( speedup > 0.0 ) )
         return;
     format_speedup( speedup, words[0] );
-    snprintf( text + used, size - used, "%sat equal error reuse is %s", used > 0 ? "; " : "", words[0] );
+    snprintf( text + used, size - used, "%sreuse is %s at equal error", used > 0 ? "; " : "", words[0] );
     if ( !( low > 0.0 && high > 0.0 ) )
         return;
     used = strlen( text );
@@ -253,7 +253,7 @@ static void append_slope( char* text, size_t size, const json_t* cost )
     size_t used = strlen( text );
     if ( !isfinite( slope ) )
         return;
-    snprintf( text + used, size - used, "%serror falls as time to the power of %.2f", used > 0 ? "; " : "", slope );
+    snprintf( text + used, size - used, "%srelMSE falls as time^%.2f", used > 0 ? "; " : "", slope );
     used = strlen( text );
     if ( isfinite( low ) && isfinite( high ) )
         snprintf( text + used, size - used, " (%.2f to %.2f)", low, high );

@@ -8,6 +8,7 @@
 #include "measure/flicker_sequence.h"
 #include "page/page.h"
 #include "page/picture.h"
+#include "reframe/aov.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,20 +17,30 @@
 
 #define LEAST_BITS 2.5 // per pixel; pictures are made smaller rather than coarser
 
-// The usual names, of Reframe and of Blender: the first channel; the others follow by their letters.
-static const struct
+// How an AOV looks on the page; false: it is not shown. Without a default, so that the compiler names a new one.
+static bool look_of( RfAov aov, RfLook* look )
 {
-    const char* name;
-    RfLook look;
-    const char *tails[3], *letters;
-} s_known[RF_PAGE_MOST_LAYERS] = {
-    { "albedo", RF_LOOK_LIGHT, { "albedo.R", "DiffCol.R" }, "RGB" },
-    { "normal", RF_LOOK_NORMAL, { "normal.X", "Normal.X" }, "XYZ" },
-    { "depth", RF_LOOK_DEPTH, { "depth.Z", "Depth.Z", "Depth.V" }, "" },
-    { "motion", RF_LOOK_MOTION, { "motion.X", "Vector.X" }, "XY" },
-    { "variance", RF_LOOK_DEVIATION, { "variance.R" }, "RGB" },
-    { "samples", RF_LOOK_SHARE, { "samples.Y" }, "" },
-    { "alpha", RF_LOOK_SHARE, { "A", "Combined.A" }, "" },
+    switch ( aov )
+    {
+        case RF_AOV_ALBEDO: *look = RF_LOOK_LIGHT; return true;
+        case RF_AOV_NORMAL: *look = RF_LOOK_NORMAL; return true;
+        case RF_AOV_DEPTH: *look = RF_LOOK_DEPTH; return true;
+        case RF_AOV_MOTION: *look = RF_LOOK_MOTION; return true;
+        case RF_AOV_VARIANCE: *look = RF_LOOK_DEVIATION; return true;
+        case RF_AOV_SAMPLES:
+        case RF_AOV_ALPHA: *look = RF_LOOK_SHARE; return true;
+        case RF_AOV_PRIMAL:
+        case RF_AOV_DX:
+        case RF_AOV_DY:
+        case RF_AOV_COUNT: break;
+    }
+    return false;
+}
+
+// Blender's names: of the first channel; the others follow by their letters.
+static const char* const s_blender[RF_AOV_COUNT][2] = {
+    [RF_AOV_ALBEDO] = { "DiffCol.R" }, [RF_AOV_NORMAL] = { "Normal.X" },  [RF_AOV_DEPTH] = { "Depth.Z", "Depth.V" },
+    [RF_AOV_MOTION] = { "Vector.X" },  [RF_AOV_ALPHA] = { "Combined.A" },
 };
 
 static bool is_at_picture( const RfExrName* channel, const RfExrHeader* header )
@@ -66,15 +77,22 @@ static const char* find_sister( const RfExrHeader* header, const char* first, ch
     return NULL;
 }
 
-static bool find_layer( const RfExrHeader* header, size_t known, RfPageLayer* layer )
+static bool find_layer( const RfExrHeader* header, RfAov aov, RfPageLayer* layer )
 {
-    *layer = ( RfPageLayer ){ .name = s_known[known].name, .look = s_known[known].look };
-    for ( size_t t = 0; t < 3 && s_known[known].tails[t] != NULL && layer->channels[0] == NULL; ++t )
-        layer->channels[0] = find_tail( header, s_known[known].tails[t] );
+    const char *name = rf_aov_name( aov ), *letters = rf_aov_letters( aov );
+    *layer = ( RfPageLayer ){ .name = name };
+    if ( !look_of( aov, &layer->look ) )
+        return false;
+    char tail[64] = "A";
+    if ( aov != RF_AOV_ALPHA )
+        snprintf( tail, sizeof tail, "%s.%c", name, letters[0] );
+    layer->channels[0] = find_tail( header, tail );
+    for ( int t = 0; t < 2 && s_blender[aov][t] != NULL && layer->channels[0] == NULL; ++t )
+        layer->channels[0] = find_tail( header, s_blender[aov][t] );
     bool is_there = layer->channels[0] != NULL;
     for ( int c = 1; c < rf_look_channels( layer->look ) && is_there; ++c )
     {
-        layer->channels[c] = find_sister( header, layer->channels[0], s_known[known].letters[c] );
+        layer->channels[c] = find_sister( header, layer->channels[0], letters[c] );
         is_there = layer->channels[c] != NULL;
     }
     return is_there;
@@ -83,7 +101,7 @@ static bool find_layer( const RfExrHeader* header, size_t known, RfPageLayer* la
 // Reads the channels of all layers at once: `count` floats for each pixel. NULL where the file lacks one.
 static float* read_all( const RfPageLayers* layers, const char* path, RfExrWindow* window, int* count )
 {
-    const char* names[3 * RF_PAGE_MOST_LAYERS];
+    const char* names[3 * RF_AOV_COUNT];
     float* values = NULL;
     *count = 0;
     for ( int i = 0; i < layers->count; ++i )
@@ -110,8 +128,8 @@ static void find_page_layers( const RfPageSequence* sequence, const char* typica
                               RfPageLayers* layers )
 {
     *layers = ( RfPageLayers ){ 0 };
-    for ( size_t i = 0; i < RF_PAGE_MOST_LAYERS && pictures > 0; ++i )
-        layers->count += find_layer( &sequence->header, i, layers->layers + layers->count );
+    for ( RfAov aov = 0; aov < RF_AOV_COUNT && pictures > 0; ++aov )
+        layers->count += find_layer( &sequence->header, aov, layers->layers + layers->count );
     if ( layers->count == 0 )
         return;
     choose_factor( &sequence->header, pictures, share, layers );
@@ -124,7 +142,7 @@ static void find_page_layers( const RfPageSequence* sequence, const char* typica
     {
         RfPageLayer* layer = layers->layers + i;
         layer->range = rf_look_range( layer->look, values + at, (size_t)stride, (size_t)window.width * (size_t)window.height );
-        if ( strcmp( layer->name, "alpha" ) == 0 )
+        if ( strcmp( layer->name, rf_aov_name( RF_AOV_ALPHA ) ) == 0 )
             layer->range = ( RfLookRange ){ 0.0f, 1.0f };
         at += rf_look_channels( layer->look );
     }

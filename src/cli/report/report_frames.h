@@ -7,8 +7,8 @@
 #include "page/page.h"
 #include "measure/image_error.h"
 #include "measure/flicker.h"
+#include "reframe/aov.h"
 
-#define RF_PAGE_MOST_LAYERS 7
 #define RF_PAGE_LAYER_BYTES 16e6 // of all AOVs of the page; pictures are made smaller to stay below
 
 typedef struct RfPageLayer
@@ -21,7 +21,7 @@ typedef struct RfPageLayer
 
 typedef struct RfPageLayers
 {
-    RfPageLayer layers[RF_PAGE_MOST_LAYERS];
+    RfPageLayer layers[RF_AOV_COUNT];
     int count;
     int factor; // pictures are smaller by it
     int width, height;
@@ -91,7 +91,7 @@ void rf_page_block_id( const RfPageTrack* track, int number, char id[32] );
 
 // The blocks of a frame on the page: what a person looks at.
 //   s<track>-<number>          the picture, see page/picture.h
-//   v<track>-<number>          scene values, see page/values.h
+//   v<track>-<number>          scene values, see page/page.h
 //   w<track>-<number>          finer ones, of one frame
 //   l<track>-<layer>-<number>  an AOV, as a picture
 

@@ -74,15 +74,9 @@ typedef struct RfTaskFrames
     int count;
 } RfTaskFrames;
 
-static int compare_ints( const void* a, const void* b )
-{
-    int x = *(const int*)a, y = *(const int*)b;
-    return ( x > y ) - ( x < y );
-}
-
 static bool is_among( const RfTaskFrames* there, int number )
 {
-    return there->count > 0 && bsearch( &number, there->numbers, (size_t)there->count, sizeof( int ), compare_ints ) != NULL;
+    return there->count > 0 && bsearch( &number, there->numbers, (size_t)there->count, sizeof( int ), rf_compare_frames ) != NULL;
 }
 
 static bool take_number( const char** text, long* number )
@@ -169,7 +163,7 @@ void rf_tell_unfinished( const char* name, const json_t* progress )
     const json_t* left = json_object_get( progress, "left" );
     rf_format_left( left, frames, sizeof frames );
     if ( json_array_size( left ) > 0 )
-        rf_print( "%s: %.0f of %.0f frames are finished, not yet %s\n", name, rf_json_number_of( progress, "finished" ),
+        rf_print( "%s: %.0f of %.0f frames are finished, missing %s\n", name, rf_json_number_of( progress, "finished" ),
                   rf_json_number_of( progress, "asked" ), frames );
 }
 

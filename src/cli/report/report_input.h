@@ -23,7 +23,7 @@ typedef struct RfPageSequence
     RfExrHeader header;                // of the first file
     json_t* render;                    // of `render --json`, or NULL
     json_t* plan;                      // with the ranges that several machines render, or NULL
-    json_t* progress;                  // of these: rf_task_progress_json
+    json_t* progress;                  // of these: frames finished and asked for, by task
     json_t* cost;                      // of `cost --json`, or NULL
     char cost_file[RF_PAGE_NAME_SIZE]; // where it was found
     char scene[RF_PAGE_NAME_SIZE];     // as the frames' header names it; empty: it does not

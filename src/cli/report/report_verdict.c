@@ -137,15 +137,14 @@ static void compare_words( const RfPageData* data, const Contest* c, char* text,
     format_times( times, number );
     if ( times < 1.05 )
         snprintf( text, size,
-                  c->with_seconds ? "%.200s and %.200s take about as long for equal noise"
-                                  : "%.200s and %.200s are about as noisy",
+                  c->with_seconds ? "%.200s and %.200s are about equally fast at equal noise"
+                                  : "%.200s and %.200s are about equally noisy",
                   best, worst );
     else if ( c->with_seconds )
-        snprintf( text, size, "%.200s takes %s%s times less time than %.200s at equal noise", best, bound_words( data, c ),
-                  number, worst );
-    else
-        snprintf( text, size, "%.200s has %s%s times less squared error than %.200s", best, bound_words( data, c ), number,
+        snprintf( text, size, "%.200s is %s%s times faster than %.200s at equal noise", best, bound_words( data, c ), number,
                   worst );
+    else
+        snprintf( text, size, "%.200s has %s%s times the relMSE of %.200s", worst, bound_words( data, c ), number, best );
 }
 
 // The cost that a page of one sequence has.
@@ -169,28 +168,28 @@ static void single_words( const RfPageData* data, const Contest* c, char* text, 
     double times = speedup < 1.0 ? 1.0 / speedup : speedup;
     format_times( times, number );
     if ( times < 1.05 )
-        snprintf( text + used, size - used, "; reuse takes about as long as path tracing for equal noise" );
+        snprintf( text + used, size - used, "; reuse is about as fast as path tracing at equal noise" );
     else
-        snprintf( text + used, size - used, "; reuse takes %s times %s time than path tracing at equal noise", number,
-                  speedup < 1.0 ? "more" : "less" );
+        snprintf( text + used, size - used, "; reuse is %s times %s than path tracing at equal noise", number,
+                  speedup < 1.0 ? "slower" : "faster" );
 }
 
 static void basis_words( const RfPageData* data, const Contest* c, char* text, size_t size )
 {
     int bounds = count_bounds( data ), frames = c->means[0].frames;
     size_t used = (size_t)snprintf( text, size, "%s, mean of %d frame%s",
-                                    data->has_reference ? "relMSE against the reference" : "relMSE as the renderer estimates it",
+                                    data->has_reference ? "relMSE against the reference" : "relMSE estimated by the renderer",
                                     frames, frames == 1 ? "" : "s" );
     if ( c->compared > 1 && c->with_seconds )
-        used += (size_t)snprintf( text + used, size - used, "; seconds by the clock, %d thread%s each", c->threads,
+        used += (size_t)snprintf( text + used, size - used, "; wall-clock time, %d thread%s each", c->threads,
                                   c->threads == 1 ? "" : "s" );
     else if ( c->compared > 1 )
         used += (size_t)snprintf( text + used, size - used,
-                                  "; times are not compared: they need render --json with the same number of threads" );
+                                  "; times are not compared: that needs render --json with the same number of threads" );
     else if ( isgreater( rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" ), 0.0 ) )
-        used += (size_t)snprintf( text + used, size - used, "; times as cost measured them" );
+        used += (size_t)snprintf( text + used, size - used, "; times measured by cost" );
     if ( bounds > 0 )
-        snprintf( text + used, size - used, "; %d estimate%s a lower bound: only --reference tells the error", bounds,
+        snprintf( text + used, size - used, "; %d estimate%s a lower bound: --reference gives the true error", bounds,
                   bounds == 1 ? " is" : "s are" );
 }
 
@@ -215,7 +214,7 @@ json_t* rf_page_verdict_json( const RfPageData* data )
     int track, worst = rf_worst_page_frame( data, &track );
     if ( c.compared == 0 || c.means[0].frames == 0 )
     {
-        snprintf( text, sizeof text, "No error is known" );
+        snprintf( text, sizeof text, "The error is unknown" );
         snprintf( basis, sizeof basis, "--reference measures it; render writes its estimate into the frames and its JSON" );
         worst = -1;
     }

@@ -7,7 +7,6 @@
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
 #include "cli/tune/verdict.h"
-#include "image/atomic_file.h"
 #include "measure/cost.h"
 #include "measure/plot.h"
 #include "scene/json/json_document.h"
@@ -53,7 +52,7 @@ static void print_slope( const RfCostCurve* c, const char* name )
 {
     if ( !isfinite( c->slope.value ) )
         return;
-    printf( "%s: error falls as seconds to the power of %.2f", name, c->slope.value );
+    printf( "%s: relMSE falls as time^%.2f", name, c->slope.value );
     if ( isfinite( c->slope.low ) )
         printf( " (95 %%: %.2f to %.2f)", c->slope.low, c->slope.high );
     printf( "\n" );
@@ -90,19 +89,18 @@ static void print_goal( const CostReport* r, Goal goal )
     rf_format_reuse( r->cost->reuse.eyes, &r->cost->reuse.tile, name, sizeof name );
     if ( reuse.spp == 0 )
     {
-        printf( "%s %g at %dx%d: more than %d samples, which is the most\n", goal.name, goal.value, size.width, size.height,
-                RF_MAX_SPP );
+        printf( "%s %g at %dx%d: more than %d spp, the limit\n", goal.name, goal.value, size.width, size.height, RF_MAX_SPP );
         return;
     }
     rf_format_span( reuse.frame_seconds, frame, sizeof frame );
     rf_format_span( path_seconds( r, reuse ), all, sizeof all );
-    printf( "%s %g at %dx%d: %s a frame with %s (--spp %d)", goal.name, goal.value, size.width, size.height, frame, name,
+    printf( "%s %g at %dx%d: %s per frame with %s (--spp %d)", goal.name, goal.value, size.width, size.height, frame, name,
             reuse.spp );
     if ( plain.spp > 0 )
     {
         rf_format_span( plain.frame_seconds, plain_frame, sizeof plain_frame );
         rf_format_span( path_seconds( r, plain ), plain_all, sizeof plain_all );
-        printf( ", %s by path tracing (--spp %d); all %d frame%s: %s, %s by path tracing\n", plain_frame, plain.spp,
+        printf( ", %s with path tracing (--spp %d); all %d frame%s: %s, %s with path tracing\n", plain_frame, plain.spp,
                 r->job->shot.frame_count, r->job->shot.frame_count == 1 ? "" : "s", all, plain_all );
     }
     else
@@ -116,7 +114,7 @@ static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
     char name[64], gain[160], frame[32], all[32];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     rf_format_gain( &cost->speedup, gain, sizeof gain );
-    int used = snprintf( text, RF_VERDICT_SIZE, "a render with %s is %s", name, gain );
+    int used = snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
     if ( r->options->error_count == 0 )
         return;
     double relmse = r->options->errors[0];
@@ -125,11 +123,11 @@ static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
     rf_format_span( path_seconds( r, p ), all, sizeof all );
     if ( p.spp > 0 )
         snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
-                  "\nrelMSE %g, noise of %.2g %% in a pixel, takes %d samples: %s for a frame, %s for all %d", relmse,
+                  "\nrelMSE %g (%.2g %% noise per pixel) needs %d spp: %s per frame, %s for all %d", relmse,
                   100.0 * sqrt( relmse / 3.0 ), p.spp, frame, all, r->job->shot.frame_count );
     else
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g takes more than %d samples, which is the most",
-                  relmse, RF_MAX_SPP );
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g needs more than %d spp, the limit", relmse,
+                  RF_MAX_SPP );
 }
 
 static void print_cost( const CostReport* r )
@@ -143,16 +141,11 @@ static void print_cost( const CostReport* r )
     printf( "%-28s %7s %10s %10s %10s\n", "", "spp", "seconds", "CPU s", "relMSE" );
     print_rows( &cost->plain, "path tracing" );
     print_rows( &cost->reuse, name );
-    printf( "seconds: of a frame of %dx%d, on the clock; tried on pieces of %.0f pixels of it in all, at %d place%s of the path, "
-            "for %.1f s\n",
+    printf( "seconds: wall-clock time per frame of %dx%d, from %.0f of its pixels at %d camera position%s, measured in %.1f s\n",
             r->options->render.size.width, r->options->render.size.height, cost->pixels, cost->positions,
             cost->positions == 1 ? "" : "s", cost->seconds );
     print_slope( &cost->plain, "path tracing" );
     print_slope( &cost->reuse, name );
-    printf( "at equal error %s take 1/%.2f of the time", name, cost->speedup.value );
-    if ( isfinite( cost->speedup.low ) )
-        printf( " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low, cost->speedup.high );
-    printf( "\n" );
     for ( int i = 0; i < r->options->error_count; ++i )
         print_goal( r, noise_goal( r->options->errors[i] ) );
     for ( int i = 0; i < r->options->flicker_count; ++i )
@@ -238,7 +231,7 @@ static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSer
         curve->fit_x[k] = k == 0 ? curve->x[0] : curve->x[c->count - 1];
         curve->fit_y[k] = exp( v + c->slope.value * ( log( curve->fit_x[k] ) - u ) );
     }
-    snprintf( curve->fit_name, sizeof curve->fit_name, "its slope, %.2f", c->slope.value );
+    snprintf( curve->fit_name, sizeof curve->fit_name, "fit, slope %.2f", c->slope.value );
     series[1] = ( RfPlotSeries ){ .name = curve->fit_name,
                                   .x = curve->fit_x,
                                   .y = curve->fit_y,
@@ -259,27 +252,18 @@ static RfResult write_cost_plot( const CostReport* r, const char* path, RfError*
     snprintf( reuse.name, sizeof reuse.name, "group %d, tile %s", cost->reuse.group, tile );
     draw_curve( &cost->plain, 0, &plain, series );
     draw_curve( &cost->reuse, 1, &reuse, series + 2 );
-    char subtitle[512];
+    char subtitle[512], gain[160];
     const char* slash = strrchr( r->options->render.scene, '/' );
-    int length = snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; at equal error 1/%.2f of the time",
-                           slash != NULL ? slash + 1 : r->options->render.scene, r->options->render.size.width,
-                           r->options->render.size.height, cost->speedup.value );
-    if ( isfinite( cost->speedup.low ) && length > 0 && (size_t)length < sizeof subtitle )
-        snprintf( subtitle + length, sizeof subtitle - (size_t)length, " (95 %%: 1/%.2f to 1/%.2f)", cost->speedup.low,
-                  cost->speedup.high );
-    RfPlot plot = { .title = "What accuracy costs",
+    rf_format_gain( &cost->speedup, gain, sizeof gain );
+    snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", slash != NULL ? slash + 1 : r->options->render.scene,
+              r->options->render.size.width, r->options->render.size.height, gain );
+    RfPlot plot = { .title = "Error against render time",
                     .subtitle = subtitle,
                     .series = series,
                     .series_count = 4,
-                    .x = { .label = "seconds of a frame", .log = true },
+                    .x = { .label = "seconds per frame", .log = true },
                     .y = { .label = "relMSE", .log = true } };
-    char* svg;
-    size_t size;
-    RfResult result = rf_draw_plot( &plot, &svg, &size, error );
-    if ( result == RF_OK )
-        result = rf_write_file_atomic( path, svg, size, error );
-    free( svg );
-    return result;
+    return rf_write_plot( &plot, path, error );
 }
 
 #define BUDGET 60.0 // seconds
@@ -290,7 +274,7 @@ static CostOptions s_parsed; // the table points here
 static const char* s_scene;
 
 static const RfOption s_options[] = {
-    RF_PATH_OPTIONS( s_parsed.render, "frames to be rendered: a few of them are tried, and all are counted" ),
+    RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
     { .name = "budget",
       .type = RF_OPTION_TIME,
@@ -298,17 +282,17 @@ static const RfOption s_options[] = {
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
-      .help = "seconds to spend, or 5m; the first round is always finished, more time makes the figures more certain" },
+      .help = "time to spend, in seconds or as 5m; the first round always finishes, more time narrows the intervals" },
     { .name = "noise",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.noise,
       .meta = "E[,...]",
-      .help = "report the time that each relMSE takes; 1% is 0.01" },
+      .help = "predict the time to reach each relMSE; 1% is 0.01" },
     { .name = "flicker",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.flicker,
       .meta = "F[,...]",
-      .help = "report the time that each F1 of neighbouring frames takes" },
+      .help = "predict the time to reach each F1 between neighbouring frames" },
     RF_FILTER_OPTIONS( s_parsed.render ),
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
@@ -317,21 +301,21 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_STRING,
       .value = &s_parsed.svg,
       .meta = "FILE",
-      .help = "plot error over seconds, with and without reuse",
+      .help = "plot error against time, with and without reuse",
       .heading = RF_HEADING_OUTPUT },
-    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - is standard output", "no progress" ),
-    RF_GROUP_OPTION( s_parsed.render, "half-width of the groups with reuse: 2N+1 frames" ),
+    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
+    RF_GROUP_OPTION( s_parsed.render, "with reuse, share paths between 2N+1 neighbouring frames" ),
     RF_TILE_OPTION( s_parsed.render ),
-    RF_MACHINE_OPTIONS( s_parsed.render, "threads of the render" ),
+    RF_MACHINE_OPTIONS( s_parsed.render, "threads" ),
     RF_ESTIMATOR_OPTION( s_parsed.render ),
     RF_EFFECT_OPTIONS( s_parsed.render ),
 };
 
 static const RfCommandTable s_table = {
     .command = "cost",
-    .summary =
-        "Measures what accuracy costs in time: renders a few frames with rising sample counts, by path tracing and with reuse, "
-        "and predicts the seconds that a wanted error takes, for a frame and for all. SCENE and options are those of render.",
+    .summary = "Measures error against render time: renders a few frames at increasing sample counts, with path tracing and with "
+               "reuse, and predicts the time to reach each target error, per frame and in total. SCENE and options are those of "
+               "render.",
     .files = s_files,
     .file_count = 1,
     .options = s_options,
@@ -362,18 +346,20 @@ static RfResult parse_list( const char* name, const char* text, double values[CO
     return RF_OK;
 }
 
-// Parses on top of the current values.
-static RfResult parse( int argc, char** argv, CostOptions* options, bool* help, RfError* error )
+// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
+// With *help set the help was asked for and nothing else is valid.
+static RfResult parse( const RfField* defaults, int argc, char** argv, CostOptions* options, bool* help, RfError* error )
 {
-    RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
+    s_parsed = ( CostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
+    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    result = rf_parse_estimator_option( &s_parsed.render, error );
-    if ( result == RF_OK )
-        rf_settle_filter( &s_parsed.render );
-    if ( result == RF_OK )
-        result = rf_parse_tile_option( &s_parsed.render, error );
+    rf_take_estimator_option( &s_parsed.render );
+    rf_settle_filter( &s_parsed.render );
+    result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
         result = parse_list( "--noise", s_parsed.noise, s_parsed.errors, &s_parsed.error_count, error );
     if ( result == RF_OK )
@@ -381,25 +367,6 @@ static RfResult parse( int argc, char** argv, CostOptions* options, bool* help, 
     *options = s_parsed;
     return result;
 }
-
-// Parses and checks what can be checked without the scene. With *help set the
-// help was asked for and nothing else is valid.
-static RfResult parse_cost_options( int argc, char** argv, CostOptions* options, bool* help, RfError* error )
-{
-    s_parsed = ( CostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
-    return parse( argc, argv, options, help, error );
-}
-
-// The same over the defaults of a scene file.
-static RfResult parse_cost_options_over( const RfField* defaults, int argc, char** argv, CostOptions* options, RfError* error )
-{
-    bool help;
-    s_parsed = ( CostOptions ){ .budget = BUDGET, .noise = ERRORS };
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
-    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
-}
-
-static void print_cost_help( void ) { rf_print_help( &s_table, stdout ); }
 
 typedef struct Job
 {
@@ -414,7 +381,8 @@ typedef struct Job
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
     Job* job = user;
-    return parse_cost_options_over( defaults, job->argc, job->argv, &job->options, error );
+    bool help;
+    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 static RfResult load( Job* job, RfError* error )
@@ -425,18 +393,12 @@ static RfResult load( Job* job, RfError* error )
     return result;
 }
 
-static bool go_on( void* user )
-{
-    (void)user;
-    return !rf_is_interrupted();
-}
-
 static void say( void* user, const RfCost* cost, int spp )
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe cost: %d samples, pieces of %.0f pixels, %d place%s of the path\n", spp, cost->pixels,
-                 cost->positions, cost->positions == 1 ? "" : "s" );
+        fprintf( stderr, "reframe cost: %d spp on %.0f pixels at %d camera position%s\n", spp, cost->pixels, cost->positions,
+                 cost->positions == 1 ? "" : "s" );
 }
 
 // Frames that one sweep of a render finishes.
@@ -449,8 +411,7 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     RfShot shot = rf_shot_to_render( &job->shot );
     RfResult result = rf_resolve_settings( &shot, &settings, &resolved, error );
     if ( result == RF_OK )
-        result = rf_fit_memory( &job->shot.scene, job->shot.path.eyes, job->shot.path.count, job->shot.frame_count, &resolved,
-                                &fit, error );
+        result = rf_fit_memory( &shot, &resolved, &fit, error );
     if ( result == RF_OK )
         *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
     return result;
@@ -474,7 +435,7 @@ static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* erro
     if ( result != RF_OK )
         return result;
     const char* json = job->options.render.json;
-    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    if ( rf_prints_text( json ) )
     {
         print_cost( &r );
         result = rf_flush_output( error );
@@ -489,7 +450,7 @@ static RfResult run( Job* job, RfError* error )
     RfResult result = load( job, error );
     if ( result != RF_OK )
         return result;
-    RfTrialWatch watch = { go_on, NULL };
+    RfTrialWatch watch = { rf_may_go_on, NULL };
     RfCostJob cost = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
@@ -500,10 +461,10 @@ static RfResult run( Job* job, RfError* error )
     if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )
     {
         RfResult reported = report( job, &cost, error );
-        return reported != RF_OK ? reported : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: what was found stands above" );
+        return reported != RF_OK ? reported : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: the results so far are above" );
     }
     if ( result == RF_ERROR_INTERRUPTED )
-        return rf_fail( error, result, "interrupted before anything was found" );
+        return rf_fail( error, result, "interrupted before the first result" );
     return result == RF_OK ? report( job, &cost, error ) : result;
 }
 
@@ -512,12 +473,9 @@ int rf_command_cost( int argc, char** argv )
     RfError error;
     bool help;
     Job job = { .argc = argc, .argv = argv };
-    RfResult result = parse_cost_options( argc, argv, &job.options, &help, &error );
+    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
-    {
-        print_cost_help();
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
     {
         rf_catch_interrupts();

@@ -9,6 +9,7 @@
 #include "measure/cost.h"
 #include "output/names.h"
 #include "reframe/plan.h"
+#include "render/settings.h"
 #include "scene/json/json_document.h"
 
 #include <jansson.h>
@@ -43,17 +44,18 @@ static RfRenderOptions s_parsed; // the table points here
 static bool s_group_given;
 
 static const RfOption s_options[] = {
-    RF_PATH_OPTIONS( s_parsed, "frames to be rendered, for rays and seconds; the group does not depend on them" ),
+    RF_PATH_OPTIONS( s_parsed, "frames to render, for rays and seconds; the chosen group does not depend on them" ),
     RF_LENS_OPTIONS( s_parsed ),
     RF_STOP_OPTIONS( s_parsed,
-                     "a render that stops at this relMSE: its memory and roughly its time; rays and seconds of the rows "
-                     "are upper limits",
-                     "the same for a render that stops at this F1", "the same for a render that takes so many seconds a frame" ),
-    RF_ADAPTIVE_OPTION( s_parsed, "count the memory of extra samples; their rays are not predicted" ),
+                     "plan for a render that stops at this relMSE: its memory and approximate time; rays and seconds in the "
+                     "table are upper limits",
+                     "the same for a render that stops at this F1",
+                     "the same for a render that stops after this time per frame" ),
+    RF_ADAPTIVE_OPTION( s_parsed, "include the memory for extra samples; their rays are not predicted" ),
     RF_FILTER_OPTIONS( s_parsed ),
     RF_PATH_TRACING_OPTIONS( s_parsed ),
-    RF_AOV_OPTION( s_parsed, "further layers, which take memory:" ),
-    RF_RESULT_OPTIONS( s_parsed, "write the result as JSON; - is standard output", "no messages while costs are measured" ),
+    RF_AOV_OPTION( s_parsed, "additional layers, which take memory:" ),
+    RF_RESULT_OPTIONS( s_parsed, "write the result as JSON; - for standard output", "no progress" ),
     { .name = "group",
       .type = RF_OPTION_INT,
       .value = &s_parsed.settings.group,
@@ -67,7 +69,7 @@ static const RfOption s_options[] = {
       .help = "group size assumed when frames are split over --nodes",
       .heading = RF_HEADING_PERFORMANCE },
     RF_TILE_OPTION( s_parsed ),
-    RF_MACHINE_OPTIONS( s_parsed, "threads of the render; the group does not depend on them" ),
+    RF_MACHINE_OPTIONS( s_parsed, "threads; the chosen group does not depend on them" ),
     RF_NODES_OPTION( s_parsed, "also split the frames into ranges for N machines, and report the overhead" ),
     RF_ESTIMATOR_OPTION( s_parsed ),
     RF_WEIGHT_OPTIONS( s_parsed ),
@@ -76,47 +78,31 @@ static const RfOption s_options[] = {
 
 static const RfCommandTable s_table = {
     .command = "plan",
-    .summary = "Shows which group sizes fit into memory and which pays best: a row for each half-width N with memory, chunks, "
-               "rays and the expected gain; * marks what render --group auto takes. SCENE and options are those of render, as "
-               "far as memory and the choice depend on them.",
+    .summary = "Shows which group sizes fit in memory and which is best: a row for each half-width N with memory, chunks, rays "
+               "and expected gain; * marks the choice of render --group auto. SCENE and options are those of render that "
+               "affect memory or the choice.",
     .files = s_files,
     .file_count = 1,
     .options = s_options,
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-// Parses on top of the current values.
-static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
-{
-    RfResult result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
-    if ( result != RF_OK || *help )
-        return result;
-    if ( s_group_given && s_parsed.nodes == 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "--group: is what --nodes cuts for; the rows show other groups without it" );
-    *options = s_parsed;
-    return rf_settle_render_options( options, error );
-}
-
-// Parses and checks what can be checked without the scene. With *help set the
-// help was asked for and nothing else is valid. There is no `output`.
-static RfResult parse_plan_options( int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
+// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
+// With *help set the help was asked for and nothing else is valid. There is no `output`.
+static RfResult parse( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, bool* help, RfError* error )
 {
     s_parsed = rf_default_render_options();
     s_group_given = false;
-    return parse( argc, argv, options, help, error );
+    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_parse_options( &s_table, argc, argv, &s_parsed.scene, help, error );
+    if ( result != RF_OK || *help )
+        return result;
+    if ( s_group_given && s_parsed.nodes == 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "--group: needs --nodes; without it the table has a row for each group" );
+    *options = s_parsed;
+    return rf_settle_render_options( options, error );
 }
-
-// The same over the defaults of a scene file.
-static RfResult parse_plan_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options,
-                                         RfError* error )
-{
-    bool help;
-    s_group_given = false;
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed );
-    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
-}
-
-static void print_plan_help( void ) { rf_print_help( &s_table, stdout ); }
 
 #define MEASURE_SECONDS 1.0
 #define TRY_PIXELS 70000.0 // of the frames of a group together, for holding the chosen row against path tracing
@@ -142,11 +128,12 @@ typedef struct Job
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
     Job* job = user;
-    return parse_plan_options_over( defaults, job->argc, job->argv, &job->options, error );
+    bool help;
+    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 // Has the render groups, and records of hits?
-static bool has_groups( const Job* job ) { return job->options.settings.estimator == rf_default_render_settings().estimator; }
+static bool has_groups( const Job* job ) { return rf_has_groups( job->options.settings.estimator ); }
 
 // Plain records: without tiles, and one light sample, as in the paper.
 static void compare_with_paper( Job* job )
@@ -189,7 +176,7 @@ static RfResult make_plan( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     if ( !job->options.quiet )
-        fprintf( stderr, "reframe plan: measuring costs for some seconds\n" );
+        fprintf( stderr, "reframe plan: measuring the costs of rays, which takes a few seconds\n" );
     compare_with_paper( job );
     result = rf_measure_plan( &shot, settings, MEASURE_SECONDS, &job->plan, error );
     return result == RF_OK ? try_chosen( job, error ) : result;
@@ -223,7 +210,7 @@ static void print_row( const RfPlanRow* row )
             row->chosen ? '*' : ' ', row->group, row->eyes, row->spp, (double)row->fit.bytes_films / 1048576.0,
             (double)row->fit.bytes_hits / 1048576.0, (double)row->fit.bytes_lists / 1048576.0, row->fit.chunks, row->rays_primary,
             row->rays_path, row->rays_shadow, row->rays_tile, row->rays_eye, row->reach, row->gain, row->measured_gain,
-            row->seconds, sweeps, excluded != NULL ? "  not auto: " : "", excluded != NULL ? excluded : "" );
+            row->seconds, sweeps, excluded != NULL ? "  not for auto: " : "", excluded != NULL ? excluded : "" );
 }
 
 static bool at_most( const Job* job )
@@ -242,15 +229,15 @@ static void format_verdict( const Job* job, char text[RF_VERDICT_SIZE] )
     rf_format_reuse( row->eyes, &job->options.settings.tile, name, sizeof name );
     rf_format_gain( &job->tried, gain, sizeof gain );
     rf_format_span( predicted ? job->predicted.seconds : row->seconds, all, sizeof all );
-    int used = snprintf( text, RF_VERDICT_SIZE, "%s %s",
-                         has_groups( job ) ? "render --group auto takes" : "render --estimator gradient takes", name );
+    bool groups = has_groups( job );
+    int used = snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s", groups ? "group" : "estimator",
+                         groups ? "auto" : rf_estimator_name( job->options.settings.estimator ), name );
     if ( isfinite( job->tried.value ) )
-        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", which is %s", gain );
-    snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
-              "\n%d frame%s of %dx%d at %s%d samples take%s%s about %s and %.0f MiB beyond the scene", job->shot.frame_count,
-              job->shot.frame_count == 1 ? "" : "s", job->options.size.width, job->options.size.height, predicted ? "some " : "",
-              predicted ? job->predicted.spp : row->spp, job->shot.frame_count == 1 ? "s" : "",
-              at_most( job ) && !predicted ? " at most" : "", all, ceil( bytes / 1048576.0 ) );
+        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", %s", gain );
+    snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%d frame%s at %dx%d and %s%d spp: %s %s, %.0f MiB beyond the scene",
+              job->shot.frame_count, job->shot.frame_count == 1 ? "" : "s", job->options.size.width, job->options.size.height,
+              predicted ? "about " : "", predicted ? job->predicted.spp : row->spp,
+              at_most( job ) && !predicted ? "at most" : "about", all, ceil( bytes / 1048576.0 ) );
 }
 
 static void print_plan( const Job* job )
@@ -264,21 +251,20 @@ static void print_plan( const Job* job )
             "seconds" );
     for ( int i = 0; i < plan->count; ++i )
         print_row( plan->rows + i );
-    printf( "fixed, gain: of frame reuse over the same tile alone, at most: if every sample that lands were worth one of the "
-            "pixel's own; by fixed costs of rays, which the choice rests on, and by those measured here, with sweeps\n" );
+    printf( "fixed, gain: upper bounds for frame reuse over the tile alone, as if every reused sample were worth one of the "
+            "pixel's own; fixed: with fixed ray costs, which decide the choice; gain: with those measured here, and sweeps\n" );
     if ( at_most( job ) )
-        printf( "rays and seconds are of %d samples, the most that --noise, --flicker and --time may take\n",
-                job->options.settings.spp );
+        printf( "rays and seconds are for %d spp, the limit with --noise, --flicker and --time\n", job->options.settings.spp );
     if ( has_groups( job ) )
-        printf( "* --group auto takes %d: %s\n", plan->rows[plan->chosen].group, plan->why );
-    printf( "costs here, ns: camera ray %.0f, light at its hit %.0f, one reuse %.0f\n", 1e9 * plan->c_e, 1e9 * plan->c_l,
+        printf( "* --group auto chooses %d: %s\n", plan->rows[plan->chosen].group, plan->why );
+    printf( "costs measured here, ns: camera ray %.0f, light at its hit %.0f, one reuse %.0f\n", 1e9 * plan->c_e, 1e9 * plan->c_l,
             1e9 * plan->c_v );
     if ( !has_groups( job ) )
         return;
-    printf( "a hit record: diffuse %zu bytes, glossy %zu; %.1f %% of the camera rays find a glossy hit\n", plan->bytes_diffuse,
+    printf( "hit record: %zu bytes diffuse, %zu glossy; %.1f %% of first hits are glossy\n", plan->bytes_diffuse,
             plan->bytes_glossy, 100.0 * plan->glossy_share );
-    printf( "the paper's example (800x600, 7 frames, 2 samples, no tiles), records all at once: %.0f bytes in the paper, %.0f "
-            "here (1/%.1f)\n",
+    printf( "the paper's example (800x600, 7 frames, 2 spp, no tiles), all hit records: %.0f bytes in the paper, %.0f here "
+            "(1/%.1f)\n",
             PAPER_BYTES, job->paper_bytes, PAPER_BYTES / job->paper_bytes );
 }
 
@@ -335,7 +321,7 @@ static RfResult run( Job* job, RfError* error )
     if ( result != RF_OK )
         return result;
     const char* json = job->options.json;
-    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    if ( rf_prints_text( json ) )
     {
         print_plan( job );
         if ( job->ranges.list != NULL )
@@ -350,12 +336,9 @@ int rf_command_plan( int argc, char** argv )
     RfError error;
     bool help;
     Job job = { .argc = argc, .argv = argv };
-    RfResult result = parse_plan_options( argc, argv, &job.options, &help, &error );
+    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
-    {
-        print_plan_help();
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
         result = run( &job, &error );
     rf_free_ranges( &job.ranges );

@@ -7,7 +7,6 @@
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
 #include "cli/tune/verdict.h"
-#include "image/atomic_file.h"
 #include "measure/plot.h"
 #include "measure/tune.h"
 #include "scene/json/json_document.h"
@@ -50,7 +49,7 @@ static void print_row( const RfTuneRow* row )
     if ( row->rounds == 0 )
     {
         const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
-        printf( "  not tried%s%s\n", excluded != NULL ? ": " : "", excluded != NULL ? excluded : "" );
+        printf( "  not measured%s%s\n", excluded != NULL ? ": " : "", excluded != NULL ? excluded : "" );
         return;
     }
     char sweeps[32] = "";
@@ -64,9 +63,9 @@ static void print_row( const RfTuneRow* row )
 static void print_rounds( const TuneReport* r )
 {
     const RfTune* tune = r->tune;
-    printf( "%.1f s;", tune->seconds );
+    printf( "measured in %.1f s:", tune->seconds );
     for ( int i = 0; i < tune->round_count; ++i )
-        printf( "%s round %d on pieces of %.0f pixels, %d place%s", i > 0 ? "," : "", i + 1, tune->rounds[i].pixels,
+        printf( "%s round %d on %.0f pixels at %d camera position%s", i > 0 ? "," : "", i + 1, tune->rounds[i].pixels,
                 tune->rounds[i].regions, tune->rounds[i].regions == 1 ? "" : "s" );
     printf( "\n" );
 }
@@ -76,7 +75,7 @@ static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
 {
     if ( r->tune->chosen < 0 )
     {
-        snprintf( text, RF_VERDICT_SIZE, "no setting was tried to the end" );
+        snprintf( text, RF_VERDICT_SIZE, "no setting was fully measured" );
         return;
     }
     const RfTuneRow* row = r->tune->rows + r->tune->chosen;
@@ -84,18 +83,16 @@ static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
     bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE;
     rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
     bool flicker = r->tune->goal == RF_TUNE_FLICKER;
-    snprintf( gain, sizeof gain, "no group and no tile is faster at equal %s", flicker ? "flicker" : "noise" );
+    snprintf( gain, sizeof gain, "as no group or tile is faster at equal %s", flicker ? "flicker" : "noise" );
     if ( reuse )
         ( flicker ? rf_tell_flicker_gain : rf_format_gain )( &row->gain, gain, sizeof gain );
     rf_format_span( row->seconds, all, sizeof all );
-    int used = snprintf(
-        text, RF_VERDICT_SIZE,
-        "the best is %s: %s\nwith it %d frame%s of %dx%d at %d samples take%s about %s, with a relMSE of about %.2g: noise of "
-        "%.2g %% in a pixel",
-        name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, r->frames == 1 ? "s" : "", all,
-        row->relmse, 100.0 * sqrt( row->relmse / 3.0 ) );
+    int used = snprintf( text, RF_VERDICT_SIZE,
+                         "best: %s, %s\n%d frame%s at %dx%d and %d spp: about %s, relMSE about %.2g (%.2g %% noise per pixel)",
+                         name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, all, row->relmse,
+                         100.0 * sqrt( row->relmse / 3.0 ) );
     if ( flicker )
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", and an F1 of about %.2g", row->f1 );
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", F1 about %.2g", row->f1 );
 }
 
 static void print_tune( const TuneReport* r )
@@ -108,12 +105,12 @@ static void print_tune( const TuneReport* r )
             "phi", "efficiency", "gain", "95 %", "rounds" );
     for ( int i = 0; i < tune->count; ++i )
         print_row( tune->rows + i );
-    printf( "seconds: of all %d frames, wall-clock; efficiency: 1 / (%s x CPU seconds of a frame); gain: over "
-            "group 0, tile 1, on the same pieces\n",
+    printf( "seconds: wall-clock time of all %d frames; efficiency: 1 / (%s x CPU seconds per frame); gain: over path "
+            "tracing (group 0, tile 1) on the same pixels\n",
             r->frames, tune->goal == RF_TUNE_FLICKER ? "F1 squared" : "relMSE" );
     print_rounds( r );
     if ( r->command != NULL )
-        printf( "* the best:\n%s\n", r->command );
+        printf( "* best:\n%s\n", r->command );
 }
 
 static json_t* row_json( const RfTuneRow* row )
@@ -205,9 +202,9 @@ static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError*
                     .subtitle = subtitle,
                     .series = curves.series,
                     .series_count = curves.count,
-                    .x = { .label = "memory of the render beyond the scene, MiB", .log = true },
-                    .y = { .label = tune->goal == RF_TUNE_FLICKER ? "efficiency, 1 / (F1 squared \xc2\xb7 CPU seconds of a frame)"
-                                                                  : "efficiency, 1 / (relMSE \xc2\xb7 CPU seconds of a frame)",
+                    .x = { .label = "memory beyond the scene, MiB", .log = true },
+                    .y = { .label = tune->goal == RF_TUNE_FLICKER ? "efficiency, 1 / (F1 squared \xc2\xb7 CPU seconds per frame)"
+                                                                  : "efficiency, 1 / (relMSE \xc2\xb7 CPU seconds per frame)",
                            .log = true } };
     RfPlotNote best;
     if ( tune->chosen >= 0 )
@@ -219,13 +216,7 @@ static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError*
         plot.notes = &best;
         plot.note_count = 1;
     }
-    char* svg;
-    size_t size;
-    RfResult result = rf_draw_plot( &plot, &svg, &size, error );
-    if ( result == RF_OK )
-        result = rf_write_file_atomic( path, svg, size, error );
-    free( svg );
-    return result;
+    return rf_write_plot( &plot, path, error );
 }
 
 #define BUDGET 60.0 // seconds
@@ -236,7 +227,7 @@ static TuneOptions s_parsed; // the table points here
 static const char* s_scene;
 
 static const RfOption s_options[] = {
-    RF_PATH_OPTIONS( s_parsed.render, "frames to be rendered: settings are tried on them, and their cost is counted" ),
+    RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
     { .name = "budget",
       .type = RF_OPTION_TIME,
@@ -244,74 +235,57 @@ static const RfOption s_options[] = {
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
-      .help = "seconds to spend, or 5m; a longer search is more certain" },
+      .help = "time to spend, in seconds or as 5m; a longer search is more reliable" },
     { .name = "goal",
       .type = RF_OPTION_CHOICE,
       .value = &s_parsed.goal,
       .choices = s_goals,
-      .help = "quantity to minimise at equal CPU time: relMSE, or F1 of neighbouring frames" },
+      .help = "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" },
     RF_SPP_OPTION( s_parsed.render ),
     RF_FILTER_OPTIONS( s_parsed.render ),
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
-    RF_AOV_OPTION( s_parsed.render, "further layers, which take memory:" ),
+    RF_AOV_OPTION( s_parsed.render, "additional layers, which take memory:" ),
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.svg,
       .meta = "FILE",
-      .help = "plot efficiency over memory, a line for each tile",
+      .help = "plot efficiency against memory, one line per tile",
       .heading = RF_HEADING_OUTPUT },
-    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - is standard output", "no progress" ),
-    RF_MACHINE_OPTIONS( s_parsed.render, "threads; each tries a setting" ),
+    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
+    RF_MACHINE_OPTIONS( s_parsed.render, "threads; each measures one setting at a time" ),
     RF_ESTIMATOR_OPTION( s_parsed.render ),
     RF_EFFECT_OPTIONS( s_parsed.render ),
 };
 
 static const RfCommandTable s_table = { .command = "tune",
                                         .summary =
-                                            "Finds the group and the tile with the best efficiency on this animation and machine "
-                                            "by short renders: a row for each with memory, time, error, flicker and efficiency, "
-                                            "and the best as a command line. SCENE and options are those of render.",
+                                            "Finds the most efficient group and tile for this animation and machine by short "
+                                            "renders. Prints memory, time, error, flicker and efficiency of each setting, and "
+                                            "the best as a command line. SCENE and options are those of render.",
                                         .files = s_files,
                                         .file_count = 1,
                                         .options = s_options,
                                         .option_count = sizeof s_options / sizeof s_options[0] };
 
-// Parses on top of the current values.
-static RfResult parse( int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
+// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
+// With *help set the help was asked for and nothing else is valid.
+static RfResult parse( const RfField* defaults, int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
 {
-    RfResult result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
+    s_parsed = ( TuneOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
+    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    result = rf_parse_estimator_option( &s_parsed.render, error );
-    if ( result == RF_OK )
-        rf_settle_filter( &s_parsed.render );
-    if ( result == RF_OK )
-        result = rf_parse_aov_option( &s_parsed.render, error );
+    rf_take_estimator_option( &s_parsed.render );
+    rf_settle_filter( &s_parsed.render );
+    result = rf_parse_aov_option( &s_parsed.render, error );
     *options = s_parsed;
     return result;
 }
-
-// Parses and checks what can be checked without the scene. With *help set the
-// help was asked for and nothing else is valid.
-static RfResult parse_tune_options( int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
-{
-    s_parsed = ( TuneOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
-    return parse( argc, argv, options, help, error );
-}
-
-// The same over the defaults of a scene file.
-static RfResult parse_tune_options_over( const RfField* defaults, int argc, char** argv, TuneOptions* options, RfError* error )
-{
-    bool help;
-    s_parsed = ( TuneOptions ){ .budget = BUDGET };
-    RfResult result = rf_read_render_defaults( defaults, &s_parsed.render );
-    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
-}
-
-static void print_tune_help( void ) { rf_print_help( &s_table, stdout ); }
 
 static bool is_plain( const char* text )
 {
@@ -435,20 +409,15 @@ typedef struct Job
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
 {
     Job* job = user;
-    return parse_tune_options_over( defaults, job->argc, job->argv, &job->options, error );
-}
-
-static bool go_on( void* user )
-{
-    (void)user;
-    return !rf_is_interrupted();
+    bool help;
+    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 static void say( void* user, const RfTune* tune, const RfTuneRound* round, int candidates )
 {
     const Job* job = user;
     if ( !job->options.render.quiet )
-        fprintf( stderr, "reframe tune: round %d: %d settings on pieces of %.0f pixels, %d place%s of the path, about %.0f s\n",
+        fprintf( stderr, "reframe tune: round %d: %d settings on %.0f pixels at %d camera position%s, about %.0f s\n",
                  tune->round_count + 1, candidates, round->pixels, round->regions, round->regions == 1 ? "" : "s",
                  round->seconds );
 }
@@ -478,7 +447,7 @@ static RfResult report( Job* job, RfError* error )
                      .budget = options->budget };
     const char* json = options->render.json;
     RfResult result = RF_OK;
-    if ( json == NULL || strcmp( json, "-" ) != 0 )
+    if ( rf_prints_text( json ) )
     {
         print_tune( &r );
         result = rf_flush_output( error );
@@ -496,7 +465,7 @@ static RfResult run( Job* job, RfError* error )
     RfResult result = rf_load_shot( "tune", &job->options.render, take_defaults, job, &job->shot, error );
     if ( result != RF_OK )
         return result;
-    RfTrialWatch watch = { go_on, NULL };
+    RfTrialWatch watch = { rf_may_go_on, NULL };
     RfTuneJob tune = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
                        .budget = job->options.budget,
@@ -510,11 +479,11 @@ static RfResult run( Job* job, RfError* error )
         RfResult reported = report( job, error );
         return reported != RF_OK
                    ? reported
-                   : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d round%s: what they found stands above",
+                   : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d round%s: the results so far are above",
                               job->tune.round_count, job->tune.round_count == 1 ? "" : "s" );
     }
     if ( result == RF_ERROR_INTERRUPTED )
-        return rf_fail( error, result, "interrupted in the first round: nothing is found yet" );
+        return rf_fail( error, result, "interrupted in the first round: no results yet" );
     return result == RF_OK ? report( job, error ) : result;
 }
 
@@ -523,12 +492,9 @@ int rf_command_tune( int argc, char** argv )
     RfError error;
     bool help;
     Job job = { .argc = argc, .argv = argv };
-    RfResult result = parse_tune_options( argc, argv, &job.options, &help, &error );
+    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
-    {
-        print_tune_help();
-        result = rf_flush_output( &error );
-    }
+        result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
     {
         rf_catch_interrupts();

@@ -11,13 +11,13 @@ void rf_format_gain( const RfInterval* gain, char* text, size_t size )
     if ( !isfinite( value ) )
         snprintf( text, size, "not compared with path tracing" );
     else if ( !isfinite( gain->low ) )
-        snprintf( text, size, "%.2f times %s than path tracing at equal noise, by too few pieces of the picture to be sure",
-                  value, slower ? "slower" : "faster" );
+        snprintf( text, size, "%.2f times %s than path tracing at equal noise (too few samples for a confidence interval)", value,
+                  slower ? "slower" : "faster" );
     else if ( gain->low <= 1.0 && gain->high >= 1.0 )
         snprintf( text, size, "%s path tracing at equal noise (%.2f times its speed, 95 %%: %.2f to %.2f)",
                   value < 1.1 ? "about as fast as"
-                  : slower    ? "perhaps slower than"
-                              : "perhaps faster than",
+                  : slower    ? "possibly slower than"
+                              : "possibly faster than",
                   gain->value, gain->low, gain->high );
     else
         snprintf( text, size, "%.2f times %s than path tracing at equal noise (95 %%: %.2f to %.2f)", value,

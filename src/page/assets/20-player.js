@@ -1,9 +1,6 @@
 // The picture and its error are painted from the same blocks.
 const isPictureView = view => view === "picture" || view === "error";
 
-// AOVs that are no light: neither exposure nor curve changes them.
-const isDataView = view => !isPictureView(view) && view !== "albedo" && view !== "variance";
-
 // Player state, shared by all panels: frame, playback, exposure.
 
 const AHEAD = 10;                  // frames decoded ahead, if they are small enough
@@ -70,8 +67,14 @@ class Player {
     this.onChange(this);
   }
 
+  // Whether the view is of an AOV that is no light: neither exposure nor curve changes it.
+  isData() {
+    const layer = this.panels.flatMap(panel => panel.sequence.layers).find(layer => layer.name === this.view);
+    return layer !== undefined && layer.look !== "light" && layer.look !== "deviation";
+  }
+
   paint() {
-    const data = isDataView(this.view), reference = this.reference();
+    const data = this.isData(), reference = this.reference();
     const table = makeToneTable(data ? 0 : this.exposure, data ? "srgb" : this.curve);
     if (this.shown < 0)
       return;

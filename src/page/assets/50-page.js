@@ -8,7 +8,7 @@ function showState(player, data, charts, sheet) {
   element("exposure").value = player.exposure;
   element("exposure-value").textContent = `${player.exposure > 0 ? "+" : ""}${player.exposure.toFixed(1)} stops`;
   element("exposure").setAttribute("aria-valuetext", element("exposure-value").textContent);
-  element("exposure").disabled = element("curve").disabled = isDataView(player.view);
+  element("exposure").disabled = element("curve").disabled = player.isData();
   element("play").setAttribute("aria-label", player.playing ? "Pause" : "Play");
   element("play-icon").setAttribute("d", player.playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
   for (const chart of charts)

@@ -366,12 +366,11 @@ RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemory
     return RF_OK;
 }
 
-RfResult rf_fit_memory( const RfScene* scene, const RfEye* eyes, int eye_count, int frame_count, const RfRenderSettings* settings,
-                        RfMemoryFit* fit, RfError* error )
+RfResult rf_fit_memory( const RfShot* shot, const RfRenderSettings* settings, RfMemoryFit* fit, RfError* error )
 {
-    if ( frame_count < 1 )
+    if ( shot->frame_count < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "a render needs at least one frame" );
-    RfGroupPlan plan = rf_plan_groups( eye_count, settings->group, settings->spp );
-    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, frame_count, settings );
-    return rf_fit_sizes( settings->memory, frame_count, &sizes, fit, error );
+    RfGroupPlan plan = rf_plan_groups( shot->eye_count, settings->group, settings->spp );
+    RfRenderSizes sizes = rf_render_sizes( rf_tracer_scene( shot->tracer ), shot->eyes, &plan, shot->frame_count, settings );
+    return rf_fit_sizes( settings->memory, shot->frame_count, &sizes, fit, error );
 }

@@ -112,7 +112,7 @@ static void count_batch( Probe* p, int frame, int job, int pass, const int* eyes
         aim_probe( p, frame, eyes[r] );
         estimator->count_reuse( &p->group, p->eye, p->batch, p->scratch, &count );
         c->hits += r == 0 ? count.hits : 0.0;
-        c->glossy += r == 0 ? count.shiny : 0.0;
+        c->glossy += r == 0 ? count.glossy : 0.0;
         c->share[r] += count.own_share;
         c->eye_rays[r] += count.eye_rays;
     }
@@ -158,8 +158,8 @@ static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 #define COST_DIRECTION 7.0 // this for each direction of a glossy hit
 
 // Why the automatic choice leaves a row out.
-static const char s_no_room[] = "does not fit the memory", s_films[] = "films over half of the memory",
-                  s_sweeps[] = "goes through the path several times", s_rounded[] = "samples rounded up too far";
+static const char s_no_room[] = "does not fit in memory", s_films[] = "films take over half of the memory",
+                  s_sweeps[] = "needs several sweeps", s_rounded[] = "samples rounded up too far";
 
 #define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
 #define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
@@ -231,23 +231,27 @@ static void fixed_costs( const Counts* c, const RfEstimatorSizes* sizes, int ind
     *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + adding : 0.0;
 }
 
+// All frames of the path.
+static RfShot whole_path( const RfShot* shot )
+{
+    return ( RfShot ){ shot->tracer, shot->eyes, shot->eye_count, NULL, shot->eye_count };
+}
+
 // Why the automatic choice leaves a group out; NULL: it does not. It depends on path, size and settings
 // alone, as if the whole path were asked for and one thread had all the memory. Several sweeps
 // repeat the tracing, which the gain does not account for.
 static const char* reason_against( const RfShot* shot, const RfRenderSettings* settings, const RfPlanRow* row )
 {
-    const RfScene* scene = rf_tracer_scene( shot->tracer );
-    const RfEye* eyes = shot->eyes;
-    int eye_count = shot->eye_count;
     RfRenderSettings s = *settings;
     s.group = row->group;
     s.threads = 1;
     if ( s.adaptive == RF_ADAPTIVE_AUTO ) // what may be of use in some frames is no reason for smaller groups in all
         s.adaptive = RF_ADAPTIVE_OFF;
-    RfGroupPlan plan = rf_plan_samples( eye_count, row->group, settings->spp );
-    RfRenderSizes sizes = rf_render_sizes( scene, eyes, &plan, eye_count, &s );
+    RfGroupPlan plan = rf_plan_samples( shot->eye_count, row->group, settings->spp );
+    RfRenderSizes sizes = rf_render_sizes( rf_tracer_scene( shot->tracer ), shot->eyes, &plan, shot->eye_count, &s );
     RfMemoryFit fit;
-    if ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) != RF_OK )
+    RfShot whole = whole_path( shot );
+    if ( rf_fit_memory( &whole, &s, &fit, NULL ) != RF_OK )
         return s_no_room;
     if ( rf_films_bytes( &sizes ) > settings->memory / 2 )
         return s_films;
@@ -271,21 +275,18 @@ static void choose_row( RfPlan* plan )
 // need, rather than through the path several times.
 static RfResult settle_adaptive( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
-    const RfScene* scene = rf_tracer_scene( shot->tracer );
-    const RfEye* eyes = shot->eyes;
-    int eye_count = shot->eye_count;
+    RfShot whole = whole_path( shot );
     RfPlanRow* row = plan->rows + plan->chosen;
     RfRenderSettings s = *settings;
     RfMemoryFit fit;
     plan->adaptive = settings->adaptive == RF_ADAPTIVE_AUTO && row->eyes == 1 ? RF_ADAPTIVE_OFF : settings->adaptive;
     s.group = row->group;
     s.threads = 1;
-    if ( plan->adaptive != RF_ADAPTIVE_AUTO ||
-         ( rf_fit_memory( scene, eyes, eye_count, eye_count, &s, &fit, NULL ) == RF_OK && fit.sweeps == 1 ) )
+    if ( plan->adaptive != RF_ADAPTIVE_AUTO || ( rf_fit_memory( &whole, &s, &fit, NULL ) == RF_OK && fit.sweeps == 1 ) )
         return RF_OK;
     plan->adaptive = s.adaptive = RF_ADAPTIVE_OFF;
     s.threads = settings->threads;
-    return rf_fit_memory( scene, eyes, eye_count, shot->frame_count, &s, &row->fit, error );
+    return rf_fit_memory( shot, &s, &row->fit, error );
 }
 
 static int rows_against( const RfPlan* plan, const char* reason )
@@ -302,9 +303,9 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
     snprintf( rounded, sizeof rounded, "%d sample%s would be rounded up by more than a quarter", settings->spp,
               settings->spp == 1 ? "" : "s" );
     const char* const reasons[][3] = { { s_films, s_films, s_films },
-                                       { s_sweeps, s_sweeps, "go through the path several times" },
+                                       { s_sweeps, s_sweeps, "need several sweeps" },
                                        { s_rounded, rounded, rounded },
-                                       { s_no_room, s_no_room, "do not fit the memory" } };
+                                       { s_no_room, s_no_room, "do not fit in memory" } };
     const RfPlanRow* best = plan->rows + plan->chosen;
     for ( int i = 0; i < plan->count; ++i )
         best = plan->rows[i].excluded == NULL && plan->rows[i].gain > best->gain ? plan->rows + i : best;
@@ -314,18 +315,18 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
         snprintf( plan->why, size, "the estimator '%s' reuses no frames", settings->estimator->name );
         return;
     }
-    size_t used =
-        (size_t)snprintf( plan->why, size, "the smallest group within 10 %% of the best gain by fixed costs, %.1f with group %d",
-                          best->gain, best->group );
+    size_t used = (size_t)snprintf( plan->why, size,
+                                    "the smallest group within 10 %% of the best gain at fixed ray costs, %.1f with group %d",
+                                    best->gain, best->group );
     for ( size_t k = 0; k < sizeof reasons / sizeof reasons[0] && used < size; ++k )
     {
         int rows = rows_against( plan, reasons[k][0] );
         if ( rows > 0 )
-            used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s left out, %s", rows, rows == 1 ? "" : "s",
+            used += (size_t)snprintf( plan->why + used, size - used, "; %d row%s excluded: %s", rows, rows == 1 ? "" : "s",
                                       reasons[k][rows == 1 ? 1 : 2] );
     }
     if ( plan->adaptive != settings->adaptive && plan->rows[plan->chosen].eyes > 1 && used < size )
-        snprintf( plan->why + used, size - used, "; without extra samples, for which there is no room" );
+        snprintf( plan->why + used, size - used, "; without extra samples, which do not fit in memory" );
 }
 
 // Counts a few batches of the path.
@@ -349,13 +350,12 @@ static RfResult count( const RfShot* shot, const RfRenderSettings* settings, con
 // Only the smallest group has to fit.
 static RfResult fit_rows( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
-    const RfScene* scene = rf_tracer_scene( shot->tracer );
     for ( int i = 0; i < plan->count; ++i )
     {
         RfPlanRow* row = plan->rows + i;
         RfRenderSettings s = *settings;
         s.group = row->group;
-        RfResult result = rf_fit_memory( scene, shot->eyes, shot->eye_count, shot->frame_count, &s, &row->fit, error );
+        RfResult result = rf_fit_memory( shot, &s, &row->fit, error );
         if ( result != RF_OK && i == 0 )
             return result;
         if ( i > 0 )
@@ -385,7 +385,7 @@ RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, R
 {
     RfRenderSettings common;
     *plan = ( RfPlan ){ .c_e = NAN, .c_l = NAN, .c_v = NAN };
-    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, &common, error );
+    RfResult result = rf_resolve_common( shot, settings, &common, error );
     if ( result != RF_OK )
         return result;
     list_rows( shot->eye_count, &common, plan );
@@ -417,7 +417,7 @@ void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, in
     RfEstimatorGroup group = rf_size_group( scene, rf_scene_traits( scene, &eye, 1, settings ), &eye, eyes, settings );
     RfEstimatorSizes sizes = settings->estimator->sizes( &group );
     *diffuse = sizes.diffuse_record;
-    *glossy = sizes.shiny_record;
+    *glossy = sizes.glossy_record;
 }
 
 // What samples and their reuse cost in this scene on this machine: a few batches are traced and added to a film.
@@ -555,7 +555,7 @@ static int measured_eyes( const RfPlan* plan )
 RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, double seconds, RfPlan* plan, RfError* error )
 {
     RfRenderSettings common;
-    RfResult result = rf_resolve_common( shot->eyes, shot->eye_count, settings, &common, error );
+    RfResult result = rf_resolve_common( shot, settings, &common, error );
     if ( result != RF_OK )
         return result;
     common.weights = RF_WEIGHTS_EXACT; // the biased ones need lists per pass

@@ -116,11 +116,12 @@ static void cut( const Work* w, int ranges, RfPlanRange* list )
     }
 }
 
-RfResult rf_plan_ranges( int eye_count, const int* eyes, int frame_count, const RfRenderSettings* settings, int machines,
-                         RfPlanRange* ranges, int* range_count, RfError* error )
+RfResult rf_plan_ranges( const RfShot* shot, const RfRenderSettings* settings, int machines, RfPlanRange* ranges,
+                         int* range_count, RfError* error )
 {
+    int frame_count = shot->frame_count;
     if ( frame_count < 1 || machines < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "ranges want at least one frame and one machine" );
+        return rf_fail( error, RF_ERROR_USAGE, "ranges need at least one frame and one machine" );
     size_t count = (size_t)frame_count;
     Work w = { .count = frame_count,
                .sum = malloc( ( count + 1 ) * sizeof( double ) ),
@@ -128,8 +129,8 @@ RfResult rf_plan_ranges( int eye_count, const int* eyes, int frame_count, const 
     RfResult result = RF_OK;
     if ( w.sum != NULL && w.halo != NULL )
     {
-        RfGroupPlan plan = rf_plan_samples( eye_count, settings->group, settings->spp );
-        add_frames( &plan, eyes, &w );
+        RfGroupPlan plan = rf_plan_samples( shot->eye_count, settings->group, settings->spp );
+        add_frames( &plan, shot->frames, &w );
         *range_count = machines < frame_count ? machines : frame_count;
         cut( &w, *range_count, ranges );
     }

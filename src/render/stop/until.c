@@ -21,37 +21,37 @@ static RfFrameNoise known_of( const RfLiveFilm* live )
 }
 
 // v of F1², to stop by: what a frame of group `number` and the one after it will be.
-static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, RfFilmCombine combine )
+static double flicker_ahead( const RfRenderer* r, int number, RfLiveFilm* live, RfNormalize normalize )
 {
     const RfLiveFilm* next = rf_find_film( r, live->frame + 1 );
     if ( next == NULL )
         return (double)NAN;
     RfFrameNoise before = known_of( live ), now = known_of( next );
     RfPairNow pair = {
-        .group = number, .before = &before, .now = &now, .flicker = rf_flicker_of_films( live->films, next->films, combine )
+        .group = number, .before = &before, .now = &now, .flicker = rf_flicker_of_films( live->films, next->films, normalize )
     };
     live->pair = rf_pair_noise( &pair );
     return rf_flicker_ahead( &r->stop.rule, &pair );
 }
 
 // What the frame before, which may be finished, asks of a frame in its last group.
-static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfFilmCombine combine )
+static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm* live, RfNormalize normalize )
 {
     RfFrameNoise now = known_of( live );
     RfLiveFilm* before = rf_find_film( r, live->frame - 1 );
     if ( before != NULL )
-        return flicker_ahead( r, number, before, combine );
+        return flicker_ahead( r, number, before, normalize );
     if ( r->kept_frame != live->frame - 1 )
         return (double)NAN;
-    RfFlicker flicker = rf_flicker_since( r->memory.kept_errors, live->films, combine );
+    RfFlicker flicker = rf_flicker_since( r->memory.kept_errors, live->films, normalize );
     return rf_late_flicker( &r->stop.rule, &now, &flicker );
 }
 
 // A frame whose neighbours are rendered later without sharing passes with it, or not at all, is held to what two
 // independent frames like it would have.
-static double flicker_of_two( RfLiveFilm* live, RfFilmCombine combine )
+static double flicker_of_two( RfLiveFilm* live, RfNormalize normalize )
 {
-    live->pair = ( RfPairNoise ){ .variance = rf_film_mean_square( live->films, combine ) * known_of( live ).weight };
+    live->pair = ( RfPairNoise ){ .variance = rf_film_mean_square( live->films, normalize ) * known_of( live ).weight };
     return 2.0 * live->pair.variance;
 }
 
@@ -59,14 +59,14 @@ static double estimate_flicker( const RfRenderer* r, int number, RfLiveFilm* liv
 {
     int first, last;
     rf_groups_of_frame( &r->setup->plan, live->frame, &first, &last );
-    RfFilmCombine combine = rf_film_combine( r->setup->settings.normalize );
-    double ahead = flicker_ahead( r, number, live, combine ), behind = (double)NAN;
+    RfNormalize normalize = r->setup->settings.normalize;
+    double ahead = flicker_ahead( r, number, live, normalize ), behind = (double)NAN;
     bool has_next = rf_is_asked( r, live->frame + 1 );
     if ( last == number && ( !has_next || r->kept_frame == live->frame - 1 ) )
-        behind = flicker_behind( r, number, live, combine );
+        behind = flicker_behind( r, number, live, normalize );
     bool alone = isnan( ahead ) && ( has_next || isnan( behind ) );
     if ( alone && ( last == number || r->setup->plan.eyes == 1 ) )
-        ahead = flicker_of_two( live, combine );
+        ahead = flicker_of_two( live, normalize );
     return fmax( ahead, behind );
 }
 

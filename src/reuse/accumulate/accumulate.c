@@ -100,7 +100,7 @@ static void splat_sky( const RfHitBatch* batch, float weight, PixelRange range )
 // Misses and specular hits: weight 1 in their own frame, 0 elsewhere. Returns how many landed.
 static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
 {
-    if ( rf_calls_for( range.sky != NULL, RF_EFFECT_ALPHA ) )
+    if ( range.sky != NULL )
         splat_sky( batch, weight, range );
     uint64_t landed = 0;
     for ( int i = 0; i < batch->miss_count; ++i )
@@ -394,7 +394,7 @@ static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const R
                            RfAccumulateScratch* scratch )
 {
     reproject( a, job.eye, batch, scratch );
-    if ( rf_glossy_count( batch ) > 0 && batch->eq15 != NULL )
+    if ( rf_glossy_count( batch ) > 0 && batch->arrivals != NULL )
         rf_light_glossy_eq15( a, job.eye, batch, job.pass_state, scratch );
     else if ( rf_glossy_count( batch ) > 0 )
         light_glossy( a, job.eye, batch, scratch );
@@ -424,7 +424,7 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
     PixelRange range = {
         .film = job.films->half[job.half], .low = job.first_row * width, .end = job.end_row * width, .sky = job.sky
     };
-    if ( a.shape.eq15 )
+    if ( a.shape.arrivals > 0 )
         note_landed_eyes( &a, job, range, scratch );
     uint64_t landed = 0;
     for ( int k = 0; k < batch_count; ++k )

@@ -6,55 +6,42 @@
 
 #include <string.h>
 
-#define ARRAYS 7 // of a direction
-
-static size_t struct_bytes( int directions ) { return ( (size_t)directions * sizeof( RfEq15Lanes ) + 63 ) / 64 * 64; }
-
-size_t rf_eq15_bytes( int directions )
+// What arrives at the glossy hits from one direction (RfArrivalLanes): arrays of RF_LANES floats, a direction after the other.
+typedef struct Arrivals
 {
-    return struct_bytes( directions ) + (size_t)directions * ARRAYS * RF_LANES * sizeof( float );
+    float *a[3], *b[3], *light_pdf;
+} Arrivals;
+
+#define ARRAYS 7
+
+size_t rf_arrivals_bytes( RfWeights weights, int directions )
+{
+    return weights == RF_WEIGHTS_EQ15 ? (size_t)directions * ARRAYS * RF_LANES * sizeof( float ) : 0;
 }
 
-RfEq15Lanes* rf_lay_out_eq15( int directions, void* memory )
+static Arrivals arrivals_of( const RfHitBatch* batch, int direction )
 {
-    RfEq15Lanes* lanes = memory;
-    float* at = (float*)(void*)( (char*)memory + struct_bytes( directions ) );
-    for ( int d = 0; d < directions; ++d, at += ARRAYS * RF_LANES )
+    float* at = batch->arrivals + (size_t)direction * ARRAYS * RF_LANES;
+    Arrivals lanes = { .light_pdf = at + 6 * RF_LANES };
+    for ( int c = 0; c < 3; ++c )
     {
-        for ( int c = 0; c < 3; ++c )
-        {
-            lanes[d].a[c] = at + c * RF_LANES;
-            lanes[d].b[c] = at + ( 3 + c ) * RF_LANES;
-        }
-        lanes[d].light_pdf = at + 6 * RF_LANES;
+        lanes.a[c] = at + c * RF_LANES;
+        lanes.b[c] = at + ( 3 + c ) * RF_LANES;
     }
     return lanes;
 }
 
-void rf_keep_eq15( const RfHitBatch* batch, const RfArrivalLanes* arrival, RfEq15Lanes* direction )
+void rf_keep_arrivals( const RfHitBatch* batch, int direction, const RfArrivalLanes* arrival )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY];
     size_t bytes = (size_t)rf_glossy_count( batch ) * sizeof( float );
+    Arrivals lanes = arrivals_of( batch, direction );
     for ( int c = 0; c < 3; ++c )
     {
-        memcpy( direction->a[c], arrival->a[c] + first, bytes );
-        memcpy( direction->b[c], arrival->b[c] + first, bytes );
+        memcpy( lanes.a[c], arrival->a[c] + first, bytes );
+        memcpy( lanes.b[c], arrival->b[c] + first, bytes );
     }
-    memcpy( direction->light_pdf, arrival->light_pdf + first, bytes );
-}
-
-void rf_clear_eq15( const RfHitBatch* batch, int directions )
-{
-    size_t bytes = (size_t)rf_glossy_count( batch ) * sizeof( float );
-    for ( int d = 0; d < directions; ++d )
-    {
-        for ( int c = 0; c < 3; ++c )
-        {
-            memset( batch->eq15[d].a[c], 0, bytes );
-            memset( batch->eq15[d].b[c], 0, bytes );
-        }
-        memset( batch->eq15[d].light_pdf, 0, bytes );
-    }
+    memcpy( lanes.light_pdf, arrival->light_pdf + first, bytes );
 }
 
 void rf_count_once( int count, float weight, float* ratio )
@@ -105,7 +92,7 @@ static void mix_landed_eyes( const RfAccumulation* a, const RfHitBatch* batch, c
 }
 
 // sum += f Q, where Q depends on the mixture density of the pixel.
-static void add_direction( const RfEq15Lanes* lanes, int count, const float* mixture, RfAccumulateScratch* s )
+static void add_direction( const Arrivals* lanes, int count, const float* mixture, RfAccumulateScratch* s )
 {
     for ( int c = 0; c < 3; ++c )
     {
@@ -138,6 +125,7 @@ void rf_light_glossy_eq15( const RfAccumulation* a, int eye, const RfHitBatch* b
         mix_landed_eyes( a, batch, landed_eyes, d, s, mixture );
         rf_directions_to( a->mirrors, &at, eye, batch, wo );
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
-        add_direction( batch->eq15 + d, count, mixture, s );
+        Arrivals kept = arrivals_of( batch, d );
+        add_direction( &kept, count, mixture, s );
     }
 }

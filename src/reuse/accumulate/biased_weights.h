@@ -9,23 +9,11 @@
 #include "path/mis.h"
 #include "reuse/accumulate/accumulate.h"
 
-// What arrives at the glossy hits from one direction (RfArrivalLanes).
-typedef struct RfEq15Lanes
-{
-    float* a[3];
-    float* b[3];
-    float* light_pdf;
-} RfEq15Lanes;
+// The bytes of RfHitBatch.arrivals with so many directions; 0: the weights want none.
+size_t rf_arrivals_bytes( RfWeights weights, int directions );
 
-// The bytes of so many directions, and their layout in memory of that size.
-size_t rf_eq15_bytes( int directions );
-RfEq15Lanes* rf_lay_out_eq15( int directions, void* memory );
-
-// Keeps what arrives from a direction.
-void rf_keep_eq15( const RfHitBatch* batch, const RfArrivalLanes* arrival, RfEq15Lanes* direction );
-
-// Sets all directions to zero.
-void rf_clear_eq15( const RfHitBatch* batch, int directions );
+// Keeps what arrives from a direction in it.
+void rf_keep_arrivals( const RfHitBatch* batch, int direction, const RfArrivalLanes* arrival );
 
 // Gives hits that land the weight of the pass.
 void rf_count_once( int count, float weight, float* ratio );

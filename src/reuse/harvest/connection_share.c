@@ -10,7 +10,7 @@
 #define LEAST_JOBS 1
 #define AHEAD 0.1       // the part of a pass's batches that is traced ahead, twice
 #define AT_AHEAD 4      // of rf_connection_shares, with which they are traced
-#define LEAST_NEEDED 4  // the same for lamps without size, suns and the sky
+#define LEAST_NEEDED 4  // the same, at least, for lights that need light paths
 #define LEAST_REST 0.25 // part of the error, at least, that is assumed to be of other light
 #define LEAST_MEAN 0.1  // floor for the square of a batch's mean, in parts of that of all
 #define GAIN 0.7        // connections must lower error times cost to this, or there are none
@@ -19,10 +19,11 @@
 #define SEARCH 3.5           // for light paths around a vertex
 #define PASS ( INT_MAX - 2 ) // and the next: their random numbers are no other pass's
 
-// Irradiance found at each hit by a batch, by slot; negative: there is none.
+// Irradiance found at each hit by a batch, by slot.
 typedef struct Found
 {
     float light[RF_LANES];
+    bool is_hit[RF_LANES]; // else there is no light
     int hits;
     double moment[RF_CONNECTION_SHARES]; // RfConnectionLanes
     RfChanceOctave chance[RF_CHANCE_OCTAVES];
@@ -67,7 +68,7 @@ static Pilot* lay_out( const RfEstimatorGroup* group, void* memory )
     return pilot;
 }
 
-static float luminance_of( float ( *light )[RF_LANES], int i )
+static float lane_luminance( float ( *light )[RF_LANES], int i )
 {
     return rf_luminance( rf_vec3( light[0][i], light[1][i], light[2][i] ) );
 }
@@ -87,14 +88,14 @@ static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count,
         memset( s->connections->chance, 0, sizeof s->connections->chance );
         rf_clear_ray_counts( &s->wavefront );
         rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
-        for ( int i = 0; i < RF_LANES; ++i )
-            found[k].light[i] = -1.0f;
+        memset( found[k].is_hit, 0, sizeof found[k].is_hit );
         found[k].hits = rf_record_count( s->hits );
         for ( int i = 0; i < found[k].hits; ++i )
         {
             int slot = s->hits->slot[i];
-            found[k].light[slot] = s->wavefront.lit[i] + RF_PI * luminance_of( s->wavefront.arrivals.rest, slot ) +
-                                   luminance_of( s->connections->light, i );
+            found[k].is_hit[slot] = true;
+            found[k].light[slot] = s->wavefront.lit[i] + RF_PI * lane_luminance( s->wavefront.arrivals.rest, slot ) +
+                                   lane_luminance( s->connections->light, i );
         }
         pilot->rays += now.primary + now.path + now.shadow + now.tile + now.eye;
         memcpy( found[k].moment, s->connections->moment, sizeof found[k].moment );
@@ -122,7 +123,7 @@ static Pair compare( const Found* a, const Found* b )
     int count = 0;
     for ( int i = 0; i < RF_LANES; ++i )
     {
-        if ( a->light[i] < 0.0f || b->light[i] < 0.0f )
+        if ( !a->is_hit[i] || !b->is_hit[i] )
             continue;
         double apart = (double)a->light[i] - (double)b->light[i];
         squares += 0.5 * apart * apart;
@@ -182,7 +183,7 @@ static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths
 {
     for ( uint32_t i = 0; i < paths->light_count; ++i )
     {
-        if ( rf_light_kind( rf_tracer_lights( group->tracer ), paths->light[i] ) != RF_LIGHT_TRIANGLE )
+        if ( rf_needs_light_paths( rf_light_kind( rf_tracer_lights( group->tracer ), paths->light[i] ) ) )
             return LEAST_NEEDED;
     }
     return group->settings->light_paths == RF_LIGHT_PATHS_ON ? 1 : 0;
@@ -218,7 +219,9 @@ void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* pa
     RfHarvest harvest = rf_make_harvest( group );
     int all = harvest.patches.count * group->eye_count, count = (int)fmax( AHEAD * all, LEAST_JOBS );
     count = count > MOST_JOBS ? MOST_JOBS : count > all ? all : count;
-    paths->measures = group->settings->kernel_normalization != RF_KERNEL_DENSITY;
+    const RfNormalization* normalization = rf_find_normalization( group->settings->kernel_normalization );
+    paths->balls = normalization->balls;
+    paths->measures = normalization->weighted;
     paths->share = paths->measures ? rf_connection_shares[AT_AHEAD] : 1.0f;
     if ( !paths->measures )
         return;

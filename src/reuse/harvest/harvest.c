@@ -3,6 +3,7 @@
 #include "reuse/harvest/harvest_steps.h"
 
 #include "path/roulette.h"
+#include "reuse/accumulate/biased_weights.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -29,12 +30,11 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
     bool connections = rf_wants_light_paths( &group->traits, settings );
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples; // not in gradients
-    return ( RfBatchShape ){
+    RfBatchShape shape = {
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
         .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
-        .eq15 = settings->weights == RF_WEIGHTS_EQ15,
         .blurred = rf_is_blurred( &group->traits ),
         .blended = group->traits.blended,
         .panes = group->traits.panes,
@@ -44,6 +44,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
     };
+    shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
+    return shape;
 }
 
 RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
@@ -57,7 +59,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .weights = settings->weights,
-        .alpha = rf_calls_for( ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0, RF_EFFECT_ALPHA ),
+        .alpha = ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0,
         .seed = settings->seed,
         .drawn_by = group->need != NULL ? group->filter : NULL,
         .eyes = group->eyes,
@@ -178,13 +180,14 @@ bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
 }
 
 // Drops the listed pixels whose tiles have no pixel in the pieces that are traced. Returns how many are left.
-static int choose_traced( const RfHarvest* harvest, const RfEye* eye, int count, RfHarvestScratch* scratch )
+static int choose_traced( const RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
 {
-    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + (int)( eye - harvest->eyes ) );
+    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + eye );
+    int width = harvest->eyes[eye].width;
     bool in_tiles = rf_reuses_tiles( scratch ), traced[RF_LANES] = { false };
     for ( int i = 0; i < count; ++i )
     {
-        int y = scratch->pixel[i] / eye->width, x = scratch->pixel[i] - y * eye->width;
+        int y = scratch->pixel[i] / width, x = scratch->pixel[i] - y * width;
         int tile = in_tiles ? scratch->tile_of[i] : i;
         traced[tile] = traced[tile] || rf_is_traced( harvest->pieces, cells, x, y );
     }
@@ -561,7 +564,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     else if ( rf_is_adaptive( harvest ) )
         count = choose_needy( harvest, key, count, scratch );
     else if ( harvest->pieces != NULL )
-        count = choose_traced( harvest, eye, count, scratch );
+        count = choose_traced( harvest, job.eye, count, scratch );
     make_keys( key, count, scratch->pixel, wavefront );
     if ( rf_is_adaptive( harvest ) && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );

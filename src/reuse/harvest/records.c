@@ -1,8 +1,6 @@
 // The layout of a batch of hit records in one block of memory.
 #include "reuse/harvest/records.h"
 
-#include "reuse/accumulate/biased_weights.h"
-
 // Hands out pieces of a block of memory; with base NULL only counts bytes.
 typedef struct Layout
 {
@@ -44,10 +42,8 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
         if ( layout->base != NULL )
             batch->directions[d] = lanes;
     }
-    if ( !shape->eq15 )
-        return;
-    void* memory = take( layout, rf_eq15_bytes( directions ) );
-    batch->eq15 = memory != NULL ? rf_lay_out_eq15( directions, memory ) : NULL;
+    if ( shape->arrivals > 0 )
+        batch->arrivals = take( layout, shape->arrivals );
 }
 
 static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )

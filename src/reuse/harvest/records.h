@@ -44,17 +44,17 @@ typedef struct RfHitBatch
     float* wo[3];                 // back along the camera ray
     float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
     RfDirectionLanes* directions; // numbered as by rf_first_pairing
-    struct RfEq15Lanes* eq15;     // likewise; NULL except for RF_WEIGHTS_EQ15 (accumulate/biased_weights.h)
+    float* arrivals;              // likewise; NULL except for research (accumulate/biased_weights.h)
 } RfHitBatch;
 
 // Determines the layout of a batch.
 typedef struct RfBatchShape
 {
-    int eyes;          // in a group
-    int light_samples; // K, at first hits
-    int tile_pixels;   // N, 1 without tiles
-    uint32_t params;   // of the glossy models in the scene (rf_glossy_params); 0: it has none
-    bool eq15;
+    int eyes;             // in a group
+    int light_samples;    // K, at first hits
+    int tile_pixels;      // N, 1 without tiles
+    uint32_t params;      // of the glossy models in the scene (rf_glossy_params); 0: it has none
+    size_t arrivals;      // bytes, usually 0: what arrives by direction, as accumulate/biased_weights.h wants it
     bool blended;         // visibility may be between 0 and 1
     bool panes;           // connections and, with chains, the cameras' rays may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or specular materials

@@ -215,14 +215,14 @@ static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
     }
 }
 
-void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance )
+void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance, bool* lit )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     RfLaneScratch* s = &wavefront->scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     int k = rf_light_lanes_count( path );
-    for ( int a = 0; a < rf_record_count( y ); ++a )
-        luminance[a] = -1.0f;
+    memset( luminance, 0, (size_t)rf_record_count( y ) * sizeof *luminance );
+    memset( lit, 0, (size_t)rf_record_count( y ) * sizeof *lit );
     for ( int d = 0; d <= k; ++d )
     {
         float( *from )[RF_LANES] = d < k ? reuse->second.direct[d].wi : reuse->second.wi;
@@ -237,8 +237,7 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
             float q[3], arrives = 0.0f;
             for ( int c = 0; c < 3; ++c )
                 arrives += reuse->second.arrival.a[c][a] + reuse->second.arrival.b[c][a];
-            if ( arrives > 0.0f )
-                luminance[a] = rf_maxf( luminance[a], 0.0f );
+            lit[a] = lit[a] || arrives > 0.0f;
             rf_weigh_arrival( &reuse->second.arrival, a, s->pdf[a], q );
             luminance[a] += rf_luminance( rf_vec3( s->f[0][a] * q[0], s->f[1][a] * q[1], s->f[2][a] * q[2] ) );
         }

@@ -144,7 +144,7 @@ static void find_tile_means( const RfTileReuse* reuse, const float* luminance, f
     for ( int a = 0; a < count; ++a )
     {
         if ( reuse->second.owner[a] >= 0 )
-            sum[reuse->hits.begin[reuse->second.owner[a]]] += rf_maxf( luminance[a], 0.0f );
+            sum[reuse->hits.begin[reuse->second.owner[a]]] += luminance[a];
     }
     for ( int a = 0; a < count; ++a )
     {
@@ -185,7 +185,8 @@ void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileRe
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     float luminance[RF_LANES], mean[RF_LANES];
-    rf_light_own_paths( path, wavefront, reuse, luminance );
+    bool lit[RF_LANES];
+    rf_light_own_paths( path, wavefront, reuse, luminance, lit );
     find_tile_means( reuse, luminance, mean );
     reuse->thinned = reuse->kept = 0;
     for ( int a = 0; a < rf_record_count( y ); ++a )
@@ -195,7 +196,7 @@ void rf_thin_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileRe
             continue;
         RfRandomKey key = { wavefront->key_a[slot], wavefront->key_b[slot] };
         float survival = rf_reuse_survival( luminance[a], mean[a] );
-        bool survives = luminance[a] >= 0.0f && ( survival == 1.0f || rf_random( key, RF_DIMENSION_CONNECTIONS ) < survival );
+        bool survives = lit[a] && ( survival == 1.0f || rf_random( key, RF_DIMENSION_CONNECTIONS ) < survival );
         reuse->thinned += 1;
         reuse->kept += survives;
         if ( !survives )

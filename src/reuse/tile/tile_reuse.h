@@ -107,9 +107,9 @@ uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertex
 // The light that second vertices scatter to the receivers of all pairings.
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
 
-// Luminance of the light that each second vertex scatters back along its own path, weighted as without tiles; −1 where no
-// light arrives at it.
-void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance );
+// Luminance of the light that each second vertex scatters back along its own path, weighted as without tiles; and whether
+// any light arrives at it.
+void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance, bool* lit );
 
 // The light that a pairing from 1 on brings to hits [first, end), times the cosine there: (E5) before the weights over the
 // cameras.

@@ -1,4 +1,4 @@
-// The eyes of a whole path.
+// The cameras of a whole path.
 #include "base/file.h"
 #include "reframe/render.h"
 #include "scene/camera.h"
@@ -27,7 +27,7 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     hash = rf_hash_bytes( rf_hash_bytes( hash, numbers, sizeof numbers ), size, sizeof size );
     float film[3] = { e->focal_x, e->axis_x, e->axis_y };
     bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
-    hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // as before there were shifts
+    hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // square pixels and a centred lens add nothing
     // RfEye has no padding
     return rf_is_sharp( e ) && e->projection == RF_PERSPECTIVE ? hash : rf_hash_bytes( hash, e, sizeof *e );
 }
@@ -37,7 +37,7 @@ int rf_frame_number( const RfCameraPath* path, int frame )
     return path->step > 0 ? path->first + frame * path->step : frame + 1; // a path of the caller's own may have no numbers
 }
 
-// Frames with equal eyes that follow each other. RfEye has no padding.
+// Frames with equal cameras that follow each other. RfEye has no padding.
 static RfResult find_runs( RfCameraPath* path, RfError* error )
 {
     path->runs = malloc( (size_t)path->count * sizeof *path->runs );
@@ -53,10 +53,12 @@ static RfResult find_runs( RfCameraPath* path, RfError* error )
     return RF_OK;
 }
 
-// The eyes of all frames; the hash starts with what a path file has.
-static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, const RfLens* lens, RfFps fps, int width, int height,
-                           RfCameraPath* path, RfError* error )
+// The cameras of all frames; the hash starts with what a path file has.
+static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path, RfError* error )
 {
+    const RfScene* scene = sampling->scene;
+    const RfCamera* camera = sampling->camera;
+    RfFps fps = sampling->fps;
     RfResult result = rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &path->count, error );
     if ( result != RF_OK )
         return result;
@@ -72,49 +74,52 @@ static RfResult make_eyes( const RfScene* scene, const RfCamera* camera, const R
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
     for ( int i = 0; i < path->count && result == RF_OK; ++i )
     {
-        result = rf_camera_lens_eye( scene, camera, lens, (double)i, fps.numerator, fps.denominator, width, height,
-                                     path->eyes + i, error );
+        result = rf_camera_lens_eye( sampling, (double)i, path->eyes + i, error );
         if ( result == RF_OK )
             path->hash = hash_eye( path->hash, path->eyes + i );
     }
     return result == RF_OK ? find_runs( path, error ) : result;
 }
 
-RfResult rf_create_camera_path( const RfScene* scene, const char* name, RfFps fps, int width, int height, RfCameraPath* path,
-                                RfError* error )
+// Fills in the scene's own frames per second and film, and checks both.
+static RfResult complete( RfCameraSampling* sampling, RfError* error )
 {
-    return rf_create_lens_path( scene, name, NULL, fps, width, height, path, error );
-}
-
-RfResult rf_create_lens_path( const RfScene* scene, const char* name, const RfLens* lens, RfFps fps, int width, int height,
-                              RfCameraPath* path, RfError* error )
-{
-    *path = rf_empty_camera_path();
-    if ( fps.numerator == 0 && fps.denominator == 0 )
-        fps = rf_scene_fps( scene );
-    if ( width == 0 && height == 0 )
+    const RfScene* scene = sampling->scene;
+    if ( sampling->fps.numerator == 0 && sampling->fps.denominator == 0 )
+        sampling->fps = rf_scene_fps( scene );
+    if ( sampling->width == 0 && sampling->height == 0 )
     {
-        width = scene->film_width > 0 ? scene->film_width : DEFAULT_WIDTH;
-        height = scene->film_width > 0 ? scene->film_height : DEFAULT_HEIGHT;
+        sampling->width = scene->film_width > 0 ? scene->film_width : DEFAULT_WIDTH;
+        sampling->height = scene->film_width > 0 ? scene->film_height : DEFAULT_HEIGHT;
     }
-    if ( fps.numerator < 1 || fps.denominator < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
+    if ( sampling->fps.numerator < 1 || sampling->fps.denominator < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", sampling->fps.numerator,
+                        sampling->fps.denominator );
+    int width = sampling->width, height = sampling->height;
     if ( width < 1 || height < 1 || width > RF_MAX_IMAGE_SIDE || height > RF_MAX_IMAGE_SIDE )
         return rf_fail( error, RF_ERROR_USAGE, "the image must be 1x1 to %dx%d pixels, got %dx%d", RF_MAX_IMAGE_SIDE,
                         RF_MAX_IMAGE_SIDE, width, height );
+    return RF_OK;
+}
+
+RfResult rf_create_camera_path( const RfScene* scene, const RfPathOptions* options, RfCameraPath* path, RfError* error )
+{
     RfCamera loaded = { 0 };
-    const RfCamera* camera = &loaded;
-    RfResult result;
-    if ( is_path_file( name ) )
-        result = rf_load_camera( name, &loaded, error );
+    RfCameraSampling sampling = { scene, &loaded, options->lens, options->fps, options->width, options->height };
+    *path = rf_empty_camera_path();
+    RfResult result = complete( &sampling, error );
+    if ( result != RF_OK )
+        return result;
+    if ( is_path_file( options->camera ) )
+        result = rf_load_camera( options->camera, &loaded, error );
     else
     {
         int index;
-        result = rf_find_camera( scene, name, &index, error );
-        camera = result == RF_OK ? scene->cameras + index : NULL;
+        result = rf_find_camera( scene, options->camera, &index, error );
+        sampling.camera = result == RF_OK ? scene->cameras + index : NULL;
     }
     if ( result == RF_OK )
-        result = make_eyes( scene, camera, lens, fps, width, height, path, error );
+        result = make_eyes( &sampling, path, error );
     rf_destroy_camera( &loaded );
     if ( result != RF_OK )
         rf_destroy_camera_path( path );

@@ -3,6 +3,7 @@
 
 #include "math/quat.h"
 #include "scene/eye.h"
+#include "scene/projection.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -103,7 +104,7 @@ RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView
     sample_position( track, at, view, target );
     rf_sample_curve( &track->fov, at, &view->fov );
     view->projection = track->projection;
-    if ( track->projection == RF_PERSPECTIVE )
+    if ( rf_projection_traits( track->projection )->extent == RF_EXTENT_FOV )
         view->fov *= 3.14159265358979323846 / 180.0;
     view->aspect = track->aspect;
     view->focus = view->fstop = 0.0;

@@ -53,7 +53,7 @@ typedef struct RfCameraTrack
     double look_ahead; // m ahead along the curve of a walk
 } RfCameraTrack;
 
-// Position and unit axes of an eye.
+// Position and unit axes of a camera.
 typedef struct RfView
 {
     double position[3], forward[3], up[3];

@@ -25,11 +25,12 @@ static RfResult read_projection( const RfField* top, RfCameraTrack* track )
     return result == RF_OK ? check_projection( top, track->projection ) : result;
 }
 
-// What says how much a camera sees: "fov", or "ymag" if it is orthographic.
+static RfExtent extent_of( RfProjectionKind projection ) { return rf_projection_traits( projection )->extent; }
+
+// The member that says how much a camera sees; that of one that sees all is missing.
 static const char* extent_name( RfProjectionKind projection )
 {
-    const char* extent = rf_projection_traits( projection )->extent;
-    return extent[0] != 0 ? extent : "fov";
+    return extent_of( projection ) == RF_EXTENT_YMAG ? "ymag" : "fov";
 }
 
 // Fails if an object has what a camera of this projection has not.
@@ -38,9 +39,9 @@ static RfResult check_projection( const RfField* object, RfProjectionKind projec
     RfField fov = rf_field_member( object, "fov" ), ymag = rf_field_member( object, "ymag" ),
             shift = rf_field_member( object, "shift" ), aspect = rf_field_member( object, "pixelAspect" );
     const RfProjectionTraits* traits = rf_projection_traits( projection );
-    if ( strcmp( traits->extent, "fov" ) != 0 && fov.json != NULL )
+    if ( traits->extent != RF_EXTENT_FOV && fov.json != NULL )
         return rf_field_fail( &fov, "is that of a perspective camera: %s", traits->instead_of_fov );
-    if ( strcmp( traits->extent, "ymag" ) != 0 && ymag.json != NULL )
+    if ( traits->extent != RF_EXTENT_YMAG && ymag.json != NULL )
         return rf_field_fail( &ymag, "is that of an orthographic camera: set \"projection\": \"orthographic\", or leave it out" );
     if ( !traits->takes_shift && shift.json != NULL )
         return rf_field_fail( &shift, "a panorama cannot be shifted: turn the camera" );
@@ -52,7 +53,7 @@ static RfResult check_projection( const RfField* object, RfProjectionKind projec
 // Reads a field of view in degrees, or ymag in metres, which is required; without a field of view `value` is unchanged.
 static RfResult read_extent( const RfField* field, RfProjectionKind projection, double* value )
 {
-    if ( projection != RF_ORTHOGRAPHIC )
+    if ( extent_of( projection ) != RF_EXTENT_YMAG )
         return rf_field_number( field, rf_range( 0.1, 179.0 ), value );
     if ( field->json == NULL )
         return rf_field_fail( field, "is missing: half the height of the picture, in metres" );
@@ -83,7 +84,7 @@ static RfResult read_up( const RfField* field, double up[3] )
 {
     RfResult result = rf_field_numbers( field, coordinates(), 3, up );
     if ( result == RF_OK && up[0] == 0.0 && up[1] == 0.0 && up[2] == 0.0 )
-        return rf_field_fail( field, "wants a direction, got three zeros" );
+        return rf_field_fail( field, "must be a direction, got three zeros" );
     return result;
 }
 
@@ -113,12 +114,12 @@ RfResult rf_read_rotation( const RfField* field, double q[4] )
     if ( json_is_object( field->json ) )
         return read_angles( field, q );
     if ( !json_is_array( field->json ) )
-        return rf_field_wants( field, "a quaternion [x, y, z, w] or an object of yaw, pitch, roll" );
+        return rf_field_must_be( field, "a quaternion [x, y, z, w] or an object of yaw, pitch, roll" );
     RfResult result = rf_field_numbers( field, rf_range( -2.0, 2.0 ), 4, q );
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
     // decimals written by hand are rounded
     if ( result == RF_OK && !( fabs( length - 1.0 ) < 0.1 ) )
-        return rf_field_fail( field, "wants a quaternion of length 1, got length %g", length );
+        return rf_field_fail( field, "must be a quaternion of length 1, got length %g", length );
     rf_quat_normalize( q );
     return result;
 }
@@ -193,7 +194,7 @@ static RfResult read_span( const RfField* top, const char* const* names, RfCamer
         return rf_field_number( &field, rf_above( 0.0, RF_MAX_TRACK_SECONDS ), &track->end );
     result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &value );
     track->end = value - 1.0;
-    return result == RF_OK && floor( value ) != value ? rf_field_wants( &field, "a whole number" ) : result;
+    return result == RF_OK && floor( value ) != value ? rf_field_must_be( &field, "a whole number" ) : result;
 }
 
 // A curve over the fraction of the duration, 0 to 1: constant, or from a first value to a
@@ -218,12 +219,12 @@ static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* 
     RfResult known = read_projection( top, track );
     if ( known != RF_OK )
         return known;
-    bool orthographic = track->projection == RF_ORTHOGRAPHIC;
+    bool in_metres = extent_of( track->projection ) == RF_EXTENT_YMAG;
     RfField field = rf_field_member( top, extent_name( track->projection ) );
     double fov[2] = { RF_DEFAULT_FOV, RF_DEFAULT_FOV };
     if ( must_change && !json_is_object( field.json ) )
-        return rf_field_wants( &field,
-                               orthographic ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
+        return rf_field_must_be( &field,
+                                 in_metres ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
     if ( !json_is_object( field.json ) )
     {
         RfResult result = read_extent( &field, track->projection, fov );
@@ -233,7 +234,7 @@ static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* 
     for ( int i = 0; i < 2 && result == RF_OK; ++i )
     {
         RfField end = rf_field_member( &field, s_keys[i] );
-        result = rf_field_require( &field, s_keys[i], orthographic ? "metres" : "degrees" );
+        result = rf_field_require( &field, s_keys[i], in_metres ? "metres" : "degrees" );
         if ( result == RF_OK )
             result = read_extent( &end, track->projection, fov + i );
     }
@@ -459,8 +460,8 @@ static RfResult read_lens_value( const RfField* key, const char* name, double hi
 
 static RfResult read_lens_key( const RfField* key, Keys* keys, int i )
 {
-    RfResult result = read_lens_value( key, "focus", 1e6, i, &keys->focuses, keys->focus );
-    return result == RF_OK ? read_lens_value( key, "fstop", 1e6, i, &keys->stops, keys->fstop ) : result;
+    RfResult result = read_lens_value( key, "focus", RF_MAX_FOCUS, i, &keys->focuses, keys->focus );
+    return result == RF_OK ? read_lens_value( key, "fstop", RF_MAX_FSTOP, i, &keys->stops, keys->fstop ) : result;
 }
 
 static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, const RfCameraTrack* track )
@@ -561,9 +562,9 @@ static RfResult read_film( const RfField* top, RfCameraTrack* track )
     if ( result == RF_OK )
         result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &step );
     if ( result == RF_OK && floor( step ) != step )
-        return rf_field_wants( &field, "a whole number" );
+        return rf_field_must_be( &field, "a whole number" );
     if ( result == RF_OK && field.json != NULL && !track->in_frames )
-        return rf_field_fail( &field, "wants keys with frames, not times" );
+        return rf_field_fail( &field, "must have keys with frames, not times" );
     track->step = (int)step;
     return result;
 }
@@ -628,7 +629,7 @@ static RfResult read_kind( const RfField* top, RfCameraTrack* track )
     int kind = 0;
     RfField field = rf_field_member( top, "kind" );
     if ( !json_is_object( top->json ) )
-        return rf_field_wants( top, "an object" );
+        return rf_field_must_be( top, "an object" );
     RfResult result = rf_field_require( top, "kind", "one of keyed, orbit, dolly, zoom, walk" );
     if ( result == RF_OK )
         result = rf_field_choice( &field, s_kinds, &kind );

@@ -214,7 +214,7 @@ static int find_segment( const RfCurve* curve, double time )
 static void sample_segment( const RfCurve* curve, int segment, double time, double* value )
 {
     double h = curve->times[segment + 1] - curve->times[segment];
-    if ( curve->linear && !( time > curve->times[segment] ) ) // the key's own bits, so that equal keys give equal eyes
+    if ( curve->linear && !( time > curve->times[segment] ) ) // the key's own bits, so that equal keys give equal cameras
     {
         memcpy( value, key_of( curve, segment ), (size_t)curve->kind * sizeof *value );
         return;

@@ -8,9 +8,7 @@
 #include <string.h>
 
 #define DEGREE ( 3.14159265358979323846 / 180.0 )
-#define MAX_LENGTH 1e6    // m
-#define MAX_FSTOP 1e6     // beyond that a pinhole would do
-#define MAX_SHUTTER 100.0 // frames
+#define MAX_RADIUS 1e6 // m
 #define MAX_BLADES 64.0
 
 // A number of frames, in the middle of which the frame's own time is, or when the shutter opens and closes.
@@ -18,13 +16,13 @@ static RfResult read_shutter( const RfField* field, double shutter[2] )
 {
     if ( json_is_array( field->json ) )
     {
-        RfResult result = rf_field_numbers( field, rf_range( -MAX_SHUTTER, MAX_SHUTTER ), 2, shutter );
+        RfResult result = rf_field_numbers( field, rf_range( -RF_MAX_SHUTTER, RF_MAX_SHUTTER ), 2, shutter );
         if ( result == RF_OK && shutter[0] > shutter[1] )
-            return rf_field_fail( field, "closes before it opens: want [open, close]" );
+            return rf_field_fail( field, "closes before it opens: it must be [open, close]" );
         return result;
     }
     double length = 0.0;
-    RfResult result = rf_field_number( field, rf_range( 0.0, MAX_SHUTTER ), &length );
+    RfResult result = rf_field_number( field, rf_range( 0.0, RF_MAX_SHUTTER ), &length );
     shutter[0] = -0.5 * length;
     shutter[1] = 0.5 * length;
     return result;
@@ -34,7 +32,7 @@ static RfResult read_shutter( const RfField* field, double shutter[2] )
 static RfResult read_focus( const RfField* field, RfOptics* optics )
 {
     if ( !json_is_string( field->json ) )
-        return rf_field_number( field, rf_above( 0.0, MAX_LENGTH ), &optics->focus );
+        return rf_field_number( field, rf_above( 0.0, RF_MAX_FOCUS ), &optics->focus );
     const char* name = "";
     RfResult result = rf_field_text( field, &name );
     if ( result != RF_OK )
@@ -48,7 +46,7 @@ static RfResult read_blades( const RfField* field, int* blades )
     double number = 0.0;
     RfResult result = rf_field_number( field, rf_range( 0.0, MAX_BLADES ), &number );
     if ( result == RF_OK && ( floor( number ) != number || ( number > 0.0 && number < 3.0 ) ) )
-        return rf_field_wants( field, "0 for a round aperture, or a whole number from 3" );
+        return rf_field_must_be( field, "0 for a round aperture, or a whole number from 3" );
     *blades = (int)number;
     return result;
 }
@@ -61,9 +59,9 @@ static RfResult read_aperture( const RfField* lens, RfOptics* optics )
     double millimetres = 1e3 * RF_DEFAULT_SENSOR, degrees = 0.0;
     if ( fstop.json != NULL && radius.json != NULL )
         return rf_field_fail( &radius, "not together with fstop: leave one of the two out" );
-    RfResult result = rf_field_number( &fstop, rf_above( 0.0, MAX_FSTOP ), &optics->fstop );
+    RfResult result = rf_field_number( &fstop, rf_above( 0.0, RF_MAX_FSTOP ), &optics->fstop );
     if ( result == RF_OK )
-        result = rf_field_number( &radius, rf_range( 0.0, MAX_LENGTH ), &optics->radius );
+        result = rf_field_number( &radius, rf_range( 0.0, MAX_RADIUS ), &optics->radius );
     if ( result == RF_OK )
         result = rf_field_number( &sensor, rf_above( 0.0, 1e6 ), &millimetres );
     if ( result == RF_OK )

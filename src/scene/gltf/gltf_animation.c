@@ -31,7 +31,7 @@ static RfResult read_times( RfGltf* gltf, int index, const char* where, RfChanne
     if ( channel->times == NULL )
         return rf_gltf_no_memory( gltf, where );
     if ( accessor->component_type != 5126 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "input accessors[%d] wants floats", index );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "input accessors[%d] must be floats", index );
     double last = -1.0;
     for ( int i = 0; i < channel->count; ++i )
     {
@@ -102,7 +102,8 @@ static RfResult check_visibility( const RfGltf* gltf, const char* where, RfChann
     if ( channel->path != RF_VISIBILITY )
         return RF_OK;
     if ( channel->interpolation != RF_STEP )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "shows and hides nodes[%d], which wants STEP", channel->node );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "shows and hides nodes[%d], whose interpolation must be STEP",
+                             channel->node );
     for ( int i = 0; i < channel->count; ++i )
         channel->values[i] = channel->values[i] != 0.0 ? 1.0 : 0.0;
     return RF_OK;
@@ -123,7 +124,7 @@ static RfResult read_interpolation( const RfGltf* gltf, const json_t* json, cons
             return RF_OK;
         }
     }
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "interpolation '%.20s' wants STEP, LINEAR or CUBICSPLINE", name );
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "interpolation '%.20s' must be STEP, LINEAR or CUBICSPLINE", name );
 }
 
 static RfResult read_sampler( RfGltf* gltf, Loader* loader, const json_t* json, const char* where, RfChannel* channel )
@@ -327,7 +328,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
 {
     RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, index );
     if ( json_is_object( json ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants an object" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must be an object" );
     RfChannel channel = { 0 };
     bool wanted;
     const char* pointer;
@@ -350,7 +351,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
     RfWhere self = rf_where( "animations[%d].samplers[%lld]", animation, (long long)sampler );
     const json_t* sampler_json = json_array_get( samplers, (size_t)sampler );
     if ( json_is_object( sampler_json ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "wants an object" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
     result = read_sampler( gltf, loader, sampler_json, self.text, &channel );
     if ( result == RF_OK )
         result = append_channel( gltf, loader, &channel );

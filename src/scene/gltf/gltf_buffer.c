@@ -431,10 +431,10 @@ static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* w
     {
         if ( out->components == 16 && out->component_type == FLOAT )
             return RF_OK;
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants MAT4 of floats here", type );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' must be MAT4 of floats here", type );
     }
     if ( out->components == 0 || type[0] == 'M' )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants SCALAR, VEC2, VEC3 or VEC4 here", type );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' must be SCALAR, VEC2, VEC3 or VEC4 here", type );
     return RF_OK;
 }
 
@@ -466,7 +466,7 @@ static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char*
     if ( result == RF_OK )
         result = rf_gltf_get_bool( gltf, json, where, "normalized", &out->normalized );
     if ( result == RF_OK && out->normalized && out->component_type >= UNSIGNED_INT )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "normalized wants components of 8 or 16 bits" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "normalized needs components of 8 or 16 bits" );
     return result;
 }
 
@@ -555,7 +555,7 @@ static RfResult read_sparse( const RfGltf* gltf, const json_t* json, const char*
         return result;
     if ( json_is_object( indices ) && out->sparse_type != UNSIGNED_BYTE && out->sparse_type != UNSIGNED_SHORT &&
          out->sparse_type != UNSIGNED_INT )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "indices want an unsigned componentType" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "indices must have an unsigned componentType" );
 
     uint64_t index_bytes = (uint64_t)count * (uint64_t)component_size( out->sparse_type );
     result = read_sparse_part( gltf, sparse, where.text, "indices", index_bytes, &out->sparse_indices );

@@ -3,6 +3,7 @@
 #include "scene/gltf/gltf_document.h"
 
 #include "reframe/camera.h"
+#include "scene/projection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,7 +29,7 @@ static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* w
 {
     RfResult result = read_extent( gltf, json, where, "perspective", "yfov", yfov );
     if ( result == RF_OK && ( *yfov > 0.0 && *yfov < PI ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it wants more than 0 and less than pi radians", *yfov );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it must be more than 0 and less than pi radians", *yfov );
     return result;
 }
 
@@ -38,8 +39,20 @@ static RfResult read_ymag( const RfGltf* gltf, const json_t* json, const char* w
     RfResult result = read_extent( gltf, json, where, "orthographic", "ymag", ymag );
     *ymag = fabs( *ymag ); // below 0 says the same
     if ( result == RF_OK && !( *ymag > 0.0 && *ymag < 1e12 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "ymag is %g, it wants more than 0 and less than 1e12", *ymag );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "ymag is %g, it must be more than 0 and less than 1e12", *ymag );
     return result;
+}
+
+// The projection of glTF that has this name, or -1.
+static int kind_of( const char* type )
+{
+    for ( int k = 0; k < RF_PROJECTION_COUNT; ++k )
+    {
+        const RfProjectionTraits* traits = rf_projection_traits( (RfProjectionKind)k );
+        if ( traits->in_gltf && strcmp( type, traits->name ) == 0 )
+            return k;
+    }
+    return -1;
 }
 
 static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
@@ -52,14 +65,17 @@ static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
         result = rf_gltf_get_string( gltf, json, where.text, "type", &type );
     if ( result != RF_OK )
         return result;
-    if ( strcmp( type, "orthographic" ) == 0 )
+    int kind = kind_of( type );
+    if ( kind < 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "type '%.20s' must be perspective or orthographic", type );
+    camera->projection = kind;
+    switch ( (RfProjectionKind)kind )
     {
-        camera->projection = RF_ORTHOGRAPHIC;
-        return read_ymag( gltf, json, where.text, &camera->ymag );
+        case RF_PERSPECTIVE: return read_yfov( gltf, json, where.text, &camera->yfov );
+        case RF_ORTHOGRAPHIC: return read_ymag( gltf, json, where.text, &camera->ymag );
+        case RF_PANORAMIC: break; // glTF has none
     }
-    if ( strcmp( type, "perspective" ) != 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "type '%.20s' wants perspective or orthographic", type );
-    return read_yfov( gltf, json, where.text, &camera->yfov );
+    return RF_OK;
 }
 
 // The name of the node, else of the camera, else "camera".

@@ -71,7 +71,7 @@ void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... 
 
 static RfResult fail_kind( const RfGltf* gltf, const char* where, const char* key, const char* want, const json_t* got )
 {
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %s, got %s", key, want, rf_json_kind( got ) );
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be %s, got %s", key, want, rf_json_kind( got ) );
 }
 
 RfResult rf_gltf_require( const RfGltf* gltf, const json_t* object, const char* where, const char* key )
@@ -101,7 +101,7 @@ RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const ch
     if ( json_is_array( member ) == 0 )
         return fail_kind( gltf, where, key, "an array", member );
     if ( json_array_size( member ) != (size_t)count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %d numbers, got %zu", key, count,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be %d numbers, got %zu", key, count,
                              json_array_size( member ) );
     for ( int i = 0; i < count; ++i )
     {
@@ -123,7 +123,7 @@ RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const ch
     if ( rf_json_integer( member, &integer ) == false )
         return fail_kind( gltf, where, key, "an integer", member );
     if ( integer < low || integer > high )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants %lld to %lld, got %lld", key, (long long)low,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be %lld to %lld, got %lld", key, (long long)low,
                              (long long)high, (long long)integer );
     *value = integer;
     return RF_OK;
@@ -232,7 +232,7 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
         {
             const json_t* item = rf_gltf_item( gltf, (RfGltfList)list, i );
             if ( json_is_object( item ) == 0 )
-                return rf_gltf_fail( gltf, RF_ERROR_FORMAT, name, "[%d] wants an object, got %s", i, rf_json_kind( item ) );
+                return rf_gltf_fail( gltf, RF_ERROR_FORMAT, name, "[%d] must be an object, got %s", i, rf_json_kind( item ) );
         }
     }
     return RF_OK;

@@ -193,7 +193,7 @@ RfResult rf_gltf_check_required( const RfGltf* gltf );
 // Warns of unsupported extensions of an object, which messages call `kind` and `name`.
 void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* kind, const char* name );
 
-// Warns of unknown extensions in extensionsUsed.
+// Warns of all extensions in extensionsUsed that are not read, unless rf_gltf_notice_extensions has.
 RfResult rf_gltf_notice_unread( RfGltf* gltf );
 
 // True for a data: URI (gltf_buffer.c).

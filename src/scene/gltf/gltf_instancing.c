@@ -45,7 +45,7 @@ RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out )
     if ( result == RF_OK )
         result = open_attribute( gltf, attributes, where.text, "SCALE", 3, &out->scale, &count );
     if ( result == RF_OK && count == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants at least one of TRANSLATION, ROTATION and SCALE" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must have at least one of TRANSLATION, ROTATION and SCALE" );
     out->count = count;
     return result;
 }

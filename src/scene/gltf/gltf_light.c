@@ -44,7 +44,7 @@ static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* w
     // exporters round both to the same float: equal angles give a hard edge
     if ( !( inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= HALF_PI + 1e-6 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
-                             "cone angles %g and %g want 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
+                             "cone angles %g and %g must be 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
     out->cos_inner = (float)cos( inner );
     out->cos_outer = (float)fmax( cos( outer ), 0.0 );
     return RF_OK;
@@ -70,7 +70,7 @@ static RfResult read_kind( const RfGltf* gltf, const json_t* json, const char* w
         return read_cone( gltf, json, where, out );
     }
     else
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' wants point, spot or directional", type );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' must be point, spot or directional", type );
     return RF_OK;
 }
 
@@ -87,13 +87,13 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
     if ( result != RF_OK )
         return result;
     if ( !( intensity >= 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it wants 0 or more", intensity );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it must be 0 or more", intensity );
     if ( !( range > 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "range is %g, it wants more than 0", range );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "range is %g, it must be more than 0", range );
     for ( int i = 0; i < 3; ++i )
     {
         if ( !( color[i] >= 0.0 && color[i] <= 1.0 ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "color is %g, it wants 0 to 1", color[i] );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "color is %g, it must be 0 to 1", color[i] );
     }
     out->intensity = rf_vec3( (float)( color[0] * intensity ), (float)( color[1] * intensity ), (float)( color[2] * intensity ) );
     out->range = (float)range;
@@ -145,7 +145,7 @@ static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, c
     RfWhere self = rf_where( "extensions." EXTENSION ".lights[%lld]", (long long)index );
     const json_t* json = json_array_get( lights, (size_t)index );
     if ( !json_is_object( json ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "wants an object" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
     RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
     result = read_light( gltf, json, self.text, out );
     if ( result == RF_OK )

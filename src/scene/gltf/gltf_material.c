@@ -25,7 +25,8 @@ static RfResult read_transmission( const RfGltf* gltf, const json_t* material, c
     RfWhere where = rf_where( "%s.extensions.KHR_materials_transmission", owner );
     result = rf_gltf_get_number( gltf, json, where.text, "transmissionFactor", &out->transmission );
     if ( result == RF_OK && !( out->transmission >= 0.0 && out->transmission <= 1.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "transmissionFactor is %g, it wants 0 to 1", out->transmission );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "transmissionFactor is %g, it must be 0 to 1",
+                             out->transmission );
     return result;
 }
 
@@ -44,14 +45,14 @@ static RfResult read_volume( const RfGltf* gltf, const json_t* material, const c
     if ( result != RF_OK )
         return result;
     if ( !( out->thickness >= 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "thicknessFactor is %g, it wants 0 or more", out->thickness );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "thicknessFactor is %g, it must be 0 or more", out->thickness );
     if ( !( out->distance > 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationDistance is %g, it wants more than 0",
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationDistance is %g, it must be more than 0",
                              out->distance );
     for ( int i = 0; i < 3; ++i )
     {
         if ( !( out->color[i] >= 0.0 && out->color[i] <= 1.0 ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationColor is %g, it wants 0 to 1", out->color[i] );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationColor is %g, it must be 0 to 1", out->color[i] );
     }
     return RF_OK;
 }
@@ -171,7 +172,7 @@ static RfResult read_reflectance( const RfGltf* gltf, const json_t* json, const 
     for ( int i = 0; result == RF_OK && i < 3; ++i )
     {
         if ( ( rgb[i] >= 0.0 && rgb[i] <= 1.0 ) == false )
-            return fault( gltf, self.text, "wants three numbers from 0 to 1" );
+            return fault( gltf, self.text, "must be three numbers from 0 to 1" );
     }
     *out = rf_vec3( (float)rgb[0], (float)rgb[1], (float)rgb[2] );
     return result;
@@ -203,7 +204,7 @@ static RfResult read_phong( const RfGltf* gltf, const json_t* json, const char* 
     if ( ( exponent >= 0.0 && exponent <= MAX_EXPONENT ) == false )
     {
         RfWhere self = rf_where( "%s.exponent", where );
-        return fault( gltf, self.text, "wants a number from 0 to 1000000" );
+        return fault( gltf, self.text, "must be a number from 0 to 1000000" );
     }
     // the rounding of decimal fractions that sum to one does not violate energy conservation
     if ( rf_max_component( rf_add( out->diffuse, out->specular ) ) > 1.0f + 1e-6f )
@@ -234,7 +235,7 @@ static RfResult read_glass( const RfGltf* gltf, const json_t* json, const char* 
     if ( !( ior > 1.0 && ior <= 10.0 ) )
     {
         RfWhere self = rf_where( "%s.ior", where );
-        return fault( gltf, self.text, "wants a number above 1, up to 10" );
+        return fault( gltf, self.text, "must be a number above 1, up to 10" );
     }
     out->kind = RF_BSDF_GLASS;
     out->ior = (float)ior;
@@ -269,7 +270,7 @@ static RfResult read_coat( const RfGltf* gltf, const json_t* material, const cha
     RfWhere self = rf_where( "%s.extras.reframe", where );
     const char* coat = json_string_value( json_object_get( own, "coat" ) );
     if ( json_object_size( own ) != 1 || coat == NULL || strcmp( coat, "added" ) != 0 )
-        return fault( gltf, self.text, "wants coat \"added\" and nothing else, or a bsdf" );
+        return fault( gltf, self.text, "must have coat \"added\" and nothing else, or a bsdf" );
     out->coat_is_added = true;
     return RF_OK;
 }
@@ -297,7 +298,7 @@ static RfResult read_lobes( const RfGltf* gltf, const json_t* material, const ch
         return read_mirror( gltf, json, self.text, out );
     if ( bsdf != NULL && strcmp( bsdf, "glass" ) == 0 )
         return read_glass( gltf, json, self.text, out );
-    return fault( gltf, self.text, "wants an object with bsdf \"lambert\", \"phong\", \"mirror\" or \"glass\"" );
+    return fault( gltf, self.text, "must be an object with bsdf \"lambert\", \"phong\", \"mirror\" or \"glass\"" );
 }
 
 // KHR_materials_clearcoat: a clear coat over the metallic-roughness model.
@@ -317,7 +318,7 @@ static RfResult read_clearcoat( RfGltf* gltf, const json_t* material, const char
     if ( result != RF_OK )
         return result;
     if ( !( factor >= 0.0 && factor <= 1.0 && roughness >= 0.0 && roughness <= 1.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "factors %g and %g want 0 to 1", factor, roughness );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "factors %g and %g must be 0 to 1", factor, roughness );
     // unlit materials ignore it
     if ( factor == 0.0 || rf_gltf_is_unlit( material ) )
         return RF_OK;
@@ -363,7 +364,7 @@ static RfResult get_factors( const RfGltf* gltf, const json_t* json, const char*
     for ( int i = 0; result == RF_OK && i < count; ++i )
     {
         if ( ( values[i] >= 0.0 && values[i] <= 1.0 ) == false )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it wants 0 to 1", key, values[i] );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be 0 to 1", key, values[i] );
     }
     return result;
 }
@@ -412,7 +413,7 @@ static RfResult read_ior( const RfGltf* gltf, const json_t* material, const char
     result = rf_gltf_get_number( gltf, json, where.text, "ior", &out->ior );
     // by the extension, 0 means total reflection
     if ( result == RF_OK && out->ior != 0.0 && out->ior < 1.0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "ior is %g, it wants 0, or 1 and above", out->ior );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "ior is %g, it must be 0, or 1 and above", out->ior );
     return result;
 }
 
@@ -427,7 +428,7 @@ static RfResult read_emission( const RfGltf* gltf, const json_t* material, const
     RfWhere where = rf_where( "%s.extensions.KHR_materials_emissive_strength", owner );
     result = rf_gltf_get_number( gltf, json, where.text, "emissiveStrength", &out->strength );
     if ( result == RF_OK && ( out->strength >= 0.0 ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "emissiveStrength is %g, it wants 0 or more", out->strength );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "emissiveStrength is %g, it must be 0 or more", out->strength );
     return result == RF_OK ? rf_gltf_check_limit( gltf, where.text, "emissiveStrength", out->strength, RF_GLTF_MAX_EMISSION )
                            : result;
 }

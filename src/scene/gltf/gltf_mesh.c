@@ -502,7 +502,7 @@ static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, const Instances* i
         RfWhere self = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
         const json_t* primitive = json_array_get( primitives, i );
         if ( json_is_object( primitive ) == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "wants an object" );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
         result = place_primitive( gltf, baker, instances, mesh, primitive, self.text );
     }
     return result;

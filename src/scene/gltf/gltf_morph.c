@@ -123,7 +123,7 @@ static RfResult open_target( RfGltf* gltf, const json_t* target, const char* whe
     static const char* const s_names[] = { "POSITION", "NORMAL", "TANGENT" };
     int base = NO_ACCESSOR;
     if ( !json_is_object( target ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "wants an object" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "must be an object" );
     RfResult result = rf_gltf_get_index( gltf, attributes, where, "POSITION", RF_GLTF_ACCESSORS, &base );
     for ( int k = 0; result == RF_OK && k < 3; ++k )
         result = open_delta( gltf, target, where, s_names[k], gltf->accessors[base].count, accessors + k );

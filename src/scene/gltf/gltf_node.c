@@ -87,7 +87,7 @@ static RfResult read_node_index( const RfGltf* gltf, const json_t* list, size_t 
     const json_t* value = json_array_get( list, at );
     if ( json_is_integer( value ) == 0 || json_integer_value( value ) < 0 ||
          json_integer_value( value ) >= gltf->counts[RF_GLTF_NODES] )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s[%zu] wants an index below %d", key, at,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s[%zu] must be an index below %d", key, at,
                              gltf->counts[RF_GLTF_NODES] );
     *node = (int)json_integer_value( value );
     return RF_OK;

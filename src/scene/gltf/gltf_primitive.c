@@ -33,7 +33,7 @@ static RfResult open_indices( RfGltf* gltf, const json_t* primitive, const char*
         return result;
     int type = ( *accessor )->component_type;
     if ( ( type != 5121 && type != 5123 && type != 5125 ) || ( *accessor )->normalized )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "indices accessors[%d] wants unsigned integers", index );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "indices accessors[%d] must be unsigned integers", index );
     return RF_OK;
 }
 
@@ -205,7 +205,7 @@ static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
     bool is_part = ( a->component_type == 5121 || a->component_type == 5123 ) && a->normalized;
     if ( ( a->components == 3 || a->components == 4 ) && ( is_float || is_part ) )
         return RF_OK;
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "COLOR_0 wants 3 or 4 floats or normalized unsigned bytes or shorts" );
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "COLOR_0 must be 3 or 4 floats or normalized unsigned bytes or shorts" );
 }
 
 static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const char* owner, Attributes* out, uint32_t* count )

@@ -160,7 +160,7 @@ static RfResult read_primitive( Reader* r, const json_t* json, const char* where
 {
     RfGltfPrimitive p;
     if ( !json_is_object( json ) )
-        return rf_gltf_fail( r->gltf, RF_ERROR_FORMAT, where, "wants an object" );
+        return rf_gltf_fail( r->gltf, RF_ERROR_FORMAT, where, "must be an object" );
     RfResult result = rf_gltf_read_primitive( r->gltf, json, where, &p );
     if ( result != RF_OK )
         return result;

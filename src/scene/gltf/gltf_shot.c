@@ -28,7 +28,7 @@ static RfResult read_whole( const RfField* field, double high, int* value )
     double number = 0.0;
     RfResult result = rf_field_number( field, rf_range( 1.0, high ), &number );
     if ( result == RF_OK && floor( number ) != number )
-        return rf_field_wants( field, "a whole number" );
+        return rf_field_must_be( field, "a whole number" );
     *value = (int)number;
     return result;
 }
@@ -94,18 +94,25 @@ static RfResult read_lens( RfGltf* gltf, const RfField* ours, RfCamera* camera )
     return camera->optics != NULL ? rf_read_optics( ours, camera->optics ) : rf_gltf_no_memory( gltf, "cameras" );
 }
 
-// glTF has no panoramic cameras: a perspective one may be made one.
+// What glTF has no cameras for: a perspective one may be made one.
 static RfResult read_projection( const RfField* ours, bool has_path, RfCamera* camera )
 {
-    const char* const names[] = { g_rf_projection_names[RF_PANORAMIC], NULL };
-    int index = 0;
+    const char* names[RF_PROJECTION_COUNT + 1] = { NULL };
+    int kinds[RF_PROJECTION_COUNT], count = 0, index = 0;
     RfField field = rf_field_member( ours, "projection" );
     if ( field.json == NULL )
         return RF_OK;
     if ( has_path )
         return rf_field_fail( &field, "not together with path: that has a projection of its own" );
+    for ( int k = 0; k < RF_PROJECTION_COUNT; ++k )
+    {
+        if ( rf_projection_traits( (RfProjectionKind)k )->in_gltf )
+            continue;
+        kinds[count] = k;
+        names[count++] = g_rf_projection_names[k];
+    }
     RfResult result = rf_field_choice( &field, names, &index );
-    camera->projection = RF_PANORAMIC;
+    camera->projection = kinds[index];
     return result;
 }
 

@@ -21,7 +21,7 @@ static RfResult read_joint( const RfGltf* gltf, const json_t* joints, const char
     const json_t* value = json_array_get( joints, at );
     int count = gltf->counts[RF_GLTF_NODES];
     if ( !json_is_integer( value ) || json_integer_value( value ) < 0 || json_integer_value( value ) >= count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints[%zu] wants an index below %d", at, count );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints[%zu] must be an index below %d", at, count );
     *joint = (int)json_integer_value( value );
     return RF_OK;
 }
@@ -36,7 +36,7 @@ static RfResult read_joints( const RfGltf* gltf, const json_t* json, const char*
         return result;
     size_t count = json_array_size( joints );
     if ( count == 0 || count > MAX_JOINTS )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints wants 1 to %d nodes, got %zu", MAX_JOINTS, count );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints must be 1 to %d nodes, got %zu", MAX_JOINTS, count );
     skin->joints = malloc( count * sizeof *skin->joints );
     skin->inverse_binds = malloc( count * sizeof *skin->inverse_binds );
     if ( skin->joints == NULL || skin->inverse_binds == NULL )
@@ -127,9 +127,9 @@ static RfResult open_influence( RfGltf* gltf, const json_t* attributes, const ch
         return result;
     bool whole = accessor->component_type == 5121 || accessor->component_type == 5123, real = accessor->component_type == 5126;
     if ( joints && ( !whole || accessor->normalized ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants unsigned bytes or shorts", name );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be unsigned bytes or shorts", name );
     if ( !joints && !real && !( whole && accessor->normalized ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s wants floats or normalized unsigned bytes or shorts", name );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be floats or normalized unsigned bytes or shorts", name );
     if ( accessor->count != gltf->accessors[base].count )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, POSITION has %u", name, accessor->count,
                              gltf->accessors[base].count );
@@ -149,7 +149,8 @@ static RfResult open_influences( RfGltf* gltf, const json_t* json, const char* o
         if ( result != RF_OK )
             return result;
         if ( ( out->joints[i] < 0 ) != ( out->weights[i] < 0 ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "wants %s and %s, or neither", s_names[i][0], s_names[i][1] );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must have %s and %s, or neither", s_names[i][0],
+                                 s_names[i][1] );
     }
     if ( out->joints[0] < 0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "has no JOINTS_0, but a node has its mesh with a skin" );
@@ -169,7 +170,7 @@ static RfResult keep_influences( RfGltf* gltf, const char* where, uint32_t verte
     for ( int i = 0; i < count; ++i )
     {
         if ( weights[i] < 0.0f )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "a weight of a joint is %g, it wants 0 or more",
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "a weight of a joint is %g, must be 0 or more",
                                  (double)weights[i] );
         largest = rf_maxf( largest, weights[i] );
     }

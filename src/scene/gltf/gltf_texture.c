@@ -63,7 +63,7 @@ static RfResult read_encoded( RfGltf* gltf, int index, const char* where, Encode
     if ( result != RF_OK )
         return result;
     if ( ( uri != NULL ) == ( view >= 0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "wants either uri or bufferView" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "must have either uri or bufferView" );
     result = uri != NULL ? read_uri( gltf, where, uri, out ) : read_view( gltf, where, view, out );
     out->bytes = out->owned != NULL ? out->owned : out->bytes;
     return result;
@@ -251,7 +251,8 @@ static RfResult read_wrap( const RfGltf* gltf, const json_t* json, const char* w
     if ( result != RF_OK )
         return result;
     if ( value != REPEAT && value != MIRROR && value != CLAMP )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %lld, it wants 10497, 33648 or 33071", key, (long long)value );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %lld, it must be 10497, 33648 or 33071", key,
+                             (long long)value );
     *out = value == REPEAT ? RF_WRAP_REPEAT : value == MIRROR ? RF_WRAP_MIRROR : RF_WRAP_CLAMP;
     return RF_OK;
 }
@@ -269,7 +270,7 @@ static RfResult read_sampler( const RfGltf* gltf, int index, RfTextureRef* out )
     if ( result == RF_OK )
         result = rf_gltf_get_integer( gltf, json, where.text, "magFilter", 0, 65535, &filter );
     if ( result == RF_OK && filter != NEAREST && filter != LINEAR )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "magFilter is %lld, it wants 9728 or 9729", (long long)filter );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "magFilter is %lld, it must be 9728 or 9729", (long long)filter );
     out->nearest = filter == NEAREST;
     return result;
 }
@@ -454,9 +455,9 @@ static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* wh
         return result;
     bool blend = strcmp( mode, "BLEND" ) == 0;
     if ( !blend && strcmp( mode, "MASK" ) != 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaMode '%.20s' wants OPAQUE, MASK or BLEND", mode );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaMode '%.20s' must be OPAQUE, MASK or BLEND", mode );
     if ( !( cutoff >= 0.0 && cutoff <= 1e6 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaCutoff is %g, it wants 0 or more", cutoff );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaCutoff is %g, it must be 0 or more", cutoff );
     out->masked = !blend;
     out->blended = blend;
     out->alpha_cutoff = (float)cutoff;

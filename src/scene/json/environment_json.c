@@ -18,10 +18,10 @@ static RfResult read_view( const RfField* object, const RfField* map, int* view 
     if ( field.json == NULL )
         return RF_OK;
     if ( map->json != NULL )
-        return rf_field_fail( object, "has both map and bufferView: wants one" );
+        return rf_field_fail( object, "has both map and bufferView: give one of them" );
     RfResult result = rf_field_number( &field, rf_range( 0.0, 1e9 ), &number );
     if ( result == RF_OK && floor( number ) != number )
-        return rf_field_wants( &field, "a whole number" );
+        return rf_field_must_be( &field, "a whole number" );
     *view = (int)number;
     return result;
 }
@@ -40,7 +40,7 @@ RfResult rf_read_environment( const RfField* object, RfEnvironment* environment,
         result = read_view( object, &map_field, view );
     bool has_map = map_field.json != NULL || ( view != NULL && *view >= 0 );
     if ( result == RF_OK && radiance_field.json == NULL && !has_map )
-        return rf_field_fail( object, "gives no light: wants radiance, map or both" );
+        return rf_field_fail( object, "gives no light: give radiance, map or both" );
     if ( result == RF_OK )
         result = rf_field_numbers( &radiance_field, rf_range( 0.0, MAX_RADIANCE ), 3, radiance );
     if ( result == RF_OK )

@@ -31,7 +31,7 @@ RfResult rf_parse_json( const char* path, const void* text, size_t size, const c
     describe_json( *root, got, sizeof got );
     json_decref( *root );
     *root = NULL;
-    return rf_fail( error, RF_ERROR_FORMAT, "%s: %swants an object, got %s", path, where, got );
+    return rf_fail( error, RF_ERROR_FORMAT, "%s: %smust be an object, got %s", path, where, got );
 }
 
 // The value itself if it is short enough for one line, else its kind.
@@ -180,19 +180,19 @@ RfResult rf_field_fail( const RfField* field, const char* format, ... )
     return rf_fail( field->error, RF_ERROR_SCENE, "%s: %s%s%s", field->file, field->path, field->path[0] != 0 ? ": " : "", text );
 }
 
-RfResult rf_field_wants( const RfField* field, const char* want )
+RfResult rf_field_must_be( const RfField* field, const char* want )
 {
     if ( field->json == NULL )
-        return rf_field_fail( field, "is missing: wants %s", want );
+        return rf_field_fail( field, "is missing: must be %s", want );
     char got[80];
     describe_json( field->json, got, sizeof got );
-    return rf_field_fail( field, "wants %s, got %s", want, got );
+    return rf_field_fail( field, "must be %s, got %s", want, got );
 }
 
 RfResult rf_field_require( const RfField* object, const char* key, const char* want )
 {
     RfField member = rf_field_member( object, key );
-    return member.json != NULL ? RF_OK : rf_field_wants( &member, want );
+    return member.json != NULL ? RF_OK : rf_field_must_be( &member, want );
 }
 
 // Typed values of our own JSON files, and the keys that an object may have.
@@ -234,7 +234,7 @@ static bool is_known( const char* key, const char* const* keys )
 RfResult rf_field_keys( const RfField* object, const char* const* keys )
 {
     if ( !json_is_object( object->json ) )
-        return rf_field_wants( object, "an object" );
+        return rf_field_must_be( object, "an object" );
     const char* key;
     json_t* value;
     json_object_foreach( (json_t*)object->json, key, value )
@@ -243,7 +243,7 @@ RfResult rf_field_keys( const RfField* object, const char* const* keys )
         {
             RfField member = rf_field_member( object, key );
             if ( !json_is_string( value ) )
-                return rf_field_wants( &member, "a string" );
+                return rf_field_must_be( &member, "a string" );
         }
         else if ( !is_known( key, keys ) )
             return fail_unknown( object, key, keys );
@@ -282,7 +282,7 @@ RfResult rf_field_number( const RfField* field, RfRange range, double* value )
         char limits[64], want[96];
         describe_range( range, limits, sizeof limits );
         snprintf( want, sizeof want, "a number%s", limits );
-        return rf_field_wants( field, want );
+        return rf_field_must_be( field, want );
     }
     *value = number;
     return RF_OK;
@@ -296,7 +296,7 @@ RfResult rf_field_numbers( const RfField* field, RfRange range, int count, doubl
     {
         char want[48];
         snprintf( want, sizeof want, "an array of %d numbers", count );
-        return rf_field_wants( field, want );
+        return rf_field_must_be( field, want );
     }
     for ( int i = 0; i < count; ++i )
     {
@@ -313,7 +313,7 @@ RfResult rf_field_bool( const RfField* field, bool* value )
     if ( field->json == NULL )
         return RF_OK;
     if ( !json_is_boolean( field->json ) )
-        return rf_field_wants( field, "true or false" );
+        return rf_field_must_be( field, "true or false" );
     *value = json_is_true( field->json );
     return RF_OK;
 }
@@ -323,7 +323,7 @@ RfResult rf_field_text( const RfField* field, const char** text )
     if ( field->json == NULL )
         return RF_OK;
     if ( !json_is_string( field->json ) || json_string_length( field->json ) == 0 )
-        return rf_field_wants( field, "a string that is not empty" );
+        return rf_field_must_be( field, "a string that is not empty" );
     *text = json_string_value( field->json );
     return RF_OK;
 }
@@ -344,7 +344,7 @@ RfResult rf_field_choice( const RfField* field, const char* const* words, int* i
     char list[160], want[192];
     list_keys( words, list, sizeof list );
     snprintf( want, sizeof want, "one of %s", list );
-    return rf_field_wants( field, want );
+    return rf_field_must_be( field, want );
 }
 
 RfResult rf_field_array( const RfField* field, const char* item, size_t least, size_t most )
@@ -354,5 +354,5 @@ RfResult rf_field_array( const RfField* field, const char* item, size_t least, s
         return RF_OK;
     char want[96];
     snprintf( want, sizeof want, "an array of %zu to %zu %s", least, most, item );
-    return rf_field_wants( field, want );
+    return rf_field_must_be( field, want );
 }

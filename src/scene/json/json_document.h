@@ -1,6 +1,6 @@
 // Reads our own JSON files (scene files, camera paths) and our objects inside glTF. The reader
 // is strict: every error is one line with the JSON path of the value, such as
-// `materials.vase.exponent: wants a number >= 0, got "high"`. The glTF reader shares the parser, which gives line and
+// `materials.vase.exponent: must be a number >= 0, got "high"`. The glTF reader shares the parser, which gives line and
 // column in errors, and the description of values in messages.
 #ifndef REFRAME_SCENE_JSON_JSON_DOCUMENT_H
 #define REFRAME_SCENE_JSON_JSON_DOCUMENT_H
@@ -60,8 +60,8 @@ static inline bool rf_has_member( const RfField* object, const char* key )
 // Fails with RF_ERROR_SCENE; the message is prefixed with the file and the path.
 RfResult rf_field_fail( const RfField* field, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 
-// Fails with "wants …, got …" or "is missing: wants …".
-RfResult rf_field_wants( const RfField* field, const char* want );
+// Fails with "must be …, got …" or "is missing: must be …".
+RfResult rf_field_must_be( const RfField* field, const char* want );
 
 // Fails unless the field is an object whose keys are all in the list, which ends with NULL.
 RfResult rf_field_keys( const RfField* object, const char* const* keys );
@@ -76,8 +76,6 @@ typedef struct RfRange
 } RfRange;
 
 static inline RfRange rf_range( double low, double high ) { return ( RfRange ){ low, high, false }; }
-
-static inline RfRange rf_at_least( double low ) { return ( RfRange ){ low, (double)INFINITY, false }; }
 
 static inline RfRange rf_above( double low, double high ) { return ( RfRange ){ low, high, true }; }
 

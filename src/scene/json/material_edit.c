@@ -199,12 +199,6 @@ static RfResult copy_value( const RfField* field, const Entry* entry, json_t* ma
     return RF_OK;
 }
 
-static bool ends_with_texture( const char* key )
-{
-    size_t length = strlen( key );
-    return length > 7 && strcmp( key + length - 7, "Texture" ) == 0;
-}
-
 // Removes textures from an object and its member objects, to the depth at which glTF has them.
 static void drop_textures( json_t* object, int depth )
 {
@@ -213,7 +207,7 @@ static void drop_textures( json_t* object, int depth )
     json_t* value;
     json_object_foreach_safe( object, next, key, value )
     {
-        if ( ends_with_texture( key ) )
+        if ( rf_ends_with( key, "Texture" ) )
             json_object_del( object, key );
         else if ( json_is_object( value ) && depth > 0 && strcmp( key, "extras" ) != 0 )
             drop_textures( value, depth - 1 );
@@ -300,7 +294,7 @@ RfResult rf_edit_materials( const RfField* materials, json_t* root )
     if ( materials->json == NULL )
         return RF_OK;
     if ( !json_is_object( materials->json ) )
-        return rf_field_wants( materials, "an object of materials by name" );
+        return rf_field_must_be( materials, "an object of materials by name" );
     json_t* list = json_object_get( root, "materials" );
     RfResult result = RF_OK;
     const char* name;

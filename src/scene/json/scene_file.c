@@ -2,6 +2,7 @@
 #include "scene/json/scene_file.h"
 
 #include "base/file.h"
+#include "base/words.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/json/environment_json.h"
@@ -14,12 +15,6 @@
 #include <string.h>
 
 static const char* const s_keys[] = { "scene", "environment", "materials", "camera", "render", NULL };
-
-static bool ends_with( const char* text, const char* end )
-{
-    size_t length = strlen( text ), end_length = strlen( end );
-    return length > end_length && strcmp( text + length - end_length, end ) == 0;
-}
 
 static RfResult check_document( const RfJsonDocument* document, RfError* error )
 {
@@ -34,7 +29,7 @@ RfResult rf_open_scene_file( const char* path, RfSceneFile* file, RfError* error
 {
     *file = ( RfSceneFile ){ .path = strdup( path ) };
     RfResult result = file->path != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
-    if ( result == RF_OK && ends_with( path, ".json" ) )
+    if ( result == RF_OK && rf_ends_with( path, ".json" ) )
     {
         result = rf_open_json( path, &file->document, error );
         if ( result == RF_OK )
@@ -81,8 +76,8 @@ static RfResult load_gltf( const RfField* root, const RfGltfOptions* options, Rf
     RfResult result = rf_field_text( &field, &name );
     if ( result != RF_OK )
         return result;
-    if ( ends_with( name, ".json" ) )
-        return rf_field_wants( &field, "a .glb or .gltf file" );
+    if ( rf_ends_with( name, ".json" ) )
+        return rf_field_must_be( &field, "a .glb or .gltf file" );
     char* path = rf_path_beside( root->file, name );
     if ( path == NULL )
         return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
@@ -181,11 +176,11 @@ static RfResult load_camera( const RfField* root, RfScene* scene )
     }
     const char* name = NULL;
     if ( !json_is_string( field.json ) )
-        return rf_field_wants( &field, "the name of a camera, a camera-path file (.json) or a camera path" );
+        return rf_field_must_be( &field, "the name of a camera, a camera-path file (.json) or a camera path" );
     RfResult result = rf_field_text( &field, &name );
     if ( result != RF_OK )
         return result;
-    return ends_with( name, ".json" ) ? load_path_file( &field, name, scene ) : choose_camera( &field, name, scene );
+    return rf_ends_with( name, ".json" ) ? load_path_file( &field, name, scene ) : choose_camera( &field, name, scene );
 }
 
 static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* error )

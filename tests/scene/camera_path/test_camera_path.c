@@ -170,15 +170,17 @@ static void test_frame_times_are_exact_multiples( void** state )
         load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"fov\":90,\"duration\":1}" );
     RfEye eye;
     RfError error = { 0 };
-    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 200, 100, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 30, 1 }, 200, 100 }, 3, &eye, &error ),
+                      RF_OK );
     assert_close( (double)eye.origin.x, 1.0, 1e-6 );
     assert_close( (double)eye.focal, 50.0, 1e-4 );
     assert_int_equal( eye.width, 200 );
-    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 0, 100, &eye, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 30, 1 }, 0, 100 }, 3, &eye, &error ),
+                      RF_ERROR_USAGE );
     rf_destroy_camera( &camera );
 
     camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"frames\":11}" );
-    assert_int_equal( rf_camera_eye( &scene, &camera, 3, 30, 1, 8, 8, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 30, 1 }, 8, 8 }, 3, &eye, &error ), RF_OK );
     assert_close( (double)eye.origin.x, 3.0, 1e-6 );
     scene = ( RfScene ){ .camera_count = 1, .cameras = &camera };
     assert_int_equal( rf_scene_eye( &scene, 0, 1.0, 8, 8, &eye, &error ), RF_ERROR_USAGE );
@@ -230,66 +232,67 @@ static void test_faults_are_one_line( void** state )
         { "{\"kind\":\"orbit\",\"kind\":\"orbit\"}", "duplicate" },
         { "{\"kind\":NaN}", "line 1" },
         { ORBIT( ",\"fov\":1e999" ), "overflow" },
-        { "[]", ": wants an object, got an array of 0" },
-        { "3", ": wants an object, got 3" },
-        { "\"orbit\"", ": wants an object, got \"orbit\"" },
-        { "{\"kind\":\"orb\"}", ": kind: wants one of keyed, orbit, dolly, zoom, walk, got \"orb\"" },
-        { "{}", "kind: is missing: wants one of keyed, orbit, dolly, zoom, walk" },
-        { "{\"kind\":\"fly\"}", "kind: wants one of keyed, orbit, dolly, zoom, walk, got \"fly\"" },
-        { "{\"kind\":3}", "kind: wants one of keyed, orbit, dolly, zoom, walk, got 3" },
-        { KEYED( "],\"about\":3}" ), "about: wants a string, got 3" },
+        { "[]", ": must be an object, got an array of 0" },
+        { "3", ": must be an object, got 3" },
+        { "\"orbit\"", ": must be an object, got \"orbit\"" },
+        { "{\"kind\":\"orb\"}", ": kind: must be one of keyed, orbit, dolly, zoom, walk, got \"orb\"" },
+        { "{}", "kind: is missing: must be one of keyed, orbit, dolly, zoom, walk" },
+        { "{\"kind\":\"fly\"}", "kind: must be one of keyed, orbit, dolly, zoom, walk, got \"fly\"" },
+        { "{\"kind\":3}", "kind: must be one of keyed, orbit, dolly, zoom, walk, got 3" },
+        { KEYED( "],\"about\":3}" ), "about: must be a string, got 3" },
         { KEYED( "],\"speed\":3}" ), "speed: unknown key, the keys here are: kind, interpolation, keys" },
         { KEYED( "],\"intrepolation\":3}" ), "did you mean interpolation?" },
-        { KEYED( "],\"interpolation\":\"cubic\"}" ), "interpolation: wants one of catmull-rom, linear, got \"cubic\"" },
-        { "{\"kind\":\"keyed\"}", "keys: is missing: wants an array of 1 to 1000000 keys" },
-        { "{\"kind\":\"keyed\",\"keys\":[]}", "keys: wants an array of 1 to 1000000 keys, got an array of 0" },
-        { TWO( "3" ), "keys[1]: wants an object, got 3" },
-        { TWO( "{\"position\":[0,0,1]}" ), "keys[1].time: is missing: wants a number of seconds" },
-        { TWO( "{\"time\":\"2\",\"position\":[0,0,1]}" ), "keys[1].time: wants a number from 0 to 1e+06, got \"2\"" },
-        { TWO( "{\"time\":-2,\"position\":[0,0,1]}" ), "keys[1].time: wants a number from 0 to 1e+06, got -2" },
+        { KEYED( "],\"interpolation\":\"cubic\"}" ), "interpolation: must be one of catmull-rom, linear, got \"cubic\"" },
+        { "{\"kind\":\"keyed\"}", "keys: is missing: must be an array of 1 to 1000000 keys" },
+        { "{\"kind\":\"keyed\",\"keys\":[]}", "keys: must be an array of 1 to 1000000 keys, got an array of 0" },
+        { TWO( "3" ), "keys[1]: must be an object, got 3" },
+        { TWO( "{\"position\":[0,0,1]}" ), "keys[1].time: is missing: must be a number of seconds" },
+        { TWO( "{\"time\":\"2\",\"position\":[0,0,1]}" ), "keys[1].time: must be a number from 0 to 1e+06, got \"2\"" },
+        { TWO( "{\"time\":-2,\"position\":[0,0,1]}" ), "keys[1].time: must be a number from 0 to 1e+06, got -2" },
         { TWO( "{\"time\":0,\"position\":[0,0,2],\"target\":[0,0,0]}" ), "keys[1].time: 0 is not later than the key before" },
         { TWO( "{\"frame\":2,\"position\":[0,0,2]}" ), "keys[1].frame: unknown key" },
         { TWO( "{\"time\":1,\"target\":[0,0,2]}" ), "keys[1].position: is missing" },
-        { TWO( "{\"time\":1,\"position\":[0,2]}" ), "keys[1].position: wants an array of 3 numbers, got an array of 2" },
-        { TWO( "{\"time\":1,\"position\":[0,2,\"x\"]}" ), "keys[1].position[2]: wants a number from -1e+15 to 1e+15, got \"x\"" },
-        { TWO( "{\"time\":1,\"position\":[0,2,1e16]}" ), "keys[1].position[2]: wants a number" },
+        { TWO( "{\"time\":1,\"position\":[0,2]}" ), "keys[1].position: must be an array of 3 numbers, got an array of 2" },
+        { TWO( "{\"time\":1,\"position\":[0,2,\"x\"]}" ),
+          "keys[1].position[2]: must be a number from -1e+15 to 1e+15, got \"x\"" },
+        { TWO( "{\"time\":1,\"position\":[0,2,1e16]}" ), "keys[1].position[2]: must be a number" },
         { TWO( "{\"time\":1,\"position\":[0,2,3]}" ), "keys[1]: has neither target nor rotation" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,2,3]}" ), "keys[1].target: is at the position of the camera" },
         { TWO( "{\"time\":1,\"position\":[0,0,3],\"target\":[-0.0,0,3]}" ), "keys[1].target: is at the position of the camera" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"rotation\":{}}" ), "keys[1].rotation: the keys before it have none" },
-        { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"up\":[0,0,0]}" ), "keys[1].up: wants a direction" },
+        { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"up\":[0,0,0]}" ), "keys[1].up: must be a direction" },
         { TWO( "{\"time\":1,\"position\":[0,2,3],\"target\":[0,0,0],\"fov\":180}" ),
-          "keys[1].fov: wants a number from 0.1 to 179" },
+          "keys[1].fov: must be a number from 0.1 to 179" },
         { KEYED( "],\"rotation\":{}}" ), "keys[0].target: not together with rotation" },
         { "{\"kind\":\"keyed\",\"rotation\":[0,0,0,2],\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
-          "rotation: wants a quaternion of length 1, got length 2" },
+          "rotation: must be a quaternion of length 1, got length 2" },
         { "{\"kind\":\"keyed\",\"rotation\":3,\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
-          "rotation: wants a quaternion [x, y, z, w] or" },
+          "rotation: must be a quaternion [x, y, z, w] or" },
         { "{\"kind\":\"keyed\",\"rotation\":{\"yow\":3},\"keys\":[{\"time\":0,\"position\":[0,0,1]}]}",
           "rotation.yow: unknown key, did you mean yaw?" },
         { ORBIT( "" ), "the duration is missing: give duration (seconds) or frames (their number)" },
         { ORBIT( ",\"duration\":1,\"frames\":2" ), "frames: not together with duration" },
-        { ORBIT( ",\"duration\":0" ), "duration: wants a number > 0 and <= 1e+06, got 0" },
-        { ORBIT( ",\"frames\":1.5" ), "frames: wants a whole number, got 1.5" },
-        { ORBIT( ",\"frames\":0" ), "frames: wants a number from 1 to 1e+06, got 0" },
+        { ORBIT( ",\"duration\":0" ), "duration: must be a number > 0 and <= 1e+06, got 0" },
+        { ORBIT( ",\"frames\":1.5" ), "frames: must be a whole number, got 1.5" },
+        { ORBIT( ",\"frames\":0" ), "frames: must be a number from 1 to 1e+06, got 0" },
         { ORBIT( ",\"frames\":2,\"rotation\":{},\"target\":[0,0,0]" ), "target: not together with rotation" },
-        { ORBIT( ",\"frames\":2,\"fov\":\"wide\"" ), "fov: wants a number from 0.1 to 179, got \"wide\"" },
+        { ORBIT( ",\"frames\":2,\"fov\":\"wide\"" ), "fov: must be a number from 0.1 to 179, got \"wide\"" },
         { ORBIT( ",\"frames\":2,\"fov\":{\"from\":20}" ), "fov.to: is missing" },
         { ORBIT( ",\"frames\":2,\"center\":[0,0,0]" ), "duplicate" },
-        { "{\"kind\":\"orbit\",\"radius\":1,\"frames\":2}", "center: is missing: wants an array of 3 numbers" },
-        { "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":0,\"frames\":2}", "radius: wants a number > 0" },
+        { "{\"kind\":\"orbit\",\"radius\":1,\"frames\":2}", "center: is missing: must be an array of 3 numbers" },
+        { "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":0,\"frames\":2}", "radius: must be a number > 0" },
         { "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[1,0,0],\"frames\":2}", "target: is missing" },
         { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"frames\":2}",
-          "fov: is missing: wants an object of from and to" },
+          "fov: is missing: must be an object of from and to" },
         { "{\"kind\":\"zoom\",\"position\":[0,0,0],\"target\":[1,0,0],\"fov\":3,\"frames\":2}",
-          "fov: wants an object of from and to" },
-        { WALK( "[0,0,0]", ",\"speed\":1" ), "waypoints: wants an array of 2 to 10000 points, got an array of 1" },
+          "fov: must be an object of from and to" },
+        { WALK( "[0,0,0]", ",\"speed\":1" ), "waypoints: must be an array of 2 to 10000 points, got an array of 1" },
         { WALK( "[0,0,0],[1,0,0],[1,0,0]", ",\"speed\":1" ), "waypoints[2]: is the same point as the one before it" },
         { WALK( "[0,0,0],[1,0,0],[1,-0.0,0]", ",\"speed\":1" ), "waypoints[2]: is the same point as the one before it" },
         { WALK( "[0,0,0],[1e-300,0,0]", ",\"speed\":1" ), "waypoints: are too close together" },
         { WALK( "[0,0,0],[1,0,0]", "" ), "or speed (metres per second)" },
         { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1e-9" ), "speed: 1 m at 1e-09 m/s take longer than" },
-        { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1,\"look_ahead\":0" ), "look_ahead: wants a number > 0" },
+        { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1,\"look_ahead\":0" ), "look_ahead: must be a number > 0" },
         { WALK( "[0,0,0],[1,0,0]", ",\"speed\":1,\"look_ahead\":1,\"target\":[0,0,0]" ), "look_ahead: not together with target" },
     };
     for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
@@ -319,7 +322,8 @@ static int load_mutations( const char* text, uint64_t count )
         for ( int frame = 0; frame < 5 && result == RF_OK; ++frame )
         {
             RfEye eye;
-            RfResult seen = rf_camera_eye( &scene, &camera, 7.0 * frame, 24, 1, 16, 9, &eye, &error );
+            RfResult seen =
+                rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 16, 9 }, 7.0 * frame, &eye, &error );
             assert_true( seen != RF_OK || ( isfinite( eye.origin.x ) && isfinite( eye.forward.x ) && eye.focal > 0.0f ) );
         }
         loaded += result == RF_OK;
@@ -362,8 +366,10 @@ static void test_vase_zoom_is_the_scenes_camera( void** state )
     for ( int i = 0; i < count; ++i )
     {
         RfEye a, b;
-        assert_int_equal( rf_camera_eye( &scene, &camera, i, 24, 1, 160, 90, &a, &error ), RF_OK );
-        assert_int_equal( rf_camera_eye( &scene, scene.cameras, i, 24, 1, 160, 90, &b, &error ), RF_OK );
+        assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 160, 90 }, i, &a, &error ),
+                          RF_OK );
+        assert_int_equal(
+            rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 24, 1 }, 160, 90 }, i, &b, &error ), RF_OK );
         assert_close( (double)rf_length( rf_sub( a.origin, b.origin ) ), 0.0, 1e-5 );
         assert_close( (double)rf_length( rf_sub( a.forward, b.forward ) ), 0.0, 1e-5 );
         assert_close( (double)rf_length( rf_sub( a.up, b.up ) ), 0.0, 1e-5 );

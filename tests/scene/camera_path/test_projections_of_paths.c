@@ -22,7 +22,7 @@ static RfEye eye_of( const RfCamera* camera, double frame )
     RfScene scene = { 0 };
     RfEye eye;
     RfError error = { 0 };
-    if ( rf_camera_lens_eye( &scene, camera, NULL, frame, 24, 1, 200, 100, &eye, &error ) != RF_OK )
+    if ( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, camera, NULL, { 24, 1 }, 200, 100 }, frame, &eye, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return eye;
 }
@@ -60,8 +60,38 @@ static void test_panoramic_paths( void** state )
         KEYED( "\"projection\":\"panoramic\",\"keys\":[{\"frame\":1," PLACE "}],\"lens\":{\"radius\":1,\"focus\":1}" ) );
     RfScene scene = { 0 };
     RfError error = { 0 };
-    assert_int_equal( rf_camera_lens_eye( &scene, &camera, NULL, 0, 24, 1, 8, 8, &eye, &error ), RF_ERROR_SCENE );
+    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+                      RF_ERROR_SCENE );
     assert_non_null( strstr( error.text, "a panoramic camera has no depth of field here" ) );
+    rf_destroy_camera( &camera );
+}
+
+// A caller's lens has the limits of one in a file.
+static void test_lenses_have_limits( void** state )
+{
+    (void)state;
+    static const RfLens s_wrong[] = {
+        { .has_fstop = true, .fstop = -1.0 },
+        { .has_fstop = true, .fstop = 2.0 * RF_MAX_FSTOP },
+        { .has_fstop = true, .fstop = (double)NAN },
+        { .focus = -1.0 },
+        { .focus = 2.0 * RF_MAX_FOCUS },
+        { .has_shutter = true, .shutter = { 0.5, 0.0 } },
+        { .has_shutter = true, .shutter = { -RF_MAX_SHUTTER - 1.0, 0.0 } },
+        { .has_shutter = true, .shutter = { 0.0, RF_MAX_SHUTTER + 1.0 } },
+    };
+    RfCamera camera = load_path( KEYED( "\"projection\":\"orthographic\",\"ymag\":2,\"keys\":[{\"frame\":1," PLACE "}]" ) );
+    RfLens right = { .has_fstop = true, .fstop = 2.0, .focus = 5.0, .has_shutter = true, .shutter = { -0.25, 0.25 } };
+    RfScene scene = { 0 };
+    RfEye eye;
+    RfError error = { 0 };
+    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, &right, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+                      RF_OK );
+    assert_close( (double)eye.focus, 5.0, 1e-6 );
+    for ( size_t i = 0; i < sizeof s_wrong / sizeof s_wrong[0]; ++i )
+        assert_int_equal(
+            rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, s_wrong + i, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+            RF_ERROR_USAGE );
     rf_destroy_camera( &camera );
 }
 
@@ -70,9 +100,10 @@ static void test_faults_name_the_key( void** state )
     (void)state;
     static const char* const s_faults[][2] = {
         { KEYED( "\"projection\":\"fisheye\",\"keys\":[{\"frame\":1," PLACE "}]" ),
-          "projection: wants one of perspective, orthographic, panoramic, got \"fisheye\"" },
+          "projection: must be one of perspective, orthographic, panoramic, got \"fisheye\"" },
         { KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1," PLACE "}]" ), "keys[0].ymag: is missing" },
-        { KEYED( "\"projection\":\"orthographic\",\"ymag\":0,\"keys\":[{\"frame\":1," PLACE "}]" ), "ymag: wants a number > 0" },
+        { KEYED( "\"projection\":\"orthographic\",\"ymag\":0,\"keys\":[{\"frame\":1," PLACE "}]" ),
+          "ymag: must be a number > 0" },
         { KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1,\"ymag\":1,\"fov\":40," PLACE "}]" ),
           "keys[0].fov: is that of a perspective camera" },
         { KEYED( "\"keys\":[{\"frame\":1,\"ymag\":1," PLACE "}]" ), "keys[0].ymag: is that of an orthographic camera" },
@@ -172,9 +203,13 @@ static void test_shifts_move_within_the_shutter( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_orthographic_paths ),           cmocka_unit_test( test_panoramic_paths ),
-        cmocka_unit_test( test_faults_name_the_key ),          cmocka_unit_test( test_cameras_of_gltf ),
-        cmocka_unit_test( test_shutters_see_beyond_the_ends ), cmocka_unit_test( test_shifts_move_within_the_shutter ),
+        cmocka_unit_test( test_orthographic_paths ),
+        cmocka_unit_test( test_panoramic_paths ),
+        cmocka_unit_test( test_lenses_have_limits ),
+        cmocka_unit_test( test_faults_name_the_key ),
+        cmocka_unit_test( test_cameras_of_gltf ),
+        cmocka_unit_test( test_shutters_see_beyond_the_ends ),
+        cmocka_unit_test( test_shifts_move_within_the_shutter ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -190,7 +190,7 @@ static void test_every_colour_type_is_read( void** state )
                     gltf_assert_near( scene.triangles.colors[i], fmin( fmax( want, 0.0 ), 1.0 ) );
                 }
                 if ( !good )
-                    assert_non_null( strstr( error.text, "COLOR_0 wants 3 or 4" ) );
+                    assert_non_null( strstr( error.text, "COLOR_0 must be 3 or 4" ) );
                 rf_destroy_scene( &scene );
             }
         }

@@ -167,6 +167,7 @@ typedef struct Notice
 #define PAINT( extension )                                                                                                       \
     MESH( "{\"attributes\":{\"POSITION\":0},\"material\":0}" )                                                                   \
     ",\"materials\":[{\"name\":\"paint\",\"extensions\":{" extension "}},{\"extensions\":{" extension "}}]"
+#define SHEEN ",\"extensionsUsed\":[\"KHR_materials_sheen\"]"
 #define MOVES( target )                                                                                                          \
     "\"nodes\":[{}],\"animations\":[{\"samplers\":[{\"input\":1,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{" target \
     "}},{\"sampler\":0,\"target\":{" target "}}]}]"
@@ -204,6 +205,23 @@ static void test_what_is_left_out( void** state )
         { "KHR_materials_dispersion is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_dispersion\":{}" ) },
         { "KHR_materials_pbrSpecularGlossiness is not supported yet: material 'paint'", 1,
           PAINT( "\"KHR_materials_pbrSpecularGlossiness\":{}" ) },
+        { "KHR_materials_sheen is not supported yet: meshes[0]: it is rendered without", 1,
+          MESH( "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_sheen\":{}}}" ) SHEEN },
+        { "KHR_materials_sheen is not supported yet: texture 'wood'", 1,
+          MESH( TRIANGLE ) ",\"textures\":[{},{\"name\":\"wood\",\"extensions\":{\"KHR_materials_sheen\":{}}}]" SHEEN },
+        { "KHR_materials_sheen is not supported yet: samplers[0]", 1,
+          MESH( TRIANGLE ) ",\"samplers\":[{\"extensions\":{\"KHR_materials_sheen\":{}}}]" SHEEN },
+        { "KHR_materials_sheen is not supported yet: light 'sun'", 1,
+          MESH( TRIANGLE ) ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"directional\",\"name\":\"sun\","
+                           "\"extensions\":{\"KHR_materials_sheen\":{}}}]}}" SHEEN },
+        { "KHR_materials_sheen is not supported yet: material 'paint'", 1,
+          MESH( TRIANGLE ) ",\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"extensions\":"
+                           "{\"KHR_materials_sheen\":{}}}}]" SHEEN },
+        { "KHR_materials_sheen is not supported yet: the file", 1,
+          MESH( TRIANGLE ) ",\"extensions\":{\"KHR_materials_sheen\":{}}" SHEEN },
+        { "extension KHR_xmp_json_ld is unknown: what it adds is left out", 1, // nothing of a node outside the scene
+          "\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_materials_sheen\":{}}}],\"scenes\":[{\"nodes\":[0]}],\"meshes\":[{"
+          "\"primitives\":[" TRIANGLE "]}],\"extensionsUsed\":[\"KHR_materials_sheen\",\"KHR_xmp_json_ld\"]" },
         { "extension KHR_materials_variants is unknown: what it adds to meshes[0] is left out", 1,
           MESH(
               "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[]}}}" ) ",\"extensionsU"

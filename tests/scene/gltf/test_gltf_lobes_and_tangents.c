@@ -183,7 +183,7 @@ static void test_clearcoat_textures( void** state )
     gltf_assert_rgb( n, 0.5 * lean / coat, 0.5 * lean / coat, lean / coat );
     rf_destroy_scene( &scene );
 
-    // bumps below do not bend a coat without a texture of its own
+    // bumps below do not turn the normal of a coat without a texture of its own
     scene = load_material(
         MATERIAL( "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}" ) );
     n = rf_coat_normal_at( &scene, scene.materials, 0, 0.8f, 0.1f, up, up );
@@ -205,8 +205,8 @@ static void test_faults_are_one_line( void** state )
         { "KHR_materials_volume.thicknessTexture: index is 7", "\"KHR_materials_volume\":{\"thicknessTexture\":{\"index\":7}}" },
         { "KHR_materials_clearcoat.clearcoatTexture: texCoord is 2",
           "\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{\"index\":0,\"texCoord\":2}}" },
-        { "clearcoatRoughnessTexture wants an object", "\"KHR_materials_clearcoat\":{\"clearcoatRoughnessTexture\":0}" },
-        { "clearcoatNormalTexture: scale wants",
+        { "clearcoatRoughnessTexture must be an object", "\"KHR_materials_clearcoat\":{\"clearcoatRoughnessTexture\":0}" },
+        { "clearcoatNormalTexture: scale must be",
           "\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"scale\":\"1\"}}" },
     };
     for ( size_t i = 0; i < sizeof s_faults / sizeof s_faults[0]; ++i )

@@ -102,7 +102,7 @@ static void test_extras_are_read( void** state )
     assert_true( s.materials->kind == RF_BSDF_GLASS && near( s.materials->ior, 1.7 ) && near( s.materials->tint.x, 1 ) &&
                  s.materials->alpha == 0.0f );
     rf_destroy_scene( &s );
-    assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"ior\":0.5}}", MESH, "", "ior: wants a number above 1" );
+    assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"ior\":0.5}}", MESH, "", "ior: must be a number above 1" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"tint\":1}}", MESH, "", "tint: is not known here" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"mirror\"}}", MESH, "", "specular: is missing" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"wood\"}}", MESH, "", "\"mirror\" or \"glass\"" );
@@ -133,7 +133,7 @@ static void test_faults_are_one_line( void** state )
     assert_fails( EXTENSIONS( "\"KHR_materials_volume\":{\"thicknessFactor\":-1}" ), MESH, "", "thicknessFactor is -1" );
     assert_fails( EXTENSIONS( "\"KHR_materials_volume\":{\"attenuationDistance\":0}" ), MESH, "", "attenuationDistance is 0" );
     assert_fails( EXTENSIONS( "\"KHR_materials_volume\":{\"attenuationColor\":[1,1,9]}" ), MESH, "", "attenuationColor is 9" );
-    assert_fails( EXTENSIONS( "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":-0.5}" ), MESH, "", "want 0 to 1" );
+    assert_fails( EXTENSIONS( "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":-0.5}" ), MESH, "", "must be 0 to 1" );
     assert_fails( EXTENSIONS( "\"KHR_materials_clearcoat\":7" ), MESH, "", "KHR_materials_clearcoat" );
 }
 
@@ -165,7 +165,7 @@ static void test_lamps_are_read( void** state )
     rf_destroy_scene( &s );
     assert_fails( "", LAMP_NODE, "", "has no lights" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"intensity\":1}" ), "type" );
-    assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"laser\"}" ), "wants point, spot or directional" );
+    assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"laser\"}" ), "must be point, spot or directional" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\"}" ), "spot" );
     assert_fails( "", LAMP_NODE, LIGHTS( "{\"type\":\"spot\",\"spot\":{\"innerConeAngle\":1,\"outerConeAngle\":0.5}}" ),
                   "cone angles" );

@@ -51,10 +51,10 @@ static void test_a_far_scene_is_the_same_to_the_bit( void** state )
     assert_memory_equal( far.triangles.positions, plain.triangles.positions, 6 * 3 * sizeof( float ) );
     // in doubles at a million metres
     gltf_assert_rgb( far.punctuals[0].position, 0.3, 2.7, 0.1 );
-    RfFps fps = { 24, 1 };
+    RfPathOptions options = { .fps = { 24, 1 }, .width = 64, .height = 48 };
     RfCameraPath paths[2];
-    assert_int_equal( rf_create_camera_path( &plain, NULL, fps, 64, 48, &paths[0], NULL ), RF_OK );
-    assert_int_equal( rf_create_camera_path( &far, NULL, fps, 64, 48, &paths[1], NULL ), RF_OK );
+    assert_int_equal( rf_create_camera_path( &plain, &options, &paths[0], NULL ), RF_OK );
+    assert_int_equal( rf_create_camera_path( &far, &options, &paths[1], NULL ), RF_OK );
     for ( int i = 0; i < paths[0].count; ++i )
     {
         RfVec3 a = paths[0].eyes[i].origin, b = paths[1].eyes[i].origin;

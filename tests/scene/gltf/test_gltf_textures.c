@@ -304,7 +304,7 @@ static void test_faults_are_one_line( void** state )
     (void)state;
     static const Fault s_faults[] = {
         { RF_ERROR_FORMAT, "materials[0].emissiveTexture: index", ",\"materials\":[{\"emissiveTexture\":{}}]" },
-        { RF_ERROR_FORMAT, "materials[0]: emissiveTexture wants", ",\"materials\":[{\"emissiveTexture\":3}]" },
+        { RF_ERROR_FORMAT, "materials[0]: emissiveTexture must be", ",\"materials\":[{\"emissiveTexture\":3}]" },
         { RF_ERROR_FORMAT, "there are 1 textures", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":1}}]" },
         { RF_ERROR_UNSUPPORTED, "texCoord is 2", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":2}}]" },
         { RF_ERROR_FORMAT, "texCoord", TEXTURE ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":-1}}]" },
@@ -326,12 +326,12 @@ static void test_faults_are_one_line( void** state )
         { RF_ERROR_FORMAT, "textures[0]: sampler", IMAGE ",\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
         { RF_ERROR_FORMAT, "samplers[0]: wrapS is 1",
           IMAGE ",\"samplers\":[{\"wrapS\":1}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
-        { RF_ERROR_FORMAT, "samplers[0]: wrapT wants",
+        { RF_ERROR_FORMAT, "samplers[0]: wrapT must be",
           IMAGE ",\"samplers\":[{\"wrapT\":\"repeat\"}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
         { RF_ERROR_FORMAT, "samplers[0]: magFilter is 9987",
           IMAGE ",\"samplers\":[{\"magFilter\":9987}],\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
-        { RF_ERROR_FORMAT, "images[0]: wants either", ",\"images\":[{}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_FORMAT, "images[0]: wants either",
+        { RF_ERROR_FORMAT, "images[0]: must have either", ",\"images\":[{}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_FORMAT, "images[0]: must have either",
           ",\"images\":[{\"bufferView\":5,\"uri\":\"a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: bufferView", ",\"images\":[{\"bufferView\":50}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: not a PNG", ",\"images\":[{\"bufferView\":0}],\"textures\":[{\"source\":0}]," USE },
@@ -366,7 +366,7 @@ static void test_faults_of_vertices( void** state )
     (void)state;
     static const char* const s_attributes[] = { "\"COLOR_0\":1", "\"COLOR_0\":6", "\"TEXCOORD_1\":0",
                                                 "\"NORMAL\":4,\"TANGENT\":0" };
-    static const char* const s_texts[] = { "COLOR_0 wants 3 or 4", "COLOR_0 wants 3 or 4", "2 are needed", "4 are needed" };
+    static const char* const s_texts[] = { "COLOR_0 must be 3 or 4", "COLOR_0 must be 3 or 4", "2 are needed", "4 are needed" };
     static const uint8_t s_bytes[16] = { 0 };
     for ( int i = 0; i < 4; ++i )
     {

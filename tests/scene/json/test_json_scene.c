@@ -130,14 +130,14 @@ static void test_faults_of_materials( void** state )
 {
     (void)state;
     static const char* const faults[][2] = {
-        { "\"materials\":[]", "materials: wants an object of materials by name, got an array of 0" },
-        { "\"materials\":{\"vase\":3}", "materials.vase: wants an object, got 3" },
+        { "\"materials\":[]", "materials: must be an object of materials by name, got an array of 0" },
+        { "\"materials\":{\"vase\":3}", "materials.vase: must be an object, got 3" },
         { "\"materials\":{\"vasse\":{}}", "materials.vasse: the scene has no such material: did you mean 'vase'? there are "
                                           "'vase', 'wood floor', 'lamp', 'materials[3]', 'lamp'" },
         { "\"materials\":{\"wood\":{}}", "materials.wood: the scene has no such material: did you mean 'wood floor'?" },
         { "\"materials\":{\"vase\":{\"exponent\":\"high\"}}",
-          "materials.vase.exponent: wants a number from 0 to 1e+06, got \"high\"" },
-        { "\"materials\":{\"vase\":{\"exponent\":-1}}", "materials.vase.exponent: wants a number from 0 to 1e+06, got -1" },
+          "materials.vase.exponent: must be a number from 0 to 1e+06, got \"high\"" },
+        { "\"materials\":{\"vase\":{\"exponent\":-1}}", "materials.vase.exponent: must be a number from 0 to 1e+06, got -1" },
         { "\"materials\":{\"vase\":{\"Exponent\":1}}",
           "materials.vase.Exponent: unknown key, did you mean exponent? The keys here are: bsdf, diffuse" },
         { "\"materials\":{\"wood floor\":{\"exponent\":1}}",
@@ -147,17 +147,18 @@ static void test_faults_of_materials( void** state )
         { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0,0]}}",
           "materials.vase: diffuse + specular reflect 1.1 of the incident light" },
         { "\"materials\":{\"vase\":{\"diffuse\":[0.6,0]}}",
-          "materials.vase.diffuse: wants an array of 3 numbers, got an array of 2" },
-        { "\"materials\":{\"vase\":{\"bsdf\":\"ggx\"}}", "materials.vase.bsdf: wants one of gltf, lambert, phong, got \"ggx\"" },
+          "materials.vase.diffuse: must be an array of 3 numbers, got an array of 2" },
+        { "\"materials\":{\"vase\":{\"bsdf\":\"ggx\"}}",
+          "materials.vase.bsdf: must be one of gltf, lambert, phong, got \"ggx\"" },
         { "\"materials\":{\"lamp\":{\"bsdf\":\"phong\",\"diffuse\":[0,0,0]}}", "materials.lamp.specular: is missing" },
         { "\"materials\":{\"lamp\":{\"bsdf\":\"lambert\",\"diffuse\":[0,0,0],\"exponent\":3}}",
           "materials.lamp.exponent: has no effect on bsdf \"lambert\"" },
         { "\"materials\":{\"lamp\":{\"emissiveFactor\":[2,0,0]}}",
-          "materials.lamp.emissiveFactor[0]: wants a number from 0 to 1, got 2" },
-        { "\"materials\":{\"lamp\":{\"ior\":0.5}}", "materials.lamp.ior: wants a number from 1 to 100, got 0.5" },
-        { "\"materials\":{\"lamp\":{\"doubleSided\":1}}", "materials.lamp.doubleSided: wants true or false, got 1" },
-        { "\"materials\":{\"lamp\":{\"alphaMode\":\"CUT\"}}", "materials.lamp.alphaMode: wants one of OPAQUE, MASK, BLEND" },
-        { "\"materials\":{\"lamp\":{\"textures\":\"no\"}}", "materials.lamp.textures: wants true or false" },
+          "materials.lamp.emissiveFactor[0]: must be a number from 0 to 1, got 2" },
+        { "\"materials\":{\"lamp\":{\"ior\":0.5}}", "materials.lamp.ior: must be a number from 1 to 100, got 0.5" },
+        { "\"materials\":{\"lamp\":{\"doubleSided\":1}}", "materials.lamp.doubleSided: must be true or false, got 1" },
+        { "\"materials\":{\"lamp\":{\"alphaMode\":\"CUT\"}}", "materials.lamp.alphaMode: must be one of OPAQUE, MASK, BLEND" },
+        { "\"materials\":{\"lamp\":{\"textures\":\"no\"}}", "materials.lamp.textures: must be true or false" },
     };
     for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
         expect_fault( faults[i][0], faults[i][1] );
@@ -173,19 +174,19 @@ static void test_faults_of_files( void** state )
         { "\"scene\":\"room.gltf\"", "duplicate" },
         { "\"sky\":3", "sky: unknown key, the keys here are: scene, environment, materials, camera, render" },
         { "\"enviroment\":3", "enviroment: unknown key, did you mean environment?" },
-        { "\"environment\":3", "environment: wants an object, got 3" },
-        { "\"environment\":{}", "environment: gives no light: wants radiance, map or both" },
-        { "\"environment\":{\"radiance\":1}", "environment.radiance: wants an array of 3 numbers, got 1" },
-        { "\"environment\":{\"radiance\":[1,-1,1]}", "environment.radiance[1]: wants a number from 0 to 1e+15, got -1" },
+        { "\"environment\":3", "environment: must be an object, got 3" },
+        { "\"environment\":{}", "environment: gives no light: give radiance, map or both" },
+        { "\"environment\":{\"radiance\":1}", "environment.radiance: must be an array of 3 numbers, got 1" },
+        { "\"environment\":{\"radiance\":[1,-1,1]}", "environment.radiance[1]: must be a number from 0 to 1e+15, got -1" },
         { "\"environment\":{\"radiance\":[1,1,1],\"rotation\":null}",
-          "environment.rotation: wants a number from -1e+06 to 1e+06, got null" },
-        { "\"environment\":{\"radiance\":[1,1,1],\"visible\":0}", "environment.visible: wants true or false, got 0" },
-        { "\"environment\":{\"map\":\"\"}", "environment.map: wants a string that is not empty, got \"\"" },
+          "environment.rotation: must be a number from -1e+06 to 1e+06, got null" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"visible\":0}", "environment.visible: must be true or false, got 0" },
+        { "\"environment\":{\"map\":\"\"}", "environment.map: must be a string that is not empty, got \"\"" },
         { "\"environment\":{\"map\":\"none.exr\"}", "/none.exr: cannot be opened" },
         { "\"environment\":{\"map\":\"room.gltf\"}", "environment.map: " },
         { "\"environment\":{\"map\":\"bright.hdr\",\"radiance\":[1e15,1e15,1e15]}",
           "environment.map: times radiance is brighter than 1e+15 somewhere: lower radiance" },
-        { "\"camera\":3", "camera: wants the name of a camera, a camera-path file (.json) or a camera path, got 3" },
+        { "\"camera\":3", "camera: must be the name of a camera, a camera-path file (.json) or a camera path, got 3" },
         { "\"camera\":\"Nobody\"", "camera: " },
         { "\"camera\":\"Nobody\"", "choose one of 'Eye', 'Side'" },
         { "\"camera\":\"none.json\"", "/none.json: cannot be opened" },
@@ -198,9 +199,9 @@ static void test_faults_of_files( void** state )
     static const char* const files[][2] = {
         { "", "line 1, column 0" },
         { "{\"scene\": \"room.gltf\",\n \"camera\" \"Eye\"}", "line 2, column " },
-        { "{}", "scene: is missing: wants the name of a .glb or .gltf file" },
-        { "{\"scene\":3}", "scene: wants a string" },
-        { "{\"scene\":\"scene.json\"}", "scene: wants a .glb or .gltf file, got \"scene.json\"" },
+        { "{}", "scene: is missing: must be the name of a .glb or .gltf file" },
+        { "{\"scene\":3}", "scene: must be a string" },
+        { "{\"scene\":\"scene.json\"}", "scene: must be a .glb or .gltf file, got \"scene.json\"" },
         { "{\"asset\":{\"version\":\"2.0\"}}", "is a glTF: give it a name that ends in .gltf" },
     };
     for ( size_t i = 0; i < sizeof files / sizeof files[0]; ++i )
@@ -283,10 +284,10 @@ static void test_environment_in_gltf( void** state )
     scene = load_members( "" );
     rf_destroy_scene( &scene );
 
-    expect_extras_fault( ",\"extras\":{\"reframe\":3}", "scenes[0].extras.reframe: wants an object, got 3" );
+    expect_extras_fault( ",\"extras\":{\"reframe\":3}", "scenes[0].extras.reframe: must be an object, got 3" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"sky\":3}}", "scenes[0].extras.reframe.sky: unknown key" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1]}}}",
-                         "scenes[0].extras.reframe.environment.radiance: wants an array of 3 numbers" );
+                         "scenes[0].extras.reframe.environment.radiance: must be an array of 3 numbers" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"../sky.hdr\"}}}", "leaves the folder" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"/sky.hdr\"}}}", "begins with '/'" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"map\":\"file:sky.hdr\"}}}", "has a scheme" );
@@ -349,12 +350,12 @@ static void test_map_and_warnings_inside_gltf( void** state )
     assert_true( scene.content_hash != hash );
     rf_destroy_scene( &scene );
     expect_embedded_fault( "{\"bufferView\":99}", "[]", "environment.bufferView: names bufferView 99, but there are" );
-    expect_embedded_fault( "{\"bufferView\":-1}", "[]", "environment.bufferView: wants a number" );
-    expect_embedded_fault( "{\"bufferView\":0.5}", "[]", "environment.bufferView: wants a whole number" );
+    expect_embedded_fault( "{\"bufferView\":-1}", "[]", "environment.bufferView: must be a number" );
+    expect_embedded_fault( "{\"bufferView\":0.5}", "[]", "environment.bufferView: must be a whole number" );
     expect_embedded_fault( "{\"bufferView\":0}", "[]", "environment.bufferView: " );
     expect_embedded_fault( "{\"bufferView\":true,\"map\":\"sky.hdr\"}", "[]", "has both map and bufferView" );
-    expect_embedded_fault( LAST, "[7]", "extras.reframe.export_warnings[0]: wants" );
-    expect_embedded_fault( LAST, "\"none\"", "extras.reframe.export_warnings: wants" );
+    expect_embedded_fault( LAST, "[7]", "extras.reframe.export_warnings[0]: must be" );
+    expect_embedded_fault( LAST, "\"none\"", "extras.reframe.export_warnings: must be" );
     write_room( "" );
     RfError error = { 0 };
     assert_int_not_equal( try_members( "\"environment\":{\"bufferView\":0}", &scene, &error ), RF_OK );
@@ -388,7 +389,8 @@ static void test_cameras_are_chosen_and_replaced( void** state )
     assert_int_equal( index, 2 );
     assert_string_equal( scene.cameras[index].name, "path" );
     RfEye eye;
-    assert_int_equal( rf_camera_eye( &scene, scene.cameras + index, 3, 24, 1, 16, 9, &eye, &error ), RF_OK );
+    assert_int_equal(
+        rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras + index, NULL, { 24, 1 }, 16, 9 }, 3, &eye, &error ), RF_OK );
     assert_close( (double)eye.origin.z, 4.0, 1e-6 );
     rf_destroy_scene( &scene );
 

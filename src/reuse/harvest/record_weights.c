@@ -79,11 +79,6 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
     float* restrict pdf = scratch->wavefront.scratch.pdf;
     float* restrict mixture = scratch->mixture + (size_t)direction * RF_LANES;
     rf_evaluate_glossy( batch, wo, wi, NULL, scratch->wavefront.scratch.pdf );
-    if ( harvest->weights != RF_WEIGHTS_EXACT )
-    {
-        memcpy( mixture, pdf, (size_t)count * sizeof( float ) );
-        return;
-    }
     const float* restrict sum = batch->density_sum + first;
     const float* restrict density = scratch->density + (size_t)eye * RF_LANES + first;
 #pragma omp simd
@@ -91,8 +86,7 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
         mixture[i] += rf_mixture_share( density[i], sum[i] ) * pdf[i];
 }
 
-// P of all directions. With cameras that are not weighted, the density is that of
-// the hit's own camera.
+// P of all directions.
 static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels; // connections do not depend on densities
@@ -100,13 +94,31 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
     memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
     for ( int l = 0; l < harvest->shape.eyes; ++l )
     {
-        if ( harvest->weights != RF_WEIGHTS_EXACT && l != batch->eye )
-            continue;
         if ( batch->rows[2 * l] > batch->rows[2 * l + 1] )
             continue; // sees nothing of the batch
         rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + l, l, batch, wo );
         for ( int d = 0; d < directions; ++d )
             add_density( harvest, batch, scratch, l, d );
+    }
+}
+
+// With biased weights: the density of the hits' own camera in the place of P.
+static void take_own_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], eye = batch->eye;
+    int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels;
+    float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
+    const float *wo_in[3] = { wo[0], wo[1], wo[2] }, *wi[3];
+    memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
+    if ( batch->rows[2 * eye] > batch->rows[2 * eye + 1] )
+        return;
+    rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + eye, eye, batch, wo );
+    for ( int d = 0; d < directions; ++d )
+    {
+        direction_lanes( harvest, scratch, d, wi );
+        for ( int c = 0; c < 3; ++c )
+            wi[c] += first;
+        rf_evaluate_glossy( batch, wo_in, wi, NULL, scratch->mixture + (size_t)d * RF_LANES );
     }
 }
 
@@ -146,8 +158,8 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
         add_diffuse( scratch, arrival, wi, batch, &scratch->wavefront.scratch );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
         store_direction( batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES, batch->directions + direction );
-    if ( batch->eq15 != NULL )
-        rf_keep_eq15( batch, arrival, batch->eq15 + direction );
+    if ( batch->arrivals != NULL )
+        rf_keep_arrivals( batch, direction, arrival );
 }
 
 // The light of connections, which no other technique finds: it needs no weight.
@@ -206,13 +218,15 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     if ( harvest->path.max_depth == 1 )
     {
         rf_clear_directions( batch, rf_direction_count( &harvest->shape ) );
-        if ( batch->eq15 != NULL )
-            rf_clear_eq15( batch, rf_direction_count( &harvest->shape ) );
+        if ( batch->arrivals != NULL )
+            memset( batch->arrivals, 0, harvest->shape.arrivals );
         return;
     }
     bool glossy = batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count;
-    if ( glossy )
+    if ( glossy && harvest->weights == RF_WEIGHTS_EXACT )
         mix_densities( harvest, batch, scratch );
+    else if ( glossy )
+        take_own_densities( harvest, batch, scratch );
     if ( rf_reuses_tiles( scratch ) )
         add_diffuse_tile_light( harvest, scratch, batch );
     int directions = rf_first_pairing( &harvest->shape ) + ( glossy ? harvest->shape.tile_pixels : 1 );

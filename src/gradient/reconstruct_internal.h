@@ -1,6 +1,6 @@
 // The weights of the cross-fitted solve.
-#ifndef REFRAME_GRADIENT_RECONSTRUCT_H
-#define REFRAME_GRADIENT_RECONSTRUCT_H
+#ifndef REFRAME_GRADIENT_RECONSTRUCT_INTERNAL_H
+#define REFRAME_GRADIENT_RECONSTRUCT_INTERNAL_H
 
 #include "reframe/reconstruct.h"
 

@@ -249,8 +249,8 @@ static int print_bash_completion( const RfCommand* commands )
 static const char* const s_files[] = { "bash|zsh" };
 static const RfCommandTable s_table = {
     .command = COMMAND,
-    .summary = "Prints what makes bash or zsh complete commands, options and their values: source <(reframe completion bash). "
-               "Where Reframe is installed, its shells find it by themselves.",
+    .summary = "Prints the completion of commands, options and their values for bash or zsh: source <(reframe completion bash). "
+               "Where Reframe is installed, the shells find it by themselves.",
     .files = s_files,
     .file_count = 1,
 };
