@@ -345,7 +345,7 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
     scratch->hits.eye = batch->eye = job.eye;
     if ( harvest.shape.blurred )
         scratch->hits.lens = rf_draw_lens( &harvest, job );
-    RfHarvest at = rf_harvest_at( &harvest, scratch->hits.lens, scratch->harvest );
+    RfHarvest at = rf_harvest_at( &harvest, job.eye, scratch->hits.lens, scratch->harvest );
     batch->tile_count = rf_list_extended_tiles( &layout, key, job.job, batch->tile );
     int count = list_pixels( batch, group->width, layout.pairs, scratch );
     if ( layout.pairs )

@@ -315,6 +315,34 @@ static void dim_behind_panes( int kept, const RfPaneLanes* panes, RfLightLanes* 
     }
 }
 
+// Marks the lanes whose path is touched, or whose segment is.
+static void touch_lights( const RfPathSettings* settings, const RfVertexLanes* v, const LightPoints* points, int kept,
+                          RfLightLanes* out, const RfLaneScratch* scratch )
+{
+    float finite[RF_LANES], endless[RF_LANES]; // visible, unless the path is touched anyway
+    uint8_t touched[RF_LANES];
+    const float *o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] }, *d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
+    bool any_sky = false;
+    for ( int i = 0; i < v->count; ++i )
+        out->touched[i] = settings->own->touched[v->slot[i]];
+    for ( int k = 0; k < kept; ++k )
+    {
+        int i = scratch->index[k];
+        bool sky = points->non_area_count > 0 && points->sky[i];
+        float open = out->touched[i] ? 0.0f : scratch->visible[k];
+        finite[k] = sky ? 0.0f : open;
+        endless[k] = sky ? open : 0.0f;
+        any_sky = any_sky || sky;
+    }
+    rf_touch_by_segments( settings->tracer, kept, o, d, 1.0f, finite, touched );
+    for ( int k = 0; k < kept; ++k )
+        out->touched[scratch->index[k]] |= touched[k];
+    if ( any_sky )
+        rf_touch_by_segments( settings->tracer, kept, o, d, INFINITY, endless, touched );
+    for ( int k = 0; k < kept && any_sky; ++k )
+        out->touched[scratch->index[k]] |= touched[k];
+}
+
 int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
                       RfLightLanes* out, RfLaneScratch* scratch )
 {
@@ -329,6 +357,7 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         }
         for ( int i = 0; i < count; ++i )
             out->pdf_solid_angle[i] = 1.0f;
+        memset( out->touched, 0, sizeof out->touched );
         return 0;
     }
     LightPoints points;
@@ -353,6 +382,8 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         look_up_sky( lights, &points, kept, out, scratch );
     if ( rf_tracer_has_panes( settings->tracer ) )
         dim_behind_panes( kept, &panes, out, scratch );
+    if ( settings->own != NULL )
+        touch_lights( settings, vertices, &points, kept, out, scratch );
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];

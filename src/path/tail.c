@@ -46,11 +46,15 @@ static void note_chain_events( RfChainLight* chain_light, const RfVertexLanes* v
 static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, float light_pdf,
                                 const RfReceiver* to )
 {
-    RfArrivals* arrivals = to->arrivals;
     int slot = rays->slot[r];
+    bool touched = to->own != NULL && to->own->touched[slot];
+    RfArrivals* arrivals = touched ? &to->own->arrivals : to->arrivals;
     float l[3] = { light.x * rays->throughput[0][r], light.y * rays->throughput[1][r], light.z * rays->throughput[2][r] };
     if ( to->chain_light != NULL && rf_take_chain_light( to->chain_light, slot, l ) )
+    {
+        to->chain_light->touched[slot] = touched;
         return;
+    }
     rf_close_chain( to->chain_light, slot, l );
     if ( to->defer_mis )
     {
@@ -314,8 +318,9 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
         {
             int slot = v->slot[i], r = v->ray[i];
             float scale = rf_balance_scale( k * lights->pdf_solid_angle[i], s->pdf[i] );
+            RfArrivals* to = settings->own != NULL && lights->touched[i] ? &settings->own->arrivals : &wavefront->arrivals;
             for ( int c = 0; c < 3; ++c )
-                wavefront->arrivals.rest[c][slot] += rays->throughput[c][r] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
+                to->rest[c][slot] += rays->throughput[c][r] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
         }
     }
 }
@@ -411,7 +416,11 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, 0, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
     leave_to_connections( settings, wavefront, rays, vertices );
-    RfReceiver to = { .defer_mis = defer_mis, .chain_light = wavefront->chain_light, .arrivals = &wavefront->arrivals };
+    if ( settings->own != NULL )
+        rf_touch_by_rays( settings->tracer, rays, vertices, wavefront->scratch.triangle, settings->own->touched );
+    RfReceiver to = {
+        .defer_mis = defer_mis, .chain_light = wavefront->chain_light, .arrivals = &wavefront->arrivals, .own = settings->own
+    };
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, to );
     return pane_probability;
 }

@@ -4,7 +4,7 @@
 #ifndef REFRAME_PATH_WAVEFRONT_H
 #define REFRAME_PATH_WAVEFRONT_H
 
-#include "path/mis.h"
+#include "path/own_light.h"
 
 #include <string.h>
 
@@ -18,6 +18,7 @@ typedef struct RfChainLight
     RF_ALIGN float light[3][RF_LANES]; // leaving the chain's first vertex towards the hit; 0: none
     uint16_t transmitted[RF_LANES];    // bit v: transmission at vertex v of the chain, from 0; else reflection
     uint8_t length[RF_LANES];          // its vertices
+    uint8_t touched[RF_LANES];         // with RfPathSettings.own: 1 where what moves touches the way to the light
     bool open[RF_LANES];               // the path has only seen such vertices since its hit, and no emission yet
 } RfChainLight;
 
@@ -56,6 +57,7 @@ typedef struct RfPathSettings
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
+    RfOwnLight* own;              // keeps light of paths that what moves touches apart from the arrivals; NULL: nothing moves
 } RfPathSettings;
 
 // A thread's wavefront.
@@ -178,6 +180,7 @@ typedef struct RfReceiver
     bool defer_mis;            // to `emitted` of the arrivals, unweighted; else to `rest`, weighted by the balance heuristic
     RfChainLight* chain_light; // takes what it waits for instead; NULL: nothing
     RfArrivals* arrivals;
+    RfOwnLight* own; // takes that of touched paths; NULL: there are none
 } RfReceiver;
 
 // Adds emission hit by the rays, of surfaces (the vertices) and of the sky. The rays have passed panes with these probabilities
@@ -270,7 +273,7 @@ void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wave
 // Absorption along rays that reach the surface of a body from inside.
 void rf_absorb( const RfVertexLanes* vertices, RfRayLanes* rays );
 
-// Finds the vertices that the rays hit, behind panes too, applies absorption, and adds their emission to
+// Finds the vertices that the rays hit, behind panes too, applies absorption, marks touched paths, and adds their emission to
 // wavefront->arrivals (see rf_add_emission_hits). Returns what rf_find_vertices_past_panes returns.
 const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* wavefront, RfRayLanes* rays, bool defer_mis,
                                    RfVertexLanes* vertices );

@@ -27,7 +27,8 @@
 // A group of frames, as every batch of it sees it.
 typedef struct RfEstimatorGroup
 {
-    const RfTracer* tracer;           // NULL where only sizes are asked for
+    const RfTracer* tracer;           // of what stands still; NULL where only sizes are asked for
+    const RfTracer* const* tracers;   // where something moves: those of the group's frames; NULL: all are `tracer`
     const RfRenderSettings* settings; // resolved
     RfSceneTraits traits;
     int width, height;           // of all films, pixels
@@ -46,6 +47,12 @@ typedef struct RfEstimatorGroup
     bool even_light_samples; // first hits have no more light samples than other vertices
     const void* shared;      // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;
+
+// The tracer of one of the group's frames.
+static inline const RfTracer* rf_group_tracer( const RfEstimatorGroup* group, int eye )
+{
+    return group->tracers != NULL ? group->tracers[eye] : group->tracer;
+}
 
 // Sizes in bytes and counts for groups of up to group->eye_count frames.
 typedef struct RfEstimatorSizes

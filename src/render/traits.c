@@ -33,6 +33,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     }
     traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
     traits.scattered = traits.lens || traits.shutter;
+    traits.moves = scene->movement != NULL || scene->feigned != NULL;
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
     if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles > 0 && !traits.panes && !traits.blended )
@@ -44,7 +45,8 @@ bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* 
 {
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
                              settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->panes &&
-                             !traits->blended && ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
+                             !traits->blended && !( traits->moves && settings->group != 0 ) &&
+                             ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }
 

@@ -23,6 +23,7 @@ typedef struct RfSceneTraits
     RF_TRAIT_LIST( RF_TRAIT_FLAG )
 #undef RF_TRAIT_FLAG
     // what is a matter of the scene alone, whatever is forced
+    bool moves;               // something in it moves
     bool grouped_chains;      // other frames can use what chains find
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
     uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)

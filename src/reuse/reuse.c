@@ -125,7 +125,7 @@ static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_mem
     RfHarvest harvest = rf_make_harvest( group );
     RfRayCounts rays = { 0 };
     batch->eye = eye;
-    harvest = rf_harvest_at( &harvest, batch->lens, scratch );
+    harvest = rf_harvest_at( &harvest, eye, batch->lens, scratch );
     rf_test_batch_visibility( &harvest, batch, scratch, &rays );
     const float* own = scratch->density + (size_t)eye * RF_LANES;
     double share = 0.0;

@@ -157,6 +157,22 @@ int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int 
 void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
                        float* const hit[3], float* weight );
 
+// What moves in the tracer's group of frames, at all of them: its ghosts (src/reuse/estimators.md, section 18). False: nothing
+// does, or the group has one frame.
+bool rf_tracer_has_ghosts( const RfTracer* tracer );
+
+// Marks in `touched` which of the rays o + t d, 0 < t < length, meet what moves in any frame of the group, whatever its opacity.
+// Never clears. `length`: 1 for segments, infinity for rays. May mark too many, as long as it depends on the ray alone.
+void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
+                     uint8_t* touched );
+
+// Whether a triangle moves. Only with ghosts.
+static inline bool rf_is_moving( const RfTracer* tracer, uint32_t triangle )
+{
+    const RfFeignedGhosts* feigned = rf_tracer_scene( tracer )->feigned;
+    return feigned != NULL && triangle >= feigned->first && triangle < feigned->end;
+}
+
 // Enables flush-to-zero and rounding to nearest for the calling thread. Call at the start of main and of every
 // parallel region, so that results do not depend on the thread.
 void rf_set_float_mode( void );

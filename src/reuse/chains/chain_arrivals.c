@@ -25,7 +25,9 @@ static void add_own( const RfHarvest* harvest, const RfHarvestScratch* scratch, 
     {
         int slot = v->slot[i];
         bool taken = scratch->chain_samples != NULL && scratch->chain_samples->taken[i];
-        float( *to )[RF_LANES] = taken ? arrivals->emitted : arrivals->rest, found = 0.0f;
+        bool own = harvest->path.own != NULL && chain_light->touched[slot];
+        float( *rest )[RF_LANES] = own ? harvest->path.own->arrivals.rest : arrivals->rest;
+        float( *to )[RF_LANES] = taken ? arrivals->emitted : rest, found = 0.0f;
         for ( int c = 0; c < 3; ++c )
             found += chain_light->light[c][slot];
         if ( !( found > 0.0f ) )

@@ -472,10 +472,12 @@ static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVerte
     return chains->view[slot] == RF_VIEW_DIRECT && kind == RF_BSDF_GGX && rf_is_smooth_coat( found, i );
 }
 
-// Records the chains that have reached a non-specular vertex, and the throughputs of all.
-static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, const RfRayLanes* rays, int vertex,
-                       RfChains* chains )
+// Records the chains that have reached a non-specular vertex, and the throughputs of all. `triangle`: that rays hit. No other camera
+// sees what moves.
+static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, const RfRayLanes* rays, const uint32_t* triangle,
+                       int vertex, RfChains* chains )
 {
+    bool ghosts = rf_tracer_has_ghosts( path->tracer );
     RfVertexLanes* ends = &chains->ends;
     for ( int r = 0; r < rays->count; ++r )
         set_throughput( chains, rays->slot[r],
@@ -487,7 +489,8 @@ static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, c
             int slot = found->slot[i];
             if ( is_last( path, chains, slot, vertex + 1 ) )
                 continue;
-            if ( is_coat_behind_pane( chains, slot, found, kind, i ) )
+            bool moving = ghosts && rf_is_moving( path->tracer, triangle[found->ray[i]] );
+            if ( moving || is_coat_behind_pane( chains, slot, found, kind, i ) )
                 chains->view[slot] = RF_VIEW_CHAIN;
             chains->kind[ends->count] = (uint8_t)kind;
             chains->length[slot] = vertex - chains->straight[slot];
@@ -571,7 +574,7 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         rf_absorb( &wavefront->vertices, &wavefront->rays );
         drop_counted_light( chains, wavefront );
         add_emission( path, pane_probability, vertex, wavefront, chains );
-        note_ends( path, &wavefront->vertices, &wavefront->rays, vertex, chains );
+        note_ends( path, &wavefront->vertices, &wavefront->rays, wavefront->scratch.triangle, vertex, chains );
         go_to( &wavefront->vertices, &chains->at );
     }
     memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );

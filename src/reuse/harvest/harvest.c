@@ -41,6 +41,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .own_frame_light = specular || chains || group->traits.sky,
         .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
+        .own_light = group->traits.moves && group->eye_count > 1 && settings->weights == RF_WEIGHTS_EXACT &&
+                     !group->even_light_samples, // not in gradients
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
     };
@@ -56,6 +58,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
                   .max_depth = group->max_depth,
                   .light_samples = settings->light_samples,
                   .light_sampling = settings->light_sampling },
+        .tracers = group->tracers,
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
         .weights = settings->weights,
@@ -82,15 +85,19 @@ static size_t eyes_bytes( const RfBatchShape* shape )
     return rf_is_blurred_shape( shape ) ? ( (size_t)shape->eyes * sizeof( RfEye ) + 63 ) / 64 * 64 : 0;
 }
 
+static size_t tile_bytes( const RfBatchShape* shape )
+{
+    return rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, shape->own_light );
+}
+
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
-           (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes +
-           rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes ) +
+           (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
            ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
-           ( shape->filtered ? 2 * lanes : 0 );
+           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -101,8 +108,9 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
-    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, rest );
-    rest += rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes );
+    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes,
+                                            shape->own_light, rest );
+    rest += tile_bytes( shape );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
     scratch->connections = shape->connections ? (RfConnectionLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
@@ -111,6 +119,8 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->chain_samples = samples ? (RfChainSamples*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     scratch->chain_light = samples ? (RfChainLight*)(void*)( scratch->chain_samples + 1 ) : NULL;
     rest = samples ? (char*)( scratch->chain_light + 1 ) : rest;
+    scratch->own = shape->own_light ? (RfOwnHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->own_light ? (char*)( scratch->own + 1 ) : rest;
     for ( int c = 0; c < 2; ++c )
         scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;
@@ -123,9 +133,10 @@ RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job )
     return ( RfLensSample ){ rf_random( key, 0 ), rf_random( key, 1 ), rf_random( key, 2 ) };
 }
 
-RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch )
+RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, RfHarvestScratch* scratch )
 {
     RfHarvest at = *harvest;
+    at.path.tracer = rf_harvest_tracer( harvest, eye );
     if ( !rf_is_blurred_shape( &harvest->shape ) )
         return at;
     for ( int l = 0; l < harvest->shape.eyes; ++l )
@@ -573,6 +584,8 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
         memcpy( scratch->place[c], wavefront->scratch.random[c], (size_t)count * sizeof( float ) );
     rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
     rays->primary += (uint64_t)count;
+    if ( scratch->own != NULL )
+        rf_note_moving_hits( harvest->path.tracer, scratch );
     rf_follow_camera_rays( harvest, scratch );
     rf_list_hits( count, scratch, batch );
     return count;
@@ -609,13 +622,22 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     rf_connect_vertices( &connector, &scratch->wavefront, NULL, scratch->hits, 1 );
 }
 
-static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
-                          RfRayCounts* rays )
+// From here on light that holds in its own frame alone is kept apart: what the chains before first hits have found does so anyway.
+static void split_light( RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    harvest->path.own = &scratch->own->paths;
+    memset( harvest->path.own, 0, sizeof *harvest->path.own );
+    memset( scratch->own->light, 0, sizeof scratch->own->light );
+}
+
+static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     RfWavefront* wavefront = &scratch->wavefront;
     int count = harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
+    if ( rf_splits_light( harvest ) )
+        split_light( harvest, scratch );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     wavefront->rays.count = 0;
     rf_scale_roulette( scratch, count );
@@ -635,6 +657,8 @@ static int harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* 
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
+    if ( harvest->path.own != NULL )
+        rf_add_own_light( harvest, batch, scratch );
     return count;
 }
 
@@ -642,6 +666,6 @@ int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batc
 {
     if ( rf_is_blurred_shape( &harvest->shape ) )
         batch->lens = rf_draw_lens( harvest, job );
-    RfHarvest at = rf_harvest_at( harvest, batch->lens, scratch );
+    RfHarvest at = rf_harvest_at( harvest, job.eye, batch->lens, scratch );
     return harvest_batch( &at, job, batch, scratch, rays );
 }

@@ -13,7 +13,8 @@
 // What all batches of a group share.
 typedef struct RfHarvest
 {
-    RfPathSettings path;
+    RfPathSettings path;            // with the tracer of the batch's frame, once rf_harvest_at has set it
+    const RfTracer* const* tracers; // as in RfEstimatorGroup
     RfBatchShape shape;
     RfPatchLayout patches;
     bool path_roulette;         // see RfTileReuseSettings

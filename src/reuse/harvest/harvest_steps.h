@@ -8,6 +8,15 @@
 #include "reuse/harvest/harvest.h"
 #include "reuse/tile/tile_reuse.h"
 
+// Light that holds in the frame of its path alone (path/own_light.h).
+typedef struct RfOwnHits
+{
+    RfOwnLight paths;
+    RfArrivalLanes arrival;            // from one direction
+    RF_ALIGN float light[3][RF_LANES]; // by hit: towards its own camera
+    uint8_t moving[RF_LANES];          // by slot: the first hit is on what moves, so other cameras do not see it
+} RfOwnHits;
+
 struct RfHarvestScratch
 {
     RfWavefront wavefront;
@@ -37,6 +46,7 @@ struct RfHarvestScratch
     RfConnectionLanes* connections;          // NULL without light paths
     RfChainSamples* chain_samples;           // NULL without
     RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
+    RfOwnHits* own;                          // NULL unless something moves
 };
 
 // What the scene and the settings call for.
@@ -47,6 +57,11 @@ static inline bool rf_reuses_tiles( const RfHarvestScratch* scratch )
 static inline bool rf_follows_chains( const RfHarvestScratch* scratch )
 {
     return rf_calls_for( scratch->hits != &scratch->first, RF_EFFECT_CHAINS );
+}
+// Whether something moves in the group that hits are harvested for, so that some light holds in one of its frames alone.
+static inline bool rf_splits_light( const RfHarvest* harvest )
+{
+    return harvest->shape.own_light && rf_tracer_has_ghosts( harvest->path.tracer );
 }
 static inline bool rf_is_adaptive( const RfHarvest* harvest )
 {
@@ -62,8 +77,15 @@ static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pa
 // The point of the lens and the moment of the shutter that a batch has: the same for all cameras of the group.
 RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
 
-// The harvest with its cameras as pinholes at that point of the lens and moment of the shutter, in scratch->eyes.
-RfHarvest rf_harvest_at( const RfHarvest* harvest, RfLensSample lens, RfHarvestScratch* scratch );
+// The tracer of one of the group's frames.
+static inline const RfTracer* rf_harvest_tracer( const RfHarvest* harvest, int eye )
+{
+    return harvest->tracers != NULL ? harvest->tracers[eye] : harvest->path.tracer;
+}
+
+// The harvest of batches of one frame: with its tracer, and with all cameras as pinholes at a point of the lens and moment of the
+// shutter, in scratch->eyes.
+RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, RfHarvestScratch* scratch );
 
 // One camera ray per pixel, through a point drawn uniformly or by a filter (NULL: uniformly). Lane i is slot i,
 // which must have its random key.
@@ -105,6 +127,15 @@ static inline RfChainSampling rf_chain_sampling( const RfHarvest* harvest, bool 
 {
     return ( RfChainSampling ){ harvest->shape.chain_samples, shared ? RF_SHARED_CHAIN_WORTH : 1.0f };
 }
+
+// Marks the hits of camera rays that are on what moves: scratch->own->moving.
+void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch );
+
+// Adds light by one direction, at those glossy hits where it holds in their own frame alone, to scratch->own->light.
+void rf_add_own_glossy( const RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch );
+
+// Adds scratch->own->light to the batch, as glints.
+void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 // The light of the records: batch->radiance, and the glossy hits' directions.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );

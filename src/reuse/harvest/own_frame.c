@@ -49,10 +49,10 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
     }
 }
 
-static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
+static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfArrivals* arrivals,
+                           const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
-    const RfArrivals* arrivals = &scratch->wavefront.arrivals;
     float k = (float)harvest->shape.light_samples;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
@@ -120,7 +120,9 @@ void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
     if ( specular > 0 && harvest->path.max_depth > 1 )
     {
         add_light_samples( harvest, scratch, batch, first_miss );
-        add_scattered( harvest, scratch, batch, first_miss );
+        add_scattered( harvest, scratch, &scratch->wavefront.arrivals, batch, first_miss );
+        if ( harvest->path.own != NULL )
+            add_scattered( harvest, scratch, &harvest->path.own->arrivals, batch, first_miss );
     }
     absorb( scratch, batch, first_miss );
 }

@@ -17,12 +17,13 @@ static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch
         wi[c] = lanes[c];
 }
 
-// Of the glossy hits.
-static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out )
+// Of the glossy hits: what holds in their own frame alone, or what all share.
+static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, bool own,
+                               RfArrivalLanes* out )
 {
     int first = scratch->hits->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( scratch->hits );
     size_t bytes = (size_t)( end - first ) * sizeof( float );
-    rf_gather_tile_light( scratch->tiles, pairing, scratch->hits, first, end, out->b );
+    rf_gather_tile_light( scratch->tiles, pairing, scratch->hits, first, end, own, out->b );
     for ( int c = 0; c < 3; ++c )
         memset( out->a[c] + first, 0, bytes );
     memset( out->light_pdf + first, 0, bytes );
@@ -33,8 +34,8 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
 
 // Diffuse hits: the density is the same for all cameras, so the light to any of
 // them is known here.
-static void add_diffuse( const RfHarvestScratch* scratch, const RfArrivalLanes* arrival, const float* const wi[3],
-                         RfHitBatch* batch, RfLaneScratch* s )
+static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arrival, const RfArrivalLanes* own,
+                         const float* const wi[3], RfHitBatch* batch, RfLaneScratch* s )
 {
     int count = batch->first[RF_BSDF_FIRST_GLOSSY];
     const RfVertexLanes* v = scratch->hits;
@@ -48,6 +49,13 @@ static void add_diffuse( const RfHarvestScratch* scratch, const RfArrivalLanes* 
         for ( int c = 0; c < 3; ++c )
             batch->radiance[4 * i + c] += f[c][i] * q[c];
     }
+    for ( int i = 0; i < count && own != NULL; ++i )
+    {
+        float q[3];
+        rf_weigh_arrival( own, i, s->pdf[i], q );
+        for ( int c = 0; c < 3; ++c )
+            scratch->own->light[c][i] += f[c][i] * q[c];
+    }
 }
 
 // The light of all neighbour paths at once: for diffuse hits their directions do not matter.
@@ -59,12 +67,20 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     const RfChainSamples* samples = scratch->chain_samples;
     RfChainSampling sampling = rf_chain_sampling( harvest, true );
     float worth = rf_balance_weight( sampling.worth, (float)sampling.count ); // of diffuse hits, for any direction
-    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, samples != NULL ? samples->taken : NULL,
-                                  worth, sum );
+    const bool* taken = samples != NULL ? samples->taken : NULL;
+    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, false, taken, worth, sum );
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
             batch->radiance[4 * i + c] += v->param[RF_PARAM_DIFFUSE + c][i] * sum[c][i];
+    }
+    if ( harvest->path.own == NULL )
+        return;
+    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, true, taken, worth, sum );
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int i = 0; i < count; ++i )
+            scratch->own->light[c][i] += v->param[RF_PARAM_DIFFUSE + c][i] * sum[c][i];
     }
 }
 
@@ -138,26 +154,50 @@ static void store_direction( const RfHitBatch* batch, const RfArrivalLanes* arri
     }
 }
 
+// What arrives at the hits from one direction, and with own != NULL the part that holds in their own frame alone, there.
+static void gather_direction( const RfHarvest* harvest, const RfHarvestScratch* scratch, int direction, const float* const wi[3],
+                              RfArrivalLanes* arrival, RfArrivalLanes* own )
+{
+    int pairing = direction - rf_first_pairing( &harvest->shape );
+    const RfVertexLanes* v = scratch->hits;
+    float k = (float)harvest->shape.light_samples;
+    if ( direction < harvest->shape.light_samples )
+    {
+        rf_gather_light_sample( scratch->direct + direction, v->count, k, arrival );
+        if ( own != NULL )
+            rf_split_arrival( scratch->direct[direction].touched, v->count, arrival, own );
+    }
+    else if ( pairing < 0 ) // other cameras do not see hits with chain samples, so all is one
+        rf_gather_light_sample( &scratch->chain_samples->found, v->count, 1.0f, arrival );
+    else if ( pairing == 0 )
+    {
+        rf_gather_scattered( v, rf_record_count( v ), wi, &scratch->wavefront.arrivals, k, arrival );
+        if ( own != NULL )
+            rf_gather_scattered( v, rf_record_count( v ), wi, &harvest->path.own->arrivals, k, own );
+    }
+    else
+    {
+        gather_tile_light( harvest, scratch, pairing, false, arrival );
+        if ( own != NULL )
+            gather_tile_light( harvest, scratch, pairing, true, own );
+    }
+}
+
 static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
     RfArrivalLanes* arrival = &scratch->arrival;
     int pairing = direction - rf_first_pairing( &harvest->shape );
-    const RfVertexLanes* v = scratch->hits;
-    float k = (float)harvest->shape.light_samples;
+    bool found = direction >= harvest->shape.light_samples && pairing < 0; // by chain samples
+    RfArrivalLanes* own = harvest->path.own != NULL && !found ? &scratch->own->arrival : NULL;
     const float* wi[3];
     direction_lanes( harvest, scratch, direction, wi );
-    if ( direction < harvest->shape.light_samples )
-        rf_gather_light_sample( scratch->direct + direction, v->count, k, arrival );
-    else if ( pairing < 0 )
-        rf_gather_light_sample( &scratch->chain_samples->found, v->count, 1.0f, arrival );
-    else if ( pairing == 0 )
-        rf_gather_scattered( v, rf_record_count( v ), wi, &scratch->wavefront.arrivals, k, arrival );
-    else
-        gather_tile_light( harvest, scratch, pairing, arrival );
+    gather_direction( harvest, scratch, direction, wi, arrival, own );
     if ( pairing <= 0 )
-        add_diffuse( scratch, arrival, wi, batch, &scratch->wavefront.scratch );
+        add_diffuse( scratch, arrival, own, wi, batch, &scratch->wavefront.scratch );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
         store_direction( batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES, batch->directions + direction );
+    if ( own != NULL )
+        rf_add_own_glossy( batch, wi, scratch );
     if ( batch->arrivals != NULL )
         rf_keep_arrivals( batch, direction, arrival );
 }

@@ -25,7 +25,8 @@ typedef struct RfHitBatch
     int miss_count;                    // own-frame samples: rays that missed, hits of specular models, and
                                        // chains that end without a hit
     int sky_count;                     // the first of them: camera rays that missed
-    int glint_count;                   // light that chains find on the way to a hit, for their own pixel
+    int glint_count;                   // light that chains find on the way to a hit, and light at hits that holds in their own
+                                       // frame alone: for their own pixel
     int first[RF_BSDF_KIND_COUNT + 1]; // hits [first[k], first[k+1]) scatter by model k
     float* p[3];
     float* ng[3];
@@ -62,6 +63,7 @@ typedef struct RfBatchShape
     bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays are followed through mirrors and glass
     int chain_samples;    // per hit behind a chain (path/chain_samples.h); one direction more unless 0
+    bool own_light;       // some paths may hold in their own frame alone: something moves (path/own_light.h)
     bool connections;     // hits have connections to light paths: one direction more
 } RfBatchShape;
 

@@ -56,7 +56,7 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
 static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3],
                          float* density )
 {
-    const RfTracer* tracer = harvest->path.tracer;
+    const RfTracer* tracer = rf_harvest_tracer( harvest, eye );
     const RfEye* from = harvest->eyes + eye;
     if ( batch->panes[0] == NULL )
         return rf_trace_from_eye( tracer, from, batch->count, lifted, density );
@@ -86,7 +86,7 @@ static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, cons
     for ( int i = 0; i < batch->count; ++i )
         straight[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
     int rays = see_straight( harvest, eye, batch, lifted, straight );
-    rays += rf_see_mirrored( harvest->path.tracer, harvest->eyes + eye, batch, lifted, density );
+    rays += rf_see_mirrored( rf_harvest_tracer( harvest, eye ), harvest->eyes + eye, batch, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = rf_is_straight( batch->view[i] ) ? straight[i] : density[i];
     return rays;
@@ -143,6 +143,13 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
         density[i] = listed[i] ? rf_maxf( way[i], 1e-12f * density[i] ) : density[i];
 }
 
+// Cameras see what moves in their own frame alone.
+static void hide_moving( const RfHarvestScratch* scratch, int count, float* density )
+{
+    for ( int i = 0; i < count; ++i )
+        density[i] = scratch->own->moving[scratch->hits->slot[i]] ? 0.0f : density[i];
+}
+
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     int eyes = harvest->shape.eyes;
@@ -160,6 +167,8 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
         {
             RfProjectedLanes out = { .pixel = scratch->landed_pixel, .density = density };
             rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, out );
+            if ( rf_splits_light( harvest ) )
+                hide_moving( scratch, batch->count, density );
             rays->eye += (uint64_t)see( harvest, l, batch, lifted, density );
         }
         if ( batch->densities != NULL )

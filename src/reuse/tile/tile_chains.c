@@ -80,6 +80,7 @@ typedef struct Followers
     int32_t hit[RF_PATCH_PIXELS];
     float probability[RF_PATCH_PIXELS]; // of the events so far; 0 if they do not lead to emission
     float light[3][RF_PATCH_PIXELS];    // that leaves the chain's first vertex; of parallel chains, that arrives at the hit
+    uint8_t touched[RF_PATCH_PIXELS];   // by what moves, as far as they are followed; only if light is split
 } Followers;
 
 typedef struct Walk
@@ -188,6 +189,8 @@ static void advance( Walk* walk, int at, RfRayLanes* rays, RfRayLanes* next )
         return;
     rf_find_vertices( walk->path, rays, false, &wavefront->vertices, &wavefront->scratch );
     rf_absorb( &wavefront->vertices, rays );
+    if ( walk->reuse->split )
+        rf_touch_by_rays( walk->path->tracer, rays, &wavefront->vertices, wavefront->scratch.triangle, walk->all.touched );
     walk->rays += (uint64_t)rays->count;
     end_misses( walk, at, rays );
     for ( int i = 0; i < wavefront->vertices.count; ++i )
@@ -205,6 +208,8 @@ static void start( Walk* walk, RfRayLanes* to_first, RfRayLanes* beyond )
         int a = all->vertex[k], i = all->hit[k];
         RfVec3 wi = get( reuse->pairings[all->pairing[k]].wi, i );
         all->probability[k] = 1.0f;
+        all->touched[k] = reuse->split && ( reuse->pairings[all->pairing[k]].touched[i] ||
+                                            ( !reuse->second.parallel[a] && reuse->own->moving[slot_of( walk, k )] ) );
         if ( !reuse->second.parallel[a] )
         {
             take_event( walk, k, 0, &reuse->second.lanes, a, rf_scale( wi, -1.0f ), rf_vec3( 1, 1, 1 ), beyond );
@@ -299,6 +304,8 @@ static void follow_others( Walk* walk )
         if ( !reuse->second.parallel[a] )
             left = rf_transmittance_from( &reuse->second.lanes, a, get( reuse->hits.lifted, i ) );
         pairing->weight[i] *= all->probability[k];
+        if ( reuse->split )
+            pairing->touched[i] = all->touched[k];
         put( pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
     }
     all->count = 0;
@@ -334,6 +341,8 @@ void rf_weight_chain_light( RfTileReuse* reuse )
     {
         int i = reuse->second.owner[a], slot = y->slot[a];
         float weight = i >= 0 ? reuse->pairings[0].weight[i] : 1.0f;
+        if ( reuse->split )
+            reuse->slots.chain_light.touched[slot] |= reuse->own->touched[slot];
         for ( int c = 0; c < 3; ++c )
             reuse->slots.chain_light.light[c][slot] =
                 weight * reuse->second.throughput[c][a] * reuse->slots.chain_light.light[c][slot];

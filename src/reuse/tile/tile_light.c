@@ -7,9 +7,13 @@
 #include <string.h>
 
 // One direction at all second vertices: that of a light sample, or the scattered one.
-static void gather_light_sample( const RfPathSettings* settings, RfSecondVertices* second, int sample )
+static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* reuse, int sample )
 {
-    rf_gather_light_sample( second->direct + sample, second->lanes.count, (float)settings->light_samples, &second->arrival );
+    RfSecondVertices* second = &reuse->second;
+    const RfLightLanes* direct = second->direct + sample;
+    rf_gather_light_sample( direct, second->lanes.count, (float)settings->light_samples, &second->arrival );
+    if ( reuse->split )
+        rf_split_arrival( direct->touched, second->lanes.count, &second->arrival, &reuse->own->arrival );
 }
 
 static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse )
@@ -18,6 +22,9 @@ static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse
     const float* wi[3] = { second->wi[0], second->wi[1], second->wi[2] };
     rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->slots.at_second, (float)settings->light_samples,
                          &second->arrival );
+    if ( reuse->split )
+        rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->own->at_second, (float)settings->light_samples,
+                             &reuse->own->arrival );
 }
 
 // Diffuse vertices scatter the same light to all receivers.
@@ -33,6 +40,13 @@ static void add_diffuse( const float* const wi[3], RfTileReuse* reuse, RfLaneScr
         rf_weigh_arrival( &reuse->second.arrival, a, s->pdf[a], q );
         for ( int c = 0; c < 3; ++c )
             reuse->pairings[0].light[c][a] += f[c][a] * q[c];
+    }
+    for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY] && reuse->split; ++a )
+    {
+        float q[3];
+        rf_weigh_arrival( &reuse->own->arrival, a, s->pdf[a], q );
+        for ( int c = 0; c < 3; ++c )
+            reuse->pairings[0].own[c][a] += f[c][a] * q[c];
     }
 }
 
@@ -111,6 +125,33 @@ static void find_receivers( const RfTileReuse* reuse, int pairing, float wo[3][R
     }
 }
 
+// Replaces what arrives at glossy vertices [first, end) by what is to be scattered of it (Q), in `a`.
+static void weigh_glossy( const RfSecondVertices* second, int first, int end, RfArrivalLanes* arrival )
+{
+    for ( int i = first; i < end; ++i )
+    {
+        float q[3];
+        rf_weigh_arrival( arrival, i, second->mixture[i], q );
+        for ( int c = 0; c < 3; ++c )
+            arrival->a[c][i] = q[c];
+    }
+}
+
+// Light of glossy vertices for their own frame alone, weighted as above.
+static void add_own_glossy( int tile_pixels, int first, int end, RfTileReuse* reuse )
+{
+    weigh_glossy( &reuse->second, first, end, &reuse->own->arrival );
+    for ( int pairing = 0; pairing < tile_pixels; ++pairing )
+    {
+        RfPairingLanes* t = reuse->pairings + pairing;
+        for ( int c = 0; c < 3; ++c )
+        {
+            for ( int a = first; a < end; ++a )
+                t->own[c][a] += t->f[c][a] * reuse->own->arrival.a[c][a];
+        }
+    }
+}
+
 static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool connections,
                         RfTileReuse* reuse, RfLaneScratch* s )
 {
@@ -135,13 +176,9 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
         for ( int a = first; a < end; ++a )
             reuse->second.mixture[a] += weight[a] * s->pdf[a];
     }
-    for ( int a = first; a < end; ++a )
-    {
-        float q[3];
-        rf_weigh_arrival( &reuse->second.arrival, a, reuse->second.mixture[a], q );
-        for ( int c = 0; c < 3; ++c )
-            reuse->second.arrival.a[c][a] = q[c];
-    }
+    weigh_glossy( &reuse->second, first, end, &reuse->second.arrival );
+    if ( reuse->split && rf_any_arrives( &reuse->own->arrival, first, end ) )
+        add_own_glossy( tile_pixels, first, end, reuse );
     float* weight = s->visible; // of light paths; other light has none beside that of its mixture
     for ( int a = first; a < end; ++a )
         weight[a] = 1.0f;
@@ -160,10 +197,13 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
 }
 
 // Light of vertices that are not reused reaches the hit of their path as it would without tiles: one of the two is specular.
+// `own`: the part that holds in its own frame alone.
 static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const float* const wi[3], bool scattered,
-                            bool connections, RfTileReuse* reuse )
+                            bool connections, bool own, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
+    const RfArrivalLanes* arrival = own ? &reuse->own->arrival : &reuse->second.arrival;
+    const RfArrivals* at_second = own ? &reuse->own->at_second : &reuse->slots.at_second;
     RfLaneScratch* s = &wavefront->scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_evaluate_lanes( y, wi, f, s->pdf );
@@ -175,17 +215,18 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         bool specular = scattered && a >= rf_record_count( y ); // its ray carried the weight
         float pdf = specular ? reuse->second.pdf[a] : s->pdf[a], q[3];
         float weight = connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
-        rf_weigh_arrival( &reuse->second.arrival, a, pdf, q );
+        rf_weigh_arrival( arrival, a, pdf, q );
+        RfArrivals* to = own || ( reuse->split && reuse->own->touched[slot] ) ? &settings->own->arrivals : &wavefront->arrivals;
         for ( int c = 0; c < 3; ++c )
         {
             float light = f[c][a] * q[c] * weight;
             if ( specular )
             {
-                float k = (float)settings->light_samples * reuse->slots.at_second.light_pdf_solid_angle[slot];
-                light = reuse->slots.at_second.rest[c][slot] +
-                        ( pdf > 0.0f ? reuse->slots.at_second.emitted[c][slot] * rf_balance_weight( pdf, k ) : 0.0f );
+                float k = (float)settings->light_samples * at_second->light_pdf_solid_angle[slot];
+                light =
+                    at_second->rest[c][slot] + ( pdf > 0.0f ? at_second->emitted[c][slot] * rf_balance_weight( pdf, k ) : 0.0f );
             }
-            wavefront->arrivals.rest[c][slot] += reuse->second.throughput[c][a] * light;
+            to->rest[c][slot] += reuse->second.throughput[c][a] * light;
         }
     }
 }
@@ -198,6 +239,27 @@ static bool all_reused( const RfTileReuse* reuse )
             return false;
     }
     return true;
+}
+
+// store_own where light is split.
+static void store_own_split( RfArrivals* held, RfArrivals* own_frame, const RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    const RfPairingLanes* own = reuse->pairings;
+    for ( int a = 0; a < rf_record_count( y ); ++a )
+    {
+        if ( reuse->second.owner[a] < 0 )
+            continue;
+        int slot = y->slot[a];
+        float weight = own->weight[reuse->second.owner[a]];
+        for ( int c = 0; c < 3; ++c )
+        {
+            float throughput = reuse->second.throughput[c][a];
+            bool touched = reuse->own->touched[slot];
+            held->rest[c][slot] = touched ? 0.0f : weight * own->light[c][a] * throughput;
+            own_frame->rest[c][slot] = weight * ( own->own[c][a] + ( touched ? own->light[c][a] : 0.0f ) ) * throughput;
+        }
+    }
 }
 
 // Pairing 0 is the light of the hits' own paths; their throughput is that of the panes they passed.
@@ -228,7 +290,7 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
         float( *from )[RF_LANES] = d < k ? reuse->second.direct[d].wi : reuse->second.wi;
         const float* wi[3] = { from[0], from[1], from[2] };
         if ( d < k )
-            gather_light_sample( path, &reuse->second, d );
+            gather_light_sample( path, reuse, d );
         else
             gather_scattered( path, reuse );
         rf_evaluate_lanes( y, wi, f, s->pdf );
@@ -254,6 +316,8 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     reuse->second.shared = connected ? 0 : reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
     for ( int k = 0; k < 3 * ( glossy || connected ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
+    for ( int s = 0; s < tile_pixels && reuse->split; ++s )
+        memset( reuse->pairings[s].own, 0, 3 * sizeof *reuse->pairings[s].own ); // chains bring none
     bool reused = all_reused( reuse );
     int k = path->light_samples;
     for ( int d = 0; d <= k + connected; ++d ) // light samples, what was scattered, connections
@@ -265,23 +329,40 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
         if ( scattered )
             gather_scattered( path, reuse );
         else
-            gather_light_sample( path, &reuse->second, connections ? k : d );
+            gather_light_sample( path, reuse, connections ? k : d );
         if ( !reused )
-            add_not_reused( path, wavefront, wi, scattered, connections, reuse );
+            add_not_reused( path, wavefront, wi, scattered, connections, false, reuse );
+        if ( !reused && reuse->split )
+            add_not_reused( path, wavefront, wi, scattered, connections, true, reuse );
         if ( connections )
             add_diffuse_connections( path, wi, tile_pixels, reuse, &wavefront->scratch );
         else
             add_diffuse( wi, reuse, &wavefront->scratch );
         add_glossy( path, wi, tile_pixels, connections, reuse, &wavefront->scratch );
     }
-    store_own( wavefront, reuse );
+    if ( reuse->split )
+        store_own_split( &wavefront->arrivals, &path->own->arrivals, reuse );
+    else
+        store_own( wavefront, reuse );
 }
 
-void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
+// The light that vertex a sends to hit i: all of it, or where light is split (`touched`) the part that frames share, or the other.
+static inline float part_of( const RfPairingLanes* from, const uint8_t* touched, bool own, int c, int a, int i )
+{
+    float light = from->light[c][a];
+    if ( touched == NULL )
+        return light;
+    if ( own )
+        return from->own[c][a] + ( touched[i] ? light : 0.0f );
+    return touched[i] ? 0.0f : light;
+}
+
+void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end, bool own_frame,
                            float light[3][RF_LANES] )
 {
     int diffuse = reuse->second.shared;
     const RfPairingLanes *t = reuse->pairings + pairing, *own = reuse->pairings;
+    const uint8_t* touched = reuse->split ? t->touched : NULL;
     for ( int i = first; i < end; ++i )
     {
         int a = t->vertex[i];
@@ -289,7 +370,7 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
         float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
         const RfPairingLanes* from = a < diffuse ? own : t;
         for ( int c = 0; c < 3; ++c )
-            light[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
+            light[c][i] = weight > 0.0f ? cos_x * weight * part_of( from, touched, own_frame, c, a, i ) : 0.0f;
     }
     for ( int c = 0; c < 3 && t->pane_weight != NULL; ++c )
     {
@@ -298,9 +379,9 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
     }
 }
 
-// Adds a pairing whose connections pass panes.
-static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own, int diffuse, const float* weight, int count,
-                              float sum[3][RF_LANES] )
+// Adds a pairing whose connections pass panes, or whose light is split.
+static void sum_part( const RfPairingLanes* t, const RfPairingLanes* own, int diffuse, const float* weight, int count,
+                      const uint8_t* touched, bool own_frame, float sum[3][RF_LANES] )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -309,12 +390,15 @@ static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own
         int a = t->vertex[i];
         const RfPairingLanes* from = a < diffuse ? own : t;
         for ( int c = 0; c < 3; ++c )
-            sum[c][i] += weight[i] * t->pane_weight[c][i] * from->light[c][a];
+        {
+            float scale = t->pane_weight != NULL ? weight[i] * t->pane_weight[c][i] : weight[i];
+            sum[c][i] += scale * part_of( from, touched, own_frame, c, a, i );
+        }
     }
 }
 
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
-                                   float sum[3][RF_LANES] )
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, bool own_frame, const bool* weighted,
+                                   float chain_weight, float sum[3][RF_LANES] )
 {
     int diffuse = reuse->second.shared;
     const RfPairingLanes* own = reuse->pairings;
@@ -324,6 +408,7 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
     {
         const RfPairingLanes* t = reuse->pairings + s;
         const float* weight = t->weight;
+        const uint8_t* touched = reuse->split ? t->touched : NULL;
         float scaled[RF_LANES];
         if ( weighted != NULL )
         {
@@ -331,9 +416,9 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
                 scaled[i] = t->weight[i] * ( weighted[i] && rf_receives_chain_light( reuse, s, i ) ? chain_weight : 1.0f );
             weight = scaled;
         }
-        if ( t->pane_weight != NULL )
+        if ( t->pane_weight != NULL || touched != NULL )
         {
-            sum_behind_panes( t, own, diffuse, weight, count, sum );
+            sum_part( t, own, diffuse, weight, count, touched, own_frame, sum );
             continue;
         }
         for ( int i = 0; i < count; ++i )

@@ -8,15 +8,34 @@
 
 static size_t struct_bytes( void ) { return ( sizeof( RfTileReuse ) + 63 ) / 64 * 64; }
 
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes )
+static size_t lanes3_bytes( int tile_pixels ) { return (size_t)tile_pixels * 3 * RF_LANES * sizeof( float ); }
+
+static size_t own_bytes( int tile_pixels )
+{
+    return ( sizeof( RfTileOwn ) + 63 ) / 64 * 64 + lanes3_bytes( tile_pixels ) + (size_t)tile_pixels * RF_LANES;
+}
+
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own )
 {
     if ( tile_pixels == 1 )
         return 0;
     return struct_bytes() + (size_t)light_lanes * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes ) +
-           ( panes ? (size_t)tile_pixels * 3 * RF_LANES * sizeof( float ) : 0 );
+           ( panes ? lanes3_bytes( tile_pixels ) : 0 ) + ( own ? own_bytes( tile_pixels ) + 64 : 0 );
 }
 
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory )
+static void lay_out_own( int tile_pixels, char* memory, RfTileReuse* reuse )
+{
+    reuse->own = (RfTileOwn*)(void*)( memory + ( 64 - (uintptr_t)memory % 64 ) % 64 );
+    float( *own )[RF_LANES] = (void*)( (char*)reuse->own + ( sizeof *reuse->own + 63 ) / 64 * 64 );
+    uint8_t* touched = (uint8_t*)( own + 3 * tile_pixels );
+    for ( int s = 0; s < tile_pixels; ++s )
+    {
+        reuse->pairings[s].own = own + 3 * s;
+        reuse->pairings[s].touched = touched + (size_t)s * RF_LANES;
+    }
+}
+
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, void* memory )
 {
     if ( tile_pixels == 1 )
         return NULL;
@@ -26,6 +45,10 @@ RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes
     float( *pane_weight )[RF_LANES] = (void*)( reuse->pairings + tile_pixels );
     for ( int s = 0; s < tile_pixels; ++s )
         reuse->pairings[s].pane_weight = panes ? pane_weight + 3 * s : NULL;
+    reuse->own = NULL;
+    reuse->split = false;
+    if ( own )
+        lay_out_own( tile_pixels, (char*)( pane_weight + ( panes ? 3 * tile_pixels : 0 ) ), reuse );
     return reuse;
 }
 
@@ -104,6 +127,12 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
     }
 }
 
+static float sum_of( const RfArrivals* arrivals, int slot )
+{
+    return arrivals->emitted[0][slot] + arrivals->emitted[1][slot] + arrivals->emitted[2][slot] + arrivals->rest[0][slot] +
+           arrivals->rest[1][slot] + arrivals->rest[2][slot];
+}
+
 // Finds the second vertices at which no light arrives, in many rooms most of them: connections to them bring nothing.
 static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
 {
@@ -113,8 +142,7 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
-        sum[a] = arrivals->emitted[0][slot] + arrivals->emitted[1][slot] + arrivals->emitted[2][slot] + arrivals->rest[0][slot] +
-                 arrivals->rest[1][slot] + arrivals->rest[2][slot];
+        sum[a] = sum_of( arrivals, slot ) + ( reuse->split ? sum_of( &reuse->own->at_second, slot ) : 0.0f );
     }
     for ( int j = 0; j < rf_light_lanes_count( path ); ++j )
     {
@@ -171,6 +199,31 @@ static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
     }
 }
 
+// Whether what moves touches the paths as far as their second vertices, which `triangle` lists by ray; beyond, paths begin anew.
+static void note_touched( const RfPathSettings* settings, const uint32_t* triangle, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    for ( int a = 0; a < y->count; ++a )
+    {
+        int slot = y->slot[a];
+        reuse->own->touched[slot] = settings->own->touched[slot];
+        reuse->own->moving[slot] = settings->own->touched[slot] = rf_is_moving( settings->tracer, triangle[y->ray[a]] );
+    }
+}
+
+// Puts the arrivals at the hits aside, for those at the second vertices.
+static void put_aside( RfArrivals* arrivals, RfArrivals* at_hits )
+{
+    memcpy( at_hits, arrivals, sizeof *arrivals );
+    memset( arrivals, 0, sizeof *arrivals );
+}
+
+static void take_back( RfArrivals* arrivals, RfArrivals* at_second, const RfArrivals* at_hits )
+{
+    memcpy( at_second, arrivals, sizeof *arrivals );
+    memcpy( arrivals, at_hits, sizeof *arrivals );
+}
+
 // Takes light samples at the second vertices and continues the paths from there.
 static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
@@ -185,14 +238,16 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     if ( settings->connector != NULL )
         settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
                                      reuse->second.connection_area );
-    memcpy( &reuse->slots.at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
-    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    put_aside( &wavefront->arrivals, &reuse->slots.at_hits );
+    if ( reuse->split )
+        put_aside( &settings->own->arrivals, &reuse->own->at_hits );
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
     rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
     memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
     rf_trace_tails( settings, wavefront, 3 );
-    memcpy( &reuse->slots.at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
-    memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );
+    take_back( &wavefront->arrivals, &reuse->slots.at_second, &reuse->slots.at_hits );
+    if ( reuse->split )
+        take_back( &settings->own->arrivals, &reuse->own->at_second, &reuse->own->at_hits );
 }
 
 // Whether max_depth ends all paths at their second vertex. Where the camera ray passed a pane, they may have one more.
@@ -218,6 +273,8 @@ static void clear_pairings( int tile_pixels, RfTileReuse* reuse )
         RfPairingLanes* pairing = reuse->pairings + s;
         memset( pairing->weight, 0, sizeof pairing->weight );
         memset( pairing->vertex, 0, sizeof pairing->vertex );
+        if ( reuse->split )
+            memset( pairing->touched, 0, RF_LANES );
         for ( int c = 0; c < 3; ++c )
             memcpy( pairing->wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
     }
@@ -229,9 +286,12 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     int tile_pixels = settings->tile_pixels;
     reuse->second.lanes.count = reuse->thinned = reuse->kept = reuse->second.shared = 0;
     reuse->hits.lanes = hits;
+    reuse->split = settings->path->own != NULL;
     if ( wavefront->rays.count > 0 )
         note_panes( &wavefront->rays,
                     rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second.lanes ), reuse );
+    if ( reuse->split )
+        note_touched( settings->path, wavefront->scratch.triangle, reuse );
     if ( all_end_at_second( settings->path, wavefront ) || reuse->second.lanes.count == 0 )
     {
         clear_pairings( tile_pixels, reuse );

@@ -67,7 +67,19 @@ typedef struct RfPairingLanes
     // by second vertex
     RF_ALIGN float f[3][RF_LANES]; // of glossy ones
     float light[3][RF_LANES];      // scattered to the receiver; that of `shared` ones is in pairing 0 alone
+    // with RfTileReuse.split; else NULL or not set
+    uint8_t* touched;         // by hit: what moves touches the connection
+    float ( *own )[RF_LANES]; // like `light`, by paths that it touches beyond the second vertex
 } RfPairingLanes;
+
+// Light that holds in its own frame alone (path/own_light.h).
+typedef struct RfTileOwn
+{
+    RfArrivals at_hits, at_second; // as in RfTileSlots
+    RfArrivalLanes arrival;        // as in RfSecondVertices
+    uint8_t touched[RF_LANES];     // by slot: the path as far as its second vertex
+    uint8_t moving[RF_LANES];      // by slot: the second vertex itself moves
+} RfTileOwn;
 
 typedef struct RfTileReuse
 {
@@ -76,6 +88,8 @@ typedef struct RfTileReuse
     RfTileHits hits;
     RfSecondVertices second;
     RfPairingLanes* pairings; // one per pixel of a tile
+    RfTileOwn* own;
+    bool split; // light is split into what the frames share and `own`
 } RfTileReuse;
 
 typedef struct RfTileReuseSettings
@@ -90,12 +104,13 @@ typedef struct RfTileReuseSettings
 } RfTileReuseSettings;
 
 // `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes );
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, void* memory );
+// `own`: with room for light that holds in its own frame alone.
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own );
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, void* memory );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are reused inside their tiles.
 // wavefront->arrivals is as returned there, with the weighted light of pairing 0 in `rest`; pairings from 1 on are in
-// reuse->pairings. Returns the number of connections tested.
+// reuse->pairings. With path->own its light is split in the same way. Returns the number of connections tested.
 uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
                               RfWavefront* wavefront, RfTileReuse* reuse );
 
@@ -112,15 +127,15 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
 void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance, bool* lit );
 
 // The light that a pairing from 1 on brings to hits [first, end), times the cosine there: (E5) before the weights over the
-// cameras.
-void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
+// cameras. `own`: that of their own frame alone, else what frames share.
+void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end, bool own,
                            float light[3][RF_LANES] );
 
 // Its sum over all pairings from 1 on at diffuse hits [0, count), divided by the density of the directions: multiply by the
 // albedo, which is f cos / density. Light that comes by chains has the weight `chain_weight` at the hits in `weighted` (NULL:
 // none).
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, const bool* weighted, float chain_weight,
-                                   float sum[3][RF_LANES] );
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, bool own, const bool* weighted,
+                                   float chain_weight, float sum[3][RF_LANES] );
 
 // True if the scattered light of second vertex a is reused.
 static inline bool rf_scatters_to_tile( const RfTileReuse* reuse, int a )

@@ -95,6 +95,14 @@ static void test_past_panes( Queue* q, const float* const o[3], const float* con
     }
 }
 
+static void touch_connections( Queue* q, const float* const o[3], const float* const d[3] )
+{
+    uint8_t touched[RF_LANES];
+    rf_touch_by_segments( q->tracer, q->count, o, d, 1.0f, q->scratch->visible, touched );
+    for ( int k = 0; k < q->count; ++k )
+        q->reuse->pairings[q->pairing[k]].touched[q->hit[k]] = touched[k];
+}
+
 static void test_segments( Queue* q )
 {
     RfLaneScratch* s = q->scratch;
@@ -104,6 +112,8 @@ static void test_segments( Queue* q )
         test_past_panes( q, o, d );
     else
         rf_trace_segments( q->tracer, q->count, o, d, s->visible );
+    if ( q->reuse->split )
+        touch_connections( q, o, d );
     for ( int k = 0; k < q->count; ++k )
         q->reuse->pairings[q->pairing[k]].weight[q->hit[k]] *= s->visible[k];
     q->tested += (uint64_t)q->count;
@@ -232,6 +242,8 @@ uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertex
                              RfWavefront* wavefront, RfTileReuse* reuse )
 {
     int count = rf_record_count( hits );
+    for ( int s = 0; s < settings->tile_pixels && reuse->split; ++s )
+        memset( reuse->pairings[s].touched, 0, (size_t)count );
     // pairing 0 is the path as it was sampled
     for ( int c = 0; c < 3; ++c )
         memcpy( reuse->pairings[0].wi[c], scattered[c], (size_t)count * sizeof( float ) );

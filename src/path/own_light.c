@@ -1,0 +1,123 @@
+// Tells the light that holds in one frame alone from what all frames of a group share.
+#include "path/own_light.h"
+
+#include <math.h>
+#include <string.h>
+
+// Rays and segments to be tested, packed.
+typedef struct Packed
+{
+    int count;
+    int32_t of[RF_LANES];
+    RF_ALIGN float o[3][RF_LANES];
+    float d[3][RF_LANES];
+    uint8_t touched[RF_LANES];
+} Packed;
+
+static void pack( Packed* p, int of, const float o[3], const float d[3] )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        p->o[c][p->count] = o[c];
+        p->d[c][p->count] = d[c];
+    }
+    p->of[p->count++] = of;
+}
+
+// Tests what is packed, and marks what it is of.
+static void test( const RfTracer* tracer, Packed* p, float length, uint8_t* touched )
+{
+    if ( p->count == 0 )
+        return;
+    const float *o[3] = { p->o[0], p->o[1], p->o[2] }, *d[3] = { p->d[0], p->d[1], p->d[2] };
+    memset( p->touched, 0, (size_t)p->count );
+    rf_find_ghosts( tracer, p->count, o, d, length, p->touched );
+    for ( int k = 0; k < p->count; ++k )
+        touched[p->of[k]] |= p->touched[k];
+}
+
+// The ways of the rays to their vertices, which end off the surface: light samples and the connections of tiles end there too,
+// and all must class a segment alike.
+static void pack_ways( const RfTracer* tracer, const RfRayLanes* rays, const RfVertexLanes* v, const uint32_t* triangle,
+                       uint8_t* touched, Packed* out )
+{
+    out->count = 0;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        int r = v->ray[i], slot = v->slot[i];
+        touched[slot] |= rf_is_moving( tracer, triangle[r] );
+        if ( touched[slot] )
+            continue;
+        float o[3], d[3];
+        for ( int c = 0; c < 3; ++c )
+        {
+            o[c] = rays->o[c][r];
+            d[c] = v->p[c][i] + v->ng[c][i] * v->offset[i] - o[c];
+        }
+        pack( out, slot, o, d );
+    }
+}
+
+static void pack_misses( const RfRayLanes* rays, const uint32_t* triangle, const uint8_t* touched, Packed* out )
+{
+    out->count = 0;
+    for ( int r = 0; r < rays->count; ++r )
+    {
+        if ( triangle[r] != RF_MISS || touched[rays->slot[r]] )
+            continue;
+        pack( out, rays->slot[r], ( float[3] ){ rays->o[0][r], rays->o[1][r], rays->o[2][r] },
+              ( float[3] ){ rays->d[0][r], rays->d[1][r], rays->d[2][r] } );
+    }
+}
+
+void rf_touch_by_rays( const RfTracer* tracer, const RfRayLanes* rays, const RfVertexLanes* vertices, const uint32_t* triangle,
+                       uint8_t* touched )
+{
+    Packed packed;
+    pack_ways( tracer, rays, vertices, triangle, touched, &packed );
+    test( tracer, &packed, 1.0f, touched );
+    if ( !rf_has_sky( rf_tracer_lights( tracer ) ) )
+        return;
+    pack_misses( rays, triangle, touched, &packed );
+    test( tracer, &packed, INFINITY, touched );
+}
+
+void rf_touch_by_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
+                           const float* visible, uint8_t* touched )
+{
+    Packed packed;
+    packed.count = 0;
+    memset( touched, 0, (size_t)count );
+    for ( int k = 0; k < count; ++k )
+    {
+        if ( visible[k] > 0.0f )
+            pack( &packed, k, ( float[3] ){ o[0][k], o[1][k], o[2][k] }, ( float[3] ){ d[0][k], d[1][k], d[2][k] } );
+    }
+    test( tracer, &packed, length, touched );
+}
+
+void rf_split_arrival( const uint8_t* touched, int count, RfArrivalLanes* held, RfArrivalLanes* own )
+{
+    *own = *held;
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int i = 0; i < count; ++i )
+        {
+            own->a[c][i] = touched[i] ? held->a[c][i] : 0.0f;
+            own->b[c][i] = touched[i] ? held->b[c][i] : 0.0f;
+            held->a[c][i] = touched[i] ? 0.0f : held->a[c][i];
+            held->b[c][i] = touched[i] ? 0.0f : held->b[c][i];
+        }
+    }
+}
+
+bool rf_any_arrives( const RfArrivalLanes* arrival, int first, int end )
+{
+    for ( int i = first; i < end; ++i )
+    {
+        if ( arrival->a[0][i] + arrival->a[1][i] + arrival->a[2][i] + arrival->b[0][i] + arrival->b[1][i] + arrival->b[2][i] >
+             0.0f )
+            return true;
+    }
+    return false;
+}
