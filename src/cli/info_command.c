@@ -153,7 +153,10 @@ static void print_info( const RfScene* scene, const Facts* facts )
 {
     const RfSceneInfo* s = &facts->scene;
     rf_print( "%s\n", s->path );
-    rf_print( "triangles  %u\n", s->triangles );
+    rf_print( "triangles  %u", s->triangles );
+    if ( s->stored_triangles < s->triangles )
+        rf_print( " (%u in memory: instances share them)", s->stored_triangles );
+    rf_print( "\n" );
     rf_print( "instances  %u\n", s->instances );
     rf_print( "materials  %u\n", s->materials );
     rf_print( "lights     %u", s->lights );
@@ -191,10 +194,11 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     for ( int i = 0; i < s->export_warning_count; ++i )
         json_array_append_new( warnings, rf_json_text( s->export_warnings[i] ) );
     json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
-    return json_pack( "{s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles, "instances",
-                      (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras",
-                      cameras, "effects", rf_effects_json( scene, &facts->render.settings ), "moving", moving, "size", size,
-                      "fps", (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
+    return json_pack( "{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles,
+                      "stored_triangles", (json_int_t)s->stored_triangles, "instances", (json_int_t)s->instances, "materials",
+                      (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras", cameras, "effects",
+                      rf_effects_json( scene, &facts->render.settings ), "moving", moving, "size", size, "fps",
+                      (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
 }
 
 // The command line goes before the scene file.

@@ -1,6 +1,8 @@
 // Estimates the solid angles of emitters' images in mirrors and glass, at points of a sequence of low discrepancy.
 #include "light/divide.h"
 
+#include "scene/placement.h"
+
 #define POINTS 64     // of mirrors and glass
 #define FEW_POINTS 16 // of an emitter
 #define MOST_TRIANGLES 2048
@@ -29,21 +31,19 @@ typedef struct Kind
 
 static bool is_of_kind( const RfScene* scene, uint32_t triangle, Kind kind )
 {
-    uint32_t material = scene->triangles.material[triangle];
+    uint32_t material =
+        triangle < scene->triangles.count ? scene->triangles.material[triangle] : rf_material_of( scene, triangle );
     return kind.of_material ? material == kind.material : rf_is_chain_surface( scene->materials + material ) == kind.chain;
 }
 
-static RfVec3 corner( const RfTriangles* t, uint32_t triangle, int k )
-{
-    const float* p = t->positions + 3 * (size_t)t->indices[3 * (size_t)triangle + (size_t)k];
-    return rf_vec3( p[0], p[1], p[2] );
-}
-
 // A triangle's area; `out`: its next point of a sequence of low discrepancy (Roberts, R2).
-static double area_of( const RfTriangles* t, uint32_t triangle, int number, Point* out )
+static double area_of( const RfScene* scene, uint32_t triangle, int number, Point* out )
 {
-    RfVec3 p0 = corner( t, triangle, 0 ), e1 = rf_sub( corner( t, triangle, 1 ), p0 ),
-           e2 = rf_sub( corner( t, triangle, 2 ), p0 );
+    RfVec3 p[3];
+    bool world = triangle < scene->triangles.count;
+    for ( int k = 0; k < 3; ++k )
+        p[k] = world ? rf_corner( &scene->triangles, triangle, k ) : rf_placed_corner( scene, triangle, k );
+    RfVec3 p0 = p[0], e1 = rf_sub( p[1], p0 ), e2 = rf_sub( p[2], p0 );
     double twice, a = ( number + 1 ) * 0.75487766624669276, b = ( number + 1 ) * 0.56984029099805327;
     out->n = rf_unit_cross( e1, e2, &twice );
     float root = sqrtf( (float)( a - floor( a ) ) ), v = (float)( b - floor( b ) ) * root;
@@ -54,26 +54,33 @@ static double area_of( const RfTriangles* t, uint32_t triangle, int number, Poin
 // Of many triangles one in so many is looked at. Of emitters all are: their area counts.
 static uint32_t stride_of( const RfScene* scene, Kind kind )
 {
-    return kind.of_material ? 1 : 1 + scene->triangles.count / MOST_TRIANGLES;
+    return kind.of_material ? 1 : 1 + rf_triangle_count( scene ) / MOST_TRIANGLES;
+}
+
+// Placements do not emit.
+static uint32_t end_of( const RfScene* scene, Kind kind )
+{
+    return kind.of_material ? scene->triangles.count : rf_triangle_count( scene );
 }
 
 static void spread_points( const RfScene* scene, Kind kind, int most, Points* points )
 {
     Point unused;
-    uint32_t stride = stride_of( scene, kind );
+    uint32_t stride = stride_of( scene, kind ), end = end_of( scene, kind );
     points->area = 0.0;
     points->count = 0;
-    for ( uint32_t i = 0; i < scene->triangles.count; i += stride )
-        points->area += is_of_kind( scene, i, kind ) ? area_of( &scene->triangles, i, 0, &unused ) : 0.0;
+    for ( uint64_t i = 0; i < end; i += stride )
+        points->area += is_of_kind( scene, (uint32_t)i, kind ) ? area_of( scene, (uint32_t)i, 0, &unused ) : 0.0;
     double run = 0.0;
-    for ( uint32_t i = 0; i < scene->triangles.count && points->count < POINTS; i += stride )
+    for ( uint64_t k = 0; k < end && points->count < POINTS; k += stride )
     {
+        uint32_t i = (uint32_t)k;
         if ( !is_of_kind( scene, i, kind ) )
             continue;
-        run += area_of( &scene->triangles, i, 0, &unused );
+        run += area_of( scene, i, 0, &unused );
         while ( points->count < most && run > ( points->count + 0.5 ) / most * points->area )
         {
-            area_of( &scene->triangles, i, points->count, points->point + points->count );
+            area_of( scene, i, points->count, points->point + points->count );
             points->count += 1;
         }
     }

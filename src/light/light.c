@@ -4,6 +4,7 @@
 #include "base/fault.h"
 #include "light/kinds.h"
 #include "scene/leave_out.h"
+#include "scene/placement.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -215,6 +216,15 @@ static RfVec3 in_world( const RfScene* scene, RfVec3 p )
                     (float)( scene->origin[2] + (double)p.z ) );
 }
 
+// Those in world space, and each mesh once.
+static uint32_t count_stored( const RfScene* scene )
+{
+    uint32_t count = 0;
+    for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
+        count += rf_triangle_list( scene, k ).triangles->count;
+    return count;
+}
+
 RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error )
 {
     RfLights lights = { 0 };
@@ -222,7 +232,8 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
     if ( result != RF_OK )
         return result;
     *info = ( RfSceneInfo ){ .path = scene->path,
-                             .triangles = scene->triangles.count,
+                             .triangles = rf_triangle_count( scene ),
+                             .stored_triangles = count_stored( scene ),
                              .instances = scene->instance_count,
                              .materials = scene->material_count,
                              .lights = lights.count,

@@ -180,7 +180,7 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
 {
     const RfVpl* vpl = &path->vpl;
     const RfScene* scene = rf_tracer_scene( tracer );
-    const RfMaterial* m = scene->materials + rf_tracer_triangles( tracer )[vpl->triangle].material;
+    const RfMaterial* m = scene->materials + rf_triangle_material( tracer, vpl->triangle );
     RfMaterial here = *m;
     if ( m->textured != NULL )
         rf_material_at( scene, m, vpl->triangle, vpl->u, vpl->v, &here );
@@ -285,18 +285,19 @@ void rf_connect_vpls( RfConnectionWork* w, RfRandomKey lane, int i )
 static bool follow_back( const RfTracer* tracer, const RfTrail* trail, int length, uint32_t emitter, RfVec3 point,
                          RfChain* chain )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    RfTriangleRecord place;
     const RfLights* lights = rf_tracer_lights( tracer );
-    const RfLight* light = lights->light + triangles[emitter].light;
+    uint32_t number = rf_triangle_light( tracer, emitter );
+    const RfLight* light = lights->light + number;
     RfVec3 at[RF_MAX_CHAIN + 2]; // from the emitter on
     at[0] = point;
     at[length + 1] = trail->start;
     for ( int k = 0; k < length; ++k )
     {
-        const RfTriangleRecord* t = triangles + trail->triangle[k];
+        const RfTriangleRecord* t = rf_triangle_record( tracer, trail->triangle[k], &place );
         at[length - k] = rf_add( t->p0, rf_add( rf_scale( t->e1, trail->u[k] ), rf_scale( t->e2, trail->v[k] ) ) );
     }
-    RfEmission e = { .position = point, .range = INFINITY, .light = triangles[emitter].light, .offset = light->offset };
+    RfEmission e = { .position = point, .range = INFINITY, .light = number, .offset = light->offset };
     e.direction = rf_normalize( rf_sub( at[1], at[0] ) );
     e.normal = rf_dot( light->normal, e.direction ) < 0.0f ? rf_scale( light->normal, -1.0f ) : light->normal;
     rf_find_emission_pdf( lights, &e );
@@ -304,7 +305,7 @@ static bool follow_back( const RfTracer* tracer, const RfTrail* trail, int lengt
     rf_begin_chain( chain );
     for ( int k = 0; k < length; ++k )
     {
-        const RfTriangleRecord* t = triangles + trail->triangle[length - 1 - k];
+        const RfTriangleRecord* t = rf_triangle_record( tracer, trail->triangle[length - 1 - k], &place );
         RfVec3 in = rf_sub( at[k], at[k + 1] ), out = rf_sub( at[k + 2], at[k + 1] );
         bool refracted = ( rf_dot( in, t->ng ) < 0.0f ) != ( rf_dot( out, t->ng ) < 0.0f );
         chain->events |= (uint32_t)refracted << k;

@@ -3,6 +3,7 @@
 #include "light_paths/light_paths.h"
 
 #include "base/random.h"
+#include "scene/placement.h"
 #include "scene/textured.h"
 
 #include <string.h>
@@ -140,7 +141,8 @@ static void set_vpl( const RfTracer* tracer, const RfLightPaths* paths, const Rf
 {
     RfVpl* vpl = &path->vpl;
     const RfScene* scene = rf_tracer_scene( tracer );
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + land->triangle[i];
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = rf_triangle_record( tracer, land->triangle[i], &place );
     const RfMaterial* m = scene->materials + t->material;
     RfVec3 wi = rf_scale( path->end.d, -1.0f );
     float side = rf_dot( t->ng, wi ) < 0.0f ? -1.0f : 1.0f, step[2], miss, spread = 0.0f;
@@ -189,7 +191,7 @@ static RfVec3 draw_direction( RfRandomKey shift, uint32_t number, RfVec3 n )
 static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* paths, RfRandomKey shift, uint32_t first,
                                uint32_t count )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( group->tracer );
+    RfTriangleRecord place;
     const RfMaterial* materials = rf_tracer_scene( group->tracer )->materials;
     float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], u[RF_CHAIN_BLOCK], v[RF_CHAIN_BLOCK];
     uint32_t hit[RF_CHAIN_BLOCK], number[RF_CHAIN_BLOCK];
@@ -208,9 +210,9 @@ static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* path
     rf_trace_nearest( group->tracer, rays, from, way, false, hit, u, v );
     for ( int k = 0; k < rays; ++k )
     {
-        if ( hit[k] == RF_MISS || materials[triangles[hit[k]].material].kind >= RF_BSDF_FIRST_SPECULAR )
+        if ( hit[k] == RF_MISS || materials[rf_triangle_material( group->tracer, hit[k] )].kind >= RF_BSDF_FIRST_SPECULAR )
             continue;
-        const RfTriangleRecord* t = triangles + hit[k];
+        const RfTriangleRecord* t = rf_triangle_record( group->tracer, hit[k], &place );
         uint32_t path = number[k] / RF_SCATTERED_PER_PATH;
         RfVec3 p = rf_hit_point( t, u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ), rf_vec3( d[0][k], d[1][k], d[2][k] ) ).p;
         float radius = rf_scattered_radius( paths, paths->path + path, p, t->ng );
@@ -284,20 +286,15 @@ static void* take( char** at, size_t bytes )
 static void list_surfaces( const RfTracer* tracer, RfLightPaths* paths )
 {
     const RfScene* scene = rf_tracer_scene( tracer );
-    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
-    uint32_t count = 0, materials = 0;
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-    {
-        if ( rf_is_chain_surface( scene->materials + scene->triangles.material[i] ) )
-            paths->triangle[count++] = i;
-    }
+    RfTriangleRecord place;
+    uint32_t count = rf_list_triangles( scene, rf_is_chain_surface, paths->triangle ), materials = 0;
     paths->surface_count = count;
     for ( uint32_t m = 0; m < scene->material_count; ++m )
     {
         double area = 0.0;
         for ( uint32_t k = 0; k < count && rf_is_chain_surface( scene->materials + m ); ++k )
         {
-            const RfTriangleRecord* t = triangles + paths->triangle[k];
+            const RfTriangleRecord* t = rf_triangle_record( tracer, paths->triangle[k], &place );
             double twice;
             rf_unit_cross( t->e1, t->e2, &twice );
             area += t->material == m ? 0.5 * twice : 0.0;
@@ -307,14 +304,14 @@ static void list_surfaces( const RfTracer* tracer, RfLightPaths* paths )
         materials += 1;
         for ( uint32_t k = 0; k < count; ++k )
         {
-            if ( triangles[paths->triangle[k]].material == m )
+            if ( rf_triangle_material( tracer, paths->triangle[k] ) == m )
                 paths->pdf_area[k] = (float)( 1.0 / area );
         }
     }
     double sum = 0.0;
     for ( uint32_t k = 0; k < count; ++k )
     {
-        const RfTriangleRecord* t = triangles + paths->triangle[k];
+        const RfTriangleRecord* t = rf_triangle_record( tracer, paths->triangle[k], &place );
         double twice;
         rf_unit_cross( t->e1, t->e2, &twice );
         paths->pdf_area[k] /= (float)materials;
@@ -425,7 +422,8 @@ static RfVec3 sample_surface( const RfLightPaths* paths, const RfTracer* tracer,
 {
     double u = ( (double)number + (double)rf_random( key, DIMENSION_SURFACE ) ) / (double)paths->emitted;
     uint32_t low = select_by( paths->cumulative, paths->surface_count, u );
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + paths->triangle[low];
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = rf_triangle_record( tracer, paths->triangle[low], &place );
     double a = (double)number * 0.75487766624669276 + (double)rf_random( shift, 0 );
     double b = (double)number * 0.56984029099805327 + (double)rf_random( shift, 1 );
     float root = sqrtf( (float)( a - floor( a ) ) ), v = (float)( b - floor( b ) ) * root;
@@ -466,7 +464,7 @@ static RfVec3 flux_of( const RfLightPath* path, const RfChain* chain )
 
 static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, uint64_t pass_key, uint32_t first )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( group->tracer );
+    RfTriangleRecord place;
     RfChain chain[RF_CHAIN_BLOCK], *chains[RF_CHAIN_BLOCK];
     RfRandomKey events[RF_CHAIN_BLOCK], shift = rf_pixel_key( pass_key, UINT32_MAX );
     bool active[RF_CHAIN_BLOCK];
@@ -493,8 +491,8 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
         float pdf = rf_steer_pdf( paths, c );
         *path = ( RfLightPath ){ .start = c->start, .events = c->events, .length = c->length, .end = c->end };
         path->weight = 1.0f / ( pdf * c->probability );
-        RfFootprint footprint =
-            rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i], triangles[land.triangle[i]].ng );
+        RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i],
+                                                   rf_triangle_record( group->tracer, land.triangle[i], &place )->ng );
         path->reach = footprint.reach;
         path->at = ( RfFootprintBox ){ land.p[i], footprint.half };
         if ( paths->balls )

@@ -144,7 +144,8 @@ static bool take_event( const RfMaterial* m, RfChainVertex* v, RfVec3 ng, RfChai
 bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float bu, float bv, RfChainEvents events, RfRandomKey key,
                     RfChain* chain )
 {
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = rf_triangle_record( tracer, triangle, &place );
     const RfMaterial* m = rf_tracer_scene( tracer )->materials + t->material;
     RfChainVertex* v = chain->vertex + chain->length;
     float facing;
@@ -199,7 +200,7 @@ static void add_ray( Rays* rays, int index, const RfRayPair* ray )
 void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,
                      RfChain* const* chains, RfLanding* land, uint64_t* ray_count )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    RfTriangleRecord place;
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
     int wanted[RF_CHAIN_BLOCK];
     Rays rays = { .count = 0 };
@@ -223,7 +224,7 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
             int i = now.index[k];
             RfChain* chain = chains[i];
             uint32_t triangle = now.triangle[k];
-            const RfMaterial* m = triangle != RF_MISS ? materials + triangles[triangle].material : NULL;
+            const RfMaterial* m = triangle != RF_MISS ? materials + rf_triangle_material( tracer, triangle ) : NULL;
             bool delta = m != NULL && rf_is_chain_surface( m );
             bool full = chain->length == wanted[i];
             if ( delta && !full &&
@@ -242,7 +243,8 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
                 continue;
             }
             land->triangle[i] = triangle;
-            RfHitPoint hit = rf_hit_point( triangles + triangle, now.u[k], now.v[k], chain->end.o, chain->end.d );
+            RfHitPoint hit =
+                rf_hit_point( rf_triangle_record( tracer, triangle, &place ), now.u[k], now.v[k], chain->end.o, chain->end.d );
             land->u[i] = now.u[k];
             land->v[i] = now.v[k];
             land->p[i] = hit.p;
@@ -267,14 +269,14 @@ bool rf_meet_plane( const RfRayPair* ray, RfVec3 p, RfVec3 n, RfVec3* meet, RfVe
 
 float rf_chain_spread( const RfTracer* tracer, const RfChain* chain, RfVec3 y )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    RfTriangleRecord place;
     const RfChainVertex* last = chain->vertex + chain->length - 1;
     RfRayPair ray = { .o = y, .d = rf_normalize( rf_sub( last->p, y ) ) };
     rf_basis( ray.d, ray.dd, ray.dd + 1 );
     for ( int k = chain->length - 1; k >= 0; --k )
     {
         const RfChainVertex* v = chain->vertex + k;
-        const RfTriangleRecord* t = triangles + v->triangle;
+        const RfTriangleRecord* t = rf_triangle_record( tracer, v->triangle, &place );
         RfVec3 in = k > 0 ? chain->vertex[k - 1].out : chain->start.direction;
         float sign = v->refracted ? -1.0f : 1.0f, eta = v->refracted ? 1.0f / v->eta : v->eta;
         transfer( &ray, v->p, t->ng );

@@ -28,7 +28,7 @@ static bool draw_start( const RfConnectionWork* w, const RfConnection* connectio
 static int try_again( RfConnectionWork* w, uint32_t trial, bool* pending )
 {
     const RfTracer* tracer = w->settings->path->tracer;
-    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    RfTriangleRecord place;
     const RfLightPaths* paths = w->settings->paths;
     RfChain* chains[RF_CHAIN_BLOCK];
     bool active[RF_CHAIN_BLOCK];
@@ -54,7 +54,7 @@ static int try_again( RfConnectionWork* w, uint32_t trial, bool* pending )
         }
         const RfConnection* connection = w->connection + k;
         RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( tracer ), &walk->at, rf_steer_pdf( paths, &walk->at ),
-                                                   land.p[k], triangles[land.triangle[k]].ng );
+                                                   land.p[k], rf_triangle_record( tracer, land.triangle[k], &place )->ng );
         RfFootprintBox box = { land.p[k], footprint.half };
         walk->most = rf_scaled_reach( &footprint.reach, RF_STEP_MARGIN );
         walk->active = footprint.reach.along > 0.0f && rf_box_holds( &box, rf_start_of( w->v, connection->lane ) );
@@ -101,7 +101,8 @@ static bool draw_from_cone( const RfVplConnection* connection, uint32_t trial, R
 static bool covers( const RfConnectionWork* w, const RfVplConnection* connection, uint32_t triangle, RfVec3 p )
 {
     const RfTracer* tracer = w->settings->path->tracer;
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = rf_triangle_record( tracer, triangle, &place );
     if ( rf_tracer_scene( tracer )->materials[t->material].kind >= RF_BSDF_FIRST_SPECULAR )
         return false;
     float radius = rf_scattered_radius( w->settings->paths, connection->path, p, t->ng );
@@ -135,9 +136,9 @@ static int try_vpls_again( RfConnectionWork* w, uint32_t trial, bool* pending )
     {
         if ( hit[k] == RF_MISS )
             continue;
-        RfVec3 p = rf_hit_point( rf_tracer_triangles( tracer ) + hit[k], u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ),
-                                 rf_vec3( d[0][k], d[1][k], d[2][k] ) )
-                       .p;
+        RfTriangleRecord place;
+        const RfTriangleRecord* t = rf_triangle_record( tracer, hit[k], &place );
+        RfVec3 p = rf_hit_point( t, u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ), rf_vec3( d[0][k], d[1][k], d[2][k] ) ).p;
         bool found = covers( w, w->vpl_connection + index[k], hit[k], p );
         pending[index[k]] = !found;
         left -= found;

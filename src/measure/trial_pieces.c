@@ -169,7 +169,7 @@ static RfVec3 hit_point( const PiecePoints* p, const RfTriangleRecord* r, int i 
 static void find_points( PieceChooser* c, const RfEye* eye )
 {
     PiecePoints* p = &c->points;
-    const RfTriangleRecord* records = rf_tracer_triangles( c->tracer );
+    RfTriangleRecord place;
     float far[PIECE_POINTS];
     trace_points( c, p );
     for ( int i = 0; i < p->count; ++i )
@@ -180,7 +180,7 @@ static void find_points( PieceChooser* c, const RfEye* eye )
         put_point( p->x, i, d );
         if ( p->sky[i] )
             continue;
-        const RfTriangleRecord* r = records + p->triangle[i];
+        const RfTriangleRecord* r = rf_triangle_record( c->tracer, p->triangle[i], &place );
         RfVec3 x = hit_point( p, r, i ), ng = rf_dot( r->ng, d ) < 0.0f ? r->ng : rf_scale( r->ng, -1.0f );
         put_point( p->x, i, x );
         if ( r->mirror == RF_NO_MIRROR )
@@ -195,7 +195,7 @@ static void find_points( PieceChooser* c, const RfEye* eye )
     {
         if ( far[i] < 0.0f || p->triangle[i] == RF_MISS )
             continue;
-        RfVec3 first = point_of( p->x, i ), second = hit_point( p, records + p->triangle[i], i );
+        RfVec3 first = point_of( p->x, i ), second = hit_point( p, rf_triangle_record( c->tracer, p->triangle[i], &place ), i );
         RfVec3 way = rf_eye_way( eye, first ), more = rf_sub( second, first );
         float all = far[i] + sqrtf( rf_dot( more, more ) );
         put_point( p->x, i, rf_madd( rf_eye_start( eye, first ), way, all / far[i] ) );

@@ -95,14 +95,14 @@ static void keep_chains( const RfPathSettings* settings, RfWavefront* wavefront 
     RfRayLanes* rays = &wavefront->rays;
     RfLaneScratch* s = &wavefront->scratch;
     const float *o[3] = { rays->o[0], rays->o[1], rays->o[2] }, *d[3] = { rays->d[0], rays->d[1], rays->d[2] };
-    const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
     const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
     rf_meet_chain_bounds( rf_tracer_chain_bounds( settings->tracer ), rays->count, o, d, s->visible );
     compact( s->visible, rays );
     wavefront->path_rays += (uint64_t)rays->count; // not by slot: most lead to no vertex, and cost little beside others
     rf_trace_nearest( settings->tracer, rays->count, o, d, false, s->triangle, s->u, s->v );
     for ( int r = 0; r < rays->count; ++r )
-        s->visible[r] = s->triangle[r] != RF_MISS && materials[triangles[s->triangle[r]].material].kind == RF_BSDF_GLASS;
+        s->visible[r] = s->triangle[r] != RF_MISS &&
+                        materials[rf_triangle_material( settings->tracer, s->triangle[r] )].kind == RF_BSDF_GLASS;
     compact( s->visible, rays );
 }
 

@@ -14,21 +14,37 @@ static inline void prefetch_record( const RfTriangleRecord* t )
     __builtin_prefetch( &t->material );
 }
 
-// Stable counting sort of the hits by model: index[] lists their ray lanes.
-static void sort_by_kind( const RfTracer* tracer, int count, RfLaneScratch* scratch, RfVertexLanes* vertices )
+// The number of the triangle's material; `placed`: the triangle may be one of a placement.
+static inline uint32_t material_of( const RfTracer* tracer, const RfTriangleRecord* triangles, uint32_t triangle, bool placed )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    return placed ? rf_triangle_material( tracer, triangle ) : triangles[triangle].material;
+}
+
+// Counts the hits of each model.
+static inline __attribute__( ( always_inline ) ) void count_kinds( const RfTracer* tracer, int count, RfLaneScratch* scratch,
+                                                                   int* bucket, bool placed )
+{
+    const RfTriangleRecord* triangles = rf_tracer_records( tracer )->records;
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
-    int bucket[RF_BSDF_KIND_COUNT + 1] = { 0 };
     for ( int i = 0; i < count; ++i )
     {
         uint32_t t = scratch->triangle[i];
-        if ( i + AHEAD < count && scratch->triangle[i + AHEAD] != RF_MISS )
+        if ( !placed && i + AHEAD < count && scratch->triangle[i + AHEAD] != RF_MISS )
             prefetch_record( triangles + scratch->triangle[i + AHEAD] );
-        int kind = t == RF_MISS ? RF_BSDF_KIND_COUNT : (int)materials[triangles[t].material].kind;
+        int kind = t == RF_MISS ? RF_BSDF_KIND_COUNT : (int)materials[material_of( tracer, triangles, t, placed )].kind;
         scratch->kind[i] = (uint8_t)kind;
         bucket[kind] += 1;
     }
+}
+
+// Stable counting sort of the hits by model: index[] lists their ray lanes.
+static void sort_by_kind( const RfTracer* tracer, int count, RfLaneScratch* scratch, RfVertexLanes* vertices )
+{
+    int bucket[RF_BSDF_KIND_COUNT + 1] = { 0 };
+    if ( rf_tracer_has_placements( tracer ) )
+        count_kinds( tracer, count, scratch, bucket, true );
+    else
+        count_kinds( tracer, count, scratch, bucket, false );
     int start = 0;
     for ( int k = 0; k <= RF_BSDF_KIND_COUNT; ++k )
     {
@@ -91,7 +107,8 @@ static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial
 
 // Emission towards wo, and the density of this point for a light sample at the
 // ray's origin, given the light.
-static void fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, float facing, RfVec3 to_hit )
+static inline __attribute__( ( always_inline ) ) void fill_emission( RfVertexLanes* v, int i, const RfLights* lights,
+                                                                     uint32_t index, float facing, RfVec3 to_hit )
 {
     v->light_pdf_solid_angle[i] = 0.0f;
     put( v->emission, i, rf_vec3( 0, 0, 0 ) );
@@ -118,19 +135,24 @@ static inline RfVec3 shading_normal( const RfTriangleRecord* t, float u, float v
 // What the lanes of the vertices are filled from.
 typedef struct Source
 {
-    const RfTriangleRecord* triangles;
+    const RfTracer* tracer;
+    const RfTriangleRecord* triangles; // in world space
     const RfMaterial* materials;
     const RfLights* lights;
     const RfRayLanes* rays;
     const RfLaneScratch* scratch;
 } Source;
 
-static inline void fill_lane( const Source* from, RfVertexLanes* restrict v, int i )
+// `placed`: the triangle may be one of a placement. Where none can be, nothing is spent on it.
+static inline __attribute__( ( always_inline ) ) void fill_lane( const Source* from, RfVertexLanes* restrict v, int i,
+                                                                 bool placed )
 {
     const RfRayLanes* restrict rays = from->rays;
     int r = from->scratch->index[i];
     float bu = from->scratch->u[r], bv = from->scratch->v[r];
-    const RfTriangleRecord* t = from->triangles + from->scratch->triangle[r];
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = placed ? rf_triangle_record( from->tracer, from->scratch->triangle[r], &place )
+                                       : from->triangles + from->scratch->triangle[r];
     RfVec3 o = rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] );
     RfVec3 wo = rf_vec3( -rays->d[0][r], -rays->d[1][r], -rays->d[2][r] );
     RfHitPoint hit = rf_hit_point( t, bu, bv, o, rf_scale( wo, -1.0f ) );
@@ -179,7 +201,8 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
     int r = from->scratch->index[i];
     uint32_t triangle = from->scratch->triangle[r];
     float bu = from->scratch->u[r], bv = from->scratch->v[r];
-    const RfTriangleRecord* t = from->triangles + triangle;
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = rf_triangle_record( from->tracer, triangle, &place );
     float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
     rf_material_at( scene, m, triangle, bu, bv, here );
     fill_params_of_hit( v, i, here, facing );
@@ -235,13 +258,17 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVer
 {
     sort_by_kind( tracer, rays->count, scratch, vertices );
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
-    Source from = { .triangles = rf_tracer_triangles( tracer ),
+    Source from = { .tracer = tracer,
+                    .triangles = rf_tracer_records( tracer )->records,
                     .materials = materials,
                     .lights = rf_tracer_lights( tracer ),
                     .rays = rays,
                     .scratch = scratch };
-    for ( int i = 0; i < vertices->count; ++i )
-        fill_lane( &from, vertices, i );
+    bool placed = rf_tracer_has_placements( tracer );
+    for ( int i = 0; i < vertices->count && placed; ++i )
+        fill_lane( &from, vertices, i, true );
+    for ( int i = 0; i < vertices->count && !placed; ++i )
+        fill_lane( &from, vertices, i, false );
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
     {
         int first = vertices->first[kind], end = vertices->first[kind + 1];

@@ -87,14 +87,13 @@ static inline float light_pdf_behind( const float* pane_probability, int r, floa
 static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v,
                           const uint32_t* triangle, const float* pane_probability, const RfReceiver* to )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( settings->tracer );
     for ( int i = 0; i < v->count; ++i )
     {
         if ( v->light_pdf_solid_angle[i] == 0.0f )
             continue;
         int r = v->ray[i];
         RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
-        uint32_t light = triangles[triangle[r]].light;
+        uint32_t light = rf_triangle_light( settings->tracer, triangle[r] );
         float probability = RF_FAULT( selection ) ? 1.0f : selection_probability( settings, rays, r, light );
         float light_pdf = light_pdf_behind( pane_probability, r, v->light_pdf_solid_angle[i] * probability );
         add_arrival( settings, rays, r, emission, light_pdf, to );

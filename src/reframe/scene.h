@@ -30,9 +30,10 @@ void rf_close_scene( RfScene* scene );
 
 typedef struct RfSceneInfo
 {
-    const char* path; // as it was opened; the scene's
-    uint32_t triangles;
-    uint32_t instances; // meshes as placed by nodes
+    const char* path;          // as it was opened; the scene's
+    uint32_t triangles;        // as placed by nodes
+    uint32_t stored_triangles; // in memory: fewer where instances share them
+    uint32_t instances;        // meshes as placed by nodes
     uint32_t materials;
     uint32_t lights; // emitting triangles, punctual lights, and the sky as one
     uint32_t emitting_triangles;

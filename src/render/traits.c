@@ -4,23 +4,31 @@
 #include "render/estimator.h"
 #include "scene/leave_out.h"
 #include "scene/mirrors.h"
+#include "scene/placement.h"
 #include "scene/textured.h"
+
+static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTraits* traits )
+{
+    const uint32_t* number = list.triangles->material;
+    for ( uint32_t i = 0; i < list.triangles->count && list.uses > 0; ++i )
+    {
+        const RfMaterial* material = scene->materials + number[i];
+        traits->chain_triangles += rf_is_chain_surface( material ) ? list.uses : 0;
+        traits->most_lights += rf_max_component( material->emission ) > 0.0f;
+        if ( i > 0 && number[i] == number[i - 1] )
+            continue;
+        traits->kinds |= 1u << material->kind;
+        traits->blended = traits->blended || rf_is_blended( material );
+        traits->panes = traits->panes || rf_may_be_pane( material );
+        traits->smooth = traits->smooth || rf_may_be_smooth( material );
+    }
+}
 
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
 {
     RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-    {
-        const RfMaterial* material = scene->materials + scene->triangles.material[i];
-        traits.chain_triangles += rf_is_chain_surface( material );
-        traits.most_lights += rf_max_component( material->emission ) > 0.0f;
-        if ( i > 0 && scene->triangles.material[i] == scene->triangles.material[i - 1] )
-            continue;
-        traits.kinds |= 1u << material->kind;
-        traits.blended = traits.blended || rf_is_blended( material );
-        traits.panes = traits.panes || rf_may_be_pane( material );
-        traits.smooth = traits.smooth || rf_may_be_smooth( material );
-    }
+    for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
+        add_triangles( scene, rf_triangle_list( scene, k ), &traits );
     traits.chains = traits.smooth || ( traits.kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
     RfMirrors mirrors;
     if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )

@@ -1,6 +1,8 @@
 // Splits the mirrors and glass of a scene into a few boxes by the surface area they save.
 #include "scene/chain_bounds.h"
 
+#include "scene/placement.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -17,31 +19,34 @@ typedef struct Part
 
 static float component( RfVec3 v, int axis ) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-static RfVec3 corner( const RfScene* scene, uint32_t triangle, int k )
-{
-    const float* p = scene->triangles.positions + 3 * (size_t)scene->triangles.indices[3 * (size_t)triangle + (size_t)k];
-    return rf_vec3( p[0], p[1], p[2] );
-}
-
 static double area( const Part* part )
 {
     RfVec3 e = rf_sub( part->high, part->low );
     return (double)e.x * (double)e.y + (double)e.y * (double)e.z + (double)e.z * (double)e.x;
 }
 
+static void get_corners( const RfScene* scene, uint32_t triangle, RfVec3 corners[3] )
+{
+    bool world = triangle < scene->triangles.count;
+    for ( int k = 0; k < 3; ++k )
+        corners[k] = world ? rf_corner( &scene->triangles, triangle, k ) : rf_placed_corner( scene, triangle, k );
+}
+
 static void bound( const RfScene* scene, const uint32_t* triangle, Part* part )
 {
-    part->low = rf_vec3( INFINITY, INFINITY, INFINITY );
-    part->high = rf_vec3( -INFINITY, -INFINITY, -INFINITY );
+    RfVec3 low = { INFINITY, INFINITY, INFINITY }, high = { -INFINITY, -INFINITY, -INFINITY };
     for ( uint32_t i = part->begin; i < part->end; ++i )
     {
+        RfVec3 p[3];
+        get_corners( scene, triangle[i], p );
         for ( int k = 0; k < 3; ++k )
         {
-            RfVec3 p = corner( scene, triangle[i], k );
-            part->low = rf_vec3( rf_minf( part->low.x, p.x ), rf_minf( part->low.y, p.y ), rf_minf( part->low.z, p.z ) );
-            part->high = rf_vec3( rf_maxf( part->high.x, p.x ), rf_maxf( part->high.y, p.y ), rf_maxf( part->high.z, p.z ) );
+            low = rf_vec3( rf_minf( low.x, p[k].x ), rf_minf( low.y, p[k].y ), rf_minf( low.z, p[k].z ) );
+            high = rf_vec3( rf_maxf( high.x, p[k].x ), rf_maxf( high.y, p[k].y ), rf_maxf( high.z, p[k].z ) );
         }
     }
+    part->low = low;
+    part->high = high;
 }
 
 // Splits a part in the middle of its longest side. False: that leaves out little.
@@ -53,8 +58,9 @@ static bool split( const RfScene* scene, uint32_t* triangle, Part* part, Part* o
     uint32_t at = part->begin;
     for ( uint32_t i = part->begin; i < part->end; ++i )
     {
-        RfVec3 sum =
-            rf_add( corner( scene, triangle[i], 0 ), rf_add( corner( scene, triangle[i], 1 ), corner( scene, triangle[i], 2 ) ) );
+        RfVec3 p[3];
+        get_corners( scene, triangle[i], p );
+        RfVec3 sum = rf_add( p[0], rf_add( p[1], p[2] ) );
         if ( component( sum, axis ) >= 3.0f * middle )
             continue;
         uint32_t swap = triangle[i];
@@ -92,29 +98,19 @@ static int split_all( const RfScene* scene, uint32_t* triangle, Part* parts )
     return count;
 }
 
-static bool is_chain( const RfScene* scene, uint32_t triangle )
-{
-    const RfMaterial* m = scene->materials + scene->triangles.material[triangle];
-    return m->kind == RF_BSDF_GLASS && !m->thin;
-}
+static bool is_chain( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && !m->thin; }
 
 RfResult rf_bound_chains( const RfScene* scene, RfChainBounds* bounds, RfError* error )
 {
     *bounds = ( RfChainBounds ){ 0 };
-    uint32_t found = 0;
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
-        found += is_chain( scene, i );
+    uint32_t found = rf_list_triangles( scene, is_chain, NULL );
     if ( found == 0 )
         return RF_OK;
     uint32_t* triangle = malloc( found * sizeof *triangle );
     if ( triangle == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the bounds of %u triangles of mirrors and glass", found );
     Part parts[RF_MAX_CHAIN_BOUNDS] = { { .begin = 0, .end = found } };
-    for ( uint32_t i = 0, at = 0; i < scene->triangles.count; ++i )
-    {
-        if ( is_chain( scene, i ) )
-            triangle[at++] = i;
-    }
+    rf_list_triangles( scene, is_chain, triangle );
     bound( scene, triangle, parts );
     bounds->count = split_all( scene, triangle, parts );
     free( triangle );

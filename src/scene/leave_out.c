@@ -163,6 +163,8 @@ RfResult rf_choose_effects( RfScene* scene, uint64_t forced, uint64_t left_out, 
     RfResult result = check_choice( forced, left_out, error );
     if ( result == RF_OK && leaves( left_out, RF_EFFECT_INTERPOLATED_NORMALS ) )
         result = make_flat( &scene->triangles, error );
+    for ( int m = 0; m < scene->mesh_count && result == RF_OK && leaves( left_out, RF_EFFECT_INTERPOLATED_NORMALS ); ++m )
+        result = make_flat( &scene->meshes[m].triangles, error );
     if ( result != RF_OK )
         return result;
     for ( uint32_t i = 0; i < scene->material_count; ++i )

@@ -5,7 +5,15 @@
 
 #include "scene/scene.h"
 
+#include <float.h>
+#include <stddef.h>
 #include <stdint.h>
+
+// The triangles as placed.
+static inline uint32_t rf_triangle_count( const RfScene* scene )
+{
+    return scene->placement_count > 0 ? scene->triangle_count : scene->triangles.count;
+}
 
 typedef struct RfTriangleAt
 {
@@ -22,5 +30,78 @@ static inline RfTriangleAt rf_locate_triangle( const RfScene* scene, uint32_t tr
     return triangle < scene->triangles.count ? ( RfTriangleAt ){ &scene->triangles, triangle, NULL }
                                              : rf_locate_placed_triangle( scene, triangle );
 }
+
+// A point of a mesh in the world: rounded once, as the readers do with what they put into world space themselves.
+static inline RfVec3 rf_place_point( const RfMat4* matrix, RfVec3 p )
+{
+    double in[3] = { (double)p.x, (double)p.y, (double)p.z }, out[3];
+    rf_mat4_apply( matrix, in, 1.0, out );
+    return rf_vec3( (float)out[0], (float)out[1], (float)out[2] );
+}
+
+// A unit normal of a mesh in the world; `side` is −1 for a matrix that mirrors.
+static inline RfVec3 rf_place_normal( const RfMat4* matrix, double side, RfVec3 n )
+{
+    double in[3] = { (double)n.x, (double)n.y, (double)n.z }, out[3];
+    rf_mat4_apply_cofactor( matrix, in, out );
+    double length = sqrt( out[0] * out[0] + out[1] * out[1] + out[2] * out[2] );
+    if ( !( length > 0.0 && length <= DBL_MAX ) )
+        return rf_vec3( 0, 0, 1 );
+    side /= length;
+    return rf_vec3( (float)( out[0] * side ), (float)( out[1] * side ), (float)( out[2] * side ) );
+}
+
+// A unit direction along a mesh's surface in the world; zero where the matrix collapses it.
+RfVec3 rf_place_direction( const RfMat4* matrix, RfVec3 d );
+
+// Corner 0, 1 or 2 of a triangle of a list, in its space.
+static inline RfVec3 rf_corner( const RfTriangles* triangles, uint32_t triangle, int corner )
+{
+    const float* p = triangles->positions + 3 * (size_t)triangles->indices[3 * (size_t)triangle + (size_t)corner];
+    return rf_vec3( p[0], p[1], p[2] );
+}
+
+// That of any triangle, in the world.
+RfVec3 rf_placed_corner( const RfScene* scene, uint32_t triangle, int corner );
+
+static inline RfVec3 rf_triangle_corner( const RfScene* scene, uint32_t triangle, int corner )
+{
+    return triangle < scene->triangles.count ? rf_corner( &scene->triangles, triangle, corner )
+                                             : rf_placed_corner( scene, triangle, corner );
+}
+
+// Numbers the triangles of all placements, counts the uses of meshes and indexes the placements; called by readers whenever
+// placements, meshes or the triangles in world space have become more. Fails where there are more than triangles may have.
+#define RF_MOST_TRIANGLES 0xfffffffeu
+RfResult rf_number_placements( RfScene* scene, RfError* error );
+
+// The same, and has the bounds of the scene, which are those of the triangles in world space so far, hold what is placed.
+RfResult rf_finish_placements( RfScene* scene, RfError* error );
+
+// The number of a triangle's material.
+static inline uint32_t rf_material_of( const RfScene* scene, uint32_t triangle )
+{
+    RfTriangleAt at = rf_locate_triangle( scene, triangle );
+    return at.triangles->material[at.index];
+}
+
+// A list of triangles of the scene, in world space or of a mesh, with the number of times that it is there.
+typedef struct RfTriangleList
+{
+    const RfTriangles* triangles;
+    uint32_t uses;
+} RfTriangleList;
+
+// List 0 are the triangles in world space, list 1 + m those of mesh m. Uses that are not shown count as well.
+static inline int rf_triangle_list_count( const RfScene* scene ) { return 1 + scene->mesh_count; }
+RfTriangleList rf_triangle_list( const RfScene* scene, int list );
+
+// Counts the triangles of materials for which `is` is true, and lists their numbers, ascending, where `numbers` is not NULL. What
+// is not shown is left out.
+uint32_t rf_list_triangles( const RfScene* scene, bool ( *is )( const RfMaterial* ), uint32_t* numbers );
+
+// How much the errors of a matrix of floats and its inverse grow on the way into a mesh's space and back: the largest row sum of
+// the magnitudes of both, multiplied. 1 to 3 for rotations; infinity for a matrix that has no inverse.
+double rf_placement_spread( const RfMat4* matrix );
 
 #endif

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void free_triangles( RfTriangles* triangles )
+void rf_destroy_triangles( RfTriangles* triangles )
 {
     free( triangles->positions );
     free( triangles->normals );
@@ -18,6 +18,7 @@ static void free_triangles( RfTriangles* triangles )
     free( triangles->tangents );
     free( triangles->indices );
     free( triangles->material );
+    memset( triangles, 0, sizeof *triangles );
 }
 
 void rf_destroy_camera( RfCamera* camera )
@@ -36,14 +37,15 @@ void rf_destroy_scene( RfScene* scene )
 {
     if ( scene == NULL )
         return;
-    free_triangles( &scene->triangles );
+    rf_destroy_triangles( &scene->triangles );
     for ( int i = 0; scene->meshes != NULL && i < scene->mesh_count; ++i )
     {
-        free_triangles( &scene->meshes[i].triangles );
+        rf_destroy_triangles( &scene->meshes[i].triangles );
         rf_destroy_deformation( scene->meshes[i].deformation );
     }
     free( scene->meshes );
     free( scene->placements );
+    free( scene->placement_blocks );
     rf_destroy_movement( scene->movement );
     for ( int i = 0; scene->unrendered != NULL && i < scene->unrendered_count; ++i )
     {

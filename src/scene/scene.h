@@ -41,6 +41,7 @@ typedef struct RfMesh
 {
     RfTriangles triangles;
     RfVec3 bounds_min, bounds_max;
+    uint32_t uses;                     // placements of it
     struct RfDeformation* deformation; // owned; NULL: it is rigid
 } RfMesh;
 
@@ -170,12 +171,14 @@ struct RfScene
     // Triangle numbers name surfaces everywhere: those below triangles.count are these, the others those of placements
     // (scene/placement.h).
     RfTriangles triangles;
-    uint32_t triangle_count; // all, as placed; less than RF_MISS
+    uint32_t triangle_count; // all, as placed, where there are placements: rf_triangle_count
     int mesh_count;
     RfMesh* meshes;
     int placement_count;
-    int still_placement_count;   // which come first
-    RfPlacement* placements;     // by their first triangles, ascending; those that move are placed by rf_pose_scene
+    int still_placement_count;  // which come first
+    RfPlacement* placements;    // by their first triangles, ascending; those that move are placed by rf_pose_scene
+    uint32_t* placement_blocks; // the placement of every 2^placement_shift-th of their triangles, and the last one
+    int placement_shift;
     struct RfMovement* movement; // owned: what moves, and how; NULL: nothing does
     int unrendered_count;
     RfUnrendered* unrendered;      // where movement is read
@@ -207,6 +210,9 @@ struct RfScene
 
 // Frees everything the loader allocated and clears the struct. Members may be NULL.
 void rf_destroy_scene( RfScene* scene );
+
+// Frees the arrays and clears the struct.
+void rf_destroy_triangles( RfTriangles* triangles );
 
 // Frees the camera's name and track and clears the struct.
 void rf_destroy_camera( RfCamera* camera );

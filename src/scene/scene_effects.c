@@ -4,6 +4,7 @@
 #include "scene/camera_path/camera_track.h"
 #include "scene/leave_out.h"
 #include "scene/mirrors.h"
+#include "scene/placement.h"
 #include "scene/textured.h"
 
 #include <stdio.h>
@@ -46,11 +47,15 @@ static Census count_uses( const RfScene* scene )
     Census census = { .scene = scene };
     if ( scene->material_count > 0 )
         census.triangles = calloc( scene->material_count, sizeof *census.triangles );
-    for ( uint32_t i = 0; i < scene->triangles.count; ++i )
+    for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
     {
-        if ( census.triangles != NULL && scene->triangles.material[i] < scene->material_count )
-            census.triangles[scene->triangles.material[i]] += 1;
-        census.smooth += is_smooth( &scene->triangles, i );
+        RfTriangleList list = rf_triangle_list( scene, k );
+        for ( uint32_t i = 0; i < list.triangles->count; ++i )
+        {
+            if ( census.triangles != NULL && list.triangles->material[i] < scene->material_count )
+                census.triangles[list.triangles->material[i]] += list.uses;
+            census.smooth += is_smooth( list.triangles, i ) ? list.uses : 0;
+        }
     }
     return census;
 }

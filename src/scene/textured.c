@@ -25,27 +25,29 @@ static void interpolate_corners( const float* values, int components, const uint
     }
 }
 
-static const float* uv_array( const RfScene* scene, int set ) { return set == 0 ? scene->triangles.uvs : scene->triangles.uvs1; }
+static const float* uv_array( const RfTriangles* t, int set ) { return set == 0 ? t->uvs : t->uvs1; }
+
+static const uint32_t* corners_of( const RfTriangles* t, uint32_t index ) { return t->indices + 3 * (size_t)index; }
 
 // The texture coordinates u', v' of the point.
-static void texture_coordinates( const RfScene* scene, const RfTextureRef* ref, uint32_t triangle, float u, float v, float at[2] )
+static void texture_coordinates( const RfTextureRef* ref, const RfTriangles* t, uint32_t index, float u, float v, float at[2] )
 {
     float uv[2] = { 0.0f, 0.0f };
-    const float* values = uv_array( scene, ref->uv_set );
+    const float* values = uv_array( t, ref->uv_set );
     if ( values != NULL )
-        interpolate_corners( values, 2, scene->triangles.indices + 3 * (size_t)triangle, u, v, uv );
+        interpolate_corners( values, 2, corners_of( t, index ), u, v, uv );
     rf_transform_uv( ref, uv, at );
 }
 
 // Looks up a texture slot; false if it has no texture.
-static bool look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, uint32_t triangle, float u, float v,
-                          float rgba[4] )
+static bool look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, const RfTriangles* t, uint32_t index,
+                          float u, float v, float rgba[4] )
 {
     const RfTextureRef* ref = m->textured->refs + slot;
     if ( ref->texture < 0 )
         return false;
     float at[2];
-    texture_coordinates( scene, ref, triangle, u, v, at );
+    texture_coordinates( ref, t, index, u, v, at );
     rf_look_up( scene->textures + ref->texture, ref, at, rgba );
     return true;
 }
@@ -93,20 +95,21 @@ void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
     out->alpha = rf_maxf( (float)( in->roughness * in->roughness ), RF_FAULT( least_alpha ) ? 0.0f : RF_MIN_ALPHA );
 }
 
-static void base_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, double base[4] )
+static void base_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
+                     double base[4] )
 {
-    const RfTextured* t = m->textured;
+    const RfTextured* textured = m->textured;
     float rgba[4];
     for ( int i = 0; i < 4; ++i )
-        base[i] = t->factors.base[i];
-    if ( look_up_slot( scene, m, RF_TEXTURE_BASE, triangle, u, v, rgba ) )
+        base[i] = textured->factors.base[i];
+    if ( look_up_slot( scene, m, RF_TEXTURE_BASE, t, index, u, v, rgba ) )
     {
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
-    if ( rf_calls_for( t->vertex_colors, RF_EFFECT_VERTEX_COLORS ) && scene->triangles.colors != NULL )
+    if ( rf_calls_for( textured->vertex_colors, RF_EFFECT_VERTEX_COLORS ) && t->colors != NULL )
     {
-        interpolate_corners( scene->triangles.colors, 4, scene->triangles.indices + 3 * (size_t)triangle, u, v, rgba );
+        interpolate_corners( t->colors, 4, corners_of( t, index ), u, v, rgba );
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
@@ -119,19 +122,19 @@ static RfVec3 scaled( const double rgb[3], double s )
     return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
 }
 
-static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
 {
     RfFactors f = m->textured->factors;
     float rgba[4];
-    base_at( scene, m, triangle, u, v, f.base );
-    if ( look_up_slot( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, triangle, u, v, rgba ) )
+    base_at( scene, m, t, index, u, v, f.base );
+    if ( look_up_slot( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, t, index, u, v, rgba ) )
     {
         f.roughness = unit( f.roughness * (double)rgba[1] );
         f.metallic = unit( f.metallic * (double)rgba[2] );
     }
-    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR, t, index, u, v, rgba ) )
         f.specular = unit( f.specular * (double)rgba[3] );
-    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR_COLOR, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR_COLOR, t, index, u, v, rgba ) )
     {
         for ( int i = 0; i < 3; ++i )
             f.specular_color[i] *= (double)rgba[i];
@@ -157,8 +160,8 @@ void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out )
     out->clearcoat_alpha = rf_maxf( (float)( roughness * roughness ), RF_MIN_ALPHA );
 }
 
-static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, uint32_t triangle, float u, float v,
-                      RfMaterial* out )
+static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, const RfTriangles* t, uint32_t index,
+                      float u, float v, RfMaterial* out )
 {
     if ( out->ior == 0.0f ) // a mirror: textures do not affect its roughness
     {
@@ -167,18 +170,19 @@ static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors
     }
     double transmission = m->textured->transmission;
     float rgba[4];
-    if ( look_up_slot( scene, m, RF_TEXTURE_TRANSMISSION, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_TRANSMISSION, t, index, u, v, rgba ) )
         transmission = unit( transmission * (double)rgba[0] );
     rf_derive_glass( f, transmission, out );
 }
 
-static void clearcoat_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
+static void clearcoat_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
+                          RfMaterial* out )
 {
     double clearcoat = m->textured->clearcoat, roughness = m->textured->clearcoat_roughness;
     float rgba[4];
-    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT, t, index, u, v, rgba ) )
         clearcoat = unit( clearcoat * (double)rgba[0] );
-    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, triangle, u, v, rgba ) )
+    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, t, index, u, v, rgba ) )
         roughness = unit( roughness * (double)rgba[1] );
     rf_derive_clearcoat( clearcoat, roughness, out );
 }
@@ -188,16 +192,17 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     *out = *m;
     if ( m->textured->model == RF_TEXTURED_UNLIT )
         return;
-    RfFactors f = factors_at( scene, m, triangle, u, v );
+    RfTriangleAt at = rf_locate_triangle( scene, triangle );
+    RfFactors f = factors_at( scene, m, at.triangles, at.index, u, v );
     switch ( m->textured->model )
     {
         case RF_TEXTURED_COATED: rf_derive_lobes( &f, out ); break;
-        case RF_TEXTURED_GLASS: glass_at( scene, m, &f, triangle, u, v, out ); break;
+        case RF_TEXTURED_GLASS: glass_at( scene, m, &f, at.triangles, at.index, u, v, out ); break;
         case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, scaled( f.base, 1.0 ) ); break;
         case RF_TEXTURED_UNLIT: break;
     }
     if ( m->kind == RF_BSDF_COATED )
-        clearcoat_at( scene, m, triangle, u, v, out );
+        clearcoat_at( scene, m, at.triangles, at.index, u, v, out );
 }
 
 bool rf_is_clear_somewhere( const RfMaterial* m )
@@ -211,34 +216,49 @@ bool rf_is_clear_somewhere( const RfMaterial* m )
     return smooth && m->textured->transmission > 0.0;
 }
 
-bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+static bool is_cut_out( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
 {
     double base[4];
-    base_at( scene, m, triangle, u, v, base );
+    base_at( scene, m, t, index, u, v, base );
     return base[3] < (double)m->textured->alpha_cutoff;
+}
+
+bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+{
+    RfTriangleAt on = rf_locate_triangle( scene, triangle );
+    return is_cut_out( scene, m, on.triangles, on.index, u, v );
+}
+
+float rf_opacity_on( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
+{
+    if ( m->textured->masked )
+        return is_cut_out( scene, m, t, index, u, v ) ? 0.0f : 1.0f;
+    double base[4];
+    base_at( scene, m, t, index, u, v, base );
+    return m->textured->blended ? (float)unit( base[3] ) : 1.0f;
 }
 
 float rf_opacity_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
 {
-    if ( m->textured->masked )
-        return rf_is_cut_out( scene, m, triangle, u, v ) ? 0.0f : 1.0f;
-    double base[4];
-    base_at( scene, m, triangle, u, v, base );
-    return m->textured->blended ? (float)unit( base[3] ) : 1.0f;
+    RfTriangleAt on = rf_locate_triangle( scene, triangle );
+    return rf_opacity_on( scene, m, on.triangles, on.index, u, v );
 }
 
 RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
 {
-    if ( m->textured->masked && rf_is_cut_out( scene, m, triangle, u, v ) )
+    RfTriangleAt at = rf_locate_triangle( scene, triangle );
+    const RfTriangles* t = at.triangles;
+    uint32_t index = at.index;
+    if ( m->textured->masked && is_cut_out( scene, m, t, index, u, v ) )
         return rf_vec3( 0, 0, 0 );
     if ( m->textured->model == RF_TEXTURED_UNLIT )
     {
         double base[4];
-        base_at( scene, m, triangle, u, v, base );
+        base_at( scene, m, t, index, u, v, base );
         return scaled( base, 1.0 );
     }
     float rgba[4];
-    if ( !look_up_slot( scene, m, RF_TEXTURE_EMISSIVE, triangle, u, v, rgba ) )
+    if ( !look_up_slot( scene, m, RF_TEXTURE_EMISSIVE, t, index, u, v, rgba ) )
         return m->emission;
     return rf_mul( m->emission, rf_vec3( rgba[0], rgba[1], rgba[2] ) );
 }
@@ -250,11 +270,12 @@ static float bound_emission( const RfScene* scene, const RfMaterial* m, uint32_t
     const RfTextureRef* ref = m->textured->refs + slot;
     if ( ref->texture < 0 )
         return 1.0f;
+    RfTriangleAt on = rf_locate_triangle( scene, triangle );
     float low[2], high[2];
     for ( int corner = 0; corner < 3; ++corner )
     {
         float at[2];
-        texture_coordinates( scene, ref, triangle, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
+        texture_coordinates( ref, on.triangles, on.index, corner == 1 ? 1.0f : 0.0f, corner == 2 ? 1.0f : 0.0f, at );
         for ( int k = 0; k < 2; ++k )
         {
             low[k] = corner == 0 || at[k] < low[k] ? at[k] : low[k];
@@ -289,48 +310,86 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
 
 // True if the vertex tangents belong to this use of a texture. They belong to the normal
 // texture of the surface or, without one, to that of the coat.
-static bool has_vertex_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref )
+static bool has_vertex_tangents( const RfTriangles* t, const RfTextured* textured, const RfTextureRef* ref )
 {
     const RfTextureRef* of = textured->refs + RF_TEXTURE_NORMAL;
-    if ( scene->triangles.tangents == NULL )
+    if ( t->tangents == NULL )
         return false;
     // the bits of the same file: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     return of->texture < 0 || ( of->uv_set == ref->uv_set && memcmp( of->transform, ref->transform, sizeof of->transform ) == 0 );
 }
 
-// Tangent and bitangent, from the vertex tangents or else from the texture coordinates.
-static bool find_tangents( const RfScene* scene, const RfTextured* textured, const RfTextureRef* ref, uint32_t triangle, float u,
-                           float v, RfVec3 n, RfVec3* tangent, RfVec3* bitangent )
+static bool is_mirrored( const RfTriangleAt* on )
 {
-    const RfTriangles* t = &scene->triangles;
-    const uint32_t* corners = t->indices + 3 * (size_t)triangle;
+    return on->placement != NULL && rf_mat4_det3( &on->placement->matrix ) < 0.0;
+}
+
+// The interpolated vertex tangent in the world, with its sign.
+static void vertex_tangent( const RfTriangleAt* on, float u, float v, float out[4] )
+{
+    const uint32_t* corners = corners_of( on->triangles, on->index );
+    const float* tangents = on->triangles->tangents;
+    float placed[12];
+    static const uint32_t own[3] = { 0, 1, 2 };
+    if ( on->placement == NULL )
+    {
+        interpolate_corners( tangents, 4, corners, u, v, out );
+        return;
+    }
+    float side = is_mirrored( on ) ? -1.0f : 1.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float* t = tangents + 4 * (size_t)corners[k];
+        RfVec3 d = rf_place_direction( &on->placement->matrix, rf_vec3( t[0], t[1], t[2] ) );
+        memcpy( placed + 4 * k, &d, 3 * sizeof *placed );
+        placed[4 * k + 3] = rf_dot( d, d ) > 0.0f ? t[3] * side : 0.0f;
+    }
+    interpolate_corners( placed, 4, own, u, v, out );
+}
+
+// The direction of u' along a triangle in the world, and the sign of the bitangent. False: its coordinates span no area.
+static bool face_tangent( const RfTextureRef* ref, const RfTriangleAt* on, RfVec3* along, float* sign )
+{
+    const uint32_t* corners = corners_of( on->triangles, on->index );
+    float a[2], b[2], c[2], p[3][3];
+    texture_coordinates( ref, on->triangles, on->index, 0.0f, 0.0f, a );
+    texture_coordinates( ref, on->triangles, on->index, 1.0f, 0.0f, b );
+    texture_coordinates( ref, on->triangles, on->index, 0.0f, 1.0f, c );
+    for ( int i = 0; i < 3; ++i )
+    {
+        interpolate_corners( on->triangles->positions, 3, corners, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f, p[i] );
+        if ( on->placement == NULL )
+            continue;
+        RfVec3 world = rf_place_point( &on->placement->matrix, rf_vec3( p[i][0], p[i][1], p[i][2] ) );
+        memcpy( p[i], &world, sizeof p[i] );
+    }
+    RfVec3 e1 = rf_vec3( p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2] );
+    RfVec3 e2 = rf_vec3( p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2] );
+    float du1 = b[0] - a[0], dv1 = b[1] - a[1], du2 = c[0] - a[0], dv2 = c[1] - a[1];
+    float det = du1 * dv2 - du2 * dv1;
+    if ( !( fabsf( det ) > 0.0f ) )
+        return false;
+    // v' points down the image and the bitangent up: for det < 0 it is n × t, unless the corners are seen in reverse order
+    *along = rf_scale( rf_sub( rf_scale( e1, dv2 ), rf_scale( e2, dv1 ) ), det < 0.0f ? -1.0f : 1.0f );
+    *sign = ( det < 0.0f ) != is_mirrored( on ) ? 1.0f : -1.0f;
+    return true;
+}
+
+// Tangent and bitangent, from the vertex tangents or else from the texture coordinates.
+static bool find_tangents( const RfTextured* textured, const RfTextureRef* ref, const RfTriangleAt* on, float u, float v,
+                           RfVec3 n, RfVec3* tangent, RfVec3* bitangent )
+{
     RfVec3 along;
     float sign = 0.0f;
-    if ( has_vertex_tangents( scene, textured, ref ) )
+    if ( has_vertex_tangents( on->triangles, textured, ref ) )
     {
         float given[4];
-        interpolate_corners( t->tangents, 4, corners, u, v, given );
+        vertex_tangent( on, u, v, given );
         along = rf_vec3( given[0], given[1], given[2] );
         sign = given[3];
     }
-    if ( sign == 0.0f )
-    {
-        float a[2], b[2], c[2], p[3][3];
-        texture_coordinates( scene, ref, triangle, 0.0f, 0.0f, a );
-        texture_coordinates( scene, ref, triangle, 1.0f, 0.0f, b );
-        texture_coordinates( scene, ref, triangle, 0.0f, 1.0f, c );
-        for ( int i = 0; i < 3; ++i )
-            interpolate_corners( t->positions, 3, corners, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f, p[i] );
-        RfVec3 e1 = rf_vec3( p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2] );
-        RfVec3 e2 = rf_vec3( p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2] );
-        float du1 = b[0] - a[0], dv1 = b[1] - a[1], du2 = c[0] - a[0], dv2 = c[1] - a[1];
-        float det = du1 * dv2 - du2 * dv1;
-        if ( !( fabsf( det ) > 0.0f ) )
-            return false;
-        // v' points down the image and the bitangent up: for det < 0 it is n × t
-        along = rf_scale( rf_sub( rf_scale( e1, dv2 ), rf_scale( e2, dv1 ) ), det < 0.0f ? -1.0f : 1.0f );
-        sign = det < 0.0f ? 1.0f : -1.0f;
-    }
+    if ( sign == 0.0f && !face_tangent( ref, on, &along, &sign ) )
+        return false;
     along = rf_madd( along, n, -rf_dot( along, n ) );
     float length2 = rf_dot( along, along );
     if ( !( length2 > 0.0f && length2 < INFINITY ) )
@@ -345,8 +404,9 @@ static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextur
 {
     float rgba[4];
     RfVec3 tangent, bitangent;
-    if ( !look_up_slot( scene, m, slot, triangle, u, v, rgba ) ||
-         !find_tangents( scene, m->textured, m->textured->refs + slot, triangle, u, v, n, &tangent, &bitangent ) )
+    RfTriangleAt on = rf_locate_triangle( scene, triangle );
+    if ( !look_up_slot( scene, m, slot, on.triangles, on.index, u, v, rgba ) ||
+         !find_tangents( m->textured, m->textured->refs + slot, &on, u, v, n, &tangent, &bitangent ) )
         return n;
     float x = ( 2.0f * rgba[0] - 1.0f ) * scale, y = ( 2.0f * rgba[1] - 1.0f ) * scale;
     RfVec3 mapped = rf_madd( rf_madd( rf_scale( n, 2.0f * rgba[2] - 1.0f ), tangent, x ), bitangent, y );
@@ -369,34 +429,38 @@ RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t tr
     return mapped_normal( scene, m, RF_TEXTURE_CLEARCOAT_NORMAL, m->textured->clearcoat_normal_scale, triangle, u, v, n, ng );
 }
 
-// The corners' indices, which say where their texture coordinates are.
-static void fetch_corners( const RfScene* scene, const RfTexturedPoint* points, int count )
+static inline RfTriangleAt locate( const RfScene* scene, uint32_t triangle, bool placed )
+{
+    return placed ? rf_locate_triangle( scene, triangle ) : ( RfTriangleAt ){ &scene->triangles, triangle, NULL };
+}
+
+// Fetches the corners' indices, which say where their texture coordinates are; then these; then the texels. `placed`: triangles may
+// be those of placements.
+static inline __attribute__( ( always_inline ) ) void fetch_all( const RfScene* scene, const RfTexturedPoint* points, int count,
+                                                                 bool placed )
 {
     for ( int i = 0; i < count; ++i )
-        __builtin_prefetch( scene->triangles.indices + 3 * (size_t)points[i].triangle );
-}
-
-static void fetch_coordinates( const RfScene* scene, const RfTexturedPoint* points, int count )
-{
-    for ( int i = 0; i < count && scene->triangles.uvs != NULL; ++i )
     {
-        const uint32_t* corners = scene->triangles.indices + 3 * (size_t)points[i].triangle;
-        for ( int k = 0; k < 3; ++k )
-            __builtin_prefetch( scene->triangles.uvs + 2 * (size_t)corners[k] );
+        RfTriangleAt on = locate( scene, points[i].triangle, placed );
+        __builtin_prefetch( corners_of( on.triangles, on.index ) );
     }
-}
-
-static void fetch_texels( const RfScene* scene, const RfTexturedPoint* points, int count )
-{
+    for ( int i = 0; i < count; ++i )
+    {
+        RfTriangleAt on = locate( scene, points[i].triangle, placed );
+        const uint32_t* corners = corners_of( on.triangles, on.index );
+        for ( int k = 0; k < 3 && on.triangles->uvs != NULL; ++k )
+            __builtin_prefetch( on.triangles->uvs + 2 * (size_t)corners[k] );
+    }
     for ( int i = 0; i < count; ++i )
     {
         const RfTextureRef* refs = points[i].material->textured->refs;
+        RfTriangleAt on = locate( scene, points[i].triangle, placed );
         for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
         {
             if ( refs[slot].texture < 0 )
                 continue;
             float at[2];
-            texture_coordinates( scene, refs + slot, points[i].triangle, points[i].u, points[i].v, at );
+            texture_coordinates( refs + slot, on.triangles, on.index, points[i].u, points[i].v, at );
             rf_prefetch_texels( scene->textures + refs[slot].texture, refs + slot, at );
         }
     }
@@ -404,7 +468,8 @@ static void fetch_texels( const RfScene* scene, const RfTexturedPoint* points, i
 
 void rf_prefetch_textures( const RfScene* scene, const RfTexturedPoint* points, int count )
 {
-    fetch_corners( scene, points, count );
-    fetch_coordinates( scene, points, count );
-    fetch_texels( scene, points, count );
+    if ( scene->placement_count > 0 )
+        fetch_all( scene, points, count, true );
+    else
+        fetch_all( scene, points, count, false );
 }

@@ -4,6 +4,7 @@
 #ifndef REFRAME_SCENE_TEXTURED_H
 #define REFRAME_SCENE_TEXTURED_H
 
+#include "scene/placement.h"
 #include "scene/scene.h"
 
 #include <stddef.h>
@@ -98,6 +99,10 @@ bool rf_is_cut_out( const RfScene* scene, const RfMaterial* material, uint32_t t
 // The opacity of the surface at this point, 0 to 1, which is the probability that a ray hits
 // it: 0 or 1 for masked materials, alpha for blended ones.
 float rf_opacity_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
+
+// The same on a triangle that is located already (rf_locate_triangle).
+float rf_opacity_on( const RfScene* scene, const RfMaterial* material, const RfTriangles* triangles, uint32_t index, float u,
+                     float v );
 
 // True if the GGX lobe of a material may be narrower than those of roughness 0.1.
 static inline bool rf_may_be_smooth( const RfMaterial* m )

@@ -1,9 +1,6 @@
-// Internal to this folder: Embree's scene. Alpha-masked and alpha-blended triangles and thin panes
-// are a geometry with a filter function; scenes without any have a single geometry.
-//
-// Triangles that reach far beyond what is looked at, such as a ground of kilometres under a room: Embree's arithmetic in
-// floats starts at vertex 0, and hits have an error in proportion to their distance from it, unless the triangle is parallel to
-// an axis plane. Where that is too much, hits are checked in doubles.
+// Internal to this folder: Embree's scenes, in two levels: one of the triangles in world space and of instances, and one for each
+// mesh that is placed. Alpha-masked and alpha-blended triangles, thin panes and far triangles (trace/far.h) are a geometry with a
+// filter function; scenes without any have a single geometry.
 #ifndef REFRAME_TRACE_BVH_H
 #define REFRAME_TRACE_BVH_H
 
@@ -12,20 +9,45 @@
 #include "trace/embree.h"
 #include "trace/trace.h"
 
+// Embree's geometry ids within its scenes.
+enum
+{
+    RF_GEOMETRY_OPAQUE,
+    RF_GEOMETRY_FILTERED,
+    RF_GEOMETRY_PLACEMENTS, // the first placement of the scene; the others follow
+};
+
+// Embree's scene of a list of triangles.
+typedef struct RfMeshBvh
+{
+    const RfTriangles* triangles;
+    RTCScene embree_scene;
+    float scale;           // of Embree's positions over the triangles': a power of two, 1 but for tiny and huge ones
+    float far_error;       // triangles beyond this error, in their own space, are checked (trace/far.h)
+    bool far;              // some are
+    bool placed;           // by a matrix
+    uint32_t masked_first; // first index in `order` that has the filter: masked, blended, panes and far triangles
+    uint32_t* order;       // triangles in the order of the two geometries; NULL: original order
+} RfMeshBvh;
+
+// A placement for the errors of Embree, which inverts its matrix in floats, and takes rays into the mesh's space by that.
+typedef struct RfPlacedBvh
+{
+    float side;          // −1: the matrix mirrors
+    float inverse[3][3]; // magnitudes that the entries of the inverse are the difference of, by row
+} RfPlacedBvh;
+
 typedef struct RfBvh
 {
-    const RfScene* scene;
-    const RfTriangleRecord* triangles; // set by the owner
-    RTCScene embree_scene;
-    bool blended;          // some triangles are alpha-blended
-    bool panes;            // some may be thin panes
-    bool any_blended;      // some triangles are blended, and not because it is forced
-    bool halved;           // packets are traced in halves (trace/embree.h)
-    bool partial;          // one of the two, and not because it is forced
-    float scale;           // of Embree's scene and its rays over the scene: a power of two, 1 but for tiny and huge scenes
-    float far_error;       // triangles beyond this error are checked (trace/bvh.h)
-    uint32_t masked_first; // first index in `order` that has the filter: masked, blended, panes and far triangles
-    uint32_t* order;       // scene triangles in the order of the two geometries; NULL: original order
+    RfMeshBvh base; // with the instances
+    RfMeshBvh* meshes;
+    RfPlacedBvh* placed; // by placement; NULL: there is none
+    bool blended;        // some triangles are alpha-blended
+    bool panes;          // some may be thin panes
+    bool any_blended;    // some triangles are blended, and not because it is forced
+    bool halved;         // packets are traced in halves (trace/embree.h)
+    bool partial;        // one of the two, and not because it is forced
+    int mesh_count;
 } RfBvh;
 
 // Builds the BVH. The filter keeps the address of `bvh`, which must not move. Embree's errors
@@ -35,12 +57,8 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
 // A scene of the mirrors' triangles alone, in their order; NULL if there are none.
 RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float scale, const RfMirrors* mirrors );
 
-// Releases Embree's scene.
+// Releases Embree's scenes.
 void rf_destroy_bvh( RfBvh* bvh );
-
-// Converts primitive ids within a geometry to triangle indices of the scene; needed if `order`
-// is set.
-void rf_restore_order( const RfBvh* bvh, int count, const unsigned int* geometry, uint32_t* triangle );
 
 #define RF_PACKET 16
 
@@ -55,6 +73,7 @@ typedef enum RfQueryKind
 typedef struct RfQuery
 {
     RfRayContext context; // first member: Embree passes its address to the filter
+    const RfTracer* tracer;
     RfQueryKind kind;
     bool pass_panes; // else panes are surfaces like any others
     bool passed;     // some pane was passed
@@ -64,9 +83,20 @@ typedef struct RfQuery
     float pane_probability[RF_PACKET];
     float pane_weight[3][RF_PACKET];
     uint32_t hit[RF_PACKET]; // RF_QUERY_PANES: the triangle hit, which was not passed
+    // where there are placements: origins and directions, which Embree takes into the spaces of meshes
+    float world[6][RF_PACKET];
 } RfQuery;
 
-// Whether hits on this triangle may have an error above far_error.
-bool rf_is_far_triangle( const RfTriangles* triangles, uint32_t triangle, float far_error );
+// Embree's filter function for geometries whose user pointer is their RfMeshBvh (trace/filter.c). Rejects hits where the surface
+// is masked out. On a blended surface, rays hit with probability alpha, by a hash of the ray; segments are attenuated by
+// 1 − alpha. Thin panes are passed likewise, and their factors accumulated for segments.
+void rf_filter_hits( const struct RTCFilterFunctionNArguments* args );
+
+// The triangle in its list of a primitive of one of the two geometries.
+static inline uint32_t rf_mesh_triangle( const RfMeshBvh* mesh, unsigned int geometry, uint32_t primitive )
+{
+    return mesh->order != NULL ? mesh->order[primitive + ( geometry == RF_GEOMETRY_FILTERED ? mesh->masked_first : 0 )]
+                               : primitive;
+}
 
 #endif

@@ -7,8 +7,16 @@
 #include <string.h>
 
 // Embree's traversal raises the flag for invalid operations: empty slots of its nodes have infinite bounds.
+static void keep_rays( RfQuery* query, const struct RTCRay16* ray )
+{
+    memcpy( query->world[0], ray->org_x, 3 * sizeof ray->org_x );
+    memcpy( query->world[3], ray->dir_x, 3 * sizeof ray->dir_x );
+}
+
 static void intersect( const int* valid, RTCScene scene, RfQuery* query, struct RTCRayHit16* packet )
 {
+    if ( query->tracer->bvh.placed != NULL )
+        keep_rays( query, &packet->ray );
     query->traps = rf_pause_float_traps();
     rf_intersect_packet( valid, scene, &query->context, packet );
     rf_resume_float_traps( query->traps );
@@ -16,6 +24,8 @@ static void intersect( const int* valid, RTCScene scene, RfQuery* query, struct 
 
 static void occluded( const int* valid, RTCScene scene, RfQuery* query, struct RTCRay16* ray )
 {
+    if ( query->tracer->bvh.placed != NULL )
+        keep_rays( query, ray );
     query->traps = rf_pause_float_traps();
     rf_occlude_packet( valid, scene, &query->context, ray );
     rf_resume_float_traps( query->traps );
@@ -32,6 +42,7 @@ static RfQuery begin_query( const RfTracer* tracer, RfQueryKind kind, bool coher
 {
     RfQuery query;
     rf_init_ray_context( &query.context, coherent, tracer->bvh.halved );
+    query.tracer = tracer;
     query.kind = kind;
     query.pass_panes = pass_panes;
     for ( int i = 0; i < RF_PACKET; ++i )
@@ -111,7 +122,34 @@ static void find_panes( const RfTracer* tracer, const int* valid, const struct R
     memcpy( out->hit, triangle, (size_t)lanes * sizeof *triangle );
     for ( int i = 0; i < RF_PACKET; ++i )
         packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-    intersect( valid, tracer->bvh.embree_scene, out, &packet );
+    intersect( valid, tracer->bvh.base.embree_scene, out, &packet );
+}
+
+// From primitives of geometries to triangles of the mesh.
+static void restore_order( const RfMeshBvh* mesh, int count, const unsigned int* geometry, uint32_t* triangle )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( geometry[i] != RTC_INVALID_GEOMETRY_ID )
+            triangle[i] = rf_mesh_triangle( mesh, geometry[i], triangle[i] );
+    }
+}
+
+// From primitives of geometries to triangle numbers.
+static void number_hits( const RfTracer* tracer, int count, const struct RTCHit16* hit, uint32_t* triangle )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( hit->geomID[i] == RTC_INVALID_GEOMETRY_ID )
+            continue;
+        if ( hit->instID[0][i] == RTC_INVALID_GEOMETRY_ID )
+        {
+            triangle[i] = rf_mesh_triangle( &tracer->bvh.base, hit->geomID[i], triangle[i] );
+            continue;
+        }
+        const RfPlacement* p = tracer->scene->placements + ( hit->instID[0][i] - RF_GEOMETRY_PLACEMENTS );
+        triangle[i] = p->first + rf_mesh_triangle( tracer->bvh.meshes + p->mesh, hit->geomID[i], triangle[i] );
+    }
 }
 
 // `panes`: NULL if they are surfaces like any others.
@@ -125,19 +163,21 @@ static void trace_nearest( const RfTracer* tracer, int count, const float* const
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_origins( &packet.ray, lanes, o, first, tracer->bvh.scale );
+        set_origins( &packet.ray, lanes, o, first, tracer->bvh.base.scale );
         set_ray( &packet.ray, lanes, d, first, 1.0f, INFINITY );
         for ( int i = 0; i < RF_PACKET; ++i )
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-        intersect( valid, tracer->bvh.embree_scene, &query, &packet );
+        intersect( valid, tracer->bvh.base.embree_scene, &query, &packet );
         for ( int i = 0; i < lanes; ++i )
         {
             triangle[first + i] = packet.hit.primID[i];
             u[first + i] = packet.hit.u[i];
             v[first + i] = packet.hit.v[i];
         }
-        if ( tracer->bvh.order != NULL )
-            rf_restore_order( &tracer->bvh, lanes, packet.hit.geomID, triangle + first );
+        if ( tracer->bvh.placed != NULL )
+            number_hits( tracer, lanes, &packet.hit, triangle + first );
+        else if ( tracer->bvh.base.order != NULL )
+            restore_order( &tracer->bvh.base, lanes, packet.hit.geomID, triangle + first );
         if ( panes == NULL )
             continue;
         RfQuery passed = query;
@@ -170,9 +210,9 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_origins( &ray, lanes, o, first, tracer->bvh.scale );
-        set_ray( &ray, lanes, d, first, tracer->bvh.scale, 1.0f );
-        occluded( valid, tracer->bvh.embree_scene, &query, &ray );
+        set_origins( &ray, lanes, o, first, tracer->bvh.base.scale );
+        set_ray( &ray, lanes, d, first, tracer->bvh.base.scale, 1.0f );
+        occluded( valid, tracer->bvh.base.embree_scene, &query, &ray );
         for ( int i = 0; i < lanes; ++i )
             visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
         reset_transmittance( tracer, &query );
@@ -214,7 +254,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
 {
     // although these rays are coherent, Embree's incoherent packet traversal is faster here
     RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
-    float scale = tracer->bvh.scale;
+    float scale = tracer->bvh.base.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
     memset( &ray, 0, sizeof ray );
@@ -235,7 +275,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
         {
             for ( int i = 0; i < RF_PACKET; ++i )
                 ray.tfar[i] = valid[i] == 0 ? NO_RAY : RF_FAULT( sides ) ? 0.9999f : 1.0f;
-            occluded( valid, tracer->bvh.embree_scene, &query, &ray );
+            occluded( valid, tracer->bvh.base.embree_scene, &query, &ray );
             for ( int i = 0; i < lanes; ++i )
             {
                 bool hidden = ray.tfar[i] < 0.0f && !RF_FAULT( occlusion ); // −inf
@@ -265,7 +305,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
                        float* const hit[3], float* weight )
 {
     RfQuery query = begin_query( tracer, RF_QUERY_NEAREST, true, false );
-    float scale = tracer->bvh.scale;
+    float scale = tracer->bvh.base.scale;
     float least = rf_ray_offset( rf_largest_coordinate( origin ) ); // clear of the rounding of its coordinates
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;

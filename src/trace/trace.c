@@ -1,4 +1,4 @@
-// Traces arrays of rays in packets of 16 with Embree, and holds the triangle records that hits refer to.
+// Creates tracers: Embree's device and scenes, the lights, the mirrors and the triangle records that hits refer to.
 #include "base/fault.h"
 #include "trace/tracer.h"
 
@@ -42,48 +42,11 @@ static RfResult build_bvh( RfTracer* tracer, RfError* error )
 {
     RfResult result = rf_build_bvh( tracer->device, tracer->scene, &tracer->bvh, error );
     if ( result == RF_OK )
-        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, tracer->scene, tracer->bvh.scale, &tracer->mirrors );
+        tracer->mirror_scene = rf_build_mirror_scene( tracer->device, tracer->scene, tracer->bvh.base.scale, &tracer->mirrors );
     if ( result == RF_OK && tracer->message[0] != 0 )
         return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s",
                         tracer->scene->path != NULL ? tracer->scene->path : "scene", tracer->message );
     return result;
-}
-
-static RfTriangleRecord make_record( const RfTriangles* t, uint32_t i, uint32_t light, float far_error )
-{
-    const uint32_t* v = t->indices + 3 * (size_t)i;
-    RfTriangleRecord r = { .material = t->material[i], .light = light, .mirror = RF_NO_MIRROR };
-    r.p0 = rf_load_vec3( t->positions, v[0] );
-    r.e1 = rf_sub( rf_load_vec3( t->positions, v[1] ), r.p0 );
-    r.e2 = rf_sub( rf_load_vec3( t->positions, v[2] ), r.p0 );
-    r.n0 = rf_load_vec3( t->normals, v[0] );
-    r.d1 = rf_sub( rf_load_vec3( t->normals, v[1] ), r.n0 );
-    r.d2 = rf_sub( rf_load_vec3( t->normals, v[2] ), r.n0 );
-    double twice;
-    r.ng = rf_unit_cross( r.e1, r.e2, &twice );
-    r.ng = RF_FAULT( unit_cross ) ? rf_normalize( rf_cross( r.e1, r.e2 ) ) : r.ng;
-    float largest =
-        rf_maxf( rf_largest_coordinate( r.p0 ), rf_maxf( rf_largest_coordinate( rf_load_vec3( t->positions, v[1] ) ),
-                                                         rf_largest_coordinate( rf_load_vec3( t->positions, v[2] ) ) ) );
-    r.offset = RF_FAULT( fixed_offset ) ? 1e-5f : rf_ray_offset( largest );
-    r.offset *= RF_FAULT( ray_offset ) ? 1e-3f : 1.0f;
-    r.far = rf_is_far_triangle( t, i, far_error );
-    r.flat = rf_dot( r.d1, r.d1 ) == 0.0f && rf_dot( r.d2, r.d2 ) == 0.0f && rf_dot( r.n0, r.ng ) > 0.999999f;
-    return r;
-}
-
-static RfResult fill_records( RfTracer* tracer, RfError* error )
-{
-    const RfTriangles* t = &tracer->scene->triangles;
-    tracer->triangles = malloc( ( (size_t)t->count + 1 ) * sizeof *tracer->triangles );
-    if ( tracer->triangles == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the surfaces of %u triangles", t->count );
-    for ( uint32_t i = 0; i < t->count; ++i )
-        tracer->triangles[i] = make_record(
-            t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT, tracer->bvh.far_error );
-    for ( uint32_t i = 0; i < tracer->mirrors.triangle_count; ++i )
-        tracer->triangles[tracer->mirrors.triangle[i]].mirror = tracer->mirrors.of_triangle[i];
-    return RF_OK;
 }
 
 static void describe_device( RfTracer* tracer )
@@ -132,8 +95,7 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out,
     if ( result == RF_OK )
         result = build_bvh( tracer, error );
     if ( result == RF_OK )
-        result = fill_records( tracer, error );
-    tracer->bvh.triangles = tracer->triangles;
+        result = rf_fill_records( tracer, error );
     if ( result != RF_OK )
     {
         rf_destroy_tracer( tracer );
@@ -172,9 +134,9 @@ bool rf_tracer_has_light( const RfTracer* tracer )
     const RfLights* lights = rf_tracer_lights( tracer );
     return lights->count > 0 || rf_has_sky( lights );
 }
-const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer ) { return tracer->triangles; }
 const char* rf_tracer_device( const RfTracer* tracer ) { return tracer->text; }
 size_t rf_tracer_bytes( const RfTracer* tracer )
 {
-    return (size_t)tracer->bytes + (size_t)tracer->scene->triangles.count * sizeof( RfTriangleRecord );
+    return (size_t)tracer->bytes + (size_t)tracer->scene->triangles.count * sizeof( RfTriangleRecord ) +
+           (size_t)tracer->scene->placement_count * sizeof( RfPlacedBvh );
 }

@@ -66,7 +66,7 @@ const RfChainBounds* rf_tracer_chain_bounds( const RfTracer* tracer );
 #define RF_MISS 0xffffffffu
 #define RF_NO_MIRROR 0xffu
 
-// The geometry of a triangle in one record, so that a hit reads only one place. Edges and
+// The geometry of a triangle in world space, in one record, so that a hit reads only one place. Edges and
 // normal differences are relative to vertex 0, for barycentrics u, v.
 typedef struct RfTriangleRecord
 {
@@ -74,14 +74,61 @@ typedef struct RfTriangleRecord
     RfVec3 n0, d1, d2; // shading normal = n0 + u d1 + v d2, not normalised
     RfVec3 ng;         // unit geometric normal of the front side
     uint32_t material;
-    uint32_t light;  // index into RfLights, or RF_NO_LIGHT
-    uint8_t flat;    // 1: the shading normal is the geometric normal
-    uint8_t far;     // 1: hits are checked in doubles (trace/bvh.h)
-    uint16_t mirror; // index into RfMirrors, or RF_NO_MIRROR
-    float offset;    // ray offset for hits interpolated from its vertices (rf_ray_offset)
+    uint32_t light; // index into RfLights, or RF_NO_LIGHT
+    uint8_t flat;   // 1: the shading normal is the geometric normal
+    uint8_t far;    // 1: hits are checked in doubles (trace/far.h)
+    uint8_t mirror; // index into RfMirrors, or RF_NO_MIRROR
+    uint8_t placed; // 1: of a placement; ng points to the front side, but need not be along e1 × e2
+    float offset;   // ray offset for hits interpolated from its vertices (rf_ray_offset)
 } RfTriangleRecord;
 
-// Where a ray hits a triangle, and its ray offset there.
+// What tracers begin with.
+typedef struct RfTracerRecords
+{
+    const RfTriangleRecord* records;
+    uint32_t count; // further triangles are those of placements
+    bool placed;    // there are some
+} RfTracerRecords;
+
+static inline const RfTracerRecords* rf_tracer_records( const RfTracer* tracer )
+{
+    return (const RfTracerRecords*)(const void*)tracer;
+}
+
+static inline bool rf_tracer_has_placements( const RfTracer* tracer ) { return rf_tracer_records( tracer )->placed; }
+
+// Makes the record of a placement's triangle.
+const RfTriangleRecord* rf_place_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place );
+uint32_t rf_placed_material( const RfTracer* tracer, uint32_t triangle );
+
+// The record of a triangle: among those of the tracer, or made at `place`, which costs about a tenth of a ray.
+static inline const RfTriangleRecord* rf_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place )
+{
+    const RfTracerRecords* known = rf_tracer_records( tracer );
+    return triangle < known->count ? known->records + triangle : rf_place_triangle_record( tracer, triangle, place );
+}
+
+// The number of a triangle's material.
+static inline uint32_t rf_triangle_material( const RfTracer* tracer, uint32_t triangle )
+{
+    const RfTracerRecords* known = rf_tracer_records( tracer );
+    return triangle < known->count ? known->records[triangle].material : rf_placed_material( tracer, triangle );
+}
+
+// The light that a triangle is, or RF_NO_LIGHT, and the flat mirror that it belongs to, or RF_NO_MIRROR: none for placements.
+static inline uint32_t rf_triangle_light( const RfTracer* tracer, uint32_t triangle )
+{
+    const RfTracerRecords* known = rf_tracer_records( tracer );
+    return triangle < known->count ? known->records[triangle].light : RF_NO_LIGHT;
+}
+
+static inline unsigned rf_triangle_mirror( const RfTracer* tracer, uint32_t triangle )
+{
+    const RfTracerRecords* known = rf_tracer_records( tracer );
+    return triangle < known->count ? known->records[triangle].mirror : RF_NO_MIRROR;
+}
+
+// Where a ray hits a triangle, in world space, and its ray offset there.
 typedef struct RfHitPoint
 {
     RfVec3 p;
@@ -111,12 +158,9 @@ static inline RfHitPoint rf_hit_point( const RfTriangleRecord* t, float u, float
     return rf_is_near( hit.p, limit ) && rf_is_near( o, limit ) ? rf_hit_far_triangle( t, o, d, hit ) : hit;
 }
 
-// The records of all triangles.
-const RfTriangleRecord* rf_tracer_triangles( const RfTracer* tracer );
-
 // Thin panes are surfaces like any others to the first three queries.
 //
-// Nearest hits of `count` rays o + t d, t > 0: triangle index (RF_MISS if there is none) and
+// Nearest hits of `count` rays o + t d, t > 0: triangle number (scene/placement.h; RF_MISS if there is none) and
 // barycentrics. `coherent` is a hint for the traversal. Alpha-blended surfaces are hit
 // stochastically, with alpha as the probability; the random number is a hash of the ray.
 void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,

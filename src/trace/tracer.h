@@ -4,23 +4,31 @@
 
 #include "light/light.h"
 #include "scene/chain_bounds.h"
+#include "scene/placement.h"
 #include "trace/bvh.h"
 #include "trace/trace.h"
 
 struct RfTracer
 {
+    RfTracerRecords known; // first member: rf_tracer_records
     const RfScene* scene;
     RTCDevice device;
     RfBvh bvh;
     RfLights lights;
     RfMirrors mirrors;
     RfChainBounds chain_bounds;
-    RTCScene mirror_scene; // the triangles of the mirrors alone; NULL: none
-    RfTriangleRecord* triangles;
+    RTCScene mirror_scene;       // the triangles of the mirrors alone; NULL: none
+    RfTriangleRecord* triangles; // `known`, owned
     bool textured;
     long bytes;
     char text[64];
     char message[256]; // the first error of Embree
 };
+
+// Makes the records of the triangles in world space.
+RfResult rf_fill_records( RfTracer* tracer, RfError* error );
+
+// The record of a placement's triangle, made at `place`.
+void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place );
 
 #endif

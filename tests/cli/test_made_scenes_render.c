@@ -68,6 +68,32 @@ static void test_a_million_triangles_load_in_time( void** state )
 #endif
 }
 
+#define MEADOW_MEGABYTES 300
+
+// 200 million triangles, of which 20,000 are in memory.
+static void test_a_meadow_of_instances_fits_in_memory( void** state )
+{
+    (void)state;
+    const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/meadow.glb'" );
+    cli_expect( result, 0, NULL );
+    long all = 0, stored = 0;
+    const char* line = strstr( result->out, "triangles  " );
+    assert_true( line != NULL && sscanf( line, "triangles  %ld (%ld in memory: instances share them)", &all, &stored ) == 2 );
+    assert_true( all > 190000000 && stored < 21000 );
+    result = cli_run( "python3 -c 'import resource, subprocess, sys; subprocess.check_call(sys.argv[1:]); "
+                      "print(\"resident\", resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss // 1024)' "
+                      "$R render '" REFRAME_SCENE_FOLDER "/meadow.glb' -o t.exr --frames 24 --size 64x36 --spp 4 --group 0 "
+                      "--memory 64M --overwrite --quiet" );
+    cli_expect( result, 0, NULL );
+#ifndef REFRAME_SANITIZED
+    long resident = 0;
+    line = strstr( result->out, "resident" );
+    assert_true( line != NULL && sscanf( line, "resident %ld", &resident ) == 1 );
+    if ( !( resident < MEADOW_MEGABYTES ) )
+        fail_msg( "the meadow took %ld MB, it may take %d", resident, MEADOW_MEGABYTES );
+#endif
+}
+
 static void test_office_floor_renders( void** state )
 {
     (void)state;
@@ -83,6 +109,7 @@ int main( void )
         cmocka_unit_test( test_every_scene_renders_without_a_warning ),
         cmocka_unit_test( test_bounced_room_is_dark_without_a_bounce ),
         cmocka_unit_test( test_a_million_triangles_load_in_time ),
+        cmocka_unit_test( test_a_meadow_of_instances_fits_in_memory ),
         cmocka_unit_test( test_office_floor_renders ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );

@@ -57,7 +57,8 @@ static HardInput acne_and_leaks( void )
                     leaks += 1;
                     continue;
                 }
-                const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+                RfTriangleRecord place;
+                const RfTriangleRecord* t = rf_triangle_record( tracer, triangle, &place );
                 RfHitPoint hit = rf_hit_point( t, u, v, from, d );
                 RfVec3 start = rf_madd( hit.p, t->ng, hit.offset );
                 hits += 1;

@@ -346,7 +346,8 @@ static void irradiance_by_rays( const RfTracer* tracer, uint64_t seed, double ir
         rf_trace_nearest( tracer, 1, o, d, false, &triangle, &b1, &b2 );
         if ( triangle > 1 ) // the floor comes first
             continue;
-        const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+        RfTriangleRecord place;
+        const RfTriangleRecord* t = rf_triangle_record( tracer, triangle, &place );
         if ( rf_dot( t->ng, e.direction ) >= 0.0f )
             continue; // from below
         RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, b1 ), rf_scale( t->e2, b2 ) ) );

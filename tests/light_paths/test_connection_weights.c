@@ -48,7 +48,7 @@ static RfVec3 hit_of( const RfTriangleRecord* t, float u, float v )
 static bool follow( const RfTracer* tracer, const RfChain* chain, RfVec3 y, RfVec3 n, int vertex, RfTrail* trail,
                     uint32_t* emitter, RfVec3* point )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( tracer );
+    const RfTriangleRecord* triangles = rf_tracer_records( tracer )->records;
     RfVec3 from = y, way = rf_normalize( rf_sub( chain->vertex[chain->length - 1].p, y ) );
     *trail = ( RfTrail ){ .start = y, .n = n, .ng = n, .vertex = vertex };
     for ( int k = 0; k < chain->length; ++k )

@@ -17,7 +17,7 @@
 static double power_of( const RfTracer* tracer, uint32_t lamp )
 {
     const RfScene* scene = rf_tracer_scene( tracer );
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer );
+    const RfTriangleRecord* t = rf_tracer_records( tracer )->records;
     double area = 0.0;
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
         area += t[i].material == lamp ? 0.5 * (double)rf_length( rf_cross( t[i].e1, t[i].e2 ) ) : 0.0;

@@ -67,7 +67,7 @@ static void count_repeats( RfConnectionWork* work, const RfConnection* connectio
 // The share of starts, drawn evenly around the solution, from which it is found.
 static double count_found( const LightPathSet* s, const RfConnection* connection, const RfManifoldWalk* target )
 {
-    const RfTriangleRecord* triangles = rf_tracer_triangles( s->tracer );
+    const RfTriangleRecord* triangles = rf_tracer_records( s->tracer )->records;
     int found = 0;
     uint64_t rays = 0;
     for ( uint32_t k = 0; k < TRIALS; ++k )
@@ -191,7 +191,7 @@ static double count_vpl_trials( RfConnectionWork* work, const RfVplConnection* c
 static double count_covering( const LightPathSet* s, const RfVplConnection* connection, RfVec3 y )
 {
     const RfVpl* vpl = &connection->path->vpl;
-    const RfTriangleRecord* triangles = rf_tracer_triangles( s->tracer );
+    const RfTriangleRecord* triangles = rf_tracer_records( s->tracer )->records;
     RfVec3 o = rf_vpl_start( connection->path ), t, b;
     const float* from[3] = { &o.x, &o.y, &o.z };
     rf_basis( vpl->ng, &t, &b );

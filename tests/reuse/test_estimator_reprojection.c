@@ -119,7 +119,8 @@ static Hit trace_hit( const RfTracer* tracer, const RfEye* eye, float film_x, fl
     float u, v;
     rf_trace_nearest( tracer, 1, o_in, d_in, true, &triangle, &u, &v );
     assert_true( triangle != RF_MISS );
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = rf_triangle_record( tracer, triangle, &place );
     RfVec3 p = rf_add( t->p0, rf_add( rf_scale( t->e1, u ), rf_scale( t->e2, v ) ) );
     return ( Hit ){ p, rf_dot( t->ng, d ) < 0.0f ? t->ng : rf_scale( t->ng, -1.0f ) };
 }

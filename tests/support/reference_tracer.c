@@ -24,7 +24,8 @@ bool find_point( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes* 
         rf_trace_nearest( tracer, 1, ro, rd, false, &triangle, &u, &v );
     if ( triangle == RF_MISS )
         return false;
-    const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+    RfTriangleRecord place;
+    const RfTriangleRecord* t = rf_triangle_record( tracer, triangle, &place );
     RfHitPoint hit = rf_hit_point( t, u, v, o, d );
     out->p = hit.p;
     out->wo = rf_scale( d, -1.0f );

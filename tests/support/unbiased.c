@@ -240,8 +240,8 @@ static int mark_sharp( const RfTracer* tracer, const RfEye* eye, bool* marked )
         uint32_t triangle;
         float u, v;
         rf_trace_nearest( tracer, 1, o_in, d_in, true, &triangle, &u, &v );
-        marked[i] = triangle != RF_MISS &&
-                    is_sharp( rf_tracer_scene( tracer )->materials + rf_tracer_triangles( tracer )[triangle].material );
+        marked[i] =
+            triangle != RF_MISS && is_sharp( rf_tracer_scene( tracer )->materials + rf_triangle_material( tracer, triangle ) );
         count += marked[i];
     }
     return count;

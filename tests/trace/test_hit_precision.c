@@ -91,7 +91,8 @@ static void check_ground( float reach, float tilt, float scale )
         rf_trace_nearest( tracer, 1, o, way, false, &triangle, &u, &v );
         if ( triangle == RF_MISS )
             continue;
-        const RfTriangleRecord* t = rf_tracer_triangles( tracer ) + triangle;
+        RfTriangleRecord place;
+        const RfTriangleRecord* t = rf_triangle_record( tracer, triangle, &place );
         RfHitPoint hit = rf_hit_point( t, u, v, eye, d );
         RfVec3 out = rf_madd( hit.p, t->ng, hit.offset ), in = rf_madd( hit.p, t->ng, -hit.offset );
         hits += 1;

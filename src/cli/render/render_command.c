@@ -18,6 +18,7 @@
 #include "render/estimator.h"
 #include "render/settings.h"
 #include "scene/json/scene_file.h"
+#include "scene/placement.h"
 #include "scene/scene.h"
 #include "trace/trace.h"
 
@@ -132,7 +133,7 @@ static void warn_of_variance( const RfRenderSettings* s, const RfCameraPath* pat
 // A picture that will be black or empty.
 static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log )
 {
-    if ( scene->triangles.count == 0 )
+    if ( rf_triangle_count( scene ) == 0 )
         rf_warn( log, "%s: has no triangles, the picture will be %s", options->scene,
                  rf_tracer_has_light( tracer ) ? "sky alone" : "black" );
     else if ( !rf_tracer_has_light( tracer ) && scene->punctual_count > 0 )

@@ -277,7 +277,7 @@ bool rf_has_chains( const RfVertexLanes* first )
 // The view of a chain that starts here, if it is reflected and then ends.
 static uint8_t view_of( const RfPathSettings* path, const RfVertexLanes* v, int i, uint32_t triangle, RfVec3 throughput )
 {
-    uint16_t mirror = rf_tracer_triangles( path->tracer )[triangle].mirror;
+    unsigned mirror = rf_triangle_mirror( path->tracer, triangle );
     float cos_o = v->n[0][i] * v->wo[0][i] + v->n[1][i] * v->wo[1][i] + v->n[2][i] * v->wo[2][i], ior = v->param[RF_PARAM_IOR][i];
     bool inside = rf_max_component( throughput ) < 1.0f || ( ior > 0.0f && ior < 1.0f );
     return mirror == RF_NO_MIRROR || cos_o < RF_MIN_COS || inside ? RF_VIEW_CHAIN : (uint8_t)( RF_VIEW_FIRST_MIRROR + mirror );

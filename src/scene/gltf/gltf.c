@@ -9,6 +9,7 @@
 #include "scene/gltf/gltf_materials.h"
 #include "scene/json/json_document.h"
 #include "scene/movement.h"
+#include "scene/placement.h"
 #include "scene/pose.h"
 
 #include <math.h>
@@ -118,13 +119,22 @@ static double median( double* values, size_t count )
     return values[count / 2];
 }
 
-static size_t sample_corners( const RfTriangles* t, double corners[3][SAMPLES] )
+// Triangles of what stands still: they have the first numbers.
+static uint32_t still_triangles( const RfScene* scene )
 {
-    size_t all = 3 * (size_t)t->count, step = all / SAMPLES + 1, count = 0;
+    bool moves = scene->still_placement_count < scene->placement_count;
+    return moves ? scene->placements[scene->still_placement_count].first : rf_triangle_count( scene );
+}
+
+static size_t sample_corners( const RfScene* scene, double corners[3][SAMPLES] )
+{
+    size_t all = 3 * (size_t)still_triangles( scene ), step = all / SAMPLES + 1, count = 0;
     for ( size_t i = 0; i < all; i += step, ++count )
     {
-        for ( size_t c = 0; c < 3; ++c )
-            corners[c][count] = (double)t->positions[3 * (size_t)t->indices[i] + c];
+        RfVec3 p = rf_triangle_corner( scene, (uint32_t)( i / 3 ), (int)( i % 3 ) );
+        corners[0][count] = (double)p.x;
+        corners[1][count] = (double)p.y;
+        corners[2][count] = (double)p.z;
     }
     return count;
 }
@@ -174,7 +184,7 @@ static bool eye_agrees( const RfScene* scene, const double middle[3] )
 static bool find_origin( const RfScene* scene, double origin[3] )
 {
     double corners[3][SAMPLES], sorted[SAMPLES], middle[3], distance[SAMPLES], out = 0.0;
-    size_t count = scene->triangles.count > 0 ? sample_corners( &scene->triangles, corners ) : sample_movers( scene, corners );
+    size_t count = still_triangles( scene ) > 0 ? sample_corners( scene, corners ) : sample_movers( scene, corners );
     if ( count == 0 )
         return false;
     for ( int c = 0; c < 3; ++c )

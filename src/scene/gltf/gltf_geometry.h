@@ -38,15 +38,55 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
 // triangles are duplicated.
 RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive );
 
+// What a primitive is before it is read; 0 triangles where there is nothing to draw.
+typedef struct RfGltfSurvey
+{
+    uint32_t triangle_count;
+    uint32_t material;
+} RfGltfSurvey;
+
+// Surveys a primitive.
+RfResult rf_gltf_survey_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfSurvey* out );
+
+// Of all that is baked.
+#define RF_GLTF_MAX_TRIANGLES ( 1u << 28 )
+
+// Beyond this, products of lengths overflow floats.
+#define RF_GLTF_MAX_COORDINATE 1e15
+
+// Twice the smallest triangle area that is kept, in m²: where rays and lights still have room among the floats.
+#define RF_GLTF_MIN_DOUBLE_AREA 1e-30
+
+// Bakes primitives into a list of triangles (gltf_bake.c).
+typedef struct RfGltfBaker
+{
+    RfTriangles* triangles;
+    RfVec3 bounds_min, bounds_max; // of the triangles; both 0 if there are none
+    double least_double_area;      // twice the smallest triangle area that is kept
+    uint32_t vertex_capacity, triangle_capacity;
+    float* world; // transformed positions of the current primitive
+    uint32_t world_capacity;
+    uint32_t placed; // triangles so far, including dropped ones
+    uint64_t degenerate;
+    RfWhere first_degenerate;
+} RfGltfBaker;
+
+// Appends a primitive, transformed by a matrix.
+RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
+                       const char* where );
+
+// Frees what a baker needs only while it bakes, and spare memory of its triangles.
+void rf_gltf_finish_baker( RfGltfBaker* baker );
+
 // The instances of a node's mesh and their transforms within the node; a single one without
-// the extension.
+// the extension (gltf_instancing.c).
 typedef struct RfGltfInstances
 {
     uint32_t count;
     int translation, rotation, scale; // accessors, or −1
 } RfGltfInstances;
 
-// Reads the instances of a node (gltf_instancing.c).
+// Reads the instances of a node.
 RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out );
 
 // The transform of one instance within its node.
@@ -89,7 +129,7 @@ RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh );
 // Places what was set apart, after everything else.
 RfResult rf_gltf_place_movers( RfGltf* gltf );
 
-// Bakes the meshes of all nodes of the default scene (gltf_mesh.c).
+// Bakes or places the meshes of all nodes of the default scene (gltf_mesh.c).
 RfResult rf_gltf_load_meshes( RfGltf* gltf );
 
 #endif

@@ -1,368 +1,34 @@
-// Meshes: the primitives of all instances are baked into the triangles of the scene.
+// Meshes: the primitives of all instances are baked into the triangles of the scene, or once into a mesh that is placed.
 #include "scene/gltf/gltf_geometry.h"
 
 #include "scene/animation.h"
 #include "scene/camera.h"
+#include "scene/placement.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-// State of baking primitives into the scene.
-typedef struct RfGltfBaker
-{
-    uint32_t vertex_capacity, triangle_capacity;
-    float* world; // world-space positions of the current primitive
-    uint32_t world_capacity;
-    uint32_t placed; // triangles so far, including dropped ones
-    uint64_t degenerate;
-    RfWhere first_degenerate;
-} RfGltfBaker;
+// Each primitive is read once and baked for every node that instances its mesh, so that the reader never holds more than one.
+// Meshes whose copies would take much memory are kept once, in their own space, and placed. Not so what is easier to have in
+// world space: what emits (lights are triangles there), what may be a flat mirror, what moves, and what a matrix distorts so much
+// that Embree would be far off.
 
-// Bakes the other vertex attributes: texture coordinates, colours, tangents.
+// Of Embree and of the tables, measured: of a triangle in world space, and of a placement.
+#define TRIANGLE_BYTES 230.0
+#define PLACEMENT_BYTES 900.0
 
-// Allocates an attribute when the first mesh has it; vertices before it get `fill`.
-static RfResult reserve_attribute( const RfGltf* gltf, const RfGltfBaker* baker, const char* where, const float* needed,
-                                   int components, float fill, float** all )
-{
-    if ( needed == NULL || *all != NULL )
-        return RF_OK;
-    size_t count = (size_t)baker->vertex_capacity * (size_t)components;
-    *all = malloc( ( count + 1 ) * sizeof **all );
-    if ( *all == NULL )
-        return rf_gltf_no_memory( gltf, where );
-    for ( size_t i = 0; i < count; ++i )
-        ( *all )[i] = fill;
-    return RF_OK;
-}
+// Meshes are placed where that saves so much in all, those that save at least so much each. Rays take longer where they pass
+// boxes of instances that overlap.
+#define LEAST_SAVED ( 64.0 * 1048576.0 )
+#define LEAST_SAVED_EACH 1048576.0
 
-// Bakes texture coordinates, colours and tangents.
-static RfResult reserve_attributes( const RfGltf* gltf, const RfGltfBaker* baker, const RfGltfPrimitive* primitive,
-                                    const char* where )
-{
-    RfTriangles* t = &gltf->scene->triangles;
-    RfResult result = reserve_attribute( gltf, baker, where, primitive->uvs, 2, 0.0f, &t->uvs );
-    if ( result == RF_OK )
-        result = reserve_attribute( gltf, baker, where, primitive->uvs1, 2, 0.0f, &t->uvs1 );
-    if ( result == RF_OK )
-        result = reserve_attribute( gltf, baker, where, primitive->colors, 4, 1.0f, &t->colors );
-    if ( result == RF_OK )
-        result = reserve_attribute( gltf, baker, where, primitive->tangents, 4, 0.0f, &t->tangents );
-    return result;
-}
+// The most by which a matrix may make Embree's errors grow (rf_placement_spread), and stretch.
+#define MOST_SPREAD 100.0
+#define MOST_STRETCH 1e6
 
-static void copy_attribute( float* all, const float* values, int components, float fill, uint32_t to, uint32_t from )
-{
-    if ( all == NULL )
-        return;
-    for ( size_t i = 0, n = (size_t)components; i < n; ++i )
-        all[n * to + i] = values != NULL ? values[n * from + i] : fill;
-}
-
-static void copy_attributes( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from )
-{
-    copy_attribute( t->uvs, primitive->uvs, 2, 0.0f, to, from );
-    copy_attribute( t->uvs1, primitive->uvs1, 2, 0.0f, to, from );
-    copy_attribute( t->colors, primitive->colors, 4, 1.0f, to, from );
-    copy_attribute( t->tangents, NULL, 4, 0.0f, to, from );
-}
-
-// `sign` is −1 for a mirroring matrix.
-static void transform_tangent( RfTriangles* t, uint32_t to, const RfGltfPrimitive* primitive, uint32_t from, const RfMat4* matrix,
-                               double sign )
-{
-    if ( primitive->tangents == NULL )
-        return;
-    const float* tangent = primitive->tangents + 4 * (size_t)from;
-    float* out = t->tangents + 4 * (size_t)to;
-    double local[3] = { (double)tangent[0], (double)tangent[1], (double)tangent[2] }, placed[3];
-    rf_mat4_apply( matrix, local, 0.0, placed );
-    double length = sqrt( placed[0] * placed[0] + placed[1] * placed[1] + placed[2] * placed[2] );
-    bool usable = length > 0.0 && length <= DBL_MAX;
-    for ( int i = 0; i < 3; ++i )
-        out[i] = usable ? (float)( placed[i] / length ) : 0.0f;
-    out[3] = !usable ? 0.0f : (float)( ( tangent[3] < 0.0f ? -1.0 : 1.0 ) * sign );
-}
-
-// Bakes primitives into world-space triangles by the matrix of their node, in double, rounded
-// once.
-
-#define MAX_TRIANGLES ( 1u << 28 )
-#define MAX_VERTICES ( 3u << 28 )
-
-// Beyond this, products of lengths overflow floats.
-#define MAX_COORDINATE 1e15
-
-// Twice the smallest triangle area that is kept, in m²: where rays and lights still have room among the floats.
-#define MIN_DOUBLE_AREA 1e-30
-
-static bool grow_floats( float** memory, size_t count )
-{
-    float* grown = realloc( *memory, count * sizeof *grown );
-    if ( grown == NULL )
-        return false;
-    *memory = grown;
-    return true;
-}
-
-static bool grow_numbers( uint32_t** memory, size_t count )
-{
-    uint32_t* grown = realloc( *memory, count * sizeof *grown );
-    if ( grown == NULL )
-        return false;
-    *memory = grown;
-    return true;
-}
-
-static uint32_t next_capacity( uint32_t capacity, uint32_t need, uint32_t most )
-{
-    uint32_t larger = capacity < most / 2 ? capacity + capacity / 2 : most;
-    return larger > need ? larger : need;
-}
-
-static RfResult reserve_vertices( const RfGltf* gltf, RfGltfBaker* baker, uint32_t more, const char* where )
-{
-    RfTriangles* t = &gltf->scene->triangles;
-    if ( more > MAX_VERTICES - t->vertex_count )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %u vertices in all: split the scene", MAX_VERTICES );
-    if ( t->vertex_count + more <= baker->vertex_capacity )
-        return RF_OK;
-    size_t capacity = next_capacity( baker->vertex_capacity, t->vertex_count + more, MAX_VERTICES );
-    if ( grow_floats( &t->positions, capacity * 3 ) == false || grow_floats( &t->normals, capacity * 3 ) == false ||
-         ( t->uvs != NULL && grow_floats( &t->uvs, capacity * 2 ) == false ) ||
-         ( t->uvs1 != NULL && grow_floats( &t->uvs1, capacity * 2 ) == false ) ||
-         ( t->colors != NULL && grow_floats( &t->colors, capacity * 4 ) == false ) ||
-         ( t->tangents != NULL && grow_floats( &t->tangents, capacity * 4 ) == false ) )
-        return rf_gltf_no_memory( gltf, where );
-    baker->vertex_capacity = (uint32_t)capacity;
-    return RF_OK;
-}
-
-static RfResult reserve_triangles( const RfGltf* gltf, RfGltfBaker* baker, uint32_t more, const char* where )
-{
-    RfTriangles* t = &gltf->scene->triangles;
-    // dropped triangles count too, else a small file could request any amount of work
-    if ( more > MAX_TRIANGLES - baker->placed )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %u triangles in all: split the scene", MAX_TRIANGLES );
-    baker->placed += more;
-    if ( t->count + more <= baker->triangle_capacity )
-        return RF_OK;
-    size_t capacity = next_capacity( baker->triangle_capacity, t->count + more, MAX_TRIANGLES );
-    if ( grow_numbers( &t->indices, capacity * 3 ) == false || grow_numbers( &t->material, capacity ) == false )
-        return rf_gltf_no_memory( gltf, where );
-    baker->triangle_capacity = (uint32_t)capacity;
-    return RF_OK;
-}
-
-static RfResult reserve( const RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const char* where )
-{
-    uint32_t vertices = primitive->normals != NULL ? primitive->vertex_count : primitive->triangle_count * 3;
-    RfResult result = reserve_vertices( gltf, baker, vertices, where );
-    if ( result == RF_OK )
-        result = reserve_triangles( gltf, baker, primitive->triangle_count, where );
-    if ( result == RF_OK )
-        result = reserve_attributes( gltf, baker, primitive, where );
-    if ( result != RF_OK || primitive->vertex_count <= baker->world_capacity )
-        return result;
-    if ( grow_floats( &baker->world, (size_t)primitive->vertex_count * 3 ) == false )
-        return rf_gltf_no_memory( gltf, where );
-    baker->world_capacity = primitive->vertex_count;
-    return RF_OK;
-}
-
-static RfResult transform_positions( const RfGltf* gltf, float* world, const RfGltfPrimitive* primitive, const RfMat4* matrix,
-                                     const char* where )
-{
-    for ( size_t v = 0; v < primitive->vertex_count; ++v )
-    {
-        const float* from = primitive->positions + 3 * v;
-        double local[3] = { (double)from[0], (double)from[1], (double)from[2] }, placed[3];
-        rf_mat4_apply( matrix, local, 1.0, placed );
-        for ( int i = 0; i < 3; ++i )
-        {
-            // written so that NaN fails
-            if ( ( fabs( placed[i] ) <= MAX_COORDINATE ) == false )
-                return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "a vertex is at %g, beyond %g: scale the scene down", placed[i],
-                                     MAX_COORDINATE );
-            world[3 * v + (size_t)i] = (float)placed[i];
-        }
-    }
-    return RF_OK;
-}
-
-static void store( float* out, const double v[3], double scale )
-{
-    for ( int i = 0; i < 3; ++i )
-        out[i] = (float)( v[i] * scale );
-}
-
-// Zero if the normal in the file is zero, or if the matrix collapses it.
-static void transform_normal( const RfMat4* matrix, double sign, const float* normal, float* out )
-{
-    double local[3] = { (double)normal[0], (double)normal[1], (double)normal[2] }, n[3];
-    rf_mat4_apply_cofactor( matrix, local, n );
-    double largest = fmax( fabs( n[0] ), fmax( fabs( n[1] ), fabs( n[2] ) ) );
-    if ( ( largest > 0.0 && largest <= DBL_MAX ) == false )
-    {
-        out[0] = out[1] = out[2] = 0.0f;
-        return;
-    }
-    for ( int i = 0; i < 3; ++i )
-        n[i] /= largest;
-    store( out, n, sign / sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] ) );
-}
-
-static bool face_normal( const float* world, const uint32_t* corners, float normal[3] )
-{
-    const float *a = world + 3 * (size_t)corners[0], *b = world + 3 * (size_t)corners[1], *c = world + 3 * (size_t)corners[2];
-    double u[3], v[3];
-    for ( int i = 0; i < 3; ++i )
-    {
-        u[i] = (double)b[i] - (double)a[i];
-        v[i] = (double)c[i] - (double)a[i];
-    }
-    double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
-    double length = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
-    if ( ( length >= MIN_DOUBLE_AREA ) == false )
-        return false;
-    store( normal, n, 1.0 / length );
-    return true;
-}
-
-static void grow_bounds( RfScene* scene, bool first, const float* p )
-{
-    RfVec3 at = rf_vec3( p[0], p[1], p[2] );
-    if ( first )
-        scene->bounds_min = scene->bounds_max = at;
-    scene->bounds_min = rf_vec3( rf_minf( scene->bounds_min.x, at.x ), rf_minf( scene->bounds_min.y, at.y ),
-                                 rf_minf( scene->bounds_min.z, at.z ) );
-    scene->bounds_max = rf_vec3( rf_maxf( scene->bounds_max.x, at.x ), rf_maxf( scene->bounds_max.y, at.y ),
-                                 rf_maxf( scene->bounds_max.z, at.z ) );
-}
-
-static void append_smooth_vertices( RfTriangles* t, const RfGltfPrimitive* primitive, const RfMat4* matrix, const float* world )
-{
-    double sign = rf_mat4_det3( matrix ) < 0.0 ? -1.0 : 1.0;
-    size_t base = t->vertex_count;
-    memcpy( t->positions + 3 * base, world, (size_t)primitive->vertex_count * 3 * sizeof( float ) );
-    for ( uint32_t v = 0; v < primitive->vertex_count; ++v )
-    {
-        transform_normal( matrix, sign, primitive->normals + 3 * (size_t)v, t->normals + 3 * ( base + v ) );
-        copy_attributes( t, (uint32_t)base + v, primitive, v );
-        transform_tangent( t, (uint32_t)base + v, primitive, v, matrix, sign );
-    }
-    t->vertex_count += primitive->vertex_count;
-}
-
-static void append_flat_vertex( RfTriangles* t, const RfGltfPrimitive* primitive, const float* world, uint32_t from,
-                                const float normal[3] )
-{
-    size_t at = t->vertex_count++;
-    memcpy( t->positions + 3 * at, world + 3 * (size_t)from, 3 * sizeof( float ) );
-    memcpy( t->normals + 3 * at, normal, 3 * sizeof( float ) );
-    copy_attributes( t, (uint32_t)at, primitive, from );
-}
-
-static bool is_zero( const float* v ) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
-
-static void append_triangle( RfScene* scene, const RfGltfPrimitive* primitive, const float* world, uint32_t base,
-                             const uint32_t corners[3], const float normal[3] )
-{
-    RfTriangles* t = &scene->triangles;
-    for ( size_t i = 0; i < 3; ++i )
-    {
-        uint32_t vertex = base + corners[i];
-        if ( primitive->normals == NULL )
-        {
-            vertex = t->vertex_count;
-            append_flat_vertex( t, primitive, world, corners[i], normal );
-        }
-        else if ( is_zero( t->normals + 3 * (size_t)vertex ) )
-            memcpy( t->normals + 3 * (size_t)vertex, normal, 3 * sizeof( float ) );
-        t->indices[3 * (size_t)t->count + i] = vertex;
-        grow_bounds( scene, t->count == 0 && i == 0, world + 3 * (size_t)corners[i] );
-    }
-    t->material[t->count++] = primitive->material;
-}
-
-// Vertices used only by dropped triangles must still have a unit normal.
-static void finish_normals( RfTriangles* t, uint32_t base )
-{
-    for ( size_t v = base; v < t->vertex_count; ++v )
-    {
-        if ( is_zero( t->normals + 3 * v ) )
-            t->normals[3 * v + 2] = 1.0f;
-    }
-}
-
-// Appends a primitive, transformed by a matrix, to the triangles of the scene.
-static RfResult bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
-                      const char* where )
-{
-    RfResult result = reserve( gltf, baker, primitive, where );
-    if ( result == RF_OK )
-        result = transform_positions( gltf, baker->world, primitive, matrix, where );
-    if ( result != RF_OK )
-        return result;
-
-    RfTriangles* t = &gltf->scene->triangles;
-    uint32_t base = t->vertex_count, first = t->count;
-    if ( primitive->normals != NULL )
-        append_smooth_vertices( t, primitive, matrix, baker->world );
-    // a mirroring matrix reverses the winding: swap two corners to restore it
-    bool mirrored = rf_mat4_det3( matrix ) < 0.0;
-    for ( size_t i = 0; i < primitive->triangle_count; ++i )
-    {
-        const uint32_t* from = primitive->indices + 3 * i;
-        uint32_t corners[3] = { from[0], from[mirrored ? 2 : 1], from[mirrored ? 1 : 2] };
-        float normal[3];
-        if ( face_normal( baker->world, corners, normal ) )
-            append_triangle( gltf->scene, primitive, baker->world, base, corners, normal );
-        else if ( baker->degenerate++ == 0 )
-            baker->first_degenerate = rf_where( "%s", where );
-    }
-    if ( t->count == first )
-        t->vertex_count = base;
-    finish_normals( t, base );
-    if ( primitive->colors != NULL )
-        gltf->scene->materials[primitive->material].textured->vertex_colors = true;
-    gltf->scene->instance_count += 1;
-    return RF_OK;
-}
-
-// Releases spare capacity; a failure to shrink changes nothing.
-static void shrink( RfTriangles* t )
-{
-    size_t vertices = t->vertex_count, triangles = t->count;
-    if ( triangles == 0 )
-        return;
-    grow_floats( &t->positions, vertices * 3 );
-    grow_floats( &t->normals, vertices * 3 );
-    if ( t->uvs != NULL )
-        grow_floats( &t->uvs, vertices * 2 );
-    if ( t->uvs1 != NULL )
-        grow_floats( &t->uvs1, vertices * 2 );
-    if ( t->colors != NULL )
-        grow_floats( &t->colors, vertices * 4 );
-    if ( t->tangents != NULL )
-        grow_floats( &t->tangents, vertices * 4 );
-    grow_numbers( &t->indices, triangles * 3 );
-    grow_numbers( &t->material, triangles );
-}
-
-static void finish_bake( RfGltf* gltf, RfGltfBaker* baker )
-{
-    shrink( &gltf->scene->triangles );
-    if ( baker->degenerate > 0 )
-        rf_warn( gltf->log, "%s: %llu triangles without area are dropped, the first in %s", gltf->path,
-                 (unsigned long long)baker->degenerate, baker->first_degenerate.text );
-    free( baker->world );
-    baker->world = NULL;
-}
-
-// Meshes: each primitive is read once and baked for every node that instances its mesh, so
-// that the reader never holds more than one primitive.
+// In all, so that a small file cannot ask for any amount of memory.
+#define MAX_PLACEMENTS ( 1u << 24 )
 
 // Nodes sorted by mesh: those of mesh m are nodes[starts[m]] up to nodes[starts[m+1]].
 typedef struct Instances
@@ -371,6 +37,8 @@ typedef struct Instances
     size_t* starts;
     int* nodes;
     RfMat4* worlds; // by node
+    bool* placed;   // by mesh
+    int placement_capacity, mesh_capacity;
 } Instances;
 
 static void free_instances( Instances* instances )
@@ -379,6 +47,7 @@ static void free_instances( Instances* instances )
     free( instances->starts );
     free( instances->nodes );
     free( instances->worlds );
+    free( instances->placed );
 }
 
 static RfResult create_instances( const RfGltf* gltf, Instances* out )
@@ -388,7 +57,8 @@ static RfResult create_instances( const RfGltf* gltf, Instances* out )
     out->starts = calloc( meshes, sizeof *out->starts );
     out->nodes = malloc( nodes * sizeof *out->nodes );
     out->worlds = malloc( nodes * sizeof *out->worlds );
-    if ( out->mesh_of == NULL || out->starts == NULL || out->nodes == NULL || out->worlds == NULL )
+    out->placed = calloc( meshes, sizeof *out->placed );
+    if ( out->placed == NULL || out->mesh_of == NULL || out->starts == NULL || out->nodes == NULL || out->worlds == NULL )
         return rf_gltf_no_memory( gltf, "nodes" );
     return RF_OK;
 }
@@ -452,77 +122,371 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
     }
 }
 
-static RfResult place_at_node( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, int node, const RfMat4* world,
-                               const char* where )
+// A node keeps the mesh in world space if it moves or has a skin.
+static bool is_still( const RfGltf* gltf, int node )
+{
+    return !rf_gltf_varies( gltf, node ) && json_object_get( rf_gltf_item( gltf, RF_GLTF_NODES, node ), "skin" ) == NULL;
+}
+
+// Frobenius norm: at least as much as edges become longer.
+static double stretch_of( const RfMat4* matrix )
+{
+    double squares = 0.0;
+    for ( int k = 0; k < 12; ++k )
+        squares += k % 4 < 3 ? matrix->m[k] * matrix->m[k] : 0.0;
+    return sqrt( squares );
+}
+
+// Whether Embree can be left to invert the matrix. Written so that NaN fails.
+static bool is_fit( const RfMat4* matrix )
+{
+    double stretch = stretch_of( matrix );
+    return rf_placement_spread( matrix ) <= MOST_SPREAD && stretch >= 1.0 / MOST_STRETCH && stretch <= MOST_STRETCH;
+}
+
+// One of the places of a mesh.
+typedef struct Place
+{
+    int node;
+    RfMat4 matrix;
+    bool fit; // for a placement
+} Place;
+
+typedef RfResult Visit( RfGltf* gltf, const Place* place, void* user );
+
+static RfResult visit_node( RfGltf* gltf, int node, const RfMat4* world, Visit* visit, void* user )
 {
     RfGltfInstances instances;
-    RfWhere self = rf_where( "%s of nodes[%d]", where, node );
+    bool still = is_still( gltf, node );
     RfResult result = rf_gltf_open_instances( gltf, node, &instances );
     for ( uint32_t i = 0; result == RF_OK && i < instances.count; ++i )
     {
         RfMat4 local = { 0 };
+        Place place = { .node = node };
         result = rf_gltf_instance_matrix( gltf, &instances, i, &local );
-        RfMat4 matrix = result == RF_OK ? rf_mat4_mul( world, &local ) : *world; // multiplying by the identity gives the same
-                                                                                 // bits
+        if ( result != RF_OK )
+            return result;
+        place.matrix = rf_mat4_mul( world, &local ); // multiplying by the identity gives the same bits
         for ( int c = 0; c < 3; ++c )
-            matrix.m[12 + c] -= gltf->scene->origin[c];
-        if ( result == RF_OK )
-            result = bake( gltf, baker, primitive, &matrix, self.text );
+            place.matrix.m[12 + c] -= gltf->scene->origin[c];
+        place.fit = still && is_fit( &place.matrix );
+        result = visit( gltf, &place, user );
     }
     return result;
 }
 
-static RfResult place_primitive( RfGltf* gltf, RfGltfBaker* baker, const Instances* instances, int mesh, const json_t* json,
-                                 const char* where )
+// Visits all places of a mesh.
+static RfResult visit_places( RfGltf* gltf, const Instances* instances, int mesh, Visit* visit, void* user )
 {
+    RfResult result = RF_OK;
+    for ( size_t i = instances->starts[mesh]; result == RF_OK && i < instances->starts[mesh + 1]; ++i )
+        result = visit_node( gltf, instances->nodes[i], instances->worlds + instances->nodes[i], visit, user );
+    return result;
+}
+
+// A primitive that is baked into the triangles of the scene.
+typedef struct Bake
+{
+    RfGltfBaker* baker;
+    const RfGltfPrimitive* primitive;
+    const char* where;
+    bool unfit_only; // it is in a mesh that is placed wherever it can be
+} Bake;
+
+static RfResult bake_at( RfGltf* gltf, const Place* place, void* user )
+{
+    const Bake* bake = user;
+    gltf->scene->instance_count += 1;
+    if ( place->fit && bake->unfit_only )
+        return RF_OK;
+    RfWhere where = rf_where( "%s of nodes[%d]", bake->where, place->node );
+    return rf_gltf_bake( gltf, bake->baker, bake->primitive, &place->matrix, where.text );
+}
+
+static bool emits( const RfMaterial* m ) { return rf_max_component( m->emission ) > 0.0f; }
+
+// As scene/mirrors.c has it; textures that are optional may be dropped later.
+static bool may_be_mirror( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->alpha == 0.0f && ( m->textured == NULL || m->textured->optional );
+}
+
+// Whether some triangle has the same normal at its corners.
+static bool has_flat_triangle( const RfGltfPrimitive* p )
+{
+    for ( size_t i = 0; i < p->triangle_count && p->normals != NULL; ++i )
+    {
+        const float *a = p->normals + 3 * (size_t)p->indices[3 * i], *b = p->normals + 3 * (size_t)p->indices[3 * i + 1],
+                    *c = p->normals + 3 * (size_t)p->indices[3 * i + 2];
+        float most = 0.0f;
+        for ( int k = 0; k < 3; ++k )
+            most = rf_maxf( most, rf_maxf( fabsf( b[k] - a[k] ), fabsf( c[k] - a[k] ) ) );
+        if ( most < 1e-3f )
+            return true;
+    }
+    return p->normals == NULL;
+}
+
+static bool can_be_placed( const RfScene* scene, const RfGltfPrimitive* p )
+{
+    const RfMaterial* m = scene->materials + p->material;
+    return !emits( m ) && !( may_be_mirror( m ) && has_flat_triangle( p ) );
+}
+
+static RfResult list_primitives( const RfGltf* gltf, int mesh, const json_t** primitives )
+{
+    RfWhere where = rf_where( "meshes[%d]", mesh );
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_MESHES, mesh );
+    *primitives = NULL;
+    RfResult result = rf_gltf_require( gltf, json, where.text, "primitives" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_array( gltf, json, where.text, "primitives", primitives );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( *primitives ); ++i )
+    {
+        RfWhere self = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
+        if ( json_is_object( json_array_get( *primitives, i ) ) == 0 )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
+    }
+    return result;
+}
+
+// A mesh that is being placed, the scene's next.
+typedef struct Placing
+{
+    Instances* instances;
+    RfMesh mesh;
+    RfGltfBaker baker; // of the mesh
+    int first;         // of its placements
+    double stretch;    // the most of them
+} Placing;
+
+static RfResult add_placement( RfGltf* gltf, const Place* place, void* user )
+{
+    RfScene* scene = gltf->scene;
+    Placing* placing = user;
+    int* capacity = &placing->instances->placement_capacity;
+    if ( !place->fit )
+        return RF_OK;
+    if ( scene->placement_count == *capacity )
+    {
+        *capacity = *capacity > 0 ? 2 * *capacity : 64;
+        RfPlacement* grown = realloc( scene->placements, (size_t)*capacity * sizeof *grown );
+        if ( grown == NULL )
+            return rf_gltf_no_memory( gltf, "nodes" );
+        scene->placements = grown;
+    }
+    placing->stretch = fmax( placing->stretch, stretch_of( &place->matrix ) );
+    scene->placements[scene->placement_count++] =
+        ( RfPlacement ){ .mesh = scene->mesh_count, .matrix = place->matrix, .shown = true, .mover = -1 };
+    return RF_OK;
+}
+
+static RfResult add_mesh( RfGltf* gltf, Placing* placing )
+{
+    RfScene* scene = gltf->scene;
+    int* capacity = &placing->instances->mesh_capacity;
+    if ( scene->mesh_count == *capacity )
+    {
+        *capacity = *capacity > 0 ? 2 * *capacity : 16;
+        RfMesh* grown = realloc( scene->meshes, (size_t)*capacity * sizeof *grown );
+        if ( grown == NULL )
+            return rf_gltf_no_memory( gltf, "meshes" );
+        scene->meshes = grown;
+    }
+    scene->meshes[scene->mesh_count++] = placing->mesh;
+    placing->mesh = ( RfMesh ){ 0 };
+    return RF_OK;
+}
+
+// The vertices of a placement that may be too far out.
+static RfResult check_coordinates( const RfGltf* gltf, const RfMesh* mesh, const RfPlacement* p, const char* where )
+{
+    double reach = fmax( (double)rf_largest_coordinate( mesh->bounds_min ), (double)rf_largest_coordinate( mesh->bounds_max ) );
+    double shift = fmax( fabs( p->matrix.m[12] ), fmax( fabs( p->matrix.m[13] ), fabs( p->matrix.m[14] ) ) );
+    uint32_t vertices =
+        shift + 2.0 * stretch_of( &p->matrix ) * reach <= RF_GLTF_MAX_COORDINATE ? 0 : mesh->triangles.vertex_count;
+    for ( size_t v = 0; v < vertices; ++v )
+    {
+        const float* own = mesh->triangles.positions + 3 * v;
+        float at = rf_largest_coordinate( rf_place_point( &p->matrix, rf_vec3( own[0], own[1], own[2] ) ) );
+        if ( !( (double)at <= RF_GLTF_MAX_COORDINATE ) )
+            return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "a vertex is at %g, beyond %g: scale the scene down", (double)at,
+                                 RF_GLTF_MAX_COORDINATE );
+    }
+    return RF_OK;
+}
+
+// Adds the mesh to the scene, unless nothing of it can be placed.
+static RfResult finish_mesh( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const char* where )
+{
+    RfScene* scene = gltf->scene;
+    int places = scene->placement_count - placing->first;
+    rf_gltf_finish_baker( &placing->baker );
+    placing->mesh.bounds_min = placing->baker.bounds_min;
+    placing->mesh.bounds_max = placing->baker.bounds_max;
+    if ( baker->degenerate == 0 )
+        baker->first_degenerate = placing->baker.first_degenerate;
+    baker->degenerate += placing->baker.degenerate * (uint64_t)places;
+    if ( places == 0 || placing->mesh.triangles.count == 0 )
+    {
+        scene->placement_count = placing->first;
+        return RF_OK;
+    }
+    for ( int i = placing->first; i < scene->placement_count; ++i )
+    {
+        RfResult result = check_coordinates( gltf, &placing->mesh, scene->placements + i, where );
+        if ( result != RF_OK )
+            return result;
+    }
+    return add_mesh( gltf, placing );
+}
+
+static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const Instances* instances, int mesh,
+                                const json_t* json, const char* where )
+{
+    static const RfMat4 own = { { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
     RfGltfPrimitive primitive;
     RfResult result = rf_gltf_read_primitive( gltf, json, where, &primitive );
-    if ( result != RF_OK )
+    if ( result != RF_OK || primitive.triangle_count == 0 )
         return result;
-    size_t end = primitive.triangle_count > 0 ? instances->starts[mesh + 1] : 0;
-    for ( size_t i = instances->starts[mesh]; result == RF_OK && i < end; ++i )
-    {
-        int node = instances->nodes[i];
-        result = place_at_node( gltf, baker, &primitive, node, instances->worlds + node, where );
-    }
+    Bake bake = { baker, &primitive, where, placing != NULL && can_be_placed( gltf->scene, &primitive ) };
+    if ( bake.unfit_only )
+        result = rf_gltf_bake( gltf, &placing->baker, &primitive, &own, where );
+    if ( result == RF_OK )
+        result = visit_places( gltf, instances, mesh, bake_at, &bake );
     rf_gltf_free_primitive( &primitive );
     return result;
 }
 
-static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, const Instances* instances, int mesh )
+static RfResult load_primitives( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const Instances* instances, int mesh )
 {
-    RfWhere where = rf_where( "meshes[%d]", mesh );
-    const json_t* primitives = NULL;
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_MESHES, mesh );
-    RfResult result = rf_gltf_require( gltf, json, where.text, "primitives" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_array( gltf, json, where.text, "primitives", &primitives );
+    const json_t* primitives;
+    RfResult result = list_primitives( gltf, mesh, &primitives );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives ); ++i )
     {
-        RfWhere self = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
-        const json_t* primitive = json_array_get( primitives, i );
-        if ( json_is_object( primitive ) == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
-        result = place_primitive( gltf, baker, instances, mesh, primitive, self.text );
+        RfWhere where = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
+        result = load_primitive( gltf, baker, placing, instances, mesh, json_array_get( primitives, i ), where.text );
     }
     return result;
 }
 
+static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, Instances* instances, int mesh )
+{
+    Placing placing = { .instances = instances, .first = gltf->scene->placement_count };
+    RfMesh* own = &placing.mesh;
+    RfWhere where = rf_where( "meshes[%d]", mesh );
+    RfResult result = visit_places( gltf, instances, mesh, add_placement, &placing );
+    double scale = fmax( placing.stretch, 1.0 / MOST_STRETCH );
+    placing.baker =
+        ( RfGltfBaker ){ .triangles = &own->triangles, .least_double_area = RF_GLTF_MIN_DOUBLE_AREA / ( scale * scale ) };
+    if ( result == RF_OK )
+        result = load_primitives( gltf, baker, &placing, instances, mesh );
+    if ( result == RF_OK )
+        result = finish_mesh( gltf, baker, &placing, where.text );
+    rf_gltf_finish_baker( &placing.baker );
+    rf_destroy_triangles( &own->triangles );
+    return result;
+}
+
+// What placing a mesh would save.
+typedef struct Saving
+{
+    uint64_t places, triangles; // of one place
+    double bytes;
+} Saving;
+
+static RfResult count_places( RfGltf* gltf, const Instances* instances, int mesh, uint64_t* places )
+{
+    RfResult result = RF_OK;
+    *places = 0;
+    for ( size_t i = instances->starts[mesh]; result == RF_OK && i < instances->starts[mesh + 1]; ++i )
+    {
+        RfGltfInstances here = { 0 };
+        if ( is_still( gltf, instances->nodes[i] ) )
+            result = rf_gltf_open_instances( gltf, instances->nodes[i], &here );
+        *places += here.count;
+    }
+    return result;
+}
+
+static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh, Saving* saving )
+{
+    const json_t* primitives;
+    *saving = ( Saving ){ 0 };
+    RfResult result = count_places( gltf, instances, mesh, &saving->places );
+    if ( result != RF_OK || saving->places < 2 )
+        return result;
+    result = list_primitives( gltf, mesh, &primitives );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives ); ++i )
+    {
+        RfWhere where = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
+        RfGltfSurvey survey;
+        result = rf_gltf_survey_primitive( gltf, json_array_get( primitives, i ), where.text, &survey );
+        if ( result == RF_OK && survey.triangle_count > 0 && !emits( gltf->scene->materials + survey.material ) )
+            saving->triangles += survey.triangle_count;
+    }
+    double places = (double)saving->places;
+    saving->bytes = ( places - 1.0 ) * (double)saving->triangles * TRIANGLE_BYTES - places * PLACEMENT_BYTES;
+    return result;
+}
+
+static RfResult choose_placed( RfGltf* gltf, Instances* instances )
+{
+    int count = gltf->counts[RF_GLTF_MESHES];
+    uint64_t places = 0;
+    double triangles = 0.0, bytes = 0.0;
+    for ( int m = 0; m < count; ++m )
+    {
+        Saving saving;
+        RfResult result = find_saving( gltf, instances, m, &saving );
+        if ( result != RF_OK )
+            return result;
+        if ( saving.bytes < LEAST_SAVED_EACH || places + saving.places > MAX_PLACEMENTS )
+            continue;
+        instances->placed[m] = true;
+        bytes += saving.bytes;
+        places += saving.places;
+        triangles += (double)saving.places * (double)saving.triangles;
+    }
+    if ( triangles > (double)RF_MOST_TRIANGLES ) // rather than run out of memory first
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "nodes", "place more than %u triangles: split the scene",
+                             RF_MOST_TRIANGLES );
+    if ( bytes < LEAST_SAVED )
+        memset( instances->placed, 0, (size_t)count * sizeof *instances->placed );
+    return RF_OK;
+}
+
+static void warn_of_degenerate( const RfGltf* gltf, const RfGltfBaker* baker )
+{
+    if ( baker->degenerate > 0 )
+        rf_warn( gltf->log, "%s: %llu triangles without area are dropped, the first in %s", gltf->path,
+                 (unsigned long long)baker->degenerate, baker->first_degenerate.text );
+}
+
 RfResult rf_gltf_load_meshes( RfGltf* gltf )
 {
+    RfScene* scene = gltf->scene;
     Instances instances = { 0 };
-    RfGltfBaker baker = { 0 };
+    RfGltfBaker baker = { .triangles = &scene->triangles, .least_double_area = RF_GLTF_MIN_DOUBLE_AREA };
     RfResult result = create_instances( gltf, &instances );
     if ( result == RF_OK )
         result = sort_instances( gltf, &instances );
     if ( result == RF_OK )
         find_worlds( gltf, &instances );
+    if ( result == RF_OK )
+        result = choose_placed( gltf, &instances );
     for ( int m = 0; result == RF_OK && m < gltf->counts[RF_GLTF_MESHES]; ++m )
     {
         if ( instances.starts[m] < instances.starts[m + 1] )
-            result = place_mesh( gltf, &baker, &instances, m );
+            result = instances.placed[m] ? place_mesh( gltf, &baker, &instances, m )
+                                         : load_primitives( gltf, &baker, NULL, &instances, m );
     }
-    finish_bake( gltf, &baker );
+    rf_gltf_finish_baker( &baker );
+    scene->bounds_min = baker.bounds_min;
+    scene->bounds_max = baker.bounds_max;
+    warn_of_degenerate( gltf, &baker );
     free_instances( &instances );
+    if ( result == RF_OK )
+        result = rf_finish_placements( scene, gltf->error );
     return result == RF_OK && gltf->moving ? rf_gltf_place_movers( gltf ) : result;
 }

@@ -2,6 +2,7 @@
 #include "scene/gltf/gltf_geometry.h"
 
 #include "scene/animation.h"
+#include "scene/placement.h"
 #include "scene/pose.h"
 
 #include <math.h>
@@ -12,9 +13,6 @@
 
 // Instances included: a small file could otherwise request any amount.
 #define MAX_MOVERS ( 1 << 20 )
-
-// Triangle numbers are below this.
-#define MAX_NUMBER 0xfffffff0u
 
 // Where the determinant is less than this part of the cube of the longest edge, a matrix may lose a dimension as it moves.
 #define FLAT_RATIO 1e-6
@@ -413,24 +411,6 @@ static RfResult place_node( Builder* b, bool* used, int node )
     return result == RF_OK ? add_instances( b, &common ) : result;
 }
 
-// Numbers the triangles of all placements after those of the scene.
-static RfResult number_triangles( const RfGltf* gltf )
-{
-    RfScene* scene = gltf->scene;
-    uint64_t next = scene->triangles.count;
-    for ( int i = 0; i < scene->placement_count; ++i )
-    {
-        RfPlacement* placement = scene->placements + i;
-        placement->first = (uint32_t)next;
-        next += scene->meshes[placement->mesh].triangles.count;
-        if ( next > MAX_NUMBER )
-            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "nodes", "more than %u triangles in all: split the scene",
-                                 MAX_NUMBER );
-    }
-    scene->triangle_count = (uint32_t)next;
-    return RF_OK;
-}
-
 // Appends an attribute, of `components` numbers, of a mesh to those of the scene; that which only one of them has gets `fill`.
 static bool append_floats( float** to, size_t before, const float* from, size_t more, size_t components, float fill )
 {
@@ -659,7 +639,7 @@ static RfResult place_all( Builder* b )
     if ( result == RF_OK )
         result = drop_meshes( gltf );
     if ( result == RF_OK )
-        result = number_triangles( gltf );
+        result = rf_number_placements( scene, gltf->error );
     if ( result == RF_OK )
         result = widen_bounds( b, before );
     if ( result == RF_OK && b->movement->mover_count == 0 )

@@ -400,3 +400,23 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
         rf_gltf_free_primitive( out );
     return result;
 }
+
+RfResult rf_gltf_survey_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfSurvey* out )
+{
+    *out = ( RfGltfSurvey ){ 0 };
+    int64_t mode = LIST;
+    Attributes attributes = { .position = -1 };
+    const RfGltfAccessor* indices;
+    uint32_t vertex_count = 0;
+    RfResult result = rf_gltf_get_integer( gltf, primitive, where, "mode", 0, 6, &mode );
+    if ( result == RF_OK && mode >= LIST )
+        result = open_attributes( gltf, primitive, where, &attributes, &vertex_count );
+    if ( result != RF_OK || attributes.position < 0 )
+        return result;
+    result = find_material( gltf, primitive, where, &out->material );
+    if ( result == RF_OK )
+        result = open_indices( gltf, primitive, where, &indices );
+    if ( result == RF_OK )
+        result = count_triangles( gltf, where, (int)mode, indices != NULL ? indices->count : vertex_count, &out->triangle_count );
+    return result;
+}

@@ -208,8 +208,12 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
     RfResult result = numbers != NULL && used != NULL && scene->textures != NULL ? RF_OK : rf_gltf_no_memory( gltf, "images" );
     for ( size_t i = 0; result == RF_OK && i < uses; ++i )
         numbers[i] = -1;
-    for ( uint32_t i = 0; result == RF_OK && i < scene->triangles.count; ++i )
-        used[scene->triangles.material[i]] = true;
+    for ( int k = 0; result == RF_OK && k < rf_triangle_list_count( scene ); ++k )
+    {
+        const RfTriangles* t = rf_triangle_list( scene, k ).triangles;
+        for ( uint32_t i = 0; i < t->count; ++i )
+            used[t->material[i]] = true;
+    }
     for ( uint32_t m = 0; result == RF_OK && m < scene->material_count; ++m )
     {
         RfMaterial* material = scene->materials + m;

@@ -1,0 +1,119 @@
+// The records of triangles that hits refer to.
+#include "base/fault.h"
+#include "trace/far.h"
+#include "trace/tracer.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+// Roundings of 2⁻²⁴ in the inverse of a matrix and in what it transforms. 1 does, with the offset that triangles have anyway.
+#define PLACED_ROUNDINGS 4.0f
+
+static void set_corners( RfTriangleRecord* r, RfVec3 a, RfVec3 b, RfVec3 c )
+{
+    r->p0 = a;
+    r->e1 = rf_sub( b, a );
+    r->e2 = rf_sub( c, a );
+    double twice;
+    r->ng = rf_unit_cross( r->e1, r->e2, &twice );
+    r->ng = RF_FAULT( unit_cross ) ? rf_normalize( rf_cross( r->e1, r->e2 ) ) : r->ng;
+    float largest = rf_maxf( rf_largest_coordinate( a ), rf_maxf( rf_largest_coordinate( b ), rf_largest_coordinate( c ) ) );
+    r->offset = RF_FAULT( fixed_offset ) ? 1e-5f : rf_ray_offset( largest );
+    r->offset *= RF_FAULT( ray_offset ) ? 1e-3f : 1.0f;
+}
+
+// At the corners, where ng is known.
+static void set_normals( RfTriangleRecord* r, RfVec3 a, RfVec3 b, RfVec3 c )
+{
+    r->n0 = a;
+    r->d1 = rf_sub( b, a );
+    r->d2 = rf_sub( c, a );
+    r->flat = rf_dot( r->d1, r->d1 ) == 0.0f && rf_dot( r->d2, r->d2 ) == 0.0f && rf_dot( r->n0, r->ng ) > 0.999999f;
+}
+
+static RfTriangleRecord world_record( const RfTriangles* t, uint32_t i, uint32_t light, float far_error )
+{
+    const uint32_t* v = t->indices + 3 * (size_t)i;
+    RfTriangleRecord r = { .material = t->material[i], .light = light, .mirror = RF_NO_MIRROR };
+    set_corners( &r, rf_load_vec3( t->positions, v[0] ), rf_load_vec3( t->positions, v[1] ), rf_load_vec3( t->positions, v[2] ) );
+    set_normals( &r, rf_load_vec3( t->normals, v[0] ), rf_load_vec3( t->normals, v[1] ), rf_load_vec3( t->normals, v[2] ) );
+    r.far = rf_is_far_triangle( t, i, far_error, false );
+    return r;
+}
+
+RfResult rf_fill_records( RfTracer* tracer, RfError* error )
+{
+    const RfTriangles* t = &tracer->scene->triangles;
+    uint32_t count = t->count;
+    tracer->triangles = malloc( ( (size_t)count + 1 ) * sizeof *tracer->triangles );
+    if ( tracer->triangles == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the surfaces of %u triangles", count );
+    for ( uint32_t i = 0; i < count; ++i )
+        tracer->triangles[i] = world_record(
+            t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT, tracer->bvh.base.far_error );
+    for ( uint32_t i = 0; i < tracer->mirrors.triangle_count; ++i )
+        tracer->triangles[tracer->mirrors.triangle[i]].mirror = tracer->mirrors.of_triangle[i];
+    tracer->known = ( RfTracerRecords ){ tracer->triangles, count, tracer->scene->placement_count > 0 };
+    return RF_OK;
+}
+
+static RfVec3 largest_of( RfVec3 a, RfVec3 b )
+{
+    return rf_vec3( rf_maxf( fabsf( a.x ), fabsf( b.x ) ), rf_maxf( fabsf( a.y ), fabsf( b.y ) ),
+                    rf_maxf( fabsf( a.z ), fabsf( b.z ) ) );
+}
+
+// How far off its plane, of normal n, Embree may find a placed triangle whose corners have coordinates up to `own` in the mesh's
+// space and `world` in the world: by the errors of the ray in the mesh's space, and of the matrix.
+static float placed_error( const RfPlacedBvh* placed, const RfMat4* matrix, RfVec3 own, RfVec3 world, RfVec3 n )
+{
+    const double* m = matrix->m;
+    const float normal[3] = { n.x, n.y, n.z };
+    float x = world.x + (float)fabs( m[12] ), y = world.y + (float)fabs( m[13] ), z = world.z + (float)fabs( m[14] ), sum = 0.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        float slope = fabsf( (float)m[4 * k] * n.x + (float)m[4 * k + 1] * n.y + (float)m[4 * k + 2] * n.z );
+        float moved = (float)fabs( m[k] ) * own.x + (float)fabs( m[4 + k] ) * own.y + (float)fabs( m[8 + k] ) * own.z;
+        sum += slope * ( placed->inverse[k][0] * x + placed->inverse[k][1] * y + placed->inverse[k][2] * z ) +
+               fabsf( normal[k] ) * ( moved + (float)fabs( m[12 + k] ) );
+    }
+    return PLACED_ROUNDINGS * 0x1p-24f * sum;
+}
+
+void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
+{
+    const RfTriangles* t = at->triangles;
+    const uint32_t* v = t->indices + 3 * (size_t)at->index;
+    const RfMat4* matrix = &at->placement->matrix;
+    const RfPlacedBvh* placed = tracer->bvh.placed + ( at->placement - tracer->scene->placements );
+    RfVec3 p[3], n[3], own = { 0, 0, 0 }, world = { 0, 0, 0 };
+    for ( int k = 0; k < 3; ++k )
+    {
+        RfVec3 corner = rf_load_vec3( t->positions, v[k] );
+        p[k] = rf_place_point( matrix, corner );
+        n[k] = rf_place_normal( matrix, (double)placed->side, rf_load_vec3( t->normals, v[k] ) );
+        own = largest_of( own, corner );
+        world = largest_of( world, p[k] );
+    }
+    RfTriangleRecord r = { .material = t->material[at->index], .light = RF_NO_LIGHT, .mirror = RF_NO_MIRROR, .placed = 1 };
+    set_corners( &r, p[0], p[1], p[2] );
+    r.ng = rf_scale( r.ng, placed->side ); // a mirroring matrix reverses the winding
+    set_normals( &r, n[0], n[1], n[2] );
+    const RfMeshBvh* mesh = tracer->bvh.meshes + at->placement->mesh;
+    r.far = mesh->far && rf_is_far_triangle( t, at->index, mesh->far_error, true );
+    r.offset += placed_error( placed, matrix, own, world, r.ng );
+    *place = r;
+}
+
+const RfTriangleRecord* rf_place_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place )
+{
+    RfTriangleAt at = rf_locate_placed_triangle( tracer->scene, triangle );
+    rf_make_placed_record( tracer, &at, place );
+    return place;
+}
+
+uint32_t rf_placed_material( const RfTracer* tracer, uint32_t triangle )
+{
+    RfTriangleAt at = rf_locate_placed_triangle( tracer->scene, triangle );
+    return at.triangles->material[at.index];
+}

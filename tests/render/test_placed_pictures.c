@@ -1,0 +1,230 @@
+// Scenes of meshes that are placed give the pictures that they give in world space, at the same seed: all but a few pixels, whose
+// paths part where a rounding decides.
+#include "support/placed_scenes.h"
+#include "support/render_support.h"
+#include "support/rooms.h"
+
+#include "film/aov.h"
+#include "scene/placement.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define EYES 5
+#define WIDTH 40
+#define HEIGHT 30
+#define PIXELS ( WIDTH * HEIGHT )
+
+typedef struct Picture
+{
+    float rgb[3 * PIXELS];
+    float aov[RF_AOV_COUNT][4 * PIXELS];
+    int channels[RF_AOV_COUNT];
+} Picture;
+
+static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
+{
+    (void)error;
+    Picture* p = user;
+    memcpy( p->rgb, result->rgb, sizeof p->rgb );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        p->channels[a] = result->aovs[a] != NULL ? rf_aov_channels( (RfAov)a ) : 0;
+        if ( result->aovs[a] != NULL )
+            memcpy( p->aov[a], result->aovs[a], (size_t)p->channels[a] * PIXELS * sizeof( float ) );
+    }
+    return RF_OK;
+}
+
+// The middle frame of the path.
+static void render( const RfScene* scene, const RfEye* eyes, const RfRenderSettings* settings, Picture* p )
+{
+    int frame = EYES / 2;
+    RfTracer* tracer = make_tracer( scene );
+    RfRenderCallbacks callbacks = { .user = p, .frame = keep };
+    RfError error = { 0 };
+    if ( rf_render( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, settings, &callbacks, NULL, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_destroy_tracer( tracer );
+}
+
+// The share of values that differ by more than a hundredth.
+static double share_of_others( const float* a, const float* b, int count )
+{
+    int others = 0;
+    for ( int i = 0; i < count; ++i )
+        others += !( fabsf( a[i] - b[i] ) <= 0.01f * ( fabsf( a[i] ) + fabsf( b[i] ) ) + 1e-4f );
+    return (double)others / count;
+}
+
+static double mean_of( const float* a, int count )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < count; ++i )
+        sum += (double)a[i];
+    return sum / count;
+}
+
+typedef RfScene MakeRoom( void );
+
+static RfScene make_panes( void ) { return make_pane_room( PANES_AND_ALL ); }
+static RfScene make_lamp_in_glass( void ) { return make_mirror_room( LAMP_IN_GLASS ); }
+static RfScene make_sign( void ) { return make_mirror_room( MIRROR_BY_SIGN ); }
+static RfScene make_holes( void ) { return make_mirror_room( MASKED_MIRROR ); }
+static RfScene make_sharp_metal( void ) { return make_mirror_room( SHARP_METAL ); }
+static RfScene make_open( void ) { return make_open_scene( LIT_BY_ALL ); }
+
+typedef struct Case
+{
+    const char* name;
+    MakeRoom* make;
+    PlacedKind kind;
+    bool mirrors;  // flat ones are placed too: pictures are the same where nothing uses them
+    double others; // values that may differ; 1: rays are hashed, so all may
+} Case;
+
+static const Case s_cases[] = {
+    { "textured", make_textured_room, PLACED_STRETCHED, true, 0.005 },
+    { "textured, mirrored", make_textured_room, PLACED_MIRRORED, true, 0.005 },
+    { "blended", make_blended_room, PLACED_MIRRORED, true, 1.0 },
+    { "varied", make_varied_room, PLACED_STRETCHED, true, 0.005 },
+    { "panes", make_panes, PLACED_TURNED, true, 1.0 },
+    { "lamp in glass", make_lamp_in_glass, PLACED_SCALED, false, 0.005 },
+    { "mirror", make_sign, PLACED_STRETCHED, false, 0.005 },
+    { "mirror with holes", make_holes, PLACED_STRETCHED, true, 0.005 },
+    { "sharp metal", make_sharp_metal, PLACED_MIRRORED, false, 0.005 },
+    { "open", make_open, PLACED_STRETCHED, true, 0.005 },
+};
+
+// By a rotation about all axes: where a normal has a coordinate of 0, its sign, a rounding, turns directions that are drawn.
+static void turn_vector( RfVec3* v )
+{
+    double q[4] = { 0.2, 0.3, -0.4, sqrt( 1.0 - 0.29 ) }, none[3] = { 0, 0, 0 }, one[3] = { 1, 1, 1 };
+    RfMat4 turn = rf_mat4_from_trs( none, q, one );
+    *v = rf_place_point( &turn, *v );
+}
+
+static void turn_scene( RfScene* scene )
+{
+    RfTriangles* t = &scene->triangles;
+    for ( size_t i = 0; i < t->vertex_count; ++i )
+    {
+        turn_vector( (RfVec3*)(void*)( t->positions + 3 * i ) );
+        turn_vector( (RfVec3*)(void*)( t->normals + 3 * i ) );
+    }
+    for ( int i = 0; i < scene->punctual_count; ++i )
+    {
+        turn_vector( &scene->punctuals[i].position );
+        turn_vector( &scene->punctuals[i].direction );
+    }
+}
+
+static void turn_eye( RfEye* eye )
+{
+    turn_vector( &eye->origin );
+    turn_vector( &eye->forward );
+    turn_vector( &eye->right );
+    turn_vector( &eye->up );
+}
+
+static void check_case( const Case* c, const char* mode, const RfRenderSettings* settings )
+{
+    static Picture pictures[2];
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
+    for ( int i = 0; i < EYES; ++i )
+        turn_eye( eyes + i );
+    for ( int k = 0; k < 2; ++k )
+    {
+        RfScene scene = c->make();
+        turn_scene( &scene );
+        place_scene( &scene, c->kind, 4, c->mirrors );
+        if ( k == 1 )
+            flatten_scene( &scene );
+        render( &scene, eyes, settings, pictures + k );
+        rf_destroy_scene( &scene );
+    }
+    double others = share_of_others( pictures[0].rgb, pictures[1].rgb, 3 * PIXELS );
+    double a = mean_of( pictures[0].rgb, 3 * PIXELS ), b = mean_of( pictures[1].rgb, 3 * PIXELS );
+    printf( "%s, %s: %.2f %% of the values differ, the mean by %.2g\n", c->name, mode, 100.0 * others, fabs( a / b - 1.0 ) );
+    assert_true( b > 0.0 );
+    assert_true( others <= c->others );
+    assert_true( fabs( a / b - 1.0 ) < ( c->others < 1.0 ? 0.001 : 0.03 ) );
+    for ( int k = 0; k < RF_AOV_COUNT; ++k )
+    {
+        if ( pictures[0].channels[k] == 0 )
+            continue;
+        double share = share_of_others( pictures[0].aov[k], pictures[1].aov[k], pictures[0].channels[k] * PIXELS );
+        if ( share > 0.02 )
+            fail_msg( "%s: AOV %s differs in %.2f %% of its values", c->name, rf_aov_name( (RfAov)k ), 100.0 * share );
+    }
+}
+
+static RfRenderSettings settings_of( int group, const char* tile )
+{
+    RfRenderSettings settings = small_settings( group, 7 );
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    settings.adaptive = RF_ADAPTIVE_OFF;
+    return settings;
+}
+
+static void check_all( const char* mode, RfRenderSettings settings, int first, int step )
+{
+    int count = (int)( sizeof s_cases / sizeof s_cases[0] );
+    for ( int i = first; i < count; i += step )
+        check_case( s_cases + i, mode, &settings );
+}
+
+static void test_path_tracing( void** state )
+{
+    (void)state;
+    RfRenderSettings settings = settings_of( 0, "1" );
+    settings.aovs = RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) | RF_AOV_BIT( RF_AOV_DEPTH ) |
+                    RF_AOV_BIT( RF_AOV_MOTION ) | RF_AOV_BIT( RF_AOV_SAMPLES );
+    check_all( "paths", settings, 0, 1 );
+}
+
+static void test_groups_and_tiles( void** state )
+{
+    (void)state;
+    check_all( "groups", settings_of( 2, "1" ), 0, 2 );
+    check_all( "tiles", settings_of( 0, "3x3" ), 1, 2 );
+    check_all( "groups and tiles", settings_of( 2, "3x3" ), 0, 1 );
+}
+
+static void test_light_paths( void** state )
+{
+    (void)state;
+    RfRenderSettings settings = settings_of( 0, "1" );
+    settings.light_paths = RF_LIGHT_PATHS_ON;
+    check_case( s_cases + 5, "light paths", &settings );
+    settings = settings_of( 2, "3x3" );
+    settings.light_paths = RF_LIGHT_PATHS_ON;
+    check_case( s_cases + 5, "light paths in groups", &settings );
+}
+
+static void test_gradients( void** state )
+{
+    (void)state;
+    RfRenderSettings settings = settings_of( 0, "1" );
+    settings.estimator = rf_find_estimator( "gradient" );
+    check_all( "gradients", settings, 0, 3 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_path_tracing ),
+        cmocka_unit_test( test_groups_and_tiles ),
+        cmocka_unit_test( test_light_paths ),
+        cmocka_unit_test( test_gradients ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
