@@ -56,6 +56,8 @@ typedef struct RfEye
 
     int moves;          // 1 if the poses below count
     RfPose open, close; // where the camera is when the shutter opens and closes
+
+    double time; // moment of the scene that it sees, s; 0 where nothing moves
 } RfEye;
 
 // A right-handed camera at `origin` that looks along `forward`, with `up` orthogonalised against it;

@@ -27,7 +27,7 @@
 // A group of frames, as every batch of it sees it.
 typedef struct RfEstimatorGroup
 {
-    const RfTracer* tracer;           // of what stands still; NULL where only sizes are asked for
+    const RfTracer* tracer;           // of one frame, or of what stands still in several; NULL where only sizes are asked for
     const RfTracer* const* tracers;   // where something moves: those of the group's frames; NULL: all are `tracer`
     const RfRenderSettings* settings; // resolved
     RfSceneTraits traits;

@@ -114,6 +114,8 @@ static RfResult end_chunk( RfRenderer* r, int count, RfError* error )
     if ( !report_progress( r, count ) )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done,
                         r->setup->shot.frame_count );
+    if ( r->worlds.result != RF_OK )
+        return rf_fail( error, r->worlds.result, "%s", r->worlds.error.text );
     return rf_check_frame_queue( &r->queue, error );
 }
 

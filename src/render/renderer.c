@@ -40,10 +40,12 @@ static int useful_depth( const RfRenderer* r )
     return rf_tracer_lights( r->setup->shot.tracer )->count > 0 ? r->setup->settings.max_depth : 1;
 }
 
-RfEstimatorGroup rf_frames_as_group( const RfRenderer* r, int first_frame, int eye_count, int number )
+RfEstimatorGroup rf_frames_as_group( RfRenderer* r, int first_frame, int eye_count, int number )
 {
+    const RfTracer* const* tracers = rf_open_worlds( &r->worlds, first_frame, eye_count );
     return ( RfEstimatorGroup ){
-        .tracer = r->setup->shot.tracer,
+        .tracer = tracers != NULL && eye_count == 1 ? tracers[0] : r->setup->shot.tracer,
+        .tracers = tracers,
         .settings = &r->setup->settings,
         .traits = r->setup->traits,
         .width = r->setup->sizes.width,
@@ -57,7 +59,7 @@ RfEstimatorGroup rf_frames_as_group( const RfRenderer* r, int first_frame, int e
     };
 }
 
-RfEstimatorGroup rf_estimator_group( const RfRenderer* r, int number )
+RfEstimatorGroup rf_estimator_group( RfRenderer* r, int number )
 {
     RfGroup group = rf_group( &r->setup->plan, number );
     return rf_frames_as_group( r, group.first, group.eyes, number );

@@ -3,6 +3,7 @@
 #define REFRAME_RENDER_RENDERER_H
 
 #include "render/memory/memory.h"
+#include "render/worlds.h"
 
 #define RF_NO_FRAME ( -2 ) // not even the one before the first
 
@@ -34,6 +35,7 @@ typedef struct RfRenderer
     RfStop stop; // with settings.noise, flicker or time
     RfRenderMemory memory;
     RfFrameQueue queue;
+    RfWorlds worlds;
     int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs
     RfRayCounts rays;
     double start, last_frame; // seconds
@@ -69,10 +71,10 @@ void rf_trace_batches( RfRenderer* renderer, const RfPass* pass, int first, int 
 RfAccumulateJob rf_accumulate_job( const RfRenderer* renderer, RfLiveFilm* live, const RfPass* pass, int band, int bands );
 
 // Group `number` of the path as the estimator sees it.
-RfEstimatorGroup rf_estimator_group( const RfRenderer* renderer, int number );
+RfEstimatorGroup rf_estimator_group( RfRenderer* renderer, int number );
 
 // Any `eye_count` frames of the path from `first_frame` on, as a group with the random numbers of `number`.
-RfEstimatorGroup rf_frames_as_group( const RfRenderer* renderer, int first_frame, int eye_count, int number );
+RfEstimatorGroup rf_frames_as_group( RfRenderer* renderer, int first_frame, int eye_count, int number );
 
 // sum += part
 void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );

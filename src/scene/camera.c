@@ -6,6 +6,7 @@
 #include "scene/eye.h"
 #include "scene/json/json_document.h"
 #include "scene/leave_out.h"
+#include "scene/movement.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -181,10 +182,23 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
     return RF_OK;
 }
 
+// A camera that stands still is there as long as something moves.
+static RfCamera with_span_of_scene( const RfScene* scene, const RfCamera* camera )
+{
+    RfCamera spanned = *camera;
+    if ( scene->movement == NULL || camera->animated || camera->track != NULL )
+        return spanned;
+    spanned.animated = true;
+    spanned.start = scene->movement->start;
+    spanned.end = scene->movement->end;
+    return spanned;
+}
+
 RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error )
 {
     RfError fault = { 0 };
-    RfResult result = rf_camera_frame_count( camera, fps, count, &fault );
+    RfCamera spanned = with_span_of_scene( scene, camera );
+    RfResult result = rf_camera_frame_count( &spanned, fps, count, &fault );
     if ( result == RF_OK )
         return RF_OK;
     if ( result == RF_ERROR_SCENE && camera->track == NULL )
@@ -333,6 +347,17 @@ static double camera_time( const RfCameraSampling* sampling, double frame )
     return camera->start + frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
 }
 
+// The moment of the scene that a camera sees in a frame. A path that counts frames has no seconds of its own.
+static double scene_time( const RfCameraSampling* sampling, double frame )
+{
+    const RfCamera* camera = sampling->camera;
+    double seconds = frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
+    if ( camera->track != NULL && camera->track->in_frames )
+        return seconds;
+    bool still = camera->track == NULL && !camera->animated && sampling->scene->movement != NULL;
+    return still ? sampling->scene->movement->start + seconds : camera_time( sampling, frame );
+}
+
 RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
 {
     RfResult result = check_film( sampling, eye, error );
@@ -461,10 +486,7 @@ static RfResult distance_of_node( const Moment* m, const RfEye* eye, const char*
     if ( node < 0 )
         return rf_fail( m->error, RF_ERROR_SCENE, "camera '%.60s': its lens is focused on '%.60s', which the scene does not have",
                         m->camera->name, name );
-    // a path that counts frames has no seconds of its own
-    bool counts = m->camera->track != NULL && m->camera->track->in_frames;
-    RfFps fps = m->sampling->fps;
-    double time = counts ? m->frame * fps.denominator / fps.numerator : camera_time( m->sampling, m->frame );
+    double time = scene_time( m->sampling, m->frame );
     RfMat4 world;
     rf_node_world_matrix( m->sampling->scene, node, time, &world );
     const double* o = m->sampling->scene->origin;
@@ -561,6 +583,7 @@ RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfE
     result = eye_at( &m, middle, eye );
     if ( result == RF_OK )
         result = add_lens( &m, &optics, middle, eye );
+    eye->time = sampling->scene->movement != NULL ? scene_time( sampling, frame + middle ) : 0.0;
     if ( result != RF_OK || !blurs )
         return result;
     result = eye_at( &m, optics.shutter[0], &open );

@@ -169,7 +169,7 @@ static void attach( RTCDevice device, RfMeshBvh* mesh, RTCBuffer positions, uint
     rtcReleaseGeometry( geometry );
 }
 
-static void commit( RTCScene scene )
+void rf_commit_scene( RTCScene scene )
 {
     int traps = rf_pause_float_traps(); // see query.c; its threads inherit them
     rtcCommitScene( scene );
@@ -212,13 +212,15 @@ static double most_stretch( const RfScene* scene, int mesh )
     return most;
 }
 
-static RfResult build_meshes( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
+// Those from `first` on.
+static RfResult build_meshes( RTCDevice device, const RfScene* scene, int first, RfBvh* bvh, RfError* error )
 {
     bvh->meshes = calloc( (size_t)scene->mesh_count + 1, sizeof *bvh->meshes );
     if ( bvh->meshes == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for %d meshes", scene->mesh_count );
     bvh->mesh_count = scene->mesh_count;
-    for ( int m = 0; m < scene->mesh_count; ++m )
+    bvh->shared_meshes = first;
+    for ( int m = first; m < scene->mesh_count; ++m )
     {
         const RfTriangles* t = &scene->meshes[m].triangles;
         double far_error = (double)bvh->base.far_error / fmax( most_stretch( scene, m ), 1e-30 );
@@ -229,7 +231,7 @@ static RfResult build_meshes( RTCDevice device, const RfScene* scene, RfBvh* bvh
         RfResult result = begin_mesh( device, scene, bvh, bvh->meshes + m, error );
         if ( result != RF_OK )
             return result;
-        commit( bvh->meshes[m].embree_scene );
+        rf_commit_scene( bvh->meshes[m].embree_scene );
     }
     return RF_OK;
 }
@@ -246,9 +248,10 @@ static void set_transform( RTCGeometry instance, const RfMat4* matrix, double ba
     rtcSetGeometryTransform( instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns );
 }
 
-static void attach_placements( RTCDevice device, const RfScene* scene, RfBvh* bvh )
+// Placements [first, end).
+static void attach_placements( RTCDevice device, const RfScene* scene, const RfBvh* bvh, int first, int end, RTCScene to )
 {
-    for ( int i = 0; i < scene->placement_count; ++i )
+    for ( int i = first; i < end; ++i )
     {
         const RfPlacement* p = scene->placements + i;
         const RfMeshBvh* mesh = bvh->meshes + p->mesh;
@@ -258,7 +261,7 @@ static void attach_placements( RTCDevice device, const RfScene* scene, RfBvh* bv
         rtcSetGeometryInstancedScene( instance, mesh->embree_scene );
         set_transform( instance, &p->matrix, (double)bvh->base.scale, (double)mesh->scale );
         rtcCommitGeometry( instance );
-        rtcAttachGeometryByID( bvh->base.embree_scene, instance, RF_GEOMETRY_PLACEMENTS + (unsigned int)i );
+        rtcAttachGeometryByID( to, instance, RF_GEOMETRY_PLACEMENTS + (unsigned int)i );
         rtcReleaseGeometry( instance );
     }
 }
@@ -283,17 +286,63 @@ static RfPlacedBvh make_placed( const RfPlacement* p )
     return placed;
 }
 
-static RfResult place_meshes( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
+static RfResult note_placements( const RfScene* scene, RfBvh* bvh, RfError* error )
 {
     bvh->placed = calloc( (size_t)scene->placement_count, sizeof *bvh->placed );
     if ( bvh->placed == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for %d instances", scene->placement_count );
     for ( int i = 0; i < scene->placement_count; ++i )
         bvh->placed[i] = make_placed( scene->placements + i );
-    RfResult result = build_meshes( device, scene, bvh, error );
+    return RF_OK;
+}
+
+static RfResult place_meshes( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
+{
+    RfResult result = note_placements( scene, bvh, error );
     if ( result == RF_OK )
-        attach_placements( device, scene, bvh );
+        result = build_meshes( device, scene, 0, bvh, error );
+    if ( result == RF_OK )
+        attach_placements( device, scene, bvh, 0, scene->still_placement_count, bvh->base.embree_scene );
     return result;
+}
+
+static bool is_attached( const RfScene* scene, int placement )
+{
+    const RfPlacement* p = scene->placements + placement;
+    return p->shown && scene->meshes[p->mesh].triangles.count > 0;
+}
+
+RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene* posed, RfBvh* bvh, RfError* error )
+{
+    *bvh = *still;
+    bvh->meshes = NULL;
+    bvh->placed = NULL;
+    bvh->mesh_count = 0;
+    RfResult result = note_placements( posed, bvh, error );
+    if ( result == RF_OK )
+        result = build_meshes( device, posed, still->mesh_count, bvh, error );
+    if ( result != RF_OK )
+        return result;
+    memcpy( bvh->meshes, still->meshes, (size_t)still->mesh_count * sizeof *bvh->meshes );
+    bool any = false;
+    for ( int i = posed->still_placement_count; i < posed->placement_count && !any; ++i )
+        any = is_attached( posed, i );
+    if ( !any )
+        return RF_OK;
+    bvh->moving = rtcNewScene( device );
+    rtcSetSceneFlags( bvh->moving, RTC_SCENE_FLAG_ROBUST );
+    attach_placements( device, posed, bvh, posed->still_placement_count, posed->placement_count, bvh->moving );
+    rf_commit_scene( bvh->moving );
+    return RF_OK;
+}
+
+void rf_add_ghosts( const RfBvh* posed, const RfScene* scene, RTCScene ghosts )
+{
+    for ( int i = scene->still_placement_count; i < scene->placement_count && posed->moving != NULL; ++i )
+    {
+        if ( is_attached( scene, i ) )
+            rtcAttachGeometry( ghosts, rtcGetGeometry( posed->moving, RF_GEOMETRY_PLACEMENTS + (unsigned int)i ) );
+    }
 }
 
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error )
@@ -309,7 +358,7 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
         result = place_meshes( device, scene, bvh, error );
     bvh->blended = bvh->any_blended || rf_is_forced( scene, RF_EFFECT_ALPHA_BLEND );
     if ( result == RF_OK )
-        commit( bvh->base.embree_scene );
+        rf_commit_scene( bvh->base.embree_scene );
     return result;
 }
 
@@ -332,7 +381,7 @@ RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float sc
     rtcReleaseGeometry( geometry );
     if ( positions != NULL )
         rtcReleaseBuffer( positions );
-    commit( out );
+    rf_commit_scene( out );
     return out;
 }
 
@@ -343,12 +392,19 @@ static void destroy_mesh( RfMeshBvh* mesh )
     free( mesh->order );
 }
 
-void rf_destroy_bvh( RfBvh* bvh )
+void rf_destroy_posed_bvh( RfBvh* bvh )
 {
-    destroy_mesh( &bvh->base );
-    for ( int m = 0; m < bvh->mesh_count; ++m )
+    if ( bvh->moving != NULL )
+        rtcReleaseScene( bvh->moving );
+    for ( int m = bvh->shared_meshes; m < bvh->mesh_count; ++m )
         destroy_mesh( bvh->meshes + m );
     free( bvh->meshes );
     free( bvh->placed );
     *bvh = ( RfBvh ){ 0 };
+}
+
+void rf_destroy_bvh( RfBvh* bvh )
+{
+    destroy_mesh( &bvh->base );
+    rf_destroy_posed_bvh( bvh );
 }

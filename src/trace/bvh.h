@@ -48,17 +48,31 @@ typedef struct RfBvh
     bool halved;         // packets are traced in halves (trace/embree.h)
     bool partial;        // one of the two, and not because it is forced
     int mesh_count;
+    int shared_meshes; // the first of them, which another BVH owns
+    RTCScene moving;   // what moves, at one moment: a second scene, of instances alone; NULL: nothing does, or is there
 } RfBvh;
 
 // Builds the BVH. The filter keeps the address of `bvh`, which must not move. Embree's errors
 // are reported to the device's error handler.
 RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfError* error );
 
+// The same at a moment of a scene that moves: shares all that stands still with `still`, which was built for the scene as it was
+// loaded and must outlive this.
+RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene* posed, RfBvh* bvh, RfError* error );
+
+// Adds what moves in a posed BVH to a scene of instances, not yet committed.
+void rf_add_ghosts( const RfBvh* posed, const RfScene* scene, RTCScene ghosts );
+
+// Commits a scene, without traps.
+void rf_commit_scene( RTCScene scene );
+
 // A scene of the mirrors' triangles alone, in their order; NULL if there are none.
 RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float scale, const RfMirrors* mirrors );
 
 // Releases Embree's scenes.
 void rf_destroy_bvh( RfBvh* bvh );
+// Those of a posed BVH alone, but not those that it shares.
+void rf_destroy_posed_bvh( RfBvh* bvh );
 
 #define RF_PACKET 16
 
@@ -67,6 +81,7 @@ typedef enum RfQueryKind
     RF_QUERY_NEAREST,  // find the nearest hit
     RF_QUERY_SEGMENTS, // accumulate transmittance and panes
     RF_QUERY_PANES,    // accumulate the panes before hits that are known
+    RF_QUERY_GHOSTS,   // find whether anything is there, whatever its opacity
 } RfQueryKind;
 
 // The query that a packet belongs to; the ids of its rays are their lanes.

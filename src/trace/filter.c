@@ -173,7 +173,7 @@ static RfTriangleAt locate_hit( const struct RTCFilterFunctionNArguments* args, 
     const unsigned int* hit = (const unsigned int*)(const void*)args->hit + lane;
     RfTriangleAt at = { mesh->triangles, mesh->order[mesh->masked_first + hit[HIT_NUMBER * args->N]], NULL };
     *triangle = at.index;
-    if ( mesh == &tracer->bvh.base )
+    if ( tracer->bvh.placed == NULL || hit[HIT_INSTANCE * args->N] == RTC_INVALID_GEOMETRY_ID )
         return at;
     at.placement = tracer->scene->placements + ( hit[HIT_INSTANCE * args->N] - RF_GEOMETRY_PLACEMENTS );
     *triangle += at.placement->first;
@@ -210,6 +210,8 @@ static void filter_hits( const struct RTCFilterFunctionNArguments* args )
 
 void rf_filter_hits( const struct RTCFilterFunctionNArguments* args )
 {
+    if ( ( (const RfQuery*)args->context )->kind == RF_QUERY_GHOSTS )
+        return; // ghosts are there as a whole
     // Embree, which calls this, runs without traps
     rf_resume_float_traps( ( (const RfQuery*)args->context )->traps );
     filter_hits( args );

@@ -4,15 +4,16 @@
 #include "trace/bvh.h"
 #include "trace/tracer.h"
 
+#include <math.h>
 #include <string.h>
 
-// Embree's traversal raises the flag for invalid operations: empty slots of its nodes have infinite bounds.
 static void keep_rays( RfQuery* query, const struct RTCRay16* ray )
 {
     memcpy( query->world[0], ray->org_x, 3 * sizeof ray->org_x );
     memcpy( query->world[3], ray->dir_x, 3 * sizeof ray->dir_x );
 }
 
+// Embree's traversal raises the flag for invalid operations: empty slots of its nodes have infinite bounds.
 static void intersect( const int* valid, RTCScene scene, RfQuery* query, struct RTCRayHit16* packet )
 {
     if ( query->tracer->bvh.placed != NULL )
@@ -29,6 +30,33 @@ static void occluded( const int* valid, RTCScene scene, RfQuery* query, struct R
     query->traps = rf_pause_float_traps();
     rf_occlude_packet( valid, scene, &query->context, ray );
     rf_resume_float_traps( query->traps );
+}
+
+// The nearer hit of what stands still and what moves.
+static void intersect_world( const int* valid, RfQuery* query, struct RTCRayHit16* packet )
+{
+    const RfBvh* bvh = &query->tracer->bvh;
+    intersect( valid, bvh->base.embree_scene, query, packet );
+    if ( bvh->moving != NULL )
+        intersect( valid, bvh->moving, query, packet );
+}
+
+// What nothing that stands still is in the way of may be behind what moves.
+static void occlude_world( const int* valid, RfQuery* query, struct RTCRay16* ray )
+{
+    const RfBvh* bvh = &query->tracer->bvh;
+    occluded( valid, bvh->base.embree_scene, query, ray );
+    if ( bvh->moving == NULL )
+        return;
+    _Alignas( 64 ) int open[RF_PACKET];
+    int any = 0;
+    for ( int i = 0; i < RF_PACKET; ++i )
+    {
+        open[i] = ray->tfar[i] < 0.0f ? 0 : valid[i];
+        any |= open[i];
+    }
+    if ( any != 0 )
+        occluded( open, bvh->moving, query, ray );
 }
 
 static void reset_panes( RfQuery* query )
@@ -122,7 +150,7 @@ static void find_panes( const RfTracer* tracer, const int* valid, const struct R
     memcpy( out->hit, triangle, (size_t)lanes * sizeof *triangle );
     for ( int i = 0; i < RF_PACKET; ++i )
         packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-    intersect( valid, tracer->bvh.base.embree_scene, out, &packet );
+    intersect_world( valid, out, &packet );
 }
 
 // From primitives of geometries to triangles of the mesh.
@@ -167,7 +195,7 @@ static void trace_nearest( const RfTracer* tracer, int count, const float* const
         set_ray( &packet.ray, lanes, d, first, 1.0f, INFINITY );
         for ( int i = 0; i < RF_PACKET; ++i )
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-        intersect( valid, tracer->bvh.base.embree_scene, &query, &packet );
+        intersect_world( valid, &query, &packet );
         for ( int i = 0; i < lanes; ++i )
         {
             triangle[first + i] = packet.hit.primID[i];
@@ -212,7 +240,7 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
         int lanes = set_valid( valid, first, count );
         set_origins( &ray, lanes, o, first, tracer->bvh.base.scale );
         set_ray( &ray, lanes, d, first, tracer->bvh.base.scale, 1.0f );
-        occluded( valid, tracer->bvh.base.embree_scene, &query, &ray );
+        occlude_world( valid, &query, &ray );
         for ( int i = 0; i < lanes; ++i )
             visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
         reset_transmittance( tracer, &query );
@@ -275,7 +303,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
         {
             for ( int i = 0; i < RF_PACKET; ++i )
                 ray.tfar[i] = valid[i] == 0 ? NO_RAY : RF_FAULT( sides ) ? 0.9999f : 1.0f;
-            occluded( valid, tracer->bvh.base.embree_scene, &query, &ray );
+            occlude_world( valid, &query, &ray );
             for ( int i = 0; i < lanes; ++i )
             {
                 bool hidden = ray.tfar[i] < 0.0f && !RF_FAULT( occlusion ); // −inf
@@ -344,5 +372,58 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
             hit[1][first + i] = p.y;
             hit[2][first + i] = p.z;
         }
+    }
+}
+
+// Whether o + t d, 0 < t < length, meets a box.
+static bool meets_box( const RfVec3 box[2], const float o[3], const float d[3], float length )
+{
+    const float low[3] = { box[0].x, box[0].y, box[0].z }, high[3] = { box[1].x, box[1].y, box[1].z };
+    float near = 0.0f, far = length;
+    for ( int c = 0; c < 3; ++c )
+    {
+        if ( d[c] == 0.0f )
+        {
+            near = o[c] < low[c] || o[c] > high[c] ? INFINITY : near;
+            continue;
+        }
+        float a = ( low[c] - o[c] ) / d[c], b = ( high[c] - o[c] ) / d[c];
+        near = fmaxf( near, fminf( a, b ) );
+        far = fminf( far, fmaxf( a, b ) );
+    }
+    return near < far;
+}
+
+static void meet_boxes( const RfFeignedGhosts* ghosts, int count, const float* const o[3], const float* const d[3], float length,
+                        uint8_t* touched )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const float from[3] = { o[0][i], o[1][i], o[2][i] }, way[3] = { d[0][i], d[1][i], d[2][i] };
+        for ( int k = 0; k < ghosts->count && !touched[i]; ++k )
+            touched[i] = meets_box( ghosts->box[k], from, way, length );
+    }
+}
+
+void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
+                     uint8_t* touched )
+{
+    if ( tracer->scene->feigned != NULL )
+        meet_boxes( tracer->scene->feigned, count, o, d, length, touched );
+    if ( tracer->ghosts == NULL )
+        return;
+    RfQuery query = begin_query( tracer, RF_QUERY_GHOSTS, false, false );
+    float scale = tracer->bvh.base.scale;
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRay16 ray;
+    memset( &ray, 0, sizeof ray );
+    for ( int first = 0; first < count; first += RF_PACKET )
+    {
+        int lanes = set_valid( valid, first, count );
+        set_origins( &ray, lanes, o, first, scale );
+        set_ray( &ray, lanes, d, first, scale, length );
+        occluded( valid, tracer->ghosts->embree_scene, &query, &ray );
+        for ( int i = 0; i < lanes; ++i )
+            touched[first + i] |= ray.tfar[i] < 0.0f;
     }
 }

@@ -9,6 +9,11 @@
 // Roundings of 2⁻²⁴ in the inverse of a matrix and in what it transforms. 1 does, with the offset that triangles have anyway.
 #define PLACED_ROUNDINGS 4.0f
 
+static RfVec3 load_vec3( const float* values, uint32_t index )
+{
+    return rf_vec3( values[3 * (size_t)index], values[3 * (size_t)index + 1], values[3 * (size_t)index + 2] );
+}
+
 static void set_corners( RfTriangleRecord* r, RfVec3 a, RfVec3 b, RfVec3 c )
 {
     r->p0 = a;
@@ -35,8 +40,8 @@ static RfTriangleRecord world_record( const RfTriangles* t, uint32_t i, uint32_t
 {
     const uint32_t* v = t->indices + 3 * (size_t)i;
     RfTriangleRecord r = { .material = t->material[i], .light = light, .mirror = RF_NO_MIRROR };
-    set_corners( &r, rf_load_vec3( t->positions, v[0] ), rf_load_vec3( t->positions, v[1] ), rf_load_vec3( t->positions, v[2] ) );
-    set_normals( &r, rf_load_vec3( t->normals, v[0] ), rf_load_vec3( t->normals, v[1] ), rf_load_vec3( t->normals, v[2] ) );
+    set_corners( &r, load_vec3( t->positions, v[0] ), load_vec3( t->positions, v[1] ), load_vec3( t->positions, v[2] ) );
+    set_normals( &r, load_vec3( t->normals, v[0] ), load_vec3( t->normals, v[1] ), load_vec3( t->normals, v[2] ) );
     r.far = rf_is_far_triangle( t, i, far_error, false );
     return r;
 }
@@ -53,7 +58,10 @@ RfResult rf_fill_records( RfTracer* tracer, RfError* error )
             t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT, tracer->bvh.base.far_error );
     for ( uint32_t i = 0; i < tracer->mirrors.triangle_count; ++i )
         tracer->triangles[tracer->mirrors.triangle[i]].mirror = tracer->mirrors.of_triangle[i];
-    tracer->known = ( RfTracerRecords ){ tracer->triangles, count, tracer->scene->placement_count > 0 };
+    const RfScene* scene = tracer->scene;
+    bool moves = scene->still_placement_count < scene->placement_count;
+    uint32_t moving = moves ? scene->placements[scene->still_placement_count].first : RF_MISS;
+    tracer->known = ( RfTracerRecords ){ tracer->triangles, count, moving, scene->placement_count > 0 };
     return RF_OK;
 }
 
@@ -89,9 +97,9 @@ void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTr
     RfVec3 p[3], n[3], own = { 0, 0, 0 }, world = { 0, 0, 0 };
     for ( int k = 0; k < 3; ++k )
     {
-        RfVec3 corner = rf_load_vec3( t->positions, v[k] );
+        RfVec3 corner = load_vec3( t->positions, v[k] );
         p[k] = rf_place_point( matrix, corner );
-        n[k] = rf_place_normal( matrix, (double)placed->side, rf_load_vec3( t->normals, v[k] ) );
+        n[k] = rf_place_normal( matrix, (double)placed->side, load_vec3( t->normals, v[k] ) );
         own = largest_of( own, corner );
         world = largest_of( world, p[k] );
     }

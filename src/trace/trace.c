@@ -109,6 +109,11 @@ void rf_destroy_tracer( RfTracer* tracer )
 {
     if ( tracer == NULL )
         return;
+    if ( tracer->still != NULL )
+    {
+        rf_destroy_posed_tracer( tracer );
+        return;
+    }
     rf_destroy_bvh( &tracer->bvh );
     if ( tracer->mirror_scene != NULL )
         rtcReleaseScene( tracer->mirror_scene );

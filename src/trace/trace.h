@@ -27,6 +27,27 @@ typedef struct RfTracerRuns
 // rf_create_tracer with a BVH that is built by so many threads; 0: all cores this process may use.
 RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** tracer, RfError* error );
 
+// A tracer for a moment of a scene that moves (scene/pose.h). It shares all that stands still with `still`, which was created for
+// the scene as it was loaded, and must outlive it, as must the posed scene. What moves is no light and no flat mirror.
+RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, RfTracer** tracer, RfError* error );
+
+// Ghosts: what moves in a group of frames, at all of them together (src/reuse/estimators.md, section 18).
+typedef struct RfGhosts RfGhosts;
+
+// Those of `count` posed tracers, which must outlive them: a BVH, and nothing is copied. On failure *ghosts is NULL.
+RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** ghosts, RfError* error );
+void rf_destroy_ghosts( RfGhosts* ghosts );
+// NULL: the tracer has none from now on.
+void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts );
+
+// Whether paths may hold in some frames of the group only.
+bool rf_tracer_has_ghosts( const RfTracer* tracer );
+
+// Sets touched[i] to 1 for those of the rays o + t d, 0 < t < length, that meet a ghost, whatever its opacity; leaves the others.
+// length: 1 for segments, infinity for rays.
+void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
+                     uint8_t* touched );
+
 // What runs for the tracer's scene.
 RfTracerRuns rf_tracer_runs( const RfTracer* tracer );
 
@@ -86,8 +107,9 @@ typedef struct RfTriangleRecord
 typedef struct RfTracerRecords
 {
     const RfTriangleRecord* records;
-    uint32_t count; // further triangles are those of placements
-    bool placed;    // there are some
+    uint32_t count;  // further triangles are those of placements
+    uint32_t moving; // the first of those that move; RF_MISS: none does
+    bool placed;     // there are placements
 } RfTracerRecords;
 
 static inline const RfTracerRecords* rf_tracer_records( const RfTracer* tracer )
@@ -106,6 +128,14 @@ static inline const RfTriangleRecord* rf_triangle_record( const RfTracer* tracer
 {
     const RfTracerRecords* known = rf_tracer_records( tracer );
     return triangle < known->count ? known->records + triangle : rf_place_triangle_record( tracer, triangle, place );
+}
+
+// Whether a triangle moves.
+static inline bool rf_is_moving( const RfTracer* tracer, uint32_t triangle )
+{
+    const RfFeignedGhosts* feigned = rf_tracer_scene( tracer )->feigned;
+    bool feigns = feigned != NULL && triangle >= feigned->first && triangle < feigned->end;
+    return feigns || ( triangle >= rf_tracer_records( tracer )->moving && triangle != RF_MISS );
 }
 
 // The number of a triangle's material.
@@ -200,22 +230,6 @@ int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int 
 // Only points with weight > 0 are tested; the others' weight becomes 0. `hit` gets the points on the mirrors.
 void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
                        float* const hit[3], float* weight );
-
-// What moves in the tracer's group of frames, at all of them: its ghosts (src/reuse/estimators.md, section 18). False: nothing
-// does, or the group has one frame.
-bool rf_tracer_has_ghosts( const RfTracer* tracer );
-
-// Marks in `touched` which of the rays o + t d, 0 < t < length, meet what moves in any frame of the group, whatever its opacity.
-// Never clears. `length`: 1 for segments, infinity for rays. May mark too many, as long as it depends on the ray alone.
-void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
-                     uint8_t* touched );
-
-// Whether a triangle moves. Only with ghosts.
-static inline bool rf_is_moving( const RfTracer* tracer, uint32_t triangle )
-{
-    const RfFeignedGhosts* feigned = rf_tracer_scene( tracer )->feigned;
-    return feigned != NULL && triangle >= feigned->first && triangle < feigned->end;
-}
 
 // Enables flush-to-zero and rounding to nearest for the calling thread. Call at the start of main and of every
 // parallel region, so that results do not depend on the thread.

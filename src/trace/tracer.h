@@ -8,9 +8,16 @@
 #include "trace/bvh.h"
 #include "trace/trace.h"
 
+struct RfGhosts
+{
+    RTCScene embree_scene;
+};
+
 struct RfTracer
 {
     RfTracerRecords known; // first member: rf_tracer_records
+    const RfTracer* still; // of the scene as it was loaded, with which all that stands still is shared; NULL: this is one
+    const RfGhosts* ghosts;
     const RfScene* scene;
     RTCDevice device;
     RfBvh bvh;
@@ -24,6 +31,9 @@ struct RfTracer
     char text[64];
     char message[256]; // the first error of Embree
 };
+
+// Frees what a posed tracer does not share.
+void rf_destroy_posed_tracer( RfTracer* tracer );
 
 // Makes the records of the triangles in world space.
 RfResult rf_fill_records( RfTracer* tracer, RfError* error );

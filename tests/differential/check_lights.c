@@ -115,7 +115,7 @@ static int check_area_lights( long count )
     {
         RfScene scene = make_lights( 1000 + (uint32_t)tracers );
         RfTracer* tracer = make_tracer( &scene );
-        RfPathSettings settings = { tracer, 2, 1, RF_LIGHTS_BY_POWER, NULL };
+        RfPathSettings settings = { .tracer = tracer, .max_depth = 2, .light_samples = 1, .light_sampling = RF_LIGHTS_BY_POWER };
         for ( long end = first + 2000; first < end; first += 1000 )
         {
             fill_points( v, keys, rf_tracer_lights( tracer ), 49, first );

@@ -296,7 +296,7 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
 #define PILOT_GROUP 0x40000000u // no group of the path has these numbers
 
 // The frames around one, as far as the path goes.
-static RfEstimatorGroup pilot_group( const RfRenderer* r, int frame )
+static RfEstimatorGroup pilot_group( RfRenderer* r, int frame )
 {
     int eyes = r->setup->plan.eyes, first = frame - eyes / 2, last_first = r->setup->plan.frames - eyes;
     first = first < last_first ? first : last_first;

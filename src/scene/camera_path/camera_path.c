@@ -4,7 +4,9 @@
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/lens.h"
+#include "scene/pose.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,8 +30,9 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     float film[3] = { e->focal_x, e->axis_x, e->axis_y };
     bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
     hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // square pixels and a centred lens add nothing
+    hash = e->time == 0.0 ? hash : rf_hash_bytes( hash, &e->time, sizeof e->time ); // nor does a scene that stands still
     // RfEye has no padding
-    return rf_is_sharp( e ) && e->projection == RF_PERSPECTIVE ? hash : rf_hash_bytes( hash, e, sizeof *e );
+    return rf_is_sharp( e ) && e->projection == RF_PERSPECTIVE ? hash : rf_hash_bytes( hash, e, offsetof( RfEye, time ) );
 }
 
 int rf_frame_number( const RfCameraPath* path, int frame )
@@ -37,8 +40,16 @@ int rf_frame_number( const RfCameraPath* path, int frame )
     return path->step > 0 ? path->first + frame * path->step : frame + 1; // a path of the caller's own may have no numbers
 }
 
-// Frames with equal cameras that follow each other. RfEye has no padding.
-static RfResult find_runs( RfCameraPath* path, RfError* error )
+// Whether two frames are the same. RfEye has no padding.
+static bool shows_same( const RfScene* scene, const RfEye* a, const RfEye* b )
+{
+    RfEye at = *a;
+    at.time = b->time;
+    return memcmp( &at, b, sizeof at ) == 0 && !rf_scene_moves( scene, a->time, b->time );
+}
+
+// Frames that follow each other with equal cameras, between which nothing moves.
+static RfResult find_runs( const RfScene* scene, RfCameraPath* path, RfError* error )
 {
     path->runs = malloc( (size_t)path->count * sizeof *path->runs );
     path->run_of_frame = malloc( (size_t)path->count * sizeof *path->run_of_frame );
@@ -46,7 +57,7 @@ static RfResult find_runs( RfCameraPath* path, RfError* error )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", path->name, path->count );
     for ( int i = 0; i < path->count; ++i )
     {
-        if ( i == 0 || memcmp( path->eyes + i, path->eyes + i - 1, sizeof *path->eyes ) != 0 )
+        if ( i == 0 || !shows_same( scene, path->eyes + i, path->runs + path->run_count - 1 ) )
             path->runs[path->run_count++] = path->eyes[i];
         path->run_of_frame[i] = path->run_count - 1;
     }
@@ -78,7 +89,7 @@ static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path,
         if ( result == RF_OK )
             path->hash = hash_eye( path->hash, path->eyes + i );
     }
-    return result == RF_OK ? find_runs( path, error ) : result;
+    return result == RF_OK ? find_runs( scene, path, error ) : result;
 }
 
 // Fills in the scene's own frames per second and film, and checks both.

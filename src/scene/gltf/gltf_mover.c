@@ -11,8 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Instances included: a small file could otherwise request any amount.
 #define MAX_MOVERS ( 1 << 20 )
+
+// Triangle numbers are below this.
 
 // Where the determinant is less than this part of the cube of the longest edge, a matrix may lose a dimension as it moves.
 #define FLAT_RATIO 1e-6

@@ -1,0 +1,50 @@
+// The scene at the frames of a group, where something moves: each frame is posed and has a tracer of its own, made when a group
+// reaches the frame and freed when it is left.
+#ifndef REFRAME_RENDER_WORLDS_H
+#define REFRAME_RENDER_WORLDS_H
+
+#include "reframe/render.h"
+#include "scene/pose.h"
+#include "trace/trace.h"
+
+// One frame of the path.
+typedef struct RfWorld
+{
+    int frame; // −1: free
+    RfPosedScene pose;
+    RfTracer* tracer;
+} RfWorld;
+
+typedef struct RfWorlds
+{
+    const RfTracer* still; // of the scene as it was loaded
+    const RfEye* eyes;     // of the whole path: their times count
+    int frames;            // of it
+    bool neighbours;       // the frames before and after those of a group are wanted as well
+    int count;             // worlds that are held at once; 0: nothing moves
+    RfWorld* worlds;
+    const RfTracer** tracers; // by frame; NULL: it is not open
+    RfGhosts* ghosts;         // of ghost_count frames from first_ghost on
+    int first_ghost, ghost_count;
+    RfResult result; // of the first failure, after which all frames have the scene as it was loaded
+    RfError error;
+} RfWorlds;
+
+// Bytes that a render needs for so many frames at once; 0 where nothing moves.
+size_t rf_worlds_bytes( const RfScene* scene, int count );
+
+// Worlds for groups of up to `eyes` frames; `neighbours`: with the frames before and after them. Fails with RF_ERROR_MEMORY.
+RfResult rf_create_worlds( const RfShot* shot, int eyes, bool neighbours, RfWorlds* worlds, RfError* error );
+void rf_destroy_worlds( RfWorlds* worlds );
+
+// Opens frames [first, first + count); returns their tracers, which have ghosts where they are several, or NULL where nothing moves.
+// They are valid until other frames are opened; those among them stay. Not to be called by several threads at once.
+const RfTracer* const* rf_open_worlds( RfWorlds* worlds, int first, int count );
+
+// The tracer of a frame; NULL where nothing moves, or it is not open or not in the path.
+static inline const RfTracer* rf_world_tracer( const RfWorlds* worlds, int frame )
+{
+    return worlds->count > 0 && frame >= 0 && frame < worlds->frames ? worlds->tracers[frame] : NULL;
+}
+
+#endif
