@@ -79,7 +79,7 @@ typedef struct Crossing
 {
     uint32_t triangle;
     float u, v;
-    RfVec3 d; // of the ray, of any length
+    RfVec3 d; // of the ray, of any length; where the triangle may be a pane
 } Crossing;
 
 static RfVec3 front_normal( const RfTriangleRecord* t, float u, float v )
@@ -202,7 +202,8 @@ static void filter_hits( const struct RTCFilterFunctionNArguments* args )
         bool may_be_pane = query->pass_panes && rf_may_be_pane( material );
         bool ignored = query->kind == RF_QUERY_PANES && ( !may_be_pane || x.triangle == query->hit[ray_bits( args, RAY_ID, i )] );
         float opacity = material->textured != NULL ? rf_opacity_on( scene, material, at.triangles, at.index, u[i], v[i] ) : 1.0f;
-        x.d = world_vec3( args, 3, i );
+        if ( may_be_pane )
+            x.d = world_vec3( args, 3, i );
         if ( ignored || opacity <= 0.0f || !is_hit( args, i, &x, opacity, may_be_pane ) || query->kind == RF_QUERY_PANES )
             args->valid[i] = 0;
     }
