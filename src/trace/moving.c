@@ -22,7 +22,7 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
                           still->message );
     if ( result != RF_OK )
     {
-        rf_destroy_tracer( tracer );
+        rf_destroy_posed_tracer( tracer );
         return result;
     }
     *out = tracer;
