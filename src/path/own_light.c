@@ -85,28 +85,27 @@ void rf_touch_by_rays( const RfTracer* tracer, const RfRayLanes* rays, const RfV
 void rf_touch_by_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
                            const float* visible, uint8_t* touched )
 {
-    Packed packed;
-    packed.count = 0;
-    memset( touched, 0, (size_t)count );
     for ( int k = 0; k < count; ++k )
-    {
-        if ( visible[k] > 0.0f )
-            pack( &packed, k, ( float[3] ){ o[0][k], o[1][k], o[2][k] }, ( float[3] ){ d[0][k], d[1][k], d[2][k] } );
-    }
-    test( tracer, &packed, length, touched );
+        touched[k] = !( visible[k] > 0.0f ); // is not tested
+    rf_find_ghosts( tracer, count, o, d, length, touched );
+    for ( int k = 0; k < count; ++k )
+        touched[k] = visible[k] > 0.0f ? touched[k] : 0;
 }
 
 void rf_split_arrival( const uint8_t* touched, int count, RfArrivalLanes* held, RfArrivalLanes* own )
 {
-    *own = *held;
+    memcpy( own->light_pdf, held->light_pdf, (size_t)count * sizeof( float ) );
+    own->scattered = held->scattered;
     for ( int c = 0; c < 3; ++c )
     {
+        float* restrict a = held->a[c], * restrict b = held->b[c], * restrict own_a = own->a[c], * restrict own_b = own->b[c];
+#pragma omp simd
         for ( int i = 0; i < count; ++i )
         {
-            own->a[c][i] = touched[i] ? held->a[c][i] : 0.0f;
-            own->b[c][i] = touched[i] ? held->b[c][i] : 0.0f;
-            held->a[c][i] = touched[i] ? 0.0f : held->a[c][i];
-            held->b[c][i] = touched[i] ? 0.0f : held->b[c][i];
+            own_a[i] = touched[i] ? a[i] : 0.0f;
+            own_b[i] = touched[i] ? b[i] : 0.0f;
+            a[i] = touched[i] ? 0.0f : a[i];
+            b[i] = touched[i] ? 0.0f : b[i];
         }
     }
 }

@@ -142,7 +142,9 @@ static RfResult set_up_render( RfRenderSetup* setup, RfError* error )
     setup->traits = rf_running_traits( scene, rf_scene_traits( scene, shot->eyes, shot->eye_count, settings ) );
     if ( !rf_is_plain_filter( settings ) )
         rf_make_pixel_filter( settings, &setup->filter );
-    RfResult result = rf_fit_sizes( settings->memory, shot->frame_count, &setup->sizes, &setup->fit, error );
+    RfResult result = rf_check_moving( &setup->traits, settings, error );
+    if ( result == RF_OK )
+        result = rf_fit_sizes( settings->memory, shot->frame_count, &setup->sizes, &setup->fit, error );
     if ( result == RF_OK )
         settings->threads = setup->sizes.threads;
     return result;

@@ -58,6 +58,17 @@ bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* 
                          RF_EFFECT_LIGHT_PATHS );
 }
 
+RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error )
+{
+    if ( !traits->moves || settings->group == 0 )
+        return RF_OK;
+    if ( settings->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "where something moves, groups of several frames want exact weights" );
+    if ( settings->light_paths == RF_LIGHT_PATHS_ON )
+        return rf_fail( error, RF_ERROR_USAGE, "where something moves, light paths want a group of 0" );
+    return RF_OK;
+}
+
 bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels )
 {
     bool grouped = settings->group != 0 && traits->grouped_chains;

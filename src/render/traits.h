@@ -42,6 +42,10 @@ bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* setti
 // surfaces, which rays pass by chance.
 bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings );
 
+// Where something moves, groups of several frames share only what holds in all of them, which some settings cannot tell: fails for
+// those with RF_ERROR_USAGE.
+RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error );
+
 // Scans the triangles and the environment of a scene, and the cameras of a path. Emitters are divided where the settings make
 // light paths depend on it.
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );

@@ -2,6 +2,7 @@
 // room in which all stands still have the same mean. Boxes that paths from walls, cameras and lamps cross, one around everything,
 // and a ball that counts as moving; with groups and tiles, on diffuse and glossy surfaces, with a mirror, panes, glass, a lamp in
 // glass and a sky. Ghosts that no path meets change no bit.
+#include "render/traits.h"
 #include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
@@ -168,6 +169,54 @@ static void test_panes_are_unbiased( void** state )
     check( &( Case ){ "panes", 6, 1u << SOME | 1u << BALL, 1, { s_tiles } }, make_pane_room( PANES_AND_AREA_LIGHT ) );
 }
 
+// A glint is spread by the pixel filter as its hit is, and extra samples have light of their own.
+static void test_filters_and_extra_samples_are_unbiased( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_DIFFUSE );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
+    RfTracer* tracer = make_tracer( &scene );
+    RfRenderSettings settings = settings_of( ( Setting ){ "1", 0, 48 }, 5 );
+    settings.filter = RF_FILTER_GAUSSIAN;
+    Images reference = rendered_images( tracer, eyes, EYES, EYES / 2, settings );
+    for ( int adaptive = 0; adaptive < 2; ++adaptive )
+    {
+        RfFeignedGhosts ghosts = make_ghosts( &scene, adaptive ? SOME : EVERYWHERE, NULL );
+        settings = settings_of( s_tiles, 5 );
+        settings.filter = RF_FILTER_GAUSSIAN;
+        settings.adaptive = adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
+        scene.feigned = &ghosts;
+        Images rendered = rendered_images( tracer, eyes, EYES, EYES / 2, settings );
+        scene.feigned = NULL;
+        assert_unbiased( adaptive ? "filtered, adaptive:" : "filtered:", &rendered, &reference, BLOCK );
+        free_images( &rendered );
+    }
+    free_images( &reference );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_settings_that_cannot_tell_are_refused( void** state )
+{
+    (void)state;
+    RfSceneTraits traits = { .moves = true };
+    RfRenderSettings settings = plain_settings();
+    RfError error;
+    settings.group = 3;
+    assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
+    settings.weights = RF_WEIGHTS_EQ15;
+    assert_int_equal( RF_ERROR_USAGE, rf_check_moving( &traits, &settings, &error ) );
+    settings.group = 0;
+    assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
+    settings = plain_settings();
+    settings.group = 3;
+    settings.light_paths = RF_LIGHT_PATHS_ON;
+    assert_int_equal( RF_ERROR_USAGE, rf_check_moving( &traits, &settings, &error ) );
+    traits.moves = false;
+    assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
+}
+
 // B counts first hits, whatever becomes of their light.
 static void test_mean_weight_is_1( void** state )
 {
@@ -225,6 +274,8 @@ static void test_ghosts_out_of_the_way_change_no_bit( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_settings_that_cannot_tell_are_refused ),
+        cmocka_unit_test( test_filters_and_extra_samples_are_unbiased ),
         cmocka_unit_test( test_ghosts_out_of_the_way_change_no_bit ),
         cmocka_unit_test( test_mean_weight_is_1 ),
         cmocka_unit_test( test_rooms_are_unbiased ),

@@ -305,7 +305,10 @@ static void follow_others( Walk* walk )
             left = rf_transmittance_from( &reuse->second.lanes, a, get( reuse->hits.lifted, i ) );
         pairing->weight[i] *= all->probability[k];
         if ( reuse->split )
+        {
             pairing->touched[i] = all->touched[k];
+            pairing->any_touched = pairing->any_touched || all->touched[k];
+        }
         put( pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
     }
     all->count = 0;
@@ -334,7 +337,7 @@ uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront
     return walk.rays;
 }
 
-void rf_weight_chain_light( RfTileReuse* reuse )
+void rf_weight_chain_light( const RfPathSettings* path, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     for ( int a = rf_record_count( y ); a < y->count; ++a )
@@ -342,7 +345,7 @@ void rf_weight_chain_light( RfTileReuse* reuse )
         int i = reuse->second.owner[a], slot = y->slot[a];
         float weight = i >= 0 ? reuse->pairings[0].weight[i] : 1.0f;
         if ( reuse->split )
-            reuse->slots.chain_light.touched[slot] |= reuse->own->touched[slot];
+            reuse->slots.chain_light.touched[slot] |= path->own->touched[slot];
         for ( int c = 0; c < 3; ++c )
             reuse->slots.chain_light.light[c][slot] =
                 weight * reuse->second.throughput[c][a] * reuse->slots.chain_light.light[c][slot];

@@ -32,6 +32,6 @@ void rf_aim_at_chains( float* const scattered[3], int s, RfTileReuse* reuse );
 uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
 
 // Weights reuse->slots.chain_light: what arrives at the hits whose paths found it.
-void rf_weight_chain_light( RfTileReuse* reuse );
+void rf_weight_chain_light( const RfPathSettings* path, RfTileReuse* reuse );
 
 #endif

@@ -12,7 +12,7 @@ static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* re
     RfSecondVertices* second = &reuse->second;
     const RfLightLanes* direct = second->direct + sample;
     rf_gather_light_sample( direct, second->lanes.count, (float)settings->light_samples, &second->arrival );
-    if ( reuse->split )
+    if ( reuse->split && reuse->own->any )
         rf_split_arrival( direct->touched, second->lanes.count, &second->arrival, &reuse->own->arrival );
 }
 
@@ -22,9 +22,9 @@ static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse
     const float* wi[3] = { second->wi[0], second->wi[1], second->wi[2] };
     rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->slots.at_second, (float)settings->light_samples,
                          &second->arrival );
-    if ( reuse->split )
-        rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->own->at_second, (float)settings->light_samples,
-                             &reuse->own->arrival );
+    if ( reuse->split && reuse->own->any )
+        rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->own->beyond.arrivals,
+                             (float)settings->light_samples, &reuse->own->arrival );
 }
 
 // Diffuse vertices scatter the same light to all receivers.
@@ -41,7 +41,7 @@ static void add_diffuse( const float* const wi[3], RfTileReuse* reuse, RfLaneScr
         for ( int c = 0; c < 3; ++c )
             reuse->pairings[0].light[c][a] += f[c][a] * q[c];
     }
-    for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY] && reuse->split; ++a )
+    for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY] && reuse->split && reuse->own->any; ++a )
     {
         float q[3];
         rf_weigh_arrival( &reuse->own->arrival, a, s->pdf[a], q );
@@ -177,7 +177,7 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
             reuse->second.mixture[a] += weight[a] * s->pdf[a];
     }
     weigh_glossy( &reuse->second, first, end, &reuse->second.arrival );
-    if ( reuse->split && rf_any_arrives( &reuse->own->arrival, first, end ) )
+    if ( reuse->split && reuse->own->any && rf_any_arrives( &reuse->own->arrival, first, end ) )
         add_own_glossy( tile_pixels, first, end, reuse );
     float* weight = s->visible; // of light paths; other light has none beside that of its mixture
     for ( int a = first; a < end; ++a )
@@ -203,7 +203,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfArrivalLanes* arrival = own ? &reuse->own->arrival : &reuse->second.arrival;
-    const RfArrivals* at_second = own ? &reuse->own->at_second : &reuse->slots.at_second;
+    const RfArrivals* at_second = own ? &reuse->own->beyond.arrivals : &reuse->slots.at_second;
     RfLaneScratch* s = &wavefront->scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_evaluate_lanes( y, wi, f, s->pdf );
@@ -216,7 +216,8 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         float pdf = specular ? reuse->second.pdf[a] : s->pdf[a], q[3];
         float weight = connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
         rf_weigh_arrival( arrival, a, pdf, q );
-        RfArrivals* to = own || ( reuse->split && reuse->own->touched[slot] ) ? &settings->own->arrivals : &wavefront->arrivals;
+        RfArrivals* to =
+            own || ( reuse->split && settings->own->touched[slot] ) ? &settings->own->arrivals : &wavefront->arrivals;
         for ( int c = 0; c < 3; ++c )
         {
             float light = f[c][a] * q[c] * weight;
@@ -242,7 +243,7 @@ static bool all_reused( const RfTileReuse* reuse )
 }
 
 // store_own where light is split.
-static void store_own_split( RfArrivals* held, RfArrivals* own_frame, const RfTileReuse* reuse )
+static void store_own_split( RfArrivals* held, RfOwnLight* paths, const RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfPairingLanes* own = reuse->pairings;
@@ -251,13 +252,14 @@ static void store_own_split( RfArrivals* held, RfArrivals* own_frame, const RfTi
         if ( reuse->second.owner[a] < 0 )
             continue;
         int slot = y->slot[a];
+        bool touched = paths->touched[slot];
         float weight = own->weight[reuse->second.owner[a]];
         for ( int c = 0; c < 3; ++c )
         {
             float throughput = reuse->second.throughput[c][a];
-            bool touched = reuse->own->touched[slot];
+            float beyond = ( reuse->own->any ? own->own[c][a] : 0.0f ) + ( touched ? own->light[c][a] : 0.0f );
             held->rest[c][slot] = touched ? 0.0f : weight * own->light[c][a] * throughput;
-            own_frame->rest[c][slot] = weight * ( own->own[c][a] + ( touched ? own->light[c][a] : 0.0f ) ) * throughput;
+            paths->arrivals.rest[c][slot] = weight * beyond * throughput;
         }
     }
 }
@@ -306,6 +308,36 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
     }
 }
 
+static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int a )
+{
+    const RfArrivals* arrivals = &reuse->own->beyond.arrivals;
+    int slot = reuse->second.lanes.slot[a];
+    float sum = 0.0f;
+    for ( int c = 0; c < 3; ++c )
+    {
+        sum += arrivals->emitted[c][slot] + arrivals->rest[c][slot];
+        for ( int j = 0; j < path->light_samples; ++j )
+            sum += reuse->second.direct[j].touched[a] ? reuse->second.direct[j].radiance_cos[c][a] : 0.0f;
+    }
+    return sum;
+}
+
+// Finds at which second vertices there is light that holds in its own frame alone; if at any, there is none yet in the pairings.
+// Chains bring none.
+static void begin_own( const RfPathSettings* path, int tile_pixels, RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    RfTileOwn* own = reuse->own;
+    own->any = false;
+    for ( int a = 0; a < y->count; ++a )
+    {
+        own->lit[a] = arriving( path, reuse, a ) > 0.0f;
+        own->any = own->any || own->lit[a];
+    }
+    for ( int k = 0; k < 3 * tile_pixels && own->any; ++k )
+        memset( reuse->pairings[k / 3].own[k % 3], 0, (size_t)y->count * sizeof( float ) );
+}
+
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfPathSettings* path = settings->path;
@@ -316,8 +348,8 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     reuse->second.shared = connected ? 0 : reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
     for ( int k = 0; k < 3 * ( glossy || connected ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
-    for ( int s = 0; s < tile_pixels && reuse->split; ++s )
-        memset( reuse->pairings[s].own, 0, 3 * sizeof *reuse->pairings[s].own ); // chains bring none
+    if ( reuse->split )
+        begin_own( path, tile_pixels, reuse );
     bool reused = all_reused( reuse );
     int k = path->light_samples;
     for ( int d = 0; d <= k + connected; ++d ) // light samples, what was scattered, connections
@@ -332,7 +364,7 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
             gather_light_sample( path, reuse, connections ? k : d );
         if ( !reused )
             add_not_reused( path, wavefront, wi, scattered, connections, false, reuse );
-        if ( !reused && reuse->split )
+        if ( !reused && reuse->split && reuse->own->any )
             add_not_reused( path, wavefront, wi, scattered, connections, true, reuse );
         if ( connections )
             add_diffuse_connections( path, wi, tile_pixels, reuse, &wavefront->scratch );
@@ -341,36 +373,60 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
         add_glossy( path, wi, tile_pixels, connections, reuse, &wavefront->scratch );
     }
     if ( reuse->split )
-        store_own_split( &wavefront->arrivals, &path->own->arrivals, reuse );
+        store_own_split( &wavefront->arrivals, path->own, reuse );
     else
         store_own( wavefront, reuse );
 }
 
-// The light that vertex a sends to hit i: all of it, or where light is split (`touched`) the part that frames share, or the other.
-static inline float part_of( const RfPairingLanes* from, const uint8_t* touched, bool own, int c, int a, int i )
+// The light for its own frame alone that second vertex a sends to hit i by pairing t; `from` has the vertex's light.
+static inline float own_part( const RfTileReuse* reuse, const RfPairingLanes* t, const RfPairingLanes* from, int c, int a, int i )
 {
-    float light = from->light[c][a];
-    if ( touched == NULL )
-        return light;
-    if ( own )
-        return from->own[c][a] + ( touched[i] ? light : 0.0f );
-    return touched[i] ? 0.0f : light;
+    return ( reuse->own->any ? from->own[c][a] : 0.0f ) + ( t->touched[i] ? from->light[c][a] : 0.0f );
+}
+
+// Whether pairing t brings hit i such light.
+static inline bool brings_own( const RfTileReuse* reuse, const RfPairingLanes* t, int i )
+{
+    return t->weight[i] > 0.0f && ( t->touched[i] || ( reuse->own->any && reuse->own->lit[t->vertex[i]] ) );
+}
+
+static void gather_own( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
+                        float light[3][RF_LANES] )
+{
+    const RfPairingLanes* t = reuse->pairings + pairing;
+    for ( int i = first; i < end; ++i )
+    {
+        int a = t->vertex[i];
+        bool brings = brings_own( reuse, t, i );
+        float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
+        const RfPairingLanes* from = a < reuse->second.shared ? reuse->pairings : t;
+        for ( int c = 0; c < 3; ++c )
+        {
+            float kappa = brings && t->pane_weight != NULL ? t->pane_weight[c][i] : 1.0f;
+            light[c][i] = brings ? cos_x * t->weight[i] * kappa * own_part( reuse, t, from, c, a, i ) : 0.0f;
+        }
+    }
 }
 
 void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end, bool own_frame,
                            float light[3][RF_LANES] )
 {
+    if ( own_frame )
+    {
+        gather_own( reuse, pairing, hits, first, end, light );
+        return;
+    }
     int diffuse = reuse->second.shared;
     const RfPairingLanes *t = reuse->pairings + pairing, *own = reuse->pairings;
-    const uint8_t* touched = reuse->split ? t->touched : NULL;
+    bool touched = reuse->split && t->any_touched;
     for ( int i = first; i < end; ++i )
     {
         int a = t->vertex[i];
-        float weight = t->weight[i];
+        float weight = touched && t->touched[i] ? 0.0f : t->weight[i];
         float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
         const RfPairingLanes* from = a < diffuse ? own : t;
         for ( int c = 0; c < 3; ++c )
-            light[c][i] = weight > 0.0f ? cos_x * weight * part_of( from, touched, own_frame, c, a, i ) : 0.0f;
+            light[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
     }
     for ( int c = 0; c < 3 && t->pane_weight != NULL; ++c )
     {
@@ -379,9 +435,9 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
     }
 }
 
-// Adds a pairing whose connections pass panes, or whose light is split.
-static void sum_part( const RfPairingLanes* t, const RfPairingLanes* own, int diffuse, const float* weight, int count,
-                      const uint8_t* touched, bool own_frame, float sum[3][RF_LANES] )
+// Adds a pairing whose connections pass panes.
+static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own, int diffuse, const float* weight, int count,
+                              float sum[3][RF_LANES] )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -390,11 +446,32 @@ static void sum_part( const RfPairingLanes* t, const RfPairingLanes* own, int di
         int a = t->vertex[i];
         const RfPairingLanes* from = a < diffuse ? own : t;
         for ( int c = 0; c < 3; ++c )
-        {
-            float scale = t->pane_weight != NULL ? weight[i] * t->pane_weight[c][i] : weight[i];
-            sum[c][i] += scale * part_of( from, touched, own_frame, c, a, i );
-        }
+            sum[c][i] += weight[i] * t->pane_weight[c][i] * from->light[c][a];
     }
+}
+
+// Adds the part of a pairing that holds in its own frame alone.
+static void sum_own( const RfTileReuse* reuse, const RfPairingLanes* t, const float* weight, int count, float sum[3][RF_LANES] )
+{
+    for ( int i = 0; i < count && ( t->any_touched || reuse->own->any ); ++i )
+    {
+        if ( !brings_own( reuse, t, i ) )
+            continue;
+        int a = t->vertex[i];
+        const RfPairingLanes* from = a < reuse->second.shared ? reuse->pairings : t;
+        for ( int c = 0; c < 3; ++c )
+            sum[c][i] +=
+                weight[i] * ( t->pane_weight != NULL ? t->pane_weight[c][i] : 1.0f ) * own_part( reuse, t, from, c, a, i );
+    }
+}
+
+// The weights of a pairing without what moves touches, in `scaled`.
+static const float* held_weights( const RfPairingLanes* t, const float* weight, int count, float* scaled )
+{
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+        scaled[i] = t->touched[i] ? 0.0f : weight[i];
+    return scaled;
 }
 
 void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, bool own_frame, const bool* weighted,
@@ -408,7 +485,6 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
     {
         const RfPairingLanes* t = reuse->pairings + s;
         const float* weight = t->weight;
-        const uint8_t* touched = reuse->split ? t->touched : NULL;
         float scaled[RF_LANES];
         if ( weighted != NULL )
         {
@@ -416,9 +492,16 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int c
                 scaled[i] = t->weight[i] * ( weighted[i] && rf_receives_chain_light( reuse, s, i ) ? chain_weight : 1.0f );
             weight = scaled;
         }
-        if ( t->pane_weight != NULL || touched != NULL )
+        if ( own_frame )
         {
-            sum_part( t, own, diffuse, weight, count, touched, own_frame, sum );
+            sum_own( reuse, t, weight, count, sum );
+            continue;
+        }
+        if ( reuse->split && t->any_touched )
+            weight = held_weights( t, weight, count, scaled );
+        if ( t->pane_weight != NULL )
+        {
+            sum_behind_panes( t, own, diffuse, weight, count, sum );
             continue;
         }
         for ( int i = 0; i < count; ++i )

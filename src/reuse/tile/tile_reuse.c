@@ -142,7 +142,7 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
-        sum[a] = sum_of( arrivals, slot ) + ( reuse->split ? sum_of( &reuse->own->at_second, slot ) : 0.0f );
+        sum[a] = sum_of( arrivals, slot ) + ( reuse->split ? sum_of( &reuse->own->beyond.arrivals, slot ) : 0.0f );
     }
     for ( int j = 0; j < rf_light_lanes_count( path ); ++j )
     {
@@ -199,34 +199,23 @@ static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
     }
 }
 
-// Whether what moves touches the paths as far as their second vertices, which `triangle` lists by ray; beyond, paths begin anew.
-static void note_touched( const RfPathSettings* settings, const uint32_t* triangle, RfTileReuse* reuse )
+// Begins the paths anew at their second vertices, which `triangle` lists by ray: what moves may touch those themselves.
+static void begin_beyond( const RfTracer* tracer, const uint32_t* triangle, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
+    memset( &reuse->own->beyond.arrivals, 0, sizeof reuse->own->beyond.arrivals );
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
-        reuse->own->touched[slot] = settings->own->touched[slot];
-        reuse->own->moving[slot] = settings->own->touched[slot] = rf_is_moving( settings->tracer, triangle[y->ray[a]] );
+        reuse->own->moving[slot] = reuse->own->beyond.touched[slot] = rf_is_moving( tracer, triangle[y->ray[a]] );
     }
 }
 
-// Puts the arrivals at the hits aside, for those at the second vertices.
-static void put_aside( RfArrivals* arrivals, RfArrivals* at_hits )
-{
-    memcpy( at_hits, arrivals, sizeof *arrivals );
-    memset( arrivals, 0, sizeof *arrivals );
-}
-
-static void take_back( RfArrivals* arrivals, RfArrivals* at_second, const RfArrivals* at_hits )
-{
-    memcpy( at_second, arrivals, sizeof *arrivals );
-    memcpy( arrivals, at_hits, sizeof *arrivals );
-}
-
 // Takes light samples at the second vertices and continues the paths from there.
-static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
+static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse )
 {
+    RfPathSettings beyond = *path, *settings = &beyond;
+    beyond.own = reuse->split ? &reuse->own->beyond : NULL;
     int k = settings->light_samples;
     uint32_t dimension = rf_vertex_dimension( 2, k ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
@@ -238,16 +227,14 @@ static void trace_beyond( const RfPathSettings* settings, RfWavefront* wavefront
     if ( settings->connector != NULL )
         settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
                                      reuse->second.connection_area );
-    put_aside( &wavefront->arrivals, &reuse->slots.at_hits );
-    if ( reuse->split )
-        put_aside( &settings->own->arrivals, &reuse->own->at_hits );
+    memcpy( &reuse->slots.at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
+    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
     rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
     memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
     rf_trace_tails( settings, wavefront, 3 );
-    take_back( &wavefront->arrivals, &reuse->slots.at_second, &reuse->slots.at_hits );
-    if ( reuse->split )
-        take_back( &settings->own->arrivals, &reuse->own->at_second, &reuse->own->at_hits );
+    memcpy( &reuse->slots.at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
+    memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );
 }
 
 // Whether max_depth ends all paths at their second vertex. Where the camera ray passed a pane, they may have one more.
@@ -274,7 +261,7 @@ static void clear_pairings( int tile_pixels, RfTileReuse* reuse )
         memset( pairing->weight, 0, sizeof pairing->weight );
         memset( pairing->vertex, 0, sizeof pairing->vertex );
         if ( reuse->split )
-            memset( pairing->touched, 0, RF_LANES );
+            pairing->any_touched = false;
         for ( int c = 0; c < 3; ++c )
             memcpy( pairing->wi[c], hits->n[c], (size_t)hits->count * sizeof( float ) );
     }
@@ -287,11 +274,13 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     reuse->second.lanes.count = reuse->thinned = reuse->kept = reuse->second.shared = 0;
     reuse->hits.lanes = hits;
     reuse->split = settings->path->own != NULL;
+    if ( reuse->split )
+        reuse->own->any = false;
     if ( wavefront->rays.count > 0 )
         note_panes( &wavefront->rays,
                     rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second.lanes ), reuse );
     if ( reuse->split )
-        note_touched( settings->path, wavefront->scratch.triangle, reuse );
+        begin_beyond( settings->path->tracer, wavefront->scratch.triangle, reuse );
     if ( all_end_at_second( settings->path, wavefront ) || reuse->second.lanes.count == 0 )
     {
         clear_pairings( tile_pixels, reuse );
@@ -320,6 +309,6 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
     rf_light_pairings( settings, wavefront, reuse );
     if ( wavefront->chain_light != NULL )
-        rf_weight_chain_light( reuse );
+        rf_weight_chain_light( settings->path, reuse );
     return tested;
 }

@@ -68,6 +68,7 @@ typedef struct RfPairingLanes
     RF_ALIGN float f[3][RF_LANES]; // of glossy ones
     float light[3][RF_LANES];      // scattered to the receiver; that of `shared` ones is in pairing 0 alone
     // with RfTileReuse.split; else NULL or not set
+    bool any_touched;         // some connection is
     uint8_t* touched;         // by hit: what moves touches the connection
     float ( *own )[RF_LANES]; // like `light`, by paths that it touches beyond the second vertex
 } RfPairingLanes;
@@ -75,10 +76,11 @@ typedef struct RfPairingLanes
 // Light that holds in its own frame alone (path/own_light.h).
 typedef struct RfTileOwn
 {
-    RfArrivals at_hits, at_second; // as in RfTileSlots
-    RfArrivalLanes arrival;        // as in RfSecondVertices
-    uint8_t touched[RF_LANES];     // by slot: the path as far as its second vertex
-    uint8_t moving[RF_LANES];      // by slot: the second vertex itself moves
+    bool any;                 // some light arrives at second vertices
+    uint8_t lit[RF_LANES];    // by second vertex, 1: some does there
+    RfOwnLight beyond;        // of the paths from their second vertices on
+    RfArrivalLanes arrival;   // as in RfSecondVertices
+    uint8_t moving[RF_LANES]; // by slot: the second vertex itself moves
 } RfTileOwn;
 
 typedef struct RfTileReuse

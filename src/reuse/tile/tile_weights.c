@@ -100,7 +100,13 @@ static void touch_connections( Queue* q, const float* const o[3], const float* c
     uint8_t touched[RF_LANES];
     rf_touch_by_segments( q->tracer, q->count, o, d, 1.0f, q->scratch->visible, touched );
     for ( int k = 0; k < q->count; ++k )
-        q->reuse->pairings[q->pairing[k]].touched[q->hit[k]] = touched[k];
+    {
+        if ( !touched[k] )
+            continue;
+        RfPairingLanes* t = q->reuse->pairings + q->pairing[k];
+        t->touched[q->hit[k]] = 1;
+        t->any_touched = true;
+    }
 }
 
 static void test_segments( Queue* q )
@@ -243,7 +249,10 @@ uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertex
 {
     int count = rf_record_count( hits );
     for ( int s = 0; s < settings->tile_pixels && reuse->split; ++s )
+    {
         memset( reuse->pairings[s].touched, 0, (size_t)count );
+        reuse->pairings[s].any_touched = false;
+    }
     // pairing 0 is the path as it was sampled
     for ( int c = 0; c < 3; ++c )
         memcpy( reuse->pairings[0].wi[c], scattered[c], (size_t)count * sizeof( float ) );
