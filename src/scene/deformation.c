@@ -173,7 +173,7 @@ bool rf_face_normal( const float* positions, const uint32_t corners[3], double l
     double length = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
     bool whole = length >= least && length > 0.0;
     for ( int i = 0; i < 3; ++i )
-        normal[i] = whole ? (float)( n[i] / length ) : 0.0f;
+        normal[i] = whole ? (float)( n[i] * ( 1.0 / length ) ) : 0.0f;
     return whole;
 }
 

@@ -395,30 +395,29 @@ static void test_deformed_out_of_reach( void** state )
 
 // ---- Files of others -------------------------------------------------------------
 
-#define ANIMATED "/work/shared/scenes/animated/"
-
-static bool is_there( const char* path )
+// The path of a file in the folder `animated` of REFRAME_SCENES; the test is skipped where there is none.
+static const char* animated( const char* name )
 {
-    FILE* file = fopen( path, "rb" );
-    if ( file != NULL )
-        fclose( file );
-    else
-        print_message( "%s is not there: skipped\n", path );
-    return file != NULL;
+    static char s_path[1024];
+    const char* folder = getenv( "REFRAME_SCENES" );
+    snprintf( s_path, sizeof s_path, "%s/animated/%s", folder != NULL ? folder : "", name );
+    FILE* file = folder != NULL ? fopen( s_path, "rb" ) : NULL;
+    if ( file == NULL )
+        skip();
+    fclose( file );
+    return s_path;
 }
 
 static void test_the_fox_walks( void** state )
 {
     (void)state;
-    if ( !is_there( ANIMATED "Fox.glb" ) )
-        skip();
-    RfScene scene = gltf_load_moving( ANIMATED "Fox.glb", NULL );
+    RfScene scene = gltf_load_moving( animated( "Fox.glb" ), NULL );
     gltf_assert_warned( "animation 'Survey' is used: 'Walk', 'Run', which move the same, are left out" );
     assert_int_equal( scene.placement_count, 1 );
     assert_int_equal( scene.unrendered_count, 0 );
     double survey = scene.movement->end;
     rf_destroy_scene( &scene );
-    scene = gltf_load_moving( ANIMATED "Fox.glb", "Walk" );
+    scene = gltf_load_moving( animated( "Fox.glb" ), "Walk" );
     assert_string_equal( gltf_warnings, "" );
     assert_true( scene.movement->end != survey );
     for ( int k = 0; k <= 8; ++k )
@@ -438,9 +437,7 @@ static void test_the_fox_walks( void** state )
 static void test_the_morph_stress_test( void** state )
 {
     (void)state;
-    if ( !is_there( ANIMATED "MorphStressTest.gltf" ) )
-        skip();
-    RfScene scene = gltf_load_moving( ANIMATED "MorphStressTest.gltf", "Pulse" );
+    RfScene scene = gltf_load_moving( animated( "MorphStressTest.gltf" ), "Pulse" );
     assert_int_equal( scene.unrendered_count, 0 );
     assert_true( scene.movement->mover_count >= 1 && scene.movement->movers[0].target_count == 8 );
     assert_true( rf_scene_moves( &scene, 0.1, 0.9 ) );

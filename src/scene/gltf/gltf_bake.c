@@ -1,6 +1,8 @@
 // Bakes primitives into lists of triangles.
 #include "scene/gltf/gltf_geometry.h"
 
+#include "scene/deformation.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -193,23 +195,6 @@ static void transform_normal( const RfMat4* matrix, double sign, const float* no
     store( out, n, sign / sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] ) );
 }
 
-static bool face_normal( const float* world, const uint32_t* corners, double least, float normal[3] )
-{
-    const float *a = world + 3 * (size_t)corners[0], *b = world + 3 * (size_t)corners[1], *c = world + 3 * (size_t)corners[2];
-    double u[3], v[3];
-    for ( int i = 0; i < 3; ++i )
-    {
-        u[i] = (double)b[i] - (double)a[i];
-        v[i] = (double)c[i] - (double)a[i];
-    }
-    double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
-    double length = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
-    if ( ( length >= least ) == false )
-        return false;
-    store( normal, n, 1.0 / length );
-    return true;
-}
-
 static void grow_bounds( RfGltfBaker* baker, bool first, const float* p )
 {
     RfVec3 at = rf_vec3( p[0], p[1], p[2] );
@@ -294,7 +279,7 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
         const uint32_t* from = primitive->indices + 3 * i;
         uint32_t corners[3] = { from[0], from[mirrored ? 2 : 1], from[mirrored ? 1 : 2] };
         float normal[3];
-        if ( face_normal( baker->world, corners, baker->least_double_area, normal ) )
+        if ( rf_face_normal( baker->world, corners, baker->least_double_area, normal ) )
             append_triangle( baker, primitive, base, corners, normal );
         else if ( baker->degenerate++ == 0 )
             baker->first_degenerate = rf_where( "%s", where );
