@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
+#include "cli/options/shared_options.h"
 #include "cli/render/render_json.h"
 #include "reframe/scene.h"
 #include "scene/json/scene_file.h"
@@ -39,6 +40,7 @@ static const RfOption s_options[] = {
       .meta = "NAME[,...]",
       .default_text = "none",
       .help = "list the effects as with render --no-effect" },
+    RF_MOVEMENT_OPTIONS( s_render ),
     { .name = "json",
       .writes = ".json",
       .type = RF_OPTION_STRING,
@@ -99,12 +101,20 @@ static void print_film( const RfSceneInfo* scene )
 static void print_moving( const RfSceneInfo* scene )
 {
     if ( scene->moving_count > 0 )
-        rf_print( "moving     %d object%s, rendered as in the first frame: only cameras can move\n", scene->moving_count,
+        rf_print( "%s     %d object%s\n", scene->frozen ? "frozen" : "moving", scene->moving_count,
                   scene->moving_count == 1 ? "" : "s" );
     for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
         rf_print( "  %s\n", scene->moving[i] );
     if ( scene->moving_count > MAX_MOVING )
         rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
+}
+
+static void print_unrendered( const RfSceneInfo* scene )
+{
+    if ( scene->unrendered_count > 0 )
+        rf_print( "%s\n", scene->frozen ? "frozen as well" : "not rendered: an error, unless --freeze is given" );
+    for ( int i = 0; i < scene->unrendered_count; ++i )
+        rf_print( "  %s: %s\n", scene->unrendered[i].what, scene->unrendered[i].why );
 }
 
 static void print_warnings( const RfSceneInfo* scene )
@@ -169,6 +179,7 @@ static void print_info( const RfScene* scene, const Facts* facts )
                   s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
     print_film( s );
     print_moving( s );
+    print_unrendered( s );
     print_cameras( facts );
     print_effects( scene, &facts->render.settings );
     print_warnings( s );
@@ -190,15 +201,20 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     json_t* moving = json_array();
     for ( int i = 0; i < s->moving_count; ++i )
         json_array_append_new( moving, rf_json_text( s->moving[i] ) );
+    json_t* unrendered = json_array();
+    for ( int i = 0; i < s->unrendered_count; ++i )
+        json_array_append_new( unrendered, json_pack( "{s:o, s:o}", "what", rf_json_text( s->unrendered[i].what ), "why",
+                                                      rf_json_text( s->unrendered[i].why ) ) );
     json_t* warnings = json_array();
     for ( int i = 0; i < s->export_warning_count; ++i )
         json_array_append_new( warnings, rf_json_text( s->export_warnings[i] ) );
     json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
-    return json_pack( "{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles,
+    return json_pack( "{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:b, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles,
                       "stored_triangles", (json_int_t)s->stored_triangles, "instances", (json_int_t)s->instances, "materials",
                       (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras", cameras, "effects",
-                      rf_effects_json( scene, &facts->render.settings ), "moving", moving, "size", size, "fps",
-                      (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
+                      rf_effects_json( scene, &facts->render.settings ), "moving", moving, "frozen", s->frozen, "unrendered",
+                      unrendered, "size", size, "fps", (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings",
+                      warnings );
 }
 
 // The command line goes before the scene file.
@@ -208,6 +224,9 @@ static void take_given( RfRenderOptions* options )
         options->no_effect = s_render.no_effect;
     if ( s_effects_given )
         options->effects = s_render.effects;
+    if ( s_render.movement.animation != NULL )
+        options->movement.animation = s_render.movement.animation;
+    options->movement.freeze = options->movement.freeze || s_render.movement.freeze;
 }
 
 static RfResult load( const char* name, RfScene* scene, RfRenderOptions* options, RfError* error )
@@ -224,7 +243,7 @@ static RfResult load( const char* name, RfScene* scene, RfRenderOptions* options
     if ( !s_fps_given )
         s_fps = options->fps;
     if ( result == RF_OK )
-        result = rf_load_scene_file( &file, scene, &log, error );
+        result = rf_load_scene_file( &file, &options->movement, scene, &log, error );
     if ( result == RF_OK )
         result = rf_take_effect_options( options, scene, &log, error );
     rf_close_scene_file( &file );

@@ -249,6 +249,9 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .height = scene->film_height,
                              .moving = (const char* const*)scene->moving,
                              .moving_count = scene->moving_count,
+                             .frozen = scene->frozen,
+                             .unrendered = scene->unrendered,
+                             .unrendered_count = scene->unrendered_count,
                              .export_warnings = (const char* const*)scene->export_warnings,
                              .export_warning_count = scene->export_warning_count };
     for ( uint32_t i = 0; i < lights.triangle_count; ++i )

@@ -25,8 +25,25 @@ typedef struct RfScene RfScene;
 // wrong goes to `log` (may be NULL). On failure *scene is NULL. Free with rf_close_scene.
 RfResult rf_open_scene( const char* path, RfScene** scene, RfLog* log, RfError* error );
 
+// What of a scene is read; zeros are as rf_open_scene reads it.
+typedef struct RfSceneOptions
+{
+    bool freeze;           // all but cameras stands still, as in the first frame of the default camera
+    const char* animation; // of the glTF, that goes before the others where several move the same; NULL: the first
+} RfSceneOptions;
+
+// Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.
+RfResult rf_open_scene_with( const char* path, const RfSceneOptions* options, RfScene** scene, RfLog* log, RfError* error );
+
 // Frees a scene; NULL is allowed. No tracer may be using it.
 void rf_close_scene( RfScene* scene );
+
+// Something that changes in the file and cannot be rendered so.
+typedef struct RfUnrendered
+{
+    char* what; // such as "light 'Sun'"
+    char* why;  // such as "it moves, which lamps cannot do yet"
+} RfUnrendered;
 
 typedef struct RfSceneInfo
 {
@@ -46,9 +63,12 @@ typedef struct RfSceneInfo
     double origin[3];          // cameras are relative to it, metres; 0 unless the scene lies so far out that floats would not do
     RfFps fps;                 // that the scene asks for; 0/0: it does not say
     int width, height;         // of the picture, likewise
-    int moving_count;          // objects that move in the file, but stand still here
+    int moving_count;          // objects that move, or would if they were not frozen
     const char* const* moving; // their names
-    int export_warning_count;  // of the program that wrote the file
+    bool frozen;               // they stand still, as RfSceneOptions.freeze asked for
+    int unrendered_count;      // what changes in the file and cannot be rendered: unless it is frozen, no tracer can be made
+    const RfUnrendered* unrendered;
+    int export_warning_count; // of the program that wrote the file
     const char* const* export_warnings;
 } RfSceneInfo;
 
@@ -73,7 +93,8 @@ RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraIn
 typedef struct RfTracer RfTracer;
 
 // Builds the BVH of a scene, which must outlive the tracer. In an empty scene every ray misses.
-// Fails with RF_ERROR_DEVICE or RF_ERROR_MEMORY.
+// Fails with RF_ERROR_DEVICE or RF_ERROR_MEMORY, and with RF_ERROR_UNSUPPORTED where something changes that cannot be
+// rendered so (RfSceneInfo.unrendered).
 RfResult rf_create_tracer( const RfScene* scene, RfTracer** tracer, RfError* error );
 
 // Frees a tracer; NULL is allowed.

@@ -57,19 +57,12 @@ typedef struct RfPlacement
 
 struct RfMovement;
 
-// Something that changes in the file and cannot be rendered so.
-typedef struct RfUnrendered
-{
-    char* what; // such as "light 'Sun'"
-    char* why;  // such as "lamps that move are not rendered yet"
-} RfUnrendered;
-
 // A node of the hierarchy, kept to evaluate cameras and what moves at any time.
 typedef struct RfNode
 {
     char* name;
     int parent;      // −1: a root
-    bool hidden;     // with all below it, unless a channel shows it; false where nothing is read that moves
+    bool hidden;     // with all below it, unless a channel shows it
     bool has_matrix; // else translation, rotation, scale
     RfMat4 matrix;
     double translation[3];
@@ -181,7 +174,8 @@ struct RfScene
     int placement_shift;
     struct RfMovement* movement; // owned: what moves, and how; NULL: nothing does
     int unrendered_count;
-    RfUnrendered* unrendered;      // where movement is read
+    RfUnrendered* unrendered;
+    bool frozen;                   // something moves or changes in the file, and was read as in the first frame
     RfVec3 bounds_min, bounds_max; // of all triangles; both 0 if there are none
     uint32_t instance_count;       // mesh primitives instanced by nodes
     uint32_t material_count;
@@ -198,7 +192,7 @@ struct RfScene
     int camera_count;
     RfFps fps;                   // that the file asks for; 0/0: it does not say
     int film_width, film_height; // likewise, pixels
-    int moving_count;            // objects that move in the file, but stand still here
+    int moving_count;            // objects that move
     char** moving;               // their names
     int export_warning_count;
     char** export_warnings; // what the program that wrote the file warned of; printable
@@ -210,6 +204,9 @@ struct RfScene
 
 // Frees everything the loader allocated and clears the struct. Members may be NULL.
 void rf_destroy_scene( RfScene* scene );
+
+// Fails with RF_ERROR_UNSUPPORTED where something changes that cannot be rendered so.
+RfResult rf_check_rendered( const RfScene* scene, RfError* error );
 
 // Frees the arrays and clears the struct.
 void rf_destroy_triangles( RfTriangles* triangles );

@@ -5,14 +5,20 @@
 #include "scene/projection.h"
 #include "scene/scene.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 RfResult rf_open_scene( const char* path, RfScene** scene, RfLog* log, RfError* error )
 {
+    return rf_open_scene_with( path, &( RfSceneOptions ){ 0 }, scene, log, error );
+}
+
+RfResult rf_open_scene_with( const char* path, const RfSceneOptions* options, RfScene** scene, RfLog* log, RfError* error )
+{
     *scene = calloc( 1, sizeof **scene );
     if ( *scene == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
-    RfResult result = rf_load_scene( path, *scene, log, error );
+    RfResult result = rf_load_scene_with( path, options, *scene, log, error );
     if ( result != RF_OK )
     {
         rf_close_scene( *scene );
@@ -26,6 +32,18 @@ void rf_close_scene( RfScene* scene )
     if ( scene != NULL )
         rf_destroy_scene( scene );
     free( scene );
+}
+
+RfResult rf_check_rendered( const RfScene* scene, RfError* error )
+{
+    int more = scene->unrendered_count - 1;
+    char rest[32] = "";
+    if ( more < 0 || scene->frozen )
+        return RF_OK;
+    if ( more > 0 )
+        snprintf( rest, sizeof rest, " (and %d more)", more );
+    return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: %s: %s%s: take it out, or freeze all as in the first frame (--freeze)",
+                    scene->path, scene->unrendered->what, scene->unrendered->why, rest );
 }
 
 RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }

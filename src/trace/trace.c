@@ -71,6 +71,9 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out,
     snprintf( configuration, sizeof configuration, "frequency_level=simd512,threads=%d",
               threads > 0 ? threads : rf_core_count() );
     *out = NULL;
+    RfResult result = rf_check_rendered( scene, error );
+    if ( result != RF_OK )
+        return result;
     RfTracer* tracer = calloc( 1, sizeof *tracer );
     if ( tracer == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the ray tracer" );
@@ -87,7 +90,7 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out,
     rtcSetDeviceErrorFunction( tracer->device, on_device_error, tracer );
     rtcSetDeviceMemoryMonitorFunction( tracer->device, on_memory, tracer );
     describe_device( tracer );
-    RfResult result = rf_collect_lights( scene, &tracer->lights, error );
+    result = rf_collect_lights( scene, &tracer->lights, error );
     if ( result == RF_OK && rf_runs( scene, true, RF_EFFECT_FLAT_MIRRORS ) )
         result = rf_find_mirrors( scene, &tracer->mirrors, error );
     if ( result == RF_OK )

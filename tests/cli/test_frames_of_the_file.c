@@ -16,7 +16,8 @@
 
 #include <cmocka.h>
 
-#define SHOT ",\"extras\":{\"reframe\":{\"render\":{\"size\":[32,24],\"fps\":[30000,1001]},\"moving\":[\"door\",\"cup\"]}}"
+#define FILM "\"render\":{\"size\":[32,24],\"fps\":[30000,1001]}"
+#define SHOT ",\"extras\":{\"reframe\":{" FILM "}}"
 #define KEY( frame, x, fov )                                                                                                     \
     "{\"frame\":" #frame ",\"position\":[" #x ",0,0],\"rotation\":[0,0,0,1],\"fov\":" #fov ",\"shift\":[0.25,0]}"
 
@@ -29,10 +30,10 @@ static void expect_among( const CliResult* result, int status, const char* part 
 }
 
 // room.gltf whose camera "Side" has a path in the file itself.
-static void write_shot( const char* path )
+static void write_shot( const char* path, const char* extras )
 {
     static const char at[] = "\"name\":\"Side\",";
-    write_room( SHOT );
+    write_room( extras );
     size_t size;
     char* text = cli_read( "room.gltf", &size );
     char* place = strstr( text, at );
@@ -53,7 +54,7 @@ static void write_moving( const char* more )
 {
     char text[1024];
     snprintf( text, sizeof text, MOVING, more );
-    write_shot( text );
+    write_shot( text, SHOT );
 }
 
 static float* read_channels( const char* name, const char* const* channels, int count, size_t* pixels )
@@ -183,7 +184,7 @@ static void expect_motion( const char* name, bool before, bool after )
 static void test_equal_eyes_are_rendered_once( void** state )
 {
     (void)state;
-    write_shot( STILL );
+    write_shot( STILL, SHOT );
 #define RENDER "$R render room.gltf --group 1 --spp 6 --aov motion "
     const CliResult* told = cli_run( RENDER "-o a.####.exr --json a.json" );
     assert_int_equal( told->status, 0 );
@@ -238,7 +239,7 @@ static void test_equal_eyes_are_rendered_once( void** state )
 static void test_still_cameras_are_reported( void** state )
 {
     (void)state;
-    write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 48, 0, 40 ) "]}" );
+    write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 48, 0, 40 ) "]}", SHOT );
     const CliResult* told = cli_run( "$R info room.gltf" );
     assert_non_null( strstr( told->out, "Side: 48 frames at 29.97 frames/s, static" ) );
     assert_non_null( strstr( told->out, "no camera of the scene moves" ) );
@@ -251,21 +252,25 @@ static void test_still_cameras_are_reported( void** state )
 static void test_moving_objects_are_named( void** state )
 {
     (void)state;
-    write_moving( "" );
-    const CliResult* told = cli_run( "$R render room.gltf -o m.####.exr --frames 101 --spp 1 --size 4x4" );
+    char text[1024];
+    snprintf( text, sizeof text, MOVING, "" );
+    write_shot( text, ",\"extras\":{\"reframe\":{" FILM ",\"moving\":[\"door\",\"cup\"]}}" );
+    cli_expect( cli_run( "$R render room.gltf -o m.####.exr --frames 101 --spp 1 --size 4x4" ), 1,
+                "room.gltf: object 'cup': it moves or changes where the file was made, but not in the file (and 1 more)" );
+    assert_int_equal( cli_count_files( ".exr", "." ), 0 );
+    const CliResult* told = cli_run( "$R render room.gltf -o m.####.exr --frames 101 --spp 1 --size 4x4 --freeze" );
     assert_int_equal( told->status, 0 );
-    assert_non_null( strstr(
-        told->err, "'cup', 'door' move or change in the file, but only cameras move here: taken as in the first frame" ) );
-    told = cli_run( "$R info room.gltf --json -" );
+    assert_non_null( strstr( told->err, "'cup', 'door' move or change: frozen as in the first frame" ) );
+    told = cli_run( "$R info room.gltf --freeze --json -" );
     json_t* json = json_loads( told->out, 0, NULL );
     json_t* moving = json_object_get( json, "moving" );
     assert_int_equal( json_array_size( moving ), 2 );
     assert_string_equal( json_string_value( json_array_get( moving, 0 ) ), "cup" );
     assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "size" ), 1 ) ), 24 );
     json_decref( json );
-    told = cli_run( "$R info room.gltf" );
-    assert_non_null(
-        strstr( told->out, "moving     2 objects, rendered as in the first frame: only cameras can move\n  cup\n" ) );
+    assert_non_null( strstr( cli_run( "$R info room.gltf --freeze" )->out, "frozen     2 objects\n  cup\n" ) );
+    assert_non_null( strstr( cli_run( "$R info room.gltf" )->out,
+                             "not rendered: an error, unless --freeze is given\n  object 'cup': it moves" ) );
 }
 
 static void test_wrong_shots_are_errors( void** state )

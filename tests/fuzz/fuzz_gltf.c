@@ -28,20 +28,24 @@ static void sample_cameras( const RfScene* scene )
 }
 
 // What moves, at its first and last moment and between them.
-static void pose_movement( const char* path )
+static void pose_movement( const RfScene* scene )
+{
+    RfError error = { 0 };
+    for ( int k = 0; scene->movement != NULL && k < 3; ++k )
+    {
+        RfPosedScene pose = { 0 };
+        double start = scene->movement->start, end = scene->movement->end;
+        fuzz_check( rf_pose_scene( scene, start + 0.5 * k * ( end - start ), &pose, &error ), &error );
+        rf_destroy_pose( &pose );
+    }
+}
+
+static void freeze( const char* path )
 {
     RfError error = { 0 };
     RfScene scene;
-    RfGltfOptions options = { .moving = true };
-    RfResult result = rf_load_gltf_with( path, &options, &scene, NULL, &error );
-    fuzz_check( result, &error );
-    for ( int k = 0; result == RF_OK && scene.movement != NULL && k < 3; ++k )
-    {
-        RfPosedScene pose = { 0 };
-        double start = scene.movement->start, end = scene.movement->end;
-        fuzz_check( rf_pose_scene( &scene, start + 0.5 * k * ( end - start ), &pose, &error ), &error );
-        rf_destroy_pose( &pose );
-    }
+    RfGltfOptions options = { .freeze = true };
+    fuzz_check( rf_load_gltf_with( path, &options, &scene, NULL, &error ), &error );
     rf_destroy_scene( &scene );
 }
 
@@ -54,8 +58,11 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     RfResult result = rf_load_gltf( path, &scene, &log, &error );
     fuzz_check( result, &error );
     if ( result == RF_OK )
+    {
         sample_cameras( &scene );
+        pose_movement( &scene );
+    }
     rf_destroy_scene( &scene );
-    pose_movement( path );
+    freeze( path );
     return 0;
 }

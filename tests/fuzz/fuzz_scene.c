@@ -46,7 +46,7 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     if ( result != RF_OK )
         return 0;
     read_defaults( &file );
-    result = rf_load_scene_file( &file, &scene, &log, &error );
+    result = rf_load_scene_file( &file, &( RfSceneOptions ){ 0 }, &scene, &log, &error );
     fuzz_check( result, &error );
     if ( result == RF_OK )
         sample_camera( &scene );

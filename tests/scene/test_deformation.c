@@ -64,7 +64,7 @@ static void test_a_bent_arm( void** state )
     GltfBuilder b = make_strip();
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
-    RfScene scene = gltf_load_built_moving( &b, STRIP( "," LINEAR( "2", "rotation", "6", "7" ) ) );
+    RfScene scene = gltf_load_built( &b, STRIP( "," LINEAR( "2", "rotation", "6", "7" ) ) );
     assert_int_equal( scene.triangles.count, 0 );
     assert_int_equal( scene.placement_count, 1 );
     RfPosedScene pose = gltf_pose_at( &scene, 0.0 );
@@ -97,7 +97,7 @@ static void test_singular_skins( void** state )
     GltfBuilder b = make_strip();
     static const float s_twist[] = { 0, 0, 0, 1, 0, 1, 0, 0 };
     add_gltf_floats( &b, "VEC4", 4, 2, s_twist );
-    RfScene scene = gltf_load_built_moving( &b, STRIP( "," LINEAR( "2", "rotation", "6", "7" ) ) );
+    RfScene scene = gltf_load_built( &b, STRIP( "," LINEAR( "2", "rotation", "6", "7" ) ) );
     RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
     assert_true( pose.scene.placements[0].shown );
     gltf_assert_placed_corner( &pose.scene, 3, 0, 3, 1, 0 ); // (0, 1, 1) of one joint and (0, 1, −1) of the other
@@ -112,7 +112,7 @@ static void test_singular_skins( void** state )
     b = make_strip();
     static const float s_scales[] = { 1, 1, 1, 0, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
-    scene = gltf_load_built_moving( &b, STRIP( "," LINEAR( "1", "scale", "6", "7" ) ) );
+    scene = gltf_load_built( &b, STRIP( "," LINEAR( "1", "scale", "6", "7" ) ) );
     pose = gltf_pose_at( &scene, 1.0 );
     assert_false( pose.scene.placements[0].shown );
     gltf_assert_unit_normals( &pose.scene );
@@ -126,7 +126,7 @@ static void test_mirrored_skins_keep_their_outside( void** state )
     GltfBuilder b = make_strip();
     static const float s_scales[] = { 1, 1, 1, 1, 1, -1 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
-    RfScene scene = gltf_load_built_moving( &b, STRIP( "," LINEAR( "1", "scale", "6", "7" ) ) );
+    RfScene scene = gltf_load_built( &b, STRIP( "," LINEAR( "1", "scale", "6", "7" ) ) );
     RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
     for ( uint32_t i = 0; i < 4; ++i )
     {
@@ -148,7 +148,7 @@ static void test_a_posed_figure_that_stands_still( void** state )
 {
     (void)state;
     GltfBuilder b = make_strip();
-    RfScene scene = gltf_load_built_moving( &b, STRIP( "" ) );
+    RfScene scene = gltf_load_built( &b, STRIP( "" ) );
     assert_null( scene.movement );
     assert_int_equal( scene.placement_count, 0 );
     assert_int_equal( scene.mesh_count, 0 );
@@ -178,7 +178,7 @@ static void test_tangents_of_a_skin( void** state )
                   "\"WEIGHTS_0\":4},\"indices\":2}]}],\"animations\":[{\"samplers\":[{\"input\":6,\"output\":%d}],\"channels\":[{"
                   "\"sampler\":0,\"target\":{\"node\":1,\"path\":\"%s\"}}]}]",
                   7 + k, k == 0 ? "rotation" : "scale" );
-        RfScene scene = gltf_load_built_moving( &b, rest );
+        RfScene scene = gltf_load_built( &b, rest );
         RfPosedScene pose = gltf_pose_at( &scene, k == 0 ? 0.0 : 1.0 );
         const RfTriangles* t = &pose.scene.meshes[pose.scene.placements[0].mesh].triangles;
         // vertices in the order of their first use: 0 2 1 3 4 5
@@ -199,7 +199,7 @@ static void test_a_figure_far_out( void** state )
     GltfBuilder b = make_strip();
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
-    RfScene scene = gltf_load_built_moving(
+    RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"children\":[2],\"translation\":[10000000.125,0,0]},{\"translation\":[0,1,"
             "0]}],\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":5}]," ONE_MESH(
                 "{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"indices\":2}" ) "," LINEAR( "2", "rotation",
@@ -266,7 +266,7 @@ static void test_morph_targets( void** state )
     (void)state;
     static const float s_weights[] = { 0, 0, 1, 0, 0, 1 };
     GltfBuilder b = make_morph( 6, s_weights );
-    RfScene scene = gltf_load_built_moving( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ) );
+    RfScene scene = gltf_load_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ) );
     assert_int_equal( scene.placement_count, 1 );
     assert_int_equal( scene.movement->movers[0].target_count, 2 );
     RfPosedScene pose = gltf_pose_at( &scene, 0.5 ); // half of the lift, whose normals lean by half
@@ -293,7 +293,7 @@ static void test_weights_by_splines( void** state )
     // in-tangents, values, out-tangents of each key, each of two weights
     static const float s_spline[] = { 0, 0, 0.25f, 0, 1, 0, -1, 0, 0.5f, 0, 2, 0, 3, 0, 0, 0, 0, 0 };
     GltfBuilder b = make_morph( 18, s_spline );
-    RfScene scene = gltf_load_built_moving( &b, SQUARE( "" ) "," WEIGHTS( "8", "CUBICSPLINE" ) );
+    RfScene scene = gltf_load_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "CUBICSPLINE" ) );
     for ( int k = 0; k <= 12; ++k )
     {
         double time = 0.25 * k, length = time < 1 ? 1 : 2, t = time < 1 ? time : ( time - 1 ) / 2;
@@ -313,18 +313,18 @@ static void test_weights_at_rest( void** state )
     (void)state;
     static const float s_none[] = { 0 };
     GltfBuilder b = make_morph( 1, s_none );
-    RfScene scene = gltf_load_built_moving( &b, SQUARE( "" ) );
+    RfScene scene = gltf_load_built( &b, SQUARE( "" ) );
     assert_null( scene.movement );
     assert_int_equal( scene.triangles.count, 2 );
     gltf_assert_corner( &scene, 0, 1, 0, 6 );
     rf_destroy_scene( &scene );
     b = make_morph( 1, s_none );
-    scene = gltf_load_built_moving( &b, SQUARE( ",\"weights\":[2,0],\"scale\":[1,1,2]" ) );
+    scene = gltf_load_built( &b, SQUARE( ",\"weights\":[2,0],\"scale\":[1,1,2]" ) );
     gltf_assert_corner( &scene, 0, 1, 0, 13 );
     gltf_assert_normal( &scene, 0, 4 / sqrt( 17.0 ), 0, 1 / sqrt( 17.0 ) );
     rf_destroy_scene( &scene );
     b = make_morph( 1, s_none );
-    scene = gltf_load_built_moving( &b, SQUARE( ",\"weights\":[0,0]" ) );
+    scene = gltf_load_built( &b, SQUARE( ",\"weights\":[0,0]" ) );
     gltf_assert_corner( &scene, 0, 1, 0, 5 );
     rf_destroy_scene( &scene );
 }
@@ -339,7 +339,7 @@ static void test_morph_targets_of_a_skin( void** state )
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
     add_gltf_floats( &b, "VEC3", 3, 6, s_wider );
     add_gltf_floats( &b, "SCALAR", 1, 2, s_half );
-    RfScene scene = gltf_load_built_moving(
+    RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"children\":[2],\"translation\":[3,0,0]},{\"translation\":[0,1,0]}],"
             "\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":5}]," ONE_MESH(
                 "{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"indices\":2,\"targets\":[{\"POSITION\":8}]"
@@ -366,7 +366,7 @@ static void test_a_triangle_that_closes( void** state )
     add_gltf_floats( &b, "VEC3", 3, 6, s_closing );
     add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
     add_gltf_floats( &b, "SCALAR", 1, 2, s_weights );
-    RfScene scene = gltf_load_built_moving(
+    RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0}]," ONE_MESH( "{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}" ) "," LINEAR(
                 "0", "weights", "2", "3" ) );
     RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
@@ -387,10 +387,10 @@ static void test_deformed_out_of_reach( void** state )
     static const float s_far[] = { 0, 0, 0, 0, 2e15f, 0 }, s_absurd[] = { 0, 0, 1e30f, 0, 3e38f, 0 };
     GltfBuilder b = make_strip();
     add_gltf_floats( &b, "VEC3", 3, 2, s_far );
-    gltf_refuse_moving( &b, STRIP( "," LINEAR( "2", "translation", "6", "7" ) ),
-                        "object 'arm' at 0.5625 s: a vertex is at 1.125e+15" );
+    gltf_refuse_built( &b, STRIP( "," LINEAR( "2", "translation", "6", "7" ) ),
+                       "object 'arm' at 0.5625 s: a vertex is at 1.125e+15" );
     b = make_morph( 6, s_absurd );
-    gltf_refuse_moving( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ), "object 'sheet' at 0.1875 s: a vertex is at 3.75e+29" );
+    gltf_refuse_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ), "object 'sheet' at 0.1875 s: a vertex is at 3.75e+29" );
 }
 
 // ---- Files of others -------------------------------------------------------------
@@ -411,13 +411,13 @@ static const char* animated( const char* name )
 static void test_the_fox_walks( void** state )
 {
     (void)state;
-    RfScene scene = gltf_load_moving( animated( "Fox.glb" ), NULL );
+    RfScene scene = gltf_load( animated( "Fox.glb" ) );
     gltf_assert_warned( "animation 'Survey' is used: 'Walk', 'Run', which move the same, are left out" );
     assert_int_equal( scene.placement_count, 1 );
     assert_int_equal( scene.unrendered_count, 0 );
     double survey = scene.movement->end;
     rf_destroy_scene( &scene );
-    scene = gltf_load_moving( animated( "Fox.glb" ), "Walk" );
+    scene = gltf_load_with( animated( "Fox.glb" ), &( RfGltfOptions ){ .animation = "Walk" } );
     assert_string_equal( gltf_warnings, "" );
     assert_true( scene.movement->end != survey );
     for ( int k = 0; k <= 8; ++k )
@@ -437,7 +437,7 @@ static void test_the_fox_walks( void** state )
 static void test_the_morph_stress_test( void** state )
 {
     (void)state;
-    RfScene scene = gltf_load_moving( animated( "MorphStressTest.gltf" ), "Pulse" );
+    RfScene scene = gltf_load_with( animated( "MorphStressTest.gltf" ), &( RfGltfOptions ){ .animation = "Pulse" } );
     assert_int_equal( scene.unrendered_count, 0 );
     assert_true( scene.movement->mover_count >= 1 && scene.movement->movers[0].target_count == 8 );
     assert_true( rf_scene_moves( &scene, 0.1, 0.9 ) );

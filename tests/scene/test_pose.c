@@ -49,8 +49,8 @@ static RfScene load_turning_box( void )
     GltfBuilder b = make_box();
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
-    return gltf_load_built_moving( &b, "\"nodes\":[{\"mesh\":0},{\"children\":[2],\"translation\":[10,0,0]},{\"name\":\"box\","
-                                       "\"mesh\":0,\"scale\":[1,1,2]}]," BOX "," LINEAR( "2", "rotation", "2", "3" ) );
+    return gltf_load_built( &b, "\"nodes\":[{\"mesh\":0},{\"children\":[2],\"translation\":[10,0,0]},{\"name\":\"box\","
+                                "\"mesh\":0,\"scale\":[1,1,2]}]," BOX "," LINEAR( "2", "rotation", "2", "3" ) );
 }
 
 static void test_a_turning_box( void** state )
@@ -128,7 +128,7 @@ static void test_a_still_scene_is_its_own_pose( void** state )
 {
     (void)state;
     GltfBuilder b = make_box();
-    RfScene scene = gltf_load_built_moving( &b, "\"nodes\":[{\"mesh\":0}]," BOX );
+    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," BOX );
     assert_null( scene.movement );
     assert_int_equal( rf_pose_bytes( &scene ), 0 );
     assert_false( rf_scene_moves( &scene, 0.0, 1.0 ) );
@@ -142,7 +142,7 @@ static RfScene load_scaled_box( const float scales[6] )
 {
     GltfBuilder b = make_box();
     add_gltf_floats( &b, "VEC3", 3, 2, scales );
-    return gltf_load_built_moving( &b, "\"nodes\":[{\"mesh\":0,\"name\":\"box\"}]," BOX "," LINEAR( "0", "scale", "2", "3" ) );
+    return gltf_load_built( &b, "\"nodes\":[{\"mesh\":0,\"name\":\"box\"}]," BOX "," LINEAR( "0", "scale", "2", "3" ) );
 }
 
 static void test_a_scale_of_zero_is_not_there( void** state )
@@ -212,8 +212,8 @@ static void test_out_of_reach( void** state )
     GltfBuilder b = make_box();
     static const float s_far[] = { 0, 0, 0, 3e15f, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_far );
-    gltf_refuse_moving( &b, "\"nodes\":[{\"mesh\":0,\"name\":\"probe\"}]," BOX "," LINEAR( "0", "translation", "2", "3" ),
-                        "object 'probe' at 0.375 s: a vertex is at 1.125e+15, beyond 1e+15: scale the scene down" );
+    gltf_refuse_built( &b, "\"nodes\":[{\"mesh\":0,\"name\":\"probe\"}]," BOX "," LINEAR( "0", "translation", "2", "3" ),
+                       "object 'probe' at 0.375 s: a vertex is at 1.125e+15, beyond 1e+15: scale the scene down" );
 }
 
 // ---- Visibility -----------------------------------------------------------------
@@ -232,7 +232,7 @@ static void test_what_is_shown_at_times( void** state )
     static const uint8_t s_shown[] = { 1, 0, 1 };
     add_gltf_floats( &b, "SCALAR", 1, 3, s_keys );
     add_gltf_accessor( &b, 5121, "SCALAR", 3, s_shown, sizeof s_shown, "" );
-    RfScene scene = gltf_load_built_moving(
+    RfScene scene = gltf_load_built(
         &b, "\"extensionsUsed\":[\"KHR_node_visibility\",\"KHR_animation_pointer\"],"
             "\"extensionsRequired\":[\"KHR_node_visibility\",\"KHR_animation_pointer\"],"
             "\"nodes\":[{\"children\":[1,2]," VISIBLE( "false" ) "},{\"mesh\":0," VISIBLE( "true" ) "},{\"mesh\":0," VISIBLE(
@@ -291,7 +291,7 @@ static void test_ten_thousand_nodes( void** state )
         "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:;base64,%s\"}],\"bufferViews\":[%s],"
         "\"accessors\":[%s],%s}",
         b.bin_size, data, b.views, b.accessors, rest );
-    RfScene scene = gltf_load_moving( write_bytes( &gltf_folder, "a.gltf", text, strlen( text ) ), NULL );
+    RfScene scene = gltf_load( write_bytes( &gltf_folder, "a.gltf", text, strlen( text ) ) );
     free( text );
     free( data );
     free( rest );
@@ -312,7 +312,7 @@ static void test_instances_that_move( void** state )
     GltfBuilder b = make_box();
     add_gltf_floats( &b, "VEC3", 3, 2, s_places );
     add_gltf_floats( &b, "VEC3", 3, 2, s_moves );
-    RfScene scene = gltf_load_built_moving(
+    RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":3}}}}]," BOX
             "," LINEAR( "0", "translation", "2", "4" ) );
     assert_int_equal( scene.mesh_count, 1 );

@@ -192,41 +192,29 @@ static void keep_warning( void* user, const char* line )
 
 RfScene gltf_load( const char* path )
 {
-    RfLog log = { .fn = keep_warning };
-    RfScene scene;
-    RfError error = { 0 };
-    gltf_warnings[0] = 0;
-    if ( rf_load_gltf( path, &scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    RfScene scene = gltf_load_with( path, &( RfGltfOptions ){ 0 } );
     assert_string_equal( scene.path, path );
     return scene;
 }
 
 RfScene gltf_load_built( GltfBuilder* b, const char* rest ) { return gltf_load( write_gltf( b, &gltf_folder, rest ) ); }
 
-RfScene gltf_load_moving( const char* path, const char* animation )
+RfScene gltf_load_with( const char* path, const RfGltfOptions* options )
 {
-    RfGltfOptions options = { .moving = true, .animation = animation };
     RfLog log = { .fn = keep_warning };
     RfScene scene;
     RfError error = { 0 };
     gltf_warnings[0] = 0;
-    if ( rf_load_gltf_with( path, &options, &scene, &log, &error ) != RF_OK )
+    if ( rf_load_gltf_with( path, options, &scene, &log, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return scene;
 }
 
-RfScene gltf_load_built_moving( GltfBuilder* b, const char* rest )
+void gltf_refuse_built( GltfBuilder* b, const char* rest, const char* part )
 {
-    return gltf_load_moving( write_gltf( b, &gltf_folder, rest ), NULL );
-}
-
-void gltf_refuse_moving( GltfBuilder* b, const char* rest, const char* part )
-{
-    RfGltfOptions options = { .moving = true };
     RfScene scene;
     RfError error = { 0 };
-    RfResult result = rf_load_gltf_with( write_gltf( b, &gltf_folder, rest ), &options, &scene, NULL, &error );
+    RfResult result = rf_load_gltf( write_gltf( b, &gltf_folder, rest ), &scene, NULL, &error );
     if ( result == RF_OK || strstr( error.text, part ) == NULL )
         fail_msg( "wants an error with '%s', got '%s'", part, result == RF_OK ? "none" : error.text );
     assert_null( strchr( error.text, '\n' ) );

@@ -78,11 +78,10 @@ int gltf_leave( void** state );
 RfScene gltf_load( const char* path );
 RfScene gltf_load_built( GltfBuilder* b, const char* rest );
 
-// The same of what moves; `animation` may be NULL.
-RfScene gltf_load_moving( const char* path, const char* animation );
-RfScene gltf_load_built_moving( GltfBuilder* b, const char* rest );
+RfScene gltf_load_with( const char* path, const RfGltfOptions* options );
+
 // That it does not load, with an error that has `part`.
-void gltf_refuse_moving( GltfBuilder* b, const char* rest, const char* part );
+void gltf_refuse_built( GltfBuilder* b, const char* rest, const char* part );
 
 // To within 1e-6, relative above 1.
 void gltf_assert_near( float got, double want );

@@ -158,6 +158,7 @@ static const RfOption s_options[] = {
       .help = "output files, such as out/frame.####.exr; #### (or %04d) is the frame number; the folder is created if missing" },
     RF_PATH_OPTIONS( render_parse.options, "frame numbers follow Blender's, else start at 1; negative ones count from the end" ),
     RF_LENS_OPTIONS( render_parse.options ),
+    RF_MOVEMENT_OPTIONS( render_parse.options ),
     RF_STOP_OPTIONS(
         render_parse.options, "render each frame until its estimated relMSE is at most E; 1% is 0.01",
         "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",

@@ -4,8 +4,9 @@
 
 #include "cli/options/options.h"
 #include "reframe/camera.h"
-#include "reframe/render.h"
 #include "reframe/effects.h"
+#include "reframe/render.h"
+#include "reframe/scene.h"
 
 // The words of --effects.
 enum
@@ -25,10 +26,11 @@ typedef struct RfRenderOptions
     const char* shutter; // NULL: the camera's
     double fstop;
     bool fstop_given;
-    const char* focus;     // NULL: the camera's
-    int effects;           // RF_EFFECTS_AUTO or RF_EFFECTS_ALL
-    const char* no_effect; // NULL: none
-    uint64_t left_out;     // a set of RF_EFFECT_BITs: those of no_effect
+    const char* focus;       // NULL: the camera's
+    RfSceneOptions movement; // what moves besides the camera
+    int effects;             // RF_EFFECTS_AUTO or RF_EFFECTS_ALL
+    const char* no_effect;   // NULL: none
+    uint64_t left_out;       // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
     int weights, normalize, adaptive, filter, reconstruction, light_paths, kernel_normalization,

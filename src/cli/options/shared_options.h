@@ -48,6 +48,20 @@ extern RfDefaultTexts rf_default_texts;
         .help = "resolution in pixels; also 720p, 1080p, 1440p, 2160p or 4k"                                                     \
     }
 
+// What moves besides the camera.
+#define RF_MOVEMENT_OPTIONS( o )                                                                                                 \
+    { .name = "animation",                                                                                                       \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_STRING,                                                                                                  \
+      .value = &( o ).movement.animation,                                                                                        \
+      .meta = "NAME",                                                                                                            \
+      .default_text = "the first",                                                                                               \
+      .help = "animation of the glTF that is rendered, where several move the same" },                                           \
+    {                                                                                                                            \
+        .name = "freeze", .in_file = true, .type = RF_OPTION_BOOL, .value = &( o ).movement.freeze,                              \
+        .help = "move only the camera: all else stands still as in its first frame"                                              \
+    }
+
 // A lens and a shutter in the place of the camera's own.
 #define RF_LENS_OPTIONS( o )                                                                                                     \
     { .name = "shutter",                                                                                                         \

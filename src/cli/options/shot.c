@@ -68,7 +68,9 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
     if ( defaults.json != NULL )
         result = take( &defaults, user, error );
     if ( result == RF_OK )
-        result = rf_load_scene_file( &shot->file, &shot->scene, &log, error );
+        result = rf_load_scene_file( &shot->file, &options->movement, &shot->scene, &log, error );
+    if ( result == RF_OK )
+        result = rf_check_rendered( &shot->scene, error );
     if ( result == RF_OK )
         result = rf_take_effect_options( options, &shot->scene, &log, error );
     if ( result == RF_OK )

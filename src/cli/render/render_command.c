@@ -281,7 +281,9 @@ static RfResult load_scene( RfRenderJob* job, RfError* error )
     if ( defaults.json != NULL )
         result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
     if ( result == RF_OK )
-        result = rf_load_scene_file( &job->file, &job->scene, &job->log, error );
+        result = rf_load_scene_file( &job->file, &job->options.movement, &job->scene, &job->log, error );
+    if ( result == RF_OK )
+        result = rf_check_rendered( &job->scene, error );
     return result == RF_OK ? rf_take_effect_options( &job->options, &job->scene, &job->log, error ) : result;
 }
 

@@ -46,6 +46,7 @@ static bool s_group_given;
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed, "frames to render, for rays and seconds; the chosen group does not depend on them" ),
     RF_LENS_OPTIONS( s_parsed ),
+    RF_MOVEMENT_OPTIONS( s_parsed ),
     RF_STOP_OPTIONS( s_parsed,
                      "plan for a render that stops at this relMSE: its memory and approximate time; rays and seconds in the "
                      "table are upper limits",

@@ -229,6 +229,7 @@ static const char* s_scene;
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
+    RF_MOVEMENT_OPTIONS( s_parsed.render ),
     { .name = "budget",
       .type = RF_OPTION_TIME,
       .value = &s_parsed.budget,

@@ -269,6 +269,18 @@ static RfResult check_asset( const RfGltf* gltf )
     return RF_OK;
 }
 
+// Of the first frame of the default camera, which spans all movement unless it moves itself.
+static double find_first_time( const RfScene* scene )
+{
+    int index;
+    double first = (double)INFINITY;
+    if ( scene->camera_count > 0 && rf_find_camera( scene, NULL, &index, NULL ) == RF_OK && scene->cameras[index].animated )
+        return scene->cameras[index].start;
+    for ( int i = 0; i < scene->channel_count; ++i )
+        first = fmin( first, scene->channels[i].times[0] );
+    return isfinite( first ) ? first : 0.0;
+}
+
 static RfResult read_document( RfGltf* gltf )
 {
     RfResult result = check_asset( gltf );
@@ -290,6 +302,7 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_load_animations( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_cameras( gltf );
+    gltf->frozen_at = find_first_time( gltf->scene );
     if ( result == RF_OK )
         result = rf_gltf_load_lights( gltf );
     if ( result == RF_OK )
@@ -298,10 +311,8 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_load_meshes( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_images( gltf );
-    if ( result == RF_OK && !gltf->moving )
-        rf_gltf_warn_of_moving( gltf );
-    if ( result == RF_OK && gltf->moving )
-        result = rf_gltf_note_unmoved( gltf );
+    if ( result == RF_OK )
+        result = rf_gltf_list_moving( gltf );
     return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
 }
 
@@ -324,7 +335,7 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
     memset( scene, 0, sizeof *scene );
     memcpy( scene->origin, origin, sizeof scene->origin );
     RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = error, .default_material = -1 };
-    gltf.moving = options->moving;
+    gltf.freeze = options->freeze;
     gltf.animation = options->animation;
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );

@@ -6,15 +6,15 @@
 #include "scene/scene.h"
 
 // Loads the default scene of a file, transformed to world space. Unsupported features that the
-// file uses are logged once each. On failure `scene` is left empty.
+// file uses are logged once each. What moves becomes placements that rf_pose_scene poses, and what cannot be rendered so
+// is listed in scene->unrendered. On failure `scene` is left empty.
 RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error );
 
 // How a file is read; zeros are as rf_load_gltf reads it.
 typedef struct RfGltfOptions
 {
-    bool moving;           // what moves becomes placements that rf_pose_scene poses, and what cannot be rendered so is listed in
-                           // scene->unrendered; false: all is frozen as in the first frame
-    const char* animation; // that goes before the others, where several move the same; NULL: the first
+    bool freeze;                   // all but cameras stands still, as in the first frame of the default camera: scene->frozen
+    const char* animation;         // that goes before the others, where several move the same; NULL: the first
     const struct RfGltfEdit* edit; // of the document, before it is read (scene/gltf/gltf_document.h); or NULL
 } RfGltfOptions;
 

@@ -229,16 +229,6 @@ static RfResult note_pointer( RfGltf* gltf, const char* pointer )
     return rf_gltf_note_unrendered( gltf, what.text, "the file animates %.160s, which is not rendered yet", pointer );
 }
 
-// Morph targets and pointers of a file that is frozen.
-static void notice_frozen( RfGltf* gltf, const char* where, const char* path )
-{
-    if ( strcmp( path, "pointer" ) == 0 )
-        rf_gltf_notice( gltf, RF_GLTF_POINTER_CHANNELS, "KHR_animation_pointer is not supported: what %s moves stands still",
-                        where );
-    else
-        rf_gltf_notice( gltf, RF_GLTF_WEIGHT_CHANNELS, "morph targets are not supported: what %s moves stands still", where );
-}
-
 static RfResult find_path( RfGltf* gltf, const json_t* target, const char* where, const char* path, RfChannel* channel,
                            const char** pointer )
 {
@@ -278,11 +268,6 @@ static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where
         result = rf_gltf_get_index( gltf, target, where, "node", RF_GLTF_NODES, &channel->node );
     if ( result != RF_OK )
         return result;
-    if ( !gltf->moving && ( strcmp( path, "pointer" ) == 0 || strcmp( path, "weights" ) == 0 ) )
-    {
-        notice_frozen( gltf, where, path );
-        return RF_OK;
-    }
     result = find_path( gltf, target, where, path, channel, pointer );
     channel->components = channel->path == RF_ROTATION ? 4 : channel->path == RF_VISIBILITY ? 1 : 3;
     // without a node, an extension defines the target
@@ -391,7 +376,7 @@ static RfResult load_animation( RfGltf* gltf, Loader* loader, int index )
     RfResult result = rf_gltf_get_array( gltf, json, where.text, "channels", &channels );
     if ( result == RF_OK )
         result = rf_gltf_get_array( gltf, json, where.text, "samplers", &samplers );
-    if ( result == RF_OK && gltf->moving )
+    if ( result == RF_OK )
         result = find_conflict( gltf, loader, channels, index, &other );
     if ( result == RF_OK && other >= 0 )
     {

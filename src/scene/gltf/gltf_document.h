@@ -38,10 +38,6 @@ typedef enum RfGltfNotice
     RF_GLTF_COATED_GLASS,
     RF_GLTF_POINTS_LINES,
     RF_GLTF_NO_POSITIONS,
-    RF_GLTF_MORPH_TARGETS,
-    RF_GLTF_SKINS,
-    RF_GLTF_WEIGHT_CHANNELS,
-    RF_GLTF_POINTER_CHANNELS,
     RF_GLTF_DOUBLE_CHANNELS,
     RF_GLTF_SKIN_WEIGHTS,
     RF_GLTF_NOTICE_COUNT
@@ -82,8 +78,9 @@ typedef struct RfGltf
     RfScene* scene; // the result
     RfLog* log;
     RfError* error;
-    bool moving;           // as RfGltfOptions
-    const char* animation; // likewise
+    bool freeze;           // as RfGltfOptions
+    double frozen_at;      // seconds, once cameras are read
+    const char* animation; // as RfGltfOptions
 
     uint8_t* file;
     size_t file_size;
@@ -269,13 +266,19 @@ bool rf_gltf_channel_varies( const RfChannel* channel );
 // Do its transforms differ over time, or those of an ancestor?
 bool rf_gltf_varies( const RfGltf* gltf, int node );
 
-// Adds the name of something that moves in the file, but not here.
+// Does it move, or is it shown and hidden, as the file has it?
+bool rf_gltf_changes( const RfGltf* gltf, int node );
+
+// At which time a node that does not move here is placed.
+static inline double rf_gltf_rest_time( const RfGltf* gltf, int node )
+{
+    return gltf->freeze ? gltf->frozen_at : rf_gltf_moves( gltf, node ) ? gltf->spans[node].start : 0.0;
+}
+
+// Adds the name of something that moves in the file.
 RfResult rf_gltf_note_moving( RfGltf* gltf, const char* name );
 
-// Sorts the names and warns of them; called last.
-void rf_gltf_warn_of_moving( RfGltf* gltf );
-
-// Whether a node and its ancestors are shown, where movement is read (gltf_mover.c).
+// Whether a node and its ancestors are shown (gltf_mover.c).
 typedef enum RfGltfVisibility
 {
     RF_GLTF_HIDDEN,
@@ -285,8 +288,9 @@ typedef enum RfGltfVisibility
 
 RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node );
 
-// Lists what scene->moving still names, which moves where the file was made but not in the file; called last.
-RfResult rf_gltf_note_unmoved( RfGltf* gltf );
+// Makes scene->moving the sorted names of all that moves, lists what else it names, which moves where the file was made but
+// not in the file, and warns of what is frozen; called last.
+RfResult rf_gltf_list_moving( RfGltf* gltf );
 
 // Reads `render` and `moving` of the scene's extras.reframe.
 struct RfField;

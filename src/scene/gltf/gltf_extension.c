@@ -13,7 +13,8 @@ static const char* const s_read[] = {
     "KHR_materials_emissive_strength", "KHR_materials_specular",  "KHR_materials_ior",
     "KHR_materials_transmission",      "KHR_materials_volume",    "KHR_materials_unlit",
     "KHR_materials_clearcoat",         "KHR_lights_punctual",     "KHR_texture_transform",
-    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
+    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing", "KHR_node_visibility",
+    "KHR_animation_pointer",
 };
 
 // Not supported, with what the user sees instead. Objects that use one are reported.
@@ -27,18 +28,14 @@ static const struct
     { "KHR_materials_iridescence", "it is rendered without its film" },
     { "KHR_materials_dispersion", "it is rendered without dispersion" },
     { "KHR_materials_pbrSpecularGlossiness", "it is rendered by its metallic-roughness factors" },
-    { "KHR_animation_pointer", "what it moves stands still" },
 };
 
 #define COUNT_OF( array ) ( sizeof( array ) / sizeof( array )[0] )
 
 _Static_assert( COUNT_OF( s_unread ) <= 32, "RfGltf.noticed_extensions has a bit for each" );
 
-// Those of movement are read where it is.
-static bool is_read( const RfGltf* gltf, const char* name )
+static bool is_read( const char* name )
 {
-    if ( gltf->moving && ( strcmp( name, "KHR_node_visibility" ) == 0 || strcmp( name, "KHR_animation_pointer" ) == 0 ) )
-        return true;
     for ( size_t i = 0; i < COUNT_OF( s_read ); ++i )
     {
         if ( strcmp( name, s_read[i] ) == 0 )
@@ -71,7 +68,7 @@ RfResult rf_gltf_check_required( const RfGltf* gltf )
         const char* name = json_string_value( json_array_get( list, i ) );
         if ( name == NULL )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] must be a string", i );
-        if ( is_read( gltf, name ) == false )
+        if ( is_read( name ) == false )
             result = fail_unsupported( gltf, name );
     }
     return result;
@@ -94,7 +91,7 @@ void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* 
     RfWhere user = rf_where( "%s '%.80s'", kind, name );
     for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
     {
-        if ( json_object_get( extensions, s_unread[i].name ) != NULL && !is_read( gltf, s_unread[i].name ) )
+        if ( json_object_get( extensions, s_unread[i].name ) != NULL && !is_read( s_unread[i].name ) )
             notice_row( gltf, i, user.text );
     }
 }
@@ -170,15 +167,13 @@ static bool find_user( const RfGltf* gltf, const char* extension, RfWhere* user 
 static void notice_used( RfGltf* gltf, const char* name, int* unknown )
 {
     RfWhere user;
-    if ( is_read( gltf, name ) )
+    if ( is_read( name ) )
         return;
     for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
     {
         if ( strcmp( name, s_unread[i].name ) != 0 )
             continue;
-        bool noticed = ( gltf->noticed_extensions >> i & 1 ) != 0 ||
-                       ( gltf->noticed[RF_GLTF_POINTER_CHANNELS] && strcmp( name, "KHR_animation_pointer" ) == 0 );
-        if ( !noticed && find_user( gltf, name, &user ) )
+        if ( ( gltf->noticed_extensions >> i & 1 ) == 0 && find_user( gltf, name, &user ) )
             notice_row( gltf, i, user.text );
         return;
     }

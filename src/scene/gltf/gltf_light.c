@@ -104,8 +104,7 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
 static RfResult place_light( const RfGltf* gltf, int node, const char* where, RfPunctual* out )
 {
     RfMat4 world;
-    double time = rf_gltf_moves( gltf, node ) ? gltf->spans[node].start : 0.0;
-    rf_node_world_matrix( gltf->scene, node, time, &world );
+    rf_node_world_matrix( gltf->scene, node, rf_gltf_rest_time( gltf, node ), &world );
     const double* m = world.m;
     double length = sqrt( m[8] * m[8] + m[9] * m[9] + m[10] * m[10] );
     bool finite = isfinite( length ) && isfinite( m[12] ) && isfinite( m[13] ) && isfinite( m[14] );
@@ -120,13 +119,10 @@ static RfResult place_light( const RfGltf* gltf, int node, const char* where, Rf
 
 static RfResult note_change( RfGltf* gltf, int node, const char* name )
 {
-    bool moves = rf_gltf_varies( gltf, node );
-    if ( !gltf->moving )
-        return moves ? rf_gltf_note_moving( gltf, gltf->scene->nodes[node].name ) : RF_OK;
     RfWhere what = rf_where( "light '%.80s'", name );
-    if ( moves )
+    if ( rf_gltf_varies( gltf, node ) )
         return rf_gltf_note_unrendered( gltf, what.text, "it moves, which lamps cannot do yet" );
-    if ( rf_gltf_visibility( gltf, node ) == RF_GLTF_SHOWN_AT_TIMES )
+    if ( rf_gltf_changes( gltf, node ) )
         return rf_gltf_note_unrendered( gltf, what.text, "it is switched, which lamps cannot be yet" );
     return RF_OK;
 }
@@ -173,7 +169,9 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
         const json_t* extension;
         result =
             rf_gltf_get_extension( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] ), where.text, EXTENSION, &extension );
-        bool hidden = gltf->moving && rf_gltf_visibility( gltf, gltf->order[i] ) == RF_GLTF_HIDDEN;
+        bool hidden = rf_gltf_visibility( gltf, gltf->order[i] ) == RF_GLTF_HIDDEN;
+        if ( result == RF_OK && extension != NULL && hidden && rf_gltf_changes( gltf, gltf->order[i] ) ) // it is frozen
+            result = note_change( gltf, gltf->order[i], gltf->scene->nodes[gltf->order[i]].name );
         if ( result == RF_OK && extension != NULL && !hidden )
             result = load_node_light( gltf, lights, gltf->order[i], extension );
     }

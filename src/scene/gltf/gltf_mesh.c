@@ -72,13 +72,7 @@ static RfResult read_mesh_of( RfGltf* gltf, int node, int* mesh )
     if ( result != RF_OK )
         return result;
     rf_gltf_notice_extensions( gltf, json, "node", name );
-    if ( *mesh < 0 )
-        return RF_OK;
-    if ( gltf->moving )
-        return rf_gltf_set_apart( gltf, node, mesh );
-    if ( json_object_get( json, "skin" ) != NULL )
-        rf_gltf_notice( gltf, RF_GLTF_SKINS, "skins are not supported: node '%.80s' keeps its rest pose", name );
-    return rf_gltf_varies( gltf, node ) ? rf_gltf_note_moving( gltf, name ) : RF_OK;
+    return *mesh >= 0 ? rf_gltf_set_apart( gltf, node, mesh ) : RF_OK;
 }
 
 // Counting sort of the nodes by mesh, stable in the order of the scene.
@@ -102,7 +96,7 @@ static RfResult sort_instances( RfGltf* gltf, Instances* out )
     return RF_OK;
 }
 
-// World matrices from the root down. Animated nodes are placed at their first key.
+// World matrices from the root down. Nodes whose keys are equal are placed at the first.
 static void find_worlds( const RfGltf* gltf, const Instances* out )
 {
     const RfScene* scene = gltf->scene;
@@ -112,7 +106,7 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
         if ( rf_gltf_moves( gltf, node ) )
         {
             if ( out->mesh_of[i] >= 0 )
-                rf_node_world_matrix( scene, node, gltf->spans[node].start, out->worlds + node );
+                rf_node_world_matrix( scene, node, rf_gltf_rest_time( gltf, node ), out->worlds + node );
             continue;
         }
         // a static node has no animated ancestor
@@ -125,7 +119,8 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
 // A node keeps the mesh in world space if it moves or has a skin.
 static bool is_still( const RfGltf* gltf, int node )
 {
-    return !rf_gltf_varies( gltf, node ) && json_object_get( rf_gltf_item( gltf, RF_GLTF_NODES, node ), "skin" ) == NULL;
+    return ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) &&
+           json_object_get( rf_gltf_item( gltf, RF_GLTF_NODES, node ), "skin" ) == NULL;
 }
 
 // Frobenius norm: at least as much as edges become longer.
@@ -488,5 +483,5 @@ RfResult rf_gltf_load_meshes( RfGltf* gltf )
     free_instances( &instances );
     if ( result == RF_OK )
         result = rf_finish_placements( scene, gltf->error );
-    return result == RF_OK && gltf->moving ? rf_gltf_place_movers( gltf ) : result;
+    return result == RF_OK ? rf_gltf_place_movers( gltf ) : result;
 }

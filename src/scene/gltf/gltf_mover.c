@@ -13,8 +13,6 @@
 
 #define MAX_MOVERS ( 1 << 20 )
 
-// Triangle numbers are below this.
-
 // Where the determinant is less than this part of the cube of the longest edge, a matrix may lose a dimension as it moves.
 #define FLAT_RATIO 1e-6
 
@@ -65,9 +63,12 @@ RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node )
     {
         int index = find_channel( scene, node, RF_VISIBILITY );
         const RfChannel* channel = index >= 0 ? scene->channels + index : NULL;
-        if ( channel != NULL && rf_gltf_channel_varies( channel ) )
+        double shown = scene->nodes[node].hidden ? 0.0 : 1.0;
+        if ( channel != NULL )
+            rf_sample_channel( channel, rf_gltf_rest_time( gltf, node ), &shown );
+        if ( channel != NULL && !gltf->freeze && rf_gltf_channel_varies( channel ) )
             found = RF_GLTF_SHOWN_AT_TIMES;
-        else if ( channel != NULL ? channel->values[0] == 0.0 : scene->nodes[node].hidden )
+        else if ( shown == 0.0 )
             return RF_GLTF_HIDDEN;
     }
     return found;
@@ -105,12 +106,14 @@ RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh )
     RfResult result = read_skin_of( gltf, node, &skin );
     if ( result == RF_OK )
         result = is_morphed( gltf, node, *mesh, &morphed );
+    if ( result == RF_OK && gltf->freeze && rf_gltf_changes( gltf, node ) )
+        result = rf_gltf_note_moving( gltf, gltf->scene->nodes[node].name );
     if ( result != RF_OK )
         return result;
     if ( visibility == RF_GLTF_HIDDEN )
         *mesh = -1;
     if ( visibility == RF_GLTF_HIDDEN ||
-         ( visibility == RF_GLTF_SHOWN && skin < 0 && !morphed && !rf_gltf_varies( gltf, node ) ) )
+         ( visibility == RF_GLTF_SHOWN && skin < 0 && !morphed && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) ) )
         return RF_OK;
     if ( gltf->apart == NULL )
         gltf->apart = malloc( ( (size_t)gltf->scene->node_count + 1 ) * sizeof *gltf->apart );
@@ -391,7 +394,10 @@ static RfResult describe( Builder* b, bool* used, Common* common )
     if ( morphed )
         result = rf_gltf_mesh_targets( gltf, common->document_mesh, &mover->target_count );
     bool travels = mover->skin >= 0 ? does_skin_move( b, mover->skin ) : rf_gltf_varies( gltf, common->node );
-    common->still = !travels && !weights_vary( scene, mover ) && rf_gltf_visibility( gltf, common->node ) == RF_GLTF_SHOWN;
+    travels = travels || weights_vary( scene, mover ) || rf_gltf_visibility( gltf, common->node ) != RF_GLTF_SHOWN;
+    common->still = !travels || gltf->freeze;
+    if ( result == RF_OK && travels )
+        result = rf_gltf_note_moving( gltf, scene->nodes[common->node].name );
     if ( result == RF_OK )
         result = find_mesh( b, common->document_mesh, morphed || mover->skin >= 0, mover->skin >= 0, &common->mesh );
     return result == RF_OK ? check_joints( b, common ) : result;
@@ -503,7 +509,8 @@ static RfResult settle_still( Builder* b )
     RfPosedScene pose = { 0 };
     if ( !any_settles( b->movement ) )
         return RF_OK;
-    RfResult result = rf_pose_scene( b->gltf->scene, b->movement->start, &pose, b->gltf->error );
+    double time = b->gltf->freeze ? b->gltf->frozen_at : b->movement->start;
+    RfResult result = rf_pose_scene( b->gltf->scene, time, &pose, b->gltf->error );
     if ( result == RF_OK )
         result = settle( b, &pose );
     rf_destroy_pose( &pose );

@@ -71,7 +71,7 @@ static RfResult load_node( RfGltf* gltf, int index )
     node->rotation[3] = 1.0;
     node->scale[0] = node->scale[1] = node->scale[2] = 1.0;
     RfResult result = rf_gltf_copy_name( gltf, json, where.text, where.text, &node->name );
-    if ( result == RF_OK && gltf->moving )
+    if ( result == RF_OK )
         result = read_visibility( gltf, json, where.text, node );
     if ( result != RF_OK )
         return result;

@@ -386,8 +386,6 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
         rf_gltf_notice( gltf, RF_GLTF_NO_POSITIONS, "%s has no POSITION: it is left out", where );
         return RF_OK;
     }
-    if ( json_object_get( primitive, "targets" ) != NULL && !gltf->moving )
-        rf_gltf_notice( gltf, RF_GLTF_MORPH_TARGETS, "morph targets are not supported: %s keeps its base shape", where );
 
     result = find_material( gltf, primitive, where, &out->material );
     if ( result == RF_OK )

@@ -1,6 +1,7 @@
 // What `extras.reframe` of a scene says beside its environment: settings of a render, camera paths, warnings of the exporter.
 #include "scene/gltf/gltf_document.h"
 
+#include "base/file.h"
 #include "reframe/render.h"
 #include "scene/animation.h"
 #include "scene/camera.h"
@@ -186,6 +187,23 @@ bool rf_gltf_varies( const RfGltf* gltf, int node )
     return false;
 }
 
+bool rf_gltf_changes( const RfGltf* gltf, int node )
+{
+    if ( rf_gltf_varies( gltf, node ) )
+        return true;
+    for ( ; node >= 0; node = gltf->scene->nodes[node].parent )
+    {
+        int count;
+        const RfChannel* channels = rf_node_channels( gltf->scene, node, &count );
+        for ( int i = 0; i < count; ++i )
+        {
+            if ( channels[i].path == RF_VISIBILITY && rf_gltf_channel_varies( channels + i ) )
+                return true;
+        }
+    }
+    return false;
+}
+
 // A power of two as long as the list grows.
 static RfResult grow( RfGltf* gltf )
 {
@@ -231,23 +249,26 @@ static void sort_names( RfScene* scene )
     scene->moving_count = kept;
 }
 
-void rf_gltf_warn_of_moving( RfGltf* gltf )
+// Of what moves and of what else changes.
+static void warn_of_frozen( const RfGltf* gltf )
 {
-    RfScene* scene = gltf->scene;
+    const RfScene* scene = gltf->scene;
     char names[MAX_NAMED * 64 + 32] = "", *end = names;
-    sort_names( scene );
-    int count = scene->moving_count, listed = count < MAX_NAMED ? count : MAX_NAMED;
+    int moving = scene->moving_count, count = moving + scene->unrendered_count;
+    int listed = count < MAX_NAMED ? count : MAX_NAMED;
     if ( count == 0 )
         return;
-    for ( int i = 0; i < listed; ++i )
+    for ( int i = 0; i < listed && i < moving; ++i )
         end += snprintf( end, 64, "%s'%.50s'", i > 0 ? ", " : "", scene->moving[i] );
+    for ( int i = moving; i < listed; ++i )
+        end += snprintf( end, 64, "%s%.50s", i > 0 ? ", " : "", scene->unrendered[i - moving].what );
     if ( count > listed )
         snprintf( end, 32, " and %d more", count - listed );
-    rf_warn( gltf->log, "%s: %s move%s or change%s in the file, but only cameras move here: taken as in the first frame",
-             gltf->path, names, count == 1 ? "s" : "", count == 1 ? "s" : "" );
+    rf_warn( gltf->log, "%s: %s move%s or change%s: frozen as in the first frame", gltf->path, names, count == 1 ? "s" : "",
+             count == 1 ? "s" : "" );
 }
 
-static bool is_moving_node( const RfScene* scene, const char* name )
+static bool is_moving_node( const RfScene* scene, const char* name ) // or an ancestor of one
 {
     for ( int i = 0; scene->movement != NULL && i < scene->movement->node_count; ++i )
     {
@@ -257,28 +278,41 @@ static bool is_moving_node( const RfScene* scene, const char* name )
     return false;
 }
 
-RfResult rf_gltf_note_unmoved( RfGltf* gltf )
+// Takes what does not move in the file out of the names.
+static RfResult list_unmoved( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
     RfResult result = RF_OK;
-    sort_names( scene );
     int kept = 0, count = scene->moving_count;
     for ( int i = 0; i < count; ++i )
     {
         char* name = scene->moving[i];
         if ( is_moving_node( scene, name ) )
         {
-            free( name );
+            scene->moving[kept++] = name;
             continue;
         }
-        scene->moving[kept++] = name;
         RfWhere what = rf_where( "object '%.80s'", name );
         if ( result == RF_OK )
             result =
                 rf_gltf_note_unrendered( gltf, what.text, "it moves or changes where the file was made, but not in the file" );
+        free( name );
     }
     scene->moving_count = kept;
     return result;
+}
+
+RfResult rf_gltf_list_moving( RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    sort_names( scene );
+    if ( !gltf->freeze )
+        return list_unmoved( gltf );
+    warn_of_frozen( gltf );
+    scene->frozen = scene->moving_count + scene->unrendered_count > 0;
+    if ( scene->frozen )
+        scene->content_hash = rf_hash_bytes( scene->content_hash, &gltf->frozen_at, sizeof gltf->frozen_at );
+    return RF_OK;
 }
 
 // What the program that wrote a file warned of, in `extras.reframe` of the scene:

@@ -69,7 +69,7 @@ static RfResult edit( void* user, json_t* root, RfError* error )
     return rf_edit_materials( &materials, root );
 }
 
-static RfResult load_gltf( const RfField* root, const RfGltfOptions* options, RfScene* scene, RfLog* log )
+static RfResult load_gltf( const RfField* root, const RfSceneOptions* options, RfScene* scene, RfLog* log )
 {
     const char* name = NULL;
     RfField field = rf_field_member( root, "scene" ), materials = rf_field_member( root, "materials" );
@@ -82,8 +82,7 @@ static RfResult load_gltf( const RfField* root, const RfGltfOptions* options, Rf
     if ( path == NULL )
         return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
     RfGltfEdit change = { edit, &materials };
-    RfGltfOptions edited = *options;
-    edited.edit = &change;
+    RfGltfOptions edited = { options->freeze, options->animation, &change };
     result = rf_load_gltf_with( path, &edited, scene, log, root->error );
     free( path );
     return result;
@@ -194,11 +193,11 @@ static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* 
     return RF_OK;
 }
 
-RfResult rf_load_scene_file_with( const RfSceneFile* file, const RfGltfOptions* options, RfScene* scene, RfLog* log,
-                                  RfError* error )
+RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
+    RfGltfOptions plain = { options->freeze, options->animation, NULL };
     if ( file->document.root == NULL )
-        return rf_load_gltf_with( file->path, options, scene, log, error );
+        return rf_load_gltf_with( file->path, &plain, scene, log, error );
     memset( scene, 0, sizeof *scene );
     RfField root = rf_root_field( &file->document, error );
     RfResult result = load_gltf( &root, options, scene, log );
@@ -213,20 +212,19 @@ RfResult rf_load_scene_file_with( const RfSceneFile* file, const RfGltfOptions* 
     return result;
 }
 
-RfResult rf_load_scene_file( const RfSceneFile* file, RfScene* scene, RfLog* log, RfError* error )
+RfResult rf_load_scene( const char* path, RfScene* scene, RfLog* log, RfError* error )
 {
-    RfGltfOptions options = { 0 };
-    return rf_load_scene_file_with( file, &options, scene, log, error );
+    return rf_load_scene_with( path, &( RfSceneOptions ){ 0 }, scene, log, error );
 }
 
-RfResult rf_load_scene( const char* path, RfScene* scene, RfLog* log, RfError* error )
+RfResult rf_load_scene_with( const char* path, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
     RfSceneFile file;
     memset( scene, 0, sizeof *scene );
     RfResult result = rf_open_scene_file( path, &file, error );
     if ( result != RF_OK )
         return result;
-    result = rf_load_scene_file( &file, scene, log, error );
+    result = rf_load_scene_file( &file, options, scene, log, error );
     rf_close_scene_file( &file );
     return result;
 }

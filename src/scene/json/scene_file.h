@@ -27,13 +27,10 @@ RfField rf_scene_file_defaults( const RfSceneFile* file, RfError* error );
 
 // Loads the scene; see rf_load_gltf. Its content hash covers the scene file, its camera path
 // and its environment map as well.
-RfResult rf_load_scene_file( const RfSceneFile* file, RfScene* scene, RfLog* log, RfError* error );
-
-// The same, with what rf_load_gltf_with can; `options->edit` is left to the scene file.
-RfResult rf_load_scene_file_with( const RfSceneFile* file, const RfGltfOptions* options, RfScene* scene, RfLog* log,
-                                  RfError* error );
+RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error );
 
 // Opens, loads and closes, for callers that do not need the defaults.
+RfResult rf_load_scene_with( const char* path, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error );
 RfResult rf_load_scene( const char* path, RfScene* scene, RfLog* log, RfError* error );
 
 #endif

@@ -85,7 +85,7 @@ static void test_joints_and_weights_of_each_type( void** state )
                 add_gltf_accessor( &b, 5123, "VEC4", 3, s_shorts, sizeof s_shorts, ",\"normalized\":true" );
             else
                 add_gltf_floats( &b, "VEC4", 4, 3, s_real );
-            RfScene scene = gltf_load_built_moving( &b, SKINNED( "", ",\"JOINTS_0\":4,\"WEIGHTS_0\":5" ) );
+            RfScene scene = gltf_load_built( &b, SKINNED( "", ",\"JOINTS_0\":4,\"WEIGHTS_0\":5" ) );
             assert_x( &scene, 0, 4 * s_share[w] );
             assert_x( &scene, 1, 1 + 4 );
             assert_x( &scene, 2, 4 * 0.5 ); // which are made to sum to 1
@@ -106,7 +106,7 @@ static void test_eight_joints( void** state )
     add_gltf_accessor( &b, 5121, "VEC4", 3, s_second, sizeof s_second, "" );
     add_gltf_floats( &b, "VEC4", 4, 3, s_parts );
     add_gltf_floats( &b, "VEC4", 4, 3, s_rest );
-    RfScene scene = gltf_load_built_moving( &b, SKINNED( "", ",\"JOINTS_0\":4,\"JOINTS_1\":5,\"WEIGHTS_0\":6,\"WEIGHTS_1\":7" ) );
+    RfScene scene = gltf_load_built( &b, SKINNED( "", ",\"JOINTS_0\":4,\"JOINTS_1\":5,\"WEIGHTS_0\":6,\"WEIGHTS_1\":7" ) );
     assert_string_equal( gltf_warnings, "" );
     assert_x( &scene, 0, 2 );
     assert_x( &scene, 1, 1 );
@@ -123,7 +123,7 @@ static void test_vertices_without_weights( void** state )
     GltfBuilder b = make_triangle();
     add_gltf_accessor( &b, 5121, "VEC4", 3, s_joints, sizeof s_joints, "" );
     add_gltf_floats( &b, "VEC4", 4, 3, s_weights );
-    RfScene scene = gltf_load_built_moving( &b, SKINNED( "", ",\"JOINTS_0\":4,\"WEIGHTS_0\":5" ) );
+    RfScene scene = gltf_load_built( &b, SKINNED( "", ",\"JOINTS_0\":4,\"WEIGHTS_0\":5" ) );
     gltf_assert_warned( "has vertices without weights: they follow their first joint" );
     assert_x( &scene, 0, 4 );
     rf_destroy_scene( &scene );
@@ -141,7 +141,7 @@ static void test_animations_that_contend( void** state )
 {
     (void)state;
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built_moving( &b, CONTEND );
+    RfScene scene = gltf_load_built( &b, CONTEND );
     gltf_assert_warned( "animation 'Walk' is used: 'Run', which moves the same, is left out" );
     assert_int_equal( scene.placement_count, 2 ); // a and c
     assert_int_equal( scene.triangles.count, 1 );
@@ -149,13 +149,13 @@ static void test_animations_that_contend( void** state )
     rf_destroy_scene( &scene );
 
     b = make_triangle();
-    scene = gltf_load_moving( write_gltf( &b, &gltf_folder, CONTEND ), "Run" );
+    scene = gltf_load_with( write_gltf( &b, &gltf_folder, CONTEND ), &( RfGltfOptions ){ .animation = "Run" } );
     assert_string_equal( gltf_warnings, "" );
     assert_int_equal( scene.placement_count, 3 );
     assert_true( hash != scene.content_hash );
     rf_destroy_scene( &scene );
 
-    RfGltfOptions options = { .moving = true, .animation = "Fly" };
+    RfGltfOptions options = { .animation = "Fly" };
     RfError error = { 0 };
     b = make_triangle();
     RfResult result = rf_load_gltf_with( write_gltf( &b, &gltf_folder, CONTEND ), &options, &scene, NULL, &error );
@@ -163,19 +163,17 @@ static void test_animations_that_contend( void** state )
     assert_non_null( strstr( error.text, "none is called 'Fly': there are 'Walk', 'Run', 'Sway'" ) );
 }
 
-// As before there was movement.
-static void test_frozen_unless_asked( void** state )
+static void test_frozen( void** state )
 {
     (void)state;
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built( &b, CONTEND );
+    RfScene scene = gltf_load_with( write_gltf( &b, &gltf_folder, CONTEND ), &( RfGltfOptions ){ .freeze = true } );
     assert_null( scene.movement );
     assert_int_equal( scene.placement_count, 0 );
     assert_int_equal( scene.triangles.count, 3 );
-    assert_int_equal( scene.moving_count, 3 );
-    assert_int_equal( scene.unrendered_count, 0 );
-    gltf_assert_warned( "'a', 'b', 'c' move or change in the file, but only cameras move here: taken as in the first frame" );
-    gltf_assert_warned( "animations[1].channels[0] moves node 'a', which an earlier channel moves: the first is used" );
+    assert_int_equal( scene.moving_count, 2 ); // b goes with the animation that is left out
+    assert_true( scene.frozen );
+    gltf_assert_warned( "'a', 'c' move or change: frozen as in the first frame" );
     rf_destroy_scene( &scene );
 }
 
@@ -186,8 +184,8 @@ static void test_keys_that_are_equal( void** state )
     static const float s_same[] = { 5, 0, 0, 5, 0, 0 };
     GltfBuilder b = make_triangle();
     add_gltf_floats( &b, "VEC3", 3, 2, s_same );
-    RfScene scene = gltf_load_built_moving( &b, "\"nodes\":[{\"mesh\":0}]," MESH( "", "" ) ",\"animations\":[{" SAMPLERS(
-                                                    "1", "4", "" ) ",\"channels\":[" MOVE( "0" ) "]}]" );
+    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," MESH( "", "" ) ",\"animations\":[{" SAMPLERS(
+                                             "1", "4", "" ) ",\"channels\":[" MOVE( "0" ) "]}]" );
     assert_null( scene.movement );
     gltf_assert_corner( &scene, 0, 5, 0, 0 );
     rf_destroy_scene( &scene );
@@ -197,8 +195,8 @@ static void test_pointers_to_nodes( void** state )
 {
     (void)state;
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built_moving( &b, "\"nodes\":[{\"mesh\":0}]," MESH( "", "" ) ",\"animations\":[" ANIMATION(
-                                                    "", POINTER( "/nodes/0/translation" ) ) "]" );
+    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," MESH( "", "" ) ",\"animations\":[" ANIMATION(
+                                             "", POINTER( "/nodes/0/translation" ) ) "]" );
     assert_int_equal( scene.unrendered_count, 0 );
     assert_x( &scene, 0, 0 ); // in its own space
     RfPosedScene pose = { 0 };
@@ -225,7 +223,7 @@ static void test_what_cannot_be_rendered( void** state )
 {
     (void)state;
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built_moving(
+    RfScene scene = gltf_load_built(
         &b,
         "\"scenes\":[{\"nodes\":[0,1,2],\"extras\":{\"reframe\":{\"moving\":[\"smoke\",\"bulb\"]}}}],\"nodes\":[{"
         "\"name\":"
@@ -352,7 +350,7 @@ static void test_broken_files( void** state )
     for ( size_t i = 0; i < sizeof s_broken / sizeof s_broken[0]; ++i )
     {
         GltfBuilder b = make_parts();
-        gltf_refuse_moving( &b, s_broken[i].json, s_broken[i].part );
+        gltf_refuse_built( &b, s_broken[i].json, s_broken[i].part );
     }
 }
 
@@ -361,7 +359,7 @@ static void test_what_is_not_broken( void** state )
 {
     (void)state;
     GltfBuilder b = make_parts();
-    RfScene scene = gltf_load_built_moving( &b, SKINNED( "", ",\"JOINTS_0\":4,\"WEIGHTS_0\":3" ) );
+    RfScene scene = gltf_load_built( &b, SKINNED( "", ",\"JOINTS_0\":4,\"WEIGHTS_0\":3" ) );
     assert_x( &scene, 0, 0 );
     assert_x( &scene, 1, 5 );
     rf_destroy_scene( &scene );
@@ -403,7 +401,7 @@ static void test_mutated_files( void** state )
     (void)state;
     size_t size;
     uint8_t *bytes = build_rich( &size ), *mutated = malloc( size );
-    RfScene scene = gltf_load_moving( write_bytes( &gltf_folder, "a.glb", bytes, size ), NULL );
+    RfScene scene = gltf_load( write_bytes( &gltf_folder, "a.glb", bytes, size ) );
     assert_int_equal( scene.placement_count, 3 );
     rf_destroy_scene( &scene );
     int loaded = 0;
@@ -411,10 +409,9 @@ static void test_mutated_files( void** state )
     {
         memcpy( mutated, bytes, size );
         size_t length = mutate_bytes( mutated, size, i );
-        RfGltfOptions options = { .moving = true };
         RfError error = { 0 };
         const char* path = write_bytes( &gltf_folder, "a.glb", mutated, length );
-        if ( rf_load_gltf_with( path, &options, &scene, NULL, &error ) == RF_OK )
+        if ( rf_load_gltf( path, &scene, NULL, &error ) == RF_OK )
         {
             pose_thrice( &scene );
             loaded += 1;
@@ -435,7 +432,7 @@ int main( void )
         cmocka_unit_test( test_eight_joints ),
         cmocka_unit_test( test_vertices_without_weights ),
         cmocka_unit_test( test_animations_that_contend ),
-        cmocka_unit_test( test_frozen_unless_asked ),
+        cmocka_unit_test( test_frozen ),
         cmocka_unit_test( test_keys_that_are_equal ),
         cmocka_unit_test( test_pointers_to_nodes ),
         cmocka_unit_test( test_what_cannot_be_rendered ),
