@@ -34,6 +34,7 @@ typedef enum RfWithout
     X( TWO_SIDED_EMISSION, "two-sided-emission", OTHER_PICTURE, false, "materials emit from the front only" )                    \
     X( INTERPOLATED_NORMALS, "interpolated-normals", OTHER_PICTURE, false, "triangles are shaded flat" )                         \
     X( CAMERA_ANIMATION, "camera-animation", IMPOSSIBLE, false, "one frame renders as a still" )                                 \
+    X( MOVING, "moving", IMPOSSIBLE, false, "the scene as it is in its first frame" )                                            \
     X( DEPTH_OF_FIELD, "depth-of-field", OTHER_PICTURE, true, "the camera is a pinhole" )                                        \
     X( MOTION_BLUR, "motion-blur", OTHER_PICTURE, true, "the shutter time is zero" )                                             \
     X( CLEARCOAT, "clearcoat", OTHER_PICTURE, true, "materials keep what is under their clear coat" )                            \

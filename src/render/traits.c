@@ -41,7 +41,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     }
     traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
     traits.scattered = traits.lens || traits.shutter;
-    traits.moves = scene->movement != NULL || scene->feigned != NULL;
+    traits.moves = rf_calls_for( scene->movement != NULL || scene->feigned != NULL, RF_EFFECT_MOVING );
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
     if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles > 0 && !traits.panes && !traits.blended )

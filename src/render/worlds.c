@@ -1,6 +1,7 @@
 // Poses the scene for the frames of a group, and makes their tracers.
 #include "render/worlds.h"
 
+#include "base/built_in.h"
 #include "scene/movement.h"
 
 #include <stdlib.h>
@@ -27,7 +28,7 @@ RfResult rf_create_worlds( const RfShot* shot, int eyes, bool neighbours, RfWorl
 {
     int count = eyes + ( neighbours ? 2 : 0 );
     *worlds = ( RfWorlds ){ .still = shot->tracer, .eyes = shot->eyes, .frames = shot->eye_count, .neighbours = neighbours };
-    if ( rf_tracer_scene( shot->tracer )->movement == NULL )
+    if ( !rf_calls_for( rf_tracer_scene( shot->tracer )->movement != NULL, RF_EFFECT_MOVING ) )
         return RF_OK;
     worlds->worlds = calloc( (size_t)count, sizeof *worlds->worlds );
     worlds->tracers = calloc( (size_t)shot->eye_count, sizeof *worlds->tracers );

@@ -4,6 +4,7 @@
 #include "scene/camera_path/camera_track.h"
 #include "scene/leave_out.h"
 #include "scene/mirrors.h"
+#include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
 
@@ -159,6 +160,17 @@ static RfEffect camera_effect( const RfScene* scene )
     return effect;
 }
 
+static RfEffect moving_effect( const RfScene* scene )
+{
+    RfEffect effect = { .id = RF_EFFECT_MOVING, .on = scene->movement != NULL };
+    if ( effect.on )
+        snprintf( effect.why, sizeof effect.why, "%d mesh%s from %g to %g s", scene->movement->mover_count,
+                  scene->movement->mover_count == 1 ? " moves" : "es move", scene->movement->start, scene->movement->end );
+    else
+        snprintf( effect.why, sizeof effect.why, "nothing but cameras moves" );
+    return effect;
+}
+
 static bool has_normal_map( const RfMaterial* m )
 {
     return m->textured != NULL &&
@@ -251,6 +263,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = count_effect( RF_EFFECT_INTERPOLATED_NORMALS, census.smooth, "triangles with interpolated normals",
                                      "no normals are interpolated" );
     effects[count++] = camera_effect( scene );
+    effects[count++] = moving_effect( scene );
     effects[count++] = optics_effect( scene, RF_EFFECT_DEPTH_OF_FIELD, has_lens, "no camera of the scene has a lens" );
     effects[count++] = optics_effect( scene, RF_EFFECT_MOTION_BLUR, has_shutter, "no camera of the scene has a shutter" );
     effects[count++] = material_effect( &census, RF_EFFECT_CLEARCOAT, has_clearcoat, "no material has a clear coat" );

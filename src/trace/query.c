@@ -7,44 +7,44 @@
 #include <math.h>
 #include <string.h>
 
+// Embree's traversal raises the flag for invalid operations: empty slots of its nodes have infinite bounds.
+static inline __attribute__( ( always_inline ) ) void intersect( const int* valid, RTCScene scene, RfQuery* query,
+                                                                 struct RTCRayHit16* packet )
+{
+    query->traps = rf_pause_float_traps();
+    rf_intersect_packet( valid, scene, &query->context, packet );
+    rf_resume_float_traps( query->traps );
+}
+
+static inline __attribute__( ( always_inline ) ) void occluded( const int* valid, RTCScene scene, RfQuery* query,
+                                                                struct RTCRay16* ray )
+{
+    query->traps = rf_pause_float_traps();
+    rf_occlude_packet( valid, scene, &query->context, ray );
+    rf_resume_float_traps( query->traps );
+}
+
 static void keep_rays( RfQuery* query, const struct RTCRay16* ray )
 {
     memcpy( query->world[0], ray->org_x, 3 * sizeof ray->org_x );
     memcpy( query->world[3], ray->dir_x, 3 * sizeof ray->dir_x );
 }
 
-// Embree's traversal raises the flag for invalid operations: empty slots of its nodes have infinite bounds.
-static void intersect( const int* valid, RTCScene scene, RfQuery* query, struct RTCRayHit16* packet )
-{
-    if ( query->tracer->bvh.placed != NULL )
-        keep_rays( query, &packet->ray );
-    query->traps = rf_pause_float_traps();
-    rf_intersect_packet( valid, scene, &query->context, packet );
-    rf_resume_float_traps( query->traps );
-}
-
-static void occluded( const int* valid, RTCScene scene, RfQuery* query, struct RTCRay16* ray )
-{
-    if ( query->tracer->bvh.placed != NULL )
-        keep_rays( query, ray );
-    query->traps = rf_pause_float_traps();
-    rf_occlude_packet( valid, scene, &query->context, ray );
-    rf_resume_float_traps( query->traps );
-}
-
-// The nearer hit of what stands still and what moves.
-static void intersect_world( const int* valid, RfQuery* query, struct RTCRayHit16* packet )
+// With instances; out of line, to leave registers to the others.
+static __attribute__( ( noinline ) ) void intersect_placed( const int* valid, RfQuery* query, struct RTCRayHit16* packet )
 {
     const RfBvh* bvh = &query->tracer->bvh;
+    keep_rays( query, &packet->ray );
     intersect( valid, bvh->base.embree_scene, query, packet );
     if ( bvh->moving != NULL )
         intersect( valid, bvh->moving, query, packet );
 }
 
 // What nothing that stands still is in the way of may be behind what moves.
-static void occlude_world( const int* valid, RfQuery* query, struct RTCRay16* ray )
+static __attribute__( ( noinline ) ) void occlude_placed( const int* valid, RfQuery* query, struct RTCRay16* ray )
 {
     const RfBvh* bvh = &query->tracer->bvh;
+    keep_rays( query, ray );
     occluded( valid, bvh->base.embree_scene, query, ray );
     if ( bvh->moving == NULL )
         return;
@@ -57,6 +57,24 @@ static void occlude_world( const int* valid, RfQuery* query, struct RTCRay16* ra
     }
     if ( any != 0 )
         occluded( open, bvh->moving, query, ray );
+}
+
+// The nearer hit of what stands still and what moves.
+static inline __attribute__( ( always_inline ) ) void intersect_world( const int* valid, RfQuery* query,
+                                                                       struct RTCRayHit16* packet )
+{
+    if ( query->tracer->bvh.placed != NULL )
+        intersect_placed( valid, query, packet );
+    else
+        intersect( valid, query->tracer->bvh.base.embree_scene, query, packet );
+}
+
+static inline __attribute__( ( always_inline ) ) void occlude_world( const int* valid, RfQuery* query, struct RTCRay16* ray )
+{
+    if ( query->tracer->bvh.placed != NULL )
+        occlude_placed( valid, query, ray );
+    else
+        occluded( valid, query->tracer->bvh.base.embree_scene, query, ray );
 }
 
 static void reset_panes( RfQuery* query )
@@ -110,6 +128,18 @@ static int set_valid( int* valid, int first, int count )
     return lanes;
 }
 
+// What is the same in all packets of a query.
+static void begin_rays( struct RTCRay16* ray )
+{
+    memset( ray, 0, sizeof *ray );
+    for ( int i = 0; i < RF_PACKET; ++i )
+    {
+        ray->tnear[i] = RF_FAULT( near_0 ) ? 1e-4f : 0.0f;
+        ray->mask[i] = 0xffffffffu;
+        ray->id[i] = (unsigned int)i;
+    }
+}
+
 // Rays are scaled as the BVH is; segments, which have a length, in their direction too.
 static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], int first, float scale, float far )
 {
@@ -120,14 +150,7 @@ static void set_ray( struct RTCRay16* ray, int lanes, const float* const d[3], i
         ray->dir_z[i] = scale * d[2][first + i];
     }
     for ( int i = 0; i < RF_PACKET; ++i )
-    {
-        ray->tnear[i] = RF_FAULT( near_0 ) ? 1e-4f : 0.0f;
         ray->tfar[i] = i < lanes ? far : NO_RAY;
-        ray->time[i] = 0.0f;
-        ray->mask[i] = 0xffffffffu;
-        ray->id[i] = (unsigned int)i;
-        ray->flags[i] = 0;
-    }
 }
 
 static void set_origins( struct RTCRay16* ray, int lanes, const float* const o[3], int first, float scale )
@@ -187,7 +210,8 @@ static void trace_nearest( const RfTracer* tracer, int count, const float* const
     RfQuery query = begin_query( tracer, RF_QUERY_NEAREST, coherent, panes != NULL );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
-    memset( &packet, 0, sizeof packet );
+    memset( &packet.hit, 0, sizeof packet.hit );
+    begin_rays( &packet.ray );
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
@@ -234,7 +258,7 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
     RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
-    memset( &ray, 0, sizeof ray );
+    begin_rays( &ray );
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
@@ -285,14 +309,12 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
     float scale = tracer->bvh.base.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
-    memset( &ray, 0, sizeof ray );
+    begin_rays( &ray );
     for ( int i = 0; i < RF_PACKET; ++i )
     {
-        ray.id[i] = (unsigned int)i;
         ray.org_x[i] = scale * origin.x;
         ray.org_y[i] = scale * origin.y;
         ray.org_z[i] = scale * origin.z;
-        ray.mask[i] = 0xffffffffu;
     }
     int sum = 0;
     for ( int first = 0; first < count; first += RF_PACKET )
@@ -337,7 +359,8 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     float least = rf_ray_offset( rf_largest_coordinate( origin ) ); // clear of the rounding of its coordinates
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
-    memset( &packet, 0, sizeof packet );
+    memset( &packet.hit, 0, sizeof packet.hit );
+    begin_rays( &packet.ray );
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
@@ -347,9 +370,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
             packet.ray.org_x[i] = scale * origin.x;
             packet.ray.org_y[i] = scale * origin.y;
             packet.ray.org_z[i] = scale * origin.z;
-            packet.ray.tnear[i] = 0.0f;
             packet.ray.tfar[i] = valid[i] != 0 ? INFINITY : NO_RAY;
-            packet.ray.mask[i] = 0xffffffffu;
             packet.hit.geomID[i] = packet.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
         }
         intersect( valid, tracer->mirror_scene, &query, &packet );
@@ -416,7 +437,7 @@ void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3],
     float scale = tracer->bvh.base.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
-    memset( &ray, 0, sizeof ray );
+    begin_rays( &ray );
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );

@@ -61,7 +61,7 @@ static inline bool rf_follows_chains( const RfHarvestScratch* scratch )
 // Whether something moves in the group that hits are harvested for, so that some light holds in one of its frames alone.
 static inline bool rf_splits_light( const RfHarvest* harvest )
 {
-    return harvest->shape.own_light && rf_tracer_has_ghosts( harvest->path.tracer );
+    return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) && rf_tracer_has_ghosts( harvest->path.tracer );
 }
 static inline bool rf_is_adaptive( const RfHarvest* harvest )
 {
