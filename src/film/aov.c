@@ -2,6 +2,7 @@
 #include "film/aov.h"
 
 #include "base/words.h"
+#include "scene/placement.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -154,7 +155,42 @@ typedef struct Seen
 {
     RfVec3 point;
     bool infinite;
+    const RfPlacement* moving; // what it lies on, of the job's scene; NULL: that stands still
+    RfTriangleAt at;           // and where on it, with barycentrics
+    float u, v;
 } Seen;
+
+// Where barycentrics of a triangle of `at` are in the world, on what `mesh` and `matrix` make of it. The corners are those
+// that the triangle has in the job's scene: deformation may turn it over, or take it out.
+static void place( const RfTriangleAt* at, const RfMesh* mesh, const RfMat4* matrix, float u, float v, double out[3] )
+{
+    const double share[3] = { 1.0 - (double)u - (double)v, (double)u, (double)v };
+    double sum[3] = { 0 };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float* p = mesh->triangles.positions + 3 * (size_t)at->triangles->indices[3 * (size_t)at->index + (size_t)k];
+        for ( int c = 0; c < 3; ++c )
+            sum[c] += share[k] * (double)p[c];
+    }
+    rf_mat4_apply( matrix, sum, 1.0, out );
+}
+
+// The same point of its surface at another frame; false where what it lies on is not shown there. By how much the surface has
+// moved, so that what rests gets the same point.
+static bool follow( const RfScene* scene, const RfScene* other, Seen* seen )
+{
+    if ( seen->moving == NULL )
+        return true;
+    const RfPlacement *own = seen->moving, *there = other->placements + ( own - scene->placements );
+    double from[3], to[3];
+    if ( !there->shown )
+        return false;
+    place( &seen->at, scene->meshes + own->mesh, &own->matrix, seen->u, seen->v, from );
+    place( &seen->at, other->meshes + there->mesh, &there->matrix, seen->u, seen->v, to );
+    seen->point =
+        rf_add( seen->point, rf_vec3( (float)( to[0] - from[0] ), (float)( to[1] - from[1] ), (float)( to[2] - from[2] ) ) );
+    return true;
+}
 
 // Where something is seen, pixels from the film's centre, +y up; false where it is behind the camera or far outside.
 static bool film_position( const RfEye* eye, Seen seen, float at[2] )
@@ -165,12 +201,13 @@ static bool film_position( const RfEye* eye, Seen seen, float at[2] )
 
 static void motion_of( const RfAovJob* job, Seen seen, float* value )
 {
-    const RfEye* others[2] = { job->previous, job->next };
     float own[2], there[2];
     bool known = film_position( job->eye, seen, own );
     for ( int k = 0; k < 2; ++k )
     {
-        bool moved = known && others[k] != NULL && film_position( others[k], seen, there );
+        Seen then = seen;
+        bool moved = known && job->others[k] != NULL && follow( job->scene, job->scenes[k], &then ) &&
+                     film_position( job->others[k], then, there );
         value[2 * k] = moved ? rf_film_difference( job->eye, there[0] - own[0] ) : 0.0f;
         value[2 * k + 1] = moved ? there[1] - own[1] : 0.0f;
     }
@@ -209,16 +246,33 @@ static void store( float* value, RfVec3 v )
 _Static_assert( true RF_AOV_LIST( CHANNELS_FIT ), "channels of an AOV" );
 #undef CHANNELS_FIT
 
-// An AOV where a camera ray hits.
-static void value_at_hit( const RfAovJob* job, RfAov aov, const RfVertexLanes* v, int i, float value[MOST_CHANNELS] )
+// Hit i.
+static Seen seen_at( const RfAovJob* job, RfFirstHits first, int i )
 {
+    const RfVertexLanes* v = first.hits;
+    Seen seen = { .point = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ) };
+    if ( job->scene == NULL || first.surfaces == NULL )
+        return seen;
+    int ray = v->ray[i];
+    seen.at = rf_locate_triangle( job->scene, first.surfaces->triangle[ray] );
+    seen.u = first.surfaces->u[ray];
+    seen.v = first.surfaces->v[ray];
+    bool moves = seen.at.placement != NULL && seen.at.placement - job->scene->placements >= job->scene->still_placement_count;
+    seen.moving = moves ? seen.at.placement : NULL;
+    return seen;
+}
+
+// An AOV where a camera ray hits.
+static void value_at_hit( const RfAovJob* job, RfAov aov, RfFirstHits first, int i, float value[MOST_CHANNELS] )
+{
+    const RfVertexLanes* v = first.hits;
     RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
     switch ( aov )
     {
         case RF_AOV_ALBEDO: store( value, albedo_of( v, i ) ); break;
         case RF_AOV_NORMAL: store( value, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) ); break;
         case RF_AOV_DEPTH: value[0] = rf_eye_depth( job->eye, p ); break;
-        case RF_AOV_MOTION: motion_of( job, ( Seen ){ p, false }, value ); break;
+        case RF_AOV_MOTION: motion_of( job, seen_at( job, first, i ), value ); break;
         case RF_AOV_VARIANCE: // not of hits
         case RF_AOV_SAMPLES:
         case RF_AOV_PRIMAL:
@@ -234,7 +288,10 @@ static void value_at_miss( const RfAovJob* job, RfAov aov, const RfRayLanes* ray
 {
     memset( value, 0, MOST_CHANNELS * sizeof *value );
     if ( aov == RF_AOV_MOTION )
-        motion_of( job, ( Seen ){ rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ), true }, value );
+    {
+        RfVec3 d = rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] );
+        motion_of( job, ( Seen ){ .point = d, .infinite = true }, value );
+    }
 }
 
 // A batch's first hits.
@@ -248,7 +305,7 @@ typedef struct Batch
 static void value_of( const Batch* b, RfAov aov, int slot, float value[MOST_CHANNELS] )
 {
     if ( b->hit[slot] >= 0 )
-        value_at_hit( b->job, aov, b->first.hits, b->hit[slot], value );
+        value_at_hit( b->job, aov, b->first, b->hit[slot], value );
     else
         value_at_miss( b->job, aov, b->first.rays, slot, value );
 }

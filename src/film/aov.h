@@ -8,9 +8,16 @@
 #include "path/lanes.h"
 #include "reframe/aov.h"
 #include "scene/eye.h"
+#include "scene/scene.h"
 
 // Are 16 bits enough for it in a file? Those like colour; all others need the range or the precision of 32.
 bool rf_aov_is_half( RfAov aov );
+
+// Whether frames are to know where their surfaces are in those before and after them.
+static inline bool rf_follows_motion( const RfRenderSettings* settings )
+{
+    return ( settings->aovs & RF_AOV_BIT( RF_AOV_MOTION ) ) != 0;
+}
 
 // Of the films of gradients, what differences lack (src/gradient/films.h).
 #define RF_UNSHARED_FILM 4
@@ -46,9 +53,10 @@ typedef struct RfFirstHits
 {
     const RfVertexLanes* hits;
     const RfRayLanes* rays;
-    const int32_t* pixel;      // of each ray, by slot: y·width + x; −1: another ray of the pass has the AOVs of its pixel
-    const float* place[2];     // in it, to the right and down, 0 to 1; NULL with the plain pixel filter
-    const uint16_t* path_rays; // traced so far beyond the camera ray, by slot; NULL: not counted
+    const RfSurfaceLanes* surfaces; // that the rays hit; NULL unless RF_AOV_MOTION is to follow what moves
+    const int32_t* pixel;           // of each ray, by slot: y·width + x; −1: another ray of the pass has the AOVs of its pixel
+    const float* place[2];          // in it, to the right and down, 0 to 1; NULL with the plain pixel filter
+    const uint16_t* path_rays;      // traced so far beyond the camera ray, by slot; NULL: not counted
 } RfFirstHits;
 
 // What a batch adds to: the film of its own frame.
@@ -56,10 +64,11 @@ typedef struct RfAovJob
 {
     RfAovFilm* film;
     const RfEye* eye;
-    const RfEye* previous; // of the path; NULL at its ends
-    const RfEye* next;
-    float weight;        // of the pass
-    float weight_before; // of all passes of the film before it
+    const RfEye* others[2];   // of the frames before and after; NULL at the ends of the path
+    const RfScene* scene;     // at the frame, where something moves; else NULL
+    const RfScene* scenes[2]; // and at the others, where there are eyes
+    float weight;             // of the pass
+    float weight_before;      // of all passes of the film before it
 } RfAovJob;
 
 // Adds the first hits of a batch, at most one in each pixel. Batches without common pixels

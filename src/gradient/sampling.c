@@ -228,7 +228,7 @@ static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, in
     RfWavefront* wavefront = &h->wavefront;
     rf_clear_ray_counts( wavefront );
     rf_make_camera_rays( filter, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
-    rf_find_vertices( &harvest->path, &h->camera_rays, true, &h->first, &wavefront->scratch );
+    rf_find_first_hits( harvest, h );
     rays->primary += (uint64_t)count;
     rf_follow_camera_rays( harvest, h );
     rf_list_hits( count, h, &scratch->hits );
@@ -363,6 +363,6 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
 
 RfFirstHits rf_first_hits_of_patch( const RfGradientScratch* scratch )
 {
-    return (
-        RfFirstHits ){ .hits = &scratch->harvest->first, .rays = &scratch->harvest->camera_rays, .pixel = scratch->own_pixel };
+    const RfHarvestScratch* h = scratch->harvest;
+    return ( RfFirstHits ){ .hits = &h->first, .rays = &h->camera_rays, .surfaces = h->surfaces, .pixel = scratch->own_pixel };
 }

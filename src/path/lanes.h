@@ -47,6 +47,13 @@ typedef struct RfVertexLanes
     int32_t slot[RF_LANES];
 } RfVertexLanes;
 
+// Which points of which surfaces rays hit, by ray lane: triangle numbers (scene/placement.h; RF_MISS: none) and barycentrics.
+typedef struct RfSurfaceLanes
+{
+    RF_ALIGN uint32_t triangle[RF_LANES];
+    float u[RF_LANES], v[RF_LANES];
+} RfSurfaceLanes;
+
 // Number of lanes that become records; the specular ones follow them.
 static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_SPECULAR]; }
 

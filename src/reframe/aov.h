@@ -33,8 +33,9 @@ RF_API_BEGIN
        "sample hits anything" )                                                                                                  \
     X( MOTION, "motion", "XYZW", false, HITS,                                                                                    \
        "X and Y: film position in the path's previous frame minus that in this frame, pixels, +x right, +y "                     \
-       "up; Z and W: the same for the next frame (Blender 3.4 has X and Y like this, Z and W with the "                          \
-       "opposite sign); 0 at the ends of the path and for points behind the other camera" )                                      \
+       "up, of the same point of its surface, which may move; Z and W: the same for the next frame (Blender 3.4 has X and Y "    \
+       "like this, Z and W with the opposite sign); 0 at the ends of the path, for points behind the other camera, and for "     \
+       "what is not there in the other frame" )                                                                                  \
     X( VARIANCE, "variance", "RGB", false, FILMS, "estimated variance of the colour; 0 where a frame has a single pass" )        \
     X( SAMPLES, "samples", "Y", false, FILMS, "samples that landed in the pixel, own-frame and reused, each counted once" )      \
     X( PRIMAL, "primal", "RGB", false, FILMS,                                                                                    \

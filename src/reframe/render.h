@@ -55,7 +55,7 @@ typedef struct RfMemoryFit
     int chunks;         // that a pass of a full group takes
     size_t bytes_films; // films and images
     size_t bytes_hits;  // hit records
-    size_t bytes_lists; // workspaces: index lists, the writing of files
+    size_t bytes_lists; // workspaces: index lists, the writing of files, what moves
     size_t least;       // the smallest budget that works
 } RfMemoryFit;
 

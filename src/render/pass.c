@@ -10,6 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+// NULL where nothing moves, or the frame is not open.
+static const RfScene* world_scene( const RfRenderer* r, int frame )
+{
+    const RfTracer* tracer = rf_world_tracer( &r->worlds, frame );
+    return tracer != NULL ? rf_tracer_scene( tracer ) : NULL;
+}
+
 // The first hits of the batch just traced, into the AOVs of its own frame.
 static void add_aovs( RfRenderer* r, const RfPass* pass, int eye, const void* batch, const void* scratch, void* user )
 {
@@ -22,8 +29,10 @@ static void add_aovs( RfRenderer* r, const RfPass* pass, int eye, const void* ba
     RfAovJob job = {
         .film = &live->aovs,
         .eye = r->setup->shot.eyes + frame,
-        .previous = frame > 0 ? r->setup->shot.eyes + frame - 1 : NULL,
-        .next = frame + 1 < r->setup->plan.frames ? r->setup->shot.eyes + frame + 1 : NULL,
+        .others = { frame > 0 ? r->setup->shot.eyes + frame - 1 : NULL,
+                    frame + 1 < r->setup->plan.frames ? r->setup->shot.eyes + frame + 1 : NULL },
+        .scene = world_scene( r, frame ),
+        .scenes = { world_scene( r, frame - 1 ), world_scene( r, frame + 1 ) },
         .weight = (float)pass->weight,
         .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] ),
     };
@@ -114,8 +123,6 @@ static RfResult end_chunk( RfRenderer* r, int count, RfError* error )
     if ( !report_progress( r, count ) )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done,
                         r->setup->shot.frame_count );
-    if ( r->worlds.result != RF_OK )
-        return rf_fail( error, r->worlds.result, "%s", r->worlds.error.text );
     return rf_check_frame_queue( &r->queue, error );
 }
 

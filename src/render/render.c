@@ -62,6 +62,8 @@ static RfResult render_group( RfRenderer* r, int number, RfError* error )
     rf_open_films( r, number );
     RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
     estimator_group.shared = r->memory.shared;
+    if ( r->worlds.result != RF_OK )
+        return rf_fail( error, r->worlds.result, "%s", r->worlds.error.text );
     RfResult result;
     if ( r->setup->sizes.stopping )
         result = rf_render_until( r, &estimator_group, error );
@@ -202,9 +204,6 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );
 }
 
-// Whether frames are to know where their surfaces are in those before and after them.
-static bool follows_motion( const RfRenderSetup* setup ) { return ( setup->settings.aovs & RF_AOV_BIT( RF_AOV_MOTION ) ) != 0; }
-
 static RfRenderer make_renderer( const RfRenderSetup* setup )
 {
     double now = rf_wall_seconds();
@@ -235,7 +234,7 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         omp_set_num_threads( setup.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
         result = alloc_render( &r, error );
         if ( result == RF_OK )
-            result = rf_create_worlds( shot, setup.plan.eyes, follows_motion( &setup ), &r.worlds, error );
+            result = rf_create_worlds( shot, setup.sizes.worlds, rf_follows_motion( &setup.settings ), &r.worlds, error );
         if ( result == RF_OK )
             result = render_and_deliver( &r, error );
         rf_destroy_worlds( &r.worlds );

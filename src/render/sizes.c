@@ -5,6 +5,7 @@
 #include "render/adaptive/adaptive.h"
 #include "render/memory/memory.h"
 #include "render/settings.h"
+#include "render/worlds.h"
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
 
@@ -28,6 +29,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     int total_every =
         rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
+    int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
         .of_estimator = settings->estimator->sizes( &group ),
@@ -48,6 +50,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .paired = rf_is_stopping( settings ) && settings->flicker > 0.0,
         .adaptive = adaptive,
         .materials = materials,
+        .worlds = worlds,
+        .moving = rf_worlds_bytes( scene, worlds ),
         .files = settings->files,
     };
 }
@@ -148,5 +152,6 @@ int rf_batches_wanted( const RfRenderSizes* s )
 size_t rf_fixed_bytes( const RfRenderSizes* s )
 {
     size_t ring = rf_arena_size( (size_t)s->ring * sizeof( RfFrameBuffer ) );
-    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) );
+    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) ) +
+           optional( s->moving );
 }

@@ -23,6 +23,8 @@ typedef struct RfRenderSizes
     bool paired;     // by flicker: the films of a group are held at once, and the errors of one more frame
     bool adaptive;   // films may get extra samples
     int materials;   // whose noise is measured for these; 0: all are alike
+    int worlds;      // frames whose moving things are held at once (render/worlds.h)
+    size_t moving;   // bytes of these: counted, not allocated by memory.h
     RfFrameFiles files;
 } RfRenderSizes;
 

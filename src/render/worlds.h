@@ -30,11 +30,15 @@ typedef struct RfWorlds
     RfError error;
 } RfWorlds;
 
-// Bytes that a render needs for so many frames at once; 0 where nothing moves.
+// How many are held at once for groups of up to `eyes` of the path's frames; 0 where nothing moves. `neighbours`: with the
+// frames before and after a group; `ahead`: with half a group after it, for groups around its last frame.
+int rf_worlds_held( const RfScene* scene, int frames, int eyes, bool neighbours, bool ahead );
+
+// Bytes that so many need, with the ghosts of a group of them.
 size_t rf_worlds_bytes( const RfScene* scene, int count );
 
-// Worlds for groups of up to `eyes` frames; `neighbours`: with the frames before and after them. Fails with RF_ERROR_MEMORY.
-RfResult rf_create_worlds( const RfShot* shot, int eyes, bool neighbours, RfWorlds* worlds, RfError* error );
+// `count`: as rf_worlds_held has it for the groups that will be opened. Fails with RF_ERROR_MEMORY.
+RfResult rf_create_worlds( const RfShot* shot, int count, bool neighbours, RfWorlds* worlds, RfError* error );
 void rf_destroy_worlds( RfWorlds* worlds );
 
 // Opens frames [first, first + count); returns their tracers, which have ghosts where they are several, or NULL where nothing moves.

@@ -80,6 +80,7 @@ static RfFirstHits first_hits( const void* memory )
     const RfHarvestScratch* scratch = memory;
     return ( RfFirstHits ){ &scratch->first,
                             &scratch->camera_rays,
+                            scratch->surfaces,
                             scratch->pixel,
                             { scratch->place[0], scratch->place[1] },
                             scratch->wavefront.rays_of };

@@ -112,6 +112,21 @@ static Layout lay_out( const RfScene* scene )
 
 size_t rf_pose_bytes( const RfScene* scene ) { return scene->movement != NULL ? lay_out( scene ).total : 0; }
 
+RfPoseParts rf_pose_parts( const RfScene* scene )
+{
+    RfPoseParts parts = { 0 };
+    for ( int i = 0; scene->movement != NULL && i < scene->movement->mover_count; ++i )
+    {
+        uint32_t count = mesh_of( scene, i )->triangles.count;
+        if ( !needs_mesh( scene, i ) )
+            continue;
+        parts.meshes += 1;
+        parts.triangles += count;
+        parts.most_triangles = count > parts.most_triangles ? count : parts.most_triangles;
+    }
+    return parts;
+}
+
 static void find_nodes( const Posing* p )
 {
     for ( int i = 0; i < p->movement->node_count; ++i )

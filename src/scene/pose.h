@@ -20,6 +20,15 @@ typedef struct RfPosedScene
 // What a pose of the scene needs: all that it has while it lives, and what posing takes meanwhile.
 size_t rf_pose_bytes( const RfScene* scene );
 
+// What a pose has of its own where much deforms at once: meshes, and their triangles.
+typedef struct RfPoseParts
+{
+    int meshes;
+    uint64_t triangles;
+    uint32_t most_triangles; // of one mesh
+} RfPoseParts;
+RfPoseParts rf_pose_parts( const RfScene* scene );
+
 // Poses what moves as it is at `time` seconds, which counts as the first or last key outside of the keys. A pose may be
 // posed again. Fails with RF_ERROR_SCENE, naming the object and the time, where something lies further out than floats
 // compute with. What shrinks to a point is not shown.

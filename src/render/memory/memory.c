@@ -8,6 +8,7 @@
 
 #define SHARED "light paths"
 #define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
+#define MOVING "moving" // what moves: allocated by render/worlds.h and Embree
 
 static size_t film_pixels( const RfRenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
 
@@ -191,7 +192,7 @@ static RfResult alloc_batches( const RfEstimatorGroup* group, const RfRenderSize
 static RfResult check_permitted( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
     size_t permitted = rf_permitted_memory();
-    size_t needed = rf_films_bytes( s ) + rf_image_bytes( s ) + rf_scratch_bytes( s ) + rf_writer_bytes( s ) +
+    size_t needed = rf_films_bytes( s ) + rf_image_bytes( s ) + rf_scratch_bytes( s ) + rf_writer_bytes( s ) + s->moving +
                     rf_records_bytes( s, s->of_estimator.whole_pass ? rf_batches_wanted( s ) : 1 );
     if ( needed > permitted )
     {
@@ -214,6 +215,9 @@ RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSi
     if ( result == RF_OK && rf_writer_bytes( sizes ) > 0 )
         result = rf_arena_reserve( &memory->arena, WRITER, rf_writer_bytes( sizes ), error );
     memory->has_writer = rf_writer_bytes( sizes ) > 0 && result == RF_OK;
+    if ( result == RF_OK && sizes->moving > 0 )
+        result = rf_arena_reserve( &memory->arena, MOVING, sizes->moving, error );
+    memory->has_moving = sizes->moving > 0 && result == RF_OK;
     if ( result == RF_OK )
         result = alloc_films( sizes, memory, error );
     if ( result == RF_OK && group->settings->pieces != NULL )
@@ -250,6 +254,8 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
 {
     if ( m->has_writer )
         rf_arena_release( &m->arena, WRITER, rf_writer_bytes( s ) );
+    if ( m->has_moving )
+        rf_arena_release( &m->arena, MOVING, s->moving );
     for ( int i = 0; i < m->film_slots; ++i )
         free_live_film( s, m, m->films + i );
     rf_arena_free( &m->arena, "adaptive", m->noise, rf_material_noise_bytes( s ) );
@@ -362,7 +368,7 @@ RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemory
     fit->chunks = up( rf_batches_of_pass( sizes ), fit->batches );
     fit->bytes_films = rf_films_bytes( sizes ) + rf_image_bytes( sizes );
     fit->bytes_hits = rf_records_bytes( sizes, fit->batches );
-    fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes );
+    fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes ) + sizes->moving;
     return RF_OK;
 }
 

@@ -24,6 +24,7 @@ typedef struct RfRenderMemory
 {
     RfArena arena;
     bool has_writer;           // its bytes are counted
+    bool has_moving;           // likewise those of what moves
     void** trace_scratch;      // per thread
     void** accumulate_scratch; // per thread
     void* finish_scratch;      // NULL: none

@@ -43,6 +43,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .chains = chains,
         .own_light = group->traits.moves && group->eye_count > 1 && settings->weights == RF_WEIGHTS_EXACT &&
                      !group->even_light_samples, // not in gradients
+        .surfaces = group->traits.moves && rf_follows_motion( settings ),
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
     };
@@ -97,7 +98,8 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
            ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
-           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
+           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) + ( shape->surfaces ? sizeof( RfSurfaceLanes ) + 64 : 0 ) +
+           ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -121,6 +123,8 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     rest = samples ? (char*)( scratch->chain_light + 1 ) : rest;
     scratch->own = shape->own_light ? (RfOwnHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->own_light ? (char*)( scratch->own + 1 ) : rest;
+    scratch->surfaces = shape->surfaces ? (RfSurfaceLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->surfaces ? (char*)( scratch->surfaces + 1 ) : rest;
     for ( int c = 0; c < 2; ++c )
         scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
     return scratch;
@@ -545,6 +549,18 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         rf_add_chain_light( harvest, scratch, rf_chain_sampling( harvest, chain_light ) );
 }
 
+void rf_find_first_hits( const RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    RfLaneScratch* lanes = &scratch->wavefront.scratch;
+    rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, lanes );
+    if ( scratch->surfaces == NULL )
+        return;
+    size_t count = (size_t)scratch->camera_rays.count;
+    memcpy( scratch->surfaces->triangle, lanes->triangle, count * sizeof *lanes->triangle );
+    memcpy( scratch->surfaces->u, lanes->u, count * sizeof *lanes->u );
+    memcpy( scratch->surfaces->v, lanes->v, count * sizeof *lanes->v );
+}
+
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* first = &scratch->first;
@@ -582,7 +598,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     rf_make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
     for ( int c = 0; c < 2 && scratch->place[0] != NULL; ++c )
         memcpy( scratch->place[c], wavefront->scratch.random[c], (size_t)count * sizeof( float ) );
-    rf_find_vertices( &harvest->path, &scratch->camera_rays, true, &scratch->first, &wavefront->scratch );
+    rf_find_first_hits( harvest, scratch );
     rays->primary += (uint64_t)count;
     if ( scratch->own != NULL )
         rf_note_moving_hits( harvest->path.tracer, scratch );

@@ -22,6 +22,7 @@ struct RfHarvestScratch
     RfWavefront wavefront;
     RfRayLanes camera_rays;
     RfVertexLanes first;                // hits of the camera rays
+    RfSurfaceLanes* surfaces;           // that these hit; NULL unless the shape has them
     RfChains* chains;                   // NULL unless the shape has chains
     const RfVertexLanes* hits;          // what becomes records, and specular hits behind: `first`, or chains->hits
     RF_ALIGN int32_t pixel[RF_LANES];   // by slot
@@ -91,6 +92,9 @@ RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, R
 // which must have its random key.
 void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
                           RfRayLanes* rays );
+
+// Finds what the camera rays hit: scratch->first.
+void rf_find_first_hits( const RfHarvest* harvest, RfHarvestScratch* scratch );
 
 // Follows camera rays through mirrors and glass: scratch->hits.
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );

@@ -64,6 +64,7 @@ typedef struct RfBatchShape
     bool chains;          // camera rays are followed through mirrors and glass
     int chain_samples;    // per hit behind a chain (path/chain_samples.h); one direction more unless 0
     bool own_light;       // some paths may hold in their own frame alone: something moves (path/own_light.h)
+    bool surfaces;        // motion follows what moves: which surfaces camera rays hit is kept
     bool connections;     // hits have connections to light paths: one direction more
 } RfBatchShape;
 
