@@ -156,7 +156,7 @@ class Watcher:
                 self.moving.add(name)
         for names, what in ((self.moving - self.hidden, "moves or changes"), (self.hidden, "hidden in some of the frames")):
             if names:
-                warn("%s: %s: taken as in the first frame" % (list_names(sorted(names)), what))
+                warn("%s: %s: not exported; as in the first frame, by `reframe render --freeze` alone" % (list_names(sorted(names)), what))
         return sorted(self.moving | self.hidden)
 
 

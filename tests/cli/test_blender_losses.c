@@ -120,8 +120,9 @@ static void test_objects_that_are_hidden_in_some_frames( void** state )
     (void)state;
     export_and_expect( "switched",
                        ( const char* const[MOST] ){
-                           "'builds': moves or changes: taken as in the first frame",
-                           "'blinks', 'comes', 'goes', 'place': hidden in some of the frames: taken as in the first frame",
+                           "'builds': moves or changes: not exported; as in the first frame, by `reframe render --freeze` alone",
+                           "'blinks', 'comes', 'goes', 'place': hidden in some of the frames: not exported; as in the first "
+                           "frame, by `reframe render --freeze` alone",
                        } );
     assert_true( has_node( "switched.glb", "goes", "" ) && has_node( "switched.glb", "stays", "" ) &&
                  has_node( "switched.glb", "piece", "" ) );
@@ -135,7 +136,8 @@ static void test_what_changes( void** state )
     bool is_4 = blender_major() >= 4;
     expect_warnings( "changes",
                      ( const char* const[MOST] ){
-                         "'ball', 'cone', 'edge', 'spread', 'wide': moves or changes: taken as in the first frame",
+                         "'ball', 'cone', 'edge', 'spread', 'wide': moves or changes: not exported; as in the first frame, by "
+                         "`reframe render --freeze` alone",
                          "'bulb': lamp, node 'Emission': animated or driven: taken as in the first frame",
                          "world 'sky', node 'Background': animated or driven: taken as in the first frame",
                          "spot lamps, and point lamps in view, have no radius here: sharp shadows, not seen in mirrors, no light "
@@ -143,7 +145,8 @@ static void test_what_changes( void** state )
                          is_4 ? EDGES "'edge', 'cone'" : NULL,
                      } );
     expect_warnings( "more_changes", ( const char* const[MOST] ){
-                                         "'bright', 'red', 'size', 'sun': moves or changes: taken as in the first frame",
+                                         "'bright', 'red', 'size', 'sun': moves or changes: not exported; as in the first frame, "
+                                         "by `reframe render --freeze` alone",
                                          "'sun': a sun of 5.7 degrees: its shadows are sharp here, it is not seen in mirrors, "
                                          "and lights nothing through solid glass",
                                          "'cube': material 'paint': animated or driven: taken as in the first frame",
@@ -235,7 +238,8 @@ static void test_what_meshes_carry_over_time( void** state )
 {
     (void)state;
     expect_warnings( "carried", ( const char* const[MOST] ){
-                                    "'colours', 'coordinates', 'materials': moves or changes: taken as in the first frame",
+                                    "'colours', 'coordinates', 'materials': moves or changes: not exported; as in the first "
+                                    "frame, by `reframe render --freeze` alone",
                                 } );
 }
 

@@ -210,7 +210,7 @@ static void print_effects( const RfEffect* effects, int count )
              out, forced[0] != '\0' ? "; forced: " : "", forced );
 }
 
-// Says in which of the frames the camera stands still, and that these are rendered once, on standard error.
+// Says in which of the frames nothing changes, and that these are rendered once, on standard error.
 static void print_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
 {
     int stretches = 0, first = 0, last = 0;
@@ -228,8 +228,7 @@ static void print_runs( const RfCameraPath* path, const int* frames, int frame_c
     char more[48] = "";
     if ( stretches > 1 )
         snprintf( more, sizeof more, " and %d more times", stretches - 1 );
-    fprintf( stderr,
-             "reframe render: the camera stands still in frames %d to %d%s: equal frames are rendered once, %d of %d in all\n",
+    fprintf( stderr, "reframe render: nothing changes in frames %d to %d%s: equal frames are rendered once, %d of %d in all\n",
              rf_frame_number( path, first ), rf_frame_number( path, last ), more, run_count, frame_count );
 }
 

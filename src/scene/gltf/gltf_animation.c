@@ -312,8 +312,6 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
                               size_t index )
 {
     RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, index );
-    if ( json_is_object( json ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must be an object" );
     RfChannel channel = { 0 };
     bool wanted;
     const char* pointer;
@@ -358,6 +356,8 @@ static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const json_t*
         RfChannel channel = { 0 };
         bool wanted;
         const char* pointer;
+        if ( !json_is_object( json_array_get( channels, i ) ) )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must be an object" );
         RfResult result = read_target( gltf, json_array_get( channels, i ), where.text, &channel, &wanted, &pointer );
         if ( result != RF_OK )
             return result;
