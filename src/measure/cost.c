@@ -167,7 +167,7 @@ static RfCostPrediction predict_samples( const RfCostJob* job, const RfCostCurve
     RfCostPrediction p = { .frame_seconds = (double)NAN, .seconds = (double)NAN };
     if ( !( wanted <= RF_MAX_SPP ) )
         return p;
-    RfGroupPlan plan = rf_plan_groups( job->shot.eye_count, curve->group, wanted < 2.0 ? 2 : (int)wanted );
+    RfGroupPlan plan = rf_plan_shots( job->shot.eyes, job->shot.eye_count, curve->group, wanted < 2.0 ? 2 : (int)wanted );
     double samples = 0.0, unused = 0.0;
     for ( int first = 0; first < job->shot.frame_count; first += per_sweep )
     {
@@ -198,7 +198,8 @@ static void share_threads( CostStudy* s )
     RfRenderSettings settings = s->settings[1];
     RfMemoryFit fit;
     settings.threads = 1;
-    int eyes = 2 * settings.group + 1 < s->job->shot.eye_count ? 2 * settings.group + 1 : s->job->shot.eye_count;
+    int longest = rf_longest_shot( s->job->shot.eyes, s->job->shot.eye_count );
+    int eyes = 2 * settings.group + 1 < longest ? 2 * settings.group + 1 : longest;
     s->threads = s->settings[1].threads;
     s->workers = s->threads < COST_TASKS ? s->threads : COST_TASKS;
     RfShot group = { s->job->shot.tracer, s->job->shot.eyes, eyes, NULL, eyes };
@@ -229,7 +230,7 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     plain->estimator = rf_default_render_settings().estimator;
     plain->group = 0;
     plain->tile = rf_no_tile();
-    RfGroupPlan groups = rf_plan_groups( job->shot.eye_count, reuse->group, 1 );
+    RfGroupPlan groups = rf_plan_shots( job->shot.eyes, job->shot.eye_count, reuse->group, 1 );
     reuse->group = groups.eyes / 2;
     if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE && reuse->estimator == plain->estimator )
         return rf_fail( error, RF_ERROR_USAGE,

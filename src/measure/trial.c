@@ -388,9 +388,10 @@ static RfResult choose_pieces( RfTestRegion* region, int centre, double pixels, 
 RfResult rf_create_test_region( const RfShot* shot, const RfTrialWatch* watch, const RfTestSite* site,
                                 const RfRenderSettings* settings, RfTestRegion* region, RfError* error )
 {
-    *region = ( RfTestRegion ){ .shot = *shot, .watch = watch, .frames = clamp( site->frames, 1, shot->eye_count ) };
+    *region = ( RfTestRegion ){ .shot = *shot, .watch = watch, .frames = site->frames };
+    RfGroupPlan plan = rf_plan_shots( shot->eyes, shot->eye_count, 0, 1 );
+    rf_frames_around( &plan, site->centre, &region->first, &region->frames );
     region->whole = region->frames == shot->eye_count;
-    region->first = clamp( site->centre - region->frames / 2, 0, shot->eye_count - region->frames );
     region->eyes = shot->eyes + region->first;
     RfResult result = choose_pieces( region, site->centre, site->pixels, settings, error );
     if ( region->crops != NULL )

@@ -86,7 +86,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
     int planned = result == RF_OK ? plan.count : 0, first = tune->count;
     for ( int i = 0; i < RF_TUNE_GROUPS; ++i )
     {
-        RfGroupPlan groups = rf_plan_groups( job->shot.eye_count, s_groups[i], settings.spp );
+        RfGroupPlan groups = rf_plan_shots( job->shot.eyes, job->shot.eye_count, s_groups[i], settings.spp );
         RfTuneRow* row = tune->rows + tune->count++;
         *row = ( RfTuneRow ){ .group = groups.eyes / 2,
                               .eyes = groups.eyes,
@@ -101,7 +101,7 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
             take_plan( plan.rows + i, row );
             row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
         }
-        if ( groups.eyes == job->shot.eye_count || !rf_has_groups( job->settings->estimator ) )
+        if ( groups.eyes == rf_longest_shot( job->shot.eyes, job->shot.eye_count ) || !rf_has_groups( job->settings->estimator ) )
             break;
     }
     drop_hopeless( tune, first );

@@ -16,6 +16,7 @@
 #include "reframe/types.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 RF_API_BEGIN
 
@@ -58,6 +59,10 @@ typedef struct RfEye
     RfPose open, close; // where the camera is when the shutter opens and closes
 
     double time; // moment of the scene that it sees, s; 0 where nothing moves
+
+    // Number of its shot. Along a path it never falls, and rises at a cut: frames of different shots share no samples, and none
+    // has motion towards another.
+    int64_t shot;
 } RfEye;
 
 // A right-handed camera at `origin` that looks along `forward`, with `up` orthogonalised against it;

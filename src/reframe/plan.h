@@ -82,7 +82,8 @@ typedef struct RfPlanRange
 } RfPlanRange;
 
 // Cuts the frames of a shot into min( machines, frame_count ) ranges, for which `ranges` has room. Frames of a camera that stands
-// still may share one: shot->frames ascend, but may repeat. Tracer and cameras are not looked at, only the number of these.
+// still may share one: shot->frames ascend, but may repeat. Of the cameras only their shots are looked at (NULL: there are no
+// cuts), the tracer is not.
 // None takes more than 1.05 times the least that the longest one can; within that each cut is where the halo, the groups
 // that both sides have to render, is least. The pictures do not depend on the cuts. Settings as resolved, with a group.
 // Fails with RF_ERROR_USAGE or RF_ERROR_MEMORY.

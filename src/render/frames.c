@@ -64,14 +64,14 @@ static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFi
                                                .seen = weight } );
 }
 
-// The flicker since the frame before, unknown where that was not rendered; keeps the error of this one for the next.
+// The flicker since the frame before, unknown where that was not rendered or is of another shot; keeps the error of this one for the next.
 static RfFlicker take_flicker( RfRenderer* r, const RfLiveFilm* live )
 {
     RfNormalize normalize = r->setup->settings.normalize;
     RfFlicker flicker = { .before = (double)NAN, .now = (double)NAN, .product = (double)NAN, .worst_share = (double)NAN };
     if ( !r->setup->sizes.paired )
         return flicker;
-    if ( r->kept_frame == live->frame - 1 )
+    if ( rf_is_kept_before( r, live->frame ) )
         flicker = rf_flicker_since( r->memory.kept_errors, live->films, normalize );
     rf_keep_film_error( live->films, normalize, r->memory.kept_errors );
     r->kept_frame = live->frame;

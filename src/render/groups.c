@@ -4,7 +4,57 @@
 #include "base/fault.h"
 
 #include <math.h>
-#include <stdbool.h>
+
+// Frames [first, end) between two cuts.
+typedef struct Stretch
+{
+    int first, end;
+} Stretch;
+
+// The first frame of this shot or a later one: the numbers of shots ascend.
+static int find_shot( const RfEye* cameras, int frames, int64_t shot )
+{
+    int low = 0, end = frames;
+    while ( low < end )
+    {
+        int middle = low + ( end - low ) / 2;
+        if ( cameras[middle].shot < shot )
+            low = middle + 1;
+        else
+            end = middle;
+    }
+    return low;
+}
+
+static Stretch shot_around( const RfEye* cameras, int frames, int frame )
+{
+    int64_t shot = cameras[frame].shot;
+    return ( Stretch ){ find_shot( cameras, frames, shot ), find_shot( cameras, frames, shot + 1 ) };
+}
+
+void rf_shot_of_frame( const RfGroupPlan* plan, int frame, int* first, int* end )
+{
+    Stretch shot = plan->cameras != NULL ? shot_around( plan->cameras, plan->frames, frame ) : ( Stretch ){ 0, plan->frames };
+    *first = shot.first;
+    *end = shot.end;
+}
+
+void rf_frames_around( const RfGroupPlan* plan, int frame, int* first, int* count )
+{
+    int start, end;
+    rf_shot_of_frame( plan, frame, &start, &end );
+    *count = *count < end - start ? *count : end - start;
+    *first = frame - *count / 2;
+    *first = *first < end - *count ? *first : end - *count;
+    *first = *first > start ? *first : start;
+}
+
+bool rf_share_shot( const RfGroupPlan* plan, int frame, int other )
+{
+    if ( frame < 0 || other < 0 || frame >= plan->frames || other >= plan->frames )
+        return false;
+    return plan->cameras == NULL || plan->cameras[frame].shot == plan->cameras[other].shot;
+}
 
 RfGroupPlan rf_plan_groups( int frames, int half_width, int spp )
 {
@@ -26,6 +76,29 @@ RfGroupPlan rf_plan_groups( int frames, int half_width, int spp )
     plan.passes = ( spp - 1 ) / plan.eyes + 1;
     plan.spp = plan.end_passes = plan.passes * plan.eyes;
     return plan;
+}
+
+RfGroupPlan rf_plan_shots( const RfEye* cameras, int frames, int half_width, int spp )
+{
+    if ( cameras == NULL || cameras[0].shot == cameras[frames - 1].shot )
+        return rf_plan_groups( frames, half_width, spp );
+    RfGroupPlan plan = { .frames = frames, .spp = spp, .groups = 2 * frames, .cameras = cameras };
+    for ( int frame = 0; frame < frames; )
+    {
+        Stretch shot = shot_around( cameras, frames, frame );
+        RfGroupPlan part = rf_plan_groups( shot.end - frame, half_width, spp );
+        plan.eyes = part.eyes > plan.eyes ? part.eyes : plan.eyes;
+        plan.spp = part.spp > plan.spp ? part.spp : plan.spp; // the same for all that round
+        plan.passes = part.passes > 0 && part.groups > 1 ? part.passes : plan.passes;
+        frame = shot.end;
+    }
+    return plan;
+}
+
+// The plan of a shot as a path of its own.
+static RfGroupPlan plan_of( const RfGroupPlan* plan, Stretch shot )
+{
+    return rf_plan_groups( shot.end - shot.first, plan->eyes / 2, plan->spp );
 }
 
 // Passes of the cut groups of 1 … m frames, where a full one of N gets one:
@@ -51,8 +124,21 @@ static int64_t passes_before( const RfGroupPlan* plan, int number )
     return (int64_t)floor( sum * plan->spp / plan->eyes + 0.5 );
 }
 
+// Groups of the shot that begins with frame f have numbers from 2f on: a path has at most two groups for each frame.
+static RfGroup group_of_shot( const RfGroupPlan* plan, int number )
+{
+    Stretch shot = shot_around( plan->cameras, plan->frames, number / 2 );
+    RfGroupPlan own = plan_of( plan, shot );
+    number -= 2 * shot.first;
+    RfGroup group = number < own.groups ? rf_group( &own, number ) : ( RfGroup ){ 0 };
+    group.first += shot.first;
+    return group;
+}
+
 RfGroup rf_group( const RfGroupPlan* plan, int number )
 {
+    if ( plan->cameras != NULL )
+        return group_of_shot( plan, number );
     if ( plan->cut > 0 )
     {
         int first = number - plan->cut, end = first + plan->eyes;
@@ -80,6 +166,15 @@ RfGroup rf_group( const RfGroupPlan* plan, int number )
 
 void rf_groups_of_frame( const RfGroupPlan* plan, int frame, int* first, int* last )
 {
+    if ( plan->cameras != NULL )
+    {
+        Stretch shot = shot_around( plan->cameras, plan->frames, frame );
+        RfGroupPlan own = plan_of( plan, shot );
+        rf_groups_of_frame( &own, frame - shot.first, first, last );
+        *first += 2 * shot.first;
+        *last += 2 * shot.first;
+        return;
+    }
     int start = frame + plan->cut, end = plan->groups - 1;
     *first = start >= plan->eyes ? start - plan->eyes + 1 : 0;
     *last = start < end ? start : end;
@@ -95,6 +190,17 @@ int rf_frame_passes( const RfGroupPlan* plan, int frame )
 
 int64_t rf_most_passes( const RfGroupPlan* plan )
 {
+    int64_t most = 0;
+    for ( int frame = 0; plan->cameras != NULL && frame < plan->frames; )
+    {
+        Stretch shot = shot_around( plan->cameras, plan->frames, frame );
+        RfGroupPlan own = plan_of( plan, shot );
+        int64_t passes = rf_most_passes( &own );
+        most = passes > most ? passes : most;
+        frame = shot.end;
+    }
+    if ( plan->cameras != NULL )
+        return most;
     if ( plan->groups == 1 )
         return plan->passes;
     if ( plan->cut > 0 ) // the end frames lie in the shortest groups

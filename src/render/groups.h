@@ -9,20 +9,27 @@
 // more samples than the ends. There groups also extend over both ends of the path and are cut
 // to it; the shorter a group, the more passes it gets. A path of one group or less is
 // one group.
+//
+// Groups do not cross a cut: each shot, the frames between two cuts, is grouped as a path of its own.
 #ifndef REFRAME_RENDER_GROUPS_H
 #define REFRAME_RENDER_GROUPS_H
 
+#include "reframe/camera.h"
+
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct RfGroupPlan
 {
     int frames;     // in the whole path
-    int eyes;       // in a full group: 2n+1, or all frames of a shorter path
-    int groups;     // numbered in the order in which they are rendered
+    int eyes;       // in a full group: 2n+1, or all frames of a shorter path, with cuts of the longest shot
+    int groups;     // numbered in the order in which they are rendered; with cuts some are of no frames
     int cut;        // groups at each end that are not full
     int passes;     // of a full group in the middle, one own-frame sample per pixel each; 0: unequal
     int end_passes; // of the first and the last group, where all groups are full
     int spp;        // own-frame samples per pixel that every frame gets at least
+
+    const RfEye* cameras; // of all frames, where there are cuts, which cut and end_passes say nothing of; NULL: there are none
 } RfGroupPlan;
 
 // A group of frames [first, first + eyes) that is rendered as a whole.
@@ -37,6 +44,24 @@ typedef struct RfGroup
 // For a path of `frames` frames, half-width n and at least `spp` own-frame
 // samples per pixel.
 RfGroupPlan rf_plan_groups( int frames, int half_width, int spp );
+
+// The same with the cuts of the path (RfEye.shot), which `cameras` must outlive; NULL: it has none.
+RfGroupPlan rf_plan_shots( const RfEye* cameras, int frames, int half_width, int spp );
+
+// Frames of the longest shot.
+static inline int rf_longest_shot( const RfEye* cameras, int frames )
+{
+    return rf_plan_shots( cameras, frames, frames / 2, 1 ).eyes;
+}
+
+// Frames [*first, *end) of the path are the shot that holds a frame.
+void rf_shot_of_frame( const RfGroupPlan* plan, int frame, int* first, int* end );
+
+// Frames [*first, *first + *count) are those of its shot around a frame: so many, as far as it goes.
+void rf_frames_around( const RfGroupPlan* plan, int frame, int* first, int* count );
+
+// Do two frames share a shot? No frame does with one beyond the path.
+bool rf_share_shot( const RfGroupPlan* plan, int frame, int other );
 
 // Group number 0 … plan->groups − 1.
 RfGroup rf_group( const RfGroupPlan* plan, int number );

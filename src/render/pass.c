@@ -29,8 +29,8 @@ static void add_aovs( RfRenderer* r, const RfPass* pass, int eye, const void* ba
     RfAovJob job = {
         .film = &live->aovs,
         .eye = r->setup->shot.eyes + frame,
-        .others = { frame > 0 ? r->setup->shot.eyes + frame - 1 : NULL,
-                    frame + 1 < r->setup->plan.frames ? r->setup->shot.eyes + frame + 1 : NULL },
+        .others = { rf_share_shot( &r->setup->plan, frame, frame - 1 ) ? r->setup->shot.eyes + frame - 1 : NULL,
+                    rf_share_shot( &r->setup->plan, frame, frame + 1 ) ? r->setup->shot.eyes + frame + 1 : NULL },
         .scene = world_scene( r, frame ),
         .scenes = { world_scene( r, frame - 1 ), world_scene( r, frame + 1 ) },
         .weight = (float)pass->weight,

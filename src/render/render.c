@@ -36,7 +36,7 @@ RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settin
         result = choose_group( shot, resolved, error );
     if ( result != RF_OK )
         return result;
-    RfGroupPlan plan = rf_plan_samples( shot->eye_count, resolved->group, settings->spp );
+    RfGroupPlan plan = rf_plan_samples( shot, resolved->group, settings->spp );
     resolved->group = plan.eyes / 2;
     if ( resolved->adaptive == RF_ADAPTIVE_AUTO && plan.eyes == 1 )
         resolved->adaptive = RF_ADAPTIVE_OFF;
@@ -139,7 +139,7 @@ static RfResult set_up_render( RfRenderSetup* setup, RfError* error )
     RfRenderSettings* settings = &setup->settings;
     const RfShot* shot = &setup->shot;
     const RfScene* scene = rf_tracer_scene( shot->tracer );
-    setup->plan = rf_plan_groups( shot->eye_count, settings->group, settings->spp );
+    setup->plan = rf_plan_shots( shot->eyes, shot->eye_count, settings->group, settings->spp );
     setup->sizes = rf_render_sizes( scene, shot->eyes, &setup->plan, shot->frame_count, settings );
     setup->traits = rf_running_traits( scene, rf_scene_traits( scene, shot->eyes, shot->eye_count, settings ) );
     if ( !rf_is_plain_filter( settings ) )

@@ -82,6 +82,12 @@ void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part );
 // Makes the picture of a frame's films; returns the estimate of its relMSE.
 RfRelmse rf_finish_picture( const RfRenderer* renderer, const RfLiveFilm* live, RfPicture* picture );
 
+// Does memory.kept_errors hold the frame before, of the same shot?
+static inline bool rf_is_kept_before( const RfRenderer* renderer, int frame )
+{
+    return renderer->kept_frame == frame - 1 && rf_share_shot( &renderer->setup->plan, frame - 1, frame );
+}
+
 // The film of a frame in use, −1 for a free one; NULL where there is none.
 RfLiveFilm* rf_find_film( const RfRenderer* renderer, int frame );
 

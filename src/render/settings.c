@@ -139,6 +139,8 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
                             RF_MAX_IMAGE_SIDE, eyes[k].width, eyes[k].height );
         if ( eyes[k].width != eyes[0].width || eyes[k].height != eyes[0].height )
             return rf_fail( error, RF_ERROR_USAGE, "all frames of a path must have the same size" );
+        if ( k > 0 && eyes[k].shot < eyes[k - 1].shot )
+            return rf_fail( error, RF_ERROR_USAGE, "frame %d of the path is of an earlier shot than the one before it", k );
         if ( !is_usable( eyes + k ) && !RF_FAULT( usable_eyes ) )
             return rf_fail( error, RF_ERROR_USAGE,
                             "the camera of frame %d of the path cannot be used: all of it must be finite, its focal length and, "
@@ -176,8 +178,9 @@ RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings
     return RF_OK;
 }
 
-RfGroupPlan rf_plan_samples( int frames, int half_width, int spp )
+RfGroupPlan rf_plan_samples( const RfShot* shot, int half_width, int spp )
 {
-    RfGroupPlan plan = rf_plan_groups( frames, half_width, spp );
-    return plan.spp > RF_MAX_SPP ? rf_plan_groups( frames, half_width, RF_MAX_SPP / plan.eyes * plan.eyes ) : plan;
+    RfGroupPlan plan = rf_plan_shots( shot->eyes, shot->eye_count, half_width, spp );
+    int most = RF_MAX_SPP / plan.eyes * plan.eyes;
+    return plan.spp > RF_MAX_SPP ? rf_plan_shots( shot->eyes, shot->eye_count, half_width, most ) : plan;
 }

@@ -27,6 +27,6 @@ bool rf_has_groups( const RfEstimator* estimator );
 int rf_usual_passes( const RfRenderSettings* settings );
 
 // The groups of a render with so many samples, of no more than RF_MAX_SPP where that is possible.
-RfGroupPlan rf_plan_samples( int frames, int half_width, int spp );
+RfGroupPlan rf_plan_samples( const RfShot* shot, int half_width, int spp );
 
 #endif

@@ -33,7 +33,9 @@ RfResult rf_cut_ranges( int nodes, const RfDividedFrames* frames, const RfRender
     };
     if ( ranges->list == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d ranges", most );
-    RfShot shot = { .eye_count = frames->run_count, .frames = frames->runs, .frame_count = frames->count };
+    RfShot shot = {
+        .eyes = frames->cameras, .eye_count = frames->run_count, .frames = frames->runs, .frame_count = frames->count
+    };
     return rf_plan_ranges( &shot, settings, nodes, ranges->list, &ranges->count, error );
 }
 

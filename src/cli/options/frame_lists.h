@@ -68,8 +68,9 @@ typedef struct RfDividedFrames
     const int* numbers; // ascending
     const int* runs;    // of the path that they show, likewise
     int count;
-    int step;      // from the number of a frame of the path to that of the next
-    int run_count; // of the path
+    int step;             // from the number of a frame of the path to that of the next
+    int run_count;        // of the path
+    const RfEye* cameras; // of its runs, which say where its cuts are
 } RfDividedFrames;
 
 // Ranges of frames for several machines, reported and as JSON.

@@ -116,7 +116,7 @@ static void warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* s
 static void warn_of_variance( const RfRenderSettings* s, const RfCameraPath* path, const int* frames, int frame_count,
                               RfLog* log )
 {
-    RfGroupPlan plan = rf_plan_groups( path->run_count, s->group, s->spp );
+    RfGroupPlan plan = rf_plan_shots( path->runs, path->run_count, s->group, s->spp );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) == 0 || s->noise > 0.0 || s->flicker > 0.0 ||
          s->time > 0.0 ) // never a single pass
         return;
@@ -165,15 +165,16 @@ static void warn_of_light_paths( const RfRenderSettings* s, const RfEffect* effe
                  rf_kernel_normalization_name( s->kernel_normalization ) );
 }
 
-// Prints on standard error which settings differ from those asked for, on a path of
-// `path_frames` frames.
-static void print_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit, int path_frames )
+// Prints on standard error which settings differ from those asked for.
+static void print_settings( const RfRenderSettings* asked, const RfRenderSettings* used, const RfMemoryFit* fit,
+                            const RfCameraPath* path )
 {
-    RfGroupPlan plan = rf_plan_groups( path_frames, used->group, used->spp );
+    RfGroupPlan plan = rf_plan_shots( path->runs, path->run_count, used->group, used->spp );
     if ( asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ) )
         fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
     if ( asked->group > used->group )
-        fprintf( stderr, "reframe render: --group %d cut to the path: groups of its %d frames\n", asked->group, plan.eyes );
+        fprintf( stderr, "reframe render: --group %d cut to the %s: groups of its %d frames\n", asked->group,
+                 plan.cameras != NULL ? "longest shot" : "path", plan.eyes );
     if ( asked->spp != used->spp ) // full groups only, with the same passes each
         fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes,
@@ -343,7 +344,7 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
         result = find_runs( job, error ); // of what is left
     if ( result != RF_OK || job->options.quiet )
         return result;
-    print_settings( &job->asked, &job->options.settings, &job->fit, job->path.run_count );
+    print_settings( &job->asked, &job->options.settings, &job->fit, &job->path );
     if ( job->options.verbose )
         print_effects( job->effects, job->effect_count );
     print_runs( &job->path, job->frames, job->frame_count, job->run_count );

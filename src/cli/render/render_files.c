@@ -162,7 +162,9 @@ RfResult rf_check_render( RfRenderJob* job, RfError* error )
         result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
     if ( result == RF_OK )
         result = look_at_all( job, &check, error );
-    RfDividedFrames frames = { check.left, check.left_eyes, check.left_count, job->path.step, job->path.run_count };
+    RfDividedFrames frames = {
+        check.left, check.left_eyes, check.left_count, job->path.step, job->path.run_count, job->path.runs
+    };
     if ( result == RF_OK && job->options.nodes > 0 && check.left_count > 0 )
         result = rf_cut_ranges( job->options.nodes, &frames, &job->options.settings, &ranges, error );
     if ( result == RF_OK )

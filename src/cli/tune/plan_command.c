@@ -191,8 +191,8 @@ static RfResult cut_ranges( Job* job, RfError* error )
         return RF_OK;
     if ( settings.group == RF_GROUP_AUTO )
         settings.group = job->plan.rows[job->plan.chosen].group;
-    RfDividedFrames frames = { job->shot.asked, job->shot.asked_runs, job->shot.asked_count, job->shot.path.step,
-                               job->shot.path.count };
+    RfDividedFrames frames = { job->shot.asked,     job->shot.asked_runs, job->shot.asked_count,
+                               job->shot.path.step, job->shot.path.count, job->shot.path.eyes };
     return rf_cut_ranges( job->options.nodes, &frames, &settings, &job->ranges, error );
 }
 

@@ -295,12 +295,11 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
 #define LOOK_PIXELS 512.0
 #define PILOT_GROUP 0x40000000u // no group of the path has these numbers
 
-// The frames around one, as far as the path goes.
+// The frames around one, as far as its shot goes.
 static RfEstimatorGroup pilot_group( RfRenderer* r, int frame )
 {
-    int eyes = r->setup->plan.eyes, first = frame - eyes / 2, last_first = r->setup->plan.frames - eyes;
-    first = first < last_first ? first : last_first;
-    first = first > 0 ? first : 0;
+    int eyes = r->setup->plan.eyes, first;
+    rf_frames_around( &r->setup->plan, frame, &first, &eyes );
     RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)PILOT_GROUP );
     group.first_hits_only = true;
     group.filter = NULL;

@@ -376,7 +376,7 @@ RfResult rf_fit_memory( const RfShot* shot, const RfRenderSettings* settings, Rf
 {
     if ( shot->frame_count < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "a render needs at least one frame" );
-    RfGroupPlan plan = rf_plan_groups( shot->eye_count, settings->group, settings->spp );
+    RfGroupPlan plan = rf_plan_shots( shot->eyes, shot->eye_count, settings->group, settings->spp );
     RfRenderSizes sizes = rf_render_sizes( rf_tracer_scene( shot->tracer ), shot->eyes, &plan, shot->frame_count, settings );
     return rf_fit_sizes( settings->memory, shot->frame_count, &sizes, fit, error );
 }

@@ -15,7 +15,7 @@
 typedef struct Probe
 {
     const RfEye* eyes;
-    int eye_count;
+    RfGroupPlan plan;          // of the largest groups looked at
     RfRenderSettings settings; // with a seed of its own
     RfArena arena;
     RfRenderSizes sizes; // for the largest group looked at
@@ -59,8 +59,8 @@ static RfResult begin_probe( const RfShot* shot, const RfRenderSettings* setting
     const RfScene* scene = rf_tracer_scene( shot->tracer );
     const RfEye* eyes = shot->eyes;
     int eye_count = shot->eye_count;
-    RfGroupPlan plan = rf_plan_groups( eye_count, most_eyes / 2, settings->spp );
-    *probe = ( Probe ){ .eyes = eyes, .eye_count = eye_count, .settings = *settings };
+    RfGroupPlan plan = rf_plan_shots( eyes, eye_count, most_eyes / 2, settings->spp );
+    *probe = ( Probe ){ .eyes = eyes, .plan = plan, .settings = *settings };
     probe->settings.seed = PROBE_SEED;
     probe->arena = rf_create_arena( settings->memory );
     probe->sizes = rf_render_sizes( scene, eyes, &plan, 1, settings );
@@ -79,12 +79,11 @@ static void end_probe( Probe* p )
     p->batch = NULL;
 }
 
-// Sets the probe's group to `eyes` frames around `frame`, as far as the path goes.
+// Sets the probe's group to `eyes` frames around `frame`, as far as its shot goes.
 static void aim_probe( Probe* p, int frame, int eyes )
 {
-    int first = frame - eyes / 2, last_first = p->eye_count - eyes;
-    first = first < last_first ? first : last_first;
-    first = first > 0 ? first : 0;
+    int first;
+    rf_frames_around( &p->plan, frame, &first, &eyes );
     p->group.eyes = p->eyes + first;
     p->group.first_frame = first;
     p->group.eye_count = eyes;
@@ -92,7 +91,10 @@ static void aim_probe( Probe* p, int frame, int eyes )
 }
 
 // The i-th of the frames looked at.
-static int probe_frame( const Probe* p, int i ) { return (int)( (int64_t)( 2 * i + 1 ) * p->eye_count / ( 2 * PROBE_FRAMES ) ); }
+static int probe_frame( const Probe* p, int i )
+{
+    return (int)( (int64_t)( 2 * i + 1 ) * p->plan.frames / ( 2 * PROBE_FRAMES ) );
+}
 
 // The batch of the k-th position there: spread over the film, other places in every frame.
 static int probe_job( const Probe* p, int i, int k )
@@ -164,12 +166,12 @@ static const char s_no_room[] = "does not fit in memory", s_films[] = "films tak
 #define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
 #define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
 
-static void list_rows( int eye_count, const RfRenderSettings* settings, RfPlan* plan )
+static void list_rows( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan )
 {
-    int spp = settings->spp;
+    int spp = settings->spp, longest = rf_longest_shot( shot->eyes, shot->eye_count );
     for ( int i = 0; i < RF_PLAN_ROWS; ++i )
     {
-        RfGroupPlan groups = rf_plan_samples( eye_count, s_groups[i], spp );
+        RfGroupPlan groups = rf_plan_samples( shot, s_groups[i], spp );
         plan->rows[plan->count++] = ( RfPlanRow ){ .group = groups.eyes / 2,
                                                    .eyes = groups.eyes,
                                                    .spp = groups.spp,
@@ -184,7 +186,7 @@ static void list_rows( int eye_count, const RfRenderSettings* settings, RfPlan* 
                                                    .gain = NAN,
                                                    .measured_gain = NAN,
                                                    .seconds = NAN };
-        if ( groups.eyes == eye_count || !rf_has_groups( settings->estimator ) )
+        if ( groups.eyes == longest || !rf_has_groups( settings->estimator ) )
             break;
     }
 }
@@ -247,7 +249,7 @@ static const char* reason_against( const RfShot* shot, const RfRenderSettings* s
     s.threads = 1;
     if ( s.adaptive == RF_ADAPTIVE_AUTO ) // what may be of use in some frames is no reason for smaller groups in all
         s.adaptive = RF_ADAPTIVE_OFF;
-    RfGroupPlan plan = rf_plan_samples( shot->eye_count, row->group, settings->spp );
+    RfGroupPlan plan = rf_plan_samples( shot, row->group, settings->spp );
     RfRenderSizes sizes = rf_render_sizes( rf_tracer_scene( shot->tracer ), shot->eyes, &plan, shot->eye_count, &s );
     RfMemoryFit fit;
     RfShot whole = whole_path( shot );
@@ -372,7 +374,7 @@ static void weigh_rows( const RfShot* shot, const RfRenderSettings* settings, co
         RfPlanRow* row = plan->rows + i;
         if ( !rf_plan_row_fits( row ) )
             continue;
-        RfGroupPlan groups = rf_plan_samples( shot->eye_count, row->group, settings->spp );
+        RfGroupPlan groups = rf_plan_samples( shot, row->group, settings->spp );
         double own, reuse;
         fixed_costs( counts, sizes, i, row->eyes, &own, &reuse );
         row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;
@@ -388,7 +390,7 @@ RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, R
     RfResult result = rf_resolve_common( shot, settings, &common, error );
     if ( result != RF_OK )
         return result;
-    list_rows( shot->eye_count, &common, plan );
+    list_rows( shot, &common, plan );
     const RfScene* scene = rf_tracer_scene( shot->tracer );
     result = fit_rows( shot, &common, plan, error );
     Counts counts;
@@ -396,7 +398,7 @@ RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, R
         result = count( shot, &common, plan, &counts, error );
     if ( result != RF_OK )
         return result;
-    RfGroupPlan groups = rf_plan_groups( shot->eye_count, 0, common.spp );
+    RfGroupPlan groups = rf_plan_shots( shot->eyes, shot->eye_count, 0, common.spp );
     RfRenderSizes sizes = rf_render_sizes( scene, shot->eyes, &groups, 1, &common );
     weigh_rows( shot, &common, &sizes.of_estimator, &counts, plan );
     plan->hit_share = counts.hits / counts.samples;
@@ -431,13 +433,13 @@ typedef struct Meter
 } Meter;
 
 // One batch, traced and added to the films of all frames of its group. Returns its samples.
-static int run_batch( Meter* m, RfTraceJob job, int eyes )
+static int run_batch( Meter* m, RfTraceJob job )
 {
     Probe* p = m->probe;
     const RfEstimator* estimator = p->settings.estimator;
     RfRayCounts rays = { 0 };
     int samples = estimator->trace( &p->group, job, p->batch, p->scratch, &rays );
-    for ( int l = 0; l < eyes; ++l )
+    for ( int l = 0; l < p->group.eye_count; ++l )
     {
         RfAccumulateJob rows = {
             .eye = l, .end_row = p->group.height, .films = m->films, .weight = 1.0f, .pass_state = m->pass_state
@@ -463,7 +465,7 @@ static void time_batch( Meter* m, int frame, int number, int pass, Timing* t )
     aim_probe( p, probe_frame( p, frame ), t->eyes );
     p->group.max_depth = t->depth < max_depth ? t->depth : max_depth;
     double start = rf_thread_seconds();
-    t->samples += run_batch( m, ( RfTraceJob ){ p->eye, job, pass }, t->eyes );
+    t->samples += run_batch( m, ( RfTraceJob ){ p->eye, job, pass } );
     t->seconds += rf_thread_seconds() - start;
     p->group.max_depth = max_depth;
 }
@@ -496,7 +498,7 @@ static void measure( Meter* m, int eyes, double seconds, RfPlan* plan )
     plan->c_v = eyes > 1 ? fmax( all - own, 0.0 ) / ( eyes - 1 ) : 0.0;
 }
 
-static void weigh( int eye_count, const RfRenderSettings* settings, RfPlan* plan )
+static void weigh( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan )
 {
     double own = plan->c_e + plan->c_l;
     for ( int i = 0; i < plan->count; ++i )
@@ -504,7 +506,7 @@ static void weigh( int eye_count, const RfRenderSettings* settings, RfPlan* plan
         RfPlanRow* row = plan->rows + i;
         if ( !rf_plan_row_fits( row ) )
             continue;
-        RfGroupPlan groups = rf_plan_samples( eye_count, row->group, settings->spp );
+        RfGroupPlan groups = rf_plan_samples( shot, row->group, settings->spp );
         double samples = plan_work( &groups, 1.0, 0.0 ), work = plan_work( &groups, own, plan->c_v );
         row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / ( work * row->repeated ) : 1.0;
         row->seconds = row->samples / samples * work / row->fit.threads;
@@ -568,7 +570,7 @@ RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, 
     if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not
     {
         measure( &m, group_eyes, seconds, plan );
-        weigh( shot->eye_count, &common, plan );
+        weigh( shot, &common, plan );
     }
     free_meter( &m );
     end_probe( &probe );

@@ -129,7 +129,7 @@ RfResult rf_plan_ranges( const RfShot* shot, const RfRenderSettings* settings, i
     RfResult result = RF_OK;
     if ( w.sum != NULL && w.halo != NULL )
     {
-        RfGroupPlan plan = rf_plan_samples( shot->eye_count, settings->group, settings->spp );
+        RfGroupPlan plan = rf_plan_samples( shot, settings->group, settings->spp );
         add_frames( &plan, shot->frames, &w );
         *range_count = machines < frame_count ? machines : frame_count;
         cut( &w, *range_count, ranges );

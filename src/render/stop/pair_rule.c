@@ -54,8 +54,8 @@ RfPairNoise rf_pair_noise( const RfPairNow* pair )
 
 double rf_planned_flicker( const RfStopRule* rule, int frame, RfPairNoise pair )
 {
-    frame = frame + 1 < rule->plan.frames || frame == 0 ? frame : frame - 1;
-    if ( frame + 1 >= rule->plan.frames ) // a single frame: as with another one like it
+    frame -= !rf_share_shot( &rule->plan, frame, frame + 1 ) && rf_share_shot( &rule->plan, frame - 1, frame );
+    if ( !rf_share_shot( &rule->plan, frame, frame + 1 ) ) // a single frame: as with another one like it
         return 2.0 * pair.variance;
     int first, last, next_first, next_last;
     rf_groups_of_frame( &rule->plan, frame, &first, &last );

@@ -14,7 +14,7 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals*
     int share = INT_MAX / plan->eyes < 1024 ? INT_MAX / plan->eyes : 1024;
     return ( RfStop ){ .rule = {
                            .goals = *goals,
-                           .plan = rf_plan_groups( plan->frames, plan->eyes / 2, share * plan->eyes ),
+                           .plan = rf_plan_shots( plan->cameras, plan->frames, plan->eyes / 2, share * plan->eyes ),
                            .scale = share,
                            .most = (double)most_spp / plan->eyes,
                            .least = (double)LEAST_PASSES / plan->eyes,
@@ -84,8 +84,11 @@ typedef struct Pool
     double pair_weights;
 } Pool;
 
+// Frames of other shots say nothing.
 static void pool( const RfStop* stop, const RfFrameNoise* f, int frame, Pool* pool )
 {
+    if ( !rf_share_shot( &stop->rule.plan, f->frame, frame ) )
+        return;
     double noise = value_of( f, NOISE ), weight = pooling_weight( stop, f, frame );
     if ( !isnan( noise ) )
     {

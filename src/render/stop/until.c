@@ -41,7 +41,7 @@ static double flicker_behind( const RfRenderer* r, int number, const RfLiveFilm*
     RfLiveFilm* before = rf_find_film( r, live->frame - 1 );
     if ( before != NULL )
         return flicker_ahead( r, number, before, normalize );
-    if ( r->kept_frame != live->frame - 1 )
+    if ( !rf_is_kept_before( r, live->frame ) )
         return (double)NAN;
     RfFlicker flicker = rf_flicker_since( r->memory.kept_errors, live->films, normalize );
     return rf_late_flicker( &r->stop.rule, &now, &flicker );
@@ -61,8 +61,8 @@ static double estimate_flicker( const RfRenderer* r, int number, RfLiveFilm* liv
     rf_groups_of_frame( &r->setup->plan, live->frame, &first, &last );
     RfNormalize normalize = r->setup->settings.normalize;
     double ahead = flicker_ahead( r, number, live, normalize ), behind = (double)NAN;
-    bool has_next = rf_is_asked( r, live->frame + 1 );
-    if ( last == number && ( !has_next || r->kept_frame == live->frame - 1 ) )
+    bool has_next = rf_is_asked( r, live->frame + 1 ) && rf_share_shot( &r->setup->plan, live->frame, live->frame + 1 );
+    if ( last == number && ( !has_next || rf_is_kept_before( r, live->frame ) ) )
         behind = flicker_behind( r, number, live, normalize );
     bool alone = isnan( ahead ) && ( has_next || isnan( behind ) );
     if ( alone && ( last == number || r->setup->plan.eyes == 1 ) )

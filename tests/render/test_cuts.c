@@ -1,0 +1,328 @@
+// Cuts: each shot of a path is grouped and rendered as a path of its own, whatever lies on the other side.
+#include "render/groups.h"
+#include "support/render_support.h"
+#include "support/rooms.h"
+#include "support/scene_builder.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define WIDTH 23
+#define HEIGHT 18
+
+static const int lengths[][5] = { { 1, 3, 20, 9, 5 }, { 4, 4, 1, 1, 2 }, { 60, 7, 15, 14, 1 } };
+static const int half_widths[] = { 0, 1, 2, 3, 7, RF_MAX_GROUP };
+static const int sample_counts[] = { 1, 5, 28, 101 };
+
+#define COUNT( array ) (int)( sizeof( array ) / sizeof *( array ) )
+#define MOST_FRAMES 128
+
+// Cameras of shots of these lengths; their numbers have gaps.
+static int cut_path( const int shots[5], RfEye* eyes )
+{
+    int count = 0;
+    for ( int s = 0; s < 5; ++s )
+    {
+        for ( int i = 0; i < shots[s]; ++i )
+            eyes[count++] = ( RfEye ){ .shot = s * s };
+    }
+    return count;
+}
+
+static void check_shot( const RfGroupPlan* plan, int start, int length, int half_width )
+{
+    RfGroupPlan own = rf_plan_groups( length, half_width, plan->spp );
+    assert_int_equal( own.spp, plan->spp ); // rounded for all shots alike
+    for ( int frame = 0; frame < length; ++frame )
+    {
+        int first, last, own_first, own_last, begin, end;
+        rf_groups_of_frame( plan, start + frame, &first, &last );
+        rf_groups_of_frame( &own, frame, &own_first, &own_last );
+        assert_int_equal( last - first, own_last - own_first );
+        for ( int k = 0; first + k <= last; ++k )
+        {
+            RfGroup group = rf_group( plan, first + k ), wanted = rf_group( &own, own_first + k );
+            wanted.first += start;
+            assert_memory_equal( &group, &wanted, sizeof group );
+        }
+        assert_int_equal( rf_frame_passes( plan, start + frame ), rf_frame_passes( &own, frame ) );
+        assert_true( rf_frame_passes( plan, start + frame ) <= rf_most_passes( plan ) );
+        rf_shot_of_frame( plan, start + frame, &begin, &end );
+        assert_true( begin == start && end == start + length );
+        assert_true( !rf_share_shot( plan, start, start + length ) && rf_share_shot( plan, start, start + frame ) );
+    }
+}
+
+static void test_shots_are_grouped_like_paths( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < COUNT( lengths ) * COUNT( half_widths ) * COUNT( sample_counts ); ++i )
+    {
+        const int* shots = lengths[i % COUNT( lengths )];
+        int half_width = half_widths[i / COUNT( lengths ) % COUNT( half_widths )];
+        int spp = sample_counts[i / COUNT( lengths ) / COUNT( half_widths )];
+        RfEye eyes[MOST_FRAMES];
+        int count = cut_path( shots, eyes ), longest = 0;
+        RfGroupPlan plan = rf_plan_shots( eyes, count, half_width, spp );
+        for ( int s = 0, start = 0; s < 5; start += shots[s++] )
+        {
+            check_shot( &plan, start, shots[s], half_width );
+            longest = shots[s] > longest ? shots[s] : longest;
+        }
+        assert_int_equal( plan.eyes, 2 * half_width + 1 < longest ? 2 * half_width + 1 : longest );
+        RfGroupPlan again = rf_plan_shots( eyes, count, plan.eyes / 2, plan.spp );
+        assert_true( again.eyes == plan.eyes && again.spp == plan.spp && again.passes == plan.passes );
+        double frames = 0.0; // each group of frames has one number; other numbers have none
+        for ( int g = 0, before = -1; g < plan.groups; ++g )
+        {
+            RfGroup group = rf_group( &plan, g );
+            assert_true( group.eyes == 0 ? group.passes == 0 : group.first >= before );
+            before = group.eyes > 0 ? group.first : before;
+            frames += group.eyes;
+        }
+        for ( int f = 0; f < count; ++f )
+        {
+            int first, last;
+            rf_groups_of_frame( &plan, f, &first, &last );
+            frames -= last - first + 1;
+        }
+        assert_true( frames == 0.0 );
+    }
+}
+
+static void test_paths_without_cuts( void** state )
+{
+    (void)state;
+    RfEye eyes[9];
+    for ( int i = 0; i < 9; ++i )
+        eyes[i] = ( RfEye ){ .shot = 3 };
+    RfGroupPlan plan = rf_plan_shots( eyes, 9, 2, 5 ), plain = rf_plan_groups( 9, 2, 5 ),
+                unknown = rf_plan_shots( NULL, 9, 2, 5 );
+    assert_true( plan.cameras == NULL && unknown.cameras == NULL );
+    assert_true( plan.groups == plain.groups && unknown.groups == plain.groups );
+}
+
+// Two orbits of a room, far from each other.
+#define FIRST 6
+#define SECOND 7
+#define ALL ( FIRST + SECOND )
+
+typedef struct Cut
+{
+    RfScene scene;
+    RfTracer* tracer;
+    RfEye eyes[ALL];  // with the cut
+    RfEye other[ALL]; // with another first shot
+} Cut;
+
+static void begin( Cut* c, RoomKind room, double shutter )
+{
+    c->scene = make_room( room );
+    c->tracer = make_tracer( &c->scene );
+    orbit_eyes( c->eyes, FIRST, 4.0f, WIDTH, HEIGHT );
+    orbit_eyes( c->eyes + FIRST, SECOND, 2.0f, WIDTH, HEIGHT );
+    memcpy( c->other, c->eyes, sizeof c->eyes );
+    orbit_eyes( c->other, FIRST, 3.0f, WIDTH, HEIGHT );
+    for ( int i = 0; i < ALL; ++i )
+    {
+        c->eyes[i].shot = c->other[i].shot = i >= FIRST ? 2 : 0;
+        RfEye open = c->eyes[i], close = open;
+        open.origin.y -= (float)shutter;
+        close.origin.y += (float)shutter;
+        if ( shutter > 0.0 )
+            rf_set_shutter( c->eyes + i, &open, &close );
+        if ( shutter > 0.0 && i >= FIRST )
+            c->other[i] = c->eyes[i];
+    }
+}
+
+static void end( Cut* c )
+{
+    rf_destroy_tracer( c->tracer );
+    rf_destroy_scene( &c->scene );
+}
+
+static RfRenderSettings settings_of( int group, const char* tile )
+{
+    RfRenderSettings settings = plain_settings();
+    settings.group = group;
+    settings.spp = 15; // a multiple of a group, so that no shot is rounded for another
+    settings.threads = 1;
+    settings.memory = (size_t)256 << 20;
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    return settings;
+}
+
+static void assert_same( const Rendered* a, int first_a, const Rendered* b, int first_b, int count )
+{
+    assert_memory_equal( frame_rgb( a, first_a ), frame_rgb( b, first_b ), 3 * a->pixels * (size_t)count * sizeof( float ) );
+    assert_memory_equal( frame_weight( a, first_a ), frame_weight( b, first_b ), a->pixels * (size_t)count * sizeof( float ) );
+}
+
+// The first shot as it is alone, the second whatever the first is, and each frame as it is in the sequence.
+static void check_cut( Cut* c, const RfRenderSettings* settings )
+{
+    Rendered whole = render_all( c->tracer, c->eyes, ALL, settings ), other = render_all( c->tracer, c->other, ALL, settings );
+    Rendered first = render_all( c->tracer, c->eyes, FIRST, settings );
+    assert_same( &whole, 0, &first, 0, FIRST );
+    assert_same( &whole, FIRST, &other, FIRST, SECOND );
+    assert_true( memcmp( frame_rgb( &whole, 0 ), frame_rgb( &other, 0 ), 3 * whole.pixels * sizeof( float ) ) != 0 );
+    for ( int frame = FIRST - 1; frame <= FIRST && settings->noise == 0.0 && settings->flicker == 0.0; ++frame )
+    {
+        Rendered alone = render_frames( c->tracer, c->eyes, ALL, &frame, 1, settings );
+        assert_same( &whole, frame, &alone, 0, 1 );
+        free_rendered( &alone );
+    }
+    free_rendered( &whole );
+    free_rendered( &other );
+    free_rendered( &first );
+}
+
+static void test_frames_beside_a_cut( void** state )
+{
+    (void)state;
+    Cut c;
+    for ( int blurred = 0; blurred < 2; ++blurred )
+    {
+        begin( &c, ROOM_GGX, 0.1 * blurred );
+        for ( int group = 1; group <= 5; group += 2 ) // sliding, cut to the shot, and the whole shot
+        {
+            RfRenderSettings settings = settings_of( group, group == 1 ? "3x3" : "1" );
+            check_cut( &c, &settings );
+        }
+        RfRenderSettings adaptive = settings_of( 2, "3x3" );
+        adaptive.adaptive = RF_ADAPTIVE_ON;
+        check_cut( &c, &adaptive );
+        end( &c );
+    }
+}
+
+// A noise or a flicker to stop at: what is known of one shot says nothing of the next.
+static void test_goals_beside_a_cut( void** state )
+{
+    (void)state;
+    Cut c;
+    begin( &c, ROOM_GGX, 0.0 );
+    for ( int flicker = 0; flicker < 2; ++flicker )
+    {
+        RfRenderSettings settings = settings_of( 2, "3x3" );
+        settings.spp = 64;
+        settings.noise = flicker ? 0.0 : 0.1;
+        settings.flicker = flicker ? 0.1 : 0.0;
+        Rendered whole = render_all( c.tracer, c.eyes, ALL, &settings ), first = render_all( c.tracer, c.eyes, FIRST, &settings );
+        assert_same( &whole, 0, &first, 0, FIRST );
+        assert_int_equal( whole.stats.missed + whole.stats.flicker_missed, 0 );
+        free_rendered( &whole );
+        free_rendered( &first );
+    }
+    end( &c );
+}
+
+static double mean_square( const Rendered* a, int first_a, const Rendered* b )
+{
+    double sum = 0.0;
+    size_t count = 3 * a->pixels * SECOND;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        double d = (double)frame_rgb( a, first_a )[i] - (double)frame_rgb( b, 0 )[i];
+        sum += d * d;
+    }
+    return sum / (double)count;
+}
+
+// The second shot has other random numbers than alone, but the same picture and as much noise.
+static void test_second_shot_is_as_alone( void** state )
+{
+    (void)state;
+    Cut c;
+    begin( &c, ROOM_DIFFUSE, 0.05 );
+    RfRenderSettings settings = settings_of( 1, "3x3" );
+    Rendered whole = render_all( c.tracer, c.eyes, ALL, &settings );
+    Rendered alone = render_all( c.tracer, c.eyes + FIRST, SECOND, &settings );
+    settings.seed += 1;
+    Rendered again = render_all( c.tracer, c.eyes + FIRST, SECOND, &settings );
+    double apart = mean_square( &whole, FIRST, &alone ) / mean_square( &again, 0, &alone );
+    print_message( "cut over alone: %.3f\n", apart );
+    assert_true( apart > 0.8 && apart < 1.25 );
+    for ( int i = 0; i < SECOND; ++i )
+        assert_true( whole.native_spp[FIRST + i] == alone.native_spp[i] );
+    free_rendered( &whole );
+    free_rendered( &alone );
+    free_rendered( &again );
+    end( &c );
+}
+
+// Motion of the frames beside the cut, as it is at the ends of a path.
+typedef struct Motion
+{
+    int frames;
+    float layer[ALL][4 * WIDTH * HEIGHT];
+} Motion;
+
+static RfResult keep_motion( void* user, const RfFrameResult* frame, RfError* error )
+{
+    (void)error;
+    Motion* m = user;
+    size_t bytes = (size_t)rf_aov_channels( RF_AOV_MOTION ) * WIDTH * HEIGHT * sizeof( float );
+    memcpy( m->layer[m->frames++], frame->aovs[RF_AOV_MOTION], bytes );
+    return RF_OK;
+}
+
+static Motion render_motion( const RfTracer* tracer, const RfEye* eyes, int count )
+{
+    Motion motion = { 0 };
+    int frames[ALL];
+    for ( int i = 0; i < count; ++i )
+        frames[i] = i;
+    RfRenderSettings settings = settings_of( 1, "1" );
+    settings.spp = 3;
+    settings.aovs = RF_AOV_BIT( RF_AOV_MOTION );
+    RfRenderCallbacks callbacks = { &motion, keep_motion, NULL };
+    RfShot shot = { .tracer = tracer, .eyes = eyes, .eye_count = count, .frames = frames, .frame_count = count };
+    assert_int_equal( rf_render( &shot, &settings, &callbacks, NULL, NULL ), RF_OK );
+    return motion;
+}
+
+static void test_no_motion_across_a_cut( void** state )
+{
+    (void)state;
+    Cut c;
+    begin( &c, ROOM_GGX, 0.0 );
+    Motion whole = render_motion( c.tracer, c.eyes, ALL ), first = render_motion( c.tracer, c.eyes, FIRST );
+    assert_int_equal( whole.frames, ALL );
+    assert_memory_equal( whole.layer, first.layer, FIRST * sizeof whole.layer[0] );
+    Motion other = render_motion( c.tracer, c.other, ALL );
+    assert_memory_equal( whole.layer[FIRST], other.layer[FIRST], SECOND * sizeof whole.layer[0] );
+    end( &c );
+}
+
+static void test_shots_must_not_fall( void** state )
+{
+    (void)state;
+    Cut c;
+    begin( &c, ROOM_GGX, 0.0 );
+    RfRenderSettings settings = settings_of( 1, "1" );
+    RfError error = { 0 };
+    c.eyes[ALL - 1].shot = 1;
+    RfShot shot = { .tracer = c.tracer, .eyes = c.eyes, .eye_count = ALL, .frames = &( int ){ 0 }, .frame_count = 1 };
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "frame 12" ) );
+    end( &c );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_shots_are_grouped_like_paths ), cmocka_unit_test( test_paths_without_cuts ),
+        cmocka_unit_test( test_frames_beside_a_cut ),          cmocka_unit_test( test_goals_beside_a_cut ),
+        cmocka_unit_test( test_second_shot_is_as_alone ),      cmocka_unit_test( test_no_motion_across_a_cut ),
+        cmocka_unit_test( test_shots_must_not_fall ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
