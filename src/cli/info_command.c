@@ -134,9 +134,12 @@ static void print_cameras( const Facts* facts )
         char numbers[80];
         name_frames( c, numbers, sizeof numbers );
         bool plain = strcmp( c->projection, "perspective" ) == 0;
-        rf_print( "  %s: %d frame%s%s at %g frames/s, %s%s%s\n", c->name, c->frames, c->frames == 1 ? "" : "s", numbers,
+        char shots[32] = "";
+        if ( c->shots > 1 )
+            snprintf( shots, sizeof shots, ", %d shots", c->shots );
+        rf_print( "  %s: %d frame%s%s at %g frames/s, %s%s%s%s\n", c->name, c->frames, c->frames == 1 ? "" : "s", numbers,
                   (double)s_fps.numerator / (double)s_fps.denominator, c->animated ? "animated" : "static", plain ? "" : ", ",
-                  plain ? "" : c->projection );
+                  plain ? "" : c->projection, shots );
     }
 }
 
@@ -192,8 +195,8 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     for ( int i = 0; i < s->cameras; ++i )
     {
         const RfCameraInfo* c = facts->cameras + i;
-        json_t* camera = json_pack( "{s:o, s:i, s:i, s:i, s:b}", "name", rf_json_text( c->name ), "frames", c->frames, "first",
-                                    c->first, "step", c->step, "animated", c->animated );
+        json_t* camera = json_pack( "{s:o, s:i, s:i, s:i, s:i, s:b}", "name", rf_json_text( c->name ), "frames", c->frames,
+                                    "first", c->first, "step", c->step, "shots", c->shots, "animated", c->animated );
         if ( strcmp( c->projection, "perspective" ) != 0 )
             json_object_set_new( camera, "projection", json_string( c->projection ) );
         json_array_append_new( cameras, camera );

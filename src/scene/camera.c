@@ -358,11 +358,60 @@ static double scene_time( const RfCameraSampling* sampling, double frame )
     return still ? sampling->scene->movement->start + seconds : camera_time( sampling, frame );
 }
 
+// Frames of a path for each unit of its time.
+static double frames_per_unit( const RfCameraSampling* sampling )
+{
+    const RfCameraTrack* track = sampling->camera->track;
+    bool counts = track != NULL && track->in_frames;
+    return counts ? 1.0 / track->step : (double)sampling->fps.numerator / sampling->fps.denominator;
+}
+
+// The shot that a frame is in, as a path of its own.
+typedef struct ShotPath
+{
+    RfCameraSampling sampling; // of `camera`; frames count from the beginning of the whole path
+    RfCamera camera;
+    RfCameraTrack track;
+    int64_t number;
+    double first, last; // frames of its ends
+} ShotPath;
+
+#define FRAME_SLACK 1e-3 // of a frame, by which key times that are written as floats miss it
+
+static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath* shot )
+{
+    const RfCamera* camera = sampling->camera;
+    double start = camera->start, rate = frames_per_unit( sampling );
+    *shot = ( ShotPath ){ .sampling = *sampling, .camera = *camera, .last = ( camera->end - start ) * rate };
+    shot->sampling.camera = &shot->camera;
+    if ( camera->track == NULL || camera->track->cut_count == 0 )
+        return;
+    shot->number = rf_track_shot( camera->track, start + ( frame + FRAME_SLACK ) / rate );
+    shot->track = rf_shot_of_track( camera->track, (int)shot->number );
+    shot->camera.track = &shot->track;
+    shot->first = ( shot->track.start - start ) * rate;
+    shot->last = ( shot->track.end - start ) * rate;
+    if ( frame > shot->last + FRAME_SLACK ) // it is held to the cut
+        shot->last = (double)INFINITY;
+}
+
+static RfResult eye_of_shot( const ShotPath* shot, double frame, RfEye* eye, RfError* error )
+{
+    RfResult result = check_film( &shot->sampling, eye, error );
+    if ( result == RF_OK )
+        result = eye_at_time( &shot->sampling, camera_time( &shot->sampling, frame ), eye, error );
+    eye->shot = shot->number;
+    return result;
+}
+
 RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
 {
-    RfResult result = check_film( sampling, eye, error );
-    return result == RF_OK ? eye_at_time( sampling, camera_time( sampling, frame ), eye, error ) : result;
+    ShotPath shot;
+    find_shot( sampling, frame, &shot );
+    return eye_of_shot( &shot, frame, eye, error );
 }
+
+int rf_camera_shots( const RfCamera* camera ) { return camera->track != NULL ? camera->track->cut_count + 1 : 1; }
 
 void rf_camera_numbers( const RfCamera* camera, int* first, int* step )
 {
@@ -411,8 +460,9 @@ RfResult rf_read_camera( const RfField* object, const char* name, RfCamera* came
 // A camera at a frame of its path.
 typedef struct Moment
 {
-    const RfCameraSampling* sampling;
-    const RfCamera* camera; // its
+    const ShotPath* shot;
+    const RfCameraSampling* sampling; // its
+    const RfCamera* camera;           // its
     double frame;
     RfError* error;
 } Moment;
@@ -422,15 +472,6 @@ static RfOptics optics_of( const RfCamera* camera )
     if ( camera->track != NULL )
         return camera->track->optics;
     return camera->optics != NULL ? *camera->optics : ( RfOptics ){ .sensor = RF_DEFAULT_SENSOR };
-}
-
-// Frames of a path between its ends.
-static double path_frames( const Moment* m )
-{
-    const RfCamera* c = m->camera;
-    bool counts = c->track != NULL && c->track->in_frames;
-    return ( c->end - c->start ) *
-           ( counts ? 1.0 / c->track->step : (double)m->sampling->fps.numerator / m->sampling->fps.denominator );
 }
 
 // A path that goes on beyond its end as it came there: `inside` is as far before the end as `eye` becomes behind it. It
@@ -457,14 +498,13 @@ static void go_on( const RfEye* end, const RfEye* inside, RfEye* eye )
 static RfResult eye_at( const Moment* m, double offset, RfEye* eye )
 {
     int step = m->camera->track != NULL && m->camera->track->in_frames ? m->camera->track->step : 1;
-    double frame = m->frame + offset / step, last = path_frames( m ), end = fmin( fmax( frame, 0.0 ), last );
+    double frame = m->frame + offset / step, end = fmin( fmax( frame, m->shot->first ), m->shot->last );
     RfEye at_end, inside;
-    // key times written as floats miss their frame slightly
-    if ( !m->camera->animated || fabs( frame - end ) < 1e-3 )
-        return rf_camera_eye( m->sampling, frame, eye, m->error );
-    RfResult result = rf_camera_eye( m->sampling, end, &at_end, m->error );
+    if ( !m->camera->animated || fabs( frame - end ) < FRAME_SLACK )
+        return eye_of_shot( m->shot, frame, eye, m->error );
+    RfResult result = eye_of_shot( m->shot, end, &at_end, m->error );
     if ( result == RF_OK )
-        result = rf_camera_eye( m->sampling, 2.0 * end - frame, &inside, m->error );
+        result = eye_of_shot( m->shot, 2.0 * end - frame, &inside, m->error );
     if ( result == RF_OK )
         go_on( &at_end, &inside, eye );
     return result;
@@ -569,9 +609,11 @@ static RfResult add_lens( const Moment* m, RfOptics* optics, double offset, RfEy
 
 RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
 {
-    Moment m = { sampling, sampling->camera, frame, error };
+    ShotPath shot;
+    find_shot( sampling, frame, &shot );
+    Moment m = { &shot, &shot.sampling, &shot.camera, frame, error };
     const RfLens* asked = sampling->lens;
-    RfOptics optics = optics_of( sampling->camera );
+    RfOptics optics = optics_of( &shot.camera );
     RfResult result = asked != NULL ? check_lens( asked, error ) : RF_OK;
     if ( result != RF_OK )
         return result;

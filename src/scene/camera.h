@@ -45,16 +45,19 @@ typedef struct RfCameraSampling
     int width, height; // of the film, pixels
 } RfCameraSampling;
 
-// The camera at frame `frame` of its path, counted from 0: a pinhole that stands still.
+// The camera at frame `frame` of its path, counted from 0: a pinhole that stands still. It is that of the shot which the frame is in.
 RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
 
-// The same with lens and shutter. Fails with RF_ERROR_SCENE for a lens without a focus, and where the node in focus does not
+// The same with lens and shutter, which does not reach into other shots: there its own goes on as a path does beyond its ends. Fails with RF_ERROR_SCENE for a lens without a focus, and where the node in focus does not
 // exist or is not before the camera; with RF_ERROR_USAGE where a focus is asked for but there is no aperture.
 RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
 
 // What the camera calls its frames: the number of the first, and the step to the next. 1 and 1 unless
 // its path is keyed by frame numbers.
 void rf_camera_numbers( const RfCamera* camera, int* first, int* step );
+
+// Shots of its path: one more than cuts.
+int rf_camera_shots( const RfCamera* camera );
 
 // World matrix of a node at `time` seconds.
 void rf_node_world_matrix( const RfScene* scene, int node, double time, RfMat4* matrix );

@@ -58,7 +58,7 @@ RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraIn
     if ( fps.numerator < 1 || fps.denominator < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
     const RfCamera* camera = scene->cameras + index;
-    *info = ( RfCameraInfo ){ .name = camera->name, .animated = camera->animated };
+    *info = ( RfCameraInfo ){ .name = camera->name, .shots = rf_camera_shots( camera ), .animated = camera->animated };
     if ( camera->track != NULL && !rf_camera_track_moves( camera->track ) )
         info->animated = false;
     info->projection = g_rf_projection_names[camera->track != NULL ? (int)camera->track->projection : camera->projection];

@@ -31,6 +31,7 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
     hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // square pixels and a centred lens add nothing
     hash = e->time == 0.0 ? hash : rf_hash_bytes( hash, &e->time, sizeof e->time ); // nor does a scene that stands still
+    hash = e->shot == 0 ? hash : rf_hash_bytes( hash, &e->shot, sizeof e->shot );
     // RfEye has no padding
     return rf_is_sharp( e ) && e->projection == RF_PERSPECTIVE ? hash : rf_hash_bytes( hash, e, offsetof( RfEye, time ) );
 }

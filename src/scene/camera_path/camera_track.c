@@ -9,6 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+// All curves of keys; the first so many say what the camera sees.
+#define CURVES( track )                                                                                                          \
+    {                                                                                                                            \
+        &( track )->position, &( track )->target, &( track )->up, &( track )->rotation, &( track )->fov, ( track )->shift,       \
+            ( track )->shift + 1, &( track )->focus, &( track )->fstop                                                           \
+    }
+#define VIEW_CURVES 7
+
 void rf_destroy_camera_track( RfCameraTrack* track )
 {
     rf_destroy_curve( &track->position );
@@ -22,6 +30,7 @@ void rf_destroy_camera_track( RfCameraTrack* track )
     rf_destroy_curve( &track->fstop );
     rf_destroy_optics( &track->optics );
     rf_destroy_waypoints( &track->walk );
+    free( track->cuts );
     free( track->name );
     free( track->clock );
     *track = ( RfCameraTrack ){ 0 };
@@ -40,12 +49,58 @@ static bool curve_varies( const RfCurve* curve )
 
 bool rf_camera_track_moves( const RfCameraTrack* track )
 {
-    const RfCurve* curves[] = { &track->position, &track->target, &track->up,      &track->rotation,
-                                &track->fov,      track->shift,   track->shift + 1 };
+    const RfCurve* curves[] = CURVES( track );
     bool moves = track->kind != RF_TRACK_KEYED;
-    for ( size_t i = 0; i < sizeof curves / sizeof curves[0]; ++i )
+    for ( size_t i = 0; i < VIEW_CURVES; ++i )
         moves = moves || curve_varies( curves[i] );
     return moves;
+}
+
+int rf_track_shot( const RfCameraTrack* track, double time )
+{
+    int low = 0, end = track->cut_count;
+    while ( low < end )
+    {
+        int middle = low + ( end - low ) / 2;
+        if ( track->position.times[track->cuts[middle]] <= time )
+            low = middle + 1;
+        else
+            end = middle;
+    }
+    return low;
+}
+
+static int first_key( const RfCameraTrack* track, int shot ) { return shot > 0 ? track->cuts[shot - 1] : 0; }
+
+static int end_key( const RfCameraTrack* track, int shot )
+{
+    return shot < track->cut_count ? track->cuts[shot] : track->position.count;
+}
+
+void rf_part_track( RfCameraTrack* track )
+{
+    RfCurve* const curves[] = CURVES( track );
+    for ( int shot = 0; shot <= track->cut_count && track->cut_count > 0; ++shot )
+    {
+        int first = first_key( track, shot ), end = end_key( track, shot );
+        for ( size_t i = 0; i < sizeof curves / sizeof curves[0]; ++i )
+            rf_part_curve( curves[i], first, end - first );
+    }
+}
+
+RfCameraTrack rf_shot_of_track( const RfCameraTrack* track, int shot )
+{
+    RfCameraTrack part = *track;
+    if ( track->cut_count == 0 )
+        return part;
+    RfCurve* const curves[] = CURVES( &part );
+    int first = first_key( track, shot ), end = end_key( track, shot );
+    for ( size_t i = 0; i < sizeof curves / sizeof curves[0]; ++i )
+        *curves[i] = rf_part_of_curve( curves[i], first, end - first );
+    part.cut_count = 0;
+    part.start = part.position.times[0];
+    part.end = part.position.times[end - first - 1];
+    return part;
 }
 
 static void orbit_at( const RfOrbit* orbit, double progress, double position[3] )
@@ -96,6 +151,11 @@ static bool look_at( const double position[3], const double target[3], RfView* v
 
 RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView* view, RfError* error )
 {
+    if ( track->cut_count > 0 )
+    {
+        RfCameraTrack shot = rf_shot_of_track( track, rf_track_shot( track, time ) );
+        return rf_sample_camera_track( &shot, time, view, error );
+    }
     // times of keys are absolute; movements use the fraction of their duration
     double at = time;
     if ( track->kind != RF_TRACK_KEYED )

@@ -51,6 +51,8 @@ typedef struct RfCameraTrack
     RfOrbit orbit;
     RfWaypoints walk;
     double look_ahead; // m ahead along the curve of a walk
+    int cut_count;     // of a keyed path
+    int* cuts;         // ascending: keys with which another shot begins
 } RfCameraTrack;
 
 // Position and unit axes of a camera.
@@ -76,6 +78,15 @@ void rf_destroy_camera_track( RfCameraTrack* track );
 
 // False where all keys of a keyed path are the same: the camera stands still in all its frames.
 bool rf_camera_track_moves( const RfCameraTrack* track );
+
+// The shot at a time, from 0: a path has one more than cuts.
+int rf_track_shot( const RfCameraTrack* track, double time );
+
+// Gives the curves of the shots the shape that they have as paths of their own.
+void rf_part_track( RfCameraTrack* track );
+
+// A shot as a path of its own, which borrows all from `track`.
+RfCameraTrack rf_shot_of_track( const RfCameraTrack* track, int shot );
 
 // The view at a time (in seconds or frames, as the track has it). Fails with RF_ERROR_SCENE if
 // the view has no direction: the camera is on its target, or up is parallel to the view.

@@ -422,6 +422,19 @@ typedef struct Keys
     bool focuses, stops;
 } Keys;
 
+static RfResult read_cut( const RfField* key, int index, RfCameraTrack* track )
+{
+    bool cut = false;
+    RfField field = rf_field_member( key, "cut" );
+    RfResult result = rf_field_bool( &field, &cut );
+    if ( result != RF_OK || !cut )
+        return result;
+    if ( index == 0 )
+        return rf_field_fail( &field, "the first key begins the path: a cut needs a key before it" );
+    track->cuts[track->cut_count++] = index;
+    return RF_OK;
+}
+
 static RfResult read_time( const RfField* key, bool in_frames, int index, double* times )
 {
     const char* name = in_frames ? "frame" : "time";
@@ -464,18 +477,20 @@ static RfResult read_lens_key( const RfField* key, Keys* keys, int i )
     return result == RF_OK ? read_lens_value( key, "fstop", RF_MAX_FSTOP, i, &keys->stops, keys->fstop ) : result;
 }
 
-static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, const RfCameraTrack* track )
+static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, RfCameraTrack* track )
 {
-    static const char* const s_seconds[] = { "time", "position", "target", "rotation", "up", "fov",
-                                             "ymag", "shift",    "focus",  "fstop",    NULL };
-    static const char* const s_frames[] = { "frame", "position", "target", "rotation", "up", "fov",
-                                            "ymag",  "shift",    "focus",  "fstop",    NULL };
+    static const char* const s_seconds[] = { "time", "cut",  "position", "target", "rotation", "up",
+                                             "fov",  "ymag", "shift",    "focus",  "fstop",    NULL };
+    static const char* const s_frames[] = { "frame", "cut",  "position", "target", "rotation", "up",
+                                            "fov",   "ymag", "shift",    "focus",  "fstop",    NULL };
     bool in_frames = track->in_frames;
     RfResult result = rf_field_keys( key, in_frames ? s_frames : s_seconds );
     if ( result == RF_OK )
         result = check_projection( key, track->projection );
     if ( result == RF_OK )
         result = read_time( key, in_frames, i, keys->times );
+    if ( result == RF_OK )
+        result = read_cut( key, i, track );
     if ( result == RF_OK )
         result = read_point( key, "position", keys->position + 3 * i );
     if ( result == RF_OK )
@@ -585,8 +600,12 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     if ( result != RF_OK )
         return result;
     double* memory = calloc( (size_t)count * NUMBERS, sizeof *memory );
-    if ( memory == NULL )
+    track->cuts = malloc( (size_t)count * sizeof *track->cuts );
+    if ( memory == NULL || track->cuts == NULL )
+    {
+        free( memory );
         return rf_fail( top->error, RF_ERROR_MEMORY, "%s: no memory left for %d keys", top->file, count );
+    }
     Keys keys = split_memory( memory, count );
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
@@ -597,6 +616,8 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
         keys.times[i] -= 1.0; // frame 1 is at time 0
     if ( result == RF_OK )
         result = make_curves( &keys, linear, rotates, track, top->error );
+    if ( result == RF_OK )
+        rf_part_track( track );
     track->start = keys.times[0];
     track->end = keys.times[count - 1];
     free( memory );

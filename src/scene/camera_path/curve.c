@@ -111,6 +111,28 @@ RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double
     return RF_OK;
 }
 
+RfCurve rf_part_of_curve( const RfCurve* curve, int first, int count )
+{
+    RfCurve part = *curve;
+    if ( curve->count == 0 )
+        return part;
+    part.count = count;
+    part.times += first;
+    part.knots += first;
+    part.slopes += first;
+    part.values += (size_t)first * (size_t)curve->kind;
+    return part;
+}
+
+void rf_part_curve( RfCurve* curve, int first, int count )
+{
+    RfCurve part = rf_part_of_curve( curve, first, count );
+    if ( part.count == 0 )
+        return;
+    make_knots( &part );
+    make_slopes( &part );
+}
+
 void rf_destroy_curve( RfCurve* curve )
 {
     free( curve->times ); // a single block holds all arrays

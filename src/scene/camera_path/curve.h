@@ -38,6 +38,12 @@ typedef struct RfCurve
 RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double* times, const double* values, RfCurve* curve,
                           RfError* error );
 
+// Keys [first, first + count) as a curve of their own, which borrows the memory of `curve`; of no curve there is none.
+RfCurve rf_part_of_curve( const RfCurve* curve, int first, int count );
+
+// Gives keys [first, first + count) the shape that they have as a curve of their own.
+void rf_part_curve( RfCurve* curve, int first, int count );
+
 void rf_destroy_curve( RfCurve* curve );
 
 // The value at a time, clamped to the first and the last key.

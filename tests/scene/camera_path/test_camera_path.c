@@ -250,6 +250,9 @@ static void test_faults_are_one_line( void** state )
         { TWO( "{\"time\":\"2\",\"position\":[0,0,1]}" ), "keys[1].time: must be a number from 0 to 1e+06, got \"2\"" },
         { TWO( "{\"time\":-2,\"position\":[0,0,1]}" ), "keys[1].time: must be a number from 0 to 1e+06, got -2" },
         { TWO( "{\"time\":0,\"position\":[0,0,2],\"target\":[0,0,0]}" ), "keys[1].time: 0 is not later than the key before" },
+        { TWO( "{\"time\":1,\"cut\":1,\"position\":[0,0,2]}" ), "keys[1].cut: must be true or false" },
+        { "{\"kind\":\"keyed\",\"keys\":[{\"time\":0,\"cut\":true,\"position\":[0,0,1]}]}",
+          "keys[0].cut: the first key begins the path" },
         { TWO( "{\"frame\":2,\"position\":[0,0,2]}" ), "keys[1].frame: unknown key" },
         { TWO( "{\"time\":1,\"target\":[0,0,2]}" ), "keys[1].position: is missing" },
         { TWO( "{\"time\":1,\"position\":[0,2]}" ), "keys[1].position: must be an array of 3 numbers, got an array of 2" },
@@ -303,6 +306,75 @@ static void test_faults_are_one_line( void** state )
     assert_int_equal( rf_load_camera( cli_folder(), &camera, &error ), RF_ERROR_IO );
 }
 
+#define FIRST_SHOT                                                                                                               \
+    "{\"frame\":1,\"position\":[0,1,4],\"fov\":40},{\"frame\":3,\"position\":[1,1,4],\"fov\":44},"                               \
+    "{\"frame\":4.5,\"position\":[2,1,3],\"fov\":43},{\"frame\":8,\"position\":[3,2,1],\"fov\":50}"
+#define SECOND_SHOT( cut )                                                                                                       \
+    "{\"frame\":11," cut "\"position\":[-9,1,4],\"fov\":20},{\"frame\":14,\"position\":[-8,2,3],\"fov\":25},"                    \
+    "{\"frame\":20,\"position\":[-4,2,3],\"fov\":21}"
+#define KEYS_OF( interpolation, keys )                                                                                           \
+    "{\"kind\":\"keyed\",\"interpolation\":\"" interpolation                                                                     \
+    "\",\"target\":[0,0,0],\"lens\":{\"shutter\":[-0.3,0.9]},\"keys\":[" keys "]}"
+
+static RfEye blurred_eye( const RfCamera* camera, int frame )
+{
+    RfScene scene = { 0 };
+    RfEye eye;
+    RfError error = { 0 };
+    RfCameraSampling sampling = { &scene, camera, NULL, { 24, 1 }, 64, 36 };
+    if ( rf_camera_lens_eye( &sampling, frame, &eye, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return eye;
+}
+
+// Frames of a path with a cut are those of two paths, shutter and all; between the last key and the cut the camera is held.
+static void check_cut( const char* cut, const char* first, const char* second )
+{
+    RfCamera whole = load_path( cut ), parts[2] = { load_path( first ), load_path( second ) };
+    assert_int_equal( rf_camera_shots( &whole ), 2 );
+    assert_int_equal( rf_camera_shots( parts ), 1 );
+    assert_int_equal( frames_of( &whole, 24.0 ), 20 );
+    for ( int i = 0; i < 20; ++i )
+    {
+        RfEye eye = blurred_eye( &whole, i ), wanted = blurred_eye( parts + ( i >= 10 ), i >= 10 ? i - 10 : i < 7 ? i : 7 );
+        assert_int_equal( eye.shot, i >= 10 );
+        wanted.shot = eye.shot;
+        if ( i == 8 || i == 9 )
+        {
+            assert_false( eye.moves );
+            assert_true( wanted.moves );
+            RfEye still;
+            RfScene scene = { 0 };
+            assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, parts, NULL, { 24, 1 }, 64, 36 }, 7, &still, NULL ),
+                              RF_OK );
+            assert_memory_equal( &eye, &still, 15 * sizeof( float ) );
+        }
+        else
+            assert_memory_equal( &eye, &wanted, sizeof eye );
+    }
+    rf_destroy_camera( &whole );
+    rf_destroy_camera( parts );
+    rf_destroy_camera( parts + 1 );
+}
+
+static void test_cuts_end_the_curves( void** state )
+{
+    (void)state;
+    check_cut( KEYS_OF( "catmull-rom", FIRST_SHOT "," SECOND_SHOT( "\"cut\":true," ) ), KEYS_OF( "catmull-rom", FIRST_SHOT ),
+               KEYS_OF( "catmull-rom", SECOND_SHOT( "" ) ) );
+    check_cut( KEYS_OF( "linear", FIRST_SHOT "," SECOND_SHOT( "\"cut\":true," ) ), KEYS_OF( "linear", FIRST_SHOT ),
+               KEYS_OF( "linear", SECOND_SHOT( "\"cut\":false," ) ) );
+    // a cut that misses its frame slightly, and one between frames
+    RfCamera camera = load_path( KEYED( ",{\"time\":0.41667,\"cut\":true,\"position\":[0,0,2],\"target\":[0,0,0]}"
+                                        ",{\"time\":0.6,\"cut\":true,\"position\":[0,0,3],\"target\":[0,0,0]}]}" ) );
+    for ( int i = 0; i < 15; ++i )
+        assert_int_equal( blurred_eye( &camera, i ).shot, i < 10 ? 0 : 1 );
+    assert_three( view_at( &camera, 0.41 ).position, 0, 0, 1, 0 );
+    assert_three( view_at( &camera, 0.42 ).position, 0, 0, 2, 0 );
+    assert_three( view_at( &camera, 0.6 ).position, 0, 0, 3, 0 );
+    rf_destroy_camera( &camera );
+}
+
 // Broken copies of a text: an error line, or a path whose frames are numbers or errors.
 static int load_mutations( const char* text, uint64_t count )
 {
@@ -342,7 +414,7 @@ static void test_mutations_never_crash( void** state )
           "{\"time\":0.5,\"position\":[1.5,1.5,2.25],\"target\":[0,1,0],\"fov\":40},"
           "{\"time\":1.25,\"position\":[1.5,2.5,1.25],\"target\":[0,1,0],\"fov\":30}]}" ),
         ( "{\"kind\":\"keyed\",\"keys\":[{\"frame\":1,\"position\":[0.5,1.5,2.25],\"rotation\":[0,0.6,0,0.8]},"
-          "{\"frame\":20,\"position\":[0.5,2.5,1.25],\"rotation\":{\"yaw\":90,\"pitch\":10}}]}" ),
+          "{\"frame\":20,\"cut\":true,\"position\":[0.5,2.5,1.25],\"rotation\":{\"yaw\":90,\"pitch\":10}}]}" ),
         "{\"kind\":\"walk\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4],[3,2,1]],\"look_ahead\":2,\"speed\":2}",
     };
     const char* many = getenv( "REFRAME_MUTATIONS" );
@@ -382,11 +454,17 @@ static void test_vase_zoom_is_the_scenes_camera( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_orbit_by_closed_form ),      cmocka_unit_test( test_dolly_and_zoom_by_closed_form ),
-        cmocka_unit_test( test_walk_by_closed_form ),       cmocka_unit_test( test_keys_are_met ),
-        cmocka_unit_test( test_angles_turn_as_documented ), cmocka_unit_test( test_frame_times_are_exact_multiples ),
-        cmocka_unit_test( test_views_without_direction ),   cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_mutations_never_crash ),     cmocka_unit_test( test_vase_zoom_is_the_scenes_camera ),
+        cmocka_unit_test( test_orbit_by_closed_form ),
+        cmocka_unit_test( test_dolly_and_zoom_by_closed_form ),
+        cmocka_unit_test( test_cuts_end_the_curves ),
+        cmocka_unit_test( test_walk_by_closed_form ),
+        cmocka_unit_test( test_keys_are_met ),
+        cmocka_unit_test( test_angles_turn_as_documented ),
+        cmocka_unit_test( test_frame_times_are_exact_multiples ),
+        cmocka_unit_test( test_views_without_direction ),
+        cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_mutations_never_crash ),
+        cmocka_unit_test( test_vase_zoom_is_the_scenes_camera ),
     };
     return cmocka_run_group_tests_name( "camera path", tests, cli_enter_group, cli_leave_group );
 }
