@@ -75,12 +75,17 @@ class Recorder:
     def __init__(self, scene, camera, follow):
         self.scene, self.camera, self.follow = scene, camera, follow
         self.keys, self.before, self.camera_now = [], None, None
+        self.active, self.cuts = None, set()  # the camera of the last key; keys with which another one begins
         self.projection = None  # of all frames
         self.focus = []  # of each key: f-number and distance, or None
 
     def note(self, number, depsgraph):
         # markers in the timeline may change the active camera
-        camera = (self.scene.camera if self.follow and self.scene.camera else self.camera).evaluated_get(depsgraph)
+        active = self.scene.camera if self.follow and self.scene.camera else self.camera
+        if self.active not in (None, active):
+            self.cuts.add(number)
+        self.active = active
+        camera = active.evaluated_get(depsgraph)
         self.camera_now = camera
         place, turn, _ = camera.matrix_world.decompose()
         if self.before is not None and self.before.dot(turn) < 0.0:
@@ -118,6 +123,8 @@ class Recorder:
             turn = Y_UP @ turn
             key = {"frame": number - below, "position": rounded((place.x, place.z, -place.y)),
                    "rotation": rounded((turn.x, turn.y, turn.z, turn.w))}
+            if number in self.cuts:
+                key["cut"] = True
             if extent is not None:
                 key[self.extents()] = float("%.9g" % extent)
             if shifts:

@@ -322,7 +322,7 @@ static void expect_same_picture( const char* name, const char* cycles )
 #define SCRIPT REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
 #define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/"
 
-// Frames 101 to 110 at 29.97 frames/s, of 64x36 pixels that are not square, by a zooming and shifted lens.
+// Frames 101 to 110 at 29.97 frames/s with two cuts by markers, of 64x36 pixels that are not square, by a zooming and shifted lens.
 static void test_shot_is_blenders( void** state )
 {
     (void)state;
@@ -336,7 +336,7 @@ static void test_shot_is_blenders( void** state )
     const char* told = strstr( done->err, moves );
     assert_true( told != NULL && strstr( told + 1, moves ) != NULL ); // at once, and repeated at the end
     done = cli_run( "$R info shot.glb" );
-    assert_non_null( strstr( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s" ) );
+    assert_non_null( strstr( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s, animated, 3 shots" ) );
     assert_non_null( strstr( done->out, "size       64x36" ) );
 #define RENDER_SHOT "$R render shot.glb -o f.####.exr --frames 101,110 --group 0 --tile 1 --spp 64 --filter box --quiet"
     cli_expect( cli_run( RENDER_SHOT ), 1,

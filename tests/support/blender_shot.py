@@ -55,6 +55,12 @@ def main():
         eye.location, data.lens = place, lens
         eye.keyframe_insert("location", frame=frame)
         data.keyframe_insert("lens", frame=frame)
+    # frames 104 to 106 are another camera's
+    side = bpy.data.objects.new("Side", bpy.data.cameras.new("Side"))
+    side.location, side.rotation_euler = (7, 0, 0), (math.radians(90), 0, math.radians(90))
+    scene.collection.objects.link(side)
+    for frame, camera in ((101, eye), (104, side), (107, eye)):
+        scene.timeline_markers.new(camera.name, frame=frame).camera = camera
     bpy.data.objects["Cube"].keyframe_insert("rotation_euler", frame=101)
     bpy.data.objects["Cube"].rotation_euler = (0, 0, 1)
     bpy.data.objects["Cube"].keyframe_insert("rotation_euler", frame=110)
