@@ -311,6 +311,8 @@ RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* cons
     if ( count < 2 || count > RF_SPECTRUM_FRAMES )
         return rf_fail( error, RF_ERROR_USAGE, "a spectrum of %d frames is not possible: use 2 to %d", count,
                         RF_SPECTRUM_FRAMES );
+    if ( rf_is_cut( frames[count - 1], frames[0] ) )
+        return RF_OK;
     Group group = { .count = count, .frames = frames };
     fill_cosines( &group );
     bool finite = frames[0]->is_finite;
@@ -410,6 +412,8 @@ RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* be
                         height, before->number, before->signal.width, before->signal.height );
     if ( compensate && now->motion == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "frame %d has no motion layer to compensate with", now->number );
+    if ( rf_is_cut( now, before ) )
+        return RF_OK;
     RfFlickerSums* rows = calloc( (size_t)height, sizeof *rows );
     if ( rows == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d rows", height );

@@ -7,6 +7,7 @@
 #include "render/groups.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 // Backward reprojection: where the surface seen in a pixel was in the previous frame, by the
 // motion layer, and whether it was visible there, by depth.
@@ -26,6 +27,7 @@
 typedef struct RfFlickerFrame
 {
     int number;
+    char shot[32];    // of its path; empty where that has no cuts, or another program wrote it
     RfImage signal;   // e = v − r with a reference, else the image v
     RfImage variance; // of v; rgb NULL: unknown
     float* motion;    // 2 per pixel, or NULL
@@ -86,7 +88,13 @@ typedef struct RfFlickerSums
     double square;     // Σ e_t² + e_{t−1}²; NaN: unknown
 } RfFlickerSums;
 
-// The sums of a frame and the previous one, which has the same size. `has_error`: the
+// Is there a cut between two frames?
+static inline bool rf_is_cut( const RfFlickerFrame* now, const RfFlickerFrame* before )
+{
+    return strcmp( now->shot, before->shot ) != 0;
+}
+
+// The sums of a frame and the previous one, which has the same size; all 0 where there is a cut between them. `has_error`: the
 // signals are errors against a reference; else they are the frames themselves, and
 // mean squared errors come from the variance layer, if there is one.
 RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* before, bool compensate, bool has_error,
@@ -141,7 +149,7 @@ typedef struct RfSpectrum
 // True if a group ends with the frame of this index (from 0) out of `count`.
 bool rf_ends_group( int index, int count );
 
-// Adds a group of 2 to RF_SPECTRUM_FRAMES frames of equal size, in order.
+// Adds a group of 2 to RF_SPECTRUM_FRAMES frames of equal size, in order, unless there is a cut among them.
 RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate,
                                 RfError* error );
 

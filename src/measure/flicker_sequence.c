@@ -285,6 +285,8 @@ RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers,
     if ( result != RF_OK )
         return result;
     take_camera( &header, frame );
+    if ( rf_read_exr_string( path, "reframe/shot", frame->shot, sizeof frame->shot, NULL ) != RF_OK )
+        frame->shot[0] = '\0';
     result = read_colour( path, layers, first, first_path, frame, error );
     if ( result == RF_OK )
         result = read_layers( path, layers, &header, frame, error );

@@ -6,6 +6,7 @@
 #include "image/atomic_file.h"
 #include "reframe/output.h"
 #include "reframe/render.h"
+#include "render/groups.h"
 #include "scene/eye.h"
 #include "scene/scene.h"
 
@@ -277,6 +278,16 @@ static void put_effects( Attributes* a, const RfScene* scene )
                                                                                                                         : names );
 }
 
+// The first and the last frame between two cuts; nothing where the path has none.
+static void put_shot( Attributes* a, const RfCameraPath* path, int frame )
+{
+    int first, end;
+    RfGroupPlan plan = rf_plan_shots( path->eyes, path->count, 0, 1 );
+    rf_shot_of_frame( &plan, frame, &first, &end );
+    if ( end - first < path->count )
+        put( a, RF_KEY_SHOT, "%d-%d", rf_frame_number( path, first ), rf_frame_number( path, end - 1 ) );
+}
+
 static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
 {
     char fingerprint[RF_FINGERPRINT_SIZE];
@@ -286,6 +297,7 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put_text( a, RF_KEY_CAMERA, output->path->name );
     put( a, RF_KEY_FRAME, "%d", rf_frame_number( output->path, frame->frame ) );
     put( a, RF_KEY_FRAMES, "%d", output->path->count );
+    put_shot( a, output->path, frame->frame );
     if ( output->path->step > 1 )
         put( a, RF_KEY_STEP, "%d", output->path->step );
     if ( isfinite( frame->relmse_estimate ) )

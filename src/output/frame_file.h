@@ -14,6 +14,7 @@
     X( CAMERA, "reframe/camera" )                                                                                                \
     X( FRAME, "reframe/frame" )                                                                                                  \
     X( FRAMES, "reframe/frames" )                                                                                                \
+    X( SHOT, "reframe/shot" )                                                                                                    \
     X( STEP, "reframe/step" )                                                                                                    \
     X( GROUP, "reframe/group" )                                                                                                  \
     X( SPP, "reframe/spp" )                                                                                                      \

@@ -206,6 +206,36 @@ static void test_groups_of_files( void** state )
     assert_false( rf_has_seams( &seams ) );
 }
 
+// Two shots: the picture changes at the cut alone, and each has the groups of a path of its own.
+static void test_no_flicker_across_cuts( void** state )
+{
+    (void)state;
+    for ( int frame = 1; frame <= 18; ++frame )
+    {
+        char number_text[8];
+        snprintf( number_text, sizeof number_text, "%d", frame );
+        const RfExrString strings[] = { { "reframe/group", "1" },
+                                        { "reframe/spp", "4" },
+                                        { "reframe/frame", number_text },
+                                        { "reframe/frames", "18" },
+                                        { "reframe/shot", frame < 3 ? "1-2" : "3-18" } };
+        RfExrOptions options = rf_default_exr_options();
+        options.strings = strings;
+        options.string_count = 5;
+        write_frame( frame_name( "cut.##.exr", frame ), SIDE, frame < 3 ? 1.0f : 5.0f, &options );
+    }
+    check_done( flicker( "cut.##.exr", "--spectrum", NULL ) );
+    json_t* json = load_json();
+    assert_true( number( json, "f1" ) == 0.0 && number( json, "cuts" ) == 1.0 );
+    assert_int_equal( json_array_size( json_object_get( json, "pairs" ) ), 16 );
+    assert_true( number( json_object_get( json, "spectrum" ), "windows" ) == 1.0 ); // of those that end with frames 16 and 18
+    // of the 15 pairs of the second shot the first two and the last two are in fewer or longer groups; the first is one group
+    const json_t* groups = json_object_get( json, "groups" );
+    assert_true( number( json_object_get( groups, "border" ), "pairs" ) == 4.0 );
+    assert_true( number( json_object_get( groups, "inside" ), "pairs" ) == 12.0 );
+    json_decref( json );
+}
+
 static void write_foreign( const char* name, const Foreign* foreign ) { write_foreign_exr( temp_path( name ), foreign, 1 ); }
 
 static void test_files_of_other_programs( void** state )
@@ -369,13 +399,10 @@ static void test_compensation_beats_plain_on_a_render( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_phi_against_a_constant_by_hand ),
-        cmocka_unit_test( test_without_reference_phi_is_unknown ),
-        cmocka_unit_test( test_own_layers_are_found_by_name ),
-        cmocka_unit_test( test_groups_of_files ),
-        cmocka_unit_test( test_files_of_other_programs ),
-        cmocka_unit_test( test_motion_from_camera_matrices ),
-        cmocka_unit_test( test_compensation_beats_plain_on_a_render ),
+        cmocka_unit_test( test_phi_against_a_constant_by_hand ), cmocka_unit_test( test_without_reference_phi_is_unknown ),
+        cmocka_unit_test( test_own_layers_are_found_by_name ),   cmocka_unit_test( test_groups_of_files ),
+        cmocka_unit_test( test_no_flicker_across_cuts ),         cmocka_unit_test( test_files_of_other_programs ),
+        cmocka_unit_test( test_motion_from_camera_matrices ),    cmocka_unit_test( test_compensation_beats_plain_on_a_render ),
         cmocka_unit_test( test_wrong_input_is_refused ),
     };
     return cmocka_run_group_tests_name( "flicker files", tests, make_temp_folder, remove_temp_folder );

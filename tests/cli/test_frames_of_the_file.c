@@ -164,10 +164,6 @@ static void test_lens_of_every_frame( void** state )
     rf_close_scene( scene );
 }
 
-#define STILL                                                                                                                    \
-    "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 2, 0.2, 40 ) "," KEY(                 \
-        4, 0.2, 40 ) "," KEY( 6, 0.4, 40 ) "]}"
-
 static void expect_motion( const char* name, bool before, bool after )
 {
     static const char* const channels[] = { "motion.X", "motion.Y", "motion.Z", "motion.W" };
@@ -180,6 +176,60 @@ static void expect_motion( const char* name, bool before, bool after )
     assert_int_equal( moved[0], before );
     assert_int_equal( moved[1], after );
 }
+
+#define CUT( rest )                                                                                                              \
+    "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"lens\":{\"shutter\":0.5},\"keys\":[" KEY( 101, 0, 40 ) "," KEY(          \
+        104, 0.3, 40 ) ",{\"frame\":105," rest                                                                                   \
+                       "\"position\":[0.4,0.2,0],\"rotation\":[0,0,0,1],\"fov\":45}," KEY( 108, 0.2, 50 ) "]}"
+
+// Two shots in one path: what is rendered on one side is the same whatever is on the other.
+static void test_cuts_part_a_path( void** state )
+{
+    (void)state;
+#define RENDER_CUT "$R render room.gltf --group 2 --spp 4 --aov motion,depth --quiet "
+    write_shot( CUT( "" ), SHOT );
+    cli_expect( cli_run( RENDER_CUT "-o one.####.exr" ), 0, NULL );
+    write_shot( CUT( "\"cut\":true," ), SHOT );
+    assert_non_null(
+        strstr( cli_run( "$R info room.gltf" )->out, "8 frames (101 to 108) at 29.97 frames/s, animated, 2 shots" ) );
+    cli_expect( cli_run( RENDER_CUT "-o cut.####.exr" ), 0, NULL );
+    assert_false( is_same_picture( "one.0104.exr", "cut.0104.exr" ) );
+    expect_text( "cut.0104.exr", "reframe/shot", "101-104" );
+    expect_text( "cut.0105.exr", "reframe/shot", "105-108" );
+    char text[64];
+    assert_int_not_equal( rf_read_exr_string( "one.0104.exr", "reframe/shot", text, sizeof text, NULL ), RF_OK );
+    expect_motion( "cut.0104.exr", true, false );
+    expect_motion( "cut.0105.exr", false, true );
+    assert_non_null( strstr( cli_run( "$R flicker cut.####.exr" )->out, "1 cut: no pair of frames is compared across one" ) );
+    // the first shot as a path of its own, a frame alone, and one that is kept
+    write_shot( "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"lens\":{\"shutter\":0.5},\"keys\":[" KEY(
+                    101, 0, 40 ) "," KEY( 104, 0.3, 40 ) "]}",
+                SHOT );
+    cli_expect( cli_run( RENDER_CUT "-o first.####.exr" ), 0, NULL );
+    write_shot( CUT( "\"cut\":true," ), SHOT );
+    cli_expect( cli_run( RENDER_CUT "-o alone.####.exr --frames 104-105" ), 0, NULL );
+    cli_expect( cli_run( RENDER_CUT "-o alone.####.exr --resume" ), 0, NULL );
+    for ( int i = 101; i <= 108; ++i )
+    {
+        char cut[16], first[16], alone[16];
+        snprintf( cut, sizeof cut, "cut.%04d.exr", i );
+        snprintf( first, sizeof first, "first.%04d.exr", i );
+        snprintf( alone, sizeof alone, "alone.%04d.exr", i );
+        assert_true( is_same_picture( cut, alone ) );
+        assert_true( i > 104 || is_same_picture( cut, first ) );
+    }
+    expect_among( cli_run( RENDER_CUT "-o one.####.exr --resume" ), 1, "one.0101.exr" ); // of another path
+    // machines share no group at a cut
+    cli_expect( cli_run( "$R plan room.gltf --group 2 --spp 4 --nodes 2 --json plan.json >told" ), 0, NULL );
+    json_t* json = cli_read_json( "plan.json" );
+    const json_t* ranges = json_object_get( json_object_get( json, "nodes" ), "ranges" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( ranges, 0 ), "frames" ) ), "101-104" );
+    json_decref( json );
+}
+
+#define STILL                                                                                                                    \
+    "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 2, 0.2, 40 ) "," KEY(                 \
+        4, 0.2, 40 ) "," KEY( 6, 0.4, 40 ) "]}"
 
 static void test_equal_eyes_are_rendered_once( void** state )
 {
@@ -296,6 +346,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_frames_are_called_as_in_the_file, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_frames_in_steps, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_lens_of_every_frame, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_cuts_part_a_path, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),

@@ -183,6 +183,7 @@ static void test_every_attribute_is_shown( void** state )
     static const RfKey elsewhere[] = {
         RF_KEY_FRAME,
         RF_KEY_FRAMES,
+        RF_KEY_SHOT,
         RF_KEY_STEP,
         RF_KEY_SPP,
         RF_KEY_EFFECTS,

@@ -340,11 +340,26 @@ static void forget_layers( const RfFlickerReport* report, RfFlickerFrame* frame 
     frame->motion = frame->depth = NULL;
 }
 
+// The groups of a shot are its own.
+static RfResult enter_shot( FlickerRun* flicker, int i, RfError* error )
+{
+    char path[FLICKER_NAME_SIZE];
+    RfResult result = flicker_path( flicker->pattern, flicker->frames[i], path, error );
+    flicker->report.cuts += 1;
+    if ( result != RF_OK || flicker->period > 0 )
+        return result;
+    flicker->seams = rf_read_seams( path, flicker->frames[i], flicker->frames[flicker->frame_count - 1] );
+    flicker->report.has_seams = flicker->report.has_seams || rf_has_seams( &flicker->seams );
+    return RF_OK;
+}
+
 static RfResult measure_pair( FlickerRun* flicker, int i, RfError* error )
 {
     RfFlickerReport* report = &flicker->report;
     const RfFlickerFrame* now = flicker->ring + i % flicker->ring_size;
     RfFlickerFrame* before = flicker->ring + ( i - 1 ) % flicker->ring_size;
+    if ( rf_is_cut( now, before ) )
+        return enter_shot( flicker, i, error );
     RfFlickerSums sums;
     RfResult result = rf_measure_flicker( now, before, report->compensated, flicker->reference != NULL, &sums, error );
     if ( result != RF_OK )

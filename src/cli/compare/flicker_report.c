@@ -33,7 +33,16 @@ RfSeams rf_read_seams( const char* path, int number, int last )
     seams.first = number - ( frame - 1 );
     if ( !read_whole( path, "reframe/frames", 1, MOST_FRAMES, &frames ) )
         frames = last - seams.first + 1;
-    if ( frames < frame )
+    char shot[64];
+    int first, end;
+    if ( rf_read_exr_string( path, "reframe/shot", shot, sizeof shot, NULL ) == RF_OK &&
+         sscanf( shot, "%d-%d", &first, &end ) == 2 )
+    {
+        seams.first = number - ( frame - first );
+        frames = end - first + 1;
+        frame = frame - first + 1;
+    }
+    if ( frames < frame || frame < 1 )
         return seams;
     seams.slides = true;
     seams.plan = rf_plan_groups( frames, group, spp );
@@ -234,6 +243,8 @@ void rf_print_flicker( const RfFlickerReport* report )
     printf( "%s\n\n", verdict );
     print_pairs( report );
     print_row( "all", &report->plain.all, "" );
+    if ( report->cuts > 0 )
+        printf( "%d cut%s: no pair of frames is compared across one\n", report->cuts, report->cuts == 1 ? "" : "s" );
     print_seams( report );
     print_followed( report );
     print_spectrum( report );
@@ -315,6 +326,7 @@ json_t* rf_flicker_json( RfFlickerReport* report )
     json_object_set_new( object, "pairs", report->pairs );
     report->pairs = NULL;
     set_metrics( object, &report->plain.all );
+    json_object_set_new( object, "cuts", json_integer( report->cuts ) );
     if ( report->follows )
     {
         json_t* followed = part_json( &report->followed.all, NULL );

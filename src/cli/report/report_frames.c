@@ -404,7 +404,7 @@ static RfResult measure_flicker( Work* work, int i, RfError* error )
     RfFlickerSums sums, followed;
     const RfFlickerFrame *now = work->ring + i % 2, *before = work->ring + ( i + 1 ) % 2;
     bool pair = i > 0 && work->has_frame[0] && work->has_frame[1] && track->numbers[i] == track->numbers[i - 1] + 1;
-    if ( !pair )
+    if ( !pair || rf_is_cut( now, before ) )
         return RF_OK;
     track->pair_count += 1;
     bool has_layers = rf_has_flicker_layers( &work->layers, now, before );
