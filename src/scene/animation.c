@@ -2,7 +2,9 @@
 #include "scene/animation.h"
 
 #include "math/quat.h"
+#include "scene/camera_path/curve.h"
 
+#include <math.h>
 #include <string.h>
 
 // Index of the last key at or before `time`, which the caller has clamped.
@@ -65,8 +67,42 @@ static void sample_between( const RfChannel* channel, int key, double time, doub
         value[i] = ( 1.0 - t ) * v0[i] + t * v1[i];
 }
 
+// The time of a channel at one of the scene.
+static double read_clock( const RfClock* clock, double time )
+{
+    if ( clock->speed == 0.0 )
+        return time;
+    double length = clock->last - clock->first, played = fmax( ( time - clock->start ) * clock->speed, 0.0 );
+    if ( clock->loops && length > 0.0 )
+        played = fmod( played, length );
+    return clock->first + fmin( played, length );
+}
+
+void rf_channel_span( const RfChannel* channel, double* start, double* end )
+{
+    const RfClock* clock = &channel->clock;
+    *start = channel->times[0];
+    *end = channel->times[channel->count - 1];
+    if ( clock->speed == 0.0 )
+        return;
+    if ( clock->loops )
+    {
+        *start = fmax( clock->start, 0.0 );
+        *end = *start + ( clock->last - clock->first ) / clock->speed;
+        return;
+    }
+    *start = fmax( clock->start + ( *start - clock->first ) / clock->speed, 0.0 );
+    *end = fmax( clock->start + ( *end - clock->first ) / clock->speed, 0.0 );
+}
+
 void rf_sample_channel( const RfChannel* channel, double time, double* value )
 {
+    time = read_clock( &channel->clock, time );
+    if ( channel->curve != NULL )
+    {
+        rf_sample_curve( channel->curve, time, value );
+        return;
+    }
     int n = channel->components;
     int last = channel->count - 1;
     int key = 0;

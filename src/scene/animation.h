@@ -4,9 +4,12 @@
 
 #include "scene/scene.h"
 
-// The value of a channel at `time` seconds, clamped to its first and last key: as many numbers as it has components, a
+// The value of a channel at `time` seconds of the scene, clamped to its first and last key: as many numbers as it has components, a
 // unit quaternion for rotations.
 void rf_sample_channel( const RfChannel* channel, double time, double* value );
+
+// From when to when a channel moves, in seconds of the scene, which begins at 0: of what loops, the first round.
+void rf_channel_span( const RfChannel* channel, double* start, double* end );
 
 // The channels of one node, contiguous in `scene->channels`, which are sorted by node, then path. Returns
 // the first, and their number in `count` (0 to 5).

@@ -21,6 +21,16 @@ void rf_destroy_triangles( RfTriangles* triangles )
     memset( triangles, 0, sizeof *triangles );
 }
 
+void rf_destroy_channel( RfChannel* channel )
+{
+    if ( channel->curve != NULL )
+        rf_destroy_curve( channel->curve );
+    free( channel->curve );
+    free( channel->times );
+    free( channel->values );
+    memset( channel, 0, sizeof *channel );
+}
+
 void rf_destroy_camera( RfCamera* camera )
 {
     if ( camera->track != NULL )
@@ -67,10 +77,7 @@ void rf_destroy_scene( RfScene* scene )
     for ( int i = 0; scene->nodes != NULL && i < scene->node_count; ++i )
         free( scene->nodes[i].name );
     for ( int i = 0; scene->channels != NULL && i < scene->channel_count; ++i )
-    {
-        free( scene->channels[i].times );
-        free( scene->channels[i].values );
-    }
+        rf_destroy_channel( scene->channels + i );
     for ( int i = 0; scene->cameras != NULL && i < scene->camera_count; ++i )
         rf_destroy_camera( scene->cameras + i );
     for ( int i = 0; scene->punctuals != NULL && i < scene->punctual_count; ++i )

@@ -86,6 +86,18 @@ typedef enum RfAnimatedPath
     RF_VISIBILITY, // 1, or 0: hidden
 } RfAnimatedPath;
 
+struct RfCurve;
+
+// By which clock a channel goes: it begins with `first` at `start`, goes `speed` times as fast as the scene, and at `last` stays or
+// begins again.
+typedef struct RfClock
+{
+    double start;       // seconds of the scene
+    double speed;       // seconds of the channel in one of the scene; 0: it goes by the scene's own, and the rest says nothing
+    double first, last; // seconds of the channel
+    bool loops;
+} RfClock;
+
 // One animated property of one node: `count` keys of 3 doubles (rotations: 4, visibility: 1, weights: one for each
 // morph target). A CUBICSPLINE key is in-tangent, value, out-tangent: three times as many doubles.
 typedef struct RfChannel
@@ -97,6 +109,8 @@ typedef struct RfChannel
     int count;
     double* times; // seconds, strictly increasing
     double* values;
+    struct RfCurve* curve; // owned: smooth, through the same keys (scene/camera_path/curve.h); NULL: as interpolation says
+    RfClock clock;
 } RfChannel;
 
 struct RfCameraTrack;
@@ -197,6 +211,7 @@ struct RfScene
     int export_warning_count;
     char** export_warnings; // what the program that wrote the file warned of; printable
     RfCamera* cameras;
+    RfFps key_fps;                             // at which keys of its objects count frames; 0/0: none do
     int chosen_camera;                         // 1 + index of the camera that the scene file selects; 0: none
     uint64_t effects_forced, effects_left_out; // by rf_choose_effects: sets of RF_EFFECT_BITs
     const RfFeignedGhosts* feigned;            // NULL outside tests
@@ -210,6 +225,9 @@ RfResult rf_check_rendered( const RfScene* scene, RfError* error );
 
 // Frees the arrays and clears the struct.
 void rf_destroy_triangles( RfTriangles* triangles );
+
+// Frees the keys of a channel and clears the struct.
+void rf_destroy_channel( RfChannel* channel );
 
 // Frees the camera's name and track and clears the struct.
 void rf_destroy_camera( RfCamera* camera );

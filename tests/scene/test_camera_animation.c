@@ -44,7 +44,9 @@ static void test_step_holds_the_last_key( void** state )
 {
     (void)state;
     double times[] = { 1, 2, 4 }, values[] = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }, v[4];
-    RfChannel channel = { 0, RF_TRANSLATION, 3, RF_STEP, 3, times, values };
+    RfChannel channel = {
+        .path = RF_TRANSLATION, .components = 3, .interpolation = RF_STEP, .count = 3, .times = times, .values = values
+    };
     const double samples[][2] = { { 0, 1 }, { 1, 1 }, { 1.999, 1 }, { 2, 4 }, { 3.9, 4 }, { 4, 7 }, { 99, 7 } };
     for ( size_t i = 0; i < sizeof samples / sizeof samples[0]; ++i )
     {
@@ -58,7 +60,9 @@ static void test_linear_is_straight( void** state )
 {
     (void)state;
     double times[] = { 1, 2, 4 }, values[] = { 0, 0, 0, 2, 4, 8, 0, 0, 0 }, v[4];
-    RfChannel channel = { 0, RF_SCALE, 3, RF_LINEAR, 3, times, values };
+    RfChannel channel = {
+        .path = RF_SCALE, .components = 3, .interpolation = RF_LINEAR, .count = 3, .times = times, .values = values
+    };
     rf_sample_channel( &channel, 1.25, v );
     assert_near( v[0], 0.5, 1e-15 );
     assert_near( v[2], 2.0, 1e-15 );
@@ -79,7 +83,9 @@ static void test_slerp_takes_the_short_way( void** state )
     {
         double times[] = { 0, 1 }, q[4];
         double values[] = { 0, 0, 0, 1, 0, sign * HALF_SQRT2, 0, sign * HALF_SQRT2 };
-        RfChannel channel = { 0, RF_ROTATION, 4, RF_LINEAR, 2, times, values };
+        RfChannel channel = {
+            .path = RF_ROTATION, .components = 4, .interpolation = RF_LINEAR, .count = 2, .times = times, .values = values
+        };
         for ( double t = 0.0; t <= 1.0; t += 0.125 )
         {
             rf_sample_channel( &channel, t, q );
@@ -94,7 +100,9 @@ static void test_slerp_of_equal_keys( void** state )
 {
     (void)state;
     double times[] = { 0, 1 }, values[] = { 0, 0, 0, 1, 1e-9, 0, 0, 1 }, q[4];
-    RfChannel channel = { 0, RF_ROTATION, 4, RF_LINEAR, 2, times, values };
+    RfChannel channel = {
+        .path = RF_ROTATION, .components = 4, .interpolation = RF_LINEAR, .count = 2, .times = times, .values = values
+    };
     rf_sample_channel( &channel, 0.5, q );
     assert_near( q[0], 0.5e-9, 1e-15 );
     assert_near( q[3], 1.0, 1e-15 );
@@ -107,7 +115,9 @@ static void test_cubicspline_scales_tangents( void** state )
     (void)state;
     double times[] = { 0, 2 }, v[4];
     double values[] = { 99, 99, 99, 0, 0, 0, 0, 0, 0, 12, 12, 12, 8, 8, 8, 99, 99, 99 };
-    RfChannel channel = { 0, RF_TRANSLATION, 3, RF_CUBICSPLINE, 2, times, values };
+    RfChannel channel = {
+        .path = RF_TRANSLATION, .components = 3, .interpolation = RF_CUBICSPLINE, .count = 2, .times = times, .values = values
+    };
     for ( double t = 0.0; t <= 2.0; t += 0.25 )
     {
         rf_sample_channel( &channel, t, v );
@@ -124,7 +134,9 @@ static void test_cubicspline_rotation_is_unit( void** state )
     (void)state;
     double times[] = { 0, 1 }, q[4];
     double values[] = { 0, 0, 0, 0, 0, 0, 0, 1, 0, 3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0 };
-    RfChannel channel = { 0, RF_ROTATION, 4, RF_CUBICSPLINE, 2, times, values };
+    RfChannel channel = {
+        .path = RF_ROTATION, .components = 4, .interpolation = RF_CUBICSPLINE, .count = 2, .times = times, .values = values
+    };
     rf_sample_channel( &channel, 0.5, q );
     assert_near( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0, 1e-12 );
     assert_true( q[1] > 0.1 );
@@ -199,7 +211,9 @@ static void test_parents_move_cameras( void** state )
     RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
     nodes[1].translation[2] = 5.0;
     double times[] = { 0, 1 }, values[] = { 0, 0, 0, 1, 0, HALF_SQRT2, 0, HALF_SQRT2 };
-    RfChannel channel = { 0, RF_ROTATION, 4, RF_LINEAR, 2, times, values };
+    RfChannel channel = {
+        .path = RF_ROTATION, .components = 4, .interpolation = RF_LINEAR, .count = 2, .times = times, .values = values
+    };
     RfCamera camera = { .name = "c", .node = 1, .yfov = 1.0, .animated = true, .end = 1.0 };
     RfScene scene = make_scene( nodes, 2, &camera, 1 );
     scene.channels = &channel;

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "reframe/error.h"
+#include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/gltf/gltf_document.h"
 #include "scene/gltf/gltf_geometry.h"
@@ -269,15 +270,17 @@ static RfResult check_asset( const RfGltf* gltf )
     return RF_OK;
 }
 
-// Of the first frame of the default camera, which spans all movement unless it moves itself.
-static double find_first_time( const RfScene* scene )
+double rf_gltf_first_time( const RfScene* scene )
 {
     int index;
-    double first = (double)INFINITY;
+    double first = (double)INFINITY, start, end;
     if ( scene->camera_count > 0 && rf_find_camera( scene, NULL, &index, NULL ) == RF_OK && scene->cameras[index].animated )
         return scene->cameras[index].start;
     for ( int i = 0; i < scene->channel_count; ++i )
-        first = fmin( first, scene->channels[i].times[0] );
+    {
+        rf_channel_span( scene->channels + i, &start, &end );
+        first = fmin( first, start );
+    }
     return isfinite( first ) ? first : 0.0;
 }
 
@@ -302,7 +305,7 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_load_animations( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_cameras( gltf );
-    gltf->frozen_at = find_first_time( gltf->scene );
+    gltf->frozen_at = gltf->options->frozen_at != NULL ? *gltf->options->frozen_at : rf_gltf_first_time( gltf->scene );
     if ( result == RF_OK )
         result = rf_gltf_load_lights( gltf );
     if ( result == RF_OK )
@@ -336,6 +339,7 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
     memcpy( scene->origin, origin, sizeof scene->origin );
     RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = error, .default_material = -1 };
     gltf.freeze = options->freeze;
+    gltf.options = options;
     gltf.animation = options->animation;
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
@@ -355,8 +359,10 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
 RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
     double origin[3] = { 0 };
+    if ( options->origin != NULL )
+        memcpy( origin, options->origin, sizeof origin );
     RfResult result = load_around( origin, path, options, scene, log, error );
-    if ( result != RF_OK || !find_origin( scene, origin ) )
+    if ( result != RF_OK || options->origin != NULL || !find_origin( scene, origin ) )
         return result;
     rf_destroy_scene( scene );
     return load_around( origin, path, options, scene, NULL, error );

@@ -16,7 +16,16 @@ typedef struct RfGltfOptions
     bool freeze;                   // all but cameras stands still, as in the first frame of the default camera: scene->frozen
     const char* animation;         // that goes before the others, where several move the same; NULL: the first
     const struct RfGltfEdit* edit; // of the document, before it is read (scene/gltf/gltf_document.h); or NULL
+    int channel_count;
+    const RfChannel* channels; // from elsewhere, in the place of those of the file; without keys: in the place of what moves
+                               // there, which stands still. Read after the edit; copied
+    const RfClock* clock;      // of the animations of the file, all of whose keys are played: start, speed, loops; or NULL
+    const double* origin;      // that the scene gets; NULL: its own
+    const double* frozen_at;   // seconds; NULL: as in the first frame of its own default camera
 } RfGltfOptions;
+
+// When the default camera has its first frame, which spans all movement unless it moves itself.
+double rf_gltf_first_time( const RfScene* scene );
 
 // Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.
 RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error );

@@ -2,6 +2,9 @@
 // span in which each node moves.
 #include "scene/gltf/gltf_document.h"
 
+#include "scene/animation.h"
+#include "scene/camera_path/curve.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +19,7 @@ typedef struct Loader
     int capacity;
     uint64_t values;
     uint8_t* taken; // per node: one bit per animated property
+    uint8_t* given; // likewise, those from outside the file
     int* owner;     // per node: the last animation that moves it
     int* left_out;  // animations that move what one before them moves
     int left_out_count;
@@ -282,7 +286,9 @@ static RfResult check_target( RfGltf* gltf, Loader* loader, const char* where, c
     if ( node->has_matrix && channel->path <= RF_SCALE )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "moves nodes[%d], which has a matrix", channel->node );
     uint8_t bit = (uint8_t)( 1u << channel->path );
-    if ( ( loader->taken[channel->node] & bit ) != 0 )
+    if ( ( loader->given[channel->node] & bit ) != 0 )
+        *wanted = false;
+    else if ( ( loader->taken[channel->node] & bit ) != 0 )
     {
         rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS, "%s moves node '%.80s', which an earlier channel moves: the first is used",
                         where, node->name );
@@ -339,10 +345,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
     if ( result == RF_OK )
         result = append_channel( gltf, loader, &channel );
     if ( result != RF_OK )
-    {
-        free( channel.times );
-        free( channel.values );
-    }
+        rf_destroy_channel( &channel );
     return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
 }
 
@@ -361,7 +364,7 @@ static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const json_t*
         RfResult result = read_target( gltf, json_array_get( channels, i ), where.text, &channel, &wanted, &pointer );
         if ( result != RF_OK )
             return result;
-        if ( wanted && ( loader->taken[channel.node] & 1u << channel.path ) != 0 )
+        if ( wanted && ( loader->taken[channel.node] & ~loader->given[channel.node] & 1u << channel.path ) != 0 )
             *other = loader->owner[channel.node];
     }
     return RF_OK;
@@ -441,10 +444,66 @@ static RfResult find_chosen( const RfGltf* gltf, int* chosen )
                          count > 0 ? ": there are " : ": there are none", names );
 }
 
+static RfResult copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to )
+{
+    size_t times = (size_t)from->count * sizeof *to->times, values = times * (size_t)from->components;
+    *to = *from;
+    to->times = malloc( times );
+    to->values = malloc( values );
+    to->curve = from->curve != NULL ? calloc( 1, sizeof *to->curve ) : NULL;
+    if ( to->times == NULL || to->values == NULL || ( from->curve != NULL && to->curve == NULL ) )
+        return rf_gltf_no_memory( gltf, "animations" );
+    memcpy( to->times, from->times, times );
+    memcpy( to->values, from->values, values );
+    if ( from->curve == NULL )
+        return RF_OK;
+    return rf_create_curve( from->curve->kind, from->curve->linear, from->count, from->times, from->values, to->curve,
+                            gltf->error );
+}
+
+// What comes from outside the file, of which the times are those of the scene.
+static RfResult add_given( RfGltf* gltf, Loader* loader )
+{
+    const RfGltfOptions* options = gltf->options;
+    RfResult result = RF_OK;
+    for ( int i = 0; result == RF_OK && i < options->channel_count; ++i )
+    {
+        const RfChannel* given = options->channels + i;
+        RfChannel channel = { 0 };
+        loader->given[given->node] |= (uint8_t)( 1u << given->path );
+        if ( given->count == 0 )
+            continue;
+        result = copy_channel( gltf, given, &channel );
+        if ( result == RF_OK )
+            result = append_channel( gltf, loader, &channel );
+        if ( result != RF_OK )
+            rf_destroy_channel( &channel );
+    }
+    return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
+}
+
+// Sets the clock of channels, from the first of their keys to the last.
+static void set_clock( RfChannel* channels, int count, const RfClock* clock )
+{
+    RfClock all = *clock;
+    all.first = (double)INFINITY;
+    all.last = -(double)INFINITY;
+    for ( int i = 0; i < count; ++i )
+    {
+        all.first = fmin( all.first, channels[i].times[0] );
+        all.last = fmax( all.last, channels[i].times[channels[i].count - 1] );
+    }
+    for ( int i = 0; i < count; ++i )
+        channels[i].clock = all;
+}
+
 static RfResult load_all( RfGltf* gltf, Loader* loader )
 {
-    int chosen, count = gltf->counts[RF_GLTF_ANIMATIONS];
-    RfResult result = find_chosen( gltf, &chosen );
+    int chosen = -1, count = gltf->counts[RF_GLTF_ANIMATIONS];
+    RfResult result = add_given( gltf, loader );
+    int given = gltf->scene->channel_count;
+    if ( result == RF_OK )
+        result = find_chosen( gltf, &chosen );
     if ( result == RF_OK && chosen >= 0 )
         result = load_animation( gltf, loader, chosen );
     for ( int i = 0; result == RF_OK && i < count; ++i )
@@ -454,6 +513,8 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     }
     if ( result == RF_OK )
         warn_of_left_out( gltf, loader );
+    if ( result == RF_OK && gltf->options->clock != NULL )
+        set_clock( gltf->scene->channels + given, gltf->scene->channel_count - given, gltf->options->clock );
     return result;
 }
 
@@ -484,7 +545,9 @@ static RfResult find_spans( RfGltf* gltf )
         const RfChannel* channel = scene->channels + i;
         if ( channel->path > RF_SCALE ) // which moves nothing
             continue;
-        widen( gltf->spans + channel->node, channel->times[0], channel->times[channel->count - 1] );
+        double start, end;
+        rf_channel_span( channel, &start, &end );
+        widen( gltf->spans + channel->node, start, end );
     }
     // parents come first, so one pass propagates all ancestors
     for ( int i = 0; i < gltf->order_count; ++i )
@@ -500,11 +563,13 @@ RfResult rf_gltf_load_animations( RfGltf* gltf )
 {
     size_t nodes = (size_t)gltf->scene->node_count + 1, animations = (size_t)gltf->counts[RF_GLTF_ANIMATIONS] + 1;
     Loader loader = { .taken = calloc( nodes, 1 ),
+                      .given = calloc( nodes, 1 ),
                       .owner = calloc( nodes, sizeof *loader.owner ),
                       .left_out = calloc( animations, sizeof *loader.left_out ) };
-    bool room = loader.taken != NULL && loader.owner != NULL && loader.left_out != NULL;
+    bool room = loader.taken != NULL && loader.given != NULL && loader.owner != NULL && loader.left_out != NULL;
     RfResult result = room ? load_all( gltf, &loader ) : rf_gltf_no_memory( gltf, "animations" );
     free( loader.taken );
+    free( loader.given );
     free( loader.owner );
     free( loader.left_out );
     if ( result != RF_OK )

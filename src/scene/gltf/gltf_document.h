@@ -78,9 +78,10 @@ typedef struct RfGltf
     RfScene* scene; // the result
     RfLog* log;
     RfError* error;
-    bool freeze;           // as RfGltfOptions
-    double frozen_at;      // seconds, once cameras are read
-    const char* animation; // as RfGltfOptions
+    bool freeze;                  // as RfGltfOptions
+    double frozen_at;             // seconds, once cameras are read
+    const RfGltfOptions* options; // for what is read once
+    const char* animation;        // as there
 
     uint8_t* file;
     size_t file_size;

@@ -2,6 +2,7 @@
 #include "scene/gltf/gltf_geometry.h"
 
 #include "scene/animation.h"
+#include "scene/merge.h"
 #include "scene/placement.h"
 #include "scene/pose.h"
 
@@ -418,53 +419,6 @@ static RfResult place_node( Builder* b, bool* used, int node )
     return result == RF_OK ? add_instances( b, &common ) : result;
 }
 
-// Appends an attribute, of `components` numbers, of a mesh to those of the scene; that which only one of them has gets `fill`.
-static bool append_floats( float** to, size_t before, const float* from, size_t more, size_t components, float fill )
-{
-    if ( *to == NULL && from == NULL )
-        return true;
-    bool fresh = *to == NULL;
-    float* grown = realloc( *to, ( before + more + 1 ) * components * sizeof *grown );
-    if ( grown == NULL )
-        return false;
-    *to = grown;
-    for ( size_t i = 0; fresh && i < before * components; ++i )
-        grown[i] = fill;
-    for ( size_t i = 0; i < more * components; ++i )
-        grown[before * components + i] = from != NULL ? from[i] : fill;
-    return true;
-}
-
-static bool has_area( const uint32_t* corners ) { return corners[0] != corners[1]; }
-
-// Appends what deforms and stands still, as it is posed, in world space.
-static bool append_posed( RfTriangles* to, const RfTriangles* from )
-{
-    size_t before = to->vertex_count, more = from->vertex_count, all = (size_t)to->count + from->count;
-    uint32_t* indices = realloc( to->indices, ( 3 * all + 1 ) * sizeof *indices );
-    to->indices = indices != NULL ? indices : to->indices;
-    uint32_t* material = realloc( to->material, ( all + 1 ) * sizeof *material );
-    to->material = material != NULL ? material : to->material;
-    if ( indices == NULL || material == NULL || !append_floats( &to->positions, before, from->positions, more, 3, 0.0f ) ||
-         !append_floats( &to->normals, before, from->normals, more, 3, 0.0f ) ||
-         !append_floats( &to->uvs, before, from->uvs, more, 2, 0.0f ) ||
-         !append_floats( &to->uvs1, before, from->uvs1, more, 2, 0.0f ) ||
-         !append_floats( &to->colors, before, from->colors, more, 4, 1.0f ) ||
-         !append_floats( &to->tangents, before, from->tangents, more, 4, 0.0f ) )
-        return false;
-    for ( size_t i = 0; i < from->count; ++i )
-    {
-        const uint32_t* corners = from->indices + 3 * i;
-        if ( !has_area( corners ) )
-            continue;
-        for ( size_t c = 0; c < 3; ++c )
-            indices[3 * (size_t)to->count + c] = (uint32_t)before + corners[c];
-        material[to->count++] = from->material[i];
-    }
-    to->vertex_count += from->vertex_count;
-    return true;
-}
-
 // Takes the movers of what stands still out, after appending it as it is posed to the triangles of the scene.
 static RfResult settle( Builder* b, const RfPosedScene* pose )
 {
@@ -477,7 +431,7 @@ static RfResult settle( Builder* b, const RfPosedScene* pose )
         const RfPlacement* posed = pose->scene.placements + first + i;
         if ( mover.settles )
         {
-            if ( posed->shown && !append_posed( &scene->triangles, &pose->scene.meshes[posed->mesh].triangles ) )
+            if ( posed->shown && !rf_append_triangles( &scene->triangles, &pose->scene.meshes[posed->mesh].triangles, 0 ) )
                 return rf_gltf_no_memory( b->gltf, "meshes" );
             free( mover.weights );
             movement->movers[i].weights = NULL;
@@ -556,8 +510,10 @@ static RfResult drop_meshes( const RfGltf* gltf )
 
 static void widen( RfMovement* movement, const RfChannel* channel )
 {
-    movement->start = fmin( movement->start, channel->times[0] );
-    movement->end = fmax( movement->end, channel->times[channel->count - 1] );
+    double start, end;
+    rf_channel_span( channel, &start, &end );
+    movement->start = fmin( movement->start, start );
+    movement->end = fmax( movement->end, end );
 }
 
 static void find_span( const RfScene* scene, RfMovement* movement )

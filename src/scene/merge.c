@@ -1,0 +1,299 @@
+// Joins two scenes: their lists one after the other, with the numbers in them moved on.
+#include "scene/merge.h"
+
+#include "base/file.h"
+#include "scene/movement.h"
+#include "scene/placement.h"
+#include "scene/textured.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_TRIANGLES ( 1u << 28 ) // in world space, each with up to three vertices
+
+// Appends an attribute, of `components` numbers, of a mesh to those of the scene; that which only one of them has gets `fill`.
+static bool append_floats( float** to, size_t before, const float* from, size_t more, size_t components, float fill )
+{
+    if ( *to == NULL && from == NULL )
+        return true;
+    bool fresh = *to == NULL;
+    float* grown = realloc( *to, ( before + more + 1 ) * components * sizeof *grown );
+    if ( grown == NULL )
+        return false;
+    *to = grown;
+    for ( size_t i = 0; fresh && i < before * components; ++i )
+        grown[i] = fill;
+    for ( size_t i = 0; i < more * components; ++i )
+        grown[before * components + i] = from != NULL ? from[i] : fill;
+    return true;
+}
+
+bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t first_material )
+{
+    size_t before = to->vertex_count, more = from->vertex_count, all = (size_t)to->count + from->count;
+    uint32_t* indices = realloc( to->indices, ( 3 * all + 1 ) * sizeof *indices );
+    to->indices = indices != NULL ? indices : to->indices;
+    uint32_t* material = realloc( to->material, ( all + 1 ) * sizeof *material );
+    to->material = material != NULL ? material : to->material;
+    if ( indices == NULL || material == NULL || !append_floats( &to->positions, before, from->positions, more, 3, 0.0f ) ||
+         !append_floats( &to->normals, before, from->normals, more, 3, 0.0f ) ||
+         !append_floats( &to->uvs, before, from->uvs, more, 2, 0.0f ) ||
+         !append_floats( &to->uvs1, before, from->uvs1, more, 2, 0.0f ) ||
+         !append_floats( &to->colors, before, from->colors, more, 4, 1.0f ) ||
+         !append_floats( &to->tangents, before, from->tangents, more, 4, 0.0f ) )
+        return false;
+    for ( size_t i = 0; i < from->count; ++i )
+    {
+        const uint32_t* corners = from->indices + 3 * i;
+        if ( corners[0] == corners[1] )
+            continue;
+        for ( size_t c = 0; c < 3; ++c )
+            indices[3 * (size_t)to->count + c] = (uint32_t)before + corners[c];
+        material[to->count++] = first_material + from->material[i];
+    }
+    to->vertex_count += from->vertex_count;
+    return true;
+}
+
+// What a merge moves on, and by how much: the lengths of the lists before it.
+typedef struct Merge
+{
+    RfScene *scene, *placed;
+    uint32_t materials;
+    int textures, meshes, nodes, channels, moving_nodes, skins, movers;
+    RfError* error;
+} Merge;
+
+static RfResult no_memory( const Merge* m )
+{
+    return rf_fail( m->error, RF_ERROR_MEMORY, "%s: the system has no memory left: close other programs", m->placed->path );
+}
+
+// `list` with the items of another after its own; NULL: there is no memory, and `list` is as it was.
+static void* join( void* list, size_t count, const void* more, size_t more_count, size_t size )
+{
+    char* all = realloc( list, ( count + more_count + 1 ) * size );
+    if ( all != NULL && more_count > 0 )
+        memcpy( all + count * size, more, more_count * size );
+    return all;
+}
+
+// Moves the items of a list to the end of another. They are then of that alone.
+#define MOVE_ITEMS( to, to_count, from, from_count )                                                                             \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        void* joined = join( to, (size_t)( to_count ), from, (size_t)( from_count ), sizeof *( to ) );                           \
+        if ( joined == NULL )                                                                                                    \
+            return no_memory( m );                                                                                               \
+        ( to ) = joined;                                                                                                         \
+        ( to_count ) += ( from_count );                                                                                          \
+        ( from_count ) = 0;                                                                                                      \
+    } while ( 0 )
+
+static RfResult move_materials( const Merge* m )
+{
+    RfScene *scene = m->scene, *placed = m->placed;
+    MOVE_ITEMS( scene->textures, scene->texture_count, placed->textures, placed->texture_count );
+    MOVE_ITEMS( scene->materials, scene->material_count, placed->materials, placed->material_count );
+    for ( uint32_t i = m->materials; i < scene->material_count; ++i )
+    {
+        RfTextured* textured = scene->materials[i].textured;
+        for ( int slot = 0; textured != NULL && slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+        {
+            if ( textured->refs[slot].texture >= 0 )
+                textured->refs[slot].texture += m->textures;
+        }
+    }
+    return RF_OK;
+}
+
+static RfResult move_nodes( const Merge* m )
+{
+    RfScene *scene = m->scene, *placed = m->placed;
+    MOVE_ITEMS( scene->nodes, scene->node_count, placed->nodes, placed->node_count );
+    for ( int i = m->nodes; i < scene->node_count; ++i )
+    {
+        if ( scene->nodes[i].parent >= 0 )
+            scene->nodes[i].parent += m->nodes;
+    }
+    // still sorted: the nodes come after those of the scene
+    MOVE_ITEMS( scene->channels, scene->channel_count, placed->channels, placed->channel_count );
+    for ( int i = m->channels; i < scene->channel_count; ++i )
+        scene->channels[i].node += m->nodes;
+    return RF_OK;
+}
+
+static RfResult move_triangles( const Merge* m )
+{
+    RfTriangles *to = &m->scene->triangles, *from = &m->placed->triangles;
+    if ( (uint64_t)to->count + from->count > MOST_TRIANGLES ||
+         (uint64_t)to->vertex_count + from->vertex_count > 3 * (uint64_t)MOST_TRIANGLES )
+        return rf_fail( m->error, RF_ERROR_UNSUPPORTED, "%s: more than %u triangles in all: split the scene", m->scene->path,
+                        MOST_TRIANGLES );
+    if ( from->count > 0 && !rf_append_triangles( to, from, m->materials ) )
+        return no_memory( m );
+    rf_destroy_triangles( from );
+    return RF_OK;
+}
+
+static RfResult move_meshes( const Merge* m )
+{
+    RfScene *scene = m->scene, *placed = m->placed;
+    MOVE_ITEMS( scene->meshes, scene->mesh_count, placed->meshes, placed->mesh_count );
+    for ( int i = m->meshes; i < scene->mesh_count; ++i )
+    {
+        RfTriangles* t = &scene->meshes[i].triangles;
+        for ( uint32_t k = 0; k < t->count; ++k )
+            t->material[k] += m->materials;
+    }
+    return RF_OK;
+}
+
+// Those that stand still come first, of both.
+static RfResult move_placements( const Merge* m )
+{
+    RfScene *scene = m->scene, *placed = m->placed;
+    int still = placed->still_placement_count, moving = scene->placement_count - scene->still_placement_count;
+    for ( int i = 0; i < placed->placement_count; ++i )
+    {
+        RfPlacement* p = placed->placements + i;
+        p->mesh += m->meshes;
+        p->mover = p->mover >= 0 ? p->mover + m->movers : -1;
+    }
+    MOVE_ITEMS( scene->placements, scene->placement_count, placed->placements, placed->placement_count );
+    RfPlacement* after = scene->placements + scene->still_placement_count;
+    memmove( after + still, after, (size_t)moving * sizeof *after );
+    if ( still > 0 )
+        memcpy( after, placed->placements, (size_t)still * sizeof *after );
+    return RF_OK;
+}
+
+static RfResult move_movement( const Merge* m )
+{
+    RfMovement* from = m->placed->movement;
+    if ( from == NULL )
+        return RF_OK;
+    RfMovement* to = m->scene->movement;
+    if ( to == NULL )
+    {
+        to = m->scene->movement = calloc( 1, sizeof *to );
+        if ( to == NULL )
+            return no_memory( m );
+        to->start = from->start;
+        to->end = from->end;
+    }
+    MOVE_ITEMS( to->nodes, to->node_count, from->nodes, from->node_count );
+    for ( int i = m->moving_nodes; i < to->node_count; ++i )
+    {
+        RfMovingNode* node = to->nodes + i;
+        node->node += m->nodes;
+        node->parent = node->parent >= 0 ? node->parent + m->moving_nodes : -1;
+        node->shows = node->shows >= 0 ? node->shows + m->channels : -1;
+    }
+    MOVE_ITEMS( to->skins, to->skin_count, from->skins, from->skin_count );
+    for ( int i = m->skins; i < to->skin_count; ++i )
+    {
+        for ( int k = 0; k < to->skins[i].joint_count; ++k )
+            to->skins[i].joints[k] += m->moving_nodes;
+    }
+    MOVE_ITEMS( to->movers, to->mover_count, from->movers, from->mover_count );
+    for ( int i = m->movers; i < to->mover_count; ++i )
+    {
+        RfMover* mover = to->movers + i;
+        mover->node += m->moving_nodes;
+        mover->skin = mover->skin >= 0 ? mover->skin + m->skins : -1;
+        mover->weights_moved = mover->weights_moved >= 0 ? mover->weights_moved + m->channels : -1;
+    }
+    to->start = from->start < to->start ? from->start : to->start;
+    to->end = from->end > to->end ? from->end : to->end;
+    return RF_OK;
+}
+
+// "fox.glb: light 'Sun'".
+static bool put_before( const char* name, char** text )
+{
+    size_t size = strlen( name ) + strlen( *text ) + 3;
+    char* longer = malloc( size );
+    if ( longer == NULL )
+        return false;
+    snprintf( longer, size, "%s: %s", name, *text );
+    free( *text );
+    *text = longer;
+    return true;
+}
+
+static RfResult move_notes( const Merge* m, const char* name )
+{
+    RfScene *scene = m->scene, *placed = m->placed;
+    bool named = true;
+    for ( int i = 0; i < placed->unrendered_count; ++i )
+        named = named && put_before( name, &placed->unrendered[i].what );
+    for ( int i = 0; i < placed->moving_count; ++i )
+        named = named && put_before( name, placed->moving + i );
+    for ( int i = 0; i < placed->export_warning_count; ++i )
+        named = named && put_before( name, placed->export_warnings + i );
+    if ( !named )
+        return no_memory( m );
+    MOVE_ITEMS( scene->unrendered, scene->unrendered_count, placed->unrendered, placed->unrendered_count );
+    MOVE_ITEMS( scene->moving, scene->moving_count, placed->moving, placed->moving_count );
+    MOVE_ITEMS( scene->export_warnings, scene->export_warning_count, placed->export_warnings, placed->export_warning_count );
+    MOVE_ITEMS( scene->punctuals, scene->punctual_count, placed->punctuals, placed->punctual_count );
+    return RF_OK;
+}
+
+static void join_bounds( RfScene* scene, const RfScene* placed, bool first )
+{
+    const RfVec3 *low = &placed->bounds_min, *high = &placed->bounds_max;
+    scene->bounds_min = first ? *low
+                              : rf_vec3( rf_minf( scene->bounds_min.x, low->x ), rf_minf( scene->bounds_min.y, low->y ),
+                                         rf_minf( scene->bounds_min.z, low->z ) );
+    scene->bounds_max = first ? *high
+                              : rf_vec3( rf_maxf( scene->bounds_max.x, high->x ), rf_maxf( scene->bounds_max.y, high->y ),
+                                         rf_maxf( scene->bounds_max.z, high->z ) );
+}
+
+static RfResult merge( const Merge* m, const char* name )
+{
+    RfScene *scene = m->scene, *placed = m->placed;
+    if ( rf_triangle_count( placed ) > 0 )
+        join_bounds( scene, placed, rf_triangle_count( scene ) == 0 );
+    RfResult result = move_materials( m );
+    if ( result == RF_OK )
+        result = move_nodes( m );
+    if ( result == RF_OK )
+        result = move_triangles( m );
+    if ( result == RF_OK )
+        result = move_meshes( m );
+    if ( result == RF_OK )
+        result = move_placements( m );
+    if ( result == RF_OK )
+        result = move_movement( m );
+    if ( result == RF_OK )
+        result = move_notes( m, name );
+    scene->frozen = scene->frozen || placed->frozen;
+    scene->instance_count += placed->instance_count;
+    scene->content_hash = rf_hash_bytes( scene->content_hash, &placed->content_hash, sizeof placed->content_hash );
+    return result == RF_OK ? rf_number_placements( scene, m->error ) : result;
+}
+
+RfResult rf_merge_scene( RfScene* scene, RfScene* placed, const char* name, RfError* error )
+{
+    const RfMovement* movement = scene->movement;
+    Merge m = {
+        .scene = scene,
+        .placed = placed,
+        .materials = scene->material_count,
+        .textures = scene->texture_count,
+        .meshes = scene->mesh_count,
+        .nodes = scene->node_count,
+        .channels = scene->channel_count,
+        .moving_nodes = movement != NULL ? movement->node_count : 0,
+        .skins = movement != NULL ? movement->skin_count : 0,
+        .movers = movement != NULL ? movement->mover_count : 0,
+        .error = error,
+    };
+    RfResult result = merge( &m, name );
+    rf_destroy_scene( placed );
+    return result;
+}
