@@ -347,13 +347,13 @@ static double camera_time( const RfCameraSampling* sampling, double frame )
     return camera->start + frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
 }
 
-// The moment of the scene that a camera sees in a frame. A path that counts frames has no seconds of its own.
+// The moment of the scene that a camera sees in a frame. The frame that a path calls 1 is at 0 s.
 static double scene_time( const RfCameraSampling* sampling, double frame )
 {
     const RfCamera* camera = sampling->camera;
     double seconds = frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
     if ( camera->track != NULL && camera->track->in_frames )
-        return seconds;
+        return camera_time( sampling, frame ) * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
     bool still = camera->track == NULL && !camera->animated && sampling->scene->movement != NULL;
     return still ? sampling->scene->movement->start + seconds : camera_time( sampling, frame );
 }
@@ -625,7 +625,9 @@ RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfE
     result = eye_at( &m, middle, eye );
     if ( result == RF_OK )
         result = add_lens( &m, &optics, middle, eye );
-    eye->time = sampling->scene->movement != NULL ? scene_time( sampling, frame + middle ) : 0.0;
+    const RfCameraTrack* track = sampling->camera->track;
+    double later = track != NULL && track->in_frames ? middle / track->step : middle;
+    eye->time = sampling->scene->movement != NULL ? scene_time( sampling, frame + later ) : 0.0;
     if ( result != RF_OK || !blurs )
         return result;
     result = eye_at( &m, optics.shutter[0], &open );

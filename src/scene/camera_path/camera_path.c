@@ -7,6 +7,7 @@
 #include "scene/pose.h"
 
 #include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,9 +105,14 @@ static RfResult complete( RfCameraSampling* sampling, RfError* error )
         sampling->width = scene->film_width > 0 ? scene->film_width : DEFAULT_WIDTH;
         sampling->height = scene->film_width > 0 ? scene->film_height : DEFAULT_HEIGHT;
     }
-    if ( sampling->fps.numerator < 1 || sampling->fps.denominator < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", sampling->fps.numerator,
-                        sampling->fps.denominator );
+    RfFps fps = sampling->fps, keys = scene->key_fps;
+    if ( fps.numerator < 1 || fps.denominator < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
+    if ( keys.numerator > 0 && (int64_t)keys.numerator * fps.denominator != (int64_t)fps.numerator * keys.denominator )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "%s: objects have keys that count frames, at %g frames per second rather than %g: set \"fps\" of its "
+                        "\"render\", or give keys times",
+                        scene->path, (double)keys.numerator / keys.denominator, (double)fps.numerator / fps.denominator );
     int width = sampling->width, height = sampling->height;
     if ( width < 1 || height < 1 || width > RF_MAX_IMAGE_SIDE || height > RF_MAX_IMAGE_SIDE )
         return rf_fail( error, RF_ERROR_USAGE, "the image must be 1x1 to %dx%d pixels, got %dx%d", RF_MAX_IMAGE_SIDE,

@@ -140,8 +140,7 @@ static RfResult check_look( const RfField* object, bool rotates )
     return RF_OK;
 }
 
-// Reads whether to interpolate linearly; without it `linear` is unchanged.
-static RfResult read_interpolation( const RfField* top, bool* linear )
+RfResult rf_read_interpolation( const RfField* top, bool* linear )
 {
     static const char* const s_names[] = { "catmull-rom", "linear", NULL };
     int index = 0;
@@ -345,7 +344,7 @@ static RfResult read_waypoints( const RfField* top, RfCameraTrack* track )
     RfField list = rf_field_member( top, "waypoints" );
     RfResult result = rf_field_array( &list, "points", 2, MAX_WAYPOINTS );
     if ( result == RF_OK )
-        result = read_interpolation( top, &linear );
+        result = rf_read_interpolation( top, &linear );
     if ( result != RF_OK )
         return result;
     size_t count = json_array_size( list.json );
@@ -435,7 +434,7 @@ static RfResult read_cut( const RfField* key, int index, RfCameraTrack* track )
     return RF_OK;
 }
 
-static RfResult read_time( const RfField* key, bool in_frames, int index, double* times )
+RfResult rf_read_key_time( const RfField* key, bool in_frames, int index, double* times )
 {
     const char* name = in_frames ? "frame" : "time";
     const char* want = in_frames ? "a frame number" : "a number of seconds";
@@ -488,7 +487,7 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
     if ( result == RF_OK )
         result = check_projection( key, track->projection );
     if ( result == RF_OK )
-        result = read_time( key, in_frames, i, keys->times );
+        result = rf_read_key_time( key, in_frames, i, keys->times );
     if ( result == RF_OK )
         result = read_cut( key, i, track );
     if ( result == RF_OK )
@@ -590,7 +589,7 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     RfField first = rf_field_item( list, 0 );
     bool rotates = rf_has_member( top, "rotation" ) || rf_has_member( &first, "rotation" ), linear;
     track->in_frames = rf_has_member( &first, "frame" );
-    RfResult result = read_interpolation( top, &linear );
+    RfResult result = rf_read_interpolation( top, &linear );
     if ( result == RF_OK )
         result = read_projection( top, track );
     if ( result == RF_OK )

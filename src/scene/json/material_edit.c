@@ -2,6 +2,7 @@
 #include "scene/json/material_edit.h"
 
 #include "base/words.h"
+#include "scene/json/item_names.h"
 #include "scene/json/json_document.h"
 
 #include <stdio.h>
@@ -115,8 +116,6 @@ static RfResult edit_lobes( const RfField* override, json_t* material )
         result = edit_lobe( override, s_lobe_keys[i], material );
     return result == RF_OK ? check_energy( override, material ) : result;
 }
-
-#define NAMES_LISTED 12
 
 typedef enum Type
 {
@@ -243,33 +242,6 @@ static RfResult edit_material( const RfField* override, json_t* material )
     return result;
 }
 
-// Unnamed materials are called "materials[3]", as in the reader.
-static const char* name_of( const json_t* list, size_t index, char fallback[32] )
-{
-    const char* name = json_string_value( json_object_get( json_array_get( list, index ), "name" ) );
-    snprintf( fallback, 32, "materials[%zu]", index );
-    return name != NULL && name[0] != 0 ? name : fallback;
-}
-
-static RfResult fail_unknown( const RfField* override, const char* name, const json_t* list )
-{
-    char text[400], fallback[32], nearest[128] = "";
-    size_t used = 0, count = json_array_size( list );
-    text[0] = 0;
-    for ( size_t i = 0; i < count; ++i )
-    {
-        const char* one = name_of( list, i, fallback );
-        if ( nearest[0] == 0 && rf_nearest_word( name, &one, 1 ) != NULL )
-            snprintf( nearest, sizeof nearest, "did you mean '%.60s'? ", one );
-        if ( i < NAMES_LISTED && used < sizeof text )
-            used += (size_t)snprintf( text + used, sizeof text - used, "%s'%.24s'", i > 0 ? ", " : "", one );
-    }
-    if ( count > NAMES_LISTED )
-        return rf_field_fail( override, "the scene has no such material: %sthere are %s and %zu more", nearest, text,
-                              count - NAMES_LISTED );
-    return rf_field_fail( override, "the scene has no such material: %sthere are %s", nearest, count > 0 ? text : "none" );
-}
-
 static RfResult edit_by_name( const RfField* override, const char* name, json_t* list )
 {
     const char* keys[ENTRY_COUNT + 1] = { NULL };
@@ -279,14 +251,14 @@ static RfResult edit_by_name( const RfField* override, const char* name, json_t*
     bool found = false;
     for ( size_t i = 0; i < json_array_size( list ) && result == RF_OK; ++i )
     {
-        char fallback[32];
+        char fallback[RF_ITEM_NAME];
         json_t* material = json_array_get( list, i );
-        if ( !json_is_object( material ) || strcmp( name_of( list, i, fallback ), name ) != 0 )
+        if ( !json_is_object( material ) || strcmp( rf_item_name( list, "materials", i, fallback ), name ) != 0 )
             continue;
         found = true;
         result = edit_material( override, material );
     }
-    return result == RF_OK && !found ? fail_unknown( override, name, list ) : result;
+    return result == RF_OK && !found ? rf_fail_unknown_item( override, "material", name, list ) : result;
 }
 
 RfResult rf_edit_materials( const RfField* materials, json_t* root )

@@ -1,4 +1,4 @@
-// Opens a scene file: the glTF that it names with its materials overridden, environment and camera path.
+// Opens a scene file: the glTF that it names with its materials overridden, objects, environment and camera path.
 #include "scene/json/scene_file.h"
 
 #include "base/file.h"
@@ -9,12 +9,15 @@
 #include "scene/gltf/gltf.h"
 #include "scene/gltf/gltf_document.h"
 #include "scene/json/material_edit.h"
+#include "scene/json/object_place.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char* const s_keys[] = { "scene", "environment", "materials", "camera", "render", NULL };
+#define MAX_FPS 1000000
+
+static const char* const s_keys[] = { "scene", "environment", "materials", "objects", "camera", "render", NULL };
 
 static RfResult check_document( const RfJsonDocument* document, RfError* error )
 {
@@ -62,17 +65,30 @@ static RfResult fail_in_field( const RfField* field, RfResult result, const RfEr
     return result;
 }
 
+// What changes the glTF before it is read.
+typedef struct Changes
+{
+    RfField materials;
+    const RfObjects* objects;
+    RfChannel* channels; // that objects give
+    int* channel_count;
+} Changes;
+
 static RfResult edit( void* user, json_t* root, RfError* error )
 {
-    RfField materials = *(const RfField*)user;
-    materials.error = error;
-    return rf_edit_materials( &materials, root );
+    Changes* changes = user;
+    changes->materials.error = error;
+    RfResult result = rf_edit_materials( &changes->materials, root );
+    if ( result == RF_OK )
+        result = rf_edit_nodes( changes->objects, root, changes->channels, changes->channel_count );
+    return result;
 }
 
-static RfResult load_gltf( const RfField* root, const RfSceneOptions* options, RfScene* scene, RfLog* log )
+static RfResult load_gltf( const RfField* root, const RfSceneOptions* options, const RfObjects* objects, RfScene* scene,
+                           RfLog* log )
 {
     const char* name = NULL;
-    RfField field = rf_field_member( root, "scene" ), materials = rf_field_member( root, "materials" );
+    RfField field = rf_field_member( root, "scene" );
     RfResult result = rf_field_text( &field, &name );
     if ( result != RF_OK )
         return result;
@@ -81,10 +97,55 @@ static RfResult load_gltf( const RfField* root, const RfSceneOptions* options, R
     char* path = rf_path_beside( root->file, name );
     if ( path == NULL )
         return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
-    RfGltfEdit change = { edit, &materials };
-    RfGltfOptions edited = { options->freeze, options->animation, &change };
-    result = rf_load_gltf_with( path, &edited, scene, log, root->error );
+    RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
+    RfGltfOptions edited = { .freeze = options->freeze, .animation = options->animation, .channels = channels };
+    Changes changes = { rf_field_member( root, "materials" ), objects, channels, &edited.channel_count };
+    RfGltfEdit change = { edit, &changes };
+    edited.edit = &change;
+    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, log, root->error )
+                              : rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
+    free( channels ); // their keys are the objects'
     free( path );
+    return result;
+}
+
+// The frames per second of the scene file, at which keys may count frames.
+static RfResult read_fps( const RfField* root, RfFps* fps )
+{
+    RfField render = rf_field_member( root, "render" ), field = rf_field_member( &render, "fps" );
+    int64_t whole;
+    *fps = ( RfFps ){ 24, 1 };
+    if ( field.json == NULL )
+        return RF_OK;
+    const char* text = json_string_value( field.json );
+    char rest;
+    *fps = ( RfFps ){ 0, 1 };
+    if ( text == NULL && rf_json_integer( field.json, &whole ) && whole > 0 && whole <= MAX_FPS )
+        fps->numerator = (int)whole;
+    int parts = text != NULL ? sscanf( text, "%9d/%9d%c", &fps->numerator, &fps->denominator, &rest ) : 1;
+    bool sound = parts > 0 && parts < 3 && fps->numerator > 0 && fps->denominator > 0;
+    return sound ? RF_OK : rf_field_must_be( &field, "a whole number, or a fraction such as \"30000/1001\"" );
+}
+
+static RfResult load_objects( const RfField* root, const RfSceneOptions* options, RfScene* scene, RfLog* log )
+{
+    RfObjects objects = { 0 };
+    RfFps fps;
+    RfField list = rf_field_member( root, "objects" );
+    RfResult result = read_fps( root, &fps );
+    if ( result == RF_OK )
+        result = rf_read_objects( &list, fps, &objects );
+    if ( result == RF_OK )
+        result = load_gltf( root, options, &objects, scene, log );
+    RfField render = rf_field_member( root, "render" );
+    if ( result == RF_OK && objects.in_frames )
+    {
+        scene->key_fps = fps;
+        scene->fps = rf_has_member( &render, "fps" ) ? fps : scene->fps;
+    }
+    if ( result == RF_OK )
+        result = rf_place_files( &objects, options->freeze, scene, log );
+    rf_destroy_objects( &objects );
     return result;
 }
 
@@ -195,12 +256,12 @@ static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* 
 
 RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
-    RfGltfOptions plain = { options->freeze, options->animation, NULL };
+    RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation };
     if ( file->document.root == NULL )
         return rf_load_gltf_with( file->path, &plain, scene, log, error );
     memset( scene, 0, sizeof *scene );
     RfField root = rf_root_field( &file->document, error );
-    RfResult result = load_gltf( &root, options, scene, log );
+    RfResult result = load_objects( &root, options, scene, log );
     if ( result == RF_OK )
         result = load_environment( &root, scene );
     if ( result == RF_OK )

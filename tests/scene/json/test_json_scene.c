@@ -172,7 +172,7 @@ static void test_faults_of_files( void** state )
     write_map( "bright.hdr", 255 );
     static const char* const faults[][2] = {
         { "\"scene\":\"room.gltf\"", "duplicate" },
-        { "\"sky\":3", "sky: unknown key, the keys here are: scene, environment, materials, camera, render" },
+        { "\"sky\":3", "sky: unknown key, the keys here are: scene, environment, materials, objects, camera, render" },
         { "\"enviroment\":3", "enviroment: unknown key, did you mean environment?" },
         { "\"environment\":3", "environment: must be an object, got 3" },
         { "\"environment\":{}", "environment: gives no light: give radiance, map or both" },
@@ -412,7 +412,11 @@ static void test_mutations_never_crash( void** state )
     static const char text[] =
         "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,3],\"rotation\":45,\"visible\":true},\"materials\":{"
         "\"vase\":{\"exponent\":20,\"diffuse\":[0.1,0.1,0.1]},\"lamp\":{\"emissiveStrength\":3,\"textures\":false}},"
-        "\"camera\":" PATH ",\"render\":{\"spp\":3}}";
+        "\"objects\":[{\"node\":\"Side\",\"scale\":2,\"keys\":[{\"time\":0,\"rotation\":{\"yaw\":9}},{\"time\":1,\"visible\":"
+        "false,"
+        "\"rotation\":[0,0,0,1]}]},{\"file\":\"room.gltf\",\"name\":\"b\",\"interpolation\":\"linear\",\"keys\":[{\"frame\":1,"
+        "\"translation\":"
+        "[0,0,0]},{\"frame\":9,\"translation\":[1,0,0]}]}],\"camera\":" PATH ",\"render\":{\"spp\":3}}";
     const char* many = getenv( "REFRAME_MUTATIONS" );
     uint64_t count = many != NULL ? (uint64_t)atoll( many ) : MUTATIONS;
     int loaded = 0;

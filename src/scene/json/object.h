@@ -1,0 +1,38 @@
+// `objects` of a scene file: which nodes and files move, and how.
+#ifndef REFRAME_SCENE_JSON_OBJECT_H
+#define REFRAME_SCENE_JSON_OBJECT_H
+
+#include "scene/json/json_document.h"
+#include "scene/scene.h"
+
+#define RF_OBJECT_PATHS ( RF_VISIBILITY + 1 )
+
+// One of the list. Texts are the document's.
+typedef struct RfObject
+{
+    RfField field;
+    const char *node, *file;             // one of the two: a node of the scene's own file, or a file that is placed
+    const char* name;                    // of what is placed
+    unsigned given;                      // a bit for each RfAnimatedPath that it sets
+    double still[3][4];                  // translation, rotation, scale without keys
+    bool hidden;                         // at all times
+    RfChannel channels[RF_OBJECT_PATHS]; // keys in seconds of the scene, for node -1; without any: `still`
+    const char* animation;               // of the file; NULL: the first
+    RfClock clock;                       // of the file
+    const char* plays;                   // the first of the members that say how its animation is played, or NULL
+} RfObject;
+
+typedef struct RfObjects
+{
+    int count;
+    RfObject* list;
+    bool in_frames; // keys of some are numbers of frames
+} RfObjects;
+
+// Reads the list, which may be missing; frames are counted at `fps`, the first is 1, at 0 s. Free with rf_destroy_objects, also
+// on failure.
+RfResult rf_read_objects( const RfField* list, RfFps fps, RfObjects* objects );
+
+void rf_destroy_objects( RfObjects* objects );
+
+#endif

@@ -1,0 +1,309 @@
+// Moves nodes of a glTF document, and places other files in a scene, each under a node of its own.
+#include "scene/json/object_place.h"
+
+#include "scene/gltf/gltf_document.h"
+#include "scene/json/item_names.h"
+#include "scene/json/material_edit.h"
+#include "scene/merge.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NAMES_LISTED 6
+
+static RfResult no_memory( const RfField* field )
+{
+    return rf_fail( field->error, RF_ERROR_MEMORY, "%s: %s: no memory left", field->file, field->path );
+}
+
+static RfResult set_numbers( const RfField* field, json_t* node, const char* key, const double* values, int count )
+{
+    json_t* list = json_array();
+    bool done = list != NULL;
+    for ( int i = 0; done && i < count; ++i )
+        done = json_array_append_new( list, json_real( values[i] ) ) == 0;
+    if ( !done )
+        json_decref( list );
+    return done && json_object_set_new( node, key, list ) == 0 ? RF_OK : no_memory( field );
+}
+
+// What stands still, and whether it is shown.
+static RfResult set_place( const RfObject* object, const RfField* field, json_t* node )
+{
+    static const char* const s_keys[] = { "translation", "rotation", "scale" };
+    RfResult result = RF_OK;
+    if ( ( object->given & 1u << RF_VISIBILITY ) != 0 )
+    {
+        json_t* visible = json_pack( "{s:{s:b}}", "KHR_node_visibility", "visible", !object->hidden );
+        json_t* extensions = json_object_get( node, "extensions" );
+        bool done = json_is_object( extensions ) ? json_object_update_new( extensions, visible ) == 0
+                                                 : json_object_set_new( node, "extensions", visible ) == 0;
+        if ( !done )
+            return no_memory( field );
+    }
+    for ( int path = 0; result == RF_OK && path <= RF_SCALE; ++path )
+    {
+        if ( ( object->given & 1u << path ) != 0 && object->channels[path].count == 0 )
+            result = set_numbers( field, node, s_keys[path], object->still[path], path == RF_ROTATION ? 4 : 3 );
+    }
+    return result;
+}
+
+// Of the scene's own file.
+
+static RfResult find_node( const RfObject* object, const json_t* nodes, int* index )
+{
+    char fallback[RF_ITEM_NAME], text[NAMES_LISTED * 32];
+    size_t used = 0;
+    int found = 0;
+    RfField field = rf_field_member( &object->field, "node" );
+    for ( size_t i = 0; i < json_array_size( nodes ); ++i )
+    {
+        snprintf( fallback, sizeof fallback, "nodes[%zu]", i );
+        bool by_number = strcmp( fallback, object->node ) == 0;
+        if ( !by_number && strcmp( rf_item_name( nodes, "nodes", i, fallback ), object->node ) != 0 )
+            continue;
+        *index = (int)i;
+        if ( by_number )
+            return RF_OK;
+        if ( found++ < NAMES_LISTED )
+            used += (size_t)snprintf( text + used, sizeof text - used, "%snodes[%zu]", found > 1 ? ", " : "", i );
+    }
+    if ( found == 0 )
+        return rf_fail_unknown_item( &field, "node", object->node, nodes );
+    if ( found > 1 )
+        return rf_field_fail( &field, "%d nodes are called '%.60s': give the number of one: %s%s", found, object->node, text,
+                              found > NAMES_LISTED ? " and so on" : "" );
+    return RF_OK;
+}
+
+static RfResult edit_node( const RfObject* object, json_t* node )
+{
+    const unsigned all = 1u << RF_TRANSLATION | 1u << RF_ROTATION | 1u << RF_SCALE;
+    if ( ( object->given & all ) != 0 && json_object_get( node, "matrix" ) != NULL )
+    {
+        if ( ( object->given & all ) != all )
+            return rf_field_fail( &object->field,
+                                  "'%.60s' has a matrix in the file: give it translation, rotation and scale, all three",
+                                  object->node );
+        json_object_del( node, "matrix" );
+    }
+    return set_place( object, &object->field, node );
+}
+
+// Appends what an object sets of a node, with the node's number.
+static void append_channels( const RfObject* object, int node, RfChannel* channels, int* count )
+{
+    for ( int path = 0; path < RF_OBJECT_PATHS; ++path )
+    {
+        if ( ( object->given & 1u << path ) == 0 )
+            continue;
+        channels[*count] = object->channels[path];
+        channels[*count].path = (RfAnimatedPath)path;
+        channels[( *count )++].node = node;
+    }
+}
+
+RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* channels, int* count )
+{
+    json_t* nodes = json_object_get( root, "nodes" );
+    int* named = calloc( json_array_size( nodes ) + 1, sizeof *named ); // 1 + the object that names a node
+    RfResult result = RF_OK;
+    *count = 0;
+    for ( int i = 0; result == RF_OK && i < objects->count; ++i )
+    {
+        const RfObject* object = objects->list + i;
+        int index = 0;
+        if ( object->node == NULL )
+            continue;
+        result = named != NULL ? find_node( object, nodes, &index ) : no_memory( &object->field );
+        if ( result == RF_OK && named[index] > 0 )
+            result = rf_field_fail( &object->field, "sets '%.60s', as objects[%d] does: leave one of the two out", object->node,
+                                    named[index] - 1 );
+        if ( result == RF_OK )
+            result = edit_node( object, json_array_get( nodes, (size_t)index ) );
+        if ( result != RF_OK )
+            break;
+        named[index] = i + 1;
+        append_channels( object, index, channels, count );
+    }
+    free( named );
+    return result;
+}
+
+// Of files that are placed.
+
+static const char* name_of( const RfObject* object ) { return object->name != NULL ? object->name : object->file; }
+
+// A file on its way.
+typedef struct Placing
+{
+    const RfObject* object;
+    RfChannel channels[RF_OBJECT_PATHS];
+    RfGltfOptions options;
+} Placing;
+
+// All nodes that are no children, for a file without scenes, of which everything is shown. NULL: there is no memory.
+static json_t* find_roots( const json_t* nodes )
+{
+    size_t count = json_array_size( nodes );
+    bool* below = calloc( count + 1, sizeof *below );
+    json_t* roots = below != NULL ? json_array() : NULL;
+    for ( size_t i = 0; roots != NULL && i < count; ++i )
+    {
+        const json_t* children = json_object_get( json_array_get( nodes, i ), "children" );
+        for ( size_t c = 0; c < json_array_size( children ); ++c )
+        {
+            json_int_t child = json_integer_value( json_array_get( children, c ) );
+            if ( child >= 0 && (size_t)child < count )
+                below[child] = true;
+        }
+    }
+    for ( size_t i = 0; roots != NULL && i < count; ++i )
+    {
+        if ( !below[i] )
+            json_array_append_new( roots, json_integer( (json_int_t)i ) );
+    }
+    free( below );
+    return roots;
+}
+
+// The default scene; makes one where there are none. NULL: it is not valid, or there is no memory.
+static json_t* open_scene( json_t* root, const json_t* nodes )
+{
+    json_t* scenes = json_object_get( root, "scenes" );
+    if ( json_array_size( scenes ) == 0 )
+    {
+        json_t* roots = find_roots( nodes );
+        scenes = roots != NULL ? json_pack( "[{s:o}]", "nodes", roots ) : NULL;
+        if ( json_object_set_new( root, "scenes", scenes ) != 0 )
+            return NULL;
+    }
+    json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
+    json_t* scene = json_array_get( scenes, index > 0 ? (size_t)index : 0 );
+    return json_is_object( scene ) ? scene : NULL;
+}
+
+// Puts all of a file under a node of the object's, whose number is set. What is not valid is left to the reader.
+static RfResult put_under( const Placing* p, const RfField* field, json_t* root, int* index )
+{
+    const RfObject* object = p->object;
+    *index = 0;
+    if ( json_object_get( root, "nodes" ) == NULL && json_object_set_new( root, "nodes", json_array() ) != 0 )
+        return no_memory( field );
+    json_t *nodes = json_object_get( root, "nodes" ), *scene = open_scene( root, nodes );
+    if ( !json_is_array( nodes ) || scene == NULL )
+        return RF_OK;
+    *index = (int)json_array_size( nodes );
+    json_t* roots = json_object_get( scene, "nodes" );
+    json_t* node = json_pack( "{s:s}", "name", name_of( object ) );
+    if ( node == NULL || json_array_append_new( nodes, node ) != 0 )
+        return no_memory( field );
+    if ( ( roots != NULL && json_object_set( node, "children", roots ) != 0 ) ||
+         json_object_set_new( scene, "nodes", json_pack( "[i]", *index ) ) != 0 )
+        return no_memory( field );
+    return set_place( object, field, node );
+}
+
+static RfResult edit_placed( void* user, json_t* root, RfError* error )
+{
+    Placing* p = user;
+    int index = 0;
+    RfField field = p->object->field;
+    field.error = error;
+    RfField materials = rf_field_member( &field, "materials" );
+    RfResult result = rf_edit_materials( &materials, root );
+    if ( result == RF_OK )
+        result = put_under( p, &field, root, &index );
+    for ( int i = 0; result == RF_OK && i < p->options.channel_count; ++i )
+        p->channels[i].node = index;
+    return result;
+}
+
+// Names the scene file, the member at fault and the placed file.
+static RfResult fail( const RfObject* object, RfResult result, const RfError* error )
+{
+    // the one name that a user of the reader can get wrong
+    RfField field = rf_field_member( &object->field, result == RF_ERROR_USAGE ? "animation" : "file" );
+    if ( strncmp( error->text, field.file, strlen( field.file ) ) == 0 ) // by materials of the scene file, which it names
+        return rf_fail( field.error, result, "%.900s", error->text );
+    rf_field_fail( &field, "%.700s", error->text );
+    if ( field.error != NULL && result != RF_ERROR_USAGE )
+        field.error->code = result;
+    return result == RF_ERROR_USAGE ? RF_ERROR_SCENE : result;
+}
+
+static bool has_environment( const RfScene* scene )
+{
+    return scene->environment.map != NULL || rf_max_component( scene->environment.radiance ) > 0.0f;
+}
+
+static RfResult check_placed( const Placing* p, const RfScene* placed, RfLog* log )
+{
+    const RfObject* object = p->object;
+    int own = placed->channel_count;
+    for ( int i = 0; i < p->options.channel_count; ++i )
+        own -= p->channels[i].count > 0;
+    if ( object->plays != NULL && own == 0 )
+    {
+        RfField field = rf_field_member( &object->field, object->plays );
+        return rf_field_fail( &field, "'%.80s' has no animation: leave it out", object->file );
+    }
+    if ( has_environment( placed ) )
+        rf_warn( log, "%s: %s: the environment of '%s' is left out: the scene has its own", object->field.file,
+                 object->field.path, object->file );
+    return RF_OK;
+}
+
+// Warnings of a file are given once, however often it is placed.
+static bool is_repeated( const RfObjects* objects, int index )
+{
+    for ( int i = 0; i < index; ++i )
+    {
+        if ( objects->list[i].file != NULL && strcmp( objects->list[i].file, objects->list[index].file ) == 0 )
+            return true;
+    }
+    return false;
+}
+
+static RfResult place_file( const RfObject* object, const double* frozen_at, RfScene* scene, RfLog* log )
+{
+    RfScene placed;
+    RfError error = { 0 };
+    Placing p = { .object = object };
+    RfGltfEdit edit = { edit_placed, &p };
+    p.options = ( RfGltfOptions ){
+        .freeze = frozen_at != NULL,
+        .frozen_at = frozen_at,
+        .animation = object->animation,
+        .edit = &edit,
+        .channels = p.channels,
+        .clock = &object->clock,
+        .origin = scene->origin,
+    };
+    append_channels( object, -1, p.channels, &p.options.channel_count );
+    char* path = rf_path_beside( object->field.file, object->file );
+    if ( path == NULL )
+        return no_memory( &object->field );
+    RfResult result = rf_load_gltf_with( path, &p.options, &placed, log, &error );
+    free( path );
+    if ( result != RF_OK )
+        return fail( object, result, &error );
+    result = check_placed( &p, &placed, log );
+    if ( result != RF_OK )
+        rf_destroy_scene( &placed );
+    return result == RF_OK ? rf_merge_scene( scene, &placed, name_of( object ), object->field.error ) : result;
+}
+
+RfResult rf_place_files( const RfObjects* objects, bool freeze, RfScene* scene, RfLog* log )
+{
+    double first = rf_gltf_first_time( scene );
+    RfResult result = RF_OK;
+    for ( int i = 0; result == RF_OK && i < objects->count; ++i )
+    {
+        if ( objects->list[i].file != NULL )
+            result = place_file( objects->list + i, freeze ? &first : NULL, scene, is_repeated( objects, i ) ? NULL : log );
+    }
+    return result;
+}

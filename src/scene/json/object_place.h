@@ -1,0 +1,15 @@
+// What `objects` of a scene file do to a scene: they move nodes of its file, and place other files in it.
+#ifndef REFRAME_SCENE_JSON_OBJECT_PLACE_H
+#define REFRAME_SCENE_JSON_OBJECT_PLACE_H
+
+#include "scene/gltf/gltf.h"
+#include "scene/json/object.h"
+
+// Sets the nodes that objects name, in the document of the scene's own file, and appends what moves them to `channels`, which has room
+// for 5 for each object. Fails where a name is not that of one node.
+RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* channels, int* count );
+
+// Loads the files that objects place, frozen as the scene where it is, and makes them part of it.
+RfResult rf_place_files( const RfObjects* objects, bool freeze, RfScene* scene, RfLog* log );
+
+#endif

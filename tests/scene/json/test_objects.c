@@ -1,0 +1,592 @@
+// Objects of scene files: nodes that move by keys, and files that are placed, against glTF alone and closed forms.
+#include "support/cli_run.h"
+#include "support/image_files.h"
+#include "support/scene_files.h"
+
+#include "scene/movement.h"
+#include "scene/placement.h"
+#include "scene/textured.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static char s_warnings[4096];
+
+static void keep_warning( void* user, const char* text )
+{
+    (void)user;
+    size_t used = strlen( s_warnings );
+    snprintf( s_warnings + used, sizeof s_warnings - used, "%s\n", text );
+}
+
+// {"scene": FILE, MEMBERS}.
+static RfResult try_scene( const char* name, const char* members, bool freeze, RfScene* scene, RfError* error )
+{
+    char text[8192], path[256];
+    RfSceneFile file;
+    RfLog log = { .fn = keep_warning };
+    RfSceneOptions options = { .freeze = freeze };
+    s_warnings[0] = 0;
+    memset( scene, 0, sizeof *scene );
+    snprintf( text, sizeof text, "{\"scene\":\"%s\",%s}", name, members );
+    write_text( "scene.json", text );
+    snprintf( path, sizeof path, "%s/scene.json", cli_folder() );
+    RfResult result = rf_open_scene_file( path, &file, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_load_scene_file( &file, &options, scene, &log, error );
+    rf_close_scene_file( &file );
+    return result;
+}
+
+static RfScene load_scene( const char* name, const char* members )
+{
+    RfScene scene;
+    RfError error = { 0 };
+    if ( try_scene( name, members, false, &scene, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return scene;
+}
+
+static RfScene load_alone( const char* name )
+{
+    char path[256];
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    return gltf_load( path );
+}
+
+static void expect_fault( const char* objects, const char* part )
+{
+    char members[4096];
+    RfScene scene;
+    RfError error = { 0 };
+    snprintf( members, sizeof members, "\"objects\":%s", objects );
+    RfResult result = try_scene( "room.glb", members, false, &scene, &error );
+    if ( result == RF_OK || result != error.code || strstr( error.text, part ) == NULL || strchr( error.text, '\n' ) != NULL ||
+         strstr( error.text, "/scene.json: objects" ) == NULL )
+        fail_msg( "'%s' gave %s '%s' instead of '%s'", objects, rf_result_name( result ), error.text, part );
+    assert_null( scene.path );
+    assert_int_equal( try_scene( "room.glb", members, false, &scene, NULL ), result );
+}
+
+static void assert_same_moments( const RfScene* a, const RfScene* b )
+{
+    for ( int k = -1; k <= 9; ++k )
+    {
+        uint64_t left, right;
+        RfError error;
+        assert_int_equal( rf_moment_hash( a, 0.25 * k, &left, &error ), RF_OK );
+        assert_int_equal( rf_moment_hash( b, 0.25 * k, &right, &error ), RF_OK );
+        assert_true( left == right );
+    }
+    assert_true( a->movement->start == b->movement->start && a->movement->end == b->movement->end );
+    assert_memory_equal( &a->bounds_min, &b->bounds_min, sizeof a->bounds_min );
+    assert_memory_equal( &a->bounds_max, &b->bounds_max, sizeof a->bounds_max );
+}
+
+// ---- Files ----------------------------------------------------------------------
+
+static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+
+static void write_glb( const char* name, GltfBuilder* b, const char* rest )
+{
+    size_t size;
+    uint8_t* bytes = build_glb( b, rest, &size );
+    cli_write( name, bytes, size );
+    free( bytes );
+}
+
+#define TRIANGLE "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}"
+#define ANIMATE( path )                                                                                                          \
+    "\"animations\":[{\"name\":\"Own\",\"samplers\":[{\"input\":1,\"output\":2}],\"channels\":[{\"sampler\":0,"                  \
+    "\"target\":{\"node\":1,\"path\":\"" path "\"}}]}],"
+
+// room.glb: a floor, a door 2 m to the right with a handle below it, which stand still, and a camera. With `animation` the door moves.
+static void write_door( const char* name, const char* animation )
+{
+    GltfBuilder b = { 0 };
+    static const float s_times[] = { 0.5f, 1, 2 };
+    static const float s_turns[] = { 0, 0, 0, 1, .5f, .5f, .5f, .5f, 0, 1, 0, 0 };
+    char rest[4096];
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    add_gltf_floats( &b, "SCALAR", 1, 3, s_times );
+    add_gltf_floats( &b, "VEC4", 4, 3, s_turns );
+    snprintf( rest, sizeof rest,
+              "%s\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.8,\"znear\":0.1}}],"
+              "\"nodes\":[{\"mesh\":0},{\"name\":\"Door\",\"mesh\":0,\"translation\":[2,0,0],\"children\":[2]},"
+              "{\"name\":\"Handle\",\"mesh\":0,\"translation\":[0,0,1]},{\"name\":\"Eye\",\"camera\":0,\"translation\":[0,0,5]},"
+              "{\"name\":\"Leaf\",\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,9,0,0,1],\"mesh\":0},{\"name\":\"Leaf\"}],"
+              "\"materials\":[{\"name\":\"wood\"}],\"meshes\":[" TRIANGLE "]",
+              animation );
+    write_glb( name, &b, rest );
+}
+
+#define TURN                                                                                                                     \
+    "{\"time\":0.5,\"rotation\":[0,0,0,1]},{\"time\":1,\"rotation\":[0.5,0.5,0.5,0.5]},{\"time\":2,\"rotation\":[0,1,0,0]}"
+
+// A figure of an arm that bends, a disc that slides and a face that changes, all in two animations, and a stone that stands still.
+static void write_figure( void )
+{
+    GltfBuilder b = { 0 };
+    static const uint8_t s_joints[] = { 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0 };
+    static const float s_weights[] = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0 };
+    static const float s_times[] = { 0.5f, 1, 1.5f }, s_moves[] = { 0, 0, 0, 1, 2, 0, 0, 3, 0 },
+                       s_target[] = { 0, 0, 1, 0, 0, 2, 0, 0, 3 };
+    static const float s_shares[] = { 0, 1, 0.25f }, s_uvs[] = { 0, 0, 1, 0, 0, 1 };
+    static const uint8_t s_pixels[] = { 255, 0, 0, 0, 0, 255 };
+    size_t size;
+    uint8_t* png = encode_png( 2, 1, 3, s_pixels, &size );
+    cli_write( "picture.png", png, size );
+    free( png );
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    add_gltf_accessor( &b, 5121, "VEC4", 3, s_joints, sizeof s_joints, "" );
+    add_gltf_floats( &b, "VEC4", 4, 3, s_weights );
+    add_gltf_floats( &b, "SCALAR", 1, 3, s_times );
+    add_gltf_floats( &b, "VEC3", 3, 3, s_moves );
+    add_gltf_floats( &b, "VEC3", 3, 3, s_target );
+    add_gltf_floats( &b, "SCALAR", 1, 3, s_shares );
+    add_gltf_floats( &b, "VEC2", 2, 3, s_uvs );
+    write_glb(
+        "figure.glb", &b,
+        "\"nodes\":[{\"mesh\":0,\"skin\":0,\"name\":\"Arm\"},{\"children\":[2]},{\"name\":\"Hand\"},{\"mesh\":1,\"name\":"
+        "\"Disc\"},"
+        "{\"mesh\":2,\"name\":\"Face\"},{\"mesh\":1,\"translation\":[0,0,5]}],\"skins\":[{\"joints\":[1,2]}],"
+        "\"images\":[{\"uri\":\"picture.png\"}],\"textures\":[{\"source\":0}],"
+        "\"materials\":[{\"name\":\"fur\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},{\"name\":\"stone\"}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,\"WEIGHTS_0\":2,\"TEXCOORD_0\":7},"
+        "\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":1}]},"
+        "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":5}]}]}],"
+        "\"animations\":[{\"name\":\"Go\",\"samplers\":[{\"input\":3,\"output\":4},{\"input\":3,\"output\":6}],"
+        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":2,\"path\":\"translation\"}},"
+        "{\"sampler\":0,\"target\":{\"node\":3,\"path\":\"translation\"}},"
+        "{\"sampler\":1,\"target\":{\"node\":4,\"path\":\"weights\"}}]},"
+        "{\"name\":\"Grow\",\"samplers\":[{\"input\":3,\"output\":4}],"
+        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":3,\"path\":\"translation\"}},"
+        "{\"sampler\":0,\"target\":{\"node\":3,\"path\":\"scale\"}}]}]" );
+}
+
+// ---- Nodes ----------------------------------------------------------------------
+
+static void test_keys_of_a_node( void** state )
+{
+    (void)state;
+    RfScene alone = load_alone( "moving.glb" );
+    RfScene scene =
+        load_scene( "room.glb", "\"objects\":[{\"node\":\"Door\",\"interpolation\":\"linear\",\"keys\":[" TURN "]}]" );
+    assert_int_equal( scene.triangles.count, alone.triangles.count );
+    assert_int_equal( scene.placement_count, 2 ); // with its handle
+    assert_int_equal( scene.cameras[0].animated, 0 );
+    assert_same_moments( &scene, &alone );
+    rf_destroy_scene( &scene );
+    // they go before those of the file, of which others stay
+    scene = load_scene( "moving.glb", "\"objects\":[{\"node\":\"nodes[1]\",\"interpolation\":\"linear\",\"keys\":[{\"time\":1,"
+                                      "\"translation\":[2,0,0]},{\"time\":2,\"translation\":[2,0,8]}]}]" );
+    RfPosedScene pose = gltf_pose_at( &scene, 2.0 ); // half a turn about y
+    gltf_assert_placed_corner( &pose.scene, scene.placements[0].first, 1, 1, 0, 8 );
+    rf_destroy_pose( &pose );
+    rf_destroy_scene( &scene );
+    scene = load_scene( "moving.glb", "\"objects\":[{\"node\":\"Door\",\"rotation\":{\"yaw\":90}}]" );
+    assert_null( scene.movement );
+    gltf_assert_corner( &scene, 4, 2, 0, -1 );
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &alone );
+}
+
+static void test_smooth_keys_are_those_of_cameras( void** state )
+{
+    (void)state;
+    static const char* const s_how[] = { "catmull-rom", "linear" };
+    for ( int k = 0; k < 2; ++k )
+    {
+        char members[1024], path[1024];
+        snprintf(
+            path, sizeof path,
+            "{\"kind\":\"keyed\",\"interpolation\":\"%s\",\"keys\":[{\"time\":0,\"position\":[0,0,0],\"rotation\":{\"yaw\":0}},"
+            "{\"time\":1,\"position\":[3,1,0],\"rotation\":{\"yaw\":90,\"pitch\":10}},"
+            "{\"time\":3,\"position\":[3,5,2],\"rotation\":{\"yaw\":200,\"roll\":30}}]}",
+            s_how[k] );
+        snprintf( members, sizeof members,
+                  "\"objects\":[{\"node\":\"Door\",\"interpolation\":\"%s\",\"keys\":[{\"time\":0,\"translation\":[0,0,0],"
+                  "\"rotation\":{\"yaw\":0}},{\"time\":1,\"translation\":[3,1,0],\"rotation\":{\"yaw\":90,\"pitch\":10}},"
+                  "{\"time\":3,\"translation\":[3,5,2],\"rotation\":{\"yaw\":200,\"roll\":30}}]}]",
+                  s_how[k] );
+        RfCamera camera = load_path( path );
+        RfScene scene = load_scene( "room.glb", members );
+        for ( int i = 0; i <= 12; ++i )
+        {
+            RfView view = view_at( &camera, 0.25 * i );
+            RfPosedScene pose = gltf_pose_at( &scene, 0.25 * i );
+            const double *m = pose.scene.placements[0].matrix.m, *at = view.position;
+            for ( int c = 0; c < 3; ++c )
+            {
+                assert_close( m[12 + c], at[c], 1e-12 );
+                assert_close( m[4 + c], view.up[c], 1e-12 );
+                assert_close( m[8 + c], -view.forward[c], 1e-12 );
+            }
+            rf_destroy_pose( &pose );
+        }
+        rf_destroy_scene( &scene );
+        rf_destroy_camera( &camera );
+    }
+}
+
+static void test_a_node_with_a_matrix( void** state )
+{
+    (void)state;
+    RfScene scene = load_scene(
+        "room.glb", "\"objects\":[{\"node\":\"nodes[4]\",\"translation\":[0,7,0],\"rotation\":[0,0,0,1],\"scale\":2}]" );
+    gltf_assert_corner( &scene, 6, 0, 7, 0 );
+    gltf_assert_corner( &scene, 7, 2, 7, 0 );
+    rf_destroy_scene( &scene );
+}
+
+static void test_a_node_that_carries_a_camera( void** state )
+{
+    (void)state;
+    RfScene scene =
+        load_scene( "room.glb", "\"objects\":[{\"node\":\"Eye\",\"keys\":[{\"time\":1,\"translation\":[0,0,5]},{\"time\":3,"
+                                "\"translation\":[0,1,5]}]}]" );
+    assert_true( scene.cameras[0].animated && scene.cameras[0].start == 1.0 && scene.cameras[0].end == 3.0 );
+    rf_destroy_scene( &scene );
+}
+
+static void test_what_is_shown( void** state )
+{
+    (void)state;
+    RfScene scene = load_scene( "room.glb", "\"objects\":[{\"node\":\"Door\",\"visible\":false}]" );
+    assert_int_equal( scene.triangles.count, 2 ); // nor what is below it
+    assert_null( scene.movement );
+    rf_destroy_scene( &scene );
+    const char* keyed = "\"objects\":[{\"node\":\"Door\",\"keys\":[{\"time\":0,\"visible\":false},{\"time\":1,\"visible\":true},"
+                        "{\"time\":2,\"visible\":false}]},{\"file\":\"figure.glb\",\"keys\":[{\"time\":0,\"visible\":true},"
+                        "{\"time\":1,\"visible\":false}]},{\"file\":\"figure.glb\",\"visible\":false}]";
+    scene = load_scene( "room.glb", keyed );
+    for ( int k = -1; k <= 5; ++k )
+    {
+        double time = 0.5 * k;
+        RfPosedScene pose = gltf_pose_at( &scene, time );
+        assert_int_equal( pose.scene.placement_count, 6 );
+        for ( int i = 0; i < 6; ++i )
+            assert_int_equal( pose.scene.placements[i].shown, i < 2 ? time >= 1.0 && time < 2.0 : time < 1.0 );
+        rf_destroy_pose( &pose );
+    }
+    rf_destroy_scene( &scene );
+    // frozen, as they begin
+    RfError error = { 0 };
+    assert_int_equal( try_scene( "room.glb", keyed, true, &scene, &error ), RF_OK );
+    assert_int_equal( rf_triangle_count( &scene ), 2 + 4 );
+    rf_destroy_scene( &scene );
+}
+
+// ---- Files that are placed ------------------------------------------------------
+
+static void test_a_still_file_is_part_of_the_scene( void** state )
+{
+    (void)state;
+    RfScene room = load_alone( "room.glb" ),
+            scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"room.glb\",\"translation\":[0,0,-3],\"scale\":[1,2,1],"
+                                            "\"rotation\":{\"yaw\":90}}]" );
+    assert_null( scene.movement );
+    assert_int_equal( scene.placement_count, 0 );
+    assert_int_equal( scene.triangles.count, 2 * room.triangles.count );
+    assert_int_equal( scene.camera_count, 1 );
+    assert_int_equal( scene.material_count, 2 * room.material_count );
+    assert_int_equal( scene.instance_count, 2 * room.instance_count );
+    assert_true( scene.content_hash != room.content_hash );
+    gltf_assert_corner( &scene, 14, 0, 2, -3 );
+    gltf_assert_corner( &scene, 13, 0, 0, -4 );
+    gltf_assert_corner( &scene, 16, 0, 0, -6 ); // of the door
+    assert_int_equal( scene.triangles.material[3], 0 );
+    assert_int_equal( scene.triangles.material[4], room.material_count );
+    assert_true( (double)scene.bounds_min.z == -13.0 && (double)scene.bounds_max.y == 2.0 && (double)scene.bounds_max.x == 10.0 );
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &room );
+}
+
+static void test_as_if_by_gltf_alone( void** state )
+{
+    (void)state;
+    GltfBuilder b = { 0 };
+    static const float s_times[] = { 0, 2 }, s_moves[] = { 0, 0, 0, 8, 4, 2 };
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
+    add_gltf_floats( &b, "VEC3", 3, 2, s_moves );
+    GltfBuilder copy = b;
+    write_glb( "leaf.glb", &b, "\"nodes\":[{\"mesh\":0}],\"materials\":[{}],\"meshes\":[" TRIANGLE "]" );
+    write_glb(
+        "leaves.glb", &copy,
+        "\"nodes\":[{\"mesh\":0},{\"children\":[2],\"scale\":[1,2,1]},{\"mesh\":0}],\"materials\":[{}],\"meshes\":[" TRIANGLE
+        "]," ANIMATE( "translation" ) "\"extras\":0" );
+    RfScene alone = load_alone( "leaves.glb" ),
+            scene = load_scene( "leaf.glb",
+                                "\"objects\":[{\"file\":\"leaf.glb\",\"scale\":[1,2,1],\"interpolation\":\"linear\","
+                                "\"keys\":[{\"time\":0,\"translation\":[0,0,0]},{\"time\":2,\"translation\":[8,4,2]}]}]" );
+    assert_int_equal( scene.placement_count, alone.placement_count );
+    assert_int_equal( scene.placements[0].first, alone.placements[0].first );
+    assert_same_moments( &scene, &alone );
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &alone );
+}
+
+// That mover `i` of one pose is that of another, further along x.
+static void assert_same_mover( const RfPosedScene* a, int i, const RfPosedScene* b, int j, double x )
+{
+    const RfPlacement *left = a->scene.placements + i, *right = b->scene.placements + j;
+    assert_int_equal( left->shown, right->shown );
+    assert_int_equal( a->scene.meshes[left->mesh].triangles.count, b->scene.meshes[right->mesh].triangles.count );
+    for ( int c = 0; left->shown && c < 3; ++c )
+    {
+        double p[3];
+        gltf_find_placed_corner( &b->scene, right->first, c, p );
+        gltf_assert_placed_corner( &a->scene, left->first, c, p[0] + x, p[1], p[2] );
+    }
+}
+
+#define TWICE                                                                                                                    \
+    "\"objects\":[{\"file\":\"figure.glb\",\"translation\":[10,0,0],\"animation\":\"Go\",\"start\":2,\"speed\":2,\"repeat\":"    \
+    "\"loop\"},"                                                                                                                 \
+    "{\"file\":\"figure.glb\",\"translation\":[20,0,0],\"animation\":\"Go\",\"start\":-0.25,\"repeat\":\"hold\"}]"
+
+static void test_a_file_twice_at_other_times( void** state )
+{
+    (void)state;
+    RfScene alone = load_alone( "figure.glb" ), scene = load_scene( "figure.glb", TWICE );
+    assert_int_equal( alone.placement_count, 3 );
+    assert_int_equal( scene.placement_count, 9 );
+    assert_int_equal( scene.triangles.count, 3 );
+    assert_int_equal( scene.still_placement_count, 0 );
+    assert_true( scene.movement->start == 0.0 && scene.movement->end == 2.5 );
+    for ( int k = -2; k <= 16; ++k )
+    {
+        double time = 0.25 * k + 0.0625, played = fmax( ( time - 2.0 ) * 2.0, 0.0 );
+        RfPosedScene all = gltf_pose_at( &scene, time ), own = gltf_pose_at( &alone, time ),
+                     looped = gltf_pose_at( &alone, 0.5 + fmod( played, 1.0 ) ),
+                     held = gltf_pose_at( &alone, 0.5 + fmin( fmax( time + 0.25, 0.0 ), 1.0 ) );
+        for ( int i = 0; i < 3; ++i )
+        {
+            assert_same_mover( &all, i, &own, i, 0.0 );
+            assert_same_mover( &all, 3 + i, &looped, i, 10.0 );
+            assert_same_mover( &all, 6 + i, &held, i, 20.0 );
+        }
+        rf_destroy_pose( &all );
+        rf_destroy_pose( &own );
+        rf_destroy_pose( &looped );
+        rf_destroy_pose( &held );
+    }
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &alone );
+}
+
+static void test_materials_and_textures_are_their_own( void** state )
+{
+    (void)state;
+    RfScene scene =
+        load_scene( "figure.glb", "\"objects\":[{\"file\":\"figure.glb\",\"materials\":{\"stone\":{\"baseColorFactor\":"
+                                  "[1,0,0,1],\"metallicFactor\":0}}}]" );
+    int count = (int)scene.material_count / 2;
+    assert_int_equal( scene.texture_count, 2 );
+    const char* const names[] = { "fur", "stone" };
+    for ( int i = 0; i < 2 * count; ++i )
+    {
+        const RfMaterial* m = scene.materials + i;
+        if ( i % count < 2 )
+            assert_string_equal( m->name, names[i % count] );
+        if ( i % count == 0 )
+            assert_int_equal( m->textured->refs[RF_TEXTURE_BASE].texture, i / count );
+    }
+    for ( uint32_t i = 0; i < rf_triangle_count( &scene ); ++i )
+    {
+        bool placed = i < 2 ? i == 1 : i >= 5; // two stones, then the movers of each
+        assert_in_range( rf_material_of( &scene, i ), placed ? (uint32_t)count : 0,
+                         placed ? 2 * (uint32_t)count - 1 : (uint32_t)count - 1 );
+    }
+    assert_true( (double)scene.materials[count + 1].diffuse.y < 0.1 );
+    rf_destroy_scene( &scene );
+}
+
+static void test_which_animation( void** state )
+{
+    (void)state;
+    RfScene scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"figure.glb\",\"animation\":\"Grow\",\"speed\":4}]" );
+    assert_int_equal( scene.placement_count, 1 ); // the disc alone, with Go left out whole
+    assert_true( scene.movement->start == 0.0 && scene.movement->end == 0.25 );
+    assert_string_equal( s_warnings, "" );
+    rf_destroy_scene( &scene );
+    scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"figure.glb\"},{\"file\":\"figure.glb\"}]" );
+    char* first = strstr( s_warnings, "animation 'Go' is used" );
+    assert_non_null( first );
+    assert_null( strstr( first + 1, "animation 'Go' is used" ) ); // of a file once
+    rf_destroy_scene( &scene );
+}
+
+static void test_what_a_placed_file_leaves_behind( void** state )
+{
+    (void)state;
+    GltfBuilder b = { 0 };
+    write_glb(
+        "sky.glb", &b,
+        "\"scenes\":[{\"nodes\":[0],\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1,1]},\"export_warnings\":[\"a "
+        "loss\"]}}}],"
+        "\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\","
+        "\"name\":\"Sun\"}]}},\"nodes\":[{\"translation\":[0,1,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}]" );
+    RfScene scene = load_scene(
+        "room.glb", "\"objects\":[{\"file\":\"sky.glb\",\"translation\":[1,2,3]},{\"file\":\"sky.glb\",\"name\":\"sky\","
+                    "\"keys\":[{\"time\":0,\"translation\":[0,0,0]},{\"time\":1,\"translation\":[1,0,0]}]}]" );
+    assert_non_null( strstr( s_warnings, "objects[0]: the environment of 'sky.glb' is left out" ) );
+    assert_int_equal( scene.punctual_count, 2 );
+    gltf_assert_rgb( scene.punctuals[0].position, 1, 3, 3 );
+    assert_int_equal( scene.unrendered_count, 1 );
+    assert_string_equal( scene.unrendered[0].what, "sky: light 'Sun'" );
+    assert_string_equal( scene.export_warnings[1], "sky: a loss" );
+    rf_destroy_scene( &scene );
+}
+
+static void test_the_origin_is_that_of_the_scene( void** state )
+{
+    (void)state;
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    write_glb( "far.glb", &b,
+               "\"nodes\":[{\"mesh\":0,\"translation\":[1000000.125,0,0]}],\"materials\":[{}],\"meshes\":[" TRIANGLE "]" );
+    RfScene scene = load_scene( "far.glb", "\"objects\":[{\"file\":\"room.glb\",\"translation\":[1000000.25,0,0]}]" );
+    assert_true( scene.origin[0] > 999000.0 );
+    gltf_assert_corner( &scene, 3, 1000000.25 - scene.origin[0], 0, 0 );
+    rf_destroy_scene( &scene );
+}
+
+// ---- Frames ---------------------------------------------------------------------
+
+static RfResult try_path( const RfScene* scene, RfFps fps, const char* camera, RfCameraPath* path, RfError* error )
+{
+    RfPathOptions options = { .camera = camera, .fps = fps, .width = 8, .height = 8 };
+    return rf_create_camera_path( scene, &options, path, error );
+}
+
+#define DOOR                                                                                                                     \
+    "\"objects\":[{\"node\":\"Door\",\"keys\":[{\"frame\":1,\"translation\":[2,0,0]},{\"frame\":11,\"translation\":[3,0,0]}]}]"
+#define PATH( lens )                                                                                                             \
+    "\"camera\":{\"kind\":\"keyed\",\"step\":5,\"target\":[0,0,0]," lens "\"keys\":[{\"frame\":6,\"position\":[0,0,5]},"         \
+    "{\"frame\":16,\"position\":[0,1,5]}]}"
+
+static void test_frames_of_keys( void** state )
+{
+    (void)state;
+    RfCameraPath path;
+    RfError error = { 0 };
+    RfScene scene = load_scene( "room.glb", "\"render\":{\"fps\":\"30000/1001\"}," DOOR "," PATH( "" ) );
+    assert_int_equal( try_path( &scene, ( RfFps ){ 0 }, NULL, &path, &error ), RF_OK );
+    assert_int_equal( path.count, 3 ); // 6, 11, 16: the door reaches its last key in the second
+    assert_int_equal( path.first, 6 );
+    for ( int i = 0; i < 3; ++i )
+        assert_true( path.eyes[i].time == ( 5.0 * i + 5.0 ) * 1001.0 / 30000.0 );
+    assert_true( path.eyes[1].time == scene.movement->end );
+    rf_destroy_camera_path( &path );
+    assert_int_equal( try_path( &scene, ( RfFps ){ 24, 1 }, NULL, &path, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "objects have keys that count frames, at 29.97 frames per second rather than 24" ) );
+    rf_destroy_scene( &scene );
+    // in the middle of a shutter
+    scene = load_scene( "room.glb", DOOR "," PATH( "\"lens\":{\"shutter\":[0,1]}," ) );
+    assert_int_equal( try_path( &scene, ( RfFps ){ 0 }, NULL, &path, &error ), RF_OK );
+    assert_close( path.eyes[1].time, 10.5 / 24.0, 1e-12 );
+    rf_destroy_camera_path( &path );
+    rf_destroy_scene( &scene );
+}
+
+static void test_what_loops_counts_one_round( void** state )
+{
+    (void)state;
+    RfCameraPath path;
+    RfError error = { 0 };
+    RfScene scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"figure.glb\",\"start\":1,\"repeat\":\"loop\"}]" );
+    assert_int_equal( try_path( &scene, ( RfFps ){ 24, 1 }, NULL, &path, &error ), RF_OK );
+    assert_int_equal( path.count, 25 );
+    assert_true( path.eyes[0].time == 1.0 );
+    rf_destroy_camera_path( &path );
+    rf_destroy_scene( &scene );
+}
+
+// ---- Faults ---------------------------------------------------------------------
+
+static void test_faults( void** state )
+{
+    (void)state;
+    static const char* const s_faults[][2] = {
+        { "{}", "objects: must be an array" },
+        { "[1]", "objects[0]: must be an object" },
+        { "[{}]", "objects[0]: has neither node, one of the scene, nor file" },
+        { "[{\"node\":\"Door\",\"file\":\"figure.glb\"}]", "objects[0].node: not together with file" },
+        { "[{\"node\":\"Door\"}]", "objects[0]: changes nothing" },
+        { "[{\"node\":\"Doro\",\"visible\":false}]",
+          "objects[0].node: the scene has no such node: did you mean 'Door'? there are" },
+        { "[{\"node\":\"Leaf\",\"visible\":false}]", "2 nodes are called 'Leaf': give the number of one: nodes[4], nodes[5]" },
+        { "[{\"node\":\"Door\",\"visible\":true},{\"node\":\"nodes[1]\",\"scale\":2}]",
+          "objects[1]: sets 'nodes[1]', as objects[0] does" },
+        { "[{\"node\":\"nodes[4]\",\"scale\":2}]", "has a matrix in the file: give it translation, rotation and scale" },
+        { "[{\"node\":\"Door\",\"start\":2}]", "objects[0].start: unknown key" },
+        { "[{\"node\":\"Door\",\"scale\":\"big\"}]", "objects[0].scale: must be a number or an array of 3 numbers, got \"big\"" },
+        { "[{\"node\":\"Door\",\"rotation\":[1,2,3]}]", "objects[0].rotation: must be an array of 4 numbers" },
+        { "[{\"node\":\"Door\",\"visible\":1}]", "objects[0].visible: must be true or false" },
+        { "[{\"node\":\"Door\",\"scale\":2,\"interpolation\":\"linear\"}]", "interpolation: has no effect without keys" },
+        { "[{\"node\":\"Door\",\"keys\":[]}]", "objects[0].keys: must be an array of 1" },
+        { "[{\"node\":\"Door\",\"keys\":[{\"time\":1}]}]", "objects[0].keys[0]: has no translation, rotation, scale or visible" },
+        { "[{\"node\":\"Door\",\"keys\":[{\"scale\":1}]}]", "objects[0].keys[0].time: is missing" },
+        { "[{\"node\":\"Door\",\"keys\":[{\"time\":1,\"scale\":1},{\"frame\":2,\"scale\":1}]}]",
+          "objects[0].keys[1].frame: unknown key" },
+        { "[{\"node\":\"Door\",\"keys\":[{\"time\":1,\"scale\":1},{\"time\":1,\"scale\":1}]}]",
+          "objects[0].keys[1].time: 1 is not later" },
+        { "[{\"node\":\"Door\",\"scale\":1,\"keys\":[{\"time\":1,\"scale\":1}]}]", "objects[0].scale: keys have it too" },
+        { "[{\"file\":\"x.json\"}]", "objects[0].file: must be a .glb or .gltf file: scene files do not nest" },
+        { "[{\"file\":\"none.glb\"}]", "objects[0].file: " },
+        { "[{\"file\":\"figure.glb\",\"animation\":\"Run\"}]", "objects[0].animation: " },
+        { "[{\"file\":\"figure.glb\",\"animation\":\"Run\"}]", "none is called 'Run': there are 'Go', 'Grow'" },
+        { "[{\"file\":\"room.glb\",\"speed\":2}]", "objects[0].speed: 'room.glb' has no animation" },
+        { "[{\"file\":\"figure.glb\",\"speed\":0}]", "objects[0].speed: must be a number from 1e-06 to 1e+06, got 0" },
+        { "[{\"file\":\"figure.glb\",\"repeat\":\"twice\"}]", "objects[0].repeat: must be one of hold, loop" },
+        { "[{\"file\":\"figure.glb\",\"materials\":{\"ston\":{}}}]",
+          "objects[0].materials.ston: the scene has no such material" },
+    };
+    for ( size_t i = 0; i < sizeof s_faults / sizeof s_faults[0]; ++i )
+        expect_fault( s_faults[i][0], s_faults[i][1] );
+    cli_write( "broken.glb", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":7}", 37 );
+    expect_fault( "[{\"file\":\"broken.glb\",\"scale\":2}]", "broken.glb: document: nodes must be an array" );
+}
+
+static int enter( void** state )
+{
+    (void)state;
+    cli_enter();
+    write_door( "room.glb", "" );
+    write_door( "moving.glb", ANIMATE( "rotation" ) );
+    write_figure();
+    return 0;
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_keys_of_a_node ),
+        cmocka_unit_test( test_smooth_keys_are_those_of_cameras ),
+        cmocka_unit_test( test_a_node_with_a_matrix ),
+        cmocka_unit_test( test_a_node_that_carries_a_camera ),
+        cmocka_unit_test( test_what_is_shown ),
+        cmocka_unit_test( test_a_still_file_is_part_of_the_scene ),
+        cmocka_unit_test( test_as_if_by_gltf_alone ),
+        cmocka_unit_test( test_a_file_twice_at_other_times ),
+        cmocka_unit_test( test_materials_and_textures_are_their_own ),
+        cmocka_unit_test( test_which_animation ),
+        cmocka_unit_test( test_what_a_placed_file_leaves_behind ),
+        cmocka_unit_test( test_the_origin_is_that_of_the_scene ),
+        cmocka_unit_test( test_frames_of_keys ),
+        cmocka_unit_test( test_what_loops_counts_one_round ),
+        cmocka_unit_test( test_faults ),
+    };
+    return cmocka_run_group_tests_name( "objects", tests, enter, cli_leave_group );
+}
