@@ -355,7 +355,7 @@ static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
     paths->light_count = count;
 }
 
-// The surfaces are listed once; groups at the ends of a camera's path have fewer light paths than others.
+// The surfaces are listed once, or, where something moves, for every group; groups at the ends of a camera's path have fewer light paths than others.
 static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
 {
     size_t n = light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
@@ -377,12 +377,12 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     paths->connections = CONNECTIONS;
     paths->rare_connections = RARE_CONNECTIONS;
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
-    if ( !paths->prepared )
+    if ( paths->listed_for == 0 || ( group->traits.moves && paths->listed_for != group->number + 1 ) )
     {
         list_surfaces( group->tracer, paths );
         list_emitters( group, paths );
     }
-    paths->prepared = true;
+    paths->listed_for = group->number + 1;
     return paths;
 }
 

@@ -49,14 +49,14 @@ typedef struct RfScatteredPath
 
 typedef struct RfLightPaths
 {
-    bool prepared;
-    int share_of;           // the group that `share` was chosen for, from 1; 0: none yet
-    float share;            // of the light paths and connections of a set that is drawn
-    bool balls;             // footprints are balls, else boxes (RfNormalization)
-    bool measures;          // connections estimate their error with other shares (RfConnectionLanes)
-    uint32_t emitted;       // n, with those that were lost
-    uint32_t count;         // stored
-    float connections;      // c: light paths that a camera vertex finds, on average, per chain that leads light to it
+    int listed_for;    // 1 + the number of the group, since surfaces may move: its surfaces and emitters are listed; 0: none are
+    int share_of;      // the group that `share` was chosen for, from 1; 0: none yet
+    float share;       // of the light paths and connections of a set that is drawn
+    bool balls;        // footprints are balls, else boxes (RfNormalization)
+    bool measures;     // connections estimate their error with other shares (RfConnectionLanes)
+    uint32_t emitted;  // n, with those that were lost
+    uint32_t count;    // stored
+    float connections; // c: light paths that a camera vertex finds, on average, per chain that leads light to it
     float rare_connections; // the same where footprints are clamped
     float most_radius;      // of footprints
     RfLightPath* path;

@@ -43,7 +43,7 @@ typedef struct RfEstimatorGroup
     const float* need;
     int round;
     bool packed;             // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
-    bool first_hits_only;    // no light: for add_own_shares alone
+    bool first_hits_only;    // no light: for add_own_shares and count_reuse alone
     bool even_light_samples; // first hits have no more light samples than other vertices
     const void* shared;      // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;
@@ -156,13 +156,13 @@ struct RfEstimator
 
     // Adaptive sampling; both NULL where the estimator has none. It needs an estimator of one film without
     // pass_state and whole_pass. `add_own_shares` adds, per pixel,
-    // the share of each sample's weight that its own frame keeps (1 where no other frame sees it)
+    // the share of each sample's weight that its own frame keeps (1 where no other frame sees it, or the light holds in one frame alone)
     // for a batch just traced. `count_samples` adds `weight` per own-frame sample, returns their number.
     void ( *add_own_shares )( const void* batch, const void* scratch, float* sum );
     uint64_t ( *count_samples )( const void* batch, float weight, float* sum );
 
     // Counts for the plan; NULL where frames share nothing. Adds what a batch that was traced for its own
-    // frame alone would find in `group`, where that frame has index `eye`.
+    // frame alone (where something moves, for the first hits of `group`) would find in `group`, where that frame has index `eye`.
     void ( *count_reuse )( const RfEstimatorGroup* group, int eye, void* batch, void* scratch, RfReuseCount* count );
 };
 

@@ -62,9 +62,9 @@ static RfResult render_group( RfRenderer* r, int number, RfError* error )
     rf_open_films( r, number );
     RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
     estimator_group.shared = r->memory.shared;
-    if ( r->worlds.result != RF_OK )
-        return rf_fail( error, r->worlds.result, "%s", r->worlds.error.text );
-    RfResult result;
+    RfResult result = rf_check_worlds( &r->worlds, error );
+    if ( result != RF_OK )
+        return result;
     if ( r->setup->sizes.stopping )
         result = rf_render_until( r, &estimator_group, error );
     else
@@ -144,9 +144,7 @@ static RfResult set_up_render( RfRenderSetup* setup, RfError* error )
     setup->traits = rf_running_traits( scene, rf_scene_traits( scene, shot->eyes, shot->eye_count, settings ) );
     if ( !rf_is_plain_filter( settings ) )
         rf_make_pixel_filter( settings, &setup->filter );
-    RfResult result = rf_check_moving( &setup->traits, settings, error );
-    if ( result == RF_OK )
-        result = rf_fit_sizes( settings->memory, shot->frame_count, &setup->sizes, &setup->fit, error );
+    RfResult result = rf_fit_sizes( settings->memory, shot->frame_count, &setup->sizes, &setup->fit, error );
     if ( result == RF_OK )
         settings->threads = setup->sizes.threads;
     return result;

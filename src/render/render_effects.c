@@ -133,6 +133,7 @@ static void set_light_paths( const Source* from )
              : t->panes                       ? "there are thin panes, which light paths do not pass"
              : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
              : s->weights != RF_WEIGHTS_EXACT ? "they need exact weights"
+             : t->moves && s->group != 0      ? "where something moves they want groups of one frame"
              : s->estimator->prepare == NULL
                  ? "the estimator does not support them"
                  : "mirrors and glass carry the light of large emitters only, which BSDF sampling finds" );

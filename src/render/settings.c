@@ -150,6 +150,14 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
     return RF_OK;
 }
 
+// A single frame is a group of its own.
+static RfResult check_moving( const RfShot* shot, const RfRenderSettings* settings, RfError* error )
+{
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
+    RfSceneTraits traits = { .moves = rf_may_move( scene ) && shot->eye_count > 1 };
+    return rf_check_moving( &traits, settings, error );
+}
+
 RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
     RfResult result = check_settings( settings, error );
@@ -175,7 +183,7 @@ RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings
         resolved->normalize = RF_NORMALIZE_RATIO;
     if ( resolved->adaptive == RF_ADAPTIVE_AUTO && !can_adapt( resolved ) )
         resolved->adaptive = RF_ADAPTIVE_OFF;
-    return RF_OK;
+    return check_moving( shot, resolved, error );
 }
 
 RfGroupPlan rf_plan_samples( const RfShot* shot, int half_width, int spp )

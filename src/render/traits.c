@@ -24,6 +24,11 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
     }
 }
 
+bool rf_may_move( const RfScene* scene )
+{
+    return rf_calls_for( scene->movement != NULL || scene->feigned != NULL, RF_EFFECT_MOVING );
+}
+
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
 {
     RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
@@ -41,7 +46,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     }
     traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
     traits.scattered = traits.lens || traits.shutter;
-    traits.moves = rf_calls_for( scene->movement != NULL || scene->feigned != NULL, RF_EFFECT_MOVING );
+    traits.moves = rf_may_move( scene );
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
     if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles > 0 && !traits.panes && !traits.blended )
@@ -63,9 +68,10 @@ RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* s
     if ( !traits->moves || settings->group == 0 )
         return RF_OK;
     if ( settings->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "where something moves, groups of several frames want exact weights" );
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "the biased weights cannot tell what moves in a group of frames: exact weights, or a group of 0" );
     if ( settings->light_paths == RF_LIGHT_PATHS_ON )
-        return rf_fail( error, RF_ERROR_USAGE, "where something moves, light paths want a group of 0" );
+        return rf_fail( error, RF_ERROR_USAGE, "light paths cannot be shared by frames where something moves: a group of 0" );
     return RF_OK;
 }
 

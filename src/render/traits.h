@@ -42,6 +42,9 @@ bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* setti
 // surfaces, which rays pass by chance.
 bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings );
 
+// Whether something moves in a scene, or counts as moving.
+bool rf_may_move( const RfScene* scene );
+
 // Where something moves, groups of several frames share only what holds in all of them, which some settings cannot tell: fails for
 // those with RF_ERROR_USAGE.
 RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error );

@@ -45,6 +45,12 @@ void rf_destroy_worlds( RfWorlds* worlds );
 // They are valid until other frames are opened; those among them stay. Not to be called by several threads at once.
 const RfTracer* const* rf_open_worlds( RfWorlds* worlds, int first, int count );
 
+// The failure of opening frames, if one has failed.
+static inline RfResult rf_check_worlds( const RfWorlds* worlds, RfError* error )
+{
+    return worlds->result == RF_OK ? RF_OK : rf_fail( error, worlds->result, "%s", worlds->error.text );
+}
+
 // The tracer of a frame; NULL where nothing moves, or it is not open or not in the path.
 static inline const RfTracer* rf_world_tracer( const RfWorlds* worlds, int frame )
 {

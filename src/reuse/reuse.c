@@ -98,13 +98,20 @@ static int own_frame_hits( const RfHitBatch* batch, const RfHarvestScratch* scra
     return batch->miss_count - scratch->ray_miss_count;
 }
 
+// Of hit i, whose own frame keeps this share of its weight: what no other frame helps with, of light that holds in its own frame
+// alone all.
+static double unhelped( const RfHarvestScratch* scratch, double share, int i )
+{
+    return scratch->own != NULL ? share + ( 1.0 - share ) * (double)scratch->own->part[i] : share;
+}
+
 static void add_own_shares( const void* batch_memory, const void* scratch_memory, float* sum )
 {
     const RfHitBatch* batch = batch_memory;
     const RfHarvestScratch* scratch = scratch_memory;
     const float* own = scratch->density + (size_t)batch->eye * RF_LANES;
     for ( int i = 0; i < batch->count; ++i )
-        sum[batch->pixel[i]] += rf_mixture_share( own[i], batch->density_sum[i] );
+        sum[batch->pixel[i]] += (float)unhelped( scratch, (double)rf_mixture_share( own[i], batch->density_sum[i] ), i );
     int hits = own_frame_hits( batch, scratch ), base = batch->miss_count - hits;
     for ( int i = 0; i < hits; ++i )
         sum[rf_miss_pixel( batch )[base + i]] += 1.0f;
@@ -131,7 +138,7 @@ static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_mem
     const float* own = scratch->density + (size_t)eye * RF_LANES;
     double share = 0.0;
     for ( int i = 0; i < batch->count; ++i )
-        share += (double)own[i] / (double)batch->density_sum[i];
+        share += unhelped( scratch, (double)own[i] / (double)batch->density_sum[i], i );
     count->hits += scratch->first.count;
     count->glossy += rf_glossy_count( batch );
     count->own_share += share + own_frame_hits( batch, scratch );

@@ -1,6 +1,7 @@
 // A scene that moves, frame by frame: its motion against closed forms, memory that counts what moves, the same bits however frames
 // are asked for, and failures in the midst of a render.
 #include "base/arena.h"
+#include "reframe/plan.h"
 #include "render/settings.h"
 #include "render/sizes.h"
 #include "render/worlds.h"
@@ -74,6 +75,7 @@ typedef struct Layers
 {
     int count, frame[MOST_FRAMES];
     float* motion[MOST_FRAMES];
+    float* samples[MOST_FRAMES];
     float* rgb[MOST_FRAMES];
 } Layers;
 
@@ -92,7 +94,8 @@ static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
     size_t pixels = (size_t)result->width * (size_t)result->height;
     kept->frame[kept->count] = result->frame;
     kept->rgb[kept->count] = copy_floats( result->rgb, 3 * pixels );
-    const float* motion = result->aovs[RF_AOV_MOTION];
+    const float *motion = result->aovs[RF_AOV_MOTION], *samples = result->aovs[RF_AOV_SAMPLES];
+    kept->samples[kept->count] = samples != NULL ? copy_floats( samples, pixels ) : NULL;
     kept->motion[kept->count] = motion != NULL ? copy_floats( motion, 4 * pixels ) : NULL;
     kept->count += 1;
     return RF_OK;
@@ -103,6 +106,7 @@ static void free_layers( Layers* kept )
     for ( int i = 0; i < kept->count; ++i )
     {
         free( kept->motion[i] );
+        free( kept->samples[i] );
         free( kept->rgb[i] );
     }
 }
@@ -326,6 +330,115 @@ static void test_a_frame_alone_is_that_of_its_sequence( void** state )
     rf_destroy_scene( &scene );
 }
 
+// A mirror that grows: light paths are aimed at where it is in their own frame.
+static void test_light_paths_by_a_mirror_that_grows( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_plate();
+    static const float s_scales[] = { 0.2f, 0.2f, 1, 1.5f, 1.5f, 1 };
+    add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"mesh\":1,\"rotation\":[0,1,0,0]},{\"mesh\":0},{\"mesh\":2,\"scale\":[1,1,0.1],\"rotation\":[-0."
+            "70710678,0,0,0.70710678]}],\"materials\":[{\"pbrMetallicRoughness\":{"
+            "\"roughnessFactor\":0}},{\"emissiveFactor\":[0.5,0.5,0.5]},{}],\"meshes\":[" PLATE(
+                "},\"indices\":1,\"material\":0" ) "," WALL ",{\"primitives\":[{\"attributes\":{\"POSITION\":2},\"indices\":1,"
+                                                   "\"material\":2}]}]," MOVED( "1", "scale", "LINEAR" ) );
+    RfRenderSettings settings = moving_settings( 0, 2 );
+    settings.light_paths = RF_LIGHT_PATHS_ON;
+    check_parts( &scene, &settings );
+    RfEye eyes[2];
+    still_eyes( eyes, 2, 0.0 );
+    RfTracer* tracer = make_tracer( &scene );
+    RfError error;
+    settings.group = 1;
+    RfShot shot = { tracer, eyes, 2, &( int ){ 0 }, 1 };
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "light paths" ) );
+    shot.eye_count = 1; // a frame alone
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_OK );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+// ---- Plan and pilot -------------------------------------------------------------
+
+static RfPlan plan_of( const RfScene* scene )
+{
+    RfEye eyes[9];
+    RfPlan plan;
+    RfError error;
+    still_eyes( eyes, 9, 0.0 );
+    for ( int i = 0; i < 9; ++i )
+        eyes[i].time = 0.4 * i;
+    RfTracer* tracer = make_tracer( scene );
+    RfRenderSettings settings = moving_settings( RF_GROUP_AUTO, 9 );
+    settings.aovs = 0;
+    if ( rf_plan_render( &( RfShot ){ tracer, eyes, 9, &( int ){ 0 }, 1 }, &settings, &plan, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_destroy_tracer( tracer );
+    return plan;
+}
+
+// A sheet of 40 by 40 m at z = −5 that slides before all else, and hardly anything that does.
+static void test_groups_that_do_not_pay( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_plate();
+    static const float s_slides[] = { 0, 0, -2, 1, 0, -2 };
+    add_gltf_floats( &b, "VEC3", 3, 2, s_slides );
+    RfScene large = gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"children\":[2]},{\"mesh\":0,\"scale\":[40,40,1]}]," MESHES(
+                                             "},\"indices\":1,\"material\":0" ) MOVED( "1", "translation", "LINEAR" ) );
+    RfPlan plan = plan_of( &large );
+    assert_int_equal( plan.rows[plan.chosen].group, 0 );
+    for ( int r = 0; r < plan.count; ++r )
+        assert_true( fabs( plan.rows[r].reach - 1.0 ) < 1e-6 );
+    rf_destroy_scene( &large );
+    b = make_plate();
+    add_gltf_floats( &b, "VEC3", 3, 2, s_slides );
+    RfScene small = gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"children\":[2]},{\"mesh\":0,\"scale\":[0.1,0.1,1]}]," MESHES(
+                                             "},\"indices\":1,\"material\":0" ) MOVED( "1", "translation", "LINEAR" ) );
+    plan = plan_of( &small );
+    assert_true( plan.rows[plan.chosen].group > 0 && plan.rows[plan.count - 1].reach > 3.0 );
+    rf_destroy_scene( &small );
+}
+
+// A curtain between a lamp on the left and the right half of the wall, which the eye sees edge on. Where it has been lifted, the
+// light is that of one frame alone.
+static void test_pilots_see_light_that_no_other_frame_has( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_plate();
+    static const float s_lifts[] = { 0, 0, 0, 0, 60, 0 };
+    add_gltf_floats( &b, "VEC3", 3, 2, s_lifts );
+    RfScene scene = gltf_load_built(
+        &b,
+        "\"nodes\":[{\"mesh\":1},{\"children\":[2]},{\"mesh\":0,\"translation\":[-3,0,-6],\"scale\":[3,20,1],\"rotation\":[0,-0."
+        "70710678,0,0."
+        "70710678]},{\"mesh\":2,\"translation\":[-11,0,-6],\"rotation\":[0,0.70710678,0,0.70710678]}],\"materials\":[{},{"
+        "\"emissiveFactor\":"
+        "[1,1,1]}],\"meshes\":[" PLATE(
+            "},\"indices\":1,\"material\":0" ) ",{\"primitives\":[{\"attributes\":{\"POSITION\":2},"
+                                               "\"indices\":1,\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0}"
+                                               ",\"indices\":1,\"material\":1}]}]," MOVED( "1", "translation", "LINEAR" ) );
+    RfEye eyes[7];
+    still_eyes( eyes, 7, 0.0 );
+    for ( int i = 0; i < 7; ++i )
+        eyes[i].time = 0.6 * i;
+    RfRenderSettings settings = moving_settings( 3, 7 );
+    settings.adaptive = RF_ADAPTIVE_ON;
+    settings.aovs = RF_AOV_BIT( RF_AOV_SAMPLES );
+    Layers kept;
+    RfError error;
+    if ( render_part( &scene, eyes, 7, 5, 6, &settings, &kept, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    double samples[2] = { 0 };
+    for ( int i = 0; i < WIDTH * HEIGHT; ++i )
+        samples[i % WIDTH >= WIDTH / 2] += (double)kept.samples[0][i];
+    assert_true( samples[1] > 1.02 * samples[0] );
+    free_layers( &kept );
+    rf_destroy_scene( &scene );
+}
+
 // ---- Memory ---------------------------------------------------------------------
 
 static RfMemoryFit fit_of( const RfTracer* tracer, const RfEye* eyes, int count, const RfRenderSettings* settings )
@@ -478,6 +591,9 @@ int main( void )
         cmocka_unit_test( test_motion_of_what_changes_its_shape ),
         cmocka_unit_test( test_motion_of_a_skin_that_is_turned_over ),
         cmocka_unit_test( test_a_frame_alone_is_that_of_its_sequence ),
+        cmocka_unit_test( test_light_paths_by_a_mirror_that_grows ),
+        cmocka_unit_test( test_groups_that_do_not_pay ),
+        cmocka_unit_test( test_pilots_see_light_that_no_other_frame_has ),
         cmocka_unit_test( test_the_budget_counts_what_moves ),
         cmocka_unit_test( test_embree_holds_no_more_than_counted ),
         cmocka_unit_test( test_a_pose_that_fails ),

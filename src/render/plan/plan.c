@@ -6,6 +6,7 @@
 #include "base/system.h"
 #include "render/settings.h"
 #include "render/sizes.h"
+#include "render/worlds.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,6 +23,7 @@ typedef struct Probe
     void *scratch, *batch;
     RfEstimatorGroup group;
     int eye; // index in it of the frame that is traced
+    RfWorlds worlds;
 } Probe;
 
 // The probe looks at so many frames, and batches of each.
@@ -68,11 +70,14 @@ static RfResult begin_probe( const RfShot* shot, const RfRenderSettings* setting
         rf_size_group( scene, rf_scene_traits( scene, eyes, eye_count, &probe->settings ), eyes, plan.eyes, &probe->settings );
     probe->group.tracer = shot->tracer;
     probe->group.max_depth = rf_tracer_lights( shot->tracer )->count > 0 ? settings->max_depth : 1;
-    return alloc_probe( probe, error );
+    RfResult result =
+        rf_create_worlds( shot, rf_worlds_held( scene, eye_count, plan.eyes, false, false ), false, &probe->worlds, error );
+    return result == RF_OK ? alloc_probe( probe, error ) : result;
 }
 
 static void end_probe( Probe* p )
 {
+    rf_destroy_worlds( &p->worlds );
     rf_arena_free( &p->arena, "scratch", p->scratch, p->sizes.of_estimator.trace_scratch );
     rf_arena_free( &p->arena, "hit records", p->batch, p->sizes.of_estimator.batch );
     p->scratch = NULL;
@@ -88,6 +93,8 @@ static void aim_probe( Probe* p, int frame, int eyes )
     p->group.first_frame = first;
     p->group.eye_count = eyes;
     p->eye = frame - first;
+    p->group.tracers = rf_open_worlds( &p->worlds, first, eyes );
+    p->group.tracer = p->group.tracers != NULL && eyes == 1 ? *p->group.tracers : p->worlds.still;
 }
 
 // The i-th of the frames looked at.
@@ -103,6 +110,17 @@ static int probe_job( const Probe* p, int i, int k )
     return (int)( ( 2 * place + 1 ) * p->sizes.of_estimator.jobs / ( 2 * places ) );
 }
 
+// Which light holds in all frames is a matter of the group.
+static void look_again( Probe* p, int job, int pass )
+{
+    RfRayCounts rays = { 0 };
+    if ( p->group.tracers == NULL )
+        return;
+    p->group.first_hits_only = true;
+    p->settings.estimator->trace( &p->group, ( RfTraceJob ){ p->eye, job, pass }, p->batch, p->scratch, &rays );
+    p->group.first_hits_only = false;
+}
+
 static void count_batch( Probe* p, int frame, int job, int pass, const int* eyes, int rows, Counts* c )
 {
     const RfEstimator* estimator = p->settings.estimator;
@@ -112,6 +130,7 @@ static void count_batch( Probe* p, int frame, int job, int pass, const int* eyes
     {
         RfReuseCount count = { 0 };
         aim_probe( p, frame, eyes[r] );
+        look_again( p, job, pass );
         estimator->count_reuse( &p->group, p->eye, p->batch, p->scratch, &count );
         c->hits += r == 0 ? count.hits : 0.0;
         c->glossy += r == 0 ? count.glossy : 0.0;
@@ -344,7 +363,10 @@ static RfResult count( const RfShot* shot, const RfRenderSettings* settings, con
     }
     RfResult result = begin_probe( shot, settings, most, &probe, error );
     if ( result == RF_OK )
+    {
         count_plan( &probe, group_eyes, plan->count, counts );
+        result = rf_check_worlds( &probe.worlds, error );
+    }
     end_probe( &probe );
     return result;
 }
@@ -571,6 +593,7 @@ RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, 
     {
         measure( &m, group_eyes, seconds, plan );
         weigh( shot, &common, plan );
+        result = rf_check_worlds( &probe.worlds, error );
     }
     free_meter( &m );
     end_probe( &probe );

@@ -646,12 +646,28 @@ static void split_light( RfHarvest* harvest, RfHarvestScratch* scratch )
     memset( scratch->own->light, 0, sizeof scratch->own->light );
 }
 
+// How much of the light of first hits alone will be kept apart.
+static void look_for_own_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
+{
+    RfWavefront* wavefront = &scratch->wavefront;
+    float* wi[3] = { scratch->scattered[0], scratch->scattered[1], scratch->scattered[2] };
+    wavefront->spent = NULL;
+    wavefront->chain_light = NULL;
+    rf_sample_direct( harvest, scratch, rays );
+    rf_scatter_deferred( &harvest->path, wavefront, scratch->hits, 1, wi );
+    rf_count_path_rays( wavefront, &wavefront->rays );
+    rf_find_vertices_past_panes( &harvest->path, &wavefront->rays, 0, &wavefront->vertices, &wavefront->scratch );
+    rf_find_own_parts( harvest, wavefront->scratch.triangle, scratch );
+}
+
 static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     RfWavefront* wavefront = &scratch->wavefront;
     int count = harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
+    if ( scratch->own != NULL )
+        memset( scratch->own->part, 0, sizeof scratch->own->part );
     if ( rf_splits_light( harvest ) )
         split_light( harvest, scratch );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
@@ -663,6 +679,8 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         rf_sample_direct( harvest, scratch, rays );
         trace_tails( harvest, scratch, rays );
     }
+    else if ( harvest->path.own != NULL && harvest->path.max_depth > 1 )
+        look_for_own_light( harvest, scratch, rays );
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;
 

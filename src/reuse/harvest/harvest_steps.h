@@ -15,6 +15,7 @@ typedef struct RfOwnHits
     RfArrivalLanes arrival;            // from one direction
     RF_ALIGN float light[3][RF_LANES]; // by hit: towards its own camera
     uint8_t moving[RF_LANES];          // by slot: the first hit is on what moves, so other cameras do not see it
+    float part[RF_LANES];              // with RfHarvest.first_hits_only, by hit: of its light that is so, by a rough look
 } RfOwnHits;
 
 struct RfHarvestScratch
@@ -134,6 +135,9 @@ static inline RfChainSampling rf_chain_sampling( const RfHarvest* harvest, bool 
 
 // Marks the hits of camera rays that are on what moves: scratch->own->moving.
 void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch );
+
+// Finds scratch->own->part by the light samples at each hit and a scattered ray of it, which hits these triangles.
+void rf_find_own_parts( const RfHarvest* harvest, const uint32_t* triangle, RfHarvestScratch* scratch );
 
 // Adds light by one direction, at those glossy hits where it holds in their own frame alone, to scratch->own->light.
 void rf_add_own_glossy( const RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch );

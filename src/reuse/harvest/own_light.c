@@ -80,3 +80,37 @@ void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScr
             rf_glint_radiance( batch )[4 * (size_t)glint + c] += light[c][i];
     }
 }
+
+static float sample_luminance( const RfLightLanes* direct, int i )
+{
+    RfVec3 light = rf_vec3( direct->radiance_cos[0][i], direct->radiance_cos[1][i], direct->radiance_cos[2][i] );
+    return direct->pdf_solid_angle[i] > 0.0f ? rf_luminance( light ) / direct->pdf_solid_angle[i] : 0.0f;
+}
+
+// The light samples that bring light, and as much the scattered ray, if it reached anything.
+static float part_of_hit( const RfHarvest* harvest, const RfHarvestScratch* scratch, bool reached, int i )
+{
+    float own = 0.0f, all = 0.0f, scattered = (float)scratch->own->paths.touched[scratch->hits->slot[i]];
+    for ( int j = 0; j < harvest->shape.light_samples; ++j )
+    {
+        float light = sample_luminance( scratch->direct + j, i );
+        all += light;
+        own += scratch->direct[j].touched[i] ? light : 0.0f;
+    }
+    if ( all == 0.0f )
+        return scattered;
+    return reached ? 0.5f * ( own / all + scattered ) : own / all;
+}
+
+void rf_find_own_parts( const RfHarvest* harvest, const uint32_t* triangle, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* second = &scratch->wavefront.vertices;
+    const RfTracer* tracer = harvest->path.tracer;
+    bool reached[RF_LANES];
+    rf_touch_by_rays( tracer, &scratch->wavefront.rays, second, triangle, scratch->own->paths.touched );
+    memset( reached, rf_has_sky( rf_tracer_lights( tracer ) ), sizeof reached );
+    for ( int i = 0; i < second->count; ++i )
+        reached[second->slot[i]] = true;
+    for ( int i = 0; i < rf_record_count( scratch->hits ); ++i )
+        scratch->own->part[i] = part_of_hit( harvest, scratch, reached[scratch->hits->slot[i]], i );
+}
