@@ -21,7 +21,7 @@ RF_API_BEGIN
 typedef struct RfScene RfScene;
 
 // Loads a scene: a .glb or .gltf (glTF 2.0), or a scene file (.json) that names one of these
-// and adds a camera path, an environment or changes of materials. What is ignored or looks
+// and adds what moves, other files, a camera path, an environment or changes of materials. What is ignored or looks
 // wrong goes to `log` (may be NULL). On failure *scene is NULL. Free with rf_close_scene.
 RfResult rf_open_scene( const char* path, RfScene** scene, RfLog* log, RfError* error );
 

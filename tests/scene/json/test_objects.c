@@ -385,6 +385,45 @@ static void test_a_file_twice_at_other_times( void** state )
     rf_destroy_scene( &alone );
 }
 
+#define MANY 2000 // triangles of a mesh
+#define PLACES 400
+
+// Instances that save enough memory to be placed, in a scene where others move.
+static void test_instances_come_before_what_moves( void** state )
+{
+    (void)state;
+    GltfBuilder b = { 0 };
+    uint8_t indices[3 * MANY];
+    float places[3 * PLACES];
+    for ( int i = 0; i < 3 * MANY; ++i )
+        indices[i] = (uint8_t)( i % 3 );
+    for ( int i = 0; i < 3 * PLACES; ++i )
+        places[i] = (float)( i / 3 );
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    add_gltf_accessor( &b, 5121, "SCALAR", 3 * MANY, indices, sizeof indices, "" );
+    add_gltf_floats( &b, "VEC3", 3, PLACES, places );
+    write_glb( "many.glb", &b,
+               "\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\"nodes\":[{\"mesh\":0,\"extensions\":{"
+               "\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":2}}}}],"
+               "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]" );
+    RfScene alone = load_alone( "moving.glb" ),
+            scene = load_scene( "moving.glb", "\"objects\":[{\"file\":\"figure.glb\",\"animation\":\"Go\"},"
+                                              "{\"file\":\"many.glb\",\"translation\":[0,0,9]}]" );
+    assert_int_equal( scene.placement_count, PLACES + 2 + 3 );
+    assert_int_equal( scene.still_placement_count, PLACES );
+    for ( int i = 0; i < scene.placement_count; ++i )
+        assert_int_equal( scene.placements[i].mover, i < PLACES ? -1 : i - PLACES );
+    for ( int i = 0; i < PLACES; i += 57 )
+        gltf_assert_placed_corner( &scene, scene.triangles.count + (uint32_t)( i * MANY + 5 ), 1, i + 1, i, i + 9 );
+    RfPosedScene pose = gltf_pose_at( &scene, 1.5 ), own = gltf_pose_at( &alone, 1.5 );
+    for ( int i = 0; i < 2; ++i )
+        assert_same_mover( &pose, PLACES + i, &own, i, 0.0 );
+    rf_destroy_pose( &pose );
+    rf_destroy_pose( &own );
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &alone );
+}
+
 static void test_materials_and_textures_are_their_own( void** state )
 {
     (void)state;
@@ -580,6 +619,7 @@ int main( void )
         cmocka_unit_test( test_a_still_file_is_part_of_the_scene ),
         cmocka_unit_test( test_as_if_by_gltf_alone ),
         cmocka_unit_test( test_a_file_twice_at_other_times ),
+        cmocka_unit_test( test_instances_come_before_what_moves ),
         cmocka_unit_test( test_materials_and_textures_are_their_own ),
         cmocka_unit_test( test_which_animation ),
         cmocka_unit_test( test_what_a_placed_file_leaves_behind ),
