@@ -160,29 +160,30 @@ static json_t* find_roots( const json_t* nodes )
                 below[child] = true;
         }
     }
-    for ( size_t i = 0; roots != NULL && i < count; ++i )
-    {
-        if ( !below[i] )
-            json_array_append_new( roots, json_integer( (json_int_t)i ) );
-    }
+    bool whole = roots != NULL;
+    for ( size_t i = 0; whole && i < count; ++i )
+        whole = below[i] || json_array_append_new( roots, json_integer( (json_int_t)i ) ) == 0;
     free( below );
-    return roots;
+    if ( !whole )
+        json_decref( roots );
+    return whole ? roots : NULL;
 }
 
-// The default scene; makes one where there are none. NULL: it is not valid, or there is no memory.
-static json_t* open_scene( json_t* root, const json_t* nodes )
+// The default scene, which is made where there are none; NULL: it is not valid.
+static RfResult open_scene( const RfField* field, json_t* root, json_t** scene )
 {
     json_t* scenes = json_object_get( root, "scenes" );
-    if ( json_array_size( scenes ) == 0 )
+    if ( scenes == NULL || ( json_is_array( scenes ) && json_array_size( scenes ) == 0 ) )
     {
-        json_t* roots = find_roots( nodes );
+        json_t* roots = find_roots( json_object_get( root, "nodes" ) );
         scenes = roots != NULL ? json_pack( "[{s:o}]", "nodes", roots ) : NULL;
-        if ( json_object_set_new( root, "scenes", scenes ) != 0 )
-            return NULL;
+        if ( scenes == NULL || json_object_set_new( root, "scenes", scenes ) != 0 )
+            return no_memory( field );
     }
     json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
-    json_t* scene = json_array_get( scenes, index > 0 ? (size_t)index : 0 );
-    return json_is_object( scene ) ? scene : NULL;
+    json_t* chosen = json_array_get( scenes, index > 0 ? (size_t)index : 0 );
+    *scene = json_is_object( chosen ) ? chosen : NULL;
+    return RF_OK;
 }
 
 // Puts all of a file under a node of the object's, whose number is set. What is not valid is left to the reader.
@@ -192,9 +193,10 @@ static RfResult put_under( const Placing* p, const RfField* field, json_t* root,
     *index = 0;
     if ( json_object_get( root, "nodes" ) == NULL && json_object_set_new( root, "nodes", json_array() ) != 0 )
         return no_memory( field );
-    json_t *nodes = json_object_get( root, "nodes" ), *scene = open_scene( root, nodes );
-    if ( !json_is_array( nodes ) || scene == NULL )
-        return RF_OK;
+    json_t *nodes = json_object_get( root, "nodes" ), *scene = NULL;
+    RfResult result = open_scene( field, root, &scene );
+    if ( result != RF_OK || !json_is_array( nodes ) || scene == NULL )
+        return result;
     *index = (int)json_array_size( nodes );
     json_t* roots = json_object_get( scene, "nodes" );
     json_t* node = json_pack( "{s:s}", "name", name_of( object ) );

@@ -109,39 +109,57 @@ static RfResult load_gltf( const RfField* root, const RfSceneOptions* options, c
     return result;
 }
 
-// The frames per second of the scene file, at which keys may count frames.
-static RfResult read_fps( const RfField* root, RfFps* fps )
+// The frames per second that the scene file asks for, or 24; `given`: it does.
+static RfResult read_fps( const RfField* root, bool* given, RfFps* fps )
 {
     RfField render = rf_field_member( root, "render" ), field = rf_field_member( &render, "fps" );
     int64_t whole;
+    char rest;
+    *given = field.json != NULL;
     *fps = ( RfFps ){ 24, 1 };
     if ( field.json == NULL )
         return RF_OK;
     const char* text = json_string_value( field.json );
-    char rest;
-    *fps = ( RfFps ){ 0, 1 };
+    int parts = text != NULL ? sscanf( text, "%9d/%9d%c", &fps->numerator, &fps->denominator, &rest ) : 0;
     if ( text == NULL && rf_json_integer( field.json, &whole ) && whole > 0 && whole <= MAX_FPS )
+    {
         fps->numerator = (int)whole;
-    int parts = text != NULL ? sscanf( text, "%9d/%9d%c", &fps->numerator, &fps->denominator, &rest ) : 1;
+        parts = 1;
+    }
     bool sound = parts > 0 && parts < 3 && fps->numerator > 0 && fps->denominator > 0;
     return sound ? RF_OK : rf_field_must_be( &field, "a whole number, or a fraction such as \"30000/1001\"" );
+}
+
+// Reads what moves, with keys at `fps`, and the glTF. What objects place is not loaded yet.
+static RfResult load_moving( const RfField* root, const RfSceneOptions* options, RfFps fps, RfObjects* objects, RfScene* scene,
+                             RfLog* log )
+{
+    RfField list = rf_field_member( root, "objects" );
+    RfResult result = rf_read_objects( &list, fps, objects );
+    if ( result == RF_OK )
+        result = load_gltf( root, options, objects, scene, log );
+    scene->key_fps = result == RF_OK && objects->in_frames ? fps : ( RfFps ){ 0 };
+    return result;
 }
 
 static RfResult load_objects( const RfField* root, const RfSceneOptions* options, RfScene* scene, RfLog* log )
 {
     RfObjects objects = { 0 };
     RfFps fps;
-    RfField list = rf_field_member( root, "objects" );
-    RfResult result = read_fps( root, &fps );
+    bool given;
+    RfResult result = read_fps( root, &given, &fps );
     if ( result == RF_OK )
-        result = rf_read_objects( &list, fps, &objects );
-    if ( result == RF_OK )
-        result = load_gltf( root, options, &objects, scene, log );
-    RfField render = rf_field_member( root, "render" );
-    if ( result == RF_OK && objects.in_frames )
+        result = load_moving( root, options, fps, &objects, scene, log );
+    if ( result == RF_OK && given && objects.in_frames )
+        scene->fps = fps;
+    RfFps own = scene->fps;
+    // the glTF asks for others, which is known by now
+    if ( result == RF_OK && !given && objects.in_frames && own.numerator > 0 &&
+         ( own.numerator != fps.numerator || own.denominator != fps.denominator ) )
     {
-        scene->key_fps = fps;
-        scene->fps = rf_has_member( &render, "fps" ) ? fps : scene->fps;
+        rf_destroy_scene( scene );
+        rf_destroy_objects( &objects );
+        result = load_moving( root, options, own, &objects, scene, NULL );
     }
     if ( result == RF_OK )
         result = rf_place_files( &objects, options->freeze, scene, log );
@@ -261,7 +279,8 @@ RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* opti
         return rf_load_gltf_with( file->path, &plain, scene, log, error );
     memset( scene, 0, sizeof *scene );
     RfField root = rf_root_field( &file->document, error );
-    RfResult result = load_objects( &root, options, scene, log );
+    RfResult result = rf_has_member( &root, "objects" ) ? load_objects( &root, options, scene, log )
+                                                        : load_gltf( &root, options, &( RfObjects ){ 0 }, scene, log );
     if ( result == RF_OK )
         result = load_environment( &root, scene );
     if ( result == RF_OK )

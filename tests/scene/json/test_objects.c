@@ -531,6 +531,15 @@ static void test_frames_of_keys( void** state )
     assert_int_equal( try_path( &scene, ( RfFps ){ 24, 1 }, NULL, &path, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "objects have keys that count frames, at 29.97 frames per second rather than 24" ) );
     rf_destroy_scene( &scene );
+    // the glTF asks for others than 24
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    write_glb( "shot.glb", &b,
+               "\"scenes\":[{\"nodes\":[0],\"extras\":{\"reframe\":{\"render\":{\"fps\":10}}}}],"
+               "\"nodes\":[{\"name\":\"Door\",\"mesh\":0}],\"materials\":[{}],\"meshes\":[" TRIANGLE "]" );
+    scene = load_scene( "shot.glb", DOOR );
+    assert_true( scene.movement->end == 1.0 && scene.key_fps.numerator == 10 );
+    rf_destroy_scene( &scene );
     // in the middle of a shutter
     scene = load_scene( "room.glb", DOOR "," PATH( "\"lens\":{\"shutter\":[0,1]}," ) );
     assert_int_equal( try_path( &scene, ( RfFps ){ 0 }, NULL, &path, &error ), RF_OK );
