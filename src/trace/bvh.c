@@ -176,13 +176,10 @@ void rf_commit_scene( RTCScene scene )
     rf_resume_float_traps( traps );
 }
 
-// Embree's scene of a mesh, not yet committed. Build quality MEDIUM with ROBUST is deterministic with any number of threads;
-// HIGH is not.
-static RfResult begin_mesh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfMeshBvh* mesh, RfError* error )
+// Embree's scene of a mesh whose triangles are sorted, not yet committed. Build quality MEDIUM with ROBUST is deterministic with
+// any number of threads; HIGH is not.
+static void begin_mesh( RTCDevice device, RfMeshBvh* mesh )
 {
-    RfResult result = sort_masked( scene, bvh, mesh, error );
-    if ( result != RF_OK )
-        return result;
     const RfTriangles* t = mesh->triangles;
     mesh->embree_scene = rtcNewScene( device );
     rtcSetSceneBuildQuality( mesh->embree_scene, RTC_BUILD_QUALITY_MEDIUM );
@@ -192,7 +189,6 @@ static RfResult begin_mesh( RTCDevice device, const RfScene* scene, RfBvh* bvh, 
     attach( device, mesh, positions, mesh->masked_first, t->count - mesh->masked_first, RF_GEOMETRY_FILTERED );
     if ( positions != NULL )
         rtcReleaseBuffer( positions );
-    return RF_OK;
 }
 
 // The most by which a placement of the mesh lengthens an edge.
@@ -212,6 +208,15 @@ static double most_stretch( const RfScene* scene, int mesh )
     return most;
 }
 
+// What deforms is never met as it was loaded: each pose has a mesh of its own.
+static bool is_left_to_poses( const RfScene* scene, int mesh )
+{
+    bool left = scene->meshes[mesh].deformation != NULL;
+    for ( int i = 0; i < scene->still_placement_count && left; ++i )
+        left = scene->placements[i].mesh != mesh;
+    return left;
+}
+
 // Those from `first` on.
 static RfResult build_meshes( RTCDevice device, const RfScene* scene, int first, RfBvh* bvh, RfError* error )
 {
@@ -223,14 +228,20 @@ static RfResult build_meshes( RTCDevice device, const RfScene* scene, int first,
     for ( int m = first; m < scene->mesh_count; ++m )
     {
         const RfTriangles* t = &scene->meshes[m].triangles;
+        bvh->meshes[m].triangles = t;
+        if ( t->count == 0 ) // that a pose has no need of
+            continue;
         double far_error = (double)bvh->base.far_error / fmax( most_stretch( scene, m ), 1e-30 );
         bvh->meshes[m] = ( RfMeshBvh ){ .triangles = t,
                                         .placed = true,
                                         .scale = rf_embree_scale( median_mesh_reach( t ) ),
                                         .far_error = (float)fmin( far_error, (double)FLT_MAX ) };
-        RfResult result = begin_mesh( device, scene, bvh, bvh->meshes + m, error );
+        RfResult result = sort_masked( scene, bvh, bvh->meshes + m, error );
         if ( result != RF_OK )
             return result;
+        if ( is_left_to_poses( scene, m ) )
+            continue;
+        begin_mesh( device, bvh->meshes + m );
         rf_commit_scene( bvh->meshes[m].embree_scene );
     }
     return RF_OK;
@@ -353,7 +364,9 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
         .halved = rf_halves_packets( device ),
         .panes = rf_is_forced( scene, RF_EFFECT_PANES )
     };
-    RfResult result = begin_mesh( device, scene, bvh, &bvh->base, error );
+    RfResult result = sort_masked( scene, bvh, &bvh->base, error );
+    if ( result == RF_OK )
+        begin_mesh( device, &bvh->base );
     if ( result == RF_OK && scene->placement_count > 0 )
         result = place_meshes( device, scene, bvh, error );
     bvh->blended = bvh->any_blended || rf_is_forced( scene, RF_EFFECT_ALPHA_BLEND );
