@@ -18,6 +18,8 @@
 
 #include <cmocka.h>
 
+#define MUTATIONS 300
+
 static char s_warnings[4096];
 
 static void keep_warning( void* user, const char* text )
@@ -607,6 +609,37 @@ static void test_faults( void** state )
     expect_fault( "[{\"file\":\"broken.glb\",\"scale\":2}]", "broken.glb: document: nodes must be an array" );
 }
 
+// What is put under a node before it is checked.
+static void test_broken_files( void** state )
+{
+    (void)state;
+    static const char s_scene[] =
+        "{\"scene\":\"room.glb\",\"objects\":[{\"file\":\"broken.glb\",\"scale\":2,\"keys\":["
+        "{\"time\":0,\"translation\":[0,0,0]},{\"time\":1,\"translation\":[1,0,0]}],\"repeat\":\"loop\"}]}";
+    const char* many = getenv( "REFRAME_MUTATIONS" );
+    uint64_t count = many != NULL ? (uint64_t)atoll( many ) : MUTATIONS;
+    size_t size;
+    char* whole = cli_read( "figure.glb", &size );
+    char* bytes = malloc( size );
+    int loaded = 0;
+    write_text( "scene.json", s_scene );
+    for ( uint64_t i = 0; i < count; ++i )
+    {
+        RfScene scene;
+        RfError error = { 0 };
+        memcpy( bytes, whole, size );
+        cli_write( "broken.glb", bytes, mutate_bytes( (uint8_t*)bytes, size, 3 * ( i + 1 ) ) );
+        RfResult result = load_named( "scene.json", &scene, &error );
+        if ( result != RF_OK && ( strstr( error.text, "broken.glb" ) == NULL || strchr( error.text, '\n' ) != NULL ) )
+            fail_msg( "%llu: '%s'", (unsigned long long)i, error.text );
+        loaded += result == RF_OK;
+        rf_destroy_scene( &scene );
+    }
+    assert_in_range( loaded, 1, count - 1 );
+    free( bytes );
+    free( whole );
+}
+
 static int enter( void** state )
 {
     (void)state;
@@ -636,6 +669,7 @@ int main( void )
         cmocka_unit_test( test_frames_of_keys ),
         cmocka_unit_test( test_what_loops_counts_one_round ),
         cmocka_unit_test( test_faults ),
+        cmocka_unit_test( test_broken_files ),
     };
     return cmocka_run_group_tests_name( "objects", tests, enter, cli_leave_group );
 }
