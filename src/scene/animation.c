@@ -95,6 +95,9 @@ void rf_channel_span( const RfChannel* channel, double* start, double* end )
     *end = fmax( clock->start + ( *end - clock->first ) / clock->speed, 0.0 );
 }
 
+// Files round the times of keys to floats, up as well as down: a value that steps at the time of a frame is that of the frame.
+#define STEP_SLACK 0x1p-22
+
 void rf_sample_channel( const RfChannel* channel, double time, double* value )
 {
     time = read_clock( &channel->clock, time );
@@ -106,6 +109,8 @@ void rf_sample_channel( const RfChannel* channel, double time, double* value )
     int n = channel->components;
     int last = channel->count - 1;
     int key = 0;
+    if ( channel->interpolation == RF_STEP )
+        time += STEP_SLACK * fabs( time );
     if ( time >= channel->times[last] )
         key = last;
     else if ( time > channel->times[0] )

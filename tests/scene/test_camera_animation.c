@@ -56,6 +56,33 @@ static void test_step_holds_the_last_key( void** state )
     }
 }
 
+// Times of keys are floats: half of those that stand for a frame's time are rounded up.
+static void test_steps_fall_on_their_frames( void** state )
+{
+    (void)state;
+    static double times[2000], values[2000];
+    static const double fps[] = { 24.0, 25.0, 30.0, 60.0, 24000.0 / 1001.0 };
+    for ( size_t k = 0; k < sizeof fps / sizeof fps[0]; ++k )
+    {
+        for ( int i = 0; i < 2000; ++i )
+        {
+            times[i] = (double)(float)( i / fps[k] );
+            values[i] = i;
+        }
+        RfChannel channel = {
+            .path = RF_TRANSLATION, .components = 1, .interpolation = RF_STEP, .count = 2000, .times = times, .values = values
+        };
+        for ( int i = 0; i < 2000; ++i )
+        {
+            double at, before;
+            rf_sample_channel( &channel, i / fps[k], &at );
+            rf_sample_channel( &channel, ( i - 0.02 ) / fps[k], &before );
+            assert_near( at, i, 0.0 );
+            assert_near( before, i > 0 ? i - 1 : 0, 0.0 );
+        }
+    }
+}
+
 static void test_linear_is_straight( void** state )
 {
     (void)state;
@@ -289,6 +316,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_step_holds_the_last_key ),
+        cmocka_unit_test( test_steps_fall_on_their_frames ),
         cmocka_unit_test( test_linear_is_straight ),
         cmocka_unit_test( test_slerp_takes_the_short_way ),
         cmocka_unit_test( test_slerp_of_equal_keys ),
