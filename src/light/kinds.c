@@ -269,14 +269,14 @@ static void spot_find_pdf( const RfLights* lights, RfEmission* e )
 
 static double disc_area( const RfLights* lights ) { return PI * (double)lights->radius * (double)lights->radius; }
 
-// The disc lies a little before the ball.
+// The disc lies a little before all that can be in the way.
 static bool steer_on_disc( const RfLights* lights, const float u[2], RfEmission* e )
 {
     RfVec3 t, b;
     rf_basis( e->direction, &t, &b );
     float r = lights->radius * sqrtf( u[0] ), phi = 2.0f * RF_PI * u[1];
     RfVec3 p = rf_madd( rf_madd( lights->center, t, r * cosf( phi ) ), b, r * sinf( phi ) );
-    e->position = rf_madd( p, e->direction, -1.01f * lights->radius );
+    e->position = rf_madd( p, e->direction, -1.01f * lights->reach );
     e->pdf_area = (float)( 1.0 / disc_area( lights ) );
     return set_throughput( e, 1.0 );
 }

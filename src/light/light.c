@@ -110,6 +110,7 @@ static void find_bounding_ball( const RfScene* scene, RfLights* lights )
     RfVec3 half = rf_scale( rf_sub( scene->bounds_max, scene->bounds_min ), 0.5f );
     lights->center = rf_add( scene->bounds_min, half );
     lights->radius = rf_maxf( rf_length( half ), 1e-6f * rf_largest_coordinate( lights->center ) );
+    lights->reach = lights->radius;
     lights->inverse_radius = 1.0f / rf_maxf( lights->radius, RF_FAULT( empty_ball ) ? 0.0f : 1e-30f );
 }
 

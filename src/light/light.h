@@ -71,6 +71,7 @@ typedef struct RfLights
     RfVec3 center; // of the bounding ball of the scene's triangles
     float radius;
     float inverse_radius;
+    float reach;               // of a ball around center that holds what moves in the frames at hand, too; at least the radius
     RfLightTree tree;          // over all but the sky, in radii of the ball; empty where there are few lights
     float sky_scale;           // times the sky's irradiance: its importance in the unit of the tree's
     float* power_fraction;     // of each light: its power over that of all

@@ -40,7 +40,7 @@ static NonAreaSample sample_directional( const RfLights* lights, const RfPunctua
         .wi = rf_scale( p->direction, -1.0f ),
         .radiance = rf_scale( p->intensity, RF_DELTA_PDF ),
         .pdf_solid_angle = probability * RF_DELTA_PDF,
-        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
+        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->reach ),
     };
 }
 
@@ -81,7 +81,7 @@ static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32
         .wi = sky.wi,
         .radiance = rf_vec3( 1.0f, 1.0f, 1.0f ),
         .pdf_solid_angle = sky.pdf_solid_angle * probability,
-        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->radius ),
+        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->reach ),
         .sky = true,
     };
 }

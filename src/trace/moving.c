@@ -3,6 +3,28 @@
 
 #include <stdlib.h>
 
+#define ROUNDING 1e-5f
+
+// How far what moves reaches from the middle of the ball that lights have around the scene. Loaders measure it at some times
+// alone; rays to the sky have to pass all that is there.
+static float find_reach( const RfScene* posed, const RfLights* lights )
+{
+    float reach = lights->radius;
+    for ( int i = posed->still_placement_count; i < posed->placement_count; ++i )
+    {
+        const RfPlacement* p = posed->placements + i;
+        const RfVec3 *low = &posed->meshes[p->mesh].bounds_min, *high = &posed->meshes[p->mesh].bounds_max;
+        for ( int k = 0; p->shown && k < 8; ++k )
+        {
+            RfVec3 corner = rf_vec3( ( k & 1 ) != 0 ? low->x : high->x, ( k & 2 ) != 0 ? low->y : high->y,
+                                     ( k & 4 ) != 0 ? low->z : high->z );
+            float away = rf_length( rf_sub( rf_place_point( &p->matrix, corner ), lights->center ) );
+            reach = rf_maxf( reach, ( 1.0f + ROUNDING ) * away );
+        }
+    }
+    return reach;
+}
+
 RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, RfTracer** out, RfError* error )
 {
     *out = NULL;
@@ -12,6 +34,7 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
     *tracer = *still;
     tracer->still = still;
     tracer->scene = posed;
+    tracer->lights.reach = find_reach( posed, &still->lights );
     tracer->chain_bounds = ( RfChainBounds ){ 0 };
     tracer->bvh = ( RfBvh ){ 0 };
     RfResult result = rf_bound_chains( posed, &tracer->chain_bounds, error );
@@ -40,10 +63,14 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
     *out = malloc( sizeof **out );
     if ( *out == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for what moves in %d frames", count );
+    ( *out )->reach = 0.0f;
     RTCScene scene = rtcNewScene( posed[0]->device );
     rtcSetSceneFlags( scene, RTC_SCENE_FLAG_ROBUST );
     for ( int i = 0; i < count; ++i )
+    {
         rf_add_ghosts( &posed[i]->bvh, posed[i]->scene, scene );
+        ( *out )->reach = rf_maxf( ( *out )->reach, find_reach( posed[i]->scene, &posed[i]->lights ) );
+    }
     rf_commit_scene( scene );
     ( *out )->embree_scene = scene;
     return RF_OK;
@@ -57,6 +84,10 @@ void rf_destroy_ghosts( RfGhosts* ghosts )
     free( ghosts );
 }
 
-void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts ) { posed->ghosts = ghosts; }
+void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts )
+{
+    posed->ghosts = ghosts;
+    posed->lights.reach = ghosts != NULL ? ghosts->reach : find_reach( posed->scene, &posed->lights );
+}
 
-bool rf_tracer_has_ghosts( const RfTracer* tracer ) { return tracer->ghosts != NULL || tracer->scene->feigned != NULL; }
+bool rf_tracer_has_ghosts( const RfTracer* tracer ) { return tracer->ghosts != NULL; }

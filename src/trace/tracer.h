@@ -11,6 +11,7 @@
 struct RfGhosts
 {
     RTCScene embree_scene;
+    float reach; // as that of RfLights, in all frames of the group
 };
 
 struct RfTracer
