@@ -26,10 +26,13 @@
     X( film_place, "positions are turned into pixels on the film only", "film-corners density-range lens-1e3 path-through-wall" ) \
     X( finite_variance, "variances beyond floats give no weights: the samples are the picture then", "radiance-1e30" ) \
     X( fixed_offset, "offsets of rays are relative to coordinates", "acne-and-leaks" ) \
+    X( flat_matrix, "a matrix without an inverse moves the vertices, not the rays", "moves-flat" ) \
     X( focus_order, "the shear of a film is x / focus, which is 0 for an infinite focus", "focus-infinite" ) \
+    X( ghosts, "light that something moving touches in the group is of its own frame", "moves-lid" ) \
+    X( ghosts_of_group, "what moves touches light where it is in all frames of the group", "moves-lid" ) \
     X( ggx_across, "sines of sharp lobes come from a cross product", "sharp-lobes" ) \
     X( glass_no_density, "no 0/0 for directions that rough reflection cannot take", "rough-glass-grazing rough-glass" ) \
-    X( group_in_path, "groups have no more frames than the path", "group-beyond-path" ) \
+    X( group_in_path, "groups have no more frames than the path", "group-beyond-path moves-short-path" ) \
     X( half_clamp, "values beyond 65504 are clamped in half floats", "halves-beyond-65504" ) \
     X( hemisphere, "a Phong lobe ends at 90 degrees from its axis, also for exponent 0", "phong-0" ) \
     X( horizon, "directions below the horizon of a shading normal are lifted to it", "leaning-normals" ) \
@@ -44,10 +47,11 @@
     X( long_sums, "sums of many passes are moved to doubles", "long-sums" ) \
     X( mixture, "directions that nobody could have drawn bring no light", "phong-1e7 phong-1e4" ) \
     X( near_0, "rays find what is at any distance: there is no near limit", "eyes-touch-surface corner-1e-12 touching-plates" ) \
+    X( neighbour_world, "cameras see hits in the world of their own frame", "moves-sweep moves-around-eye moves-far-out" ) \
     X( no_lobe, "no 0/0 in the choice of lobes of a black surface", "black" ) \
     X( no_power, "no 0/0 where all lights are black", "no-light" ) \
     X( no_reflection, "no 0/0 in the choice of reflection or transmission", "ior-1-black" ) \
-    X( normalised_frames, "weights of frames sum to 1", "path-repeats eyes-coincide eyes-1e-6-apart path-stands-still group-beyond-path path-jumps eye-on-surface eyes-in-plane eyes-behind grazing-1e-5 grazing-beside-steep path-through-wall shutter-0 lens-0 lens-1e3 focus-infinite one-pixel lens-1e3-in-a-room focus-1e-6" ) \
+    X( normalised_frames, "weights of frames sum to 1", "path-repeats eyes-coincide eyes-1e-6-apart path-stands-still group-beyond-path path-jumps eye-on-surface eyes-in-plane eyes-behind grazing-1e-5 grazing-beside-steep path-through-wall shutter-0 lens-0 lens-1e3 focus-infinite one-pixel lens-1e3-in-a-room focus-1e-6 moves-late" ) \
     X( normalised_tiles, "weights of a tile sum to 1", "depth-edges fan path-turns ggx-1 lambert-1 sheet angle-1 grazing-1e-2" ) \
     X( occlusion, "cameras do not see through walls", "eye-inside dark-room dark-room-1e-6 dark-room-1e6" ) \
     X( own_pixel, "a hit counts in the pixel that it was drawn in, whatever rounding does to its projection", "film-16384x1" ) \
@@ -63,6 +67,7 @@
     X( shading_normal, "normals that are 0 or face into the surface are replaced", "zero-normals flipped-normals" ) \
     X( sides, "a hit is seen from its own side alone", "eyes-behind sheet" ) \
     X( sky_neighbours, "pixels of a sky are drawn by their interpolated light", "sky-one-texel" ) \
+    X( sky_reach, "rays to the sky pass all that moves, however far out", "moves-plate" ) \
     X( snell, "Snell's law from the squared cosine, which has all its digits at grazing angles", "ior-1" ) \
     X( total_reflection, "no root of a negative number at total reflection", "rough-glass absorption-1e-9 ior-1.0001 ior-10-body absorption-1e9 rough-glass-grazing" ) \
     X( two_sided, "lights that shine to both sides are seen from behind", "in-an-emitter" ) \

@@ -24,10 +24,7 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
     }
 }
 
-bool rf_may_move( const RfScene* scene )
-{
-    return rf_calls_for( scene->movement != NULL || scene->feigned != NULL, RF_EFFECT_MOVING );
-}
+bool rf_may_move( const RfScene* scene ) { return rf_calls_for( scene->movement != NULL, RF_EFFECT_MOVING ); }
 
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
 {

@@ -1,6 +1,7 @@
 // Poses a scene: moving nodes in one pass, parents first, then what hangs on them.
 #include "scene/pose.h"
 
+#include "base/fault.h"
 #include "base/file.h"
 #include "scene/animation.h"
 #include "scene/deformation.h"
@@ -213,7 +214,7 @@ static Extent extent_of( const RfMat4* matrix, const RfMesh* mesh, bool flattens
     double size = scale * (double)rf_largest_coordinate( span );
     if ( scale == 0.0 || ( mesh->deformation == NULL && size * size < RF_MIN_DOUBLE_AREA ) )
         return GONE;
-    if ( volume > FLAT_RATIO * scale * scale * scale )
+    if ( volume > FLAT_RATIO * scale * scale * scale || RF_FAULT( flat_matrix ) )
         return SOLID;
     return flattens ? FLAT : volume > 0.0 ? SOLID : GONE;
 }

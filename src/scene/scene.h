@@ -161,14 +161,6 @@ typedef struct RfPunctual
     float range;                // m, no light beyond it; infinity: unlimited
 } RfPunctual;
 
-// For tests: boxes that count as what moves in every group, and triangles [first, end) that do.
-typedef struct RfFeignedGhosts
-{
-    int count;
-    const RfVec3 ( *box )[2];
-    uint32_t first, end;
-} RfFeignedGhosts;
-
 struct RfScene
 {
     char* path;            // the file it was loaded from
@@ -214,7 +206,6 @@ struct RfScene
     RfFps key_fps;                             // at which keys of its objects count frames; 0/0: none do
     int chosen_camera;                         // 1 + index of the camera that the scene file selects; 0: none
     uint64_t effects_forced, effects_left_out; // by rf_choose_effects: sets of RF_EFFECT_BITs
-    const RfFeignedGhosts* feigned;            // NULL outside tests
 };
 
 // Frees everything the loader allocated and clears the struct. Members may be NULL.

@@ -1,4 +1,5 @@
 // Tracers for moments of a scene that moves, and what moves in a group of frames.
+#include "base/fault.h"
 #include "trace/tracer.h"
 
 #include <stdlib.h>
@@ -14,7 +15,7 @@ static float find_reach( const RfScene* posed, const RfLights* lights )
     {
         const RfPlacement* p = posed->placements + i;
         const RfVec3 *low = &posed->meshes[p->mesh].bounds_min, *high = &posed->meshes[p->mesh].bounds_max;
-        for ( int k = 0; p->shown && k < 8; ++k )
+        for ( int k = 0; p->shown && k < 8 && !RF_FAULT( sky_reach ); ++k )
         {
             RfVec3 corner = rf_vec3( ( k & 1 ) != 0 ? low->x : high->x, ( k & 2 ) != 0 ? low->y : high->y,
                                      ( k & 4 ) != 0 ? low->z : high->z );

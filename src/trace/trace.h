@@ -133,9 +133,7 @@ static inline const RfTriangleRecord* rf_triangle_record( const RfTracer* tracer
 // Whether a triangle moves.
 static inline bool rf_is_moving( const RfTracer* tracer, uint32_t triangle )
 {
-    const RfFeignedGhosts* feigned = rf_tracer_scene( tracer )->feigned;
-    bool feigns = feigned != NULL && triangle >= feigned->first && triangle < feigned->end;
-    return feigns || ( triangle >= rf_tracer_records( tracer )->moving && triangle != RF_MISS );
+    return triangle >= rf_tracer_records( tracer )->moving && triangle != RF_MISS;
 }
 
 // The number of a triangle's material.

@@ -14,6 +14,7 @@
 typedef struct HardScene
 {
     RfScene scene;
+    RfScene still; // as it is in the tested frame, where something moves
     RfEye eyes[HARD_MOST_EYES];
     int eye_count; // 7 unless the case sets another; the middle one is tested
     int group;     // half-width for `frames` and `both`; 3 unless the case sets another
@@ -55,7 +56,7 @@ typedef struct HardCase
 
 // A table of cases that ends with a row without a name.
 extern const HardCase g_hard_eyes[], g_hard_lenses[], g_hard_geometry[], g_hard_light[], g_hard_materials[], g_hard_projections[],
-    g_hard_transport[], g_hard_numbers[], g_hard_poisson[];
+    g_hard_transport[], g_hard_numbers[], g_hard_poisson[], g_hard_moving[];
 
 // How long a run takes: the short form is that of the tests.
 typedef struct HardForm

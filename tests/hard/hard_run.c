@@ -79,6 +79,8 @@ static bool is_for( const Estimator* e, const HardScene* h, const HardForm* form
     RfEffect effects[RF_MAX_EFFECTS];
     RfRenderSettings settings = settings_of( h, e, form );
     rf_list_render_effects( &h->scene, h->eyes, h->eye_count, &settings, effects );
+    if ( h->scene.movement != NULL && e->frames && ( e->connections || e->weights != RF_WEIGHTS_EXACT ) )
+        return false; // refused
     return !e->connections || effects[RF_EFFECT_LIGHT_PATHS].on;
 }
 
@@ -258,8 +260,12 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
     Known known = { 0 };
     if ( form->statistics && is_referred( c ) )
     {
-        known.sharp = refer( tracer, c, &h, form, false );
-        known.lens = refer( tracer, c, &h, form, true );
+        RfTracer* still = h.scene.movement != NULL ? make_tracer( &h.still ) : tracer;
+        known.sharp = refer( still, c, &h, form, false );
+        if ( !h.sharp )
+            known.lens = refer( still, c, &h, form, true );
+        if ( still != tracer )
+            rf_destroy_tracer( still );
     }
     for ( size_t i = 0; i < sizeof s_estimators / sizeof *s_estimators; ++i )
         all = ( !is_for( s_estimators + i, &h, form ) || run_estimator( tracer, c, &h, s_estimators + i, form, &known ) ) && all;
@@ -267,6 +273,7 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
     hard_free_pictures( &known.lens );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
+    rf_destroy_scene( &h.still );
     return all;
 }
 

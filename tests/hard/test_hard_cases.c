@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const HardCase* const s_tables[] = { g_hard_eyes,      g_hard_lenses,    g_hard_geometry,
-                                            g_hard_light,     g_hard_materials, g_hard_projections,
-                                            g_hard_transport, g_hard_numbers,   g_hard_poisson };
+static const HardCase* const s_tables[] = { g_hard_eyes,      g_hard_lenses,      g_hard_geometry,  g_hard_light,
+                                            g_hard_materials, g_hard_projections, g_hard_transport, g_hard_numbers,
+                                            g_hard_poisson,   g_hard_moving };
 
 #define TABLES ( sizeof s_tables / sizeof *s_tables )
 
@@ -31,6 +31,8 @@ static const char* why_unprotected( const char* name )
 {
     static const char* const rows[][2] = {
         { "phong-100", "an ordinary lobe, between the hard ones" },
+        { "moves-singular", "normals of length 0 are replaced twice, where they are posed and where they are hit" },
+        { "moves-no-area", "so are these, and the reader drops the triangles" },
     };
     for ( size_t i = 0; i < sizeof rows / sizeof *rows; ++i )
     {

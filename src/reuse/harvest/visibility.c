@@ -51,12 +51,18 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
+// The world of a camera's frame, not of the hits'.
+static const RfTracer* world_of( const RfHarvest* harvest, int eye )
+{
+    return RF_FAULT( neighbour_world ) ? harvest->path.tracer : rf_harvest_tracer( harvest, eye );
+}
+
 // Tests the straight segments to hits with density > 0. Hits behind thin panes are reused, except on smooth coats, which are
 // split where a camera sees them directly.
 static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3],
                          float* density )
 {
-    const RfTracer* tracer = rf_harvest_tracer( harvest, eye );
+    const RfTracer* tracer = world_of( harvest, eye );
     const RfEye* from = harvest->eyes + eye;
     if ( batch->panes[0] == NULL )
         return rf_trace_from_eye( tracer, from, batch->count, lifted, density );
@@ -86,7 +92,7 @@ static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, cons
     for ( int i = 0; i < batch->count; ++i )
         straight[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
     int rays = see_straight( harvest, eye, batch, lifted, straight );
-    rays += rf_see_mirrored( rf_harvest_tracer( harvest, eye ), harvest->eyes + eye, batch, lifted, density );
+    rays += rf_see_mirrored( world_of( harvest, eye ), harvest->eyes + eye, batch, lifted, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = rf_is_straight( batch->view[i] ) ? straight[i] : density[i];
     return rays;

@@ -1,0 +1,212 @@
+// Rooms in which something moves (tests/support/moving_rooms.py) against the still room of each frame: path tracing and tiles give
+// the same pictures and AOVs at the same seed, but for a few pixels whose paths part where a rounding decides. What moves out of
+// the way changes no bit. Ten thousand nodes that move take little time and memory.
+#include "support/moving_rooms.h"
+#include "support/render_support.h"
+
+#include "film/aov.h"
+#include "render/traits.h"
+#include "render/worlds.h"
+#include "scene/pose.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+#define WIDTH 24
+#define HEIGHT 16
+#define PIXELS ( WIDTH * HEIGHT )
+
+static const char* const s_rooms[] = { "sweep", "door",     "mirrors", "figure",  "shown",   "panes",      "sky",   "around-eye",
+                                       "flat",  "singular", "late",    "no-area", "far-out", "short-path", "plate", "lamps" };
+
+#define PANES 5 // rays through what is half transparent are hashed: all values may differ
+
+typedef struct Picture
+{
+    float rgb[3 * PIXELS];
+    float aov[RF_AOV_COUNT][4 * PIXELS];
+    int channels[RF_AOV_COUNT];
+} Picture;
+
+static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
+{
+    (void)error;
+    Picture* p = user;
+    memcpy( p->rgb, result->rgb, sizeof p->rgb );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        p->channels[a] = result->aovs[a] != NULL ? rf_aov_channels( (RfAov)a ) : 0;
+        if ( result->aovs[a] != NULL )
+            memcpy( p->aov[a], result->aovs[a], (size_t)p->channels[a] * PIXELS * sizeof( float ) );
+    }
+    return RF_OK;
+}
+
+static void render( const MovingRoom* room, const RfEye* eyes, int frame, const RfRenderSettings* settings, Picture* p )
+{
+    RfTracer* tracer = make_tracer( &room->scene );
+    RfRenderCallbacks callbacks = { .user = p, .frame = keep };
+    RfError error = { 0 };
+    if ( rf_render( &( RfShot ){ tracer, eyes, room->eye_count, &frame, 1 }, settings, &callbacks, NULL, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_destroy_tracer( tracer );
+}
+
+static RfRenderSettings settings_of( int group, const char* tile, int spp )
+{
+    RfRenderSettings settings = small_settings( group, spp );
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    settings.adaptive = RF_ADAPTIVE_OFF;
+    settings.light_paths = RF_LIGHT_PATHS_OFF;
+    return settings;
+}
+
+// The share of values that differ by more than a hundredth.
+static double share_of_others( const float* a, const float* b, int count )
+{
+    int others = 0;
+    for ( int i = 0; i < count; ++i )
+        others += !( fabsf( a[i] - b[i] ) <= 0.01f * ( fabsf( a[i] ) + fabsf( b[i] ) ) + 1e-4f );
+    return (double)others / count;
+}
+
+// The same ball around both, by which lights are chosen.
+static void share_bounds( RfScene* scene, const RfScene* from )
+{
+    scene->bounds_min = from->bounds_min;
+    scene->bounds_max = from->bounds_max;
+}
+
+static void check_frame( const char* name, int frame, const RfRenderSettings* settings, double most_others )
+{
+    static Picture pictures[2];
+    MovingRoom moving = load_moving_room( name, WIDTH, HEIGHT ), still = load_still_room( name, frame, WIDTH, HEIGHT );
+    if ( strcmp( name, "plate" ) != 0 ) // whose own bounds have to reach it
+        share_bounds( &still.scene, &moving.scene );
+    render( &moving, moving.eyes, frame, settings, pictures );
+    render( &still, still.eyes, frame, settings, pictures + 1 );
+    double others = share_of_others( pictures[0].rgb, pictures[1].rgb, 3 * PIXELS );
+    if ( !( others <= most_others ) )
+        fail_msg( "%s, frame %d: %.2f %% of the values differ", name, frame, 100.0 * others );
+    for ( int k = 0; k < RF_AOV_COUNT; ++k )
+    {
+        if ( pictures[0].channels[k] == 0 )
+            continue;
+        double share = share_of_others( pictures[0].aov[k], pictures[1].aov[k], pictures[0].channels[k] * PIXELS );
+        if ( share > 0.005 )
+            fail_msg( "%s, frame %d: AOV %s differs in %.2f %% of its values", name, frame, rf_aov_name( (RfAov)k ),
+                      100.0 * share );
+    }
+    rf_destroy_scene( &moving.scene );
+    rf_destroy_scene( &still.scene );
+}
+
+static void test_frames_are_those_of_still_rooms( void** state )
+{
+    (void)state;
+    for ( size_t i = 0; i < sizeof s_rooms / sizeof s_rooms[0]; ++i )
+    {
+        RfRenderSettings settings = settings_of( 0, i % 2 == 0 ? "1" : "3x3", 2 );
+        settings.aovs = RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) | RF_AOV_BIT( RF_AOV_DEPTH );
+        int frames = strcmp( s_rooms[i], "short-path" ) == 0 ? 3 : MOVING_EYES;
+        for ( int frame = 0; frame < frames; ++frame )
+            check_frame( s_rooms[i], frame, &settings, i == PANES ? 0.4 : 0.01 );
+    }
+}
+
+static void test_groups_are_finite( void** state )
+{
+    (void)state;
+    for ( size_t i = 0; i < sizeof s_rooms / sizeof s_rooms[0]; ++i )
+    {
+        MovingRoom room = load_moving_room( s_rooms[i], WIDTH, HEIGHT );
+        RfTracer* tracer = make_tracer( &room.scene );
+        RfRenderSettings settings = settings_of( 3, i % 2 == 0 ? "3x3" : "1", 7 );
+        check_sane_settings( s_rooms[i], tracer, room.eyes, room.eye_count, &settings );
+        rf_destroy_tracer( tracer );
+        rf_destroy_scene( &room.scene );
+    }
+}
+
+static void test_what_is_out_of_the_way_changes_no_bit( void** state )
+{
+    (void)state;
+    static Picture pictures[2];
+    MovingRoom moving = load_moving_room( "apart", WIDTH, HEIGHT ), still = load_still_room( "apart", 3, WIDTH, HEIGHT );
+    share_bounds( &still.scene, &moving.scene );
+    for ( int k = 0; k < 2; ++k )
+    {
+        RfRenderSettings settings = settings_of( 3, k == 0 ? "1" : "3x3", 7 );
+        render( &moving, moving.eyes, 3, &settings, pictures );
+        render( &still, still.eyes, 3, &settings, pictures + 1 );
+        assert_memory_equal( pictures[0].rgb, pictures[1].rgb, sizeof pictures[0].rgb );
+    }
+    rf_destroy_scene( &moving.scene );
+    rf_destroy_scene( &still.scene );
+}
+
+static double cpu_seconds( void ) { return (double)clock() / CLOCKS_PER_SEC; }
+
+static void test_ten_thousand_nodes( void** state )
+{
+    (void)state;
+    double start = cpu_seconds();
+    MovingRoom room = load_moving_room( "many", WIDTH, HEIGHT );
+    double loaded = cpu_seconds();
+    RfPosedScene pose = { 0 };
+    RfError error;
+    assert_int_equal( rf_pose_scene( &room.scene, 0.1, &pose, &error ), RF_OK );
+    double posed = cpu_seconds();
+    rf_destroy_pose( &pose );
+    static Picture picture;
+    RfRenderSettings settings = settings_of( 3, "3x3", 7 );
+    render( &room, room.eyes, 3, &settings, &picture );
+    double rendered = cpu_seconds();
+    double bytes = (double)rf_worlds_bytes( &room.scene, MOVING_EYES );
+    printf( "loaded in %.2f s, posed in %.4f s, rendered in %.2f s; %.1f MB for 7 frames\n", loaded - start, posed - loaded,
+            rendered - posed, bytes * 1e-6 );
+    assert_true( bytes < 1e8 );
+    assert_true( posed - loaded < 1.0 );
+    assert_true( rendered - start < 60.0 ); // under sanitizers too
+    rf_destroy_scene( &room.scene );
+}
+
+static void test_settings_that_cannot_tell_are_refused( void** state )
+{
+    (void)state;
+    RfSceneTraits traits = { .moves = true };
+    RfRenderSettings settings = plain_settings();
+    RfError error;
+    settings.group = 3;
+    assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
+    settings.weights = RF_WEIGHTS_EQ15;
+    assert_int_equal( RF_ERROR_USAGE, rf_check_moving( &traits, &settings, &error ) );
+    settings.group = 0;
+    assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
+    settings = plain_settings();
+    settings.group = 3;
+    settings.light_paths = RF_LIGHT_PATHS_ON;
+    assert_int_equal( RF_ERROR_USAGE, rf_check_moving( &traits, &settings, &error ) );
+    traits.moves = false;
+    assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_settings_that_cannot_tell_are_refused ),
+        cmocka_unit_test( test_frames_are_those_of_still_rooms ),
+        cmocka_unit_test( test_groups_are_finite ),
+        cmocka_unit_test( test_what_is_out_of_the_way_changes_no_bit ),
+        cmocka_unit_test( test_ten_thousand_nodes ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
