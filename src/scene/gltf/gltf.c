@@ -5,6 +5,7 @@
 #include "reframe/error.h"
 #include "scene/animation.h"
 #include "scene/camera.h"
+#include "scene/camera_path/camera_track.h"
 #include "scene/gltf/gltf_document.h"
 #include "scene/gltf/gltf_geometry.h"
 #include "scene/gltf/gltf_materials.h"
@@ -274,8 +275,12 @@ double rf_gltf_first_time( const RfScene* scene )
 {
     int index;
     double first = (double)INFINITY, start, end;
-    if ( scene->camera_count > 0 && rf_find_camera( scene, NULL, &index, NULL ) == RF_OK && scene->cameras[index].animated )
-        return scene->cameras[index].start;
+    const RfCamera* camera = rf_find_camera( scene, NULL, &index, NULL ) == RF_OK ? scene->cameras + index : NULL;
+    RfFps fps = rf_scene_fps( scene );
+    if ( camera != NULL && camera->track != NULL && camera->track->in_frames )
+        return camera->start * (double)fps.denominator / (double)fps.numerator;
+    if ( camera != NULL && ( camera->track != NULL || camera->animated ) )
+        return camera->start;
     for ( int i = 0; i < scene->channel_count; ++i )
     {
         rf_channel_span( scene->channels + i, &start, &end );
@@ -305,11 +310,11 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_load_animations( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_cameras( gltf );
+    if ( result == RF_OK )
+        result = rf_gltf_load_environment( gltf ); // with the frames per second
     gltf->frozen_at = gltf->options->frozen_at != NULL ? *gltf->options->frozen_at : rf_gltf_first_time( gltf->scene );
     if ( result == RF_OK )
         result = rf_gltf_load_lights( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_environment( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_meshes( gltf );
     if ( result == RF_OK )

@@ -298,14 +298,13 @@ static RfResult place_file( const RfObject* object, const double* frozen_at, RfS
     return result == RF_OK ? rf_merge_scene( scene, &placed, name_of( object ), object->field.error ) : result;
 }
 
-RfResult rf_place_files( const RfObjects* objects, bool freeze, RfScene* scene, RfLog* log )
+RfResult rf_place_files( const RfObjects* objects, const double* frozen_at, RfScene* scene, RfLog* log )
 {
-    double first = rf_gltf_first_time( scene );
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < objects->count; ++i )
     {
         if ( objects->list[i].file != NULL )
-            result = place_file( objects->list + i, freeze ? &first : NULL, scene, is_repeated( objects, i ) ? NULL : log );
+            result = place_file( objects->list + i, frozen_at, scene, is_repeated( objects, i ) ? NULL : log );
     }
     return result;
 }

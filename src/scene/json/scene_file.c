@@ -84,8 +84,15 @@ static RfResult edit( void* user, json_t* root, RfError* error )
     return result;
 }
 
-static RfResult load_gltf( const RfField* root, const RfSceneOptions* options, const RfObjects* objects, RfScene* scene,
-                           RfLog* log )
+// How a scene is read.
+typedef struct Reading
+{
+    const RfSceneOptions* options;
+    const double* frozen_at; // seconds; NULL: as the glTF's own default camera has its first frame
+    RfLog* log;
+} Reading;
+
+static RfResult load_gltf( const RfField* root, const Reading* reading, const RfObjects* objects, RfScene* scene )
 {
     const char* name = NULL;
     RfField field = rf_field_member( root, "scene" );
@@ -98,11 +105,14 @@ static RfResult load_gltf( const RfField* root, const RfSceneOptions* options, c
     if ( path == NULL )
         return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
     RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
-    RfGltfOptions edited = { .freeze = options->freeze, .animation = options->animation, .channels = channels };
+    RfGltfOptions edited = { .freeze = reading->options->freeze,
+                             .animation = reading->options->animation,
+                             .channels = channels,
+                             .frozen_at = reading->frozen_at };
     Changes changes = { rf_field_member( root, "materials" ), objects, channels, &edited.channel_count };
     RfGltfEdit change = { edit, &changes };
     edited.edit = &change;
-    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, log, root->error )
+    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, reading->log, root->error )
                               : rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
     free( channels ); // their keys are the objects'
     free( path );
@@ -131,25 +141,24 @@ static RfResult read_fps( const RfField* root, bool* given, RfFps* fps )
 }
 
 // Reads what moves, with keys at `fps`, and the glTF. What objects place is not loaded yet.
-static RfResult load_moving( const RfField* root, const RfSceneOptions* options, RfFps fps, RfObjects* objects, RfScene* scene,
-                             RfLog* log )
+static RfResult load_moving( const RfField* root, const Reading* reading, RfFps fps, RfObjects* objects, RfScene* scene )
 {
     RfField list = rf_field_member( root, "objects" );
     RfResult result = rf_read_objects( &list, fps, objects );
     if ( result == RF_OK )
-        result = load_gltf( root, options, objects, scene, log );
+        result = load_gltf( root, reading, objects, scene );
     scene->key_fps = result == RF_OK && objects->in_frames ? fps : ( RfFps ){ 0 };
     return result;
 }
 
-static RfResult load_objects( const RfField* root, const RfSceneOptions* options, RfScene* scene, RfLog* log )
+static RfResult load_objects( const RfField* root, const Reading* reading, RfScene* scene )
 {
     RfObjects objects = { 0 };
     RfFps fps;
     bool given;
     RfResult result = read_fps( root, &given, &fps );
     if ( result == RF_OK )
-        result = load_moving( root, options, fps, &objects, scene, log );
+        result = load_moving( root, reading, fps, &objects, scene );
     if ( result == RF_OK && given && objects.in_frames )
         scene->fps = fps;
     RfFps own = scene->fps;
@@ -159,10 +168,14 @@ static RfResult load_objects( const RfField* root, const RfSceneOptions* options
     {
         rf_destroy_scene( scene );
         rf_destroy_objects( &objects );
-        result = load_moving( root, options, own, &objects, scene, NULL );
+        Reading again = { reading->options, reading->frozen_at, NULL };
+        result = load_moving( root, &again, own, &objects, scene );
     }
     if ( result == RF_OK )
-        result = rf_place_files( &objects, options->freeze, scene, log );
+    {
+        double first = reading->frozen_at != NULL ? *reading->frozen_at : rf_gltf_first_time( scene );
+        result = rf_place_files( &objects, reading->options->freeze ? &first : NULL, scene, reading->log );
+    }
     rf_destroy_objects( &objects );
     return result;
 }
@@ -272,24 +285,45 @@ static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* 
     return RF_OK;
 }
 
-RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
+// `moved`: its camera has its first frame at another time than the glTF's own, which is set.
+static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfScene* scene, bool* moved, double* first,
+                          RfError* error )
 {
-    RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation };
-    if ( file->document.root == NULL )
-        return rf_load_gltf_with( file->path, &plain, scene, log, error );
-    memset( scene, 0, sizeof *scene );
     RfField root = rf_root_field( &file->document, error );
-    RfResult result = rf_has_member( &root, "objects" ) ? load_objects( &root, options, scene, log )
-                                                        : load_gltf( &root, options, &( RfObjects ){ 0 }, scene, log );
+    RfResult result = rf_has_member( &root, "objects" ) ? load_objects( &root, reading, scene )
+                                                        : load_gltf( &root, reading, &( RfObjects ){ 0 }, scene );
+    *first = result == RF_OK ? rf_gltf_first_time( scene ) : 0.0;
+    double before = *first;
     if ( result == RF_OK )
         result = load_environment( &root, scene );
     if ( result == RF_OK )
         result = load_camera( &root, scene );
     if ( result == RF_OK )
         result = rename_scene( file, scene, error );
+    if ( result == RF_OK )
+        *first = rf_gltf_first_time( scene );
+    *moved = *first != before;
     if ( result != RF_OK )
         rf_destroy_scene( scene );
     return result;
+}
+
+RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
+{
+    RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation };
+    if ( file->document.root == NULL )
+        return rf_load_gltf_with( file->path, &plain, scene, log, error );
+    memset( scene, 0, sizeof *scene );
+    bool moved;
+    double first;
+    Reading reading = { .options = options, .log = log };
+    RfResult result = load_all( file, &reading, scene, &moved, &first, error );
+    if ( result != RF_OK || !scene->frozen || !moved )
+        return result;
+    rf_destroy_scene( scene );
+    Reading again = { options, &first, NULL };
+    double same;
+    return load_all( file, &again, scene, &moved, &same, error );
 }
 
 RfResult rf_load_scene( const char* path, RfScene* scene, RfLog* log, RfError* error )

@@ -550,6 +550,30 @@ static void test_frames_of_keys( void** state )
     rf_destroy_scene( &scene );
 }
 
+static void test_frozen_as_the_camera_begins( void** state )
+{
+    (void)state;
+    RfScene scene;
+    RfError error = { 0 };
+    const char* members = "\"camera\":{\"kind\":\"keyed\",\"target\":[0,0,0],\"keys\":[{\"frame\":49,\"position\":[0,0,5]},"
+                          "{\"frame\":60,\"position\":[0,1,5]}]},\"objects\":[{\"file\":\"figure.glb\",\"start\":2,"
+                          "\"animation\":\"Go\",\"speed\":0.001},{\"file\":\"figure.glb\",\"start\":1.5,\"animation\":\"Go\"}]";
+    assert_int_equal( try_scene( "moving.glb", members, true, &scene, &error ), RF_OK );
+    assert_true( scene.frozen );
+    assert_null( scene.movement );
+    // at 2 s: half a turn of the door, the one disc as it begins, the other halfway
+    bool turned = false, began = false, halfway = false;
+    for ( uint32_t i = 0; i < scene.triangles.count; ++i )
+    {
+        RfVec3 p = rf_corner( &scene.triangles, i, 0 ), q = rf_corner( &scene.triangles, i, 1 );
+        turned = turned || ( fabs( (double)p.x - 2.0 ) < 1e-6 && fabs( (double)q.x - 1.0 ) < 1e-6 );
+        began = began || ( fabs( (double)p.x ) < 1e-6 && fabs( (double)p.y ) < 1e-6 && p.z == 0.0f );
+        halfway = halfway || ( fabs( (double)p.x - 1.0 ) < 1e-6 && fabs( (double)p.y - 2.0 ) < 1e-6 );
+    }
+    assert_true( turned && began && halfway );
+    rf_destroy_scene( &scene );
+}
+
 static void test_what_loops_counts_one_round( void** state )
 {
     (void)state;
@@ -667,6 +691,7 @@ int main( void )
         cmocka_unit_test( test_what_a_placed_file_leaves_behind ),
         cmocka_unit_test( test_the_origin_is_that_of_the_scene ),
         cmocka_unit_test( test_frames_of_keys ),
+        cmocka_unit_test( test_frozen_as_the_camera_begins ),
         cmocka_unit_test( test_what_loops_counts_one_round ),
         cmocka_unit_test( test_faults ),
         cmocka_unit_test( test_broken_files ),
