@@ -173,6 +173,8 @@ RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, 
     // key times written as floats miss their frame slightly
     double rate = camera->track != NULL && camera->track->in_frames ? 1.0 / camera->track->step : fps;
     double frames = floor( ( camera->end - camera->start ) * rate + 1e-3 ) + 1.0;
+    if ( camera->edit != NULL && camera->edit->in_frames )
+        frames = fmax( frames, floor( camera->edit->shots[camera->edit->count - 1].from ) + 1.0 );
     if ( ( frames <= (double)MAX_FRAMES ) == false )
     {
         *count = 0;
@@ -331,6 +333,8 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
     const RfCamera* self = scene->cameras + camera;
     RfCameraSampling sampling = { .scene = scene, .camera = self, .width = width, .height = height };
     RfResult result = check_film( &sampling, eye, error );
+    if ( result == RF_OK && self->edit != NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': is an edit of others", self->name );
     if ( result == RF_OK && self->track != NULL && self->track->in_frames )
         return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': its path counts frames, not seconds", self->name );
     return result == RF_OK ? eye_at_time( &sampling, time, eye, error ) : result;
@@ -378,20 +382,60 @@ typedef struct ShotPath
 
 #define FRAME_SLACK 1e-3 // of a frame, by which key times that are written as floats miss it
 
+// The shot of an edit that a frame is in.
+static int find_edit_shot( const RfCameraSampling* sampling, double frame )
+{
+    const RfEdit* edit = sampling->camera->edit;
+    double slack = edit->in_frames ? FRAME_SLACK : FRAME_SLACK / frames_per_unit( sampling );
+    double at = edit->in_frames ? frame : camera_time( sampling, frame );
+    int shot = 0;
+    while ( shot + 1 < edit->count && edit->shots[shot + 1].from <= at + slack )
+        shot += 1;
+    return shot;
+}
+
+static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath* shot );
+
+// That camera alone, whose own ends are those of the shot.
+static void find_shot_of_edit( const RfCameraSampling* sampling, double frame, ShotPath* shot )
+{
+    const RfCamera* edit = sampling->camera;
+    int number = find_edit_shot( sampling, frame );
+    const RfCamera* shown = sampling->scene->cameras + edit->edit->shots[number].camera;
+    double rate = frames_per_unit( sampling ), first = ( shown->start - edit->start ) * rate;
+    RfCameraSampling own = *sampling;
+    own.camera = shown;
+    find_shot( &own, frame - first, shot );
+    shot->number += (int64_t)number << 32;
+    shot->camera.start = edit->start; // by which frames are counted
+    shot->first = shown->animated ? shot->first + first : -(double)INFINITY;
+    shot->last = shown->animated ? shot->last + first : (double)INFINITY;
+    shot->camera.animated = true;
+}
+
 static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath* shot )
 {
     const RfCamera* camera = sampling->camera;
+    if ( camera->edit != NULL )
+    {
+        find_shot_of_edit( sampling, frame, shot );
+        return;
+    }
     double start = camera->start, rate = frames_per_unit( sampling );
     *shot = ( ShotPath ){ .sampling = *sampling, .camera = *camera, .last = ( camera->end - start ) * rate };
     shot->sampling.camera = &shot->camera;
-    if ( camera->track == NULL || camera->track->cut_count == 0 )
-        return;
-    shot->number = rf_track_shot( camera->track, start + ( frame + FRAME_SLACK ) / rate );
-    shot->track = rf_shot_of_track( camera->track, (int)shot->number );
-    shot->camera.track = &shot->track;
-    shot->first = ( shot->track.start - start ) * rate;
-    shot->last = ( shot->track.end - start ) * rate;
-    if ( frame > shot->last + FRAME_SLACK ) // it is held to the cut
+    if ( camera->track != NULL && camera->track->cut_count > 0 )
+    {
+        shot->number = rf_track_shot( camera->track, start + ( frame + FRAME_SLACK ) / rate );
+        shot->track = rf_shot_of_track( camera->track, (int)shot->number );
+        shot->camera.track = &shot->track;
+        shot->first = ( shot->track.start - start ) * rate;
+        shot->last = ( shot->track.end - start ) * rate;
+    }
+    // it is held before its first key and after its last, up to a cut
+    if ( frame < shot->first - FRAME_SLACK )
+        shot->first = -(double)INFINITY;
+    if ( frame > shot->last + FRAME_SLACK )
         shot->last = (double)INFINITY;
 }
 
@@ -411,7 +455,10 @@ RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* e
     return eye_of_shot( &shot, frame, eye, error );
 }
 
-int rf_camera_shots( const RfCamera* camera ) { return camera->track != NULL ? camera->track->cut_count + 1 : 1; }
+int rf_camera_shots( const RfCamera* camera )
+{
+    return camera->edit != NULL ? camera->edit->count : camera->track != NULL ? camera->track->cut_count + 1 : 1;
+}
 
 void rf_camera_numbers( const RfCamera* camera, int* first, int* step )
 {

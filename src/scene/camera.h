@@ -23,8 +23,8 @@ RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, dou
 // `camera` at `time` seconds, on a film of width × height pixels.
 // Follows animated ancestors, also mirrored or scaled ones; the axes are
 // orthonormalised. The camera looks along −Z of its node with +Y up.
-// Fails (RF_ERROR_SCENE) if the transform is degenerate or not finite, or if the
-// camera path is keyed by frame numbers: use rf_camera_eye for those.
+// Fails (RF_ERROR_SCENE) if the transform is degenerate or not finite, and (RF_ERROR_USAGE) if the
+// camera path is keyed by frame numbers or the camera is an edit: use rf_camera_eye for those.
 RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error );
 
 // Reads a camera path from a file (scene/camera_path/camera_track.h); the camera is named after

@@ -36,6 +36,9 @@ void rf_destroy_camera( RfCamera* camera )
     if ( camera->track != NULL )
         rf_destroy_camera_track( camera->track );
     free( camera->track );
+    if ( camera->edit != NULL )
+        free( camera->edit->shots );
+    free( camera->edit );
     if ( camera->optics != NULL )
         rf_destroy_optics( camera->optics );
     free( camera->optics );

@@ -116,9 +116,25 @@ typedef struct RfChannel
 struct RfCameraTrack;
 struct RfOptics;
 
+// A shot of an edit: the camera that shows it, and when it begins.
+typedef struct RfEditShot
+{
+    int camera;  // of the scene, none of which is an edit
+    double from; // seconds, or with RfEdit.in_frames frames of the edit, from 0
+} RfEditShot;
+
+// Cameras of the scene that show one shot after the other, at the times of the scene.
+typedef struct RfEdit
+{
+    int count;
+    RfEditShot* shots; // owned, ascending
+    bool in_frames;
+} RfEdit;
+
 typedef struct RfCamera
 {
     char* name;                  // unique, never empty
+    struct RfEdit* edit;         // owned: other cameras show its shots, from `start` to `end`; NULL: it shows all of them itself
     struct RfCameraTrack* track; // owned: a camera path (scene/camera_path/camera_track.h); NULL: the
                                  // camera moves with its node, as the fields below describe
     int node;                    // −1: the default camera of a scene without cameras

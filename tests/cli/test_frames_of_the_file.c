@@ -227,6 +227,25 @@ static void test_cuts_part_a_path( void** state )
     json_decref( json );
 }
 
+// Cameras of the file one after the other; each stands still, so that each shot is one picture.
+static void test_cameras_one_after_the_other( void** state )
+{
+    (void)state;
+    static const char edit[] = "{\"scene\":\"room.gltf\",\"camera\":[{\"name\":\"Eye\"},{\"name\":\"Side\",\"frame\":3},"
+                               "{\"name\":\"Eye\",\"frame\":4}],\"render\":{\"size\":[32,24]}}";
+    write_room( "" );
+    cli_write( "edit.json", edit, strlen( edit ) );
+    assert_non_null( strstr( cli_run( "$R info edit.json" )->out, "edit: 4 frames at 24 frames/s, animated, 3 shots" ) );
+#define RENDER_EDIT "$R render edit.json --spp 2 --quiet --frames "
+    cli_expect( cli_run( RENDER_EDIT "1-4 -o e.#.exr --group 3" ), 0, NULL );
+    cli_expect( cli_run( RENDER_EDIT "1 -o a.#.exr --camera Eye" ), 0, NULL );
+    assert_true( is_same_picture( "e.1.exr", "e.2.exr" ) && is_same_picture( "e.1.exr", "a.1.exr" ) );
+    expect_text( "e.2.exr", "reframe/shot", "1-2" );
+    expect_text( "e.3.exr", "reframe/shot", "3-3" );
+    expect_text( "e.4.exr", "reframe/shot", "4-4" );
+    expect_text( "e.4.exr", "reframe/camera", "edit" );
+}
+
 #define STILL                                                                                                                    \
     "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 2, 0.2, 40 ) "," KEY(                 \
         4, 0.2, 40 ) "," KEY( 6, 0.4, 40 ) "]}"
@@ -347,6 +366,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_frames_in_steps, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_lens_of_every_frame, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_cuts_part_a_path, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_cameras_one_after_the_other, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),

@@ -312,6 +312,56 @@ static void test_destroying_nothing_is_allowed( void** state )
     rf_destroy_scene( NULL );
 }
 
+// Three shots of two cameras: each frame is what its camera alone shows at that moment, with its own shutter.
+static void check_edit( const RfScene* scene, RfEdit edit )
+{
+    RfCamera film = { .name = "edit", .edit = &edit, .animated = true, .start = 0.5, .end = 2.5 };
+    RfLens lens = { .has_shutter = true, .shutter = { -0.5, 0.5 } };
+    int count;
+    assert_int_equal( rf_camera_shots( &film ), 3 );
+    assert_int_equal( rf_camera_frame_count( &film, 24.0, &count, NULL ), RF_OK );
+    assert_int_equal( count, 49 );
+    for ( int i = 0; i < count; ++i )
+    {
+        int shot = i < 12 ? 0 : i < 36 ? 1 : 2;
+        const RfCamera* shown = scene->cameras + ( shot == 1 );
+        RfEye eye, alone;
+        RfCameraSampling whole = { scene, &film, &lens, { 24, 1 }, 64, 36 }, own = { scene, shown, &lens, { 24, 1 }, 64, 36 };
+        assert_int_equal( rf_camera_lens_eye( &whole, i, &eye, NULL ), RF_OK );
+        assert_int_equal( rf_camera_lens_eye( &own, i + 12, &alone, NULL ), RF_OK ); // it begins at 0 s
+        assert_int_equal( (int)( eye.shot >> 32 ), shot );
+        assert_int_equal( eye.moves, i < 12 || i == 36 ); // to its last key, at 2 s
+        assert_int_equal( alone.moves, eye.moves );
+        assert_vec( eye.origin, (double)alone.origin.x, (double)alone.origin.y, (double)alone.origin.z );
+        if ( eye.moves )
+            assert_vec( eye.open.origin, (double)alone.open.origin.x, (double)alone.open.origin.y, (double)alone.open.origin.z );
+    }
+    RfEye eye;
+    RfScene with = *scene;
+    with.cameras = &film;
+    with.camera_count = 1;
+    assert_int_equal( rf_scene_eye( &with, 0, 1.0, 64, 36, &eye, NULL ), RF_ERROR_USAGE );
+}
+
+static void test_cameras_of_an_edit( void** state )
+{
+    (void)state;
+    double times[] = { 0, 2 }, values[] = { 0, 1, 0, 4, 1, 2 };
+    RfChannel channel = {
+        .path = RF_TRANSLATION, .components = 3, .interpolation = RF_LINEAR, .count = 2, .times = times, .values = values
+    };
+    RfNode nodes[] = { make_node( -1 ), make_node( -1 ) };
+    nodes[1].translation[0] = -7.0;
+    RfCamera cameras[] = { { .name = "Moves", .node = 0, .yfov = 0.7, .animated = true, .start = 0.0, .end = 2.0 },
+                           { .name = "Stands", .node = 1, .yfov = 0.9 } };
+    RfScene scene = make_scene( nodes, 2, cameras, 2 );
+    scene.channels = &channel;
+    scene.channel_count = 1;
+    RfEditShot by_time[] = { { 0, 0.0 }, { 1, 1.00001 }, { 0, 2.0 } }, by_frame[] = { { 0, 0.0 }, { 1, 12.0 }, { 0, 35.5 } };
+    check_edit( &scene, ( RfEdit ){ 3, by_time, false } );
+    check_edit( &scene, ( RfEdit ){ 3, by_frame, true } );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +369,7 @@ int main( void )
         cmocka_unit_test( test_steps_fall_on_their_frames ),
         cmocka_unit_test( test_linear_is_straight ),
         cmocka_unit_test( test_slerp_takes_the_short_way ),
+        cmocka_unit_test( test_cameras_of_an_edit ),
         cmocka_unit_test( test_slerp_of_equal_keys ),
         cmocka_unit_test( test_cubicspline_scales_tangents ),
         cmocka_unit_test( test_cubicspline_rotation_is_unit ),

@@ -5,6 +5,7 @@
 #include "base/words.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
+#include "scene/json/camera_edit.h"
 #include "scene/json/environment_json.h"
 #include "scene/gltf/gltf.h"
 #include "scene/gltf/gltf_document.h"
@@ -224,7 +225,8 @@ static RfResult add_camera( const RfField* field, RfScene* scene, RfCamera* came
     scene->cameras = grown;
     scene->cameras[scene->camera_count++] = *camera;
     scene->chosen_camera = scene->camera_count;
-    scene->content_hash = rf_hash_bytes( scene->content_hash, &camera->track->hash, sizeof camera->track->hash );
+    if ( camera->track != NULL ) // else it is in this file, whose hash is added
+        scene->content_hash = rf_hash_bytes( scene->content_hash, &camera->track->hash, sizeof camera->track->hash );
     return RF_OK;
 }
 
@@ -256,18 +258,22 @@ static RfResult load_camera( const RfField* root, RfScene* scene )
     RfField field = rf_field_member( root, "camera" );
     if ( field.json == NULL )
         return RF_OK;
-    if ( json_is_object( field.json ) )
+    bool edit = json_is_array( field.json );
+    if ( json_is_object( field.json ) || edit )
     {
         RfCamera camera;
-        char name[32] = "path";
+        const char* kind = edit ? "edit" : "path";
+        char name[32];
+        snprintf( name, sizeof name, "%s", kind );
         for ( int i = 2; is_name_taken( scene, name ); ++i )
-            snprintf( name, sizeof name, "path#%d", i );
-        RfResult result = rf_read_camera( &field, name, &camera, field.error );
+            snprintf( name, sizeof name, "%s#%d", kind, i );
+        RfResult result =
+            edit ? rf_read_camera_edit( &field, scene, name, &camera ) : rf_read_camera( &field, name, &camera, field.error );
         return result == RF_OK ? add_camera( &field, scene, &camera ) : result;
     }
     const char* name = NULL;
     if ( !json_is_string( field.json ) )
-        return rf_field_must_be( &field, "the name of a camera, a camera-path file (.json) or a camera path" );
+        return rf_field_must_be( &field, "the name of a camera, a camera-path file (.json), a camera path or a list of cameras" );
     RfResult result = rf_field_text( &field, &name );
     if ( result != RF_OK )
         return result;

@@ -17,6 +17,8 @@
 
 #define MUTATIONS 600
 
+#define EDIT( shots ) "\"camera\":[{\"name\":\"Eye\"}," shots "]"
+
 static RfScene load_members( const char* members )
 {
     RfScene scene;
@@ -104,6 +106,23 @@ static void test_materials_are_replaced( void** state )
     rf_destroy_scene( &scene );
 }
 
+static void test_cameras_take_over( void** state )
+{
+    (void)state;
+    RfScene scene = load_members( EDIT( "{\"name\":\"Side\",\"frame\":9},{\"name\":\"Eye\",\"frame\":12.5}" ) );
+    assert_int_equal( scene.camera_count, 3 );
+    assert_int_equal( scene.chosen_camera, 3 );
+    const RfCamera* edit = scene.cameras + 2;
+    assert_string_equal( edit->name, "edit" );
+    assert_int_equal( rf_camera_shots( edit ), 3 );
+    assert_true( edit->edit->in_frames && edit->edit->shots[1].from == 8.0 && edit->edit->shots[2].from == 11.5 );
+    assert_int_equal( edit->edit->shots[1].camera, 1 );
+    rf_destroy_scene( &scene );
+    scene = load_members( EDIT( "{\"name\":\"Side\",\"time\":2}" ) );
+    assert_true( !scene.cameras[2].edit->in_frames && scene.cameras[2].end >= 2.0 );
+    rf_destroy_scene( &scene );
+}
+
 // "textures": false on a parsed glTF, at all depths where one has textures.
 static void test_textures_can_be_dropped( void** state )
 {
@@ -186,7 +205,18 @@ static void test_faults_of_files( void** state )
         { "\"environment\":{\"map\":\"room.gltf\"}", "environment.map: " },
         { "\"environment\":{\"map\":\"bright.hdr\",\"radiance\":[1e15,1e15,1e15]}",
           "environment.map: times radiance is brighter than 1e+15 somewhere: lower radiance" },
-        { "\"camera\":3", "camera: must be the name of a camera, a camera-path file (.json) or a camera path, got 3" },
+        { "\"camera\":3",
+          "camera: must be the name of a camera, a camera-path file (.json), a camera path or a list of cameras, got 3" },
+        { "\"camera\":[]", "camera: must be an array of" },
+        { "\"camera\":[{}]", "camera[0].name: is missing" },
+        { "\"camera\":[{\"name\":\"Nobody\"}]", "choose one of 'Eye', 'Side'" },
+        { "\"camera\":[{\"name\":\"Eye\",\"time\":0}]", "camera[0]: the first camera shows the first frame" },
+        { EDIT( "{\"name\":\"Side\"}" ), "camera[1]: give either time (seconds) or frame" },
+        { EDIT( "{\"name\":\"Side\",\"time\":1,\"frame\":9}" ), "camera[1]: give either time (seconds) or frame" },
+        { EDIT( "{\"name\":\"Side\",\"frame\":1}" ), "camera[1].frame: must be a number from 2 to 1e+06, got 1" },
+        { EDIT( "{\"name\":\"Side\",\"frame\":9},{\"name\":\"Eye\",\"time\":9}" ),
+          "camera[2]: give all cameras a time, or all a frame" },
+        { EDIT( "{\"name\":\"Side\",\"frame\":9},{\"name\":\"Eye\",\"frame\":9}" ), "camera[2].frame: is not later than" },
         { "\"camera\":\"Nobody\"", "camera: " },
         { "\"camera\":\"Nobody\"", "choose one of 'Eye', 'Side'" },
         { "\"camera\":\"none.json\"", "/none.json: cannot be opened" },
@@ -455,6 +485,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_scene_alone_changes_nothing ),
         cmocka_unit_test( test_materials_are_replaced ),
+        cmocka_unit_test( test_cameras_take_over ),
         cmocka_unit_test( test_textures_can_be_dropped ),
         cmocka_unit_test( test_faults_of_materials ),
         cmocka_unit_test( test_faults_of_files ),
