@@ -1,4 +1,4 @@
-// Frees scenes and their parts.
+// Frees scenes and their parts, and says how many frames per second one has.
 #include "scene/scene.h"
 
 #include "scene/camera_path/camera_track.h"
@@ -7,6 +7,8 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }
 
 void rf_destroy_triangles( RfTriangles* triangles )
 {

@@ -46,8 +46,6 @@ RfResult rf_check_rendered( const RfScene* scene, RfError* error )
                     scene->path, scene->unrendered->what, scene->unrendered->why, rest );
 }
 
-RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }
-
 RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraInfo* info, RfError* error )
 {
     if ( index < 0 || index >= scene->camera_count )
