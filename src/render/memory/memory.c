@@ -4,6 +4,7 @@
 #include "base/remedy.h"
 #include "base/system.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define SHARED "light paths"
@@ -347,11 +348,13 @@ static int batches_that_fit( size_t budget, const RfRenderSizes* s )
 
 static RfResult fail_least( size_t budget, size_t least, const RfRenderSizes* sizes, RfError* error )
 {
-    char text[RF_BYTES_TEXT_SIZE];
+    char text[RF_BYTES_TEXT_SIZE], moving[64] = "";
     rf_format_memory( budget, text );
-    return rf_advise(
-        rf_fail( error, RF_ERROR_MEMORY, "a budget of %s is too small for frames of %dx%d", text, sizes->width, sizes->height ),
-        RF_REMEDY_MEMORY, least, error );
+    if ( sizes->worlds > 0 )
+        snprintf( moving, sizeof moving, " and what moves in %d of them at once", sizes->worlds );
+    return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "a budget of %s is too small for frames of %dx%d%s", text, sizes->width,
+                               sizes->height, moving ),
+                      RF_REMEDY_MEMORY, least, error );
 }
 
 RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemoryFit* fit, RfError* error )

@@ -520,7 +520,23 @@ static void measure( Meter* m, int eyes, double seconds, RfPlan* plan )
     plan->c_v = eyes > 1 ? fmax( all - own, 0.0 ) / ( eyes - 1 ) : 0.0;
 }
 
-static void weigh( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan )
+// CPU seconds of posing a frame, before any other has been.
+static double time_pose( Probe* p )
+{
+    double start = rf_process_seconds();
+    rf_open_worlds( &p->worlds, 0, 1 );
+    return p->worlds.count > 0 ? rf_process_seconds() - start : 0.0;
+}
+
+// Frames that a render poses, each once in a sweep: those asked for, and about as many around them as share groups with them.
+static int posed_frames( const RfShot* shot, const RfPlanRow* row )
+{
+    int frames = shot->frame_count + row->fit.sweeps * ( row->eyes - 1 ), most = row->fit.sweeps * shot->eye_count;
+    return frames < most ? frames : most;
+}
+
+// `pose`: seconds of posing a frame, by one thread.
+static void weigh( const RfShot* shot, const RfRenderSettings* settings, double pose, RfPlan* plan )
 {
     double own = plan->c_e + plan->c_l;
     for ( int i = 0; i < plan->count; ++i )
@@ -531,7 +547,7 @@ static void weigh( const RfShot* shot, const RfRenderSettings* settings, RfPlan*
         RfGroupPlan groups = rf_plan_samples( shot, row->group, settings->spp );
         double samples = plan_work( &groups, 1.0, 0.0 ), work = plan_work( &groups, own, plan->c_v );
         row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / ( work * row->repeated ) : 1.0;
-        row->seconds = row->samples / samples * work / row->fit.threads;
+        row->seconds = row->samples / samples * work / row->fit.threads + pose * posed_frames( shot, row );
     }
 }
 
@@ -591,8 +607,9 @@ RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, 
         result = alloc_meter( &m, error );
     if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not
     {
+        double pose = time_pose( &probe );
         measure( &m, group_eyes, seconds, plan );
-        weigh( shot, &common, plan );
+        weigh( shot, &common, pose, plan );
         result = rf_check_worlds( &probe.worlds, error );
     }
     free_meter( &m );
