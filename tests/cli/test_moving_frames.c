@@ -1,0 +1,79 @@
+// Frames of a scene that moves, as files: alone, in ranges, resumed, and up to a failure.
+#include "support/cli_run.h"
+#include "support/scene_files.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// A lit plate, which moves by `to` within [from, end) of 4 s, before a camera.
+static void write_scene( const char* name, float from, float end, float to )
+{
+    static const float s_plate[] = { -1, -1, -3, 1, -1, -3, 1, 1, -3, -1, 1, -3 };
+    static const float s_wall[] = { -9, -9, -6, 9, -9, -6, 9, 9, -6, -9, 9, -6 };
+    static const uint16_t s_faces[] = { 0, 1, 2, 0, 2, 3 };
+    const float times[] = { 0, from, end, 4 }, places[] = { 0, 0, 0, to, 0, 0, 0, 0, 0, 0, 0, 0 };
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 4, s_plate );
+    add_gltf_u16( &b, 6, s_faces );
+    add_gltf_floats( &b, "VEC3", 3, 4, s_wall );
+    add_gltf_floats( &b, "SCALAR", 1, 4, times );
+    add_gltf_floats( &b, "VEC3", 3, 4, places );
+    size_t size;
+    uint8_t* bytes = build_glb(
+        &b,
+        "\"nodes\":[{\"mesh\":1},{\"mesh\":0,\"name\":\"plate\"},{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\","
+        "\"perspective\":{\"yfov\":0.7,\"znear\":0.1}}],\"materials\":[{},{\"emissiveFactor\":[0.5,0.5,0.5]}],\"meshes\":[{"
+        "\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]},{\"primitives\":[{\"attributes\":{"
+        "\"POSITION\":2},\"indices\":1,\"material\":1}]}],\"animations\":[{\"samplers\":[{\"input\":3,\"output\":4,"
+        "\"interpolation\":\"STEP\"}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"translation\"}}]}]",
+        &size );
+    cli_write( name, bytes, size );
+    free( bytes );
+}
+
+#define OPTIONS "--size 24x16 --spp 5 --float --quiet"
+#define MOVING OPTIONS " --fps 2 --group 1 --aov motion"
+
+static void test_frames_are_those_of_the_sequence( void** state )
+{
+    (void)state;
+    write_scene( "a.glb", 1.0f, 2.5f, 0.7f );
+    cli_expect( cli_run( "$R render a.glb -o all.####.exr --frames 1-7 " MOVING ), 0, NULL );
+    cli_expect( cli_run( "$R render a.glb -o part.####.exr --frames 3,6-7 " MOVING ), 0, NULL );
+    cli_expect( cli_run( "for k in 3 6 7; do cmp all.000$k.exr part.000$k.exr || exit 1; done" ), 0, NULL );
+    cli_expect( cli_run( "! cmp -s all.0002.exr all.0003.exr" ), 0, NULL ); // the same camera, another world
+    cli_expect( cli_run( "cp all.0003.exr kept.exr; rm all.0003.exr all.0005.exr" ), 0, NULL );
+    cli_expect( cli_run( "$R render a.glb -o all.####.exr --frames 1-7 --resume --json r.json " MOVING ), 0, NULL );
+    cli_expect( cli_run( "cmp kept.exr all.0003.exr" ), 0, NULL );
+    json_t* json = cli_read_json( "r.json" );
+    assert_int_equal( json_integer_value( json_object_get( json, "kept_frames" ) ), 5 );
+    json_decref( json );
+    write_scene( "a.glb", 1.0f, 2.5f, 0.8f );
+    cli_expect( cli_run( "$R render a.glb -o all.####.exr --frames 1-7 --resume " MOVING ), 1, "another scene" );
+}
+
+// What is written before a frame that cannot be posed stays, and is whole.
+static void test_a_failure_leaves_whole_files( void** state )
+{
+    (void)state;
+    write_scene( "b.glb", 2.1f, 2.2f, 3e15f );
+    cli_expect( cli_run( "$R render b.glb -o b.####.exr --frames 1-20 --fps 7 --group 0 " OPTIONS ), 1,
+                "object 'plate' at 2.14286 s" );
+    cli_expect( cli_run( "test -e b.0015.exr && ! test -e b.0016.exr && ls b.*.exr | wc -l | grep -q '^15$'" ), 0, NULL );
+    cli_expect( cli_run( "$R png b.*.exr" ), 0, NULL );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_frames_are_those_of_the_sequence ),
+        cmocka_unit_test( test_a_failure_leaves_whole_files ),
+    };
+    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
+}
