@@ -378,6 +378,7 @@ typedef struct ShotPath
     RfCameraTrack track;
     int64_t number;
     double first, last; // frames of its ends
+    double begin, end;  // seconds, of a camera that jumps with its node: before and after them it is where it is then
 } ShotPath;
 
 #define FRAME_SLACK 1e-3 // of a frame, by which key times that are written as floats miss it
@@ -413,6 +414,25 @@ static void find_shot_of_edit( const RfCameraSampling* sampling, double frame, S
     shot->camera.animated = true;
 }
 
+// Between two jumps of its node.
+static void find_step( const RfCamera* camera, double time, double rate, ShotPath* shot )
+{
+    int number = 0;
+    while ( number < camera->cut_count && camera->cuts[number] <= time )
+        number += 1;
+    shot->number = number;
+    if ( number > 0 )
+    {
+        shot->begin = camera->cuts[number - 1];
+        shot->first = ( shot->begin - camera->start ) * rate;
+    }
+    if ( number < camera->cut_count )
+    {
+        shot->end = nextafter( camera->cuts[number], -(double)INFINITY );
+        shot->last = ( shot->end - camera->start ) * rate;
+    }
+}
+
 static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath* shot )
 {
     const RfCamera* camera = sampling->camera;
@@ -423,6 +443,8 @@ static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath*
     }
     double start = camera->start, rate = frames_per_unit( sampling );
     *shot = ( ShotPath ){ .sampling = *sampling, .camera = *camera, .last = ( camera->end - start ) * rate };
+    shot->begin = -(double)INFINITY;
+    shot->end = (double)INFINITY;
     shot->sampling.camera = &shot->camera;
     if ( camera->track != NULL && camera->track->cut_count > 0 )
     {
@@ -432,6 +454,8 @@ static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath*
         shot->first = ( shot->track.start - start ) * rate;
         shot->last = ( shot->track.end - start ) * rate;
     }
+    if ( camera->track == NULL && camera->cut_count > 0 )
+        find_step( camera, start + ( frame + FRAME_SLACK ) / rate, rate, shot );
     // it is held before its first key and after its last, up to a cut
     if ( frame < shot->first - FRAME_SLACK )
         shot->first = -(double)INFINITY;
@@ -443,7 +467,8 @@ static RfResult eye_of_shot( const ShotPath* shot, double frame, RfEye* eye, RfE
 {
     RfResult result = check_film( &shot->sampling, eye, error );
     if ( result == RF_OK )
-        result = eye_at_time( &shot->sampling, camera_time( &shot->sampling, frame ), eye, error );
+        result = eye_at_time( &shot->sampling, fmin( fmax( camera_time( &shot->sampling, frame ), shot->begin ), shot->end ), eye,
+                              error );
     eye->shot = shot->number;
     return result;
 }
@@ -457,7 +482,9 @@ RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* e
 
 int rf_camera_shots( const RfCamera* camera )
 {
-    return camera->edit != NULL ? camera->edit->count : camera->track != NULL ? camera->track->cut_count + 1 : 1;
+    if ( camera->edit != NULL )
+        return camera->edit->count;
+    return 1 + ( camera->track != NULL ? camera->track->cut_count : camera->cut_count );
 }
 
 void rf_camera_numbers( const RfCamera* camera, int* first, int* step )
@@ -552,7 +579,10 @@ static RfResult eye_at( const Moment* m, double offset, RfEye* eye )
     RfResult result = eye_of_shot( m->shot, end, &at_end, m->error );
     if ( result == RF_OK )
         result = eye_of_shot( m->shot, 2.0 * end - frame, &inside, m->error );
-    if ( result == RF_OK )
+    bool held = m->camera->cut_count > 0 && memcmp( &at_end, &inside, sizeof inside ) == 0; // without rounding
+    if ( result == RF_OK && held )
+        *eye = at_end;
+    else if ( result == RF_OK )
         go_on( &at_end, &inside, eye );
     return result;
 }

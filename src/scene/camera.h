@@ -56,6 +56,10 @@ RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfE
 // its path is keyed by frame numbers.
 void rf_camera_numbers( const RfCamera* camera, int* first, int* step );
 
+// Finds the cuts of a camera that moves with its node: keys of STEP interpolation at which it or an ancestor jumps, if no key of the
+// same channel is nearer than 0.25 s. Fails with RF_ERROR_MEMORY.
+RfResult rf_find_step_cuts( const RfScene* scene, RfCamera* camera, RfError* error );
+
 // Shots of its path: one more than cuts.
 int rf_camera_shots( const RfCamera* camera );
 

@@ -41,6 +41,7 @@ void rf_destroy_camera( RfCamera* camera )
     if ( camera->edit != NULL )
         free( camera->edit->shots );
     free( camera->edit );
+    free( camera->cuts );
     if ( camera->optics != NULL )
         rf_destroy_optics( camera->optics );
     free( camera->optics );

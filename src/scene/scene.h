@@ -145,6 +145,8 @@ typedef struct RfCamera
     bool animated;               // a channel animates its node or an ancestor
     double start;                // seconds: first key of those channels
     double end;                  // last key
+    int cut_count;               // of a camera that moves with its node
+    double* cuts;                // owned: seconds, ascending: its node jumps, and another shot begins
 } RfCamera;
 
 // Light from infinity, for every direction that hits no surface.

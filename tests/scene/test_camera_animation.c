@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -362,6 +363,58 @@ static void test_cameras_of_an_edit( void** state )
     check_edit( &scene, ( RfEdit ){ 3, by_frame, true } );
 }
 
+// A node that steps on under a parent that moves: at 1 s, 1.5 s and 2 s; and 0.1 s later, as stop motion does.
+static void test_steps_are_cuts( void** state )
+{
+    (void)state;
+    double times[] = { 0, 1, 1.5, 2, 2.5, 2.6 }, values[] = { 0, 0, 0, 5, 0, 0, 5, 0, 0, -3, 0, 0, 1, 0, 0, 2, 0, 0 };
+    double span[] = { 0, 4 }, rise[] = { 0, 0, 0, 0, 4, 0 };
+    RfChannel channels[] = {
+        { .path = RF_TRANSLATION, .components = 3, .interpolation = RF_LINEAR, .count = 2, .times = span, .values = rise },
+        { .node = 1,
+          .path = RF_TRANSLATION,
+          .components = 3,
+          .interpolation = RF_STEP,
+          .count = 6,
+          .times = times,
+          .values = values }
+    };
+    RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
+    RfCamera camera = { .name = "Steps", .node = 1, .yfov = 0.7, .animated = true, .start = 0.0, .end = 4.0 };
+    RfScene scene = make_scene( nodes, 2, &camera, 1 );
+    scene.channels = channels;
+    scene.channel_count = 2;
+    assert_int_equal( rf_find_step_cuts( &scene, &camera, NULL ), RF_OK );
+    assert_int_equal( camera.cut_count, 2 ); // at 1.5 s nothing jumps, at 2.5 s the next key is near
+    assert_near( camera.cuts[0], 1.0, 0.0 );
+    assert_near( camera.cuts[1], 2.0, 0.0 );
+    assert_int_equal( rf_camera_shots( &camera ), 3 );
+    RfLens lens = { .has_shutter = true, .shutter = { -0.5, 0.5 } };
+    for ( int i = 0; i < 60; ++i )
+    {
+        RfEye eye;
+        RfCameraSampling sampling = { &scene, &camera, &lens, { 24, 1 }, 64, 36 };
+        int shot = i < 24 ? 0 : i < 48 ? 1 : 2;
+        double x = shot == 0 ? 0.0 : shot == 1 ? 5.0 : -3.0;
+        assert_int_equal( rf_camera_lens_eye( &sampling, i, &eye, NULL ), RF_OK );
+        assert_int_equal( eye.shot, shot );
+        assert_true( eye.moves == 1 );
+        assert_vec( eye.origin, x, i / 24.0, 0.0 );
+        assert_vec( eye.open.origin, x, fmax( i - 0.5, -0.5 ) / 24.0, 0.0 ); // the parent goes on
+        if ( i < 59 )
+            assert_vec( eye.close.origin, x, ( i + 0.5 ) / 24.0, 0.0 );
+    }
+    rise[4] = 0.0; // it stands still: each shot is one picture
+    for ( int i = 0; i < 59; ++i )
+    {
+        RfEye eye;
+        RfCameraSampling sampling = { &scene, &camera, &lens, { 24, 1 }, 64, 36 };
+        assert_int_equal( rf_camera_lens_eye( &sampling, i, &eye, NULL ), RF_OK );
+        assert_int_equal( eye.moves, 0 );
+    }
+    free( camera.cuts );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -370,6 +423,7 @@ int main( void )
         cmocka_unit_test( test_linear_is_straight ),
         cmocka_unit_test( test_slerp_takes_the_short_way ),
         cmocka_unit_test( test_cameras_of_an_edit ),
+        cmocka_unit_test( test_steps_are_cuts ),
         cmocka_unit_test( test_slerp_of_equal_keys ),
         cmocka_unit_test( test_cubicspline_scales_tangents ),
         cmocka_unit_test( test_cubicspline_rotation_is_unit ),

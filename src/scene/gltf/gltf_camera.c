@@ -3,6 +3,7 @@
 #include "scene/gltf/gltf_document.h"
 
 #include "reframe/camera.h"
+#include "scene/camera.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -132,6 +133,9 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
     {
         camera->start = gltf->spans[node].start;
         camera->end = gltf->spans[node].end;
+        result = rf_find_step_cuts( gltf->scene, camera, gltf->error );
+        if ( result != RF_OK )
+            return result;
     }
     RfWhere where = rf_where( "nodes[%d]", node );
     return rf_gltf_read_camera_path( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), where.text, camera );

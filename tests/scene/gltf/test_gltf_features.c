@@ -53,6 +53,8 @@ static RfMat4 world_at( const Keys* keys, double time )
     RfScene scene = gltf_load_built( &b, rest );
     assert_int_equal( scene.camera_count, 1 );
     assert_true( scene.cameras[0].animated && scene.cameras[0].start == 1.0 && scene.cameras[0].end == 4.0 );
+    bool jumps = keys->interpolation[0] == 'S' && keys->path[0] != 's'; // a scale moves no camera at its origin
+    assert_int_equal( rf_camera_shots( scene.cameras ), jumps ? 3 : 1 );
     RfMat4 world;
     rf_node_world_matrix( &scene, 1, time, &world ); // by its parent
     rf_destroy_scene( &scene );

@@ -1,0 +1,69 @@
+// Cuts of cameras that move with their nodes.
+#include "scene/animation.h"
+#include "scene/camera.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// A camera that steps on more often is animated in steps, as in stop motion.
+#define LEAST_HOLD 0.25 // s
+
+// Does the channel jump with key k, after and before a hold?
+static bool is_cut( const RfChannel* channel, int k )
+{
+    size_t n = (size_t)channel->components;
+    const double *values = channel->values + (size_t)k * n, *times = channel->times + k;
+    return memcmp( values, values - n, n * sizeof *values ) != 0 && times[0] - times[-1] >= LEAST_HOLD &&
+           ( k + 1 == channel->count || times[1] - times[0] >= LEAST_HOLD );
+}
+
+static RfResult add_cut( double time, RfCamera* camera, RfError* error )
+{
+    double* grown = realloc( camera->cuts, ( (size_t)camera->cut_count + 1 ) * sizeof *grown );
+    if ( grown == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "camera '%.60s': no memory left for its cuts", camera->name );
+    camera->cuts = grown;
+    grown[camera->cut_count++] = time;
+    return RF_OK;
+}
+
+static int compare( const void* a, const void* b )
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return ( x > y ) - ( x < y );
+}
+
+static void sort_cuts( RfCamera* camera )
+{
+    int count = 0;
+    if ( camera->cut_count > 0 )
+        qsort( camera->cuts, (size_t)camera->cut_count, sizeof *camera->cuts, compare );
+    for ( int i = 0; i < camera->cut_count; ++i )
+    {
+        if ( i == 0 || camera->cuts[i] > camera->cuts[count - 1] )
+            camera->cuts[count++] = camera->cuts[i];
+    }
+    camera->cut_count = count;
+}
+
+RfResult rf_find_step_cuts( const RfScene* scene, RfCamera* camera, RfError* error )
+{
+    for ( int node = camera->node; node >= 0; node = scene->nodes[node].parent )
+    {
+        int count;
+        const RfChannel* channels = rf_node_channels( scene, node, &count );
+        for ( int i = 0; i < count; ++i )
+        {
+            const RfChannel* c = channels + i;
+            bool steps = c->interpolation == RF_STEP && c->curve == NULL && c->clock.speed == 0.0;
+            for ( int k = 1; k < c->count && steps && ( c->path == RF_TRANSLATION || c->path == RF_ROTATION ); ++k )
+            {
+                RfResult result = is_cut( c, k ) ? add_cut( c->times[k], camera, error ) : RF_OK;
+                if ( result != RF_OK )
+                    return result;
+            }
+        }
+    }
+    sort_cuts( camera );
+    return RF_OK;
+}
