@@ -391,6 +391,12 @@ RfResult rf_create_test_region( const RfShot* shot, const RfTrialWatch* watch, c
     *region = ( RfTestRegion ){ .shot = *shot, .watch = watch, .frames = site->frames };
     RfGroupPlan plan = rf_plan_shots( shot->eyes, shot->eye_count, 0, 1 );
     rf_frames_around( &plan, site->centre, &region->first, &region->frames );
+    int most = clamp( site->frames, 1, shot->eye_count );
+    if ( region->frames < most ) // of several shots
+    {
+        region->frames = most;
+        region->first = clamp( site->centre - most / 2, 0, shot->eye_count - most );
+    }
     region->whole = region->frames == shot->eye_count;
     region->eyes = shot->eyes + region->first;
     RfResult result = choose_pieces( region, site->centre, site->pixels, settings, error );

@@ -28,7 +28,7 @@ RF_API_BEGIN
 typedef struct RfShot
 {
     const RfTracer* tracer;
-    const RfEye* eyes; // the cameras of the whole path, all with one film size
+    const RfEye* eyes; // the cameras of the whole path, all with one film size; cuts between them: RfEye.shot
     int eye_count;     // at least 1
     const int* frames; // those asked for: indices into the cameras, from 0, ascending
     int frame_count;

@@ -107,6 +107,8 @@ RfResult rf_read_camera_edit( const RfField* list, const RfScene* scene, const c
         return result;
     }
     camera->edit->count = (int)count;
+    const RfCamera* first = scene->cameras + camera->edit->shots[0].camera; // by which `info` describes it
+    camera->projection = first->track != NULL ? (int)first->track->projection : first->projection;
     find_span( scene, camera );
     return RF_OK;
 }
