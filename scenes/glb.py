@@ -91,10 +91,9 @@ class Gltf:
         return len(self.json["bufferViews"]) - 1
 
     def accessor(self, values, kind, component=5126, target=None, bounds=False):
-        """Adds an accessor. values: tuples of floats (5126), or indices (5125)."""
-        floats = component == 5126
-        flat = [x for value in values for x in value] if floats else values
-        data = struct.pack("<%d%s" % (len(flat), "f" if floats else "I"), *flat)
+        """Adds an accessor. values: numbers, or tuples of them: floats (5126), indices (5125) or joints (5123)."""
+        flat = [x for value in values for x in value] if kind != "SCALAR" or component == 5126 else values
+        data = struct.pack("<%d%s" % (len(flat), {5126: "f", 5125: "I", 5123: "H"}[component]), *flat)
         result = {"bufferView": self.view(data, target), "componentType": component, "count": len(values),
                   "type": kind}
         if bounds:

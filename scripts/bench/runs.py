@@ -43,6 +43,20 @@ def make_scene(folder, name, *options):
     return scene
 
 
+def write_scene_file(folder, name, base, **more):
+    """A scene file that adds to a .glb, or to another scene file; returns its path."""
+    with open(base, "rb") as file:
+        told = json.load(file) if base.endswith(".json") else {"scene": base}
+    beside = os.path.dirname(os.path.abspath(base))
+    told["scene"] = os.path.join(beside, os.path.abspath(told["scene"]) if not base.endswith(".json") else told["scene"])
+    if "map" in told.get("environment", {}):
+        told["environment"]["map"] = os.path.join(beside, told["environment"]["map"])
+    path = os.path.join(folder, name + ".json")
+    with open(path, "w") as file:
+        json.dump({**told, **more}, file, indent=1)
+    return path
+
+
 def without(options, *names):
     """Options of render without the named ones and their values; render refuses what is given twice."""
     kept, dropping = [], False
