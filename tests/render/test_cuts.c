@@ -1,4 +1,5 @@
 // Cuts: each shot of a path is grouped and rendered as a path of its own, whatever lies on the other side.
+#include "measure/trial.h"
 #include "render/groups.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
@@ -302,6 +303,29 @@ static void test_no_motion_across_a_cut( void** state )
     end( &c );
 }
 
+// Short renders that tune and cost measure lie within a shot where that is long enough, and have its groups where it is not.
+static void test_trials_beside_a_cut( void** state )
+{
+    (void)state;
+    Cut c;
+    begin( &c, ROOM_GGX, 0.0 );
+    RfShot shot = { .tracer = c.tracer, .eyes = c.eyes, .eye_count = ALL };
+    for ( int frames = 5; frames <= 9; frames += 4 )
+    {
+        RfRenderSettings settings = settings_of( frames / 2, "3x3" );
+        RfTestRegion region;
+        RfTestSite site = { FIRST, frames, WIDTH * HEIGHT };
+        RfTrial trial;
+        assert_int_equal( rf_create_test_region( &shot, NULL, &site, &settings, &region, NULL ), RF_OK );
+        assert_int_equal( region.first, frames == 5 ? FIRST : FIRST - 4 );
+        assert_int_equal( region.frames, frames );
+        assert_int_equal( rf_run_trial( &region, 1, 2, &settings, &trial, NULL ), RF_OK );
+        assert_true( trial.samples > 0.0 && isfinite( trial.relmse ) );
+        rf_destroy_test_region( &region );
+    }
+    end( &c );
+}
+
 static void test_shots_must_not_fall( void** state )
 {
     (void)state;
@@ -322,7 +346,7 @@ int main( void )
         cmocka_unit_test( test_shots_are_grouped_like_paths ), cmocka_unit_test( test_paths_without_cuts ),
         cmocka_unit_test( test_frames_beside_a_cut ),          cmocka_unit_test( test_goals_beside_a_cut ),
         cmocka_unit_test( test_second_shot_is_as_alone ),      cmocka_unit_test( test_no_motion_across_a_cut ),
-        cmocka_unit_test( test_shots_must_not_fall ),
+        cmocka_unit_test( test_trials_beside_a_cut ),          cmocka_unit_test( test_shots_must_not_fall ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
