@@ -27,29 +27,33 @@ typedef struct Setting
     const char* tile;
     int group, spp;
     bool adaptive;
+    bool connected;    // light paths
     int light_samples; // 0: 1
-    RfFilter filter;
 } Setting;
 
 #define FRAMES                                                                                                                   \
     {                                                                                                                            \
-        "1", 3, 7, false, 0, RF_FILTER_BOX                                                                                       \
+        .tile = "1", .group = 3, .spp = 7                                                                                        \
     }
 #define TILES                                                                                                                    \
     {                                                                                                                            \
-        "3x3", 3, 7, false, 0, RF_FILTER_BOX                                                                                     \
+        .tile = "3x3", .group = 3, .spp = 7                                                                                      \
     }
 #define ROOKS                                                                                                                    \
     {                                                                                                                            \
-        "rooks4", 1, 6, false, 0, RF_FILTER_BOX                                                                                  \
+        .tile = "rooks4", .group = 1, .spp = 6                                                                                   \
     }
 #define ADAPTIVE                                                                                                                 \
     {                                                                                                                            \
-        "3x3", 3, 7, true, 0, RF_FILTER_BOX                                                                                      \
+        .tile = "3x3", .group = 3, .spp = 7, .adaptive = true                                                                    \
     }
 #define TWO_LIGHTS                                                                                                               \
     {                                                                                                                            \
-        "3x3", 2, 5, false, 2, RF_FILTER_BOX                                                                                     \
+        .tile = "3x3", .group = 2, .spp = 5, .light_samples = 2                                                                  \
+    }
+#define CONNECTED                                                                                                                \
+    {                                                                                                                            \
+        .tile = "3x3", .group = 0, .spp = 3, .connected = true                                                                   \
     }
 
 static RfRenderSettings settings_of( const Setting* setting, int max_depth )
@@ -61,7 +65,7 @@ static RfRenderSettings settings_of( const Setting* setting, int max_depth )
     settings.spp = setting->spp * ( is_long() ? 4 : 1 );
     settings.adaptive = setting->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
     settings.light_samples = setting->light_samples > 0 ? setting->light_samples : 1;
-    settings.filter = setting->filter;
+    settings.light_paths = setting->connected ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
     assert_true( rf_parse_tile( setting->tile, &settings.tile ) );
     return settings;
 }
@@ -72,7 +76,7 @@ typedef struct Case
     const char* room;
     int max_depth;
     int frames[MOST_FRAMES], frame_count;
-    Setting settings[3];
+    Setting settings[4];
     int count;
 } Case;
 
@@ -141,7 +145,9 @@ static void check( const Case* c )
         {
             char name[96];
             snprintf( name, sizeof name, "%s, frame %d, group %d, tile %s%s:", c->room, c->frames[f], s->group, s->tile,
-                      s->adaptive ? ", adaptive" : "" );
+                      s->adaptive    ? ", adaptive"
+                      : s->connected ? ", connected"
+                                     : "" );
             assert_unbiased( name, rendered.of + f, reference.of + f, BLOCK );
         }
         free_frames( &rendered, c->frame_count );
@@ -152,7 +158,7 @@ static void check( const Case* c )
 static void test_what_passes_by( void** state )
 {
     (void)state;
-    check( &( Case ){ "sweep", 5, { 1, 3, 5 }, 3, { FRAMES, TILES, ROOKS }, 3 } );
+    check( &( Case ){ "sweep", 5, { 1, 3, 5 }, 3, { FRAMES, TILES, ROOKS, ADAPTIVE }, 4 } );
 }
 
 static void test_a_door( void** state )
@@ -164,7 +170,7 @@ static void test_a_door( void** state )
 static void test_mirrors_that_turn( void** state )
 {
     (void)state;
-    check( &( Case ){ "mirrors", 5, { 1, 3, 5 }, 3, { TILES, FRAMES }, 2 } );
+    check( &( Case ){ "mirrors", 5, { 1, 3, 5 }, 3, { TILES, FRAMES, CONNECTED }, 3 } );
 }
 
 static void test_figures( void** state )

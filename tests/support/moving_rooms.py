@@ -412,7 +412,7 @@ def sky():
     furnish(room, lamp=False, ceiling=False)
     for corner, u, v in (((-2.0, 3.0, -2.0), (4.0, 0.0, 0.0), (0.0, 0.0, 1.0)), ((-2.0, 3.0, 1.0), (4.0, 0.0, 0.0), (0.0, 0.0, 1.0))):
         room.still("roof", make_quad(corner, u, v), WHITE)
-    slab = make_box((2.4, 0.1, 2.4))
+    slab = make_box((1.2, 0.1, 2.4))
     room.move("slabs", slab, WHITE, [Way((-2.3, 3.02, 0.0), (-0.9, 3.02, 0.0)), Way((0.6, 3.02, 0.0), (2.0, 3.02, 0.0))])
     return room
 
