@@ -176,6 +176,13 @@ void rf_commit_scene( RTCScene scene )
     rf_resume_float_traps( traps );
 }
 
+// What Embree failed to make must not go into its other scenes: building those would crash. The device's error handler has the
+// message.
+static RfResult note_failure( RTCDevice device, RfError* error )
+{
+    return rtcGetDeviceError( device ) == RTC_ERROR_NONE ? RF_OK : rf_fail( error, RF_ERROR_DEVICE, "building the BVH failed" );
+}
+
 // Embree's scene of a mesh whose triangles are sorted, not yet committed. Build quality MEDIUM with ROBUST is deterministic with
 // any number of threads; HIGH is not.
 static void begin_mesh( RTCDevice device, RfMeshBvh* mesh )
@@ -242,9 +249,12 @@ static RfResult build_meshes( RTCDevice device, const RfScene* scene, int first,
         if ( is_left_to_poses( scene, m ) )
             continue;
         begin_mesh( device, bvh->meshes + m );
+        result = note_failure( device, error );
+        if ( result != RF_OK )
+            return result;
         rf_commit_scene( bvh->meshes[m].embree_scene );
     }
-    return RF_OK;
+    return note_failure( device, error );
 }
 
 // From Embree's scene of a mesh to that of the world.
@@ -343,8 +353,10 @@ RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene
     bvh->moving = rtcNewScene( device );
     rtcSetSceneFlags( bvh->moving, RTC_SCENE_FLAG_ROBUST );
     attach_placements( device, posed, bvh, posed->still_placement_count, posed->placement_count, bvh->moving );
-    rf_commit_scene( bvh->moving );
-    return RF_OK;
+    result = note_failure( device, error );
+    if ( result == RF_OK )
+        rf_commit_scene( bvh->moving );
+    return result;
 }
 
 void rf_add_ghosts( const RfBvh* posed, const RfScene* scene, RTCScene ghosts )
@@ -370,6 +382,8 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
     if ( result == RF_OK && scene->placement_count > 0 )
         result = place_meshes( device, scene, bvh, error );
     bvh->blended = bvh->any_blended || rf_is_forced( scene, RF_EFFECT_ALPHA_BLEND );
+    if ( result == RF_OK )
+        result = note_failure( device, error );
     if ( result == RF_OK )
         rf_commit_scene( bvh->base.embree_scene );
     return result;

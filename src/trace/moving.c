@@ -26,6 +26,12 @@ static float find_reach( const RfScene* posed, const RfLights* lights )
     return reach;
 }
 
+static RfResult fail_build( const RfTracer* still, const RfScene* posed, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s", posed->path != NULL ? posed->path : "scene",
+                    still->message );
+}
+
 RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, RfTracer** out, RfError* error )
 {
     *out = NULL;
@@ -41,9 +47,8 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
     RfResult result = rf_bound_chains( posed, &tracer->chain_bounds, error );
     if ( result == RF_OK )
         result = rf_build_posed_bvh( still->device, &still->bvh, posed, &tracer->bvh, error );
-    if ( result == RF_OK && still->message[0] != 0 )
-        result = rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s", posed->path != NULL ? posed->path : "scene",
-                          still->message );
+    if ( still->message[0] != 0 )
+        result = fail_build( still, posed, error );
     if ( result != RF_OK )
     {
         rf_destroy_posed_tracer( tracer );
@@ -72,9 +77,14 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
         rf_add_ghosts( &posed[i]->bvh, posed[i]->scene, scene );
         ( *out )->reach = rf_maxf( ( *out )->reach, find_reach( posed[i]->scene, &posed[i]->lights ) );
     }
-    rf_commit_scene( scene );
+    if ( posed[0]->still->message[0] == 0 )
+        rf_commit_scene( scene );
     ( *out )->embree_scene = scene;
-    return RF_OK;
+    if ( posed[0]->still->message[0] == 0 )
+        return RF_OK;
+    rf_destroy_ghosts( *out );
+    *out = NULL;
+    return fail_build( posed[0]->still, posed[0]->scene, error );
 }
 
 void rf_destroy_ghosts( RfGhosts* ghosts )
@@ -87,6 +97,8 @@ void rf_destroy_ghosts( RfGhosts* ghosts )
 
 void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts )
 {
+    if ( posed->ghosts == ghosts )
+        return;
     posed->ghosts = ghosts;
     posed->lights.reach = ghosts != NULL ? ghosts->reach : find_reach( posed->scene, &posed->lights );
 }

@@ -43,7 +43,7 @@ static RfResult build_bvh( RfTracer* tracer, RfError* error )
     RfResult result = rf_build_bvh( tracer->device, tracer->scene, &tracer->bvh, error );
     if ( result == RF_OK )
         tracer->mirror_scene = rf_build_mirror_scene( tracer->device, tracer->scene, tracer->bvh.base.scale, &tracer->mirrors );
-    if ( result == RF_OK && tracer->message[0] != 0 )
+    if ( tracer->message[0] != 0 )
         return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s",
                         tracer->scene->path != NULL ? tracer->scene->path : "scene", tracer->message );
     return result;
