@@ -154,6 +154,7 @@ static void put_point( float ( *a )[PIECE_POINTS], int i, RfVec3 x )
     a[2][i] = x.z;
 }
 
+// What moves is left out: no other frame has samples for it, but for what is behind it.
 static void trace_points( const PieceChooser* c, PiecePoints* p )
 {
     const float *o[3] = { p->o[0], p->o[1], p->o[2] }, *d[3] = { p->d[0], p->d[1], p->d[2] };
