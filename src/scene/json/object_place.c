@@ -52,23 +52,68 @@ static RfResult set_place( const RfObject* object, const RfField* field, json_t*
 
 // Of the scene's own file.
 
-static RfResult find_node( const RfObject* object, const json_t* nodes, int* index )
+// A node by its name, for a search among many.
+typedef struct NodeName
 {
-    char fallback[RF_ITEM_NAME], text[NAMES_LISTED * 32];
-    size_t used = 0;
+    const char* name; // "" for nodes without one
+    int index;
+} NodeName;
+
+static int compare_names( const void* a, const void* b )
+{
+    const NodeName *x = a, *y = b;
+    int order = strcmp( x->name, y->name );
+    return order != 0 ? order : ( x->index > y->index ) - ( x->index < y->index );
+}
+
+// In order of their names; NULL: there is no memory.
+static NodeName* sort_names( const json_t* nodes )
+{
+    size_t count = json_array_size( nodes );
+    NodeName* names = malloc( ( count + 1 ) * sizeof *names );
+    for ( size_t i = 0; names != NULL && i < count; ++i )
+    {
+        const char* name = json_string_value( json_object_get( json_array_get( nodes, i ), "name" ) );
+        names[i] = ( NodeName ){ name != NULL ? name : "", (int)i };
+    }
+    if ( names != NULL )
+        qsort( names, count, sizeof *names, compare_names );
+    return names;
+}
+
+// nodes[3], as messages name one that has no name.
+static bool find_number( const char* text, size_t count, int* index )
+{
+    char again[RF_ITEM_NAME];
+    unsigned number;
+    if ( sscanf( text, "nodes[%9u]", &number ) != 1 || number >= count )
+        return false;
+    snprintf( again, sizeof again, "nodes[%u]", number );
+    *index = (int)number;
+    return strcmp( again, text ) == 0;
+}
+
+static RfResult find_node( const RfObject* object, const json_t* nodes, const NodeName* names, int* index )
+{
+    char text[NAMES_LISTED * 32];
+    size_t used = 0, count = json_array_size( nodes ), low = 0, high = count;
     int found = 0;
     RfField field = rf_field_member( &object->field, "node" );
-    for ( size_t i = 0; i < json_array_size( nodes ); ++i )
+    if ( find_number( object->node, count, index ) )
+        return RF_OK;
+    while ( low < high )
     {
-        snprintf( fallback, sizeof fallback, "nodes[%zu]", i );
-        bool by_number = strcmp( fallback, object->node ) == 0;
-        if ( !by_number && strcmp( rf_item_name( nodes, "nodes", i, fallback ), object->node ) != 0 )
-            continue;
-        *index = (int)i;
-        if ( by_number )
-            return RF_OK;
+        size_t middle = low + ( high - low ) / 2;
+        if ( strcmp( names[middle].name, object->node ) < 0 )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for ( ; low < count && strcmp( names[low].name, object->node ) == 0; ++low )
+    {
+        *index = names[low].index;
         if ( found++ < NAMES_LISTED )
-            used += (size_t)snprintf( text + used, sizeof text - used, "%snodes[%zu]", found > 1 ? ", " : "", i );
+            used += (size_t)snprintf( text + used, sizeof text - used, "%snodes[%d]", found > 1 ? ", " : "", *index );
     }
     if ( found == 0 )
         return rf_fail_unknown_item( &field, "node", object->node, nodes );
@@ -78,9 +123,28 @@ static RfResult find_node( const RfObject* object, const json_t* nodes, int* ind
     return RF_OK;
 }
 
+// What glTF or a camera's own path would pass over.
+static RfResult check_moves( const RfObject* object, json_t* node )
+{
+    json_t* reframe = json_object_get( json_object_get( node, "extras" ), "reframe" );
+    if ( json_object_get( node, "children" ) != NULL )
+        return RF_OK;
+    if ( json_object_get( node, "skin" ) != NULL )
+        return rf_field_fail( &object->field, "'%.60s' has a skin, which its joints alone move: name a node above them",
+                              object->node );
+    if ( json_object_get( node, "camera" ) != NULL && json_object_get( reframe, "path" ) != NULL )
+        return rf_field_fail( &object->field,
+                              "'%.60s' is a camera with a path of its own, which goes first: give \"camera\" another path",
+                              object->node );
+    return RF_OK;
+}
+
 static RfResult edit_node( const RfObject* object, json_t* node )
 {
     const unsigned all = 1u << RF_TRANSLATION | 1u << RF_ROTATION | 1u << RF_SCALE;
+    RfResult result = ( object->given & all ) != 0 ? check_moves( object, node ) : RF_OK;
+    if ( result != RF_OK )
+        return result;
     if ( ( object->given & all ) != 0 && json_object_get( node, "matrix" ) != NULL )
     {
         if ( ( object->given & all ) != all )
@@ -109,6 +173,7 @@ RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* chann
 {
     json_t* nodes = json_object_get( root, "nodes" );
     int* named = calloc( json_array_size( nodes ) + 1, sizeof *named ); // 1 + the object that names a node
+    NodeName* names = sort_names( nodes );
     RfResult result = RF_OK;
     *count = 0;
     for ( int i = 0; result == RF_OK && i < objects->count; ++i )
@@ -117,7 +182,7 @@ RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* chann
         int index = 0;
         if ( object->node == NULL )
             continue;
-        result = named != NULL ? find_node( object, nodes, &index ) : no_memory( &object->field );
+        result = named != NULL && names != NULL ? find_node( object, nodes, names, &index ) : no_memory( &object->field );
         if ( result == RF_OK && named[index] > 0 )
             result = rf_field_fail( &object->field, "sets '%.60s', as objects[%d] does: leave one of the two out", object->node,
                                     named[index] - 1 );
@@ -128,6 +193,7 @@ RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* chann
         named[index] = i + 1;
         append_channels( object, index, channels, count );
     }
+    free( names );
     free( named );
     return result;
 }
@@ -258,12 +324,15 @@ static RfResult check_placed( const Placing* p, const RfScene* placed, RfLog* lo
     return RF_OK;
 }
 
-// Warnings of a file are given once, however often it is placed.
+static bool same_text( const char* a, const char* b ) { return a == NULL || b == NULL ? a == b : strcmp( a, b ) == 0; }
+
+// Warnings of a file and its animation are given once, however often they are placed.
 static bool is_repeated( const RfObjects* objects, int index )
 {
+    const RfObject* one = objects->list + index;
     for ( int i = 0; i < index; ++i )
     {
-        if ( objects->list[i].file != NULL && strcmp( objects->list[i].file, objects->list[index].file ) == 0 )
+        if ( same_text( objects->list[i].file, one->file ) && same_text( objects->list[i].animation, one->animation ) )
             return true;
     }
     return false;

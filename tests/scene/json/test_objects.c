@@ -466,6 +466,9 @@ static void test_which_animation( void** state )
     assert_non_null( first );
     assert_null( strstr( first + 1, "animation 'Go' is used" ) ); // of a file once
     rf_destroy_scene( &scene );
+    scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"figure.glb\",\"animation\":\"Grow\"},{\"file\":\"figure.glb\"}]" );
+    assert_non_null( strstr( s_warnings, "animation 'Go' is used" ) );
+    rf_destroy_scene( &scene );
 }
 
 static void test_what_a_placed_file_leaves_behind( void** state )
@@ -633,6 +636,26 @@ static void test_faults( void** state )
     expect_fault( "[{\"file\":\"broken.glb\",\"scale\":2}]", "broken.glb: document: nodes must be an array" );
 }
 
+// Nodes that stay where they are whatever is set.
+static void test_moves_without_effect( void** state )
+{
+    (void)state;
+    static const char s_camera[] = "{\"asset\":{\"version\":\"2.0\"},\"cameras\":[{\"type\":\"perspective\",\"perspective\":{"
+                                   "\"yfov\":0.8,\"znear\":0.1}}],\"nodes\":[{\"name\":\"Eye\",\"camera\":0,\"extras\":{"
+                                   "\"reframe\":{\"path\":{\"kind\":\"zoom\"}}}}]}";
+    RfScene scene;
+    RfError error = { 0 };
+    cli_write( "eye.gltf", s_camera, sizeof s_camera - 1 );
+    assert_int_equal( try_scene( "eye.gltf", "\"objects\":[{\"node\":\"Eye\",\"translation\":[0,1,0]}]", false, &scene, &error ),
+                      RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, "objects[0]: 'Eye' is a camera with a path of its own" ) );
+    assert_int_equal( try_scene( "figure.glb", "\"objects\":[{\"node\":\"Arm\",\"scale\":2}]", false, &scene, &error ),
+                      RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, "objects[0]: 'Arm' has a skin" ) );
+    scene = load_scene( "figure.glb", "\"objects\":[{\"node\":\"Arm\",\"visible\":false}]" );
+    rf_destroy_scene( &scene );
+}
+
 // What is put under a node before it is checked.
 static void test_broken_files( void** state )
 {
@@ -694,6 +717,7 @@ int main( void )
         cmocka_unit_test( test_frozen_as_the_camera_begins ),
         cmocka_unit_test( test_what_loops_counts_one_round ),
         cmocka_unit_test( test_faults ),
+        cmocka_unit_test( test_moves_without_effect ),
         cmocka_unit_test( test_broken_files ),
     };
     return cmocka_run_group_tests_name( "objects", tests, enter, cli_leave_group );
