@@ -29,7 +29,7 @@ RfResult rf_open_scene( const char* path, RfScene** scene, RfLog* log, RfError* 
 typedef struct RfSceneOptions
 {
     bool freeze;           // all but cameras stands still, as in the first frame of the default camera
-    const char* animation; // of the glTF, that goes before the others where several move the same; NULL: the first
+    const char* animation; // of the glTF: those of this name go before the others where several move the same; NULL: the first
 } RfSceneOptions;
 
 // Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.

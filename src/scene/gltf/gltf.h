@@ -14,7 +14,7 @@ RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* er
 typedef struct RfGltfOptions
 {
     bool freeze;                   // all but cameras stands still, as in the first frame of the default camera: scene->frozen
-    const char* animation;         // that goes before the others, where several move the same; NULL: the first
+    const char* animation;         // those of this name go before the others, where several move the same; NULL: the first
     const struct RfGltfEdit* edit; // of the document, before it is read (scene/gltf/gltf_document.h); or NULL
     int channel_count;
     const RfChannel* channels; // from elsewhere, in the place of those of the file; without keys: in the place of what moves

@@ -398,24 +398,41 @@ static RfWhere name_animation( const RfGltf* gltf, int index )
     return name != NULL && name[0] != 0 ? rf_where( "'%.50s'", name ) : rf_where( "animations[%d]", index );
 }
 
-// The names of some animations: all where `list` is NULL.
+static bool is_called( const RfGltf* gltf, int index, const char* name )
+{
+    const char* own = json_string_value( json_object_get( rf_gltf_item( gltf, RF_GLTF_ANIMATIONS, index ), "name" ) );
+    return own != NULL && strcmp( own, name ) == 0;
+}
+
+// The names of some animations, each once: all where `list` is NULL.
 static void name_animations( const RfGltf* gltf, const int* list, int count, char text[MAX_NAMED * 64 + 32] )
 {
+    RfWhere named[MAX_NAMED];
+    int known = 0, more = 0;
     char* end = text;
     *end = 0;
-    for ( int i = 0; i < count && i < MAX_NAMED; ++i )
+    for ( int i = 0; i < count; ++i )
     {
         RfWhere name = name_animation( gltf, list != NULL ? list[i] : i );
-        end += snprintf( end, 64, "%s%.55s", i > 0 ? ", " : "", name.text );
+        bool again = false;
+        for ( int k = 0; k < known; ++k )
+            again = again || strcmp( named[k].text, name.text ) == 0;
+        if ( again )
+            continue;
+        more += known == MAX_NAMED;
+        if ( known == MAX_NAMED )
+            continue;
+        end += snprintf( end, 64, "%s%.55s", known > 0 ? ", " : "", name.text );
+        named[known++] = name;
     }
-    if ( count > MAX_NAMED )
-        snprintf( end, 32, " and %d more", count - MAX_NAMED );
+    if ( more > 0 )
+        snprintf( end, 32, " and %d more", more );
 }
 
 static void warn_of_left_out( const RfGltf* gltf, const Loader* loader )
 {
     char names[MAX_NAMED * 64 + 32];
-    if ( loader->left_out_count == 0 || gltf->animation != NULL )
+    if ( loader->left_out_count == 0 )
         return;
     name_animations( gltf, loader->left_out, loader->left_out_count, names );
     RfWhere used = name_animation( gltf, loader->instead );
@@ -423,98 +440,40 @@ static void warn_of_left_out( const RfGltf* gltf, const Loader* loader )
              loader->left_out_count == 1 ? "s" : "", loader->left_out_count == 1 ? "is" : "are" );
 }
 
-// The animation that goes before all others; −1: the first.
-static RfResult find_chosen( const RfGltf* gltf, int* chosen )
+// That there is an animation of the name that is chosen.
+static RfResult check_chosen( const RfGltf* gltf )
 {
     char names[MAX_NAMED * 64 + 32];
-    *chosen = -1;
     int count = gltf->counts[RF_GLTF_ANIMATIONS];
-    if ( gltf->animation == NULL )
-        return RF_OK;
-    for ( int i = 0; i < count && *chosen < 0; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        const char* name = json_string_value( json_object_get( rf_gltf_item( gltf, RF_GLTF_ANIMATIONS, i ), "name" ) );
-        if ( name != NULL && strcmp( name, gltf->animation ) == 0 )
-            *chosen = i;
+        if ( is_called( gltf, i, gltf->animation ) )
+            return RF_OK;
     }
-    if ( *chosen >= 0 )
-        return RF_OK;
     name_animations( gltf, NULL, count, names );
     return rf_gltf_fail( gltf, RF_ERROR_USAGE, "animations", "none is called '%.80s'%s%s", gltf->animation,
                          count > 0 ? ": there are " : ": there are none", names );
 }
 
-static RfResult copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to )
-{
-    size_t times = (size_t)from->count * sizeof *to->times, values = times * (size_t)from->components;
-    *to = *from;
-    to->times = malloc( times );
-    to->values = malloc( values );
-    to->curve = from->curve != NULL ? calloc( 1, sizeof *to->curve ) : NULL;
-    if ( to->times == NULL || to->values == NULL || ( from->curve != NULL && to->curve == NULL ) )
-        return rf_gltf_no_memory( gltf, "animations" );
-    memcpy( to->times, from->times, times );
-    memcpy( to->values, from->values, values );
-    if ( from->curve == NULL )
-        return RF_OK;
-    return rf_create_curve( from->curve->kind, from->curve->linear, from->count, from->times, from->values, to->curve,
-                            gltf->error );
-}
-
-// What comes from outside the file, of which the times are those of the scene.
-static RfResult add_given( RfGltf* gltf, Loader* loader )
-{
-    const RfGltfOptions* options = gltf->options;
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < options->channel_count; ++i )
-    {
-        const RfChannel* given = options->channels + i;
-        RfChannel channel = { 0 };
-        loader->given[given->node] |= (uint8_t)( 1u << given->path );
-        if ( given->count == 0 )
-            continue;
-        result = copy_channel( gltf, given, &channel );
-        if ( result == RF_OK )
-            result = append_channel( gltf, loader, &channel );
-        if ( result != RF_OK )
-            rf_destroy_channel( &channel );
-    }
-    return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
-}
-
-// Sets the clock of channels, from the first of their keys to the last.
-static void set_clock( RfChannel* channels, int count, const RfClock* clock )
-{
-    RfClock all = *clock;
-    all.first = (double)INFINITY;
-    all.last = -(double)INFINITY;
-    for ( int i = 0; i < count; ++i )
-    {
-        all.first = fmin( all.first, channels[i].times[0] );
-        all.last = fmax( all.last, channels[i].times[channels[i].count - 1] );
-    }
-    for ( int i = 0; i < count; ++i )
-        channels[i].clock = all;
-}
-
+// Those of the name that is chosen go before the others: a file may have one for each of its objects.
 static RfResult load_all( RfGltf* gltf, Loader* loader )
 {
-    int chosen = -1, count = gltf->counts[RF_GLTF_ANIMATIONS];
-    RfResult result = add_given( gltf, loader );
-    int given = gltf->scene->channel_count;
-    if ( result == RF_OK )
-        result = find_chosen( gltf, &chosen );
-    if ( result == RF_OK && chosen >= 0 )
-        result = load_animation( gltf, loader, chosen );
-    for ( int i = 0; result == RF_OK && i < count; ++i )
+    int count = gltf->counts[RF_GLTF_ANIMATIONS];
+    RfResult result = gltf->animation != NULL ? check_chosen( gltf ) : RF_OK;
+    for ( int i = 0; result == RF_OK && gltf->animation != NULL && i < count; ++i )
     {
-        if ( i != chosen )
+        if ( is_called( gltf, i, gltf->animation ) )
             result = load_animation( gltf, loader, i );
     }
     if ( result == RF_OK )
         warn_of_left_out( gltf, loader );
-    if ( result == RF_OK && gltf->options->clock != NULL )
-        set_clock( gltf->scene->channels + given, gltf->scene->channel_count - given, gltf->options->clock );
+    for ( int i = 0; result == RF_OK && i < count; ++i )
+    {
+        if ( gltf->animation == NULL || !is_called( gltf, i, gltf->animation ) )
+            result = load_animation( gltf, loader, i );
+    }
+    if ( result == RF_OK && gltf->animation == NULL )
+        warn_of_left_out( gltf, loader );
     return result;
 }
 

@@ -342,14 +342,16 @@ static RfResult add_instances( Builder* b, const Common* common )
     return result;
 }
 
-static bool shines( const RfScene* scene, const RfMesh* mesh )
+// The first material of the mesh that emits, or NULL.
+static const RfMaterial* find_shining( const RfScene* scene, const RfMesh* mesh )
 {
     for ( uint32_t i = 0; i < mesh->triangles.count; ++i )
     {
-        if ( rf_max_component( scene->materials[mesh->triangles.material[i]].emission ) > 0.0f )
-            return true;
+        const RfMaterial* material = scene->materials + mesh->triangles.material[i];
+        if ( rf_max_component( material->emission ) > 0.0f )
+            return material;
     }
-    return false;
+    return NULL;
 }
 
 static RfResult check_joints( const Builder* b, const Common* common )
@@ -411,10 +413,12 @@ static RfResult place_node( Builder* b, bool* used, int node )
     RfResult result = describe( b, used, &common );
     if ( result != RF_OK || scene->meshes[common.mesh].triangles.count == 0 )
         return result;
-    if ( !common.still && shines( scene, scene->meshes + common.mesh ) )
+    const RfMaterial* shining = common.still ? NULL : find_shining( scene, scene->meshes + common.mesh );
+    if ( shining != NULL )
     {
         RfWhere what = rf_where( "object '%.80s'", scene->nodes[node].name );
-        result = rf_gltf_note_unrendered( b->gltf, what.text, "it moves and shines, which is not rendered yet" );
+        result = rf_gltf_note_unrendered(
+            b->gltf, what.text, "it moves and shines by its material '%.80s', which is not rendered yet", shining->name );
     }
     return result == RF_OK ? add_instances( b, &common ) : result;
 }

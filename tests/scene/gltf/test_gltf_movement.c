@@ -163,6 +163,32 @@ static void test_animations_that_contend( void** state )
     assert_non_null( strstr( error.text, "none is called 'Fly': there are 'Walk', 'Run', 'Sway'" ) );
 }
 
+// As where each object has animations of its own, of the same names.
+static void test_animations_of_one_name( void** state )
+{
+    (void)state;
+    static const char s_file[] = TWO_NODES ",\"animations\":[" ANIMATION( "Idle", MOVE( "0" ) ) "," ANIMATION(
+        "Jump", MOVE( "0" ) ) "," ANIMATION( "Idle", MOVE( "1" ) "," MOVE( "2" ) ) "," ANIMATION( "Jump", MOVE( "1" ) ) "]";
+    GltfBuilder b = make_triangle();
+    RfScene scene = gltf_load_built( &b, s_file );
+    gltf_assert_warned( "animation 'Idle' is used: 'Jump', which move the same, are left out" );
+    assert_int_equal( scene.placement_count, 3 );
+    rf_destroy_scene( &scene );
+
+    b = make_triangle(); // the second 'Idle', which moves c, moves b as well
+    scene = gltf_load_with( write_gltf( &b, &gltf_folder, s_file ), &( RfGltfOptions ){ .animation = "Jump" } );
+    assert_string_equal( gltf_warnings, "" );
+    assert_int_equal( scene.placement_count, 2 );
+    rf_destroy_scene( &scene );
+
+    RfGltfOptions options = { .animation = "Fly" };
+    RfError error = { 0 };
+    b = make_triangle();
+    RfResult result = rf_load_gltf_with( write_gltf( &b, &gltf_folder, s_file ), &options, &scene, NULL, &error );
+    assert_int_equal( result, RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "there are 'Idle', 'Jump'" ) );
+}
+
 static void test_frozen( void** state )
 {
     (void)state;
@@ -247,7 +273,7 @@ static void test_what_cannot_be_rendered( void** state )
     assert_unrendered( &scene, "light 'Sun'", "lights/0/intensity" );
     assert_unrendered( &scene, "camera 3", "yfov" );
     assert_unrendered( &scene, "light 'Sun'", "it moves" );
-    assert_unrendered( &scene, "object 'bulb'", "it moves and shines" );
+    assert_unrendered( &scene, "object 'bulb'", "it moves and shines by its material 'glow'" );
     assert_unrendered( &scene, "object 'smoke'", "where the file was made" );
     assert_int_equal( scene.punctual_count, 1 ); // the other is hidden
     assert_int_equal( scene.moving_count, 1 );
@@ -432,6 +458,7 @@ int main( void )
         cmocka_unit_test( test_eight_joints ),
         cmocka_unit_test( test_vertices_without_weights ),
         cmocka_unit_test( test_animations_that_contend ),
+        cmocka_unit_test( test_animations_of_one_name ),
         cmocka_unit_test( test_frozen ),
         cmocka_unit_test( test_keys_that_are_equal ),
         cmocka_unit_test( test_pointers_to_nodes ),
