@@ -455,17 +455,73 @@ static RfResult check_chosen( const RfGltf* gltf )
                          count > 0 ? ": there are " : ": there are none", names );
 }
 
+static RfResult copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to )
+{
+    size_t times = (size_t)from->count * sizeof *to->times, values = times * (size_t)from->components;
+    *to = *from;
+    to->times = malloc( times );
+    to->values = malloc( values );
+    to->curve = from->curve != NULL ? calloc( 1, sizeof *to->curve ) : NULL;
+    if ( to->times == NULL || to->values == NULL || ( from->curve != NULL && to->curve == NULL ) )
+        return rf_gltf_no_memory( gltf, "animations" );
+    memcpy( to->times, from->times, times );
+    memcpy( to->values, from->values, values );
+    if ( from->curve == NULL )
+        return RF_OK;
+    return rf_create_curve( from->curve->kind, from->curve->linear, from->count, from->times, from->values, to->curve,
+                            gltf->error );
+}
+
+// What comes from outside the file, of which the times are those of the scene.
+static RfResult add_given( RfGltf* gltf, Loader* loader )
+{
+    const RfGltfOptions* options = gltf->options;
+    RfResult result = RF_OK;
+    for ( int i = 0; result == RF_OK && i < options->channel_count; ++i )
+    {
+        const RfChannel* given = options->channels + i;
+        RfChannel channel = { 0 };
+        loader->given[given->node] |= (uint8_t)( 1u << given->path );
+        if ( given->count == 0 )
+            continue;
+        result = copy_channel( gltf, given, &channel );
+        if ( result == RF_OK )
+            result = append_channel( gltf, loader, &channel );
+        if ( result != RF_OK )
+            rf_destroy_channel( &channel );
+    }
+    return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
+}
+
+// Sets the clock of channels, from the first of their keys to the last.
+static void set_clock( RfChannel* channels, int count, const RfClock* clock )
+{
+    RfClock all = *clock;
+    all.first = (double)INFINITY;
+    all.last = -(double)INFINITY;
+    for ( int i = 0; i < count; ++i )
+    {
+        all.first = fmin( all.first, channels[i].times[0] );
+        all.last = fmax( all.last, channels[i].times[channels[i].count - 1] );
+    }
+    for ( int i = 0; i < count; ++i )
+        channels[i].clock = all;
+}
+
 // Those of the name that is chosen go before the others: a file may have one for each of its objects.
 static RfResult load_all( RfGltf* gltf, Loader* loader )
 {
     int count = gltf->counts[RF_GLTF_ANIMATIONS];
-    RfResult result = gltf->animation != NULL ? check_chosen( gltf ) : RF_OK;
+    RfResult result = add_given( gltf, loader );
+    int given = gltf->scene->channel_count;
+    if ( result == RF_OK && gltf->animation != NULL )
+        result = check_chosen( gltf );
     for ( int i = 0; result == RF_OK && gltf->animation != NULL && i < count; ++i )
     {
         if ( is_called( gltf, i, gltf->animation ) )
             result = load_animation( gltf, loader, i );
     }
-    if ( result == RF_OK )
+    if ( result == RF_OK ) // of the same name
         warn_of_left_out( gltf, loader );
     for ( int i = 0; result == RF_OK && i < count; ++i )
     {
@@ -474,6 +530,8 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     }
     if ( result == RF_OK && gltf->animation == NULL )
         warn_of_left_out( gltf, loader );
+    if ( result == RF_OK && gltf->options->clock != NULL )
+        set_clock( gltf->scene->channels + given, gltf->scene->channel_count - given, gltf->options->clock );
     return result;
 }
 
