@@ -4,6 +4,17 @@
 #include <stddef.h>
 #include <string.h>
 
+void rf_clear_arrivals( int count, RfArrivals* arrivals )
+{
+    size_t bytes = (size_t)count * sizeof( float );
+    for ( int c = 0; c < 3; ++c )
+    {
+        memset( arrivals->emitted[c], 0, bytes );
+        memset( arrivals->rest[c], 0, bytes );
+    }
+    memset( arrivals->light_pdf_solid_angle, 0, bytes );
+}
+
 void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfArrivalLanes* out )
 {
     size_t bytes = (size_t)count * sizeof( float );

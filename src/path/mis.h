@@ -58,6 +58,9 @@ typedef struct RfArrivals
     float rest[3][RF_LANES];               // all longer paths
 } RfArrivals;
 
+// No light at slots [0, count).
+void rf_clear_arrivals( int count, RfArrivals* arrivals );
+
 // The light that arrives at vertices from one direction each, in two parts: A, which light sampling could have found as well, and
 // B, which it could not.
 typedef struct RfArrivalLanes

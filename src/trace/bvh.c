@@ -107,6 +107,7 @@ static RfResult sort_masked( const RfScene* scene, RfBvh* bvh, RfMeshBvh* mesh, 
         masked += filtered || far;
     }
     mesh->masked_first = t->count - masked;
+    bvh->filtered = bvh->filtered || masked > 0;
     if ( masked == 0 )
         return RF_OK;
     mesh->order = malloc( (size_t)t->count * sizeof *mesh->order );
@@ -339,6 +340,7 @@ RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene
     bvh->meshes = NULL;
     bvh->placed = NULL;
     bvh->mesh_count = 0;
+    bvh->boxes = rf_no_boxes();
     RfResult result = note_placements( posed, bvh, error );
     if ( result == RF_OK )
         result = build_meshes( device, posed, still->mesh_count, bvh, error );
@@ -353,6 +355,8 @@ RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene
     bvh->moving = rtcNewScene( device );
     rtcSetSceneFlags( bvh->moving, RTC_SCENE_FLAG_ROBUST );
     attach_placements( device, posed, bvh, posed->still_placement_count, posed->placement_count, bvh->moving );
+    rf_add_moving_boxes( posed, bvh->base.scale, &bvh->boxes );
+    rf_finish_boxes( &bvh->boxes );
     result = note_failure( device, error );
     if ( result == RF_OK )
         rf_commit_scene( bvh->moving );

@@ -6,6 +6,7 @@
 
 #include "scene/mirrors.h"
 #include "scene/scene.h"
+#include "trace/boxes.h"
 #include "trace/embree.h"
 #include "trace/trace.h"
 
@@ -47,9 +48,11 @@ typedef struct RfBvh
     bool any_blended;    // some triangles are blended, and not because it is forced
     bool halved;         // packets are traced in halves (trace/embree.h)
     bool partial;        // one of the two, and not because it is forced
+    bool filtered;       // some triangles have the filter
     int mesh_count;
     int shared_meshes; // the first of them, which another BVH owns
     RTCScene moving;   // what moves, at one moment: a second scene, of instances alone; NULL: nothing does, or is there
+    RfBoxes boxes;     // around that, in Embree's scene
 } RfBvh;
 
 // Builds the BVH. The filter keeps the address of `bvh`, which must not move. Embree's errors

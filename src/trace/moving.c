@@ -72,11 +72,14 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
     ( *out )->reach = 0.0f;
     RTCScene scene = rtcNewScene( posed[0]->device );
     rtcSetSceneFlags( scene, RTC_SCENE_FLAG_ROBUST );
+    ( *out )->boxes = rf_no_boxes();
     for ( int i = 0; i < count; ++i )
     {
         rf_add_ghosts( &posed[i]->bvh, posed[i]->scene, scene );
         ( *out )->reach = rf_maxf( ( *out )->reach, find_reach( posed[i]->scene, &posed[i]->lights ) );
+        rf_add_moving_boxes( posed[i]->scene, 1.0f, &( *out )->boxes );
     }
+    rf_finish_boxes( &( *out )->boxes );
     if ( posed[0]->still->message[0] == 0 )
         rf_commit_scene( scene );
     ( *out )->embree_scene = scene;

@@ -30,33 +30,39 @@ static void keep_rays( RfQuery* query, const struct RTCRay16* ray )
     memcpy( query->world[3], ray->dir_x, 3 * sizeof ray->dir_x );
 }
 
+// The valid rays that may meet what moves.
+static inline bool find_near( const RfBvh* bvh, const struct RTCRay16* ray, const int* valid, int* near )
+{
+    const float *o[3] = { ray->org_x, ray->org_y, ray->org_z }, *d[3] = { ray->dir_x, ray->dir_y, ray->dir_z };
+    return rf_find_near_lanes( &bvh->boxes, o, d, ray->tfar, valid, near );
+}
+
 // With instances; out of line, to leave registers to the others.
 static __attribute__( ( noinline ) ) void intersect_placed( const int* valid, RfQuery* query, struct RTCRayHit16* packet )
 {
     const RfBvh* bvh = &query->tracer->bvh;
-    keep_rays( query, &packet->ray );
+    _Alignas( 64 ) int near[RF_PACKET];
+    if ( bvh->filtered )
+        keep_rays( query, &packet->ray );
     intersect( valid, bvh->base.embree_scene, query, packet );
-    if ( bvh->moving != NULL )
-        intersect( valid, bvh->moving, query, packet );
+    if ( bvh->moving != NULL && find_near( bvh, &packet->ray, valid, near ) )
+        intersect( near, bvh->moving, query, packet );
 }
 
 // What nothing that stands still is in the way of may be behind what moves.
 static __attribute__( ( noinline ) ) void occlude_placed( const int* valid, RfQuery* query, struct RTCRay16* ray )
 {
     const RfBvh* bvh = &query->tracer->bvh;
-    keep_rays( query, ray );
+    _Alignas( 64 ) int open[RF_PACKET], near[RF_PACKET];
+    if ( bvh->filtered )
+        keep_rays( query, ray );
     occluded( valid, bvh->base.embree_scene, query, ray );
     if ( bvh->moving == NULL )
         return;
-    _Alignas( 64 ) int open[RF_PACKET];
-    int any = 0;
     for ( int i = 0; i < RF_PACKET; ++i )
-    {
         open[i] = ray->tfar[i] < 0.0f ? 0 : valid[i];
-        any |= open[i];
-    }
-    if ( any != 0 )
-        occluded( open, bvh->moving, query, ray );
+    if ( find_near( bvh, ray, open, near ) )
+        occluded( near, bvh->moving, query, ray );
 }
 
 // The nearer hit of what stands still and what moves.
@@ -396,26 +402,63 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     }
 }
 
+// Rays that may meet ghosts, gathered from many of which few do.
+typedef struct NearRays
+{
+    struct RTCRay16 ray;
+    int count;
+    int of[RF_PACKET];
+} NearRays;
+
+static void add_near_ray( NearRays* to, int of, const float* const o[3], const float* const d[3], float scale )
+{
+    int k = to->count++;
+    to->ray.org_x[k] = scale * o[0][of];
+    to->ray.org_y[k] = scale * o[1][of];
+    to->ray.org_z[k] = scale * o[2][of];
+    to->ray.dir_x[k] = scale * d[0][of];
+    to->ray.dir_y[k] = scale * d[1][of];
+    to->ray.dir_z[k] = scale * d[2][of];
+    to->of[k] = of;
+}
+
+static void trace_near_rays( RTCScene ghosts, RfQuery* query, NearRays* rays, float length, uint8_t* touched )
+{
+    _Alignas( 64 ) int valid[RF_PACKET];
+    set_valid( valid, 0, rays->count );
+    for ( int i = 0; i < RF_PACKET; ++i )
+        rays->ray.tfar[i] = valid[i] != 0 ? length : NO_RAY;
+    occluded( valid, ghosts, query, &rays->ray );
+    for ( int i = 0; i < rays->count; ++i )
+        touched[rays->of[i]] |= rays->ray.tfar[i] < 0.0f;
+    rays->count = 0;
+}
+
 void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
                      uint8_t* touched )
 {
-    RTCScene ghosts = tracer->ghosts != NULL ? tracer->ghosts->embree_scene : NULL;
-    if ( RF_FAULT( ghosts_of_group ) )
-        ghosts = tracer->bvh.moving;
-    if ( ghosts == NULL || RF_FAULT( ghosts ) )
+    if ( tracer->ghosts == NULL || RF_FAULT( ghosts ) )
+        return;
+    RTCScene ghosts = RF_FAULT( ghosts_of_group ) ? tracer->bvh.moving : tracer->ghosts->embree_scene;
+    if ( ghosts == NULL )
         return;
     RfQuery query = begin_query( tracer, RF_QUERY_GHOSTS, false, false );
-    float scale = tracer->bvh.base.scale;
-    _Alignas( 64 ) int valid[RF_PACKET];
-    struct RTCRay16 ray;
-    begin_rays( &ray );
-    for ( int first = 0; first < count; first += RF_PACKET )
+    NearRays rays = { .count = 0 };
+    begin_rays( &rays.ray );
+    for ( int first = 0; first < count; first += RF_BOX_BLOCK )
     {
-        int lanes = set_valid( valid, first, count );
-        set_origins( &ray, lanes, o, first, scale );
-        set_ray( &ray, lanes, d, first, scale, length );
-        occluded( valid, ghosts, &query, &ray );
-        for ( int i = 0; i < lanes; ++i )
-            touched[first + i] |= ray.tfar[i] < 0.0f;
+        int32_t near[RF_BOX_BLOCK];
+        const float *from[3] = { o[0] + first, o[1] + first, o[2] + first },
+                    *way[3] = { d[0] + first, d[1] + first, d[2] + first };
+        int block = count - first < RF_BOX_BLOCK ? count - first : RF_BOX_BLOCK;
+        int listed = rf_list_near_rays( &tracer->ghosts->boxes, block, from, way, length, touched + first, near );
+        for ( int k = 0; k < listed; ++k )
+        {
+            add_near_ray( &rays, first + near[k], o, d, tracer->bvh.base.scale );
+            if ( rays.count == RF_PACKET )
+                trace_near_rays( ghosts, &query, &rays, length, touched );
+        }
     }
+    if ( rays.count > 0 )
+        trace_near_rays( ghosts, &query, &rays, length, touched );
 }

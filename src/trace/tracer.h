@@ -11,7 +11,8 @@
 struct RfGhosts
 {
     RTCScene embree_scene;
-    float reach; // as that of RfLights, in all frames of the group
+    float reach;   // as that of RfLights, in all frames of the group
+    RfBoxes boxes; // in the world
 };
 
 struct RfTracer

@@ -639,11 +639,13 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
 }
 
 // From here on light that holds in its own frame alone is kept apart: what the chains before first hits have found does so anyway.
-static void split_light( RfHarvest* harvest, RfHarvestScratch* scratch )
+static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratch )
 {
     harvest->path.own = &scratch->own->paths;
-    memset( harvest->path.own, 0, sizeof *harvest->path.own );
-    memset( scratch->own->light, 0, sizeof scratch->own->light );
+    rf_clear_arrivals( count, &harvest->path.own->arrivals );
+    memset( harvest->path.own->touched, 0, (size_t)count );
+    for ( int c = 0; c < 3; ++c )
+        memset( scratch->own->light[c], 0, (size_t)count * sizeof( float ) );
 }
 
 // How much of the light of first hits alone will be kept apart.
@@ -669,8 +671,8 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     if ( scratch->own != NULL )
         memset( scratch->own->part, 0, sizeof scratch->own->part );
     if ( rf_splits_light( harvest ) )
-        split_light( harvest, scratch );
-    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+        split_light( harvest, count, scratch );
+    rf_clear_arrivals( count, &wavefront->arrivals );
     wavefront->rays.count = 0;
     rf_scale_roulette( scratch, count );
     bool lit = harvest->path.max_depth > 1 && !harvest->first_hits_only;

@@ -335,7 +335,10 @@ static void begin_own( const RfPathSettings* path, int tile_pixels, RfTileReuse*
         own->any = own->any || own->lit[a];
     }
     for ( int k = 0; k < 3 * tile_pixels && own->any; ++k )
-        memset( reuse->pairings[k / 3].own[k % 3], 0, (size_t)y->count * sizeof( float ) );
+    {
+        int first = k < 3 ? 0 : reuse->second.shared; // theirs is in pairing 0
+        memset( reuse->pairings[k / 3].own[k % 3] + first, 0, (size_t)( y->count - first ) * sizeof( float ) );
+    }
 }
 
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )

@@ -203,10 +203,13 @@ static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
 static void begin_beyond( const RfTracer* tracer, const uint32_t* triangle, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
-    memset( &reuse->own->beyond.arrivals, 0, sizeof reuse->own->beyond.arrivals );
+    RfArrivals* arrivals = &reuse->own->beyond.arrivals;
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
+        for ( int c = 0; c < 3; ++c )
+            arrivals->emitted[c][slot] = arrivals->rest[c][slot] = 0.0f;
+        arrivals->light_pdf_solid_angle[slot] = 0.0f;
         reuse->own->moving[slot] = reuse->own->beyond.touched[slot] = rf_is_moving( tracer, triangle[y->ray[a]] );
     }
 }
