@@ -117,6 +117,19 @@ static RfResult open_delta( RfGltf* gltf, const json_t* target, const char* wher
     return result;
 }
 
+// Colours and texture coordinates may change as well; what begins with _ is of applications.
+static void notice_left_out( RfGltf* gltf, const json_t* target, const char* where )
+{
+    const char* name;
+    const json_t* value;
+    json_object_foreach( (json_t*)target, name, value )
+    {
+        bool read = strcmp( name, "POSITION" ) == 0 || strcmp( name, "NORMAL" ) == 0 || strcmp( name, "TANGENT" ) == 0;
+        if ( !read && name[0] != '_' )
+            rf_gltf_notice( gltf, RF_GLTF_TARGETS_LEFT_OUT, "%s changes %.40s, which stays as it is", where, name );
+    }
+}
+
 static RfResult open_target( RfGltf* gltf, const json_t* target, const char* where, const json_t* attributes,
                              const RfGltfPrimitive* primitive, int accessors[3] )
 {
@@ -124,6 +137,7 @@ static RfResult open_target( RfGltf* gltf, const json_t* target, const char* whe
     int base = NO_ACCESSOR;
     if ( !json_is_object( target ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "must be an object" );
+    notice_left_out( gltf, target, where );
     RfResult result = rf_gltf_get_index( gltf, attributes, where, "POSITION", RF_GLTF_ACCESSORS, &base );
     for ( int k = 0; result == RF_OK && k < 3; ++k )
         result = open_delta( gltf, target, where, s_names[k], gltf->accessors[base].count, accessors + k );

@@ -154,6 +154,9 @@ static RfResult open_influences( RfGltf* gltf, const json_t* json, const char* o
     }
     if ( out->joints[0] < 0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "has no JOINTS_0, but a node has its mesh with a skin" );
+    if ( json_object_get( attributes, "JOINTS_2" ) != NULL )
+        rf_gltf_notice( gltf, RF_GLTF_MORE_JOINTS, "%s has JOINTS_2: each vertex follows the first eight of its joints",
+                        where.text );
     return RF_OK;
 }
 

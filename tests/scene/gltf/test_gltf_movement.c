@@ -101,17 +101,26 @@ static void test_eight_joints( void** state )
     static const uint8_t s_first[] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }, s_second[] = { 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 };
     static const float s_parts[] = { .125f, .125f, .125f, .125f, .25f, .25f, .25f, .25f, 0, 0, 0, 0 };
     static const float s_rest[] = { .125f, .125f, .125f, .125f, 0, 0, 0, 0, .25f, .25f, .25f, .25f };
-    GltfBuilder b = make_triangle();
-    add_gltf_accessor( &b, 5121, "VEC4", 3, s_first, sizeof s_first, "" );
-    add_gltf_accessor( &b, 5121, "VEC4", 3, s_second, sizeof s_second, "" );
-    add_gltf_floats( &b, "VEC4", 4, 3, s_parts );
-    add_gltf_floats( &b, "VEC4", 4, 3, s_rest );
-    RfScene scene = gltf_load_built( &b, SKINNED( "", ",\"JOINTS_0\":4,\"JOINTS_1\":5,\"WEIGHTS_0\":6,\"WEIGHTS_1\":7" ) );
-    assert_string_equal( gltf_warnings, "" );
-    assert_x( &scene, 0, 2 );
-    assert_x( &scene, 1, 1 );
-    assert_x( &scene, 2, 4 );
-    rf_destroy_scene( &scene );
+    for ( int more = 0; more < 2; ++more )
+    {
+        GltfBuilder b = make_triangle();
+        add_gltf_accessor( &b, 5121, "VEC4", 3, s_first, sizeof s_first, "" );
+        add_gltf_accessor( &b, 5121, "VEC4", 3, s_second, sizeof s_second, "" );
+        add_gltf_floats( &b, "VEC4", 4, 3, s_parts );
+        add_gltf_floats( &b, "VEC4", 4, 3, s_rest );
+        RfScene scene = gltf_load_built(
+            &b,
+            more ? SKINNED( "", ",\"JOINTS_0\":4,\"JOINTS_1\":5,\"JOINTS_2\":4,\"WEIGHTS_0\":6,\"WEIGHTS_1\":7,\"WEIGHTS_2\":6" )
+                 : SKINNED( "", ",\"JOINTS_0\":4,\"JOINTS_1\":5,\"WEIGHTS_0\":6,\"WEIGHTS_1\":7" ) );
+        if ( more )
+            gltf_assert_warned( "has JOINTS_2: each vertex follows the first eight of its joints" );
+        else
+            assert_string_equal( gltf_warnings, "" );
+        assert_x( &scene, 0, 2 );
+        assert_x( &scene, 1, 1 );
+        assert_x( &scene, 2, 4 );
+        rf_destroy_scene( &scene );
+    }
 }
 
 // A vertex of which no joint has any.
@@ -214,6 +223,17 @@ static void test_keys_that_are_equal( void** state )
                                              "1", "4", "" ) ",\"channels\":[" MOVE( "0" ) "]}]" );
     assert_null( scene.movement );
     gltf_assert_corner( &scene, 0, 5, 0, 0 );
+    rf_destroy_scene( &scene );
+}
+
+static void test_targets_of_other_attributes( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_triangle();
+    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0,\"weights\":[1]}]," MESH(
+                                             ",\"COLOR_0\":3", ",\"targets\":[{\"POSITION\":0,\"_own\":0,\"COLOR_0\":3}]" ) );
+    gltf_assert_warned( "meshes[0].primitives[0].targets[0] changes COLOR_0, which stays as it is" );
+    assert_null( strstr( gltf_warnings, "_own" ) );
     rf_destroy_scene( &scene );
 }
 
@@ -461,6 +481,7 @@ int main( void )
         cmocka_unit_test( test_animations_of_one_name ),
         cmocka_unit_test( test_frozen ),
         cmocka_unit_test( test_keys_that_are_equal ),
+        cmocka_unit_test( test_targets_of_other_attributes ),
         cmocka_unit_test( test_pointers_to_nodes ),
         cmocka_unit_test( test_what_cannot_be_rendered ),
         cmocka_unit_test( test_broken_files ),
