@@ -88,6 +88,16 @@ static float placed_error( const RfPlacedBvh* placed, const RfMat4* matrix, RfVe
     return PLACED_ROUNDINGS * 0x1p-24f * sum;
 }
 
+// The normal of the front side, by the corners in the mesh's space.
+static RfVec3 own_normal( const RfTriangles* t, const uint32_t v[3], const RfMat4* matrix, double side )
+{
+    RfVec3 a = load_vec3( t->positions, v[0] );
+    double twice;
+    RfVec3 n =
+        rf_unit_cross( rf_sub( load_vec3( t->positions, v[1] ), a ), rf_sub( load_vec3( t->positions, v[2] ), a ), &twice );
+    return rf_place_normal( matrix, side, n );
+}
+
 void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
 {
     const RfTriangles* t = at->triangles;
@@ -105,7 +115,9 @@ void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTr
     }
     RfTriangleRecord r = { .material = t->material[at->index], .light = RF_NO_LIGHT, .mirror = RF_NO_MIRROR, .placed = 1 };
     set_corners( &r, p[0], p[1], p[2] );
-    r.ng = rf_scale( r.ng, placed->side ); // a mirroring matrix reverses the winding
+    r.ng = rf_scale( r.ng, placed->side );  // a mirroring matrix reverses the winding
+    if ( !( rf_dot( r.ng, r.ng ) > 0.5f ) ) // far out, where rounding joins corners that Embree keeps apart in the mesh's space
+        r.ng = own_normal( t, v, matrix, (double)placed->side );
     set_normals( &r, n[0], n[1], n[2] );
     const RfMeshBvh* mesh = tracer->bvh.meshes + at->placement->mesh;
     r.far = mesh->far && rf_is_far_triangle( t, at->index, mesh->far_error, true );

@@ -301,6 +301,36 @@ static void test_far_ground_is_placed( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Where rounding in the world joins corners that are apart in the mesh's space, in which rays still meet the triangle.
+static void test_normals_far_out( void** state )
+{
+    (void)state;
+    for ( int kind = 0; kind < PLACED_KIND_COUNT; ++kind )
+    {
+        RfScene scene = make_textured_room();
+        RfError error;
+        place_scene( &scene, (PlacedKind)kind, 5, true );
+        for ( int i = 0; i < scene.placement_count; ++i )
+        {
+            for ( int k = 12; k < 15; ++k )
+                scene.placements[i].matrix.m[k] += 1e9;
+        }
+        assert_int_equal( rf_finish_placements( &scene, &error ), RF_OK );
+        RfTracer* tracer = make_tracer( &scene );
+        int joined = 0;
+        for ( uint32_t t = scene.triangles.count; t < rf_triangle_count( &scene ); ++t )
+        {
+            RfTriangleRecord place;
+            const RfTriangleRecord* r = rf_triangle_record( tracer, t, &place );
+            joined += rf_length( rf_cross( r->e1, r->e2 ) ) == 0.0f;
+            assert_float_equal( rf_length( r->ng ), 1.0f, 1e-5f );
+        }
+        assert_true( joined > 0 );
+        rf_destroy_tracer( tracer );
+        rf_destroy_scene( &scene );
+    }
+}
+
 // Panes and holes weaken segments alike, and stop as many rays.
 static void test_segments_are_the_same( void** state )
 {
@@ -375,6 +405,7 @@ int main( void )
         cmocka_unit_test( test_hits_are_the_same_at_any_scale ),
         cmocka_unit_test( test_nothing_placed_shades_itself ),
         cmocka_unit_test( test_far_ground_is_placed ),
+        cmocka_unit_test( test_normals_far_out ),
         cmocka_unit_test( test_segments_are_the_same ),
         cmocka_unit_test( test_too_many_triangles_are_refused ),
     };
