@@ -68,7 +68,8 @@ RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* s
         return rf_fail( error, RF_ERROR_USAGE,
                         "the biased weights cannot tell what moves in a group of frames: exact weights, or a group of 0" );
     if ( settings->light_paths == RF_LIGHT_PATHS_ON )
-        return rf_fail( error, RF_ERROR_USAGE, "light paths cannot be shared by frames where something moves: a group of 0" );
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "light paths cannot be shared by frames in which something moves: --group 0, or --light-paths auto" );
     return RF_OK;
 }
 
