@@ -124,25 +124,27 @@ static RfResult find_node( const RfObject* object, const json_t* nodes, const No
 }
 
 // What glTF or a camera's own path would pass over.
-static RfResult check_moves( const RfObject* object, json_t* node )
+static RfResult check_effect( const RfObject* object, json_t* node, bool moves )
 {
+    const char* name = object->node;
     json_t* reframe = json_object_get( json_object_get( node, "extras" ), "reframe" );
     if ( json_object_get( node, "children" ) != NULL )
         return RF_OK;
-    if ( json_object_get( node, "skin" ) != NULL )
-        return rf_field_fail( &object->field, "'%.60s' has a skin, which its joints alone move: name a node above them",
-                              object->node );
-    if ( json_object_get( node, "camera" ) != NULL && json_object_get( reframe, "path" ) != NULL )
-        return rf_field_fail( &object->field,
-                              "'%.60s' is a camera with a path of its own, which goes first: give \"camera\" another path",
-                              object->node );
+    if ( moves && json_object_get( node, "skin" ) != NULL )
+        return rf_field_fail( &object->field, "'%.60s' has a skin, which its joints alone move: name a node above them", name );
+    if ( moves && json_object_get( node, "camera" ) != NULL && json_object_get( reframe, "path" ) != NULL )
+        return rf_field_fail(
+            &object->field, "'%.60s' is a camera with a path of its own, which goes first: give \"camera\" another path", name );
+    if ( ( object->given & 1u << RF_VISIBILITY ) != 0 && json_object_get( node, "mesh" ) == NULL &&
+         json_object_get( node, "extensions" ) == NULL )
+        return rf_field_fail( &object->field, "'%.60s' has nothing that could be hidden: leave visible out", name );
     return RF_OK;
 }
 
 static RfResult edit_node( const RfObject* object, json_t* node )
 {
     const unsigned all = 1u << RF_TRANSLATION | 1u << RF_ROTATION | 1u << RF_SCALE;
-    RfResult result = ( object->given & all ) != 0 ? check_moves( object, node ) : RF_OK;
+    RfResult result = check_effect( object, node, ( object->given & all ) != 0 );
     if ( result != RF_OK )
         return result;
     if ( ( object->given & all ) != 0 && json_object_get( node, "matrix" ) != NULL )

@@ -607,6 +607,7 @@ static void test_faults( void** state )
         { "[{\"node\":\"Door\",\"visible\":true},{\"node\":\"nodes[1]\",\"scale\":2}]",
           "objects[1]: sets 'nodes[1]', as objects[0] does" },
         { "[{\"node\":\"nodes[4]\",\"scale\":2}]", "has a matrix in the file: give it translation, rotation and scale" },
+        { "[{\"node\":\"Eye\",\"visible\":false}]", "objects[0]: 'Eye' has nothing that could be hidden" },
         { "[{\"node\":\"Door\",\"start\":2}]", "objects[0].start: unknown key" },
         { "[{\"node\":\"Door\",\"scale\":\"big\"}]", "objects[0].scale: must be a number or an array of 3 numbers, got \"big\"" },
         { "[{\"node\":\"Door\",\"rotation\":[1,2,3]}]", "objects[0].rotation: must be an array of 4 numbers" },
