@@ -109,21 +109,29 @@ int rf_list_near_rays( const RfBoxes* boxes, int count, const float* const o[3],
 {
     const float* restrict ox = o[0], * restrict oy = o[1], * restrict oz = o[2];
     const float* restrict dx = d[0], * restrict dy = d[1], * restrict dz = d[2];
-    int32_t met[RF_BOX_BLOCK];
-    memset( met, 0, (size_t)count * sizeof *met );
+    uint8_t met[RF_BOX_BLOCK];
+    for ( int i = 0; i < count; ++i )
+        met[i] = 0;
     for ( int b = 0; b < boxes->count; ++b )
     {
         const float low[3] = { boxes->low[b][0], boxes->low[b][1], boxes->low[b][2] };
         const float high[3] = { boxes->high[b][0], boxes->high[b][1], boxes->high[b][2] };
 #pragma omp simd
         for ( int i = 0; i < count; ++i )
-            met[i] |= meets_box( low, high, rf_vec3( ox[i], oy[i], oz[i] ), rf_vec3( dx[i], dy[i], dz[i] ), length );
+            met[i] |= (uint8_t)meets_box( low, high, rf_vec3( ox[i], oy[i], oz[i] ), rf_vec3( dx[i], dy[i], dz[i] ), length );
     }
-    int listed = 0;
-    for ( int i = 0; i < count; ++i )
+    int listed = 0, i = 0;
+    for ( ; i < count; i += 8 ) // most blocks of 8 have none
     {
-        near[listed] = i;
-        listed += met[i] & ( touched[i] == 0 );
+        int end = i + 8 < count ? i + 8 : count;
+        uint64_t eight = 1;
+        if ( end == i + 8 )
+            memcpy( &eight, met + i, sizeof eight );
+        for ( int k = i; eight != 0 && k < end; ++k )
+        {
+            near[listed] = k;
+            listed += met[k] & ( touched[k] == 0 );
+        }
     }
     return listed;
 }

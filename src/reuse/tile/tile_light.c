@@ -314,10 +314,12 @@ static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int
     int slot = reuse->second.lanes.slot[a];
     float sum = 0.0f;
     for ( int c = 0; c < 3; ++c )
-    {
         sum += arrivals->emitted[c][slot] + arrivals->rest[c][slot];
-        for ( int j = 0; j < path->light_samples; ++j )
-            sum += reuse->second.direct[j].touched[a] ? reuse->second.direct[j].radiance_cos[c][a] : 0.0f;
+    for ( int j = 0; j < path->light_samples; ++j )
+    {
+        const RfLightLanes* direct = reuse->second.direct + j;
+        if ( direct->touched[a] )
+            sum += direct->radiance_cos[0][a] + direct->radiance_cos[1][a] + direct->radiance_cos[2][a];
     }
     return sum;
 }
@@ -456,10 +458,11 @@ static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own
 // Adds the part of a pairing that holds in its own frame alone.
 static void sum_own( const RfTileReuse* reuse, const RfPairingLanes* t, const float* weight, int count, float sum[3][RF_LANES] )
 {
-    for ( int i = 0; i < count && ( t->any_touched || reuse->own->any ); ++i )
+    bool any = reuse->own->any;
+    for ( int i = 0; i < count && ( t->any_touched || any ); ++i )
     {
-        if ( !brings_own( reuse, t, i ) )
-            continue;
+        if ( !( t->touched[i] | ( any ? reuse->own->lit[t->vertex[i]] : 0 ) ) || !brings_own( reuse, t, i ) )
+            continue; // most, by the first
         int a = t->vertex[i];
         const RfPairingLanes* from = a < reuse->second.shared ? reuse->pairings : t;
         for ( int c = 0; c < 3; ++c )
