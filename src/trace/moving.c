@@ -41,7 +41,7 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
     *tracer = *still;
     tracer->still = still;
     tracer->scene = posed;
-    tracer->lights.reach = find_reach( posed, &still->lights );
+    tracer->lights.reach = tracer->own_reach = find_reach( posed, &still->lights );
     tracer->chain_bounds = ( RfChainBounds ){ 0 };
     tracer->bvh = ( RfBvh ){ 0 };
     RfResult result = rf_bound_chains( posed, &tracer->chain_bounds, error );
@@ -76,7 +76,7 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
     for ( int i = 0; i < count; ++i )
     {
         rf_add_ghosts( &posed[i]->bvh, posed[i]->scene, scene );
-        ( *out )->reach = rf_maxf( ( *out )->reach, find_reach( posed[i]->scene, &posed[i]->lights ) );
+        ( *out )->reach = rf_maxf( ( *out )->reach, posed[i]->own_reach );
         rf_add_moving_boxes( posed[i]->scene, 1.0f, &( *out )->boxes );
     }
     rf_finish_boxes( &( *out )->boxes );
@@ -103,7 +103,7 @@ void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts )
     if ( posed->ghosts == ghosts )
         return;
     posed->ghosts = ghosts;
-    posed->lights.reach = ghosts != NULL ? ghosts->reach : find_reach( posed->scene, &posed->lights );
+    posed->lights.reach = ghosts != NULL ? ghosts->reach : posed->own_reach;
 }
 
 bool rf_tracer_has_ghosts( const RfTracer* tracer ) { return tracer->ghosts != NULL; }

@@ -19,6 +19,7 @@ struct RfTracer
 {
     RfTracerRecords known; // first member: rf_tracer_records
     const RfTracer* still; // of the scene as it was loaded, with which all that stands still is shared; NULL: this is one
+    float own_reach;       // as lights.reach, without ghosts
     const RfGhosts* ghosts;
     const RfScene* scene;
     RTCDevice device;
