@@ -121,21 +121,37 @@ static void look_again( Probe* p, int job, int pass )
     p->group.first_hits_only = false;
 }
 
-static void count_batch( Probe* p, int frame, int job, int pass, const int* eyes, int rows, Counts* c )
+static void count_row( Probe* p, int frame, int job, int pass, int row, int eyes, Counts* c )
 {
-    const RfEstimator* estimator = p->settings.estimator;
-    aim_probe( p, frame, 1 );
-    c->samples += estimator->trace( &p->group, ( RfTraceJob ){ 0, job, pass }, p->batch, p->scratch, &c->rays );
-    for ( int r = 0; r < rows && estimator->count_reuse != NULL; ++r )
+    RfReuseCount count = { 0 };
+    if ( p->settings.estimator->count_reuse == NULL )
+        return;
+    aim_probe( p, frame, eyes );
+    look_again( p, job, pass );
+    p->settings.estimator->count_reuse( &p->group, p->eye, p->batch, p->scratch, &count );
+    c->hits += row == 0 ? count.hits : 0.0;
+    c->glossy += row == 0 ? count.glossy : 0.0;
+    c->share[row] += count.own_share;
+    c->eye_rays[row] += count.eye_rays;
+}
+
+// The i-th of the frames looked at, in batches that are a pass of their own each: small films have fewer patches.
+static void count_frame( Probe* p, int i, const int* eyes, int rows, Counts* c )
+{
+    int frame = probe_frame( p, i );
+    bool moves = p->worlds.count > 0; // then batches are traced again for each row, whose ghosts are made once
+    for ( int k = 0; k < PROBE_JOBS; ++k )
     {
-        RfReuseCount count = { 0 };
-        aim_probe( p, frame, eyes[r] );
-        look_again( p, job, pass );
-        estimator->count_reuse( &p->group, p->eye, p->batch, p->scratch, &count );
-        c->hits += r == 0 ? count.hits : 0.0;
-        c->glossy += r == 0 ? count.glossy : 0.0;
-        c->share[r] += count.own_share;
-        c->eye_rays[r] += count.eye_rays;
+        aim_probe( p, frame, 1 );
+        RfTraceJob job = { 0, probe_job( p, i, k ), k };
+        c->samples += p->settings.estimator->trace( &p->group, job, p->batch, p->scratch, &c->rays );
+        for ( int r = 0; r < rows && !moves; ++r )
+            count_row( p, frame, job.job, k, r, eyes[r], c );
+    }
+    for ( int r = 0; r < rows && moves; ++r )
+    {
+        for ( int k = 0; k < PROBE_JOBS; ++k )
+            count_row( p, frame, probe_job( p, i, k ), k, r, eyes[r], c );
     }
 }
 
@@ -145,10 +161,7 @@ static void count_plan( Probe* probe, const int* eyes, int rows, Counts* counts 
     *counts = ( Counts ){ 0 };
     rf_set_float_mode();
     for ( int i = 0; i < PROBE_FRAMES; ++i )
-    {
-        for ( int k = 0; k < PROBE_JOBS; ++k ) // a pass of its own: small films have fewer patches
-            count_batch( probe, probe_frame( probe, i ), probe_job( probe, i, k ), k, eyes, rows, counts );
-    }
+        count_frame( probe, i, eyes, rows, counts );
     if ( counts->samples == 0.0 ) // all beside a film that is smaller than a tile
         counts->samples = 1.0;
 }
@@ -520,12 +533,25 @@ static void measure( Meter* m, int eyes, double seconds, RfPlan* plan )
     plan->c_v = eyes > 1 ? fmax( all - own, 0.0 ) / ( eyes - 1 ) : 0.0;
 }
 
-// CPU seconds of posing a frame, before any other has been.
-static double time_pose( Probe* p )
+// CPU seconds by one thread, for each frame of a group; 0 where nothing moves.
+typedef struct Posing
 {
+    double pose, ghosts;
+} Posing;
+
+// Before any frame has been posed.
+static Posing time_posing( Probe* p, int eyes )
+{
+    Posing posing = { 0 };
+    if ( p->worlds.count == 0 )
+        return posing;
     double start = rf_process_seconds();
     rf_open_worlds( &p->worlds, 0, 1 );
-    return p->worlds.count > 0 ? rf_process_seconds() - start : 0.0;
+    posing.pose = rf_process_seconds() - start;
+    rf_open_worlds( &p->worlds, 0, eyes );
+    double all = rf_process_seconds() - start;
+    posing.ghosts = fmax( all / eyes - posing.pose, 0.0 );
+    return posing;
 }
 
 // Frames that a render poses, each once in a sweep: those asked for, and about as many around them as share groups with them.
@@ -535,8 +561,7 @@ static int posed_frames( const RfShot* shot, const RfPlanRow* row )
     return frames < most ? frames : most;
 }
 
-// `pose`: seconds of posing a frame, by one thread.
-static void weigh( const RfShot* shot, const RfRenderSettings* settings, double pose, RfPlan* plan )
+static void weigh( const RfShot* shot, const RfRenderSettings* settings, Posing posing, RfPlan* plan )
 {
     double own = plan->c_e + plan->c_l;
     for ( int i = 0; i < plan->count; ++i )
@@ -547,7 +572,9 @@ static void weigh( const RfShot* shot, const RfRenderSettings* settings, double 
         RfGroupPlan groups = rf_plan_samples( shot, row->group, settings->spp );
         double samples = plan_work( &groups, 1.0, 0.0 ), work = plan_work( &groups, own, plan->c_v );
         row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / ( work * row->repeated ) : 1.0;
-        row->seconds = row->samples / samples * work / row->fit.threads + pose * posed_frames( shot, row );
+        double each =
+            posing.pose + ( row->eyes > 1 ? posing.ghosts * row->eyes : 0.0 ); // there are about as many groups as frames
+        row->seconds = row->samples / samples * work / row->fit.threads + each * posed_frames( shot, row );
     }
 }
 
@@ -607,9 +634,9 @@ RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, 
         result = alloc_meter( &m, error );
     if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not
     {
-        double pose = time_pose( &probe );
+        Posing posing = time_posing( &probe, probe.plan.eyes );
         measure( &m, group_eyes, seconds, plan );
-        weigh( shot, &common, pose, plan );
+        weigh( shot, &common, posing, plan );
         result = rf_check_worlds( &probe.worlds, error );
     }
     free_meter( &m );
