@@ -59,7 +59,7 @@ extern RfDefaultTexts rf_default_texts;
       .help = "animation of the glTF that is rendered, where several move the same" },                                           \
     {                                                                                                                            \
         .name = "freeze", .in_file = true, .type = RF_OPTION_BOOL, .value = &( o ).movement.freeze,                              \
-        .help = "move only the camera: all else stands still as in its first frame"                                              \
+        .help = "move only the camera: all else stands still as in the first frame of the scene's own camera"                    \
     }
 
 // A lens and a shutter in the place of the camera's own.
