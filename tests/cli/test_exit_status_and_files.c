@@ -292,7 +292,7 @@ static void test_info_tells_cameras_and_materials( void** state )
     expect_keys( json, "triangles stored_triangles instances materials lights cameras effects moving frozen unrendered size fps "
                        "export_warnings" );
     json_t* camera = json_array_get( json_object_get( json, "cameras" ), 0 );
-    expect_keys( camera, "name frames first step animated" );
+    expect_keys( camera, "name frames first step animated shots" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );
     assert_int_equal( json_integer_value( json_object_get( json, "lights" ) ), 2 );
     expect_keys( json_array_get( json_object_get( json, "effects" ), 0 ), "name on why left_out forced option" );
