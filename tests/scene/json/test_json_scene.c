@@ -442,7 +442,7 @@ static void test_mutations_never_crash( void** state )
     static const char text[] =
         "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,3],\"rotation\":45,\"visible\":true},\"materials\":{"
         "\"vase\":{\"exponent\":20,\"diffuse\":[0.1,0.1,0.1]},\"lamp\":{\"emissiveStrength\":3,\"textures\":false}},"
-        "\"objects\":[{\"node\":\"Side\",\"scale\":2,\"keys\":[{\"time\":0,\"rotation\":{\"yaw\":9}},{\"time\":1,\"visible\":"
+        "\"objects\":[{\"node\":\"nodes[2]\",\"scale\":2,\"keys\":[{\"time\":0,\"rotation\":{\"yaw\":9}},{\"time\":1,\"visible\":"
         "false,"
         "\"rotation\":[0,0,0,1]}]},{\"file\":\"room.gltf\",\"name\":\"b\",\"interpolation\":\"linear\",\"keys\":[{\"frame\":1,"
         "\"translation\":"
