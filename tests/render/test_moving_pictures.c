@@ -29,34 +29,10 @@ static const char* const s_rooms[] = { "sweep", "door",     "mirrors", "figure",
 
 #define PANES 5 // rays through what is half transparent are hashed: all values may differ
 
-typedef struct Picture
-{
-    float rgb[3 * PIXELS];
-    float aov[RF_AOV_COUNT][4 * PIXELS];
-    int channels[RF_AOV_COUNT];
-} Picture;
-
-static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
-{
-    (void)error;
-    Picture* p = user;
-    memcpy( p->rgb, result->rgb, sizeof p->rgb );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-    {
-        p->channels[a] = result->aovs[a] != NULL ? rf_aov_channels( (RfAov)a ) : 0;
-        if ( result->aovs[a] != NULL )
-            memcpy( p->aov[a], result->aovs[a], (size_t)p->channels[a] * PIXELS * sizeof( float ) );
-    }
-    return RF_OK;
-}
-
-static void render( const MovingRoom* room, const RfEye* eyes, int frame, const RfRenderSettings* settings, Picture* p )
+static void render( const MovingRoom* room, const RfEye* eyes, int frame, const RfRenderSettings* settings, KeptPicture* p )
 {
     RfTracer* tracer = make_tracer( &room->scene );
-    RfRenderCallbacks callbacks = { .user = p, .frame = keep };
-    RfError error = { 0 };
-    if ( rf_render( &( RfShot ){ tracer, eyes, room->eye_count, &frame, 1 }, settings, &callbacks, NULL, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    render_picture( &( RfShot ){ tracer, eyes, room->eye_count, &frame, 1 }, settings, p );
     rf_destroy_tracer( tracer );
 }
 
@@ -69,15 +45,6 @@ static RfRenderSettings settings_of( int group, const char* tile, int spp )
     return settings;
 }
 
-// The share of values that differ by more than a hundredth.
-static double share_of_others( const float* a, const float* b, int count )
-{
-    int others = 0;
-    for ( int i = 0; i < count; ++i )
-        others += !( fabsf( a[i] - b[i] ) <= 0.01f * ( fabsf( a[i] ) + fabsf( b[i] ) ) + 1e-4f );
-    return (double)others / count;
-}
-
 // The same ball around both, by which lights are chosen.
 static void share_bounds( RfScene* scene, const RfScene* from )
 {
@@ -87,7 +54,7 @@ static void share_bounds( RfScene* scene, const RfScene* from )
 
 static void check_frame( const char* name, int frame, const RfRenderSettings* settings, double most_others )
 {
-    static Picture pictures[2];
+    static KeptPicture pictures[2];
     MovingRoom moving = load_moving_room( name, WIDTH, HEIGHT ), still = load_still_room( name, frame, WIDTH, HEIGHT );
     if ( strcmp( name, "plate" ) != 0 ) // whose own bounds have to reach it
         share_bounds( &still.scene, &moving.scene );
@@ -139,7 +106,7 @@ static void test_groups_are_finite( void** state )
 static void test_what_is_out_of_the_way_changes_no_bit( void** state )
 {
     (void)state;
-    static Picture pictures[2];
+    static KeptPicture pictures[2];
     MovingRoom moving = load_moving_room( "apart", WIDTH, HEIGHT ), still = load_still_room( "apart", 3, WIDTH, HEIGHT );
     share_bounds( &still.scene, &moving.scene );
     for ( int k = 0; k < 2; ++k )
@@ -147,7 +114,7 @@ static void test_what_is_out_of_the_way_changes_no_bit( void** state )
         RfRenderSettings settings = settings_of( 3, k == 0 ? "1" : "3x3", 7 );
         render( &moving, moving.eyes, 3, &settings, pictures );
         render( &still, still.eyes, 3, &settings, pictures + 1 );
-        assert_memory_equal( pictures[0].rgb, pictures[1].rgb, sizeof pictures[0].rgb );
+        assert_memory_equal( pictures[0].rgb, pictures[1].rgb, 3 * PIXELS * sizeof( float ) );
     }
     rf_destroy_scene( &moving.scene );
     rf_destroy_scene( &still.scene );
@@ -166,7 +133,7 @@ static void test_ten_thousand_nodes( void** state )
     assert_int_equal( rf_pose_scene( &room.scene, 0.1, &pose, &error ), RF_OK );
     double posed = cpu_seconds();
     rf_destroy_pose( &pose );
-    static Picture picture;
+    static KeptPicture picture;
     RfRenderSettings settings = settings_of( 3, "3x3", 7 );
     render( &room, room.eyes, 3, &settings, &picture );
     double rendered = cpu_seconds();

@@ -79,14 +79,6 @@ typedef struct Layers
     float* rgb[MOST_FRAMES];
 } Layers;
 
-static float* copy_floats( const float* from, size_t count )
-{
-    float* to = malloc( count * sizeof *to );
-    assert_non_null( to );
-    memcpy( to, from, count * sizeof *to );
-    return to;
-}
-
 static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
 {
     (void)error;

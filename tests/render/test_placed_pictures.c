@@ -22,46 +22,13 @@
 #define HEIGHT 30
 #define PIXELS ( WIDTH * HEIGHT )
 
-typedef struct Picture
-{
-    float rgb[3 * PIXELS];
-    float aov[RF_AOV_COUNT][4 * PIXELS];
-    int channels[RF_AOV_COUNT];
-} Picture;
-
-static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
-{
-    (void)error;
-    Picture* p = user;
-    memcpy( p->rgb, result->rgb, sizeof p->rgb );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-    {
-        p->channels[a] = result->aovs[a] != NULL ? rf_aov_channels( (RfAov)a ) : 0;
-        if ( result->aovs[a] != NULL )
-            memcpy( p->aov[a], result->aovs[a], (size_t)p->channels[a] * PIXELS * sizeof( float ) );
-    }
-    return RF_OK;
-}
-
 // The middle frame of the path.
-static void render( const RfScene* scene, const RfEye* eyes, const RfRenderSettings* settings, Picture* p )
+static void render( const RfScene* scene, const RfEye* eyes, const RfRenderSettings* settings, KeptPicture* p )
 {
     int frame = EYES / 2;
     RfTracer* tracer = make_tracer( scene );
-    RfRenderCallbacks callbacks = { .user = p, .frame = keep };
-    RfError error = { 0 };
-    if ( rf_render( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, settings, &callbacks, NULL, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, settings, p );
     rf_destroy_tracer( tracer );
-}
-
-// The share of values that differ by more than a hundredth.
-static double share_of_others( const float* a, const float* b, int count )
-{
-    int others = 0;
-    for ( int i = 0; i < count; ++i )
-        others += !( fabsf( a[i] - b[i] ) <= 0.01f * ( fabsf( a[i] ) + fabsf( b[i] ) ) + 1e-4f );
-    return (double)others / count;
 }
 
 static double mean_of( const float* a, int count )
@@ -136,7 +103,7 @@ static void turn_eye( RfEye* eye )
 
 static void check_case( const Case* c, const char* mode, const RfRenderSettings* settings )
 {
-    static Picture pictures[2];
+    static KeptPicture pictures[2];
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     for ( int i = 0; i < EYES; ++i )
