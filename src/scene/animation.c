@@ -46,9 +46,29 @@ static void sample_cubic( const RfChannel* channel, int key, double t, double sp
                    ( 3.0 * t2 - 2.0 * t3 ) * v1[i] + spacing * ( t3 - t2 ) * in_tangent[i];
 }
 
+// Between equal keys, with tangents of 0, a value stands still to the last bit: frames in which nothing moves are told by that.
+static bool stands_still( const RfChannel* channel, int key )
+{
+    size_t n = (size_t)channel->components;
+    const double *v0 = key_value( channel, key ), *v1 = key_value( channel, key + 1 );
+    const double *out_tangent = v0 + n, *in_tangent = v1 - n;
+    for ( size_t i = 0; i < n; ++i )
+    {
+        bool slopes = channel->interpolation == RF_CUBICSPLINE && ( out_tangent[i] != 0.0 || in_tangent[i] != 0.0 );
+        if ( v0[i] != v1[i] || slopes )
+            return false;
+    }
+    return true;
+}
+
 static void sample_between( const RfChannel* channel, int key, double time, double* value )
 {
     int n = channel->components;
+    if ( stands_still( channel, key ) )
+    {
+        memcpy( value, key_value( channel, key ), (size_t)n * sizeof *value );
+        return;
+    }
     double spacing = channel->times[key + 1] - channel->times[key];
     double t = ( time - channel->times[key] ) / spacing;
     if ( channel->interpolation == RF_CUBICSPLINE )

@@ -222,6 +222,21 @@ static void test_out_of_reach( void** state )
     "\"animations\":[{\"samplers\":[{\"input\":" times ",\"output\":" values ",\"interpolation\":\"STEP\"}],\"channels\":["      \
     "{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/nodes/" node      \
     "/extensions/KHR_node_visibility/visible\"}}}}]}]"
+// A pause is the same to the last bit at all its times, so that its frames are rendered once.
+static void test_a_pause( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_box();
+    static const float s_keys[] = { 0, 1, 2 }, s_places[] = { 0.1f, 0.7f, -0.3f, 0.1f, 0.7f, -0.3f, 7, 0, 0 };
+    add_gltf_floats( &b, "SCALAR", 1, 3, s_keys );
+    add_gltf_floats( &b, "VEC3", 3, 3, s_places );
+    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," BOX "," LINEAR( "0", "translation", "3", "4" ) );
+    for ( int i = 0; i < 48; ++i )
+        assert_false( rf_scene_moves( &scene, 0.0, i / 48.0 ) );
+    assert_true( rf_scene_moves( &scene, 0.0, 1.1 ) );
+    rf_destroy_scene( &scene );
+}
+
 #define VISIBLE( value ) "\"extensions\":{\"KHR_node_visibility\":{\"visible\":" value "}}"
 
 static void test_what_is_shown_at_times( void** state )
@@ -336,6 +351,7 @@ int main( void )
         cmocka_unit_test( test_what_is_flattened ),
         cmocka_unit_test( test_what_is_turned_inside_out ),
         cmocka_unit_test( test_out_of_reach ),
+        cmocka_unit_test( test_a_pause ),
         cmocka_unit_test( test_what_is_shown_at_times ),
         cmocka_unit_test( test_ten_thousand_nodes ),
         cmocka_unit_test( test_instances_that_move ),
