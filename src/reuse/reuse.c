@@ -98,8 +98,8 @@ static int own_frame_hits( const RfHitBatch* batch, const RfHarvestScratch* scra
     return batch->miss_count - scratch->ray_miss_count;
 }
 
-// Of hit i, whose own frame keeps this share of its weight: what no other frame helps with, of light that holds in its own frame
-// alone all.
+// The share of hit i that no other frame helps with: of the light that holds in the group, `share`, the weight of its own
+// frame; of own-frame light, all.
 static double unhelped( const RfHarvestScratch* scratch, double share, int i )
 {
     return scratch->own != NULL ? share + ( 1.0 - share ) * (double)scratch->own->part[i] : share;

@@ -12,8 +12,8 @@
 
 typedef struct RfBoxes
 {
-    int count;                                           // that something is in
-    float low[RF_MOST_BOXES][3], high[RF_MOST_BOXES][3]; // wider by what floats may err
+    int count;                                           // of boxes that are not empty
+    float low[RF_MOST_BOXES][3], high[RF_MOST_BOXES][3]; // widened by the error of floats
 } RfBoxes;
 
 RfBoxes rf_no_boxes( void );
@@ -23,7 +23,7 @@ void rf_add_moving_boxes( const RfScene* posed, float scale, RfBoxes* boxes );
 // To be called when all is added.
 void rf_finish_boxes( RfBoxes* boxes );
 
-// Both take rays that pass a box within the errors of floats for such that meet it.
+// Both are conservative: rays that miss a box by less than the error of floats count as meeting it.
 
 #define RF_BOX_LANES 16
 

@@ -402,7 +402,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     }
 }
 
-// Rays that may meet ghosts, gathered from many of which few do.
+// Rays that may meet ghosts, gathered into full packets.
 typedef struct NearRays
 {
     struct RTCRay16 ray;

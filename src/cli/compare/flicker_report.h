@@ -54,7 +54,8 @@ json_t* rf_flicker_json( RfFlickerReport* report );
 
 // Reads group, spp, frame number and number of frames from the header of a file by Reframe.
 // `number` is the frame's in the sequence, whose last frame ends the path where the header does
-// not say; of a path with cuts they are those of the frame's shot. There are no seams (rf_has_seams) where the file is another program's or has no groups.
+// not say; of a path with cuts they are those of the frame's shot. There are no seams (rf_has_seams) where the file is another
+// program's or has no groups.
 RfSeams rf_read_seams( const char* path, int number, int last );
 
 // Groups of `period` frames that follow each other, the first from frame `first` on.

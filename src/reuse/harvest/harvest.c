@@ -648,7 +648,7 @@ static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratc
         memset( scratch->own->light[c], 0, (size_t)count * sizeof( float ) );
 }
 
-// How much of the light of first hits alone will be kept apart.
+// Estimates by first hits alone, without paths, how much of their light is own-frame.
 static void look_for_own_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     RfWavefront* wavefront = &scratch->wavefront;

@@ -15,7 +15,7 @@ typedef struct RfOwnHits
     RfArrivalLanes arrival;            // from one direction
     RF_ALIGN float light[3][RF_LANES]; // by hit: towards its own camera
     uint8_t moving[RF_LANES];          // by slot: the first hit is on what moves, so other cameras do not see it
-    float part[RF_LANES];              // with RfHarvest.first_hits_only, by hit: of its light that is so, by a rough look
+    float part[RF_LANES];              // with RfHarvest.first_hits_only: share of the hit's light that is own-frame, estimated
 } RfOwnHits;
 
 struct RfHarvestScratch

@@ -51,7 +51,7 @@ static void note_seen( const float* restrict density, const int32_t* restrict pi
     batch->rows[2 * eye + 1] = high < 0 ? -1 : high / width;
 }
 
-// The world of a camera's frame, not of the hits'.
+// Visibility is tested in the scene of the camera's frame, not in that of the hits.
 static const RfTracer* world_of( const RfHarvest* harvest, int eye )
 {
     return RF_FAULT( neighbour_world ) ? harvest->path.tracer : rf_harvest_tracer( harvest, eye );
