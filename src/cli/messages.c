@@ -155,6 +155,17 @@ RfResult rf_flush_output( RfError* error )
     return RF_OK;
 }
 
+double rf_noise_percent( double relmse ) { return 100.0 * sqrt( relmse / 3.0 ); }
+
+void rf_format_noise( double relmse, char text[RF_NOISE_TEXT_SIZE] )
+{
+    double percent = rf_noise_percent( relmse );
+    if ( !isfinite( percent ) )
+        snprintf( text, RF_NOISE_TEXT_SIZE, "unknown" );
+    else
+        snprintf( text, RF_NOISE_TEXT_SIZE, percent < 99.5 ? "%.2g %%" : "%.0f %%", percent );
+}
+
 bool rf_prints_text( const char* json ) { return json == NULL || strcmp( json, "-" ) != 0; }
 
 RfResult rf_write_json( const char* path, json_t* json, RfError* error )

@@ -52,6 +52,13 @@ json_t* rf_json_number( double value );
 // The number of an object's key; NaN where there is none, or no object.
 double rf_json_number_of( const json_t* object, const char* key );
 
+// The relative RMS error of a channel, percent, of a relMSE, which adds up three channels. All commands call it noise.
+double rf_noise_percent( double relmse );
+
+// The same as text: "15 %", "1.2 %", "0.034 %"; "unknown" where it is not finite.
+#define RF_NOISE_TEXT_SIZE 32
+void rf_format_noise( double relmse, char text[RF_NOISE_TEXT_SIZE] );
+
 // Is the result printed as text? Yes, unless the file of --json (NULL: none) is standard output.
 bool rf_prints_text( const char* json );
 

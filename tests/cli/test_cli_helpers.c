@@ -1,5 +1,6 @@
 // Parts of the program that need no scene: frame lists, OpenEXR matrices, fingerprints,
 // the progress line.
+#include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
@@ -147,6 +148,26 @@ static void test_fingerprints_change_with_every_setting( void** state )
     rf_destroy_tracer( tracer );
 }
 
+// relMSE adds up three channels: where each is off by a tenth it is 0.03.
+static void test_noise_in_percent( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        double relmse;
+        const char* text;
+    } cases[] = {
+        { 0.03, "10 %" }, { 0.0003, "1 %" },    { 3e-7, "0.032 %" },        { 0.0, "0 %" },      { 2.95, "99 %" },
+        { 3.0, "100 %" }, { 1200.0, "2000 %" }, { (double)NAN, "unknown" }, { -1.0, "unknown" }, { (double)INFINITY, "unknown" }
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        char text[RF_NOISE_TEXT_SIZE];
+        rf_format_noise( cases[i].relmse, text );
+        assert_string_equal( text, cases[i].text );
+    }
+}
+
 static void test_progress_line_is_short_and_right( void** state )
 {
     (void)state;
@@ -219,6 +240,7 @@ int main( void )
         cmocka_unit_test( test_matrices_project_as_the_eye_does ),
         cmocka_unit_test( test_matrices_of_shifted_lenses ),
         cmocka_unit_test( test_fingerprints_change_with_every_setting ),
+        cmocka_unit_test( test_noise_in_percent ),
         cmocka_unit_test( test_progress_line_is_short_and_right ),
         cmocka_unit_test( test_progress_off_a_terminal ),
     };

@@ -131,19 +131,19 @@ static void say_bias( const RfErrorMetrics* m, char* text, size_t size )
     append( text, size, part );
 }
 
-// relMSE adds up three channels: the error of one is the root of a third. Of a
-// picture that is off everywhere it is not noise.
+// Of a picture that is off everywhere the error is not noise.
 static bool is_offset( const RfErrorMetrics* m ) { return m->bias * m->bias > 0.5 * m->mse; }
 
 static void say_noise( const RfErrorMetrics* m, char* text, size_t size )
 {
-    char part[256], percent[16];
-    snprintf( percent, sizeof percent, "%.2g %%", 100.0 * sqrt( m->relmse / 3.0 ) );
+    char part[256], percent[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( m->relmse, percent );
     snprintf( part, sizeof part, "; relMSE %.3g (about %s %s per pixel", m->relmse, percent, is_offset( m ) ? "error" : "noise" );
     append( text, size, part );
     if ( m->relmse_trimmed < 0.5 * m->relmse )
     {
-        snprintf( part, sizeof part, ", %.2g %% without the worst 0.1 %% of pixels", 100.0 * sqrt( m->relmse_trimmed / 3.0 ) );
+        rf_format_noise( m->relmse_trimmed, percent );
+        snprintf( part, sizeof part, ", %s without the worst 0.1 %% of pixels", percent );
         append( text, size, part );
     }
     append( text, size, ")" );

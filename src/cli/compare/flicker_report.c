@@ -224,14 +224,15 @@ static void format_verdict( const RfFlickerReport* report, char text[VERDICT_SIZ
         used = snprintf( text, VERDICT_SIZE, "no flicker: there is no error" );
     else
         used = snprintf( text, VERDICT_SIZE, "phi unknown: the size of the error is not known" );
-    char *rest = text + used, changes[96];
+    char *rest = text + used, changes[96], percent[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( report->errors.relmse, percent );
     size_t size = VERDICT_SIZE - (size_t)used;
     snprintf( changes, sizeof changes, "between neighbouring frames, largest at frame %lld: %.2g", worst, most );
     if ( !isfinite( m.f1 ) )
         snprintf( rest, size, "\n%s", "there are NaN or infinite values, or no pixel is visible in two neighbouring frames" );
     else if ( is_error && isfinite( report->errors.relmse ) )
-        snprintf( rest, size, "\nF1 %.2g (RMS change of the error %s); relMSE %.2g (%.2g %% noise per pixel)", m.f1, changes,
-                  report->errors.relmse, 100.0 * sqrt( report->errors.relmse / 3.0 ) );
+        snprintf( rest, size, "\nF1 %.2g (RMS change of the error %s); relMSE %.2g (%s noise per pixel)", m.f1, changes,
+                  report->errors.relmse, percent );
     else
         snprintf( rest, size, "\nF1 %.2g (RMS change of the picture %s)", m.f1, changes );
 }
@@ -249,7 +250,11 @@ void rf_print_flicker( const RfFlickerReport* report )
     print_followed( report );
     print_spectrum( report );
     if ( report->source == RF_ERROR_FROM_REFERENCE && isfinite( report->errors.relmse ) )
-        printf( "relMSE over all frames: %.4e\n", report->errors.relmse );
+    {
+        char percent[RF_NOISE_TEXT_SIZE];
+        rf_format_noise( report->errors.relmse, percent );
+        printf( "relMSE over all frames: %.4e (%s noise)\n", report->errors.relmse, percent );
+    }
     print_words( report );
 }
 

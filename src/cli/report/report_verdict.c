@@ -158,8 +158,9 @@ static void single_words( const RfPageData* data, const Contest* c, char* text, 
 {
     bool at_least = count_bounds( data ) > 0;
     double relmse = c->means[0].relmse;
-    snprintf( text, size, "%s %.2g %% noise (relMSE %.3g)", at_least ? "At least" : "About", 100.0 * sqrt( relmse / 3.0 ),
-              relmse );
+    char percent[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( relmse, percent );
+    snprintf( text, size, "%s %s noise (relMSE %.3g)", at_least ? "At least" : "About", percent, relmse );
     double speedup = rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" );
     char number[32];
     size_t used = strlen( text );
