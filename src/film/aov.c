@@ -128,7 +128,8 @@ int rf_aov_film_floats( RfAov aov, bool filtered )
         case RF_AOV_MOTION: return filtered && is_filtered( aov ) ? filtered_floats( channels ) : channels;
         case RF_AOV_DEPTH: return channels + 1;
         case RF_AOV_SAMPLES: return channels;
-        case RF_AOV_VARIANCE: // made from the films of the colour
+        case RF_AOV_REMOVED: // made from the films of the colour
+        case RF_AOV_VARIANCE:
         case RF_AOV_PRIMAL:
         case RF_AOV_DX:
         case RF_AOV_DY: return 0;
@@ -273,7 +274,8 @@ static void value_at_hit( const RfAovJob* job, RfAov aov, RfFirstHits first, int
         case RF_AOV_NORMAL: store( value, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) ); break;
         case RF_AOV_DEPTH: value[0] = rf_eye_depth( job->eye, p ); break;
         case RF_AOV_MOTION: motion_of( job, seen_at( job, first, i ), value ); break;
-        case RF_AOV_VARIANCE: // not of hits
+        case RF_AOV_REMOVED: // not of hits
+        case RF_AOV_VARIANCE:
         case RF_AOV_SAMPLES:
         case RF_AOV_PRIMAL:
         case RF_AOV_DX:
@@ -439,6 +441,7 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNo
     switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, normalize, image ); break;
+        case RF_AOV_REMOVED: rf_combine_removed( colour, normalize, image ); break;
         case RF_AOV_PRIMAL: rf_combine_film( colour, RF_NORMALIZE_RATIO, image, NULL ); break;
         case RF_AOV_DX:
         case RF_AOV_DY:

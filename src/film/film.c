@@ -4,6 +4,7 @@
 #include "base/fault.h"
 #include "film/normalize.h"
 
+#include <math.h>
 #include <string.h>
 
 void rf_clear_film_counts( RfFilm* film )
@@ -61,6 +62,42 @@ void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t f
         if ( weight != NULL )
             weight[i] = (float)( ( p.half[0][3] + p.half[1][3] ) / ( p.weight[0] + p.weight[1] ) );
     }
+}
+
+static RfFilmPixel removed_pixel( const RfFilm* films, size_t i )
+{
+    RfFilmPixel p = rf_film_pixel( films, i ), removed = rf_film_pixel( films + 1, i );
+    for ( int h = 0; h < 2; ++h )
+        memcpy( p.half[h], removed.half[h], 3 * sizeof( double ) );
+    return p;
+}
+
+void rf_combine_removed( const RfFilm* films, RfNormalize normalize, float* rgb )
+{
+    size_t count = (size_t)films->width * (size_t)films->height;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        RfFilmPixel p = removed_pixel( films, i );
+        for ( int c = 0; c < 3; ++c )
+            rgb[3 * i + (size_t)c] = (float)rf_film_value( &p, normalize, c );
+    }
+}
+
+double rf_removed_share( const RfFilm* films, RfNormalize normalize, const float* rgb )
+{
+    static const double luminance[3] = { 0.2126, 0.7152, 0.0722 };
+    size_t count = (size_t)films->width * (size_t)films->height;
+    double removed = 0.0, kept = 0.0;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        RfFilmPixel p = removed_pixel( films, i );
+        for ( int c = 0; c < 3; ++c )
+        {
+            removed += luminance[c] * rf_film_value( &p, normalize, c );
+            kept += luminance[c] * (double)rgb[3 * i + (size_t)c];
+        }
+    }
+    return removed > 0.0 && removed + kept > 0.0 ? fmin( removed / ( removed + kept ), 1.0 ) : 0.0;
 }
 
 void rf_combine_alpha( const RfFilm* film, RfNormalize normalize, const float* sky, float* alpha )

@@ -59,6 +59,13 @@ void rf_combine_film( const RfFilm* film, RfNormalize normalize, float* rgb, flo
 // The same for pixels [first, first + count) only.
 void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t first, size_t count, float* rgb, float* weight );
 
+// The light that a clamp has taken out of the image of films[0], by the sums of films[1], whose weights are those of films[0]
+// (src/reuse/estimators.md, E15): image and rgb together are the image without a clamp.
+void rf_combine_removed( const RfFilm* films, RfNormalize normalize, float* rgb );
+
+// The share of the light that it is, by luminance, 0 to 1. `rgb`: the image of films[0].
+double rf_removed_share( const RfFilm* films, RfNormalize normalize, const float* rgb );
+
 // Adds to each pixel of `image` what the mean of its right neighbour, or of the one below, has more than its own: of the halves
 // `first` to `last`.
 void rf_add_film_steps( const RfFilm* film, int first, int last, bool down, float* image );

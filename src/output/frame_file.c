@@ -162,6 +162,9 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     snprintf( settings, sizeof settings, "flicker %.17g", s->flicker );
     if ( s->flicker > 0.0 )
         hash = hash_text( hash, settings );
+    snprintf( settings, sizeof settings, "clamp %.17g", s->clamp );
+    if ( s->clamp != 0.0 )
+        hash = hash_text( hash, settings );
     snprintf( settings, sizeof settings, "filter %s %.17g", rf_filter_name( s->filter ), s->filter_width );
     if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
         hash = hash_text( hash, settings );
@@ -246,6 +249,10 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     }
     if ( s->adaptive != RF_ADAPTIVE_OFF )
         put_text( a, RF_KEY_ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
+    if ( s->clamp == RF_CLAMP_AUTO )
+        put_text( a, RF_KEY_CLAMP, "auto" );
+    else if ( s->clamp != 0.0 )
+        put( a, RF_KEY_CLAMP, "%.9g", s->clamp );
     if ( s->noise > 0.0 )
         put( a, RF_KEY_NOISE, "%.9g", s->noise );
     if ( s->flicker > 0.0 )
@@ -314,6 +321,11 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
         put( a, RF_KEY_FLICKER_LIKELY, "%.6g", frame->flicker_likely );
         put( a, RF_KEY_FLICKER_WORST_TEN_SHARE, "%.6g", frame->flicker_worst_ten_share );
     }
+    if ( output->settings.clamp != 0.0 )
+    {
+        put( a, RF_KEY_CLAMP_THRESHOLD, "%.6g", frame->clamp );
+        put( a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
+    }
     if ( output->settings.noise > 0.0 || output->settings.flicker > 0.0 )
         put_text( a, RF_KEY_REACHED, frame->reached ? "yes" : "no" );
     put_effects( a, rf_tracer_scene( output->tracer ) );
@@ -351,6 +363,7 @@ static const char* absent_value( RfKey key )
     switch ( key )
     {
         case RF_KEY_ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
+        case RF_KEY_CLAMP: return "off";
         case RF_KEY_NOISE:
         case RF_KEY_FLICKER:
         case RF_KEY_TIME: return "0";
@@ -397,7 +410,8 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
         RF_KEY_SPP,       RF_KEY_TILE,          RF_KEY_WEIGHTS,        RF_KEY_NORMALIZE,   RF_KEY_SEED,
         RF_KEY_MAX_DEPTH, RF_KEY_LIGHT_SAMPLES, RF_KEY_ADAPTIVE,       RF_KEY_NOISE,       RF_KEY_TIME,
         RF_KEY_AOV,       RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
-        RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION
+        RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
+        RF_KEY_CLAMP
     };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;

@@ -28,6 +28,9 @@
     X( FILTER_WIDTH, "reframe/filter-width" )                                                                                    \
     X( ADAPTIVE, "reframe/adaptive" )                                                                                            \
     X( NOISE, "reframe/noise" )                                                                                                  \
+    X( CLAMP, "reframe/clamp" )                                                                                                  \
+    X( CLAMP_THRESHOLD, "reframe/clamp-threshold" )                                                                              \
+    X( REMOVED_SHARE, "reframe/removed-share" )                                                                                  \
     X( FLICKER, "reframe/flicker" )                                                                                              \
     X( TIME, "reframe/time" )                                                                                                    \
     X( RELMSE_ESTIMATE, "reframe/relmse-estimate" )                                                                              \

@@ -78,15 +78,22 @@ void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfAr
 void rf_gather_scattered( const RfVertexLanes* vertices, int count, const float* const wi[3], const RfArrivals* arrivals, float k,
                           RfArrivalLanes* out );
 
-// Q at a lane, with P the density of scattering: A is weighted between light sampling and scattering, B has the latter's density.
+// The factors of A and B in Q at a lane, with P the density of scattering: A is weighted between light sampling and scattering, B has the latter's density.
 // By the balance heuristic Q = A / (K p_L + P) + B / P, whichever drew the direction (src/reuse/estimators.md, section 3).
-static inline void rf_weigh_arrival( const RfArrivalLanes* arrival, int lane, float pdf, float q[3] )
+static inline void rf_arrival_scales( const RfArrivalLanes* arrival, int lane, float pdf, float* scale_a, float* scale_b )
 {
     const float least = 1e-30f; // below, nothing was drawn there
     float light_pdf = arrival->light_pdf[lane], drawn = arrival->scattered ? pdf : light_pdf;
     float sum = rf_mis_term( light_pdf ) + rf_mis_term( pdf );
-    float scale_a = sum > rf_mis_term( least ) ? rf_mis_term_per_density( drawn ) / sum : 0.0f;
-    float scale_b = pdf > least || RF_FAULT( mixture ) ? 1.0f / pdf : 0.0f;
+    *scale_a = sum > rf_mis_term( least ) ? rf_mis_term_per_density( drawn ) / sum : 0.0f;
+    *scale_b = pdf > least || RF_FAULT( mixture ) ? 1.0f / pdf : 0.0f;
+}
+
+// Q at a lane.
+static inline void rf_weigh_arrival( const RfArrivalLanes* arrival, int lane, float pdf, float q[3] )
+{
+    float scale_a, scale_b;
+    rf_arrival_scales( arrival, lane, pdf, &scale_a, &scale_b );
     for ( int c = 0; c < 3; ++c )
         q[c] = arrival->a[c][lane] * scale_a + arrival->b[c][lane] * scale_b;
 }

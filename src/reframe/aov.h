@@ -38,6 +38,8 @@ RF_API_BEGIN
        "what is not there in the other frame" )                                                                                  \
     X( VARIANCE, "variance", "RGB", false, FILMS, "estimated variance of the colour; 0 where a frame has a single pass" )        \
     X( SAMPLES, "samples", "Y", false, FILMS, "samples that landed in the pixel, own-frame and reused, each counted once" )      \
+    X( REMOVED, "removed", "RGB", true, FILMS,                                                                                   \
+       "with a clamp: the light that it has taken out; colour and this together are the picture without bias" )                  \
     X( PRIMAL, "primal", "RGB", false, FILMS,                                                                                    \
        "of the estimator gradient alone: the pixels that the picture is reconstructed from" )                                    \
     X( DX, "dx", "RGB", false, FILMS, "and their differences, the pixel on the right minus the pixel" )                          \

@@ -86,6 +86,8 @@ typedef struct RfFrameResult
     double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound
     double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
     RfSolved solved;
+    double clamp;         // what a path could bring to this frame's hits, luminance; 0: any light
+    double removed;       // share of the frame's light that the clamp has taken out, by luminance, 0 to 1
     double native_spp;    // samples that the frame traced itself, per pixel
     double effective_spp; // samples that landed in a pixel, its own and reused ones
     // With settings.flicker: F1 of this frame and the one before (NaN: that was not rendered now), as of the relMSE

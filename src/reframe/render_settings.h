@@ -170,6 +170,7 @@ typedef struct RfRenderSettings
     double time;                  // seconds for each frame asked for, on average; 0: as long as it takes
     int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
     RfTile tile;                  // pixels of a frame that reuse each other's paths
+    double clamp;                 // what one path may bring to a hit, luminance; RF_CLAMP_AUTO: found by a pilot; 0: any light
     RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
@@ -192,11 +193,13 @@ typedef struct RfRenderSettings
 } RfRenderSettings;
 
 #define RF_GROUP_AUTO ( -1 )
+#define RF_CLAMP_AUTO ( -1.0 )
 // Limits, of the program's options and of scene files too.
 #define RF_MAX_SPP ( 1 << 20 )
 #define RF_MAX_NOISE 1e6
 #define RF_MAX_FLICKER 1e6
 #define RF_MAX_TIME 1e9
+#define RF_MAX_CLAMP 1e30
 #define RF_MAX_GROUP ( 1 << 20 )
 #define RF_MAX_DEPTH 1000
 #define RF_MAX_LIGHT_SAMPLES 64
@@ -206,7 +209,7 @@ typedef struct RfRenderSettings
 
 // The defaults, which are the program's too: 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where
 // they pay, exact weights, the estimator's filter, depth 12, seed 1, all cores, half of the free memory, no AOVs, no files, no
-// light paths.
+// light paths, no clamp.
 RfRenderSettings rf_default_render_settings( void );
 
 // Sets the estimator, with its own tile and filter.

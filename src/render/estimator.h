@@ -22,6 +22,7 @@
 #include "film/film_error.h"
 #include "film/pixel_filter.h"
 #include "reframe/render.h"
+#include "render/clamp.h"
 #include "render/traits.h"
 
 // A group of frames, as every batch of it sees it.
@@ -42,10 +43,12 @@ typedef struct RfEstimatorGroup
     // Of them this is the part between `round` and `round` + 1.
     const float* need;
     int round;
-    bool packed;             // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
-    bool first_hits_only;    // no light: for add_own_shares and count_reuse alone
-    bool even_light_samples; // first hits have no more light samples than other vertices
-    const void* shared;      // what `prepare` made for the pass; NULL: there is nothing
+    bool packed;               // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
+    bool first_hits_only;      // no light: for add_own_shares and count_reuse alone
+    const float* clamp;        // with settings.clamp: the threshold of each frame, like eyes; NULL: none
+    RfClampWatch* clamp_watch; // is told of what paths bring, by one thread (render/clamp.h); NULL: nobody
+    bool even_light_samples;   // first hits have no more light samples than other vertices
+    const void* shared;        // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;
 
 // The tracer of one of the group's frames.
@@ -117,6 +120,7 @@ struct RfEstimator
     bool draws_by_filter; // and draws its samples by it, so that each counts in its own pixel alone, in AOVs as well
     bool has_gradients;   // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
     bool has_alpha;       // it counts RfAccumulateJob.sky
+    bool clamps;          // with settings.clamp it adds the light taken out to one film more, whose weights do not matter
     bool has_variance;    // `finish` fills RfPicture.variance
     int usual_passes;     // from which on `finish` works as with many passes; 0: always
     RfTile tile;          // that it has where none is asked for (rf_default_tile)
@@ -167,5 +171,11 @@ struct RfEstimator
 };
 
 #define RF_MAX_FILMS 8
+
+// The films of a frame with these settings.
+static inline int rf_film_count( const RfRenderSettings* settings )
+{
+    return settings->estimator->films + ( settings->clamp != 0.0 );
+}
 
 #endif

@@ -38,7 +38,7 @@ void rf_open_films( RfRenderer* r, int number )
         live->frame = frame;
         live->noise = live->flicker = live->noise_seen = 0.0;
         live->pair = ( RfPairNoise ){ .variance = (double)NAN, .covariance = (double)NAN };
-        for ( int f = 0; f < r->setup->settings.estimator->films; ++f )
+        for ( int f = 0; f < r->setup->sizes.film_count; ++f )
             if ( r->setup->settings.pieces != NULL )
                 rf_clear_traced( r->setup->settings.pieces, frame, live->films + f );
             else
@@ -112,6 +112,8 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .relmse_likely = relmse.likely,
         .worst_ten_share = relmse.worst_share,
         .solved = picture.solved,
+        .clamp = r->clamps != NULL ? (double)r->clamps[live->frame] : 0.0,
+        .removed = r->clamps != NULL ? rf_removed_share( live->films, r->setup->settings.normalize, buffer->rgb ) : 0.0,
         .flicker_estimate = sqrt( fmax( rf_reported_flicker( &flicker ), 0.0 * flicker.now ) ),
         .flicker_is_lower_bound = rf_flicker_is_lower_bound( &flicker ),
         .flicker_likely = sqrt( fmax( rf_flicker_f1_squared( &flicker ), 0.0 * flicker.now ) ),

@@ -152,7 +152,7 @@ static void end_pass( RfRenderer* r, const RfPass* pass )
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
         RfLiveFilm* live = r->memory.films + i;
-        for ( int f = 0; f < r->setup->settings.estimator->films && live->frame != -1; ++f )
+        for ( int f = 0; f < r->setup->sizes.film_count && live->frame != -1; ++f )
             rf_end_film_pass( live->films + f, pass->half, pass->weight );
     }
 }

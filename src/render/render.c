@@ -234,10 +234,13 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         if ( result == RF_OK )
             result = rf_create_worlds( shot, setup.sizes.worlds, rf_follows_motion( &setup.settings ), &r.worlds, error );
         if ( result == RF_OK )
+            result = rf_find_clamps( &r, error );
+        if ( result == RF_OK )
             result = render_and_deliver( &r, error );
         rf_destroy_worlds( &r.worlds );
         omp_set_num_threads( before );
         free( r.traced_jobs );
+        free( r.clamps );
     }
     if ( stats != NULL )
         fill_stats( &r, stats );

@@ -55,6 +55,7 @@ RfEstimatorGroup rf_frames_as_group( RfRenderer* r, int first_frame, int eye_cou
         .eyes = r->setup->shot.eyes + first_frame,
         .eye_count = eye_count,
         .first_frame = first_frame,
+        .clamp = r->clamps != NULL ? r->clamps + first_frame : NULL,
         .number = number,
     };
 }

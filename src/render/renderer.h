@@ -28,7 +28,7 @@ typedef struct RfSweep
 } RfSweep;
 
 // A render under way.
-typedef struct RfRenderer
+struct RfRenderer
 {
     const RfRenderSetup* setup;
     RfSweep sweep;
@@ -36,6 +36,7 @@ typedef struct RfRenderer
     RfRenderMemory memory;
     RfFrameQueue queue;
     RfWorlds worlds;
+    float* clamps;    // by frame of the path: thresholds; NULL without a clamp
     int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs
     RfRayCounts rays;
     double start, last_frame; // seconds
@@ -48,7 +49,7 @@ typedef struct RfRenderer
     double last_flicker; // of the last pair that it finished
     bool last_flicker_is_lower_bound;
     int kept_frame; // whose errors memory.kept_errors holds
-} RfRenderer;
+};
 
 // A pass of a group.
 typedef struct RfPass

@@ -49,6 +49,10 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the relMSE wanted must be 0 to %g, got %g", RF_MAX_NOISE, s->noise );
     if ( !( s->flicker >= 0.0 && s->flicker <= RF_MAX_FLICKER ) )
         return rf_fail( error, RF_ERROR_USAGE, "the flicker wanted must be 0 to %g, got %g", RF_MAX_FLICKER, s->flicker );
+    if ( s->clamp != RF_CLAMP_AUTO && !( s->clamp >= 0.0 && s->clamp <= RF_MAX_CLAMP ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the clamp must be 0 to %g, got %g", RF_MAX_CLAMP, s->clamp );
+    if ( s->clamp == 0.0 && ( s->aovs & RF_AOV_BIT( RF_AOV_REMOVED ) ) != 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "the AOV removed needs a clamp: nothing is removed without one" );
     if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
         return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
@@ -102,6 +106,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return lacks( estimator, "gradients", error );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !estimator->has_alpha )
         return lacks( estimator, "alpha", error );
+    if ( s->clamp != 0.0 && !estimator->clamps )
+        return lacks( estimator, "clamp", error );
     if ( s->pieces != NULL && !rf_can_render_pieces( s ) )
         return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", estimator->name );
     if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->adaptive != RF_ADAPTIVE_OFF ) )

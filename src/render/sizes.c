@@ -33,6 +33,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
         .of_estimator = settings->estimator->sizes( &group ),
+        .film_count = rf_film_count( settings ),
         .width = eyes->width,
         .height = eyes->height,
         .eyes = plan->eyes,
@@ -103,7 +104,7 @@ static size_t optional( size_t bytes ) { return bytes > 0 ? rf_arena_size( bytes
 size_t rf_films_bytes( const RfRenderSizes* s )
 {
     size_t film = 2 * rf_arena_size( rf_film_half_bytes( s->width, s->height ) ) + 2 * optional( rf_totals_bytes( s ) );
-    size_t frame = (size_t)s->estimator->films * film + optional( rf_need_bytes( s ) ) + 2 * optional( rf_extra_bytes( s ) );
+    size_t frame = (size_t)s->film_count * film + optional( rf_need_bytes( s ) ) + 2 * optional( rf_extra_bytes( s ) );
     frame += optional( s->of_estimator.pass_state );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         frame += optional( rf_aov_film_bytes( s, a ) );

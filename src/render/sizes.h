@@ -10,6 +10,7 @@ typedef struct RfRenderSizes
 {
     const RfEstimator* estimator;
     RfEstimatorSizes of_estimator; // for a full group
+    int film_count;                // of a frame
     int width, height;
     int eyes; // of a full group
     int threads;

@@ -14,6 +14,8 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
     if ( s->adaptive == RF_ADAPTIVE_ON && s->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
+    if ( s->clamp != 0.0 && s->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "a clamp needs exact weights" );
     return RF_OK;
 }
 
@@ -151,6 +153,7 @@ const RfEstimator rf_reuse_estimator = {
     .tile = { RF_TILE_BLOCK, 3, 3 },
     .filters = true,
     .has_alpha = true,
+    .clamps = true,
     .check = check,
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,

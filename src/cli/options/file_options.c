@@ -40,6 +40,8 @@ static bool print_size( const json_t* json, char* text, size_t size )
     return true;
 }
 
+static bool is_same( const char* text, const char* word ) { return word != NULL && strcmp( text, word ) == 0; }
+
 // The value as it would be written on the command line; NULL where its JSON type is wrong.
 static const char* to_text( const RfOption* option, const json_t* json, char* text, size_t size )
 {
@@ -47,13 +49,16 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
     switch ( option->type )
     {
         case RF_OPTION_INT:
-            if ( string != NULL && option->keyword != NULL && strcmp( string, option->keyword ) == 0 )
+            if ( string != NULL && is_same( string, option->keyword ) )
+                return string;
+            return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_REAL:
+            if ( string != NULL && ( is_same( string, option->keyword ) || is_same( string, option->negated ) ) )
                 return string;
             return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_UINT64:
         case RF_OPTION_RATIO:
-        case RF_OPTION_TIME:
-        case RF_OPTION_REAL: return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_TIME: return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_SIZE: return print_size( json, text, size ) ? text : NULL;
         case RF_OPTION_FPS: return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_CHOICE: return json_is_true( json ) ? option->bare : json_is_false( json ) ? option->negated : string;
@@ -76,9 +81,14 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
                       option->keyword != NULL ? "\"" : "" );
             break;
         case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %lld", (long long)INT64_MAX ); break;
+        case RF_OPTION_REAL:
+            snprintf( words, size, "%s%s%s%s%s%sa number from %g to %g", option->negated != NULL ? "\"" : "",
+                      option->negated != NULL ? option->negated : "", option->negated != NULL ? "\", " : "",
+                      option->keyword != NULL ? "\"" : "", option->keyword != NULL ? option->keyword : "",
+                      option->keyword != NULL ? "\" or " : "", option->min, option->max );
+            break;
         case RF_OPTION_RATIO:
-        case RF_OPTION_TIME:
-        case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
+        case RF_OPTION_TIME: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
         case RF_OPTION_SIZE:
             snprintf( words, size, "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",
                       option->min, option->max );

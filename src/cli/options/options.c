@@ -224,6 +224,12 @@ static bool parse_real( const RfOption* option, const char* text, double* value 
 {
     const char* rest;
     double number;
+    bool keyword = option->keyword != NULL && strcmp( text, option->keyword ) == 0;
+    if ( keyword || ( option->negated != NULL && strcmp( text, option->negated ) == 0 ) )
+    {
+        *value = keyword ? option->keyword_value : 0.0;
+        return true;
+    }
     if ( !parse_decimal( text, &number, &rest ) || *rest != '\0' || number < option->min || number > option->max )
         return false;
     *value = number;
@@ -398,7 +404,11 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
                       option->keyword != NULL ? " or " : "", option->keyword != NULL ? option->keyword : "" );
             break;
         case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX ); break;
-        case RF_OPTION_REAL: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
+        case RF_OPTION_REAL:
+            snprintf( words, size, "%s%s%s%sa number from %g to %g", option->negated != NULL ? option->negated : "",
+                      option->negated != NULL ? ", " : "", option->keyword != NULL ? option->keyword : "",
+                      option->keyword != NULL ? " or " : "", option->min, option->max );
+            break;
         case RF_OPTION_RATIO:
             snprintf( words, size, "a number from %g to %g, or percent such as 1%%", option->min, option->max );
             break;

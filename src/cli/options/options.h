@@ -58,11 +58,11 @@ typedef struct RfOption
     RfOptionType type;
     void* value;         // where it goes; holds the default before parsing
     double min, max;     // INT, REAL, SIZE, MEMORY (min only)
-    const char* keyword; // INT: a word that stands for keyword_value, such as "auto"; or NULL
+    const char* keyword; // INT, REAL: a word that stands for keyword_value, such as "auto"; or NULL
     int keyword_value;
     const char* const* choices; // CHOICE: NULL-terminated
     const char* bare;           // CHOICE: the one that `--name` without a value stands for; NULL: it wants a value
-    const char* negated;        // CHOICE: the one that `--no-name` stands for; NULL: there is no such form
+    const char* negated;        // CHOICE: the one that `--no-name` stands for; NULL: there is no such form. REAL: a word for 0
     const char* meta;           // the value's name in the help: "N|auto"; CHOICE and BOOL have theirs
     const char* default_text;   // in the help instead of the value's default, for which "%s" may stand in it; NULL: that value
     const char* help;           // one line

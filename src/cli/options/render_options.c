@@ -167,6 +167,9 @@ static const RfOption s_options[] = {
     RF_ADAPTIVE_OPTION( render_parse.options,
                         "extra samples where other frames contribute few: borders, disocclusions, mirrors, glass; "
                         "auto: only in frames where they pay off" ),
+    RF_CLAMP_OPTION( render_parse.options,
+                     "against white specks: limit the luminance that one indirect path brings, and report the light taken out; "
+                     "auto: the limit of least error, which grows with the samples" ),
     { .name = "light-paths",
       .in_file = true,
       .type = RF_OPTION_CHOICE,

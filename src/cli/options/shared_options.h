@@ -137,6 +137,13 @@ extern RfDefaultTexts rf_default_texts;
         .bare = "on", .negated = "off", .heading = RF_HEADING_QUALITY, .help = ( adaptive_help )                                 \
     }
 
+#define RF_CLAMP_OPTION( o, clamp_help )                                                                                         \
+    {                                                                                                                            \
+        .name = "clamp", .in_file = true, .type = RF_OPTION_REAL, .value = &( o ).settings.clamp, .min = 0, .max = RF_MAX_CLAMP, \
+        .keyword = "auto", .keyword_value = (int)RF_CLAMP_AUTO, .negated = "off", .meta = "off|auto|VALUE",                      \
+        .default_text = "off", .heading = RF_HEADING_QUALITY, .help = ( clamp_help )                                             \
+    }
+
 #define RF_FILTER_OPTIONS( o )                                                                                                   \
     { .name = "filter",                                                                                                          \
       .in_file = true,                                                                                                           \

@@ -27,6 +27,11 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, co
         json_object_set_new( json, "flicker_likely", rf_json_number( result->flicker_likely ) );
         json_object_set_new( json, "flicker_worst_ten_share", rf_json_number( result->flicker_worst_ten_share ) );
     }
+    if ( settings->clamp != 0.0 )
+    {
+        json_object_set_new( json, "clamp_threshold", rf_json_number( result->clamp ) );
+        json_object_set_new( json, "removed_share", rf_json_number( result->removed ) );
+    }
     if ( settings->noise > 0.0 || settings->flicker > 0.0 )
         json_object_set_new( json, "reached", json_boolean( result->reached ) );
     return json;
@@ -122,6 +127,11 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
     json_object_set( json, "warnings", run->warnings );
     json_object_set_new( json, "adaptive_mode", json_string( rf_adaptive_name( adaptive ) ) );
     json_object_set_new( json, "adaptive_frames", json_integer( stats->adaptive_frames ) );
+    double clamp = options->settings.clamp;
+    json_object_set_new( json, "clamp",
+                         clamp == RF_CLAMP_AUTO ? json_string( "auto" )
+                         : clamp == 0.0         ? json_string( "off" )
+                                                : rf_json_number( clamp ) );
     if ( options->settings.noise > 0.0 )
         json_object_set_new( json, "noise",
                              json_pack( "{s:f, s:i}", "wanted", options->settings.noise, "missed", stats->missed ) );

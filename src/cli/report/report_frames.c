@@ -22,6 +22,7 @@ static bool look_of( RfAov aov, RfLook* look )
 {
     switch ( aov )
     {
+        case RF_AOV_REMOVED:
         case RF_AOV_ALBEDO: *look = RF_LOOK_LIGHT; return true;
         case RF_AOV_NORMAL: *look = RF_LOOK_NORMAL; return true;
         case RF_AOV_DEPTH: *look = RF_LOOK_DEPTH; return true;

@@ -275,7 +275,8 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
         draw_blocks( r, looked_at, pairs / ( pixels * frames ), live->need );
         render_blocks( r, looked_at, live );
         sum_blocks( r->memory.noise, k % 2, live->films );
-        rf_clear_film( live->films );
+        for ( int f = 0; f < r->setup->sizes.film_count; ++f )
+            rf_clear_film( live->films + f );
     }
     live->frame = frame;
     live->aovs.landed = landed;

@@ -80,7 +80,7 @@ static RfResult alloc_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLi
 {
     RfResult result = RF_OK;
     live->frame = -1;
-    for ( int f = 0; f < s->estimator->films && result == RF_OK; ++f )
+    for ( int f = 0; f < s->film_count && result == RF_OK; ++f )
         result = alloc_film( s, m, live->films + f, error );
     for ( int h = 0; h < 2 && result == RF_OK && s->adaptive; ++h )
         result = rf_arena_alloc( &m->arena, "adaptive", rf_extra_bytes( s ), (void**)&live->films[0].extra[h], error );
@@ -116,8 +116,8 @@ static RfResult alloc_films( const RfRenderSizes* s, RfRenderMemory* m, RfError*
 // what the memory happens to hold.
 static void clear_films( const RfRenderSizes* s, RfRenderMemory* m )
 {
-    for ( int i = 0; i < s->films * s->estimator->films; ++i )
-        rf_clear_film( m->films[i / s->estimator->films].films + i % s->estimator->films );
+    for ( int i = 0; i < s->films * s->film_count; ++i )
+        rf_clear_film( m->films[i / s->film_count].films + i % s->film_count );
 }
 
 // `count` blocks of `bytes` each, with a table of pointers to them.
@@ -236,7 +236,7 @@ RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSi
 
 static void free_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFilm* live )
 {
-    for ( int f = 0; f < s->estimator->films; ++f )
+    for ( int f = 0; f < s->film_count; ++f )
     {
         for ( int h = 0; h < 2; ++h )
         {

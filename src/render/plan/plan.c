@@ -584,7 +584,7 @@ static RfResult alloc_meter( Meter* m, RfError* error )
     const RfEstimatorSizes* sizes = &p->sizes.of_estimator;
     size_t half = rf_film_half_bytes( p->group.width, p->group.height );
     RfResult result = RF_OK;
-    for ( int f = 0; f < p->settings.estimator->films && result == RF_OK; ++f )
+    for ( int f = 0; f < p->sizes.film_count && result == RF_OK; ++f )
     {
         m->films[f] = ( RfFilm ){ .width = p->group.width, .height = p->group.height };
         result = rf_arena_alloc( &p->arena, "films", half, (void**)&m->films[f].half[0], error );
@@ -602,7 +602,7 @@ static RfResult alloc_meter( Meter* m, RfError* error )
 static void free_meter( Meter* m )
 {
     Probe* p = m->probe;
-    for ( int f = 0; f < p->settings.estimator->films; ++f )
+    for ( int f = 0; f < p->sizes.film_count; ++f )
         rf_arena_free( &p->arena, "films", m->films[f].half[0], rf_film_half_bytes( p->group.width, p->group.height ) );
     rf_arena_free( &p->arena, "films", m->pass_state, p->sizes.of_estimator.pass_state );
     rf_arena_free( &p->arena, "scratch", m->accumulate_scratch, p->sizes.of_estimator.accumulate_scratch );

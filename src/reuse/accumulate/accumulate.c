@@ -333,6 +333,8 @@ static void light_glossy( const RfAccumulation* a, int eye, const RfHitBatch* ba
     for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
     {
         const RfDirectionLanes* lanes = batch->directions + d;
+        if ( lanes->dark )
+            continue;
         const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
         for ( int c = 0; c < 3; ++c )
@@ -390,6 +392,23 @@ static uint64_t splat( const RfAccumulation* a, int eye, const RfHitBatch* batch
     return landed;
 }
 
+// Adds what the clamp has taken out to a film of its own, whose weights do not matter.
+static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
+                         RfAccumulateScratch* scratch )
+{
+    RfHitBatch removed = *batch;
+    removed.radiance = batch->removed;
+    removed.directions = batch->removed_directions;
+    range.film = job.films[1].half[job.half];
+    range.sky = NULL;
+    if ( rf_glossy_count( batch ) > 0 )
+        light_glossy( a, job.eye, &removed, scratch );
+    if ( rf_has_filter( a->filter ) )
+        spread( a, job.eye, &removed, range, scratch );
+    else
+        splat( a, job.eye, &removed, range, scratch );
+}
+
 static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
                            RfAccumulateScratch* scratch )
 {
@@ -400,6 +419,8 @@ static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const R
         light_glossy( a, job.eye, batch, scratch );
     uint64_t landed =
         rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
+    if ( batch->removed != NULL && batch->any_removed )
+        add_removed( a, job, batch, range, scratch );
     if ( job.landed != NULL )
         count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && job.eye == batch->eye )

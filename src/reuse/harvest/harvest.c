@@ -46,6 +46,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .surfaces = group->traits.moves && rf_follows_motion( settings ),
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
+        .clamped = settings->clamp != 0.0,
     };
     shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
     return shape;
@@ -76,6 +77,8 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .first_hits_only = group->first_hits_only,
         .light_paths = rf_drawn_light_paths( group->shared ),
         .kernel_normalization = settings->kernel_normalization,
+        .clamps = group->clamp,
+        .clamp_watch = group->clamp_watch,
     };
 }
 
@@ -98,8 +101,8 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
            ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
-           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) + ( shape->surfaces ? sizeof( RfSurfaceLanes ) + 64 : 0 ) +
-           ( shape->filtered ? 2 * lanes : 0 );
+           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) + ( shape->clamped ? sizeof( RfClampHits ) + 64 : 0 ) +
+           ( shape->surfaces ? sizeof( RfSurfaceLanes ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -123,6 +126,8 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     rest = samples ? (char*)( scratch->chain_light + 1 ) : rest;
     scratch->own = shape->own_light ? (RfOwnHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->own_light ? (char*)( scratch->own + 1 ) : rest;
+    scratch->clamp = shape->clamped ? (RfClampHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->clamped ? (char*)( scratch->clamp + 1 ) : rest;
     scratch->surfaces = shape->surfaces ? (RfSurfaceLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->surfaces ? (char*)( scratch->surfaces + 1 ) : rest;
     for ( int c = 0; c < 2; ++c )
@@ -690,6 +695,8 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     if ( harvest->first_hits_only )
         return count;
+    if ( scratch->clamp != NULL )
+        rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );

@@ -33,6 +33,8 @@ typedef struct RfHarvest
     bool first_hits_only;
     const RfLightPaths* light_paths; // NULL: none
     RfKernelNormalization kernel_normalization;
+    const float* clamps; // thresholds of the frames, and who is told, as in RfEstimatorGroup
+    RfClampWatch* clamp_watch;
 } RfHarvest;
 
 // The group in the terms of the harvest.

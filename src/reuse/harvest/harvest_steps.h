@@ -5,6 +5,7 @@
 #include "path/chain_samples.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/chains/chains.h"
+#include "reuse/harvest/clamp.h"
 #include "reuse/harvest/harvest.h"
 #include "reuse/tile/tile_reuse.h"
 
@@ -49,6 +50,7 @@ struct RfHarvestScratch
     RfChainSamples* chain_samples;           // NULL without
     RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
     RfOwnHits* own;                          // NULL unless something moves
+    RfClampHits* clamp;                      // NULL without a clamp
 };
 
 // What the scene and the settings call for.
@@ -140,10 +142,25 @@ void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch );
 void rf_find_own_parts( const RfHarvest* harvest, const uint32_t* triangle, RfHarvestScratch* scratch );
 
 // Adds light by one direction, at those glossy hits where it holds in their own frame alone, to scratch->own->light.
-void rf_add_own_glossy( const RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch );
+void rf_add_own_glossy( RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch );
 
 // Adds scratch->own->light to the batch, as glints.
 void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+
+// The clamp (clamp.h), only with one: before the light of a batch is added, in place of adding it, and what is clamped of a direction
+// of glossy hits. `all_indirect`: light samples are clamped as well. `factor`: of the light, by hit.
+void rf_begin_clamp( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+void rf_add_clamped_diffuse( const RfArrivalLanes* arrival, bool all_indirect, const float* pdf, float* const f[3],
+                             RfHitBatch* batch, RfHarvestScratch* scratch );
+void rf_add_clamped_light( float ( *const light )[RF_LANES], const float* const factor[3], int count, RfHitBatch* batch,
+                           RfHarvestScratch* scratch );
+void rf_clamp_direction( int direction, const RfArrivalLanes* arrival, bool all_indirect, const float* mixture, RfHitBatch* batch,
+                         RfHarvestScratch* scratch );
+// The same of light that holds in the hits' own frame alone; the first for hit i.
+void rf_add_clamped_own( const RfArrivalLanes* arrival, int i, float pdf, const float f[3], RfHitBatch* batch,
+                         RfHarvestScratch* scratch );
+void rf_add_clamped_own_light( float ( *const light )[RF_LANES], const float* const factor[3], int count, RfHitBatch* batch,
+                               RfHarvestScratch* scratch );
 
 // The light of the records: batch->radiance, and the glossy hits' directions.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );

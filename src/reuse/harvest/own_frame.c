@@ -49,8 +49,21 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
     }
 }
 
+static void add_clamped_scattered( const RfHarvestScratch* scratch, const RfArrivals* arrivals, int slot, float weight,
+                                   RfHitBatch* batch, int miss )
+{
+    float *light = light_of( batch, miss ), rest[3];
+    for ( int c = 0; c < 3; ++c )
+    {
+        light[c] += arrivals->emitted[c][slot] * weight;
+        rest[c] = arrivals->rest[c][slot];
+    }
+    float* removed = batch->removed + 4 * (size_t)( batch->count + miss );
+    batch->any_removed |= rf_add_clamped( scratch->clamp, batch, batch->count + miss, rest, light, removed );
+}
+
 static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfArrivals* arrivals,
-                           const RfHitBatch* batch, int first_miss )
+                           RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
     float k = (float)harvest->shape.light_samples;
@@ -60,6 +73,11 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
         float* light = light_of( batch, first_miss + n );
         float pdf = scratch->specular_pdf[n];
         float weight = pdf > 0.0f ? rf_balance_weight( pdf, k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
+        if ( scratch->clamp != NULL )
+        {
+            add_clamped_scattered( scratch, arrivals, slot, weight, batch, first_miss + n );
+            continue;
+        }
         for ( int c = 0; c < 3; ++c )
             light[c] += arrivals->emitted[c][slot] * weight + arrivals->rest[c][slot];
     }
@@ -75,9 +93,14 @@ static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, in
         int slot = v->slot[i];
         float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
         RfVec3 transmittance = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
-        light[0] *= transmittance.x;
-        light[1] *= transmittance.y;
-        light[2] *= transmittance.z;
+        float left[3] = { transmittance.x, transmittance.y, transmittance.z };
+        float* removed = batch->removed + 4 * (size_t)( batch->count + first_miss + i - rf_record_count( v ) );
+        for ( int c = 0; c < 3; ++c )
+        {
+            light[c] *= left[c];
+            if ( scratch->clamp != NULL )
+                removed[c] *= left[c];
+        }
     }
 }
 

@@ -12,7 +12,7 @@ void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch )
         scratch->own->moving[v->slot[i]] = rf_is_moving( tracer, scratch->wavefront.scratch.triangle[v->ray[i]] );
 }
 
-void rf_add_own_glossy( const RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch )
+void rf_add_own_glossy( RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY];
     RfLaneScratch* s = &scratch->wavefront.scratch;
@@ -25,6 +25,12 @@ void rf_add_own_glossy( const RfHitBatch* batch, const float* const wi[3], RfHar
     for ( int i = first; i < batch->count; ++i )
     {
         float q[3];
+        if ( scratch->clamp != NULL )
+        {
+            float of_lobes[3] = { f[0][i - first], f[1][i - first], f[2][i - first] };
+            rf_add_clamped_own( &own->arrival, i, s->pdf[i - first], of_lobes, batch, scratch );
+            continue;
+        }
         rf_weigh_arrival( &own->arrival, i, s->pdf[i - first], q );
         for ( int c = 0; c < 3; ++c )
             own->light[c][i] += f[c][i - first] * q[c];
@@ -56,6 +62,8 @@ static int append_glint( const RfHarvestScratch* scratch, int hit, RfHitBatch* b
     int slot = scratch->hits->slot[hit], glint = batch->glint_count++, at = batch->count + batch->miss_count + glint;
     rf_glint_pixel( batch )[glint] = scratch->pixel[slot];
     memset( rf_glint_radiance( batch ) + 4 * (size_t)glint, 0, 4 * sizeof( float ) );
+    if ( scratch->clamp != NULL )
+        memset( batch->removed + 4 * (size_t)at, 0, 4 * sizeof( float ) );
     for ( int c = 0; c < 2 && batch->offset[0] != NULL; ++c )
         batch->offset[c][at] = scratch->place[c][slot];
     return glint;
@@ -67,6 +75,8 @@ void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScr
     int32_t glint_of[RF_LANES];
     if ( rf_has_views( batch ) )
         dim( harvest, batch, scratch, light );
+    if ( rf_has_views( batch ) && scratch->clamp != NULL )
+        dim( harvest, batch, scratch, scratch->clamp->own );
     memset( glint_of, -1, sizeof glint_of );
     for ( int g = 0; g < batch->glint_count; ++g )
         glint_of[scratch->glint_slot[g]] = g;
@@ -77,7 +87,11 @@ void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScr
         int glint = glint_of[scratch->hits->slot[i]];
         glint = glint >= 0 ? glint : append_glint( scratch, i, batch );
         for ( int c = 0; c < 3; ++c )
+        {
             rf_glint_radiance( batch )[4 * (size_t)glint + c] += light[c][i];
+            if ( scratch->clamp != NULL )
+                batch->removed[4 * (size_t)( batch->count + batch->miss_count + glint ) + (size_t)c] += scratch->clamp->own[c][i];
+        }
     }
 }
 

@@ -34,7 +34,7 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
 
 // Diffuse hits: the density is the same for all cameras, so the light to any of
 // them is known here.
-static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arrival, const RfArrivalLanes* own,
+static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arrival, const RfArrivalLanes* own, bool all_indirect,
                          const float* const wi[3], RfHitBatch* batch, RfLaneScratch* s )
 {
     int count = batch->first[RF_BSDF_FIRST_GLOSSY];
@@ -42,6 +42,13 @@ static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arriva
     const float* wo[3] = { v->wo[0], v->wo[1], v->wo[2] };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_evaluate_seen_from( v, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
+    if ( scratch->clamp != NULL )
+    {
+        rf_add_clamped_diffuse( arrival, all_indirect, s->pdf, f, batch, scratch );
+        for ( int i = 0; i < count && own != NULL; ++i )
+            rf_add_clamped_own( own, i, s->pdf[i], ( float[3] ){ f[0][i], f[1][i], f[2][i] }, batch, scratch );
+        return;
+    }
     for ( int i = 0; i < count; ++i )
     {
         float q[3];
@@ -58,6 +65,25 @@ static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arriva
     }
 }
 
+// Path by path.
+static void clamp_diffuse_tile_light( const RfHarvest* harvest, const bool* taken, float worth, RfHitBatch* batch,
+                                      RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* v = scratch->hits;
+    const float* albedo[3] = { v->param[RF_PARAM_DIFFUSE], v->param[RF_PARAM_DIFFUSE + 1], v->param[RF_PARAM_DIFFUSE + 2] };
+    float( *light )[RF_LANES] = scratch->arrival.b;
+    int count = batch->first[RF_BSDF_FIRST_GLOSSY];
+    for ( int s = 1; s < harvest->shape.tile_pixels; ++s )
+    {
+        rf_gather_diffuse_tile_light( scratch->tiles, s, s + 1, count, false, taken, worth, light );
+        rf_add_clamped_light( light, albedo, count, batch, scratch );
+        if ( harvest->path.own == NULL )
+            continue;
+        rf_gather_diffuse_tile_light( scratch->tiles, s, s + 1, count, true, taken, worth, light );
+        rf_add_clamped_own_light( light, albedo, count, batch, scratch );
+    }
+}
+
 // The light of all neighbour paths at once: for diffuse hits their directions do not matter.
 static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
@@ -68,7 +94,12 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     RfChainSampling sampling = rf_chain_sampling( harvest, true );
     float worth = rf_balance_weight( sampling.worth, (float)sampling.count ); // of diffuse hits, for any direction
     const bool* taken = samples != NULL ? samples->taken : NULL;
-    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, false, taken, worth, sum );
+    if ( scratch->clamp != NULL )
+    {
+        clamp_diffuse_tile_light( harvest, taken, worth, batch, scratch );
+        return;
+    }
+    rf_gather_diffuse_tile_light( scratch->tiles, 1, harvest->shape.tile_pixels, count, false, taken, worth, sum );
     for ( int i = 0; i < count; ++i )
     {
         for ( int c = 0; c < 3; ++c )
@@ -76,7 +107,7 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     }
     if ( harvest->path.own == NULL )
         return;
-    rf_gather_diffuse_tile_light( scratch->tiles, harvest->shape.tile_pixels, count, true, taken, worth, sum );
+    rf_gather_diffuse_tile_light( scratch->tiles, 1, harvest->shape.tile_pixels, count, true, taken, worth, sum );
     for ( int c = 0; c < 3; ++c )
     {
         for ( int i = 0; i < count; ++i )
@@ -193,9 +224,11 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
     direction_lanes( harvest, scratch, direction, wi );
     gather_direction( harvest, scratch, direction, wi, arrival, own );
     if ( pairing <= 0 )
-        add_diffuse( scratch, arrival, own, wi, batch, &scratch->wavefront.scratch );
+        add_diffuse( scratch, arrival, own, found, wi, batch, &scratch->wavefront.scratch );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
         store_direction( batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES, batch->directions + direction );
+    if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count && scratch->clamp != NULL )
+        rf_clamp_direction( direction, arrival, found, scratch->mixture + (size_t)direction * RF_LANES, batch, scratch );
     if ( own != NULL )
         rf_add_own_glossy( batch, wi, scratch );
     if ( batch->arrivals != NULL )
@@ -227,6 +260,17 @@ static void add_connections( const RfHarvest* harvest, RfHitBatch* batch, const 
     }
 }
 
+static void dim_removed( const RfHarvest* harvest, int channel, int i, float left, RfHitBatch* batch )
+{
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
+    batch->removed[4 * i + channel] *= left;
+    for ( int d = 0; i >= first && d < rf_direction_count( &harvest->shape ); ++d )
+    {
+        if ( !batch->removed_directions[d].dark )
+            batch->removed_directions[d].q[channel][i - first] *= left;
+    }
+}
+
 // Throughput of chains.
 static void dim_chains( const RfHarvest* harvest, RfHitBatch* batch, const RfHarvestScratch* scratch )
 {
@@ -240,6 +284,8 @@ static void dim_chains( const RfHarvest* harvest, RfHitBatch* batch, const RfHar
         {
             float left = scratch->chains->throughput[c][slot];
             batch->radiance[4 * i + c] *= left;
+            if ( scratch->clamp != NULL )
+                dim_removed( harvest, c, i, left, batch );
             for ( int d = 0; i >= first && d < rf_direction_count( &harvest->shape ); ++d )
                 batch->directions[d].q[c][i - first] *= left;
         }

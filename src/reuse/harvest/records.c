@@ -23,6 +23,21 @@ static void take_lanes3( Layout* layout, float* lanes[3] )
         lanes[c] = take_lanes( layout );
 }
 
+static void take_removed( Layout* layout, int directions, RfHitBatch* batch )
+{
+    batch->removed_directions = take( layout, (size_t)directions * sizeof *batch->removed_directions );
+    for ( int d = 0; d < directions; ++d )
+    {
+        RfDirectionLanes lanes = { 0 };
+        take_lanes3( layout, lanes.q );
+        if ( layout->base == NULL )
+            continue;
+        for ( int c = 0; c < 3; ++c )
+            lanes.wi[c] = batch->directions[d].wi[c];
+        batch->removed_directions[d] = lanes;
+    }
+}
+
 static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* batch )
 {
     take_lanes3( layout, batch->n );
@@ -42,6 +57,8 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
         if ( layout->base != NULL )
             batch->directions[d] = lanes;
     }
+    if ( shape->clamped )
+        take_removed( layout, directions, batch );
     if ( shape->arrivals > 0 )
         batch->arrivals = take( layout, shape->arrivals );
 }
@@ -54,6 +71,8 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     batch.density_sum = take_lanes( layout );
     size_t listed = shape->chains || shape->own_light ? 2 * RF_LANES : RF_LANES; // a hit may have a glint as well
     batch.radiance = take( layout, 4 * listed * sizeof( float ) );
+    if ( shape->clamped )
+        batch.removed = take( layout, 4 * listed * sizeof( float ) );
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
     if ( rf_is_partial( shape ) )
         batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );

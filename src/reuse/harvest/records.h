@@ -15,6 +15,7 @@ typedef struct RfDirectionLanes
 {
     float* wi[3];
     float* q[3];
+    bool dark; // q is 0, and not looked at
 } RfDirectionLanes;
 
 typedef struct RfHitBatch
@@ -46,6 +47,10 @@ typedef struct RfHitBatch
     float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
     RfDirectionLanes* directions; // numbered as by rf_first_pairing
     float* arrivals;              // likewise; NULL except for research (accumulate/biased_weights.h)
+    // what the clamp takes out (clamp.h); NULL without one
+    float* removed;                       // like radiance, with r g b 0
+    RfDirectionLanes* removed_directions; // like directions, which they share wi with
+    bool any_removed;                     // else neither of the two is set
 } RfHitBatch;
 
 // Determines the layout of a batch.
@@ -66,6 +71,7 @@ typedef struct RfBatchShape
     bool own_light;       // some paths may hold in their own frame alone: something moves (path/own_light.h)
     bool surfaces;        // motion follows what moves: which surfaces camera rays hit is kept
     bool connections;     // hits have connections to light paths: one direction more
+    bool clamped;         // what is taken out of the light is kept
 } RfBatchShape;
 
 // How a hit was found.

@@ -480,14 +480,14 @@ static const float* held_weights( const RfPairingLanes* t, const float* weight, 
     return scaled;
 }
 
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, bool own_frame, const bool* weighted,
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int first, int end, int count, bool own_frame, const bool* weighted,
                                    float chain_weight, float sum[3][RF_LANES] )
 {
     int diffuse = reuse->second.shared;
     const RfPairingLanes* own = reuse->pairings;
     for ( int c = 0; c < 3; ++c )
         memset( sum[c], 0, (size_t)count * sizeof( float ) );
-    for ( int s = 1; s < pairings; ++s )
+    for ( int s = first; s < end; ++s )
     {
         const RfPairingLanes* t = reuse->pairings + s;
         const float* weight = t->weight;

@@ -133,10 +133,10 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
 void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end, bool own,
                            float light[3][RF_LANES] );
 
-// Its sum over all pairings from 1 on at diffuse hits [0, count), divided by the density of the directions: multiply by the
+// Its sum over pairings [first, end), from 1 on, at diffuse hits [0, count), divided by the density of the directions: multiply by the
 // albedo, which is f cos / density. Light that comes by chains has the weight `chain_weight` at the hits in `weighted` (NULL:
 // none).
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int pairings, int count, bool own, const bool* weighted,
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int first, int end, int count, bool own, const bool* weighted,
                                    float chain_weight, float sum[3][RF_LANES] );
 
 // True if the scattered light of second vertex a is reused.

@@ -1,0 +1,35 @@
+// The threshold of the clamp (src/reuse/estimators.md, E15): as it was given, or found by a pilot.
+#ifndef REFRAME_RENDER_CLAMP_H
+#define REFRAME_RENDER_CLAMP_H
+
+#include "reframe/error.h"
+
+#include <stdint.h>
+
+// What a path brings to a pixel.
+typedef struct RfWatchedPath
+{
+    int32_t pixel;
+    float luminance;
+} RfWatchedPath;
+
+// A list of such paths, for one thread.
+typedef struct RfClampWatch
+{
+    RfWatchedPath* paths;
+    int count, capacity; // paths beyond the capacity are not listed
+} RfClampWatch;
+
+static inline void rf_watch_path( RfClampWatch* watch, int32_t pixel, float luminance )
+{
+    if ( luminance > 0.0f && watch->count < watch->capacity )
+        watch->paths[watch->count++] = ( RfWatchedPath ){ pixel, luminance };
+}
+
+typedef struct RfRenderer RfRenderer;
+
+// With settings.clamp: allocates and fills renderer->clamps, a threshold for each frame of the path. Deterministic, of settings and
+// path alone. Fails with RF_ERROR_MEMORY.
+RfResult rf_find_clamps( RfRenderer* renderer, RfError* error );
+
+#endif
