@@ -1,10 +1,339 @@
-// Finds the threshold of the clamp.
+// Finds the threshold of the clamp. A pilot traces some patches of frames all over a shot, each in two halves, and lists what their
+// paths bring. For any threshold c that tells the variance that would be left and the light that would be taken out, squared the
+// bias: in blocks of pixels, of which each half is weighted by the brightness that the other has found, and the product of what
+// both have lost is unbiased. The least sum for the samples that the render will have is taken. It grows with them, since the
+// variance falls with their number and the bias does not.
 #include "render/clamp.h"
 
+#include "base/random.h"
+#include "base/system.h"
+#include "math/vec3.h"
+#include "reframe/measure.h"
 #include "render/renderer.h"
+#include "render/settings.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
+#include <string.h>
+
+#define PILOT_GROUP 0x80000000u // no other group has this number
+#define PILOT_FRAMES 16         // of a shot, at most
+// Samples of the pilot: this part of the path's, within limits.
+#define PILOT_SHARE 0.03
+#define LEAST_PILOT 16e3
+#define MOST_PILOT 256e3
+#define BLOCK 8 // pixels
+// Thresholds that are tried: by half octaves, in luminance.
+#define LEAST_STEP ( -64 )
+#define STEPS 256
+#define SEEN_SHARE 0.7 // of what a frame sees, that another of its group sees as well, about
+#define USUAL_SPP 64.0 // where a flicker or a time ends the render, not a number of samples
+
+// What a path brought to a block.
+typedef struct Path
+{
+    int32_t block;
+    int32_t half;
+    float luminance;
+} Path;
+
+// Sums over the blocks of a shot, by threshold.
+typedef struct Tally
+{
+    double samples;
+    double variance[STEPS]; // of a sample, relative to the squared brightness
+    double bias[STEPS];     // squared, likewise
+    float largest;          // that a path brought
+} Tally;
+
+typedef struct Pilot
+{
+    RfRenderer* renderer;
+    RfLiveFilm* film; // borrowed
+    RfClampWatch* watches;
+    Path* paths; // of a frame
+    size_t count, capacity;
+    int columns, blocks; // of the film
+    double* sums;        // by half and block: samples and luminance
+    Tally tally;
+} Pilot;
+
+static float step_threshold( int step ) { return exp2f( 0.5f * (float)( step + LEAST_STEP ) ); }
+
+static int block_of( const Pilot* p, int32_t pixel )
+{
+    int width = p->renderer->setup->sizes.width;
+    return pixel / width / BLOCK * p->columns + pixel % width / BLOCK;
+}
+
+static RfResult fail_memory( RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the pilot of the clamp: give a value in the place of auto" );
+}
+
+static bool take_paths( Pilot* p, const RfClampWatch* watch, int half )
+{
+    size_t wanted = p->count + (size_t)watch->count;
+    if ( wanted > p->capacity )
+    {
+        size_t capacity = 2 * wanted;
+        Path* paths = realloc( p->paths, capacity * sizeof *paths );
+        if ( paths == NULL )
+            return false;
+        p->paths = paths;
+        p->capacity = capacity;
+    }
+    for ( int i = 0; i < watch->count; ++i )
+    {
+        float luminance = watch->paths[i].luminance;
+        if ( !isfinite( luminance ) )
+            continue;
+        p->paths[p->count++] = ( Path ){ block_of( p, watch->paths[i].pixel ), half, luminance };
+        p->tally.largest = rf_maxf( p->tally.largest, luminance );
+    }
+    return true;
+}
+
+// Traces patches [first, first + count) of a list into one half of the film.
+static bool trace_patches( Pilot* p, RfEstimatorGroup* group, const int* patches, int count, int half )
+{
+    RfRenderer* r = p->renderer;
+    const RfEstimator* estimator = r->setup->settings.estimator;
+    RfRayCounts rays = { 0 };
+#pragma omp parallel num_threads( r->setup->settings.threads )
+    {
+        rf_set_float_mode();
+        RfRayCounts mine = { 0 };
+        void* scratch = r->memory.trace_scratch[omp_get_thread_num()];
+#pragma omp for schedule( dynamic, 1 )
+        for ( int i = 0; i < count; ++i )
+        {
+            RfEstimatorGroup watched = *group;
+            watched.clamp_watch = p->watches + i;
+            watched.clamp_watch->count = 0;
+            estimator->trace( &watched, ( RfTraceJob ){ .job = patches[i], .pass = half }, r->memory.batches[i], scratch, &mine );
+        }
+#pragma omp critical
+        rf_add_rays( &rays, &mine );
+    }
+    rf_add_rays( &r->rays, &rays );
+    RfAccumulateJob job = { .end_row = r->setup->sizes.height, .films = p->film->films, .half = half, .weight = 1.0f };
+    estimator->accumulate( group, job, r->memory.batches, count, r->memory.accumulate_scratch[0] );
+    bool listed = true;
+    for ( int i = 0; i < count && listed; ++i )
+        listed = take_paths( p, p->watches + i, half );
+    return listed;
+}
+
+static void sum_blocks( Pilot* p )
+{
+    const RfFilm* film = p->film->films;
+    memset( p->sums, 0, (size_t)p->blocks * 4 * sizeof *p->sums );
+    for ( size_t i = 0; i < (size_t)film->width * (size_t)film->height; ++i )
+    {
+        double* sums = p->sums + 4 * (size_t)block_of( p, (int32_t)i );
+        for ( int h = 0; h < 2; ++h )
+        {
+            const float* value = film->half[h] + 4 * i;
+            sums[2 * h] += (double)value[3];
+            sums[2 * h + 1] += (double)rf_luminance( rf_vec3( value[0], value[1], value[2] ) );
+        }
+    }
+}
+
+static int compare_paths( const void* a, const void* b )
+{
+    const Path *x = a, *y = b;
+    if ( x->block != y->block )
+        return x->block < y->block ? -1 : 1;
+    if ( x->half != y->half )
+        return x->half < y->half ? -1 : 1;
+    return ( x->luminance > y->luminance ) - ( x->luminance < y->luminance );
+}
+
+// Of one half, in ascending order: what thresholds leave of the squares, and what they take out.
+static void add_half( const Path* paths, size_t count, double* squares, double* lost )
+{
+    double below = 0.0, above = 0.0;
+    size_t at = 0;
+    for ( size_t i = 0; i < count; ++i )
+        above += (double)paths[i].luminance;
+    for ( int k = 0; k < STEPS; ++k )
+    {
+        double c = (double)step_threshold( k );
+        for ( ; at < count && (double)paths[at].luminance <= c; ++at )
+        {
+            below += (double)paths[at].luminance * (double)paths[at].luminance;
+            above -= (double)paths[at].luminance;
+        }
+        squares[k] = below + c * c * (double)( count - at );
+        lost[k] = at < count ? fmax( above - c * (double)( count - at ), 0.0 ) : 0.0;
+    }
+}
+
+static void add_block( Pilot* p, const Path* paths, size_t count )
+{
+    const double* sums = p->sums + 4 * (size_t)paths->block;
+    double squares[2][STEPS], lost[2][STEPS];
+    size_t of_first = 0;
+    while ( of_first < count && paths[of_first].half == 0 )
+        ++of_first;
+    if ( !( sums[0] > 0.0 && sums[2] > 0.0 ) )
+        return;
+    add_half( paths, of_first, squares[0], lost[0] );
+    add_half( paths + of_first, count - of_first, squares[1], lost[1] );
+    double mean[2] = { sums[1] / sums[0], sums[3] / sums[2] }, both = 0.5 * ( mean[0] + mean[1] ), pixels = sums[0] + sums[2];
+    for ( int k = 0; k < STEPS; ++k )
+    {
+        for ( int h = 0; h < 2; ++h )
+            p->tally.variance[k] += squares[h][k] / ( mean[1 - h] * mean[1 - h] + RF_RELMSE_EPSILON );
+        p->tally.bias[k] += pixels * ( lost[0][k] / sums[0] ) * ( lost[1][k] / sums[2] ) / ( both * both + RF_RELMSE_EPSILON );
+    }
+}
+
+static void add_blocks( Pilot* p )
+{
+    sum_blocks( p );
+    qsort( p->paths, p->count, sizeof *p->paths, compare_paths );
+    for ( size_t first = 0, end; first < p->count; first = end )
+    {
+        for ( end = first + 1; end < p->count && p->paths[end].block == p->paths[first].block; )
+            ++end;
+        add_block( p, p->paths + first, end - first );
+    }
+    for ( int b = 0; b < p->blocks; ++b )
+    {
+        const double* sums = p->sums + 4 * (size_t)b;
+        p->tally.samples += sums[0] > 0.0 && sums[2] > 0.0 ? sums[0] + sums[2] : 0.0;
+    }
+}
+
+// Patches of a frame, evenly spread over them, from a place that differs from frame to frame.
+static int list_patches( const RfRenderer* r, int frame, int wanted, int* patches )
+{
+    int jobs = r->setup->sizes.of_estimator.jobs, count = wanted < jobs ? wanted : jobs;
+    uint64_t key = rf_pass_key( r->setup->settings.seed, (uint32_t)frame, PILOT_GROUP, 0 );
+    double start = (double)( key >> 40 ) / (double)( 1u << 24 );
+    for ( int i = 0; i < count; ++i )
+        patches[i] = (int)( ( i + start ) * jobs / count );
+    return count;
+}
+
+static bool look_at_frame( Pilot* p, int frame, int wanted, int* patches )
+{
+    RfRenderer* r = p->renderer;
+    RfEstimatorGroup group = rf_frames_as_group( r, frame, 1, (int)PILOT_GROUP );
+    group.filter = NULL;
+    group.clamp = NULL;
+    group.shared = r->memory.shared;
+    int count = list_patches( r, frame, wanted, patches ), slots = r->memory.batch_slots;
+    bool listed = true;
+    rf_clear_film( p->film->films );
+    p->count = 0;
+    for ( int half = 0; half < 2 && listed; ++half )
+    {
+        if ( group.shared != NULL )
+            r->setup->settings.estimator->prepare( &group, half, r->memory.shared, &r->rays );
+        for ( int first = 0; first < count && listed; first += slots )
+            listed = trace_patches( p, &group, patches + first, count - first < slots ? count - first : slots, half );
+    }
+    if ( listed )
+        add_blocks( p );
+    rf_clear_film( p->film->films );
+    return listed;
+}
+
+// Samples that count in a pixel: those of the frames around reach it too, most of them, and a filter joins those of several pixels.
+static double worth_of( const RfRenderer* r )
+{
+    const RfRenderSettings* s = &r->setup->settings;
+    double filtered = rf_is_plain_filter( s ) ? 1.0 : r->setup->filter.worth;
+    return ( 1.0 + SEEN_SHARE * ( r->setup->plan.eyes - 1 ) ) / filtered;
+}
+
+// The threshold of the least error, or where the relMSE is given, of the fewest samples that reach it.
+static float choose_threshold( const RfRenderer* r, const Tally* tally )
+{
+    const RfRenderSettings* s = &r->setup->settings;
+    bool stops = rf_is_stopping( s );
+    double worth = worth_of( r ), spp = stops ? USUAL_SPP : s->spp, least = INFINITY;
+    float best = tally->largest;
+    for ( int k = 0; k < STEPS; ++k )
+    {
+        double variance = tally->variance[k] / ( tally->samples * worth ), bias = tally->bias[k] / tally->samples;
+        double cost = s->noise > 0.0 ? ( bias < s->noise ? variance / ( s->noise - bias ) : INFINITY ) : variance / spp + bias;
+        if ( cost < least )
+        {
+            least = cost;
+            best = step_threshold( k );
+        }
+    }
+    // beyond what the pilot has seen, nothing is known; with more samples larger ones are found
+    double seen = worth * spp * r->setup->sizes.width * r->setup->sizes.height / tally->samples;
+    return rf_minf( best, tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
+}
+
+// The threshold for the frames of a shot; 0 without memory.
+static float look_at_shot( Pilot* p, int first, int end, int* patches )
+{
+    const RfRenderer* r = p->renderer;
+    int frames = end - first < PILOT_FRAMES ? end - first : PILOT_FRAMES;
+    double pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
+    double samples = fmin( fmax( PILOT_SHARE * pixels * ( end - first ) * r->setup->settings.spp, LEAST_PILOT ), MOST_PILOT );
+    double of_patch = pixels / r->setup->sizes.of_estimator.jobs;
+    int wanted = (int)ceil( samples / ( 2.0 * of_patch * frames ) );
+    memset( &p->tally, 0, sizeof p->tally );
+    for ( int k = 0; k < frames; ++k )
+    {
+        int frame = first + (int)( ( 2 * (int64_t)k + 1 ) * ( end - first ) / ( 2 * frames ) );
+        if ( !look_at_frame( p, frame, wanted, patches ) )
+            return 0.0f;
+    }
+    // where paths bring no light there is nothing to clamp
+    return p->tally.samples > 0.0 && p->tally.largest > 0.0f ? choose_threshold( r, &p->tally ) : INFINITY;
+}
+
+static RfResult run_pilot( RfRenderer* r, Pilot* p, int* patches, RfError* error )
+{
+    const RfGroupPlan* plan = &r->setup->plan;
+    for ( int first = 0, end; first < plan->frames; first = end )
+    {
+        int start;
+        rf_shot_of_frame( plan, first, &start, &end );
+        float threshold = look_at_shot( p, first, end, patches );
+        if ( !( threshold > 0.0f ) )
+            return fail_memory( error );
+        for ( int frame = first; frame < end; ++frame )
+            r->clamps[frame] = threshold;
+    }
+    return rf_check_worlds( &r->worlds, error );
+}
+
+// What a list of a batch's paths can hold: those of all pairings, light by chains and what is own-frame.
+static int list_capacity( const RfRenderer* r ) { return RF_LANES * 2 * ( r->setup->sizes.of_estimator.directions + 1 ); }
+
+static RfResult find_by_pilot( RfRenderer* r, RfError* error )
+{
+    int width = r->setup->sizes.width, height = r->setup->sizes.height, slots = r->memory.batch_slots;
+    int columns = ( width + BLOCK - 1 ) / BLOCK, blocks = columns * ( ( height + BLOCK - 1 ) / BLOCK ),
+        capacity = list_capacity( r );
+    Pilot p = { .renderer = r, .film = r->memory.films, .columns = columns, .blocks = blocks };
+    int* patches = malloc( (size_t)r->setup->sizes.of_estimator.jobs * sizeof *patches );
+    RfWatchedPath* lists = malloc( (size_t)slots * (size_t)capacity * sizeof *lists );
+    p.watches = malloc( (size_t)slots * sizeof *p.watches );
+    p.sums = malloc( (size_t)blocks * 4 * sizeof *p.sums );
+    bool allocated = patches != NULL && lists != NULL && p.watches != NULL && p.sums != NULL;
+    for ( int i = 0; i < slots && allocated; ++i )
+        p.watches[i] = ( RfClampWatch ){ .paths = lists + (size_t)i * (size_t)capacity, .capacity = capacity };
+    RfResult result = allocated ? run_pilot( r, &p, patches, error ) : fail_memory( error );
+    free( patches );
+    free( lists );
+    free( p.watches );
+    free( p.sums );
+    free( p.paths );
+    return result;
+}
 
 RfResult rf_find_clamps( RfRenderer* r, RfError* error )
 {
@@ -16,6 +345,6 @@ RfResult rf_find_clamps( RfRenderer* r, RfError* error )
     if ( r->clamps == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the thresholds of %d frames", frames );
     for ( int frame = 0; frame < frames; ++frame )
-        r->clamps[frame] = value == RF_CLAMP_AUTO ? INFINITY : (float)value;
-    return RF_OK;
+        r->clamps[frame] = (float)value;
+    return value == RF_CLAMP_AUTO ? find_by_pilot( r, error ) : RF_OK;
 }
