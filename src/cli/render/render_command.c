@@ -46,6 +46,8 @@ static void note_frame_error( RfFrameErrors* errors, const RfFrameResult* result
     errors->likely_sum += result->relmse_likely;
     errors->lower_bounds += result->relmse_is_lower_bound;
     errors->missed += result->noise_missed;
+    errors->clamped = errors->clamped || result->clamp > 0.0;
+    errors->removed_sum += result->removed;
     errors->flicker_missed += result->flicker_missed;
     if ( isgreater( result->flicker_likely, errors->worst_flicker ) )
     {
@@ -78,6 +80,12 @@ static void print_frame_errors( const RfFrameErrors* errors )
         printf( ", relMSE at least %.3g, likely %.3g by its estimate", reported, likely );
     else
         printf( ", relMSE %.3g by its estimate", reported );
+}
+
+static void print_removed( const RfFrameErrors* errors )
+{
+    if ( errors->clamped )
+        printf( ", %.2g %% of the light taken out by the clamp", 100.0 * errors->removed_sum / errors->frames );
 }
 
 // Warns of reconstructions that did not converge, or failed.
@@ -492,6 +500,7 @@ static RfResult report( RfRenderJob* job, RfError* error )
     {
         rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
         print_frame_errors( &job->errors );
+        print_removed( &job->errors );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );

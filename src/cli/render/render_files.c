@@ -231,6 +231,8 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPa
         said.flicker_worst_ten_share = rf_read_exr_number( name, "reframe/flicker-worst-ten-share" );
         said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
         said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
+        said.clamp = rf_read_exr_number( name, "reframe/clamp-threshold" );
+        said.removed = rf_read_exr_number( name, "reframe/removed-share" );
     }
     said.seconds = older_seconds( older, &said, number );
     json_t* json = rf_frame_json( &said, path, &options->settings, -1 );

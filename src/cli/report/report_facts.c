@@ -409,6 +409,7 @@ static const struct
     { "reframe/group", "Settings", "Group" },
     { "reframe/tile", "Settings", "Tile" },
     { "reframe/adaptive", "Settings", "Adaptive" },
+    { "reframe/clamp", "Settings", "Clamp" },
     { "reframe/filter", "Settings", "Pixel filter" },
     { "reframe/filter-width", "Settings", "Filter width" },
     { "reframe/light-paths", "Settings", "Light paths" },
