@@ -23,19 +23,21 @@ typedef struct Estimator
     bool lens;        // all eyes get a lens, and so does the reference
     bool unbiased;    // else only where all eyes are equal, so that all weights are
     bool connections; // light paths, in scenes where they have mirrors or glass to follow
+    bool clamped;
 } Estimator;
 
 static const Estimator s_estimators[] = {
-    { "path", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, false },
-    { "tiles", NULL, false, "3x3", RF_WEIGHTS_EXACT, false, true, false },
-    { "frames", NULL, true, NULL, RF_WEIGHTS_EXACT, false, true, false },
-    { "both", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, false },
-    { "gradient", "gradient", false, "3x3", RF_WEIGHTS_EXACT, false, true, false },
-    { "both, eq15", NULL, true, "3x3", RF_WEIGHTS_EQ15, false, false, false },
-    { "both, unweighted", NULL, true, "3x3", RF_WEIGHTS_UNWEIGHTED, false, false, false },
-    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, true, false },
-    { "path, connections", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, true },
-    { "both, connections", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true },
+    { "path", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, false, false },
+    { "tiles", NULL, false, "3x3", RF_WEIGHTS_EXACT, false, true, false, false },
+    { "frames", NULL, true, NULL, RF_WEIGHTS_EXACT, false, true, false, false },
+    { "both", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, false, false },
+    { "gradient", "gradient", false, "3x3", RF_WEIGHTS_EXACT, false, true, false, false },
+    { "both, eq15", NULL, true, "3x3", RF_WEIGHTS_EQ15, false, false, false, false },
+    { "both, unweighted", NULL, true, "3x3", RF_WEIGHTS_UNWEIGHTED, false, false, false, false },
+    { "both, lens", NULL, true, "3x3", RF_WEIGHTS_EXACT, true, true, false, false },
+    { "path, connections", NULL, false, NULL, RF_WEIGHTS_EXACT, false, true, true, false },
+    { "both, connections", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, true, true, false },
+    { "both, clamp", NULL, true, "3x3", RF_WEIGHTS_EXACT, false, false, false, true },
 };
 
 typedef struct Result
@@ -53,11 +55,15 @@ static int samples_of( const HardScene* h, const HardForm* form )
 }
 
 // The biased weightings have no bias where all eyes are equal (and no ray misses).
-static bool is_unbiased( const Estimator* e, const HardScene* h ) { return e->unbiased || hard_are_eyes_equal( h ); }
+static bool is_unbiased( const Estimator* e, const HardScene* h )
+{
+    return e->unbiased || ( !e->clamped && hard_are_eyes_equal( h ) );
+}
 
 static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, const HardForm* form )
 {
     RfRenderSettings s = plain_settings();
+    s.clamp = e->clamped ? RF_CLAMP_AUTO : 0.0;
     if ( e->estimator != NULL )
         s.estimator = rf_find_estimator( e->estimator );
     if ( e->tile != NULL )

@@ -41,6 +41,8 @@ static RfResult keep_frame( void* user, const RfFrameResult* frame, RfError* err
     r->relmse_estimate[r->count] = frame->relmse_estimate;
     r->relmse_likely[r->count] = frame->relmse_likely;
     r->relmse_is_lower_bound[r->count] = frame->relmse_is_lower_bound;
+    r->clamp[r->count] = frame->clamp;
+    r->removed[r->count] = frame->removed;
     r->native_spp[r->count] = frame->native_spp;
     r->effective_spp[r->count] = frame->effective_spp;
     r->count += 1;
@@ -215,6 +217,11 @@ double check_sane_settings( const char* what, const RfTracer* tracer, const RfEy
         if ( !isfinite( weight ) || weight < 0.0 )
             fail_pixel( what, settings, i, weight );
     }
+    for ( int k = 0; k < r.count; ++k )
+    {
+        if ( !( r.removed[k] >= 0.0 && r.removed[k] <= 1.0 ) || ( settings->clamp != 0.0 && !( r.clamp[k] > 0.0 ) ) )
+            fail_msg( "%s: a share of %g is taken out by a threshold of %g", what, r.removed[k], r.clamp[k] );
+    }
     free_rendered( &r );
     return sum;
 }
@@ -230,6 +237,11 @@ double check_sane( const char* what, const RfScene* scene, const RfEye* eyes, in
         settings.normalize = (RfNormalize)n;
         check_sane_settings( what, tracer, eyes, eye_count, &settings );
     }
+    settings.normalize = RF_NORMALIZE_CROSSFIT;
+    settings.clamp = RF_CLAMP_AUTO;
+    settings.tile = ( RfTile ){ RF_TILE_BLOCK, 2, 2 };
+    check_sane_settings( what, tracer, eyes, eye_count, &settings );
+    settings = small_settings( 2, 10 );
     for ( int w = RF_WEIGHTS_EQ15; w <= RF_WEIGHTS_UNWEIGHTED; ++w )
     {
         settings.weights = (RfWeights)w;

@@ -21,6 +21,7 @@ typedef struct Rendered
     bool relmse_is_lower_bound[64];
     double native_spp[64];
     double effective_spp[64];
+    double clamp[64], removed[64];
 } Rendered;
 
 // Aborts the test with the error's line where the render fails.
