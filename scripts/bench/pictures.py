@@ -108,6 +108,11 @@ def trimmed(values):
     return np.partition(values.ravel(), kept - 1)[:kept].mean()
 
 
+def worst_share(values):
+    """What the 0.1 % of the pixels with the largest error hold of it."""
+    return 1.0 - trimmed(values) * max(int(values.size * (1.0 - WORST)), 1) / values.sum()
+
+
 def changes(error):
     """Squared changes of the error from frame to frame, and the squared errors of both frames."""
     before, after = error[:-1], error[1:]

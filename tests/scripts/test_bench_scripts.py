@@ -61,6 +61,11 @@ class Errors(unittest.TestCase):
         own = pictures.squares(halves[0] - halves[1]) / 4
         self.assertAlmostEqual(pictures.error_beside([noisy(rng, 0.1)], np.mean(halves, axis=0), below, own)[0], 0.03, delta=0.005)
 
+    def test_worst_share(self):
+        values = np.ones(2000)
+        values[7:9] = 999.0  # 0.1 % of them
+        self.assertAlmostEqual(pictures.worst_share(values), 0.5)
+
     def test_gain(self):
         plain, reused = {"relmse": 1.0, "cpu": 3.0}, {"relmse": 0.1, "cpu": 6.0}
         self.assertAlmostEqual(pictures.gain(plain, reused), 5.0)
@@ -121,6 +126,22 @@ class Page(unittest.TestCase):
         mirror = next(row for row in materials["rows"] if row[0] == "still-life mirror (metal 0)")
         self.assertTrue(8.0 < mirror[1] < 20.0)
         self.assertTrue(text.startswith("# Figures\n") and "|still-life 1:1|" in text)
+
+    @unittest.skipIf(BUILD is None, "needs the folder of a build as argument")
+    def test_clean(self):
+        with tempfile.TemporaryDirectory() as folder:
+            report = os.path.join(folder, "report.json")
+            command = [os.path.join(SCRIPTS, "bench", "run"), "clean", "--quick", "--binary", os.path.join(BUILD, "reframe"), "--out", folder, "--size", "24x14", "--scene", "still-life",
+                       "--settings", "1:3x3", "--reference-spp", "68", "--json", report]
+            said = [subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True).stderr for _ in range(2)]
+            with open(report, encoding="utf-8") as file:
+                table = json.load(file)[0]
+        row = dict(zip(table["columns"], table["rows"][0]))
+        self.assertNotIn("reference: kept", said[0])
+        self.assertIn("reference: kept", said[1])
+        self.assertTrue(row["reference"] < row["off: relMSE"])
+        self.assertTrue(row["auto / best"] >= 1.0 and 0.0 <= row["light removed, %"] < 10.0)
+        self.assertTrue(float(row["sum"]) < 1e-5)
 
     def test_errors(self):
         for words, text in ((["reuse", "--binary", "nowhere"], "there is no program"), (["reuse", "--size", "9"], "--size must be"), (["nothing"], "invalid choice")):
