@@ -1,7 +1,7 @@
 // Finds the threshold of the clamp. A pilot traces some patches of frames all over a shot, each in two halves, and lists what their
 // paths bring. For any threshold c that tells the variance that would be left and the light that would be taken out, squared the
-// bias: in blocks of pixels, of which each half is weighted by the brightness that the other has found, and the product of what
-// both have lost is unbiased. The least sum for the samples that the render will have is taken. It grows with them, since the
+// bias: in blocks of pixels, by the product of what both halves have lost, which is unbiased, relative to the brightness of the
+// block. The least sum for the samples that the render will have is taken. It grows with them, since the
 // variance falls with their number and the bias does not.
 #include "render/clamp.h"
 
@@ -27,6 +27,7 @@
 // Thresholds that are tried: by half octaves, in luminance.
 #define LEAST_STEP ( -64 )
 #define STEPS 256
+#define MOST_LOST 0.25 // of the light, to the threshold by which blocks are compared
 #define SEEN_SHARE 0.7 // of what a frame sees, that another of its group sees as well, about
 #define USUAL_SPP 64.0 // where a flicker or a time ends the render, not a number of samples
 
@@ -172,23 +173,69 @@ static void add_half( const Path* paths, size_t count, double* squares, double* 
     }
 }
 
-static void add_block( Pilot* p, const Path* paths, size_t count )
+// The paths of a block, by half.
+typedef struct Block
 {
-    const double* sums = p->sums + 4 * (size_t)paths->block;
+    const Path* paths;
+    size_t count, of_first; // those of the first half come first
+    const double* sums;     // of Pilot.sums
+} Block;
+
+// The block whose paths begin at `first`; false where a half has no sample of it.
+static bool find_block( const Pilot* p, size_t first, Block* b )
+{
+    *b = ( Block ){ .paths = p->paths + first, .sums = p->sums + 4 * (size_t)p->paths[first].block };
+    for ( ; first + b->count < p->count && b->paths[b->count].block == b->paths->block; ++b->count )
+        b->of_first += b->paths[b->count].half == 0;
+    return b->sums[0] > 0.0 && b->sums[2] > 0.0;
+}
+
+static void add_halves( const Block* b, double squares[2][STEPS], double lost[2][STEPS] )
+{
+    add_half( b->paths, b->of_first, squares[0], lost[0] );
+    add_half( b->paths + b->of_first, b->count - b->of_first, squares[1], lost[1] );
+}
+
+// The brightness of blocks: of what a low threshold keeps, which has little noise, times the light of the frame over what that keeps.
+typedef struct Brightness
+{
+    int step; // the threshold
+    double ratio;
+} Brightness;
+
+static Brightness find_brightness( const Pilot* p )
+{
+    double lost[STEPS] = { 0.0 }, light = 0.0;
+    Block b;
+    for ( size_t first = 0; first < p->count; first += b.count )
+    {
+        double squares[2][STEPS], of_block[2][STEPS];
+        if ( !find_block( p, first, &b ) )
+            continue;
+        add_halves( &b, squares, of_block );
+        for ( int k = 0; k < STEPS; ++k )
+            lost[k] += of_block[0][k] + of_block[1][k];
+    }
+    for ( int i = 0; i < p->blocks; ++i )
+        light += p->sums[4 * i + 1] + p->sums[4 * i + 3];
+    Brightness found = { 0, 1.0 };
+    while ( found.step < STEPS - 1 && lost[found.step] > MOST_LOST * light )
+        ++found.step;
+    if ( light > lost[found.step] )
+        found.ratio = light / ( light - lost[found.step] );
+    return found;
+}
+
+static void add_block( Pilot* p, const Block* b, Brightness brightness )
+{
     double squares[2][STEPS], lost[2][STEPS];
-    size_t of_first = 0;
-    while ( of_first < count && paths[of_first].half == 0 )
-        ++of_first;
-    if ( !( sums[0] > 0.0 && sums[2] > 0.0 ) )
-        return;
-    add_half( paths, of_first, squares[0], lost[0] );
-    add_half( paths + of_first, count - of_first, squares[1], lost[1] );
-    double mean[2] = { sums[1] / sums[0], sums[3] / sums[2] }, both = 0.5 * ( mean[0] + mean[1] ), pixels = sums[0] + sums[2];
+    add_halves( b, squares, lost );
+    double pixels = b->sums[0] + b->sums[2], kept = b->sums[1] + b->sums[3] - lost[0][brightness.step] - lost[1][brightness.step];
+    double mean = brightness.ratio * fmax( kept, 0.0 ) / pixels, scale = 1.0 / ( mean * mean + RF_RELMSE_EPSILON );
     for ( int k = 0; k < STEPS; ++k )
     {
-        for ( int h = 0; h < 2; ++h )
-            p->tally.variance[k] += squares[h][k] / ( mean[1 - h] * mean[1 - h] + RF_RELMSE_EPSILON );
-        p->tally.bias[k] += pixels * ( lost[0][k] / sums[0] ) * ( lost[1][k] / sums[2] ) / ( both * both + RF_RELMSE_EPSILON );
+        p->tally.variance[k] += scale * ( squares[0][k] + squares[1][k] );
+        p->tally.bias[k] += scale * pixels * ( lost[0][k] / b->sums[0] ) * ( lost[1][k] / b->sums[2] );
     }
 }
 
@@ -196,15 +243,16 @@ static void add_blocks( Pilot* p )
 {
     sum_blocks( p );
     qsort( p->paths, p->count, sizeof *p->paths, compare_paths );
-    for ( size_t first = 0, end; first < p->count; first = end )
+    Brightness brightness = find_brightness( p );
+    Block b;
+    for ( size_t first = 0; first < p->count; first += b.count )
     {
-        for ( end = first + 1; end < p->count && p->paths[end].block == p->paths[first].block; )
-            ++end;
-        add_block( p, p->paths + first, end - first );
+        if ( find_block( p, first, &b ) )
+            add_block( p, &b, brightness );
     }
-    for ( int b = 0; b < p->blocks; ++b )
+    for ( int i = 0; i < p->blocks; ++i )
     {
-        const double* sums = p->sums + 4 * (size_t)b;
+        const double* sums = p->sums + 4 * (size_t)i;
         p->tally.samples += sums[0] > 0.0 && sums[2] > 0.0 ? sums[0] + sums[2] : 0.0;
     }
 }
