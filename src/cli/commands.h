@@ -7,7 +7,6 @@
 
 int rf_command_render( int argc, char** argv );
 int rf_command_info( int argc, char** argv );
-int rf_command_plan( int argc, char** argv );
 int rf_command_tune( int argc, char** argv );
 int rf_command_cost( int argc, char** argv );
 int rf_command_compare( int argc, char** argv );

@@ -165,7 +165,7 @@ void rf_print_manual_tail( FILE* file )
            ".SH EXAMPLES\n"
            ".EX\n"
            "reframe info scene.glb\n"
-           "reframe plan scene.glb \\-\\-spp 28 \\-\\-memory 2G\n"
+           "reframe tune scene.glb \\-\\-spp 28 \\-\\-memory 2G\n"
            "reframe tune scene.glb \\-\\-size 960x540 \\-\\-memory 2G \\-\\-svg tune.svg\n"
            "reframe render scene.glb \\-o out/shot.####.exr \\-\\-size 960x540 \\-\\-spp 28\n"
            "reframe render scene.glb \\-o out/shot.####.exr \\-\\-resume \\-\\-aov depth,motion\n"

@@ -13,9 +13,8 @@
 static const RfCommand s_commands[] = {
     { "render", rf_command_render, "render a camera animation to EXR files" },
     { "info", rf_command_info, "list what is in a scene, and which effects it uses" },
-    { "plan", rf_command_plan, "show which group sizes fit in memory, and which is best" },
-    { "tune", rf_command_tune, "find the most efficient group and tile by short renders" },
-    { "cost", rf_command_cost, "measure error against render time, with and without reuse" },
+    { "tune", rf_command_tune, "find group and tile: which fit in memory, and which are fastest" },
+    { "cost", rf_command_cost, "measure what accuracy costs in time, with and without reuse" },
     { "compare", rf_command_compare, "measure the error of images against references" },
     { "flicker", rf_command_flicker, "measure how much the error changes from frame to frame" },
     { "report", rf_command_report, "show rendered sequences in one HTML page" },

@@ -11,9 +11,17 @@
 #include "trace/trace.h"
 
 #include <math.h>
+#include <stdlib.h>
 
-#define COST_UNITS ( RF_COST_LEVELS * RF_COST_POSITIONS )
+#define COST_ROUNDS 100
 #define COST_TASKS ( 2 * RF_COST_POSITIONS )
+
+// The trials of a curve with the same number of passes.
+typedef struct CostLevel
+{
+    double relmse, cpu_seconds, samples; // sums
+    int trials;
+} CostLevel;
 
 typedef struct CostStudy
 {
@@ -21,13 +29,15 @@ typedef struct CostStudy
     RfCost* cost;
     RfRenderSettings settings[2]; // resolved
     RfTestRegion regions[RF_COST_POSITIONS];
-    double pixels;                 // to trace of each of their frames
-    int workers;                   // trials at a time, with a thread each
-    int threads;                   // of the render
-    int level, first_passes;       // of the first level
-    RfTrial trials[COST_UNITS][2]; // per position and level: path tracing and reuse, with different seeds
-    RfCostUnit units[COST_UNITS];  // the measurements of these trials
-    int unit_count;
+    double pixels;            // to trace of each of their frames
+    int workers;              // trials at a time, with a thread each
+    int threads;              // of the render
+    int first_passes, passes; // of the first level and of this one
+    int round;
+    RfTrial trials[COST_TASKS]; // of this round: path tracing and reuse by turns, with different seeds
+    RfTrial sums[2];            // of all rounds: each weighs as its passes, since more samples determine the error better
+    CostLevel levels[2][RF_COST_LEVELS];
+    RfTrialWatch watch; // the job's, and the deadline
     double start;
 } CostStudy;
 
@@ -70,24 +80,6 @@ RfInterval rf_fit_slope( const double* x, const double* y, int count )
     return slope;
 }
 
-RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part )
-{
-    double weight = 0.0;
-    RfCostPart sum = { 0.0, 0.0, 0.0, 0.0 };
-    for ( int i = 0; i < count; ++i )
-    {
-        const RfCostPart* p = units[i].parts + part;
-        weight += units[i].passes;
-        sum.relmse += units[i].passes * p->relmse;
-        sum.wall_seconds += p->wall_seconds;
-        sum.cpu_seconds += p->cpu_seconds;
-        sum.samples += p->samples;
-    }
-    return ( RfCostPart ){ sum.relmse / weight, sum.wall_seconds / sum.samples, sum.cpu_seconds / sum.samples, 1.0 };
-}
-
-// What the trials of a measurement of cost say, and what that predicts.
-
 static RfInterval slope_of( const RfCostCurve* c )
 {
     double seconds[RF_COST_LEVELS], errors[RF_COST_LEVELS];
@@ -99,66 +91,59 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
-// All trials of a curve as one: each weighs as its passes, since more samples determine the error better. The pieces of a
-// position are the same in all levels.
-static void sum_trials( const CostStudy* s, int curve, RfTrial* sum )
+// Adds a trial of one of the positions, whose pieces are the same in all rounds.
+static void add_trial( CostStudy* s, int curve, int position, const RfTrial* trial )
 {
-    *sum = ( RfTrial ){ 0 };
-    for ( int i = 0; i < s->unit_count; ++i )
+    RfTrial *sum = s->sums + curve, weighed = *trial;
+    CostLevel* level = s->levels[curve];
+    for ( int passes = s->first_passes; passes < s->passes; passes *= 2 )
+        level += 1;
+    level->relmse += rf_trial_relmse( trial, s->passes );
+    level->cpu_seconds += trial->cpu_seconds;
+    level->samples += trial->timed_samples;
+    level->trials += 1;
+    int first = 0, pieces = sum->piece_count;
+    for ( int k = 0; k < position; ++k )
+        first += s->regions[k].pieces.count;
+    for ( int k = 0; k < trial->piece_count; ++k )
     {
-        RfTrial trial = s->trials[i][curve];
-        int first = 0, position = i % s->cost->positions;
-        for ( int k = 0; k < position; ++k )
-            first += s->regions[k].pieces.count;
-        for ( int k = 0; k < trial.piece_count; ++k )
-        {
-            sum->pieces[first + k].weight += s->units[i].passes * trial.pieces[k].weight;
-            sum->pieces[first + k].relmse += s->units[i].passes * trial.pieces[k].relmse;
-        }
-        int pieces = first + trial.piece_count;
-        trial.piece_count = 0;
-        rf_add_trial( sum, &trial );
-        sum->piece_count = pieces > sum->piece_count ? pieces : sum->piece_count;
+        sum->pieces[first + k].weight += s->passes * trial->pieces[k].weight;
+        sum->pieces[first + k].relmse += s->passes * trial->pieces[k].relmse;
     }
+    double* const scaled[] = { &weighed.weight, &weighed.relmse, &weighed.mse, &weighed.change_weight, &weighed.change };
+    for ( size_t k = 0; k < sizeof scaled / sizeof scaled[0]; ++k )
+        *scaled[k] *= s->passes;
+    for ( int k = 0; k < RF_WORST_CELLS; ++k )
+        weighed.worst[k] *= s->passes;
+    weighed.piece_count = 0;
+    rf_add_trial( sum, &weighed );
+    sum->piece_count = first + trial->piece_count > pieces ? first + trial->piece_count : pieces;
 }
 
-static RfInterval speedup_of( const CostStudy* s )
+// What all trials say together. All threads of a render work as fast as those of the trials.
+static void fit_cost_curve( CostStudy* s, int curve, RfCostCurve* c )
 {
-    RfTrial sums[2];
-    for ( int k = 0; k < 2; ++k )
-        sum_trials( s, k, sums + k );
-    return rf_trial_gain( sums, sums + 1 );
-}
-
-// All trials of a curve together, each weighing as its passes.
-static double f1_squared_of( const CostStudy* s, int curve )
-{
-    double sum = 0.0, weights = 0.0;
-    for ( int i = 0; i < s->unit_count; ++i )
+    const RfTrial* sum = s->sums + curve;
+    double f1 = rf_trial_f1( sum, 1.0 );
+    c->error = rf_trial_error( sum );
+    c->relmse = rf_trial_relmse( sum, 1.0 );
+    c->f1_squared = f1 * f1;
+    c->sample_seconds = rf_trial_sample_seconds( sum ) / s->threads;
+    c->finish_seconds = sum->finish_pixels > 0.0
+                            ? fmax( sum->finish_seconds, 0.0 ) / sum->finish_pixels * cost_frame_pixels( s->job ) / s->threads
+                            : 0.0;
+    c->count = 0;
+    for ( int i = 0; i < RF_COST_LEVELS && s->levels[curve][i].trials > 0; ++i )
     {
-        double f1 = rf_trial_f1( &s->trials[i][curve], 1.0 );
-        if ( !isfinite( f1 ) )
-            continue;
-        sum += s->units[i].passes * f1 * f1;
-        weights += s->units[i].passes;
+        const CostLevel* level = s->levels[curve] + i;
+        int passes = s->first_passes << i;
+        double sample = level->cpu_seconds / level->samples,
+               seconds = cost_frame_seconds( s->job, c, passes, sample / s->threads );
+        c->rows[c->count++] = ( RfCostRow ){
+            .spp = passes, .seconds = seconds, .cpu_seconds = seconds * s->threads, .relmse = level->relmse / level->trials
+        };
     }
-    return weights > 0.0 ? sum / weights : (double)NAN;
-}
-
-// What all trials say together: slopes, errors and times of both curves, and the gain.
-static void fit_cost_curves( CostStudy* s )
-{
-    RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
-    for ( int k = 0; k < 2; ++k )
-    {
-        RfCostPart sum = rf_sum_cost_units( s->units, s->unit_count, k );
-        curves[k]->slope = slope_of( curves[k] );
-        curves[k]->relmse = sum.relmse;
-        curves[k]->f1_squared = f1_squared_of( s, k );
-        curves[k]->sample_seconds = sum.wall_seconds;
-    }
-    s->cost->speedup = speedup_of( s );
-    s->cost->seconds = rf_wall_seconds() - s->start;
+    c->slope = slope_of( c );
 }
 
 // So many samples, at least two.
@@ -242,25 +227,34 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     return RF_OK;
 }
 
-#define WANTED_LEVELS 4  // levels that the budget is planned for
-#define MIN_PIXELS 20000 // traced of a frame at the least
-#define PROBE_PIXELS 6000
+#define WANTED_LEVELS 3   // sample counts that the budget is planned for
+#define FEW_PIXELS 4000.0 // traced of a frame: four pieces and what is around them
+#define MIN_PIXELS 1000.0 // one piece
+#define PROBE_PIXELS 1000.0
+#define SLACK 0.9 // of the time left: trials end at different times
 
-static RfResult make_region( CostStudy* s, double position, double pixels, RfTestRegion* region, RfError* error )
+static bool should_continue( void* user )
 {
-    const RfCostJob* job = s->job;
-    int frame = job->shot.frames[(int)( position * job->shot.frame_count )];
-    RfTestSite site = { frame, 2 * s->settings[1].group + 1, pixels };
-    return rf_create_test_region( &job->shot, job->watch, &site, s->settings + 1, region, error );
+    const CostStudy* s = user;
+    const RfTrialWatch* outer = s->job->watch;
+    return !( s->job->deadline > 0.0 && rf_wall_seconds() > s->job->deadline ) &&
+           ( outer == NULL || outer->should_continue == NULL || outer->should_continue( outer->user ) );
+}
+
+// Was that the deadline, and nobody's wish?
+static bool is_late( const CostStudy* s, RfResult result )
+{
+    return result == RF_ERROR_INTERRUPTED && s->job->deadline > 0.0 && rf_wall_seconds() > s->job->deadline;
 }
 
 // Renders all frames of the region one by one, or as one group with reuse.
-static RfResult try_curve( const CostStudy* s, const RfTestRegion* region, int curve, int passes, uint64_t salt, RfTrial* trial,
-                           RfError* error )
+static RfResult try_position( CostStudy* s, int number, RfError* error )
 {
-    RfRenderSettings settings = s->settings[curve];
-    settings.seed = rf_mix64( settings.seed ^ rf_mix64( salt ) );
-    return rf_run_trial( region, settings.group == 0 ? region->frames : 1, passes, &settings, trial, error );
+    int position = number / 2;
+    const RfTestRegion* region = s->regions + position;
+    RfRenderSettings settings = s->settings[number % 2];
+    settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( s->round * RF_COST_POSITIONS + position + 1 ) ) );
+    return rf_run_trial( region, settings.group == 0 ? region->frames : 1, s->passes, &settings, s->trials + number, error );
 }
 
 // Runs `task` for 0 … count − 1 on several threads, and returns the first failure.
@@ -286,37 +280,52 @@ static RfResult run_tasks( CostStudy* s, int count, TaskFn* task, RfError* error
     return RF_OK;
 }
 
-// Estimates the seconds per traced pixel of a position at the first level, from a few pieces.
-static RfResult probe( CostStudy* s, double* pixel_seconds, RfError* error )
-{
-    double start = rf_wall_seconds();
-    RfTestRegion region;
-    RfTrial trial;
-    RfResult result = make_region( s, 0.5, PROBE_PIXELS, &region, error );
-    for ( int k = 0; k < 2 && result == RF_OK; ++k )
-        result = try_curve( s, &region, k, s->first_passes, 0x9b0be, &trial, error );
-    *pixel_seconds = ( rf_wall_seconds() - start ) / rf_region_pixels( &region );
-    rf_destroy_test_region( &region );
-    return result;
-}
-
 static RfResult make_position( CostStudy* s, int number, RfError* error )
 {
-    return make_region( s, ( number + 0.5 ) / s->cost->positions, s->pixels, s->regions + number, error );
+    const RfCostJob* job = s->job;
+    int frame = job->shot.frames[(int)( ( number + 0.5 ) / s->cost->positions * job->shot.frame_count )];
+    RfTestSite site = { frame, 2 * s->settings[1].group + 1, s->pixels };
+    return rf_create_test_region( &job->shot, &s->watch, &site, s->settings + 1, s->regions + number, error );
 }
 
-// So many pixels that the budget allows WANTED_LEVELS levels, each taking twice as long as the one before.
+static void free_regions( CostStudy* s )
+{
+    for ( int i = 0; i < RF_COST_POSITIONS; ++i )
+        rf_destroy_test_region( s->regions + i );
+}
+
+// So many pixels that the budget allows WANTED_LEVELS rounds, each taking twice as long as the one before. Where these are few,
+// fewer rounds, then fewer positions. The pilot pictures of a piece tell how fast this machine is.
 static RfResult choose_pixels( CostStudy* s, RfError* error )
 {
-    double pixel_seconds;
-    s->pixels = s->job->pixels;
-    if ( s->pixels > 0.0 )
-        return RF_OK;
-    RfResult result = probe( s, &pixel_seconds, error );
-    double left = s->job->budget - ( rf_wall_seconds() - s->start );
-    double pixels = left * s->workers / ( ( 1 << WANTED_LEVELS ) * pixel_seconds * s->cost->positions );
-    s->pixels = pixels > MIN_PIXELS ? pixels : MIN_PIXELS;
-    return result;
+    double start = rf_wall_seconds(), samples = 0.0, frames = 0.0;
+    s->pixels = PROBE_PIXELS;
+    RfResult result = run_tasks( s, s->cost->positions, make_position, error );
+    for ( int i = 0; i < s->cost->positions; ++i )
+    {
+        samples += s->regions[i].samples;
+        frames += s->regions[i].frames;
+    }
+    free_regions( s );
+    if ( result != RF_OK )
+        return result;
+    double now = rf_wall_seconds(), sample_seconds = ( now - start ) / samples,
+           left = SLACK * ( s->job->budget - ( now - s->start ) );
+    // both renders of a trial by both curves, and as much again for the pilot pictures of all rounds
+    double first = 4.0 * s->first_passes * frames * sample_seconds, pilots = s->first_passes * frames * sample_seconds;
+    double all = cost_frame_pixels( s->job ), few = fmin( FEW_PIXELS, all );
+    int levels = WANTED_LEVELS;
+    while ( levels > 1 && left < few * ( pilots + first * ( ( 1 << levels ) - 1 ) ) )
+        levels -= 1;
+    for ( ; s->cost->positions > 1 && left < few * ( pilots + first ); --s->cost->positions )
+    {
+        pilots *= 1.0 - 1.0 / s->cost->positions;
+        first *= 1.0 - 1.0 / s->cost->positions;
+    }
+    s->pixels = fmax( left / ( pilots + first * ( ( 1 << levels ) - 1 ) ), MIN_PIXELS );
+    s->pixels = fmin( s->pixels, all );
+    s->cost->needed = now - s->start + s->pixels * ( pilots + first );
+    return RF_OK;
 }
 
 static RfResult make_regions( CostStudy* s, RfError* error )
@@ -330,108 +339,70 @@ static RfResult make_regions( CostStudy* s, RfError* error )
     return result;
 }
 
-// Adds the row of a level: the mean over its positions.
-static void add_row( CostStudy* s, int curve, RfCostCurve* c, int passes )
+static RfResult run_round( CostStudy* s, RfError* error )
 {
-    double relmse = 0.0, wall = 0.0, cpu = 0.0, samples = 0.0;
-    for ( int i = s->unit_count - s->cost->positions; i < s->unit_count; ++i )
-    {
-        const RfCostPart* part = s->units[i].parts + curve;
-        relmse += part->relmse / passes / s->cost->positions;
-        wall += part->wall_seconds;
-        cpu += part->cpu_seconds;
-        samples += part->samples;
-    }
-    c->rows[c->count++] = ( RfCostRow ){ .spp = passes,
-                                         .seconds = cost_frame_seconds( s->job, c, passes, wall / samples ),
-                                         .cpu_seconds = cost_frame_seconds( s->job, c, passes, cpu / samples ),
-                                         .relmse = relmse };
-}
-
-// Takes the time for finishing a frame from the first level.
-static void fit_finish_time( CostStudy* s, int curve, RfCostCurve* c )
-{
-    double seconds = 0.0, pixels = 0.0;
-    for ( int i = 0; i < s->unit_count; ++i )
-    {
-        seconds += s->trials[i][curve].finish_seconds;
-        pixels += s->trials[i][curve].finish_pixels;
-    }
-    c->finish_seconds = pixels > 0.0 ? fmax( seconds, 0.0 ) / pixels * cost_frame_pixels( s->job ) : 0.0;
-}
-
-// All threads of the render work as fast as those of the trials.
-static RfCostPart part_of( const CostStudy* s, const RfTrial* trial )
-{
-    return ( RfCostPart ){ .relmse = trial->relmse / trial->weight,
-                           .wall_seconds = trial->wall_seconds / s->threads,
-                           .cpu_seconds = trial->cpu_seconds,
-                           .samples = trial->timed_samples };
-}
-
-static RfResult try_position( CostStudy* s, int number, RfError* error )
-{
-    int position = number / 2, curve = number % 2;
-    return try_curve( s, s->regions + position, curve, s->first_passes << s->level,
-                      (uint64_t)( s->level * RF_COST_POSITIONS + position + 1 ), &s->trials[s->unit_count + position][curve],
-                      error );
-}
-
-static RfResult run_level( CostStudy* s, int level, RfError* error )
-{
-    int passes = s->first_passes << level;
     if ( s->job->report != NULL )
-        s->job->report( s->job->user, s->cost, passes );
-    s->level = level;
+        s->job->report( s->job->user, s->cost, s->passes );
     RfResult result = run_tasks( s, 2 * s->cost->positions, try_position, error );
     if ( result != RF_OK )
         return result;
-    for ( int i = 0; i < s->cost->positions; ++i )
+    for ( int i = 0; i < 2 * s->cost->positions; ++i )
+        add_trial( s, i % 2, i / 2, s->trials + i );
+    s->round += 1;
+    return RF_OK;
+}
+
+// Runs rounds with twice the passes each as long as there is time, and then as many passes as the rest of it allows.
+static RfResult run_rounds( CostStudy* s, RfError* error )
+{
+    int most = s->first_passes << ( RF_COST_LEVELS - 1 );
+    double each = 0.0; // seconds per pass
+    for ( s->passes = s->first_passes; s->round < COST_ROUNDS; )
     {
-        const RfTrial* trials = s->trials[s->unit_count];
-        s->units[s->unit_count++] = ( RfCostUnit ){ passes, { part_of( s, trials ), part_of( s, trials + 1 ) } };
-    }
-    RfCostCurve* curves[2] = { &s->cost->plain, &s->cost->reuse };
-    for ( int k = 0; k < 2; ++k )
-    {
-        if ( level == 0 )
-            fit_finish_time( s, k, curves[k] );
-        add_row( s, k, curves[k], passes );
+        double begin = rf_wall_seconds(), left = SLACK * ( s->job->budget - ( begin - s->start ) );
+        while ( s->round > 0 && s->passes > s->first_passes && left < each * s->passes )
+            s->passes /= 2;
+        if ( s->round > 0 && left < each * s->passes )
+            break;
+        RfResult result = run_round( s, error );
+        if ( is_late( s, result ) && s->round > 0 )
+            break;
+        if ( result != RF_OK )
+            return result;
+        each = ( rf_wall_seconds() - begin ) / s->passes;
+        s->passes = s->passes < most ? 2 * s->passes : most;
     }
     return RF_OK;
 }
 
-// Runs levels as long as one that takes twice as long as the last still fits the budget.
-static RfResult run_levels( CostStudy* s, RfError* error )
+static RfResult fail_late( const CostStudy* s, RfError* error )
 {
-    double last = 0.0;
-    int levels = s->job->pixels > 0.0 ? 1 : RF_COST_LEVELS;
-    for ( int level = 0; level < levels; ++level )
-    {
-        double begin = rf_wall_seconds();
-        if ( level > 0 && begin - s->start + 2.0 * last > s->job->budget )
-            break;
-        RfResult result = run_level( s, level, error );
-        if ( result != RF_OK )
-            return result;
-        last = rf_wall_seconds() - begin;
-    }
-    return RF_OK;
+    // where not even the speed of the machine is known, a guess
+    double needed = s->cost->needed > 0.0 ? s->cost->needed : 4.0 * s->job->budget;
+    return rf_fail( error, RF_ERROR_SCENE, "nothing is known within the budget of %.0f s: the first round needs about %.0f s",
+                    s->job->budget, fmax( needed, 1.5 * s->job->budget ) );
 }
 
 RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
 {
-    CostStudy s = { .job = job, .cost = cost, .start = rf_wall_seconds() };
+    CostStudy* s = calloc( 1, sizeof *s );
     *cost = ( RfCost ){ .positions = 0 };
-    RfResult result = resolve_cost_settings( &s, error );
+    if ( s == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
+    *s = ( CostStudy ){ .job = job, .cost = cost, .watch = { should_continue, s }, .start = rf_wall_seconds() };
+    RfResult result = resolve_cost_settings( s, error );
     if ( result == RF_OK )
-        result = make_regions( &s, error );
+        result = make_regions( s, error );
     if ( result == RF_OK )
-        result = run_levels( &s, error );
-    if ( s.unit_count > 0 )
-        fit_cost_curves( &s );
-    for ( int i = 0; i < RF_COST_POSITIONS; ++i )
-        rf_destroy_test_region( s.regions + i );
+        result = run_rounds( s, error );
+    if ( is_late( s, result ) )
+        result = fail_late( s, error );
+    for ( int k = 0; k < 2 && s->round > 0; ++k )
+        fit_cost_curve( s, k, k == 0 ? &cost->plain : &cost->reuse );
+    cost->speedup = rf_trial_gain( s->sums, s->sums + 1 );
+    cost->seconds = rf_wall_seconds() - s->start;
+    free_regions( s );
+    free( s );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
         return rf_fail( error, RF_ERROR_SCENE,
                         "the error of the test images cannot be measured: they are black, or have NaN or infinite pixels" );

@@ -16,7 +16,7 @@
 typedef struct RfCostRow
 {
     int spp;        // own-frame samples per pixel
-    double seconds; // wall-clock, for a frame of the requested size
+    double seconds; // for a frame of the requested size where all threads work: CPU seconds, by threads
     double cpu_seconds;
     double relmse;
 } RfCostRow;
@@ -30,9 +30,10 @@ typedef struct RfCostCurve
     int count;
     RfInterval slope;      // of log relMSE against log seconds
     double relmse;         // of a single sample
+    RfInterval error;      // the same with its 95 % interval
     double f1_squared;     // of a pair of frames with a sample each; NaN: no pixel was measured in two frames
-    double sample_seconds; // wall-clock, per own-frame sample
-    double finish_seconds; // wall-clock, per frame for finishing
+    double sample_seconds; // CPU seconds of an own-frame sample, by the threads of the render
+    double finish_seconds; // the same for finishing a frame
 } RfCostCurve;
 
 typedef struct RfCost
@@ -42,21 +43,22 @@ typedef struct RfCost
     double pixels;      // traced of each test frame
     int positions;
     double seconds; // spent measuring
+    double needed;  // seconds that the first round takes, about
 } RfCost;
 
 typedef struct RfCostJob
 {
     RfShot shot;
-    const RfRenderSettings* settings; // with reuse; spp is ignored
-    double budget;                    // seconds; the first level is always measured
-    double pixels;                    // not 0: the first level only, on pieces of so many pixels, whatever the budget
-    const RfTrialWatch* watch;        // may be NULL
-    void ( *report )( void* user, const RfCost* cost, int spp ); // called before each level; may be NULL
+    const RfRenderSettings* settings;                            // with reuse; spp is ignored
+    double budget;                                               // seconds; the first round is completed, but for a deadline
+    double deadline;                                             // rf_wall_seconds() at which all is stopped; 0: none
+    const RfTrialWatch* watch;                                   // may be NULL
+    void ( *report )( void* user, const RfCost* cost, int spp ); // called before each round; may be NULL
     void* user;
 } RfCostJob;
 
 // Measures both curves. Fails with RF_ERROR_INTERRUPTED if stopped, RF_ERROR_USAGE if the
-// settings do not reuse anything.
+// settings do not reuse anything, RF_ERROR_SCENE if the deadline came before the first result.
 RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error );
 
 // What reaching an error takes: samples per pixel as rendered (at least two), seconds for a
@@ -72,29 +74,9 @@ typedef struct RfCostPrediction
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep );
 RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep );
 
-// Fits the measurements of `cost`: slopes, and sums of units.
-
 // The slope of log y against log x by unweighted least squares, with Student's t for the
 // scatter about the line. Points that are not above 0 are skipped. Needs at least two points,
 // and three for the interval.
 RfInterval rf_fit_slope( const double* x, const double* y, int count );
-
-// One of the two methods (0: path tracing, 1: with reuse) at one position and sample count.
-typedef struct RfCostPart
-{
-    double relmse; // of a single sample
-    double wall_seconds, cpu_seconds;
-    double samples; // rendered in these seconds
-} RfCostPart;
-
-typedef struct RfCostUnit
-{
-    int passes;
-    RfCostPart parts[2];
-} RfCostUnit;
-
-// All units combined: relMSE of a single sample, weighted by
-// passes because more samples determine it better; seconds of one sample.
-RfCostPart rf_sum_cost_units( const RfCostUnit* units, int count, int part );
 
 #endif

@@ -16,11 +16,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Timings of one render. Set-up ends with the first chunk of records; `cpu` and `wall` cover
+// Timings of one render. Set-up ends with the first chunk of records; `cpu` covers
 // the `samples` after it, or everything if there is only one chunk.
 typedef struct TrialMeter
 {
-    double samples, cpu, wall;
+    double samples, cpu;
     double finish_cpu; // from the last chunk on, without the callbacks
     double all_samples, all_cpu;
 } TrialMeter;
@@ -59,7 +59,7 @@ void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse )
 
 typedef struct Clock
 {
-    double samples, cpu, wall;
+    double samples, cpu;
 } Clock;
 
 typedef struct Metered
@@ -78,7 +78,7 @@ static double cpu_seconds( const Metered* m ) { return m->one_thread ? rf_thread
 static bool on_progress( void* user, const RfProgress* progress )
 {
     Metered* m = user;
-    m->last = ( Clock ){ progress->samples, cpu_seconds( m ), rf_wall_seconds() };
+    m->last = ( Clock ){ progress->samples, cpu_seconds( m ) };
     if ( !m->begun )
         m->first = m->last;
     m->begun = true;
@@ -107,7 +107,7 @@ static RfResult render_metered( const RfTestRegion* region, int first, int eye_c
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a list of %d frames", eye_count );
     for ( int i = 0; i < eye_count; ++i )
         frames[i] = i;
-    Clock start = { 0.0, cpu_seconds( &m ), rf_wall_seconds() };
+    Clock start = { 0.0, cpu_seconds( &m ) };
     RfResult result = rf_render( &( RfShot ){ region->shot.tracer, region->eyes + first, eye_count, frames, eye_count }, settings,
                                  &callbacks, NULL, error );
     double end = cpu_seconds( &m );
@@ -117,7 +117,6 @@ static RfResult render_metered( const RfTestRegion* region, int first, int eye_c
     *meter = ( TrialMeter ){
         .samples = m.last.samples - m.first.samples,
         .cpu = m.last.cpu - m.first.cpu,
-        .wall = m.last.wall - m.first.wall,
         .finish_cpu = end - m.last.cpu - m.callbacks,
         .all_samples = m.last.samples,
         .all_cpu = end - start.cpu,
@@ -448,7 +447,6 @@ static RfResult try_group( const RfTestRegion* region, int first, const RfRender
         trial->samples += meter.all_samples;
         trial->timed_samples += meter.samples;
         trial->cpu_seconds += meter.cpu;
-        trial->wall_seconds += meter.wall;
         trial->finish_seconds += meter.finish_cpu;
         trial->finish_pixels += region->pieces.pixels * pair->eyes;
         seconds[twin] = meter.cpu / meter.samples;
@@ -508,7 +506,6 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial )
     sum->samples += trial->samples;
     sum->timed_samples += trial->timed_samples;
     sum->cpu_seconds += trial->cpu_seconds;
-    sum->wall_seconds += trial->wall_seconds;
     sum->finish_seconds += trial->finish_seconds;
     sum->finish_pixels += trial->finish_pixels;
     sum->relmse += trial->relmse;
@@ -614,4 +611,17 @@ RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse )
     double margin = rf_influence_margin( influence, count, time_variance( plain ) + time_variance( reuse ) );
     double plain_tail = tail_margin( plain ), reuse_tail = tail_margin( reuse );
     return rf_log_interval( value, sqrt( margin * margin + plain_tail * plain_tail + reuse_tail * reuse_tail ) );
+}
+
+RfInterval rf_trial_error( const RfTrial* trial )
+{
+    double influence[RF_TRIAL_PIECES], value = rf_trial_relmse( trial, 1.0 );
+    const RfTrial* const same[2] = { trial, trial };
+    Sums s = sum_pieces( same, trial->piece_count );
+    if ( !isgreater( value, 0.0 ) || isinf( value ) )
+        return ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
+    for ( int i = 0; i < trial->piece_count; ++i )
+        influence[i] = influence_on( trial, i, s.weight[0], s.relmse[0] );
+    double margin = rf_influence_margin( influence, trial->piece_count, 0.0 ), tail = tail_margin( trial );
+    return rf_log_interval( value, sqrt( margin * margin + tail * tail ) );
 }

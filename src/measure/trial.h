@@ -88,12 +88,11 @@ typedef struct RfPieceError
 // pass (P times the error of P passes), multiplied by `weight`.
 typedef struct RfTrial
 {
-    int groups;           // rendered, each twice
-    double weight;        // number of pixels measured
-    double samples;       // own-frame samples traced
-    double timed_samples; // those within the next two times, which exclude set-up
-    double cpu_seconds;   // of all threads
-    double wall_seconds;
+    int groups;                           // rendered, each twice
+    double weight;                        // number of pixels measured
+    double samples;                       // own-frame samples traced
+    double timed_samples;                 // those within the next time, which excludes set-up
+    double cpu_seconds;                   // of all threads
     double finish_seconds, finish_pixels; // CPU seconds for finishing frames, and their pixels
     double relmse;                        // from the two renders
     double mse;                           // mean squared error, over channels
@@ -124,6 +123,9 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial );
 // between pieces (a jackknife) and of the times, and from how much of the errors the worst cells hold. Both were tried in the same regions, one of them perhaps in more: what
 // they have in common counts. NaN if they have nothing.
 RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse );
+
+// relMSE of a single sample with such an interval, in which the times have no part.
+RfInterval rf_trial_error( const RfTrial* trial );
 
 // relMSE of a frame in the middle of a long path with `spp` own-frame samples per pixel.
 double rf_trial_relmse( const RfTrial* trial, double spp );

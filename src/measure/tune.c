@@ -112,7 +112,7 @@ bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTune
     if ( pixels > most ) // more positions from the time left
         round->regions = (int)fmin( MAX_REGIONS, floor( round->regions * pixels / most ) );
     round->pixels = fmax( fmin( pixels, most ), least );
-    if ( o->number > 0 && pixels < least )
+    if ( !o->must && pixels < least )
         return false;
     round->seconds = rf_tune_round_cost( tune, candidate, round, o->cost_second ) / o->rate;
     return true;
@@ -138,9 +138,11 @@ void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate )
     if ( count == 0 )
         return;
     qsort( sorted, (size_t)count, sizeof *sorted, descending );
-    double bar = fmax( HOPE * sorted[0], sorted[kept < count ? kept - 1 : count - 1] );
+    double hope = tune->round_count > 0 ? HOPE : 0.0; // before, efficiencies are guesses
+    double bar = fmax( hope * sorted[0], sorted[kept < count ? kept - 1 : count - 1] );
     for ( int i = 0; i < tune->count; ++i )
-        candidate[i] = candidate[i] && ( tune->rows[i].efficiency >= bar || rf_is_plain_row( tune->rows + i ) );
+        candidate[i] =
+            candidate[i] && ( tune->rows[i].efficiency >= bar || tune->rows[i].usual || rf_is_plain_row( tune->rows + i ) );
 }
 
 double rf_tune_position( int index )
@@ -237,23 +239,33 @@ static void end_tune_work( TuneWork* w )
     pthread_mutex_destroy( &w->mutex );
 }
 
+// Is a row tried sooner than another? A deadline may leave out the last ones.
+static bool goes_before( const RfTuneRow* a, const RfTuneRow* b )
+{
+    int rank[2] = { rf_is_plain_row( a ) ? 2 : a->usual, rf_is_plain_row( b ) ? 2 : b->usual };
+    return rank[0] != rank[1] ? rank[0] > rank[1] : a->efficiency > b->efficiency;
+}
+
 // Starts a round. `common` is the job's settings, resolved. Call end_tune_work afterwards.
 static void begin_tune_work( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common, const bool* candidate,
-                             const RfTuneRound* round, int first_position, double deadline, TuneWork* w )
+                             const RfTuneRound* round, int first_position, TuneWork* w )
 {
     memset( w, 0, sizeof *w );
     w->job = job;
     w->tune = tune;
     w->round = round;
-    w->deadline = deadline;
+    w->deadline = job->deadline > 0.0 ? job->deadline : (double)INFINITY;
     w->watch = ( RfTrialWatch ){ should_continue, w };
     pthread_mutex_init( &w->mutex, NULL );
     w->first_position = first_position;
     w->region_frames = rf_tune_region_frames( tune, candidate );
     for ( int i = 0; i < tune->count; ++i )
     {
-        if ( candidate[i] )
-            w->rows[w->row_count++] = i;
+        int k = candidate[i] ? w->row_count++ : -1;
+        for ( ; k > 0 && goes_before( tune->rows + i, tune->rows + w->rows[k - 1] ); --k )
+            w->rows[k] = w->rows[k - 1];
+        if ( k >= 0 )
+            w->rows[k] = i;
     }
     w->threads = common->threads;
     w->settings = *common;
@@ -292,8 +304,8 @@ static RfResult run_tune_trials( TuneWork* w, RfError* error )
     return w->result;
 }
 
-// Adds the trials of the regions at which all rows were tried; returns the number of these
-// regions.
+// Adds the trials of the regions at which all rows were tried, in the first round at least those of the first region; returns
+// the number of these regions.
 static int take_tune_trials( const TuneWork* w, RfTune* tune )
 {
     int complete = 0;
@@ -302,14 +314,17 @@ static int take_tune_trials( const TuneWork* w, RfTune* tune )
         int done = 0;
         for ( int k = 0; k < w->row_count; ++k )
             done += w->done[s * w->row_count + k];
-        if ( done < w->row_count )
+        if ( done < w->row_count && ( done == 0 || tune->round_count > 0 || s > 0 ) )
             continue;
         for ( int k = 0; k < w->row_count; ++k )
+        {
+            if ( !w->done[s * w->row_count + k] )
+                continue;
             rf_add_trial( &tune->rows[w->rows[k]].trial, w->trials + s * w->row_count + k );
+            tune->rows[w->rows[k]].rounds += complete == 0;
+        }
         complete += 1;
     }
-    for ( int k = 0; k < w->row_count && complete > 0; ++k )
-        tune->rows[w->rows[k]].rounds += 1;
     return complete;
 }
 
@@ -328,7 +343,8 @@ static double tune_work_seconds( const TuneWork* w )
     return cpu;
 }
 
-#define OVERTIME 1.1        // times the budget: when the last round is aborted
+#define SLACK 0.9           // of the time left for a round without a later one: trials end at different times
+#define LEAST_ROWS 3        // path tracing, what is usual and another one
 #define FIRST_PIXELS 2500.0 // traced of a frame, to measure the speed
 
 static const int s_kept[RF_TUNE_ROUNDS] = { 16, 8, 4, 1 }; // candidates kept after each round
@@ -345,10 +361,10 @@ typedef struct Tuner
     double cost_second;
 } Tuner;
 
-static RfResult run_round( Tuner* t, const RfTuneRound* round, double deadline, int* complete, RfError* error )
+static RfResult run_round( Tuner* t, const RfTuneRound* round, int* complete, RfError* error )
 {
     TuneWork w;
-    begin_tune_work( t->job, t->tune, &t->common, t->candidate, round, t->positions, deadline, &w );
+    begin_tune_work( t->job, t->tune, &t->common, t->candidate, round, t->positions, &w );
     *complete = 0;
     double start = rf_wall_seconds();
     RfResult result = make_tune_regions( &w, error );
@@ -372,7 +388,7 @@ static RfResult calibrate( Tuner* t, RfError* error )
                           .regions = t->common.threads,
                           .passes = rf_usual_passes( &t->common ) };
     TuneWork w;
-    begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, (double)INFINITY, &w );
+    begin_tune_work( job, t->tune, &t->common, t->candidate, &round, 0, &w );
     double start = rf_wall_seconds(), cost = 0.0;
     RfResult result = make_tune_regions( &w, error );
     double samples = result == RF_OK ? w.regions->samples * round.regions : 1.0, cpu = tune_work_seconds( &w );
@@ -385,22 +401,6 @@ static RfResult calibrate( Tuner* t, RfError* error )
     return result;
 }
 
-static RfTuneOutlook make_outlook( const Tuner* t, int number )
-{
-    double left = t->job->budget - ( rf_wall_seconds() - t->start );
-    return ( RfTuneOutlook ){
-        .number = number,
-        .width = t->job->shot.eyes->width,
-        .height = t->job->shot.eyes->height,
-        .left = left > 0.0 ? left : 0.0,
-        .rate = t->wall > 0.0 && t->cpu > 0.0 ? t->cpu / t->wall : 1.0,
-        .cost_second = t->cost_second,
-        .memory = t->common.memory,
-        .workers = t->common.threads,
-        .passes = rf_usual_passes( &t->common ),
-    };
-}
-
 static int count_candidates( const Tuner* t )
 {
     int count = 0;
@@ -409,24 +409,45 @@ static int count_candidates( const Tuner* t )
     return count;
 }
 
+static RfTuneOutlook make_outlook( const Tuner* t, int number )
+{
+    double left = t->job->budget - ( rf_wall_seconds() - t->start );
+    return ( RfTuneOutlook ){
+        .number = number,
+        .width = t->job->shot.eyes->width,
+        .height = t->job->shot.eyes->height,
+        .left = left > 0.0 ? SLACK * left : 0.0,
+        .rate = t->wall > 0.0 && t->cpu > 0.0 ? t->cpu / t->wall : 1.0,
+        .cost_second = t->cost_second,
+        .memory = t->common.memory,
+        .workers = t->common.threads,
+        .passes = rf_usual_passes( &t->common ),
+        .must = number == 0 && ( t->job->deadline == 0.0 || count_candidates( t ) < LEAST_ROWS ),
+    };
+}
+
 static bool is_stopped( const Tuner* t )
 {
     const RfTrialWatch* watch = t->job->watch;
     return watch != NULL && watch->should_continue != NULL && !watch->should_continue( watch->user );
 }
 
-// Plans a round for the candidates, or for the better half of them if time is too short; false
-// if it is too short even for two.
+// Was that the deadline?
+static bool is_late( const Tuner* t, RfResult result ) { return result == RF_ERROR_INTERRUPTED && !is_stopped( t ); }
+
+// Plans a round for the candidates, or for the better ones if time is too short; false if it is too short even for two that
+// are to be compared. The first round is planned in any case.
 static bool plan_round( Tuner* t, int number, RfTuneRound* round )
 {
-    RfTuneOutlook outlook = make_outlook( t, number );
-    while ( !rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
+    for ( int kept = count_candidates( t ) - 1;; --kept )
     {
-        rf_cut_tune_candidates( t->tune, count_candidates( t ) / 2, t->candidate ); // path tracing stays besides
-        if ( count_candidates( t ) < 3 )                                            // path tracing is one of them
+        RfTuneOutlook outlook = make_outlook( t, number );
+        if ( rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
+            return true;
+        rf_cut_tune_candidates( t->tune, kept, t->candidate ); // path tracing and what is usual stay besides
+        if ( number > 0 && count_candidates( t ) < LEAST_ROWS )
             return false;
     }
-    return true;
 }
 
 // Runs a round; work left undone at the deadline is ignored.
@@ -439,15 +460,15 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
         return RF_OK;
     if ( job->report != NULL )
         job->report( job->user, t->tune, round, count_candidates( t ) );
-    double deadline = number == 0 ? (double)INFINITY : t->start + OVERTIME * job->budget;
     int complete;
-    RfResult result = run_round( t, round, deadline, &complete, error );
+    RfResult result = run_round( t, round, &complete, error );
     t->tune->round_count += complete > 0;
     round->regions = complete;
     rf_smooth_tune_rows( t->tune );
     rf_predict_tune_rows( t->tune, (double)job->shot.eyes->width * job->shot.eyes->height, job->shot.frame_count );
-    if ( result == RF_ERROR_INTERRUPTED && !is_stopped( t ) )
+    if ( is_late( t, result ) )
     {
+        t->tune->needed = t->tune->round_count > 0 ? 0.0 : rf_wall_seconds() - t->start + round->seconds;
         *last = true;
         return RF_OK;
     }
@@ -466,13 +487,18 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
         t.common.threads = rf_tune_workers( job, tune, &t.common );
     if ( result == RF_OK )
         result = calibrate( &t, error );
-    bool last = false;
+    bool last = is_late( &t, result );
+    if ( last )
+    {
+        tune->needed = 4.0 * job->budget;
+        result = RF_OK;
+    }
     for ( int number = 0; number < RF_TUNE_ROUNDS && result == RF_OK && !last && count_candidates( &t ) > ( number > 0 );
           ++number )
         result = next_round( &t, number, &last, error );
     rf_predict_tune_rows( tune, (double)job->shot.eyes->width * job->shot.eyes->height, job->shot.frame_count );
     tune->seconds = rf_wall_seconds() - t.start;
-    if ( result == RF_OK && tune->chosen < 0 )
+    if ( result == RF_OK && tune->chosen < 0 && tune->needed == 0.0 )
         return rf_fail( error, RF_ERROR_SCENE,
                         "no error can be measured: the test images are black, or have NaN or infinite pixels" );
     return result;

@@ -40,10 +40,10 @@ typedef struct RfTuneRow
     int spp;                    // as rendered
     RfMemoryFit fit;            // of the requested render; only `least` is set if it does not fit
     double samples;             // own-frame samples of the requested frames, over all sweeps
-    double predicted_gain;      // with fixed costs as in plan.h, relative to the same tile without
-                                // frame reuse
+    double predicted_gain;      // as in plan.h, relative to the same tile without frame reuse
     double cost;                // of an own-frame sample, with fixed costs
-    const char* excluded;       // why it is not tried; NULL: it is
+    const char* excluded;       // why it is not tried; NULL: it is, as far as the time goes
+    bool usual;                 // what a render takes by itself: of the job's tile the group of RF_GROUP_AUTO
     int rounds;                 // in which it was tried
     RfTrial trial;              // sum over those rounds
     double log_error, log_time; // corrections by the other rows, added to the logarithms of the
@@ -51,7 +51,9 @@ typedef struct RfTuneRow
     // predictions for the requested render; NaN if not tried
     double cpu_seconds, seconds; // for all frames
     double relmse, f1, phi;      // of a frame with `spp` samples
-    double efficiency;           // 1 / (relMSE · CPU seconds of a frame), or with F1 squared in the place of relMSE
+    double efficiency;           // 1 / (relMSE · CPU seconds of a frame), or with F1 squared in the place of relMSE; before
+                                 // the first round a guess
+    RfInterval error;            // relMSE with its 95 % interval; NaN if not tried
     RfInterval gain;             // efficiency relative to path tracing (group 0, tile 1), measured on the same pieces; NaN if
                                  // that was not tried
     bool chosen;
@@ -73,13 +75,15 @@ typedef struct RfTune
     RfTuneRound rounds[RF_TUNE_ROUNDS];
     int round_count; // completed
     double seconds;  // spent
+    double needed;   // where the deadline came before the first result: seconds that this takes, about
 } RfTune;
 
 typedef struct RfTuneJob
 {
     RfShot shot;
-    const RfRenderSettings* settings; // group and tile are ignored
-    double budget;                    // seconds; the first round is always completed
+    const RfRenderSettings* settings; // the group is ignored, the tile is that of the usual row
+    double budget;                    // seconds; the first round is completed, but for a deadline
+    double deadline;                  // rf_wall_seconds() at which all is stopped, for which settings may be left out; 0: none
     RfTuneGoal goal;
     const RfTrialWatch* watch; // may be NULL; called from several threads
     void ( *report )( void* user, const RfTune* tune, const RfTuneRound* round,

@@ -43,8 +43,15 @@ static double cost_of( const RfPlanRow* row )
            row->rays_primary;
 }
 
+// What a reused path of a tile is worth, roughly: neighbours' paths are alike. It only decides what is tried first.
+static double worth_of( const RfTile* tile )
+{
+    return tile->kind == RF_TILE_NONE ? 1.0 : sqrt( tile->kind == RF_TILE_BLOCK ? tile->width * tile->height : tile->width );
+}
+
 static void take_plan( const RfPlanRow* plan, RfTuneRow* row )
 {
+    row->efficiency = plan->gain * worth_of( &row->tile );
     row->fit = plan->fit;
     row->samples = plan->samples;
     row->predicted_gain = plan->gain;
@@ -69,7 +76,7 @@ static void drop_hopeless( RfTune* tune, int first )
     for ( int i = best + 1; i < tune->count; ++i )
     {
         RfTuneRow* row = tune->rows + i;
-        if ( row->excluded == NULL && isless( row->predicted_gain, BEYOND * tune->rows[best].predicted_gain ) )
+        if ( row->excluded == NULL && !row->usual && isless( row->predicted_gain, BEYOND * tune->rows[best].predicted_gain ) )
             row->excluded = s_hopeless;
     }
 }
@@ -93,12 +100,14 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
                               .tile = *tile,
                               .spp = groups.spp,
                               .predicted_gain = NAN,
+                              .efficiency = NAN,
                               .excluded = s_no_room };
         if ( i >= planned || !rf_plan_row_fits( plan.rows + i ) )
             row->fit = fit_of( job, row );
         else
         {
             take_plan( plan.rows + i, row );
+            row->usual = i == plan.chosen && memcmp( tile, &job->settings->tile, sizeof *tile ) == 0;
             row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
         }
         if ( groups.eyes == rf_longest_shot( job->shot.eyes, job->shot.eye_count ) || !rf_has_groups( job->settings->estimator ) )
@@ -129,13 +138,18 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     asked.adaptive = RF_ADAPTIVE_OFF;
     RfResult result = rf_resolve_settings( &job->shot, &asked, common, error );
     common->spp = asked.spp;
+    RfRenderSettings listed = *common; // of the render itself, whose memory is said
+    listed.noise = job->settings->noise;
+    listed.flicker = job->settings->flicker;
+    listed.time = job->settings->time;
+    listed.adaptive = job->settings->adaptive;
     int tried = 0;
     for ( int t = 0; t < RF_TUNE_TILES && result == RF_OK; ++t )
     {
         RfTile tile;
         rf_parse_tile( rf_has_groups( common->estimator ) ? s_tiles[t] : s_extended_tiles[t], &tile );
         RfTuneJob resolved = *job;
-        resolved.settings = common;
+        resolved.settings = &listed;
         result = list_tile( &resolved, &tile, tune, error );
     }
     for ( int i = 0; i < tune->count; ++i )
@@ -173,14 +187,17 @@ static void predict_row( const RfTune* tune, RfTuneRow* row, double pixels, int 
 {
     const RfTrial* trial = &row->trial;
     row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = NAN;
-    row->gain = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
+    row->gain = row->error = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
     if ( row->rounds == 0 )
         return;
     double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
     row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) * exp( row->log_time ) + frames * pixels * finish;
     row->seconds = row->cpu_seconds / row->fit.threads;
     bool flicker = tune->goal == RF_TUNE_FLICKER; // what the trials of the other rows correct
-    row->relmse = rf_trial_relmse( trial, row->spp ) * ( flicker ? 1.0 : exp( row->log_error ) );
+    double factor = flicker ? 1.0 : exp( row->log_error );
+    row->relmse = rf_trial_relmse( trial, row->spp ) * factor;
+    row->error = rf_trial_error( trial );
+    row->error = ( RfInterval ){ row->relmse, row->error.low / row->spp * factor, row->error.high / row->spp * factor };
     row->f1 = rf_trial_f1( trial, row->spp ) * ( flicker ? exp( 0.5 * row->log_error ) : 1.0 );
     row->phi = rf_trial_phi( trial );
     double cost = ( flicker ? row->f1 * row->f1 : row->relmse ) * row->cpu_seconds;

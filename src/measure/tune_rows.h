@@ -44,17 +44,18 @@ typedef struct RfTuneOutlook
     size_t memory;      // bytes, for all trials that run in parallel
     int workers;
     int passes; // at the least, of each trial
+    bool must;  // the round is planned even where the time is too short
 } RfTuneOutlook;
 
 // Plans the next round: its share of the remaining time goes to larger and more pieces and, once they
 // make up the whole picture, to more positions. Returns false if too little time is left for
-// pieces large enough to be meaningful; the first round is always planned.
+// pieces large enough to be meaningful.
 bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTuneOutlook* outlook, RfTuneRound* round );
 
 // Expected CPU seconds of a round.
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second );
 
-// Keeps the best `kept` candidates that still have a chance to win, and path tracing; drops candidates without
+// Keeps the best `kept` candidates that still have a chance to win, path tracing and the usual row; drops candidates without
 // an efficiency.
 void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate );
 

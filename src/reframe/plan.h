@@ -11,13 +11,12 @@
 //
 //     gain = reach · (c_e + c_l) / (c_e + c_l + (eyes − 1) c_v)
 //
-// times what the passes at the ends of a short path and, in the measured one,
-// several sweeps leave of it. The paper has the number of frames for `reach`, as if all
+// times what the passes at the ends of a short path leave of it. The paper has the number of frames for `reach`, as if all
 // saw the same; here it is the samples that land in a pixel for each of its own, counted with
 // a few thousand hits along the path.
 //
-// What RF_GROUP_AUTO takes rests on counts alone, with fixed costs of rays: it is the same for
-// any run, thread count and choice of frames. Only c_e, c_l, c_v and seconds are measured.
+// All of it rests on counts alone, with fixed costs of rays c: what RF_GROUP_AUTO takes is the same for
+// any run, thread count and choice of frames.
 #ifndef REFRAME_PLAN_H
 #define REFRAME_PLAN_H
 
@@ -38,12 +37,9 @@ typedef struct RfPlanRow
     int spp;         // as rendered
     RfMemoryFit fit; // `least` alone where it does not fit: then what follows is NaN
     double samples;  // that the frames asked for trace themselves
-    double repeated; // how often each is traced, on the average over the sweeps
     double rays_primary, rays_path, rays_shadow, rays_tile, rays_eye; // expected
     double reach;                                                     // samples that land in a pixel for each of its own
-    double gain;                                                      // with fixed costs: what the choice rests on
-    double measured_gain; // with those of this scene and machine; NaN until rf_measure_plan
-    double seconds;       // of the render, likewise
+    double gain;                                                      // with fixed costs of rays
     const char* excluded; // why RF_GROUP_AUTO does not consider it, a string literal; NULL: it does
     bool chosen;
 } RfPlanRow;
@@ -57,7 +53,6 @@ typedef struct RfPlan
     char why[RF_PLAN_TEXT];             // the reason of the choice, in words
     double hit_share, glossy_share;     // of the camera rays: hits that make records, and those among them that are glossy
     size_t bytes_diffuse, bytes_glossy; // of one record
-    double c_e, c_l, c_v; // measured, seconds: a camera ray, the light at its hit, one reuse; NaN until rf_measure_plan
 } RfPlan;
 
 // Does the row fit the memory budget at all?
@@ -68,11 +63,6 @@ static inline bool rf_plan_row_fits( const RfPlanRow* row ) { return row->fit.fi
 // Bytes, rays and seconds are of the frames of the shot, at least one; the choice is not. Fails with
 // RF_ERROR_USAGE for values out of range, and as rf_fit_memory does for a group of one frame.
 RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error );
-
-// Measures the costs by about so many seconds of the render's own phases on one
-// thread, and fills in what rests on them. Settings as for rf_plan_render; `plan` is as that filled it for the same path. The
-// frames of the shot are not looked at. Fails with RF_ERROR_USAGE and RF_ERROR_MEMORY as rf_plan_render does.
-RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, double seconds, RfPlan* plan, RfError* error );
 
 // Some of the frames asked for, in a row, for a machine of its own.
 typedef struct RfPlanRange

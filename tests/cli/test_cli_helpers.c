@@ -4,6 +4,7 @@
 #include "cli/options/frame_lists.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
+#include "cli/tune/verdict.h"
 #include "scene/pinhole.h"
 
 #include <math.h>
@@ -168,6 +169,36 @@ static void test_noise_in_percent( void** state )
     }
 }
 
+// No figure whose interval is wider than a factor of 4.
+static void test_gains_are_said_as_far_as_they_are_known( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        RfInterval gain;
+        const char *text, *cell;
+    } cases[] = {
+        { { 3.0, 2.0, 4.0 }, "3 times faster than path tracing at equal noise (95 %: 2 to 4)", "3" },
+        { { 0.5, 0.25, 0.8 }, "2 times slower than path tracing at equal noise (95 %: 1.2 to 4)", "0.5" },
+        { { 1.25, 0.8, 2.0 },
+          "possibly faster than path tracing at equal noise (1.25 times its speed, 95 %: 0.80 to 2.00)",
+          "1.25" },
+        { { 624.89, 5.06, 77216.9 }, "at least 5.1 times faster than path tracing at equal noise", ">5.1" },
+        { { 0.01, 0.001, 0.5 }, "at least 2 times slower than path tracing at equal noise", ">0.001" },
+        { { 1.0, 0.25, 4.0 }, "gain over path tracing not known within the budget: needs about 80 s", ">0.25" },
+        { { 2.0, (double)NAN, (double)NAN }, "gain over path tracing not known within the budget", "?" },
+        { { (double)NAN, (double)NAN, (double)NAN }, "not compared with path tracing", "?" },
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        char text[160], cell[RF_FIGURE_SIZE];
+        rf_format_gain( &cases[i].gain, 20.0, text, sizeof text );
+        rf_format_figure( &cases[i].gain, cell );
+        assert_string_equal( text, cases[i].text );
+        assert_string_equal( cell, cases[i].cell );
+    }
+}
+
 static void test_progress_line_is_short_and_right( void** state )
 {
     (void)state;
@@ -241,6 +272,7 @@ int main( void )
         cmocka_unit_test( test_matrices_of_shifted_lenses ),
         cmocka_unit_test( test_fingerprints_change_with_every_setting ),
         cmocka_unit_test( test_noise_in_percent ),
+        cmocka_unit_test( test_gains_are_said_as_far_as_they_are_known ),
         cmocka_unit_test( test_progress_line_is_short_and_right ),
         cmocka_unit_test( test_progress_off_a_terminal ),
     };

@@ -77,7 +77,7 @@ static void test_names_are_checked( void** state )
     cli_expect( cli_run( "$R info $VASE --no-effect mirors" ), 2, "--no-effect: 'mirors' is no effect, did you mean mirrors?" );
     cli_expect( cli_run( "$R render $VASE -o a.exr --no-effect adaptive" ), 2,
                 "--no-effect: adaptive cannot be left out of a scene: give --no-adaptive" );
-    cli_expect( cli_run( "$R plan $VASE --no-effect pixel-filter" ), 2, "give --filter box" );
+    cli_expect( cli_run( "$R tune $VASE --budget 0 --no-effect pixel-filter" ), 2, "give --filter box" );
     cli_expect( cli_run( "$R tune $VASE --no-effect panes,panes" ), 2, "the effect panes is given twice" );
     write_room( "" );
     write_text( "bad.json", "{\"scene\":\"room.gltf\",\"render\":{\"no_effect\":\"pane\"}}" );

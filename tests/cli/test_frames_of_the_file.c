@@ -220,8 +220,8 @@ static void test_cuts_part_a_path( void** state )
     }
     expect_among( cli_run( RENDER_CUT "-o one.####.exr --resume" ), 1, "one.0101.exr" ); // of another path
     // machines share no group at a cut
-    cli_expect( cli_run( "$R plan room.gltf --group 2 --spp 4 --nodes 2 --json plan.json >told" ), 0, NULL );
-    json_t* json = cli_read_json( "plan.json" );
+    cli_expect( cli_run( "$R tune room.gltf --budget 0 --group 2 --spp 4 --nodes 2 --json tune.json >told" ), 0, NULL );
+    json_t* json = cli_read_json( "tune.json" );
     const json_t* ranges = json_object_get( json_object_get( json, "nodes" ), "ranges" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( ranges, 0 ), "frames" ) ), "101-104" );
     json_decref( json );
@@ -301,7 +301,7 @@ static void test_equal_eyes_are_rendered_once( void** state )
     assert_true( is_same_picture( "c.0002.exr", "c.0004.exr" ) );
     const CliResult* flicker = cli_run( "$R flicker a.####.exr --frames 2-4 --json -" );
     assert_int_equal( flicker->status, 0 );
-    cli_expect( cli_run( "$R plan room.gltf --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R tune room.gltf --budget 0 --quiet" ), 0, NULL );
 }
 
 static void test_still_cameras_are_reported( void** state )

@@ -35,13 +35,13 @@ static void test_scene_is_never_overwritten( void** state )
     check_kept( "room.glb", "--json: link.json: would overwrite what is read", "$R info room.glb --json link.json" );
     check_kept( "room.glb", "--svg: room.glb: ends as", "$R cost room.glb --svg room.glb" );
     check_kept( "scene.json", "--json: ./sub/../scene.json: would overwrite what is read",
-                "$R plan scene.json --json ./sub/../scene.json" );
+                "$R tune scene.json --json ./sub/../scene.json" );
     check_kept( "room.glb", "--json: a.svg: ends as a file of another kind", "$R tune room.glb --svg b.svg --json a.svg" );
     check_kept( "room.glb", "--svg: a: is the file of --json too", "$R cost room.glb --svg a --json ./a" );
     check_kept( "room.glb", "expected a name that ends in .exr", "$R render room.glb --frames 1 -o f.json" );
     cli_expect( cli_run( "echo '{}' > path.json" ), 0, NULL );
     check_kept( "path.json", "--json: path.json: is the file of --camera too",
-                "$R info room.glb --json /dev/null && $R plan room.glb --camera path.json --json path.json" );
+                "$R info room.glb --json /dev/null && $R tune room.glb --camera path.json --json path.json" );
     assert_false( cli_exists( "a" ) || cli_exists( "b.svg" ) || cli_exists( "f.json" ) );
 }
 

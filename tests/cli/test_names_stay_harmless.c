@@ -69,7 +69,7 @@ static void test_names_of_objects( void** state )
                       "| tr -d '\\r'" ); // on a terminal
     expect_harmless( result->out );
     assert_non_null( strstr( result->out, "7\\u009B5m" ) );
-    result = cli_run( "$R plan scene.gltf --camera nobody --size 8x8" ); // the error lists the cameras
+    result = cli_run( "$R tune scene.gltf --camera nobody --size 8x8" ); // the error lists the cameras
     assert_true( result->status != 0 );
     expect_harmless( result->err );
 }

@@ -13,12 +13,13 @@
 
 #include <cmocka.h>
 
-static void check_rows( const json_t* tune )
+// Returns how many were tried.
+static int check_rows( const json_t* tune )
 {
     static const char* const keys[] = { "group",  "tile",    "bytes_films", "bytes_hits", "chunks", "predicted_gain", "seconds",
                                         "relmse", "flicker", "phi",         "efficiency", "gain",   "chosen" };
     const json_t* rows = json_object_get( tune, "rows" );
-    int chosen = 0, excluded = 0;
+    int chosen = 0, excluded = 0, usual = 0, tried = 0;
     int last = (int)json_array_size( json_object_get( tune, "rounds" ) );
     double best = 0.0, winner = 0.0; // of the last round
     for ( size_t i = 0; i < json_array_size( rows ); ++i )
@@ -26,6 +27,7 @@ static void check_rows( const json_t* tune )
         const json_t* row = json_array_get( rows, i );
         for ( size_t k = 0; k < sizeof keys / sizeof keys[0]; ++k )
             assert_non_null( json_object_get( row, keys[k] ) );
+        usual += json_is_true( json_object_get( row, "default" ) );
         if ( !json_is_null( json_object_get( row, "excluded" ) ) )
         {
             assert_true( json_is_null( json_object_get( row, "efficiency" ) ) &&
@@ -33,10 +35,17 @@ static void check_rows( const json_t* tune )
             excluded += 1;
             continue;
         }
+        int rounds = (int)json_integer_value( json_object_get( row, "rounds" ) );
+        if ( rounds == 0 ) // no time left
+        {
+            assert_true( json_is_null( json_object_get( row, "efficiency" ) ) &&
+                         json_is_false( json_object_get( row, "default" ) ) );
+            continue;
+        }
+        tried += 1;
         double efficiency = json_number_value( json_object_get( row, "efficiency" ) );
         assert_true( efficiency > 0.0 && json_number_value( json_object_get( row, "flicker" ) ) > 0.0 );
-        int rounds = (int)json_integer_value( json_object_get( row, "rounds" ) );
-        assert_true( rounds >= 1 && rounds <= last );
+        assert_true( rounds <= last );
         best = rounds == last ? fmax( best, efficiency ) : best;
         if ( !json_is_true( json_object_get( row, "chosen" ) ) )
             continue;
@@ -44,7 +53,10 @@ static void check_rows( const json_t* tune )
         winner = efficiency;
         assert_int_equal( rounds, last );
     }
+    assert_int_equal( usual, 1 );
     assert_true( chosen == 1 && excluded == 5 * 2 && best > 0.0 && winner == best ); // groups 6 and 8
+    assert_true( tried >= 3 );
+    return tried;
 }
 
 static int count_of( const char* text, const char* end, const char* part )
@@ -55,8 +67,8 @@ static int count_of( const char* text, const char* end, const char* part )
     return count;
 }
 
-// A line of seven groups for each tile, axes, and a ring around the winner.
-static void check_plot( const char* svg, const json_t* tune )
+// A line of groups for each tile that was tried, axes, and a ring around the winner.
+static void check_plot( const char* svg, const json_t* tune, int tried )
 {
     static const char* const words[] = { ">memory beyond the scene, MiB<",
                                          ">efficiency, 1 / (relMSE ",
@@ -83,17 +95,17 @@ static void check_plot( const char* svg, const json_t* tune )
     assert_non_null( ring );
     assert_int_equal( sscanf( ring, "<circle cx=\"%15[0-9.]\" cy=\"%15[0-9.]\"", x, y ), 2 );
     snprintf( place, sizeof place, "%s %s", x, y );
-    int lines = 0, through = 0;
+    int lines = 0, through = 0, points = 0;
     for ( const char* line = svg; line != NULL; line = strchr( line + 1, '\n' ) )
     {
         const char* end = line + 1 + strcspn( line + 1, "\n" );
         if ( count_of( line, end, "clip-path=\"url(#plot)\"" ) == 0 )
             continue;
         lines += 1;
-        assert_int_equal( count_of( line, end, "M" ) + count_of( line, end, "L" ), 7 );
+        points += count_of( line, end, "M" ) + count_of( line, end, "L" );
         through += count_of( line, end, place );
     }
-    assert_true( lines == 5 && through >= 1 );
+    assert_true( lines >= 2 && lines <= 5 && through >= 1 && points == tried );
 }
 
 // Table, JSON and plot; the command that it gives is taken by render.
@@ -104,19 +116,19 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     // words of options in the name of a folder, where the checkout may lie, are not options
     cli_expect( cli_run( "mkdir quiet-budget && ln -s $VASE quiet-budget/vase.glb" ), 0, NULL );
     cli_expect(
-        cli_run( "$R tune quiet-budget/vase.glb %s --budget 1 --quiet --svg plot.svg --json tune.json > table.txt", options ), 0,
+        cli_run( "$R tune quiet-budget/vase.glb %s --budget 10 --quiet --svg plot.svg --json tune.json > table.txt", options ), 0,
         NULL );
     json_t* tune = cli_read_json( "tune.json" );
-    check_rows( tune );
+    int tried = check_rows( tune );
     cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; m.parse('plot.svg')\"" ), 0, NULL );
     size_t size;
     char* svg = cli_read( "plot.svg", &size );
-    check_plot( svg, tune );
+    check_plot( svg, tune, tried );
     free( svg );
     char* table = cli_read( "table.txt", &size );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
-    assert_non_null( strstr( table, "not measured: spp would more than double" ) );
+    assert_non_null( strstr( table, "10: spp would more than double" ) );
     assert_non_null( strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --memory 200M --max-depth 4" ) );
     cli_expect_verdict( table, tune, "best: " );
     assert_null( strstr( command, " --budget" ) );
@@ -129,7 +141,7 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     // words on the way, and JSON alone on standard output
     const CliResult* said = cli_run( "$R tune $VASE %s --budget 1 --json -", options );
     assert_int_equal( said->status, 0 );
-    assert_true( said->out[0] == '{' && strstr( said->err, "reframe tune: round 1: 35 settings on 144 pixels" ) == said->err );
+    assert_true( said->out[0] == '{' && strstr( said->err, "reframe tune: round 1: " ) == said->err );
 }
 
 static void test_names_are_quoted_for_the_shell( void** state )
@@ -161,9 +173,7 @@ static void test_wrong_commands_are_refused( void** state )
     assert_int_equal( json_integer_value( json_object_get( tune, "frames" ) ), 2 );
     json_decref( tune );
     cli_expect( cli_run( "$R tune" ), 2, "reframe tune: SCENE is missing" );
-    cli_expect( cli_run( "$R tune scene.json --group 3" ), 2, "reframe tune: --group: no such option" );
-    cli_expect( cli_run( "$R tune scene.json --tile 3x3" ), 2, "reframe tune: --tile" );
-    cli_expect( cli_run( "$R tune scene.json --budget 0" ), 2, "reframe tune: --budget: expected " );
+    cli_expect( cli_run( "$R tune scene.json --budget -1" ), 2, "reframe tune: --budget: expected " );
     cli_expect( cli_run( "$R tune scene.json --budget" ), 2, "reframe tune: --budget: its value is missing" );
     cli_expect( cli_run( "$R tune scene.json --frames 99" ), 2, "reframe tune: --frames: there is no frame 99" );
     cli_expect( cli_run( "$R tune scene.json --size 4000x3000 --memory 1M" ), 1, "give --memory " );
@@ -179,7 +189,7 @@ static void test_named_least_budget_works( void** state )
 {
     (void)state;
     static const char command[] =
-        "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 1 --quiet --json tune.json --memory %ldM > table.txt";
+        "$R tune $VASE --size 64x36 --spp 9 --max-depth 2 --budget 6 --quiet --json tune.json --memory %ldM > table.txt";
     const CliResult* said = cli_run( command, 1L );
     cli_expect( said, 1, "give --memory " );
     long least = strtol( strstr( said->err, "give --memory " ) + strlen( "give --memory " ), NULL, 10 );
@@ -200,8 +210,8 @@ static void test_named_least_budget_works( void** state )
             continue;
         without_room += 1;
         assert_string_equal( json_string_value( json_object_get( row, "excluded" ) ), why );
-        assert_non_null( strstr( table, why ) );
     }
+    assert_non_null( strstr( table, ": does not fit in memory" ) );
     assert_true( without_room > 0 && without_room < (int)json_array_size( rows ) );
     free( table );
     json_decref( tune );

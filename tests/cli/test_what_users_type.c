@@ -15,9 +15,9 @@ static void test_help_is_a_command( void** state )
     const CliResult* result = cli_run( "$R help" );
     cli_expect( result, 0, NULL );
     assert_int_equal( strncmp( result->out, "usage: reframe COMMAND", 22 ), 0 );
-    result = cli_run( "$R help plan" );
+    result = cli_run( "$R help tune" );
     cli_expect( result, 0, NULL );
-    assert_int_equal( strncmp( result->out, "usage: reframe plan [OPTIONS] SCENE", 35 ), 0 );
+    assert_int_equal( strncmp( result->out, "usage: reframe tune [OPTIONS] SCENE", 35 ), 0 );
     cli_expect( cli_run( "$R help rendr" ), 2, "reframe: 'rendr': no such command, did you mean render?" );
     cli_expect( cli_run( "$R diff a b" ), 2, "reframe: 'diff': no such command, did you mean compare?" );
     cli_expect( cli_run( "$R version" ), 2, "reframe: 'version': no such command, did you mean --version?" );
@@ -29,14 +29,15 @@ static void test_words_of_other_programs( void** state )
     cli_expect( cli_run( "$R render $VASE -o a.exr --samples 64" ), 2, "--samples: no such option, did you mean --spp?" );
     cli_expect( cli_run( "$R render $VASE -o a.exr --resolution 64x48" ), 2,
                 "--resolution: no such option, did you mean --size?" );
-    cli_expect( cli_run( "$R tune $VASE --time 20s" ), 2, "--time: no such option, did you mean --budget?" );
+    cli_expect( cli_run( "$R cost $VASE --time 20s" ), 2, "--time: no such option, did you mean --budget?" );
 }
 
 // Units reach the render, and numbered names may be written as printf has them.
 static void test_units_and_patterns( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R plan $VASE --size 360p --noise 1%% --time 1m1s --frames 1 --json plan.json > table" ), 0, NULL );
+    cli_expect( cli_run( "$R tune $VASE --budget 0 --size 360p --noise 1%% --time 1m1s --frames 1 --json tune.json > table" ), 0,
+                NULL );
     cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10" TINY ), 0, NULL );
     assert_true( cli_exists( "p/f.0009.exr" ) && cli_exists( "p/f.0010.exr" ) );
     cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10 --noise 300%% --time 30s --size 16x9 --overwrite "

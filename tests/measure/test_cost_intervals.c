@@ -55,18 +55,6 @@ static void test_slope_by_hand( void** state )
     assert_true( isnan( rf_fit_slope( same, v, 3 ).value ) );
 }
 
-static void test_sums_by_hand( void** state )
-{
-    (void)state;
-    // 1 and 3 passes: (1 · 8 + 3 · 4) / 4 = 5; (2 + 4) s for (20 + 100) samples
-    const RfCostUnit units[] = { { 1, { { 8.0, 2.0, 1.0, 20.0 }, { 1.0, 1.0, 1.0, 10.0 } } },
-                                 { 3, { { 4.0, 4.0, 2.0, 100.0 }, { 2.0, 6.0, 6.0, 60.0 } } } };
-    RfCostPart sum = rf_sum_cost_units( units, 2, 0 );
-    near( sum.relmse, 5.0, 1e-14 );
-    near( sum.wall_seconds, 0.05, 1e-16 );
-    near( sum.cpu_seconds, 0.025, 1e-16 );
-}
-
 // Pieces of given errors, in equal pixels; a sample takes `seconds`.
 static void make_trial( const double* errors, int count, double seconds, RfTrial* trial )
 {
@@ -154,8 +142,7 @@ static void test_intervals_hold_the_truth( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_slope_by_hand ), cmocka_unit_test( test_sums_by_hand ),
-                                        cmocka_unit_test( test_gain_by_hand ),
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_slope_by_hand ), cmocka_unit_test( test_gain_by_hand ),
                                         cmocka_unit_test( test_intervals_hold_the_truth ) };
     return cmocka_run_group_tests_name( "cost_fit", tests, NULL, NULL );
 }

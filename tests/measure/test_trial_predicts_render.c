@@ -121,7 +121,7 @@ static void test_sums_hold_for_any_samples( void** state )
     assert_int_equal( one.groups, 5 );
     assert_true( one.weight == 5.0 * WIDTH * HEIGHT && one.samples == 2 * 3 * one.weight );
     assert_true( one.timed_samples > 0.0 && one.timed_samples <= one.samples );
-    assert_true( one.cpu_seconds > 0.0 && one.wall_seconds > 0.0 && one.finish_seconds >= 0.0 );
+    assert_true( one.cpu_seconds > 0.0 && one.finish_seconds >= 0.0 );
     assert_true( one.relmse == again.relmse && one.change == again.change );
     // frames without reuse are independent
     expect_near( "phi", rf_trial_phi( &one ), 1.0, 1e-9 );

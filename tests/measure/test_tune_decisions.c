@@ -83,7 +83,6 @@ static RfTrial made_trial( double relmse, double seconds )
                         .samples = 1000.0,
                         .timed_samples = 500.0,
                         .cpu_seconds = 500.0 * seconds,
-                        .wall_seconds = 1.0,
                         .relmse = 100.0 * relmse,
                         .mse = 100.0,
                         .change_weight = 100.0,
@@ -95,7 +94,7 @@ static RfTrial made_trial( double relmse, double seconds )
 // Rows of one tile whose errors and times are made up.
 static RfTune made_tune( int count )
 {
-    RfTune tune = { .count = count, .chosen = -1 };
+    RfTune tune = { .count = count, .chosen = -1, .round_count = 1 };
     for ( int i = 0; i < count; ++i )
     {
         tune.rows[i] = ( RfTuneRow ){
@@ -222,11 +221,21 @@ static void test_cutting_keeps_the_most_efficient( void** state )
     assert_int_equal( cut( &tune, 2, candidate ), 2 );
     assert_true( candidate[1] && candidate[2] );
     assert_int_equal( cut( &tune, 1, candidate ), 1 );
+    tune.round_count = 0; // what is guessed says who goes first, but not that there is no hope
+    candidate[2] = candidate[5] = true;
+    tune.rows[5].efficiency = 1.0;
+    assert_int_equal( cut( &tune, 3, candidate ), 3 );
+    assert_true( candidate[1] && candidate[2] && candidate[5] );
+    tune.round_count = 1;
     // path tracing stays, since the others are compared with it
     tune.rows[0] = ( RfTuneRow ){ .tile = { RF_TILE_NONE, 1, 1 }, .efficiency = 1.0 };
     candidate[0] = true;
     assert_int_equal( cut( &tune, 1, candidate ), 2 );
     assert_true( candidate[0] && candidate[1] );
+    // and what a render takes by itself
+    tune.rows[2].usual = candidate[2] = true;
+    assert_int_equal( cut( &tune, 1, candidate ), 3 );
+    candidate[2] = false;
     tune.rows[1].efficiency = tune.rows[0].efficiency = (double)NAN;
     assert_int_equal( cut( &tune, 1, candidate ), 0 );
 }
@@ -252,6 +261,7 @@ static RfTuneOutlook outlook_of( int number, double left )
                               .width = 320,
                               .height = 200,
                               .left = left,
+                              .must = number == 0,
                               .rate = 2.0,
                               .cost_second = 2e-9,
                               .memory = (size_t)1 << 30,

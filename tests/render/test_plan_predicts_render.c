@@ -92,26 +92,16 @@ static void test_table_ends_with_the_whole_path( void** state )
 }
 
 // Eyes that are all the same see all of each other's hits: then it is FR (16).
-static void test_equal_eyes_give_the_closed_form( void** state )
+// Nothing is lost where all frames see the same.
+static void test_equal_eyes_reach_all_frames( void** state )
 {
     (void)state;
     Setup s;
-    RfError error;
     begin( &s, ROOM_DIFFUSE, 0.0f );
     RfRenderSettings settings = settings_of( 17 );
     RfPlan plan = plan_of( &s, 17, &settings );
     for ( int r = 0; r < plan.count; ++r )
-    {
         assert_true( fabs( plan.rows[r].reach - plan.rows[r].eyes ) < 0.01 * plan.rows[r].eyes );
-        assert_true( isnan( plan.rows[r].measured_gain ) );
-    }
-    assert_int_equal( rf_measure_plan( &( RfShot ){ s.tracer, s.eyes, 17, NULL, 0 }, &settings, 0.05, &plan, &error ), RF_OK );
-    assert_true( plan.c_e > 0.0 && plan.c_l > 0.0 && plan.c_v > 0.0 );
-    const RfPlanRow* whole = plan.rows + plan.count - 1; // one window, without ends
-    double own = plan.c_e + plan.c_l, formula = 17.0 * own / ( own + 16.0 * plan.c_v );
-    assert_true( fabs( whole->measured_gain - formula ) < 0.02 * formula );
-    double seconds = whole->rays_primary * ( own + 16.0 * plan.c_v ) / whole->fit.threads;
-    assert_true( fabs( whole->seconds - seconds ) < 1e-6 * seconds );
     end( &s );
 }
 
@@ -231,7 +221,6 @@ static void test_rows_without_room_stay( void** state )
 {
     (void)state;
     Setup s;
-    RfError error;
     begin( &s, ROOM_GGX, 0.2f );
     RfRenderSettings settings = settings_of( 34 );
     settings.light_samples = 16;
@@ -253,9 +242,6 @@ static void test_rows_without_room_stay( void** state )
         assert_non_null( strstr( row->excluded, "does not fit in memory" ) );
     }
     assert_non_null( strstr( plan.why, "5 rows excluded: do not fit in memory" ) );
-    assert_int_equal( rf_measure_plan( &( RfShot ){ s.tracer, s.eyes, MOST_EYES, NULL, 0 }, &settings, 0.01, &plan, &error ),
-                      RF_OK );
-    assert_true( plan.rows[3].seconds > 0.0 && isnan( plan.rows[4].seconds ) && isnan( plan.rows[4].measured_gain ) );
     end( &s );
 }
 
@@ -317,7 +303,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_table_ends_with_the_whole_path ),
-        cmocka_unit_test( test_equal_eyes_give_the_closed_form ),
+        cmocka_unit_test( test_equal_eyes_reach_all_frames ),
         cmocka_unit_test( test_forecast_is_what_render_does ),
         cmocka_unit_test( test_choice_is_the_best_row ),
         cmocka_unit_test( test_choice_by_memory ),

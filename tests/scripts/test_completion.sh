@@ -38,9 +38,9 @@ expect()
 expect "render report reconstruct" re
 expect "--version" --v
 expect "exact eq15 unweighted" render a.glb --weights ""
-expect "eq15" plan --weights eq
-expect "eq15" plan --weights = eq
-expect "exact eq15 unweighted" plan --weights =
+expect "eq15" tune --weights eq
+expect "eq15" tune --weights = eq
+expect "exact eq15 unweighted" tune --weights =
 expect "1080p 1440p" tune --size 1
 expect "auto" render --group ""
 expect "on off" render --adaptive o

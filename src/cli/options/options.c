@@ -69,6 +69,7 @@ static const char* const s_synonyms[][2] = {
     { "view", "camera" },
     // commands
     { "diff", "compare" },
+    { "plan", "tune" },
     { "benchmark", "cost" },
     { "bench", "cost" },
     { "poisson", "reconstruct" },

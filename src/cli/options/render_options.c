@@ -317,7 +317,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
     if ( render_parse.is_half_given && render_parse.is_float_given && options->settings.files.half == render_parse.is_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->nodes > 0 && !options->check )
-        return rf_fail( error, RF_ERROR_USAGE, "--nodes: needs --check; before a render use reframe plan --nodes" );
+        return rf_fail( error, RF_ERROR_USAGE, "--nodes: needs --check; before a render use reframe tune --nodes" );
     return RF_OK;
 }
 

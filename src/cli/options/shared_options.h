@@ -1,4 +1,4 @@
-// Rows that the option tables of render, plan, tune and cost share. `o` is the
+// Rows that the option tables of render, tune and cost share. `o` is the
 // RfRenderOptions that they fill; help texts that differ are arguments.
 #ifndef REFRAME_CLI_OPTIONS_SHARED_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_SHARED_OPTIONS_H

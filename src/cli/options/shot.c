@@ -1,6 +1,7 @@
-// Loads scene, camera path and tracer for `plan`, `tune` and `cost`; frames of a camera at rest become one.
+// Loads scene, camera path and tracer for `tune` and `cost`; frames of a camera at rest become one.
 #include "cli/options/shot.h"
 
+#include "base/system.h"
 #include "cli/options/render_options.h"
 #include "cli/options/frame_lists.h"
 #include "cli/messages.h"
@@ -84,6 +85,16 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
         result = choose_runs( options, shot, error );
     }
     return result == RF_OK ? rf_create_tracer_by( options->settings.threads, &shot->scene, &shot->tracer, error ) : result;
+}
+
+#define OVERTIME 0.1 // of the budget, for what is being rendered
+
+double rf_budget_left( double budget, double start, double* deadline )
+{
+    double now = rf_wall_seconds(), left = start + budget - now;
+    left = left > 0.5 * budget ? left : 0.5 * budget;
+    *deadline = now + left + OVERTIME * budget;
+    return left;
 }
 
 const char* rf_format_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size )

@@ -1,4 +1,4 @@
-// What plan, tune and cost load before they work: scene, camera path, the frames asked
+// What tune and cost load before they work: scene, camera path, the frames asked
 // for, and a tracer.
 #ifndef REFRAME_CLI_OPTIONS_SHOT_H
 #define REFRAME_CLI_OPTIONS_SHOT_H
@@ -35,6 +35,10 @@ static inline RfShot rf_shot_to_render( const RfLoadedShot* loaded )
 {
     return ( RfShot ){ loaded->tracer, loaded->path.eyes, loaded->path.count, loaded->frames, loaded->frame_count };
 }
+
+// What loading, begun at `start`, has left of a budget of seconds, at least half of it, and when that is well over: both on
+// rf_wall_seconds.
+double rf_budget_left( double budget, double start, double* deadline );
 
 // The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
 // caller frees them; NULL where memory ran out.

@@ -196,7 +196,7 @@ static void print_settings( const RfRenderSettings* asked, const RfRenderSetting
 {
     RfGroupPlan plan = rf_plan_shots( path->runs, path->run_count, used->group, used->spp );
     if ( asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ) )
-        fprintf( stderr, "reframe render: --group auto is %d here, see reframe plan\n", used->group );
+        fprintf( stderr, "reframe render: --group auto is %d here, see reframe tune\n", used->group );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the %s: groups of its %d frames\n", asked->group,
                  plan.cameras != NULL ? "longest shot" : "path", plan.eyes );

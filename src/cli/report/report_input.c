@@ -20,7 +20,7 @@
 #define MOST_FRAMES 1000000 // of all ranges; a path has no more
 #define MOST_TASKS 100      // in a page's table
 
-// Does this JSON have ranges: that of `plan --nodes`, of `render --check --nodes` or of scripts/slurm-render?
+// Does this JSON have ranges: that of `tune --nodes`, of `render --check --nodes` or of scripts/slurm-render?
 static bool is_plan_json( const json_t* json )
 {
     const json_t* range = json_array_get( json_object_get( json_object_get( json, "nodes" ), "ranges" ), 0 );

@@ -52,7 +52,7 @@ bool rf_has_page_frame( const RfPageSequence* sequence, int frame );
 // The file of a frame.
 RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_PAGE_NAME_SIZE], RfError* error );
 
-// A sequence that several machines render, as `reframe report` finds it: the ranges that `plan --nodes` cut, how far each
+// A sequence that several machines render, as `reframe report` finds it: the ranges that `tune --nodes` cut, how far each
 // is, and the JSON of the tasks as one.
 
 // The numbers of its "left" as "3, 4, 8-12", truncated with "..." if too long.

@@ -37,15 +37,30 @@ typedef struct CostReport
     const CostOptions* options;
     const RfCostJob* job;
     const RfCost* cost;
+    int threads;
     int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
     double load_seconds; // until rays can be traced: part of a render of all frames
 } CostReport;
 
+typedef struct NoiseText
+{
+    char text[RF_NOISE_TEXT_SIZE];
+} NoiseText;
+
+// "7.1 %", or "?" where the errors of a curve are known too little.
+static NoiseText noise_of( const RfCostCurve* c, double relmse )
+{
+    NoiseText noise = { "?" };
+    if ( rf_is_known( &c->error ) )
+        rf_format_noise( relmse, noise.text );
+    return noise;
+}
+
 static void print_rows( const RfCostCurve* c, const char* name )
 {
     for ( int i = 0; i < c->count; ++i )
-        printf( "%-28s %7d %10.4g %10.4g %10.4g\n", name, c->rows[i].spp, c->rows[i].seconds, c->rows[i].cpu_seconds,
-                c->rows[i].relmse );
+        printf( "%-28s %7d %10.3g %10.3g %8s %10.3g\n", name, c->rows[i].spp, c->rows[i].seconds, c->rows[i].cpu_seconds,
+                noise_of( c, c->rows[i].relmse ).text, c->rows[i].relmse );
 }
 
 static void print_slope( const RfCostCurve* c, const char* name )
@@ -81,53 +96,58 @@ static RfCostPrediction predict( const CostReport* r, Goal goal, int curve )
                            : rf_predict_cost( r->job, c, goal.value, r->per_sweep[curve] );
 }
 
-static void print_goal( const CostReport* r, Goal goal )
+// "94 s a frame, 16 min for all 48 (--spp 28)"; "at least …" where the error is known too little.
+static void format_price( const CostReport* r, Goal goal, int curve, char* text, size_t size )
 {
-    RfCostPrediction reuse = predict( r, goal, 1 ), plain = predict( r, goal, 0 );
-    RfSize size = r->options->render.size;
-    char name[64], frame[32], all[32], plain_frame[32], plain_all[32];
-    rf_format_reuse( r->cost->reuse.eyes, &r->cost->reuse.tile, name, sizeof name );
-    if ( reuse.spp == 0 )
+    const RfCostCurve* c = curve == 0 ? &r->cost->plain : &r->cost->reuse;
+    RfCostCurve least = *c;
+    bool known = rf_is_known( &c->error );
+    if ( !known && isfinite( c->error.low ) )
     {
-        printf( "%s %g at %dx%d: more than %d spp, the limit\n", goal.name, goal.value, size.width, size.height, RF_MAX_SPP );
+        least.f1_squared *= least.error.low / least.relmse;
+        least.relmse = least.error.low;
+    }
+    int per_sweep = r->per_sweep[curve];
+    RfCostPrediction p = goal.is_flicker ? rf_predict_flicker_cost( r->job, &least, goal.value, per_sweep )
+                                         : rf_predict_cost( r->job, &least, goal.value, per_sweep );
+    char frame[32], all[32];
+    if ( p.spp == 0 )
+    {
+        snprintf( text, size, "more than %d spp, the limit", RF_MAX_SPP );
         return;
     }
-    rf_format_span( reuse.frame_seconds, frame, sizeof frame );
-    rf_format_span( path_seconds( r, reuse ), all, sizeof all );
-    printf( "%s %g at %dx%d: %s per frame with %s (--spp %d)", goal.name, goal.value, size.width, size.height, frame, name,
-            reuse.spp );
-    if ( plain.spp > 0 )
-    {
-        rf_format_span( plain.frame_seconds, plain_frame, sizeof plain_frame );
-        rf_format_span( path_seconds( r, plain ), plain_all, sizeof plain_all );
-        printf( ", %s with path tracing (--spp %d); all %d frame%s: %s, %s with path tracing\n", plain_frame, plain.spp,
-                r->job->shot.frame_count, r->job->shot.frame_count == 1 ? "" : "s", all, plain_all );
-    }
-    else
-        printf( "; all %d frame%s: %s\n", r->job->shot.frame_count, r->job->shot.frame_count == 1 ? "" : "s", all );
+    rf_format_span( p.frame_seconds, frame, sizeof frame );
+    rf_format_span( path_seconds( r, p ), all, sizeof all );
+    snprintf( text, size, "%s%s a frame, %s for all %d (--spp %d)", known ? "" : "at least ", frame, all,
+              r->job->shot.frame_count, p.spp );
 }
 
-// Two lines: what reuse is worth, and what the first error asked for takes.
+static void format_goal( const CostReport* r, Goal goal, char* text, size_t size )
+{
+    char name[64], noise[RF_NOISE_TEXT_SIZE], prices[2][128];
+    rf_format_noise( goal.value, noise );
+    rf_format_reuse( r->cost->reuse.eyes, &r->cost->reuse.tile, name, sizeof name );
+    for ( int k = 0; k < 2; ++k )
+        format_price( r, goal, k, prices[k], sizeof prices[k] );
+    if ( goal.is_flicker )
+        snprintf( text, size, "F1 %g: %s with %s; path tracing %s", goal.value, prices[1], name, prices[0] );
+    else
+        snprintf( text, size, "%s noise (relMSE %g): %s with %s; path tracing %s", noise, goal.value, prices[1], name,
+                  prices[0] );
+}
+
+// What reuse is worth, and what the first error asked for takes.
 static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
 {
     const RfCost* cost = r->cost;
-    char name[64], gain[160], frame[32], all[32];
+    char name[64], gain[160];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
-    rf_format_gain( &cost->speedup, gain, sizeof gain );
+    rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
     int used = snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
     if ( r->options->error_count == 0 )
         return;
-    double relmse = r->options->errors[0];
-    RfCostPrediction p = predict( r, noise_goal( relmse ), 1 );
-    rf_format_span( p.frame_seconds, frame, sizeof frame );
-    rf_format_span( path_seconds( r, p ), all, sizeof all );
-    if ( p.spp > 0 )
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used,
-                  "\nrelMSE %g (%.2g %% noise per pixel) needs %d spp: %s per frame, %s for all %d", relmse,
-                  100.0 * sqrt( relmse / 3.0 ), p.spp, frame, all, r->job->shot.frame_count );
-    else
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\nrelMSE %g needs more than %d spp, the limit", relmse,
-                  RF_MAX_SPP );
+    text[used++] = '\n';
+    format_goal( r, noise_goal( r->options->errors[0] ), text + used, RF_VERDICT_SIZE - (size_t)used );
 }
 
 static void print_cost( const CostReport* r )
@@ -138,18 +158,25 @@ static void print_cost( const CostReport* r )
     const RfCost* cost = r->cost;
     char name[64];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
-    printf( "%-28s %7s %10s %10s %10s\n", "", "spp", "seconds", "CPU s", "relMSE" );
+    printf( "%-28s %7s %10s %10s %8s %10s\n", "", "spp", "seconds", "CPU s", "noise", "relMSE" );
     print_rows( &cost->plain, "path tracing" );
     print_rows( &cost->reuse, name );
-    printf( "seconds: wall-clock time per frame of %dx%d, from %.0f of its pixels at %d camera position%s, measured in %.1f s\n",
-            r->options->render.size.width, r->options->render.size.height, cost->pixels, cost->positions,
+    printf( "seconds: of a frame of %dx%d with %d threads, from %.0f of its pixels at %d camera position%s, measured in %.1f s\n",
+            r->options->render.size.width, r->options->render.size.height, r->threads, cost->pixels, cost->positions,
             cost->positions == 1 ? "" : "s", cost->seconds );
     print_slope( &cost->plain, "path tracing" );
     print_slope( &cost->reuse, name );
-    for ( int i = 0; i < r->options->error_count; ++i )
-        print_goal( r, noise_goal( r->options->errors[i] ) );
+    char goal[400];
+    for ( int i = 1; i < r->options->error_count; ++i )
+    {
+        format_goal( r, noise_goal( r->options->errors[i] ), goal, sizeof goal );
+        printf( "%s\n", goal );
+    }
     for ( int i = 0; i < r->options->flicker_count; ++i )
-        print_goal( r, flicker_goal( r->options->flickers[i] ) );
+    {
+        format_goal( r, flicker_goal( r->options->flickers[i] ), goal, sizeof goal );
+        printf( "%s\n", goal );
+    }
 }
 
 static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
@@ -254,7 +281,7 @@ static RfResult write_cost_plot( const CostReport* r, const char* path, RfError*
     draw_curve( &cost->reuse, 1, &reuse, series + 2 );
     char subtitle[512], gain[160];
     const char* slash = strrchr( r->options->render.scene, '/' );
-    rf_format_gain( &cost->speedup, gain, sizeof gain );
+    rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
     snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", slash != NULL ? slash + 1 : r->options->render.scene,
               r->options->render.size.width, r->options->render.size.height, gain );
     RfPlot plot = { .title = "Error against render time",
@@ -283,7 +310,7 @@ static const RfOption s_options[] = {
       .min = 1.0,
       .max = 1e6,
       .meta = "T",
-      .help = "time to spend, in seconds or as 5m; the first round always finishes, more time narrows the intervals" },
+      .help = "time to spend, in seconds or as 5m; more time narrows the intervals" },
     { .name = "noise",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.noise,
@@ -376,7 +403,7 @@ typedef struct Job
     CostOptions options;
     RfLoadedShot shot; // options may point into it
     RfCost cost;
-    double load_seconds;
+    double start, load_seconds;
 } Job;
 
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
@@ -384,14 +411,6 @@ static RfResult take_defaults( const RfField* defaults, void* user, RfError* err
     Job* job = user;
     bool help;
     return parse( defaults, job->argc, job->argv, &job->options, &help, error );
-}
-
-static RfResult load( Job* job, RfError* error )
-{
-    double start = rf_wall_seconds();
-    RfResult result = rf_load_shot( "cost", &job->options.render, take_defaults, job, &job->shot, error );
-    job->load_seconds = rf_wall_seconds() - start;
-    return result;
 }
 
 static void say( void* user, const RfCost* cost, int spp )
@@ -403,7 +422,7 @@ static void say( void* user, const RfCost* cost, int spp )
 }
 
 // Frames that one sweep of a render finishes.
-static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* per_sweep, RfError* error )
+static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* per_sweep, int* threads, RfError* error )
 {
     RfRenderSettings settings = job->options.render.settings, resolved;
     settings.group = curve->group;
@@ -415,6 +434,7 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
         result = rf_fit_memory( &shot, &resolved, &fit, error );
     if ( result == RF_OK )
         *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
+    *threads = fit.threads;
     return result;
 }
 
@@ -430,9 +450,9 @@ static json_t* result_json( const CostReport* r )
 static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* error )
 {
     CostReport r = { .options = &job->options, .job = cost_job, .cost = &job->cost, .load_seconds = job->load_seconds };
-    RfResult result = count_per_sweep( job, &job->cost.plain, r.per_sweep, error );
+    RfResult result = count_per_sweep( job, &job->cost.plain, r.per_sweep, &r.threads, error );
     if ( result == RF_OK )
-        result = count_per_sweep( job, &job->cost.reuse, r.per_sweep + 1, error );
+        result = count_per_sweep( job, &job->cost.reuse, r.per_sweep + 1, &r.threads, error );
     if ( result != RF_OK )
         return result;
     const char* json = job->options.render.json;
@@ -448,16 +468,17 @@ static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* erro
 
 static RfResult run( Job* job, RfError* error )
 {
-    RfResult result = load( job, error );
+    RfResult result = rf_load_shot( "cost", &job->options.render, take_defaults, job, &job->shot, error );
     if ( result != RF_OK )
         return result;
+    job->load_seconds = rf_wall_seconds() - job->start;
     RfTrialWatch watch = { rf_may_go_on, NULL };
     RfCostJob cost = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
-                       .budget = job->options.budget,
                        .watch = &watch,
                        .report = say,
                        .user = job };
+    cost.budget = rf_budget_left( job->options.budget, job->start, &cost.deadline );
     result = rf_measure_cost( &cost, &job->cost, error );
     if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )
     {
@@ -473,7 +494,7 @@ int rf_command_cost( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { .argc = argc, .argv = argv };
+    Job job = { .argc = argc, .argv = argv, .start = rf_wall_seconds() };
     RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
         result = rf_show_help( &s_table, &error );

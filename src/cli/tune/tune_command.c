@@ -1,7 +1,9 @@
 // reframe tune: finds the best group and tile by short renders.
 #include "base/plain_text.h"
+#include "base/system.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
+#include "cli/options/frame_lists.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shot.h"
 #include "cli/options/shared_options.h"
@@ -9,6 +11,10 @@
 #include "cli/tune/verdict.h"
 #include "measure/plot.h"
 #include "measure/tune.h"
+#include "measure/tune_rows.h"
+#include "output/names.h"
+#include "reframe/plan.h"
+#include "render/settings.h"
 #include "scene/json/json_document.h"
 
 #include <ctype.h>
@@ -20,49 +26,126 @@
 
 typedef struct TuneOptions
 {
-    RfRenderOptions render; // without group, tile and output
-    double budget;          // seconds
+    RfRenderOptions render; // without output
+    double budget;          // seconds; 0: nothing is rendered
     int goal;               // an RfTuneGoal
     const char* svg;        // NULL: none
 } TuneOptions;
 
 typedef struct TuneReport
 {
+    const TuneOptions* options;
+    const RfPlan* plan;
     const RfTune* tune;
-    const char* scene;
-    const char* command; // of the winner; NULL: there is none
-    int width, height;   // of the render
-    int frames;          // asked for
-    double budget;
+    const char* command;    // of the winner; NULL: there is none
+    int frames;             // asked for
+    const RfRanges* ranges; // for --nodes; its list is NULL: none
 } TuneReport;
 
-static double bytes_of( const RfTuneRow* row )
+static double fit_mib( const RfMemoryFit* fit )
 {
-    return (double)( row->fit.bytes_films + row->fit.bytes_hits + row->fit.bytes_lists );
+    return (double)( fit->bytes_films + fit->bytes_hits + fit->bytes_lists ) / 1048576.0;
+}
+
+// What a render without --group takes; NULL where nothing with this tile fits.
+static const RfPlanRow* auto_row( const TuneReport* r ) { return r->plan->count > 0 ? r->plan->rows + r->plan->chosen : NULL; }
+
+static bool at_most( const RfRenderSettings* s ) { return s->noise > 0.0 || s->flicker > 0.0 || s->time > 0.0; }
+
+static void print_group( const RfPlanRow* row )
+{
+    char sweeps[32] = "", text[128];
+    const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
+    printf( "%c%5d %7d %5d", row->chosen ? '*' : ' ', row->group, row->eyes, row->spp );
+    if ( !rf_plan_row_fits( row ) )
+    {
+        printf( "  %s\n", excluded );
+        return;
+    }
+    if ( row->fit.sweeps > 1 )
+        snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
+    printf( " %9.1f %8.1f %8.1f %8.1f %7d %6.1f %6.1f%s%s%s\n", fit_mib( &row->fit ), (double)row->fit.bytes_films / 1048576.0,
+            (double)row->fit.bytes_hits / 1048576.0, (double)row->fit.bytes_lists / 1048576.0, row->fit.chunks, row->reach,
+            row->gain, sweeps, excluded != NULL ? "  not for auto: " : "", excluded != NULL ? excluded : "" );
+}
+
+// What is known without rendering.
+static void print_groups( const TuneReport* r )
+{
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &r->options->render.settings.tile, tile );
+    if ( r->plan->count == 0 )
+        return;
+    printf( "%6s %7s %5s %9s %8s %8s %8s %7s %6s %6s\n", "group", "cameras", "spp", "MiB", "films", "hits", "work", "chunks",
+            "reach", "gain" );
+    for ( int i = 0; i < r->plan->count; ++i )
+        print_group( r->plan->rows + i );
+    printf( "with tile %s; MiB: beyond the scene; reach: samples that land in a pixel for each of its own; gain: upper bound, "
+            "over the "
+            "tile alone\n",
+            tile );
+    if ( at_most( &r->options->render.settings ) )
+        printf( "memory is for %d spp, the limit with --noise, --flicker and --time\n", r->options->render.settings.spp );
+    if ( rf_has_groups( r->options->render.settings.estimator ) )
+        printf( "* --group auto: %s\n", r->plan->why );
+    printf( "\n" );
 }
 
 static void print_row( const RfTuneRow* row )
 {
-    char tile[RF_TILE_NAME_SIZE], text[128], interval[48];
+    char tile[RF_TILE_NAME_SIZE], relmse[RF_FIGURE_SIZE], noise[RF_NOISE_TEXT_SIZE], gain[RF_FIGURE_SIZE], interval[48] = "";
     rf_tile_name( &row->tile, tile );
-    printf( "%c%5d %8s %5d", row->chosen ? '*' : ' ', row->group, tile, row->spp );
-    if ( row->rounds == 0 )
-    {
-        const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
-        printf( "  not measured%s%s\n", excluded != NULL ? ": " : "", excluded != NULL ? excluded : "" );
-        return;
-    }
-    char sweeps[32] = "";
-    if ( row->fit.sweeps > 1 )
-        snprintf( sweeps, sizeof sweeps, "  in %d sweeps", row->fit.sweeps );
-    snprintf( interval, sizeof interval, isfinite( row->gain.low ) ? "%.2f-%.2f" : "-", row->gain.low, row->gain.high );
-    printf( " %9.1f %9.3g %9.3g %9.3g %6.2f %10.4g %7.2f %11s %6d%s\n", bytes_of( row ) / 1048576.0, row->seconds, row->relmse,
-            row->f1, row->phi, row->efficiency, row->gain.value, interval, row->rounds, sweeps );
+    rf_format_figure( &row->error, relmse );
+    rf_format_figure( &row->gain, gain );
+    if ( rf_is_known( &row->error ) )
+        rf_format_noise( row->relmse, noise );
+    else
+        snprintf( noise, sizeof noise, "?" );
+    if ( rf_is_known( &row->gain ) && !rf_is_plain_row( row ) )
+        snprintf( interval, sizeof interval, "%.3g to %.3g", row->gain.low, row->gain.high );
+    printf( "%c%5d %8s %5d %9.1f %9.3g %8s %9s %9.3g %8s  %s", row->chosen ? '*' : ' ', row->group, tile, row->spp,
+            fit_mib( &row->fit ), row->seconds, noise, relmse, row->f1, gain, interval );
+    printf( row->fit.sweeps > 1 ? "  in %d sweeps\n" : "\n", row->fit.sweeps );
 }
 
-static void print_rounds( const TuneReport* r )
+// How many settings were left out, and why.
+static void print_left_out( const RfTune* tune )
+{
+    const char* before = "not measured: ";
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        const RfTuneRow* row = tune->rows + i;
+        int count = 0;
+        bool said = row->rounds > 0;
+        for ( int k = 0; k < tune->count; ++k )
+        {
+            bool same = tune->rows[k].rounds == 0 && tune->rows[k].excluded == row->excluded;
+            said = said || ( same && k < i );
+            count += same;
+        }
+        if ( said )
+            continue;
+        printf( "%s%d: %s", before, count, row->excluded != NULL ? row->excluded : "no time left" );
+        before = "; ";
+    }
+    printf( "%s", before[0] == ';' ? "\n" : "" );
+}
+
+static void print_rows( const TuneReport* r )
 {
     const RfTune* tune = r->tune;
+    printf( "%6s %8s %5s %9s %9s %8s %9s %9s %8s  %s\n", "group", "tile", "spp", "MiB", "seconds", "noise", "relMSE", "F1",
+            "gain", "95 %" );
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        if ( tune->rows[i].rounds > 0 )
+            print_row( tune->rows + i );
+    }
+    printf(
+        "seconds: of all %d frames with %d threads; gain: over path tracing (group 0, tile 1) at equal %s; > and ?: the interval "
+        "is wider than a factor of 4\n",
+        r->frames, tune->rows[0].fit.threads, tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise" );
+    print_left_out( tune );
     printf( "measured in %.1f s:", tune->seconds );
     for ( int i = 0; i < tune->round_count; ++i )
         printf( "%s round %d on %.0f pixels at %d camera position%s", i > 0 ? "," : "", i + 1, tune->rounds[i].pixels,
@@ -70,82 +153,173 @@ static void print_rounds( const TuneReport* r )
     printf( "\n" );
 }
 
+static int format_shot( const TuneReport* r, int spp, char* text, size_t size )
+{
+    return snprintf( text, size, "%d frame%s at %dx%d and %d spp: ", r->frames, r->frames == 1 ? "" : "s",
+                     r->options->render.size.width, r->options->render.size.height, spp );
+}
+
+// What is known without rendering, or in too little time.
+static void format_planned( const TuneReport* r, char text[RF_VERDICT_SIZE] )
+{
+    const RfPlanRow* row = auto_row( r );
+    const RfEstimator* estimator = r->options->render.settings.estimator;
+    char name[64], span[32], rest[112] = "; time and noise: --budget 20";
+    rf_format_span( r->tune->needed, span, sizeof span );
+    if ( r->options->budget > 0.0 )
+        snprintf( rest, sizeof rest, "; time and noise not known within the budget: needs about %s", span );
+    if ( row == NULL )
+    {
+        snprintf( text, RF_VERDICT_SIZE, "no group with this tile fits in memory\n%s", rest + 2 );
+        return;
+    }
+    rf_format_reuse( row->eyes, &r->options->render.settings.tile, name, sizeof name );
+    int used = snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s\n", rf_has_groups( estimator ) ? "group" : "estimator",
+                         rf_has_groups( estimator ) ? "auto" : rf_estimator_name( estimator ), name );
+    used += format_shot( r, row->spp, text + used, RF_VERDICT_SIZE - (size_t)used );
+    snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "%s%.0f MiB beyond the scene%s",
+              at_most( &r->options->render.settings ) ? "at most " : "", ceil( fit_mib( &row->fit ) ), rest );
+}
+
+// "about 11 min, 419 MiB beyond the scene, about 7.1 % noise (relMSE 0.015)".
+static void format_promise( const TuneReport* r, const RfTuneRow* row, char* text, size_t size )
+{
+    char all[32], noise[RF_NOISE_TEXT_SIZE];
+    bool known = rf_is_known( &row->error );
+    double relmse = known ? row->relmse : row->error.low;
+    rf_format_span( row->seconds, all, sizeof all );
+    rf_format_noise( relmse, noise );
+    int used = snprintf( text, size, "%s %s, %.0f MiB beyond the scene",
+                         at_most( &r->options->render.settings ) ? "at most" : "about", all, ceil( fit_mib( &row->fit ) ) );
+    if ( isfinite( relmse ) )
+        used += snprintf( text + used, size - (size_t)used, ", %s %s noise (relMSE %.2g)", known ? "about" : "at least", noise,
+                          relmse );
+    if ( r->tune->goal == RF_TUNE_FLICKER )
+        snprintf( text + used, size - (size_t)used, ", F1 about %.2g", row->f1 );
+}
+
 // Two lines: the best setting and what it is worth, and what the render takes with it.
 static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
 {
     if ( r->tune->chosen < 0 )
     {
-        snprintf( text, RF_VERDICT_SIZE, "no setting was fully measured" );
+        format_planned( r, text );
         return;
     }
     const RfTuneRow* row = r->tune->rows + r->tune->chosen;
-    char name[64], gain[160], all[32];
-    bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE;
+    char name[64], gain[160];
+    bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE, flicker = r->tune->goal == RF_TUNE_FLICKER;
     rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
-    bool flicker = r->tune->goal == RF_TUNE_FLICKER;
-    snprintf( gain, sizeof gain, "as no group or tile is faster at equal %s", flicker ? "flicker" : "noise" );
-    if ( reuse )
-        ( flicker ? rf_tell_flicker_gain : rf_format_gain )( &row->gain, gain, sizeof gain );
-    rf_format_span( row->seconds, all, sizeof all );
-    int used = snprintf( text, RF_VERDICT_SIZE,
-                         "best: %s, %s\n%d frame%s at %dx%d and %d spp: about %s, relMSE about %.2g (%.2g %% noise per pixel)",
-                         name, gain, r->frames, r->frames == 1 ? "" : "s", r->width, r->height, row->spp, all, row->relmse,
-                         100.0 * sqrt( row->relmse / 3.0 ) );
-    if ( flicker )
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", F1 about %.2g", row->f1 );
+    snprintf( gain, sizeof gain, "no group or tile is known to be faster at equal %s", flicker ? "flicker" : "noise" );
+    if ( reuse && flicker )
+        rf_tell_flicker_gain( &row->gain, gain, sizeof gain );
+    else if ( reuse )
+        rf_format_gain( &row->gain, r->tune->seconds, gain, sizeof gain );
+    int used = snprintf( text, RF_VERDICT_SIZE, "best: %s, %s\n", name, gain );
+    used += format_shot( r, row->spp, text + used, RF_VERDICT_SIZE - (size_t)used );
+    format_promise( r, row, text + used, RF_VERDICT_SIZE - (size_t)used );
+}
+
+// What a render without --group and --tile takes, where that is not the best.
+static void print_default( const TuneReport* r )
+{
+    for ( int i = 0; i < r->tune->count; ++i )
+    {
+        const RfTuneRow* row = r->tune->rows + i;
+        char name[64], promise[256];
+        if ( !row->usual || row->rounds == 0 || row->chosen )
+            continue;
+        rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
+        format_promise( r, row, promise, sizeof promise );
+        printf( "--group auto: %s, %s\n", name, promise );
+    }
 }
 
 static void print_tune( const TuneReport* r )
 {
-    const RfTune* tune = r->tune;
     char verdict[RF_VERDICT_SIZE];
     format_verdict( r, verdict );
     printf( "%s\n\n", verdict );
-    printf( "%6s %8s %5s %9s %9s %9s %9s %6s %10s %7s %11s %6s\n", "group", "tile", "spp", "MiB", "seconds", "relMSE", "F1",
-            "phi", "efficiency", "gain", "95 %", "rounds" );
-    for ( int i = 0; i < tune->count; ++i )
-        print_row( tune->rows + i );
-    printf( "seconds: wall-clock time of all %d frames; efficiency: 1 / (%s x CPU seconds per frame); gain: over path "
-            "tracing (group 0, tile 1) on the same pixels\n",
-            r->frames, tune->goal == RF_TUNE_FLICKER ? "F1 squared" : "relMSE" );
-    print_rounds( r );
+    print_groups( r );
+    if ( r->tune->chosen >= 0 )
+    {
+        print_rows( r );
+        print_default( r );
+    }
     if ( r->command != NULL )
         printf( "* best:\n%s\n", r->command );
+    if ( r->ranges->list != NULL )
+        rf_print_ranges( r->ranges );
+}
+
+static json_t* memory_json( int group, int eyes, const RfTile* tile, int spp, const RfMemoryFit* fit, const char* excluded )
+{
+    char name[RF_TILE_NAME_SIZE], text[128];
+    rf_tile_name( tile, name );
+    return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:s?}", "group", group, "eyes", eyes, "tile", name,
+                      "spp", spp, "bytes_films", (json_int_t)fit->bytes_films, "bytes_hits", (json_int_t)fit->bytes_hits,
+                      "bytes_lists", (json_int_t)fit->bytes_lists, "bytes_least", (json_int_t)fit->least, "chunks", fit->chunks,
+                      "sweeps", fit->sweeps, "excluded", rf_format_excluded( excluded, fit, text, sizeof text ) );
+}
+
+static json_t* group_json( const RfPlanRow* row, const RfTile* tile )
+{
+    json_t* json = memory_json( row->group, row->eyes, tile, row->spp, &row->fit, row->excluded );
+    json_t* rays = json_pack( "{s:o, s:o, s:o, s:o, s:o}", "primary", rf_json_number( row->rays_primary ), "path",
+                              rf_json_number( row->rays_path ), "shadow", rf_json_number( row->rays_shadow ), "tile",
+                              rf_json_number( row->rays_tile ), "eye", rf_json_number( row->rays_eye ) );
+    json_t* more = json_pack( "{s:o, s:o, s:o, s:b}", "rays", rays, "reach", rf_json_number( row->reach ), "predicted_gain",
+                              rf_json_number( row->gain ), "chosen", row->chosen );
+    json_object_update( json, more );
+    json_decref( more );
+    return json;
 }
 
 static json_t* row_json( const RfTuneRow* row )
 {
-    char tile[RF_TILE_NAME_SIZE], text[128];
-    rf_tile_name( &row->tile, tile );
-    return json_pack(
-        "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s?, s:b}",
-        "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp, "bytes_films", (json_int_t)row->fit.bytes_films,
-        "bytes_hits", (json_int_t)row->fit.bytes_hits, "bytes_lists", (json_int_t)row->fit.bytes_lists, "bytes_least",
-        (json_int_t)row->fit.least, "chunks", row->fit.chunks, "sweeps", row->fit.sweeps, "predicted_gain",
-        rf_json_number( row->predicted_gain ), "seconds", rf_json_number( row->seconds ), "cpu_seconds",
-        rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "flicker", rf_json_number( row->f1 ), "phi",
-        rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ), "gain", rf_json_number( row->gain.value ),
-        "gain_low", rf_json_number( row->gain.low ), "gain_high", rf_json_number( row->gain.high ), "rounds", row->rounds,
-        "excluded", rf_format_excluded( row->excluded, &row->fit, text, sizeof text ), "chosen", row->chosen );
+    json_t* json = memory_json( row->group, row->eyes, &row->tile, row->spp, &row->fit, row->excluded );
+    json_t* more =
+        json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:b, s:b}", "predicted_gain",
+                   rf_json_number( row->predicted_gain ), "seconds", rf_json_number( row->seconds ), "cpu_seconds",
+                   rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "relmse_low",
+                   rf_json_number( row->error.low ), "relmse_high", rf_json_number( row->error.high ), "flicker",
+                   rf_json_number( row->f1 ), "phi", rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ),
+                   "gain", rf_json_number( row->gain.value ), "gain_low", rf_json_number( row->gain.low ), "gain_high",
+                   rf_json_number( row->gain.high ), "rounds", row->rounds, "default", row->usual, "chosen", row->chosen );
+    json_object_update( json, more );
+    json_decref( more );
+    return json;
 }
 
 static json_t* tune_json( const TuneReport* r )
 {
-    json_t *rows = json_array(), *rounds = json_array();
+    const RfPlan* plan = r->plan;
+    const RfRenderSettings* settings = &r->options->render.settings;
+    RfSize size = r->options->render.size;
+    json_t *groups = json_array(), *rows = json_array(), *rounds = json_array();
+    for ( int i = 0; i < plan->count; ++i )
+        json_array_append_new( groups, group_json( plan->rows + i, &settings->tile ) );
     for ( int i = 0; i < r->tune->count; ++i )
         json_array_append_new( rows, row_json( r->tune->rows + i ) );
     for ( int i = 0; i < r->tune->round_count; ++i )
     {
         const RfTuneRound* round = r->tune->rounds + i;
-        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:f, s:i, s:i}", "width", r->width, "height", r->height, "pixels",
-                                                  round->pixels, "places", round->regions, "passes", round->passes ) );
+        json_array_append_new( rounds, json_pack( "{s:i, s:i, s:f, s:i, s:i}", "width", size.width, "height", size.height,
+                                                  "pixels", round->pixels, "places", round->regions, "passes", round->passes ) );
     }
+    json_t* record = json_pack( "{s:I, s:I, s:f}", "diffuse", (json_int_t)plan->bytes_diffuse, "glossy",
+                                (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
     char verdict[RF_VERDICT_SIZE];
     format_verdict( r, verdict );
-    return json_pack( "{s:s, s:s, s:o, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "goal",
-                      r->tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise", "rows", rows, "rounds", rounds, "seconds",
-                      r->tune->seconds, "budget", r->budget, "frames", r->frames, "width", r->width, "height", r->height,
-                      "command", r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    json_t* json = json_pack( "{s:s, s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict,
+                              "goal", r->tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise", "groups", groups, "rows", rows,
+                              "rounds", rounds, "why", plan->why, "adaptive_mode", rf_adaptive_name( plan->adaptive ), "at_most",
+                              at_most( settings ), "bytes_record", record, "seconds", r->tune->seconds, "budget",
+                              r->options->budget, "frames", r->frames, "width", size.width, "height", size.height, "command",
+                              r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    if ( r->ranges->list != NULL )
+        json_object_set_new( json, "nodes", rf_ranges_json( r->ranges ) );
+    return json;
 }
 
 typedef struct Curves
@@ -179,7 +353,7 @@ static void collect( const RfTune* tune, Curves* c )
         if ( row->rounds == 0 )
             continue;
         RfPlotSeries* series = c->series + c->count - 1;
-        c->x[points] = bytes_of( row ) / 1048576.0;
+        c->x[points] = fit_mib( &row->fit );
         c->y[points] = row->efficiency;
         snprintf( c->labels[points], sizeof c->labels[0], "%d", row->group );
         c->label[points] = c->labels[points];
@@ -195,9 +369,10 @@ static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError*
     Curves curves = { 0 };
     collect( tune, &curves );
     char subtitle[512], note[64] = "", tile[RF_TILE_NAME_SIZE];
-    const char* slash = strrchr( r->scene, '/' );
+    const RfRenderOptions* o = &r->options->render;
+    const char* slash = strrchr( o->scene, '/' );
     snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d, %d frames; numbers are the group's half-width N",
-              slash != NULL ? slash + 1 : r->scene, r->width, r->height, r->frames );
+              slash != NULL ? slash + 1 : o->scene, o->size.width, o->size.height, r->frames );
     RfPlot plot = { .title = "Efficiency against memory",
                     .subtitle = subtitle,
                     .series = curves.series,
@@ -212,7 +387,7 @@ static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError*
         const RfTuneRow* row = tune->rows + tune->chosen;
         rf_tile_name( &row->tile, tile );
         snprintf( note, sizeof note, "group %d, tile %s", row->group, tile );
-        best = ( RfPlotNote ){ bytes_of( row ) / 1048576.0, row->efficiency, note };
+        best = ( RfPlotNote ){ fit_mib( &row->fit ), row->efficiency, note };
         plot.notes = &best;
         plot.note_count = 1;
     }
@@ -225,6 +400,7 @@ static const char* const s_goals[] = { "noise", "flicker", NULL }; // in the ord
 static const char* const s_files[] = { "SCENE" };
 static TuneOptions s_parsed; // the table points here
 static const char* s_scene;
+static bool s_group_given;
 
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
@@ -233,16 +409,21 @@ static const RfOption s_options[] = {
     { .name = "budget",
       .type = RF_OPTION_TIME,
       .value = &s_parsed.budget,
-      .min = 1.0,
+      .min = 0.0,
       .max = 1e6,
       .meta = "T",
-      .help = "time to spend, in seconds or as 5m; a longer search is more reliable" },
+      .help = "time to spend, in seconds or as 5m: more time tries more settings and narrows the intervals; 0: no renders, only "
+              "the table of groups" },
     { .name = "goal",
       .type = RF_OPTION_CHOICE,
       .value = &s_parsed.goal,
       .choices = s_goals,
       .help = "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" },
-    RF_SPP_OPTION( s_parsed.render ),
+    RF_STOP_OPTIONS(
+        s_parsed.render,
+        "of a render that stops at this relMSE: its memory; time and rays are upper limits, cost --noise predicts them",
+        "the same for a render that stops at this F1", "the same for a render that stops after this time per frame" ),
+    RF_ADAPTIVE_OPTION( s_parsed.render, "include the memory for extra samples; their time is not predicted" ),
     RF_FILTER_OPTIONS( s_parsed.render ),
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
@@ -255,16 +436,38 @@ static const RfOption s_options[] = {
       .help = "plot efficiency against memory, one line per tile",
       .heading = RF_HEADING_OUTPUT },
     RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
+    { .name = "group",
+      .type = RF_OPTION_INT,
+      .value = &s_parsed.render.settings.group,
+      .min = 0,
+      .max = RF_MAX_GROUP,
+      .keyword = "auto",
+      .keyword_value = RF_GROUP_AUTO,
+      .meta = "N|auto",
+      .given = &s_group_given,
+      .default_text = "the scene file's, else auto",
+      .help = "group size assumed when frames are split over --nodes",
+      .heading = RF_HEADING_PERFORMANCE },
+    { .name = "tile",
+      .type = RF_OPTION_STRING,
+      .value = &s_parsed.render.tile,
+      .meta = "WxH|rooksN|1",
+      .default_text = rf_default_texts.tile,
+      .heading = RF_HEADING_PERFORMANCE,
+      .help = "tile of the table of groups; the renders try others, too" },
     RF_MACHINE_OPTIONS( s_parsed.render, "threads; each measures one setting at a time" ),
+    RF_NODES_OPTION( s_parsed.render, "also split the frames into ranges for N machines, and report the overhead" ),
     RF_ESTIMATOR_OPTION( s_parsed.render ),
+    RF_WEIGHT_OPTIONS( s_parsed.render ),
     RF_EFFECT_OPTIONS( s_parsed.render ),
 };
 
 static const RfCommandTable s_table = { .command = "tune",
                                         .summary =
-                                            "Finds the most efficient group and tile for this animation and machine by short "
-                                            "renders. Prints memory, time, error, flicker and efficiency of each setting, and "
-                                            "the best as a command line. SCENE and options are those of render.",
+                                            "Finds group and tile for this animation and machine: first which groups fit in "
+                                            "memory and which one --group auto takes, without rendering; then by short renders "
+                                            "time, noise, flicker and gain of the settings, and the best as a command line. "
+                                            "SCENE and options are those of render.",
                                         .files = s_files,
                                         .file_count = 1,
                                         .options = s_options,
@@ -274,6 +477,7 @@ static const RfCommandTable s_table = { .command = "tune",
 // With *help set the help was asked for and nothing else is valid.
 static RfResult parse( const RfField* defaults, int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
 {
+    s_group_given = false;
     s_parsed = ( TuneOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
     RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
     if ( result == RF_OK )
@@ -281,11 +485,10 @@ static RfResult parse( const RfField* defaults, int argc, char** argv, TuneOptio
     if ( result != RF_OK || *help )
         return result;
     s_parsed.render.scene = s_scene;
-    rf_take_estimator_option( &s_parsed.render );
-    rf_settle_filter( &s_parsed.render );
-    result = rf_parse_aov_option( &s_parsed.render, error );
+    if ( s_group_given && s_parsed.render.nodes == 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "--group: needs --nodes; without it the tables have rows for each group" );
     *options = s_parsed;
-    return result;
+    return rf_settle_render_options( &options->render, error );
 }
 
 static bool is_plain( const char* text )
@@ -330,7 +533,8 @@ static void print_word( FILE* file, const char* text )
 // Is this option (with its two dashes) one of `tune` that `render` does not take, or that the best setting replaces?
 static bool is_own( const char* argument )
 {
-    static const char* const names[] = { "--budget", "--goal", "--svg", "--json", "--quiet", "--no-quiet", "--estimator" };
+    static const char* const names[] = { "--budget",   "--goal",      "--svg",   "--json", "--quiet",
+                                         "--no-quiet", "--estimator", "--group", "--tile", "--nodes" };
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
     {
         size_t length = strlen( names[i] );
@@ -347,7 +551,7 @@ static bool takes_value( const char* argument )
     for ( int i = 0; i < s_table.option_count; ++i )
     {
         if ( strcmp( argument + 2, s_options[i].name ) == 0 )
-            return s_options[i].type != RF_OPTION_BOOL;
+            return s_options[i].type != RF_OPTION_BOOL && s_options[i].bare == NULL;
     }
     return false;
 }
@@ -402,9 +606,12 @@ typedef struct Job
 {
     int argc;
     char** argv;
+    double start;
     TuneOptions options;
     RfLoadedShot shot; // options may point into it
+    RfPlan plan;
     RfTune tune;
+    RfRanges ranges; // for --nodes
 } Job;
 
 static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
@@ -439,13 +646,7 @@ static RfResult report( Job* job, RfError* error )
     const TuneOptions* options = &job->options;
     const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
     char* command = best != NULL ? tuned_command( job->argc, job->argv, named_estimator( job ), best->group, &best->tile ) : NULL;
-    TuneReport r = { .tune = &job->tune,
-                     .scene = options->render.scene,
-                     .command = command,
-                     .width = options->render.size.width,
-                     .height = options->render.size.height,
-                     .frames = job->shot.frame_count,
-                     .budget = options->budget };
+    TuneReport r = { options, &job->plan, &job->tune, command, job->shot.frame_count, &job->ranges };
     const char* json = options->render.json;
     RfResult result = RF_OK;
     if ( rf_prints_text( json ) )
@@ -461,20 +662,46 @@ static RfResult report( Job* job, RfError* error )
     return result;
 }
 
-static RfResult run( Job* job, RfError* error )
+// What is known without rendering. With short renders another tile may fit where this one does not.
+static RfResult make_plan( Job* job, RfError* error )
 {
-    RfResult result = rf_load_shot( "tune", &job->options.render, take_defaults, job, &job->shot, error );
-    if ( result != RF_OK )
+    RfRenderSettings settings = job->options.render.settings;
+    RfShot shot = rf_shot_to_render( &job->shot );
+    RfResult result = rf_plan_render( &shot, &settings, &job->plan, error );
+    if ( result == RF_ERROR_MEMORY && job->options.budget > 0.0 )
+    {
+        job->plan = ( RfPlan ){ .adaptive = settings.adaptive };
+        result = RF_OK;
+    }
+    if ( result != RF_OK || job->options.render.nodes == 0 )
         return result;
+    if ( settings.group == RF_GROUP_AUTO )
+        settings.group = job->plan.rows[job->plan.chosen].group;
+    RfDividedFrames frames = { job->shot.asked,     job->shot.asked_runs, job->shot.asked_count,
+                               job->shot.path.step, job->shot.path.count, job->shot.path.eyes };
+    return rf_cut_ranges( job->options.render.nodes, &frames, &settings, &job->ranges, error );
+}
+
+static RfResult search( Job* job, RfError* error )
+{
     RfTrialWatch watch = { rf_may_go_on, NULL };
     RfTuneJob tune = { .shot = rf_shot_to_render( &job->shot ),
                        .settings = &job->options.render.settings,
-                       .budget = job->options.budget,
                        .goal = (RfTuneGoal)job->options.goal,
                        .watch = &watch,
                        .report = say,
                        .user = job };
-    result = rf_tune( &tune, &job->tune, error );
+    tune.budget = rf_budget_left( job->options.budget, job->start, &tune.deadline );
+    return rf_tune( &tune, &job->tune, error );
+}
+
+static RfResult run( Job* job, RfError* error )
+{
+    RfResult result = rf_load_shot( "tune", &job->options.render, take_defaults, job, &job->shot, error );
+    if ( result == RF_OK )
+        result = make_plan( job, error );
+    if ( result == RF_OK && job->options.budget > 0.0 )
+        result = search( job, error );
     if ( result == RF_ERROR_INTERRUPTED && job->tune.round_count > 0 )
     {
         RfResult reported = report( job, error );
@@ -492,7 +719,7 @@ int rf_command_tune( int argc, char** argv )
 {
     RfError error;
     bool help;
-    Job job = { .argc = argc, .argv = argv };
+    Job job = { .argc = argc, .argv = argv, .start = rf_wall_seconds(), .tune = { .chosen = -1 } };
     RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
         result = rf_show_help( &s_table, &error );
@@ -501,6 +728,7 @@ int rf_command_tune( int argc, char** argv )
         rf_catch_interrupts();
         result = run( &job, &error );
     }
+    rf_free_ranges( &job.ranges );
     rf_destroy_shot( &job.shot );
     return result == RF_OK ? 0 : rf_report_error( "tune", &error );
 }

@@ -1,18 +1,40 @@
-// Gains with their 95 % intervals as phrases for the verdicts of `tune`, `cost` and `plan`.
+// Gains with their 95 % intervals as phrases for the verdicts of `tune` and `cost`.
 #include "cli/tune/verdict.h"
 
 #include <math.h>
 #include <stdio.h>
 
-void rf_format_gain( const RfInterval* gain, char* text, size_t size )
+#define WIDEST 4.0 // times the lower end of its interval: the upper one of a figure that is printed
+
+bool rf_is_known( const RfInterval* value )
+{
+    return isfinite( value->value ) && isgreater( value->low, 0.0 ) && islessequal( value->high, WIDEST * value->low );
+}
+
+// What is said of a gain of which so little is known; an interval shrinks as the root of the time.
+static void format_unknown( const RfInterval* gain, double spent, char* text, size_t size )
+{
+    char span[32];
+    double width = log( gain->high / gain->low ) / log( WIDEST );
+    rf_format_span( spent * width * width, span, sizeof span );
+    if ( isgreater( gain->low, 1.0 ) )
+        snprintf( text, size, "at least %.2g times faster than path tracing at equal noise", gain->low );
+    else if ( isless( gain->high, 1.0 ) )
+        snprintf( text, size, "at least %.2g times slower than path tracing at equal noise", 1.0 / gain->high );
+    else if ( isfinite( width ) )
+        snprintf( text, size, "gain over path tracing not known within the budget: needs about %s", span );
+    else
+        snprintf( text, size, "gain over path tracing not known within the budget" );
+}
+
+void rf_format_gain( const RfInterval* gain, double spent, char* text, size_t size )
 {
     bool slower = isless( gain->value, 1.0 );
     double value = slower ? 1.0 / gain->value : gain->value;
     if ( !isfinite( value ) )
         snprintf( text, size, "not compared with path tracing" );
-    else if ( !isfinite( gain->low ) )
-        snprintf( text, size, "%.2f times %s than path tracing at equal noise (too few samples for a confidence interval)", value,
-                  slower ? "slower" : "faster" );
+    else if ( !rf_is_known( gain ) )
+        format_unknown( gain, spent, text, size );
     else if ( gain->low <= 1.0 && gain->high >= 1.0 )
         snprintf( text, size, "%s path tracing at equal noise (%.2f times its speed, 95 %%: %.2f to %.2f)",
                   value < 1.1 ? "about as fast as"
@@ -20,8 +42,18 @@ void rf_format_gain( const RfInterval* gain, char* text, size_t size )
                               : "possibly faster than",
                   gain->value, gain->low, gain->high );
     else
-        snprintf( text, size, "%.2f times %s than path tracing at equal noise (95 %%: %.2f to %.2f)", value,
+        snprintf( text, size, "%.2g times %s than path tracing at equal noise (95 %%: %.2g to %.2g)", value,
                   slower ? "slower" : "faster", slower ? 1.0 / gain->high : gain->low, slower ? 1.0 / gain->low : gain->high );
+}
+
+void rf_format_figure( const RfInterval* value, char text[RF_FIGURE_SIZE] )
+{
+    if ( rf_is_known( value ) )
+        snprintf( text, RF_FIGURE_SIZE, "%.3g", value->value );
+    else if ( isfinite( value->low ) && isgreater( value->low, 0.0 ) )
+        snprintf( text, RF_FIGURE_SIZE, ">%.2g", value->low );
+    else
+        snprintf( text, RF_FIGURE_SIZE, "?" );
 }
 
 void rf_tell_flicker_gain( const RfInterval* gain, char* text, size_t size )

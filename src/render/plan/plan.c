@@ -1,9 +1,8 @@
 // How large a group pays: a few thousand hits along the path, traced by the render's own estimator, give the number of cameras
-// that see them and of the rays that this takes; the gain follows by fixed costs of rays. rf_measure_plan measures these costs.
+// that see them and of the rays that this takes; the gain follows by fixed costs of rays.
 #include "reframe/plan.h"
 
 #include "base/arena.h"
-#include "base/system.h"
 #include "render/settings.h"
 #include "render/sizes.h"
 #include "render/worlds.h"
@@ -208,16 +207,13 @@ static void list_rows( const RfShot* shot, const RfRenderSettings* settings, RfP
                                                    .eyes = groups.eyes,
                                                    .spp = groups.spp,
                                                    .samples = NAN,
-                                                   .repeated = NAN,
                                                    .rays_primary = NAN,
                                                    .rays_path = NAN,
                                                    .rays_shadow = NAN,
                                                    .rays_tile = NAN,
                                                    .rays_eye = NAN,
                                                    .reach = NAN,
-                                                   .gain = NAN,
-                                                   .measured_gain = NAN,
-                                                   .seconds = NAN };
+                                                   .gain = NAN };
         if ( groups.eyes == longest || !rf_has_groups( settings->estimator ) )
             break;
     }
@@ -238,14 +234,12 @@ static void count_rays( const RfGroupPlan* plan, const RfShot* shot, const Count
     int frame_count = shot->frame_count;
     double pixels = (double)shot->eyes->width * shot->eyes->height;
     int per_sweep = row->fit.sweeps > 1 ? row->fit.films : frame_count;
-    double samples = 0.0, others = 0.0, once = 0.0, unused = 0.0;
+    double samples = 0.0, others = 0.0;
     for ( int first = 0; first < frame_count; first += per_sweep )
         rf_add_group_samples( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples,
                               &others );
-    rf_add_group_samples( plan, frames, 0, frame_count, &once, &unused );
     double per = pixels / counts->samples;
     row->samples = samples * pixels;
-    row->repeated = samples / once;
     row->rays_primary = samples * pixels;
     row->rays_path = samples * per * (double)counts->rays.path;
     row->rays_shadow = samples * per * (double)counts->rays.shadow;
@@ -421,7 +415,7 @@ static void weigh_rows( const RfShot* shot, const RfRenderSettings* settings, co
 RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
     RfRenderSettings common;
-    *plan = ( RfPlan ){ .c_e = NAN, .c_l = NAN, .c_v = NAN };
+    *plan = ( RfPlan ){ .count = 0 };
     RfResult result = rf_resolve_common( shot, settings, &common, error );
     if ( result != RF_OK )
         return result;
@@ -455,191 +449,4 @@ void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, in
     RfEstimatorSizes sizes = settings->estimator->sizes( &group );
     *diffuse = sizes.diffuse_record;
     *glossy = sizes.glossy_record;
-}
-
-// What samples and their reuse cost in this scene on this machine: a few batches are traced and added to a film.
-#define USUAL_GROUP 3
-
-typedef struct Meter
-{
-    Probe* probe;
-    RfFilm films[RF_MAX_FILMS]; // one half of each is enough
-    void *pass_state, *accumulate_scratch;
-} Meter;
-
-// One batch, traced and added to the films of all frames of its group. Returns its samples.
-static int run_batch( Meter* m, RfTraceJob job )
-{
-    Probe* p = m->probe;
-    const RfEstimator* estimator = p->settings.estimator;
-    RfRayCounts rays = { 0 };
-    int samples = estimator->trace( &p->group, job, p->batch, p->scratch, &rays );
-    for ( int l = 0; l < p->group.eye_count; ++l )
-    {
-        RfAccumulateJob rows = {
-            .eye = l, .end_row = p->group.height, .films = m->films, .weight = 1.0f, .pass_state = m->pass_state
-        };
-        if ( m->pass_state != NULL )
-            memset( m->pass_state, 0, p->sizes.of_estimator.pass_state );
-        estimator->accumulate( &p->group, rows, &p->batch, 1, m->accumulate_scratch );
-    }
-    return samples;
-}
-
-// Samples of some groups, with paths of at most `depth` vertices.
-typedef struct Timing
-{
-    int eyes, depth;
-    double seconds, samples;
-} Timing;
-
-static void time_batch( Meter* m, int frame, int number, int pass, Timing* t )
-{
-    Probe* p = m->probe;
-    int max_depth = p->group.max_depth, job = probe_job( p, frame, number );
-    aim_probe( p, probe_frame( p, frame ), t->eyes );
-    p->group.max_depth = t->depth < max_depth ? t->depth : max_depth;
-    double start = rf_thread_seconds();
-    t->samples += run_batch( m, ( RfTraceJob ){ p->eye, job, pass } );
-    t->seconds += rf_thread_seconds() - start;
-    p->group.max_depth = max_depth;
-}
-
-// Times the same batches in all ways, in turns: differences do not depend on which batches there was time for.
-static void time_batches( Meter* m, double seconds, int count, Timing* timings )
-{
-    double start = rf_thread_seconds();
-    for ( int i = 0; i == 0 || rf_thread_seconds() - start < seconds; ++i )
-    {
-        int k = i % ( PROBE_FRAMES * PROBE_JOBS );
-        for ( int t = 0; t < count; ++t )
-            time_batch( m, k % PROBE_FRAMES, k / PROBE_FRAMES, i / ( PROBE_FRAMES * PROBE_JOBS ), timings + t );
-    }
-}
-
-static double seconds_per_sample( const Timing* t ) { return t->samples > 0.0 ? t->seconds / t->samples : 0.0; }
-
-static void measure( Meter* m, int eyes, double seconds, RfPlan* plan )
-{
-    int depth = m->probe->group.max_depth;
-    Timing warm[] = { { .eyes = 1, .depth = depth } }; // caches, pages
-    Timing timings[] = { { .eyes = 1, .depth = 1 }, { .eyes = 1, .depth = depth }, { .eyes = eyes, .depth = depth } };
-    rf_set_float_mode();
-    time_batches( m, 0.0, 1, warm );
-    time_batches( m, seconds, eyes > 1 ? 3 : 2, timings );
-    double bare = seconds_per_sample( timings ), own = seconds_per_sample( timings + 1 ), all = seconds_per_sample( timings + 2 );
-    plan->c_e = bare;
-    plan->c_l = own > bare ? own - bare : 0.0;
-    plan->c_v = eyes > 1 ? fmax( all - own, 0.0 ) / ( eyes - 1 ) : 0.0;
-}
-
-// CPU seconds by one thread, for each frame of a group; 0 where nothing moves.
-typedef struct Posing
-{
-    double pose, ghosts;
-} Posing;
-
-// Before any frame has been posed.
-static Posing time_posing( Probe* p, int eyes )
-{
-    Posing posing = { 0 };
-    if ( p->worlds.count == 0 )
-        return posing;
-    double start = rf_process_seconds();
-    rf_open_worlds( &p->worlds, 0, 1 );
-    posing.pose = rf_process_seconds() - start;
-    rf_open_worlds( &p->worlds, 0, eyes );
-    double all = rf_process_seconds() - start;
-    posing.ghosts = fmax( all / eyes - posing.pose, 0.0 );
-    return posing;
-}
-
-// Frames that a render poses, each once in a sweep: those asked for, and about as many around them as share groups with them.
-static int posed_frames( const RfShot* shot, const RfPlanRow* row )
-{
-    int frames = shot->frame_count + row->fit.sweeps * ( row->eyes - 1 ), most = row->fit.sweeps * shot->eye_count;
-    return frames < most ? frames : most;
-}
-
-static void weigh( const RfShot* shot, const RfRenderSettings* settings, Posing posing, RfPlan* plan )
-{
-    double own = plan->c_e + plan->c_l;
-    for ( int i = 0; i < plan->count; ++i )
-    {
-        RfPlanRow* row = plan->rows + i;
-        if ( !rf_plan_row_fits( row ) )
-            continue;
-        RfGroupPlan groups = rf_plan_samples( shot, row->group, settings->spp );
-        double samples = plan_work( &groups, 1.0, 0.0 ), work = plan_work( &groups, own, plan->c_v );
-        row->measured_gain = work > 0.0 ? row->reach * (double)groups.frames * groups.spp * own / ( work * row->repeated ) : 1.0;
-        double each =
-            posing.pose + ( row->eyes > 1 ? posing.ghosts * row->eyes : 0.0 ); // there are about as many groups as frames
-        row->seconds = row->samples / samples * work / row->fit.threads + each * posed_frames( shot, row );
-    }
-}
-
-static RfResult alloc_meter( Meter* m, RfError* error )
-{
-    Probe* p = m->probe;
-    const RfEstimatorSizes* sizes = &p->sizes.of_estimator;
-    size_t half = rf_film_half_bytes( p->group.width, p->group.height );
-    RfResult result = RF_OK;
-    for ( int f = 0; f < p->sizes.film_count && result == RF_OK; ++f )
-    {
-        m->films[f] = ( RfFilm ){ .width = p->group.width, .height = p->group.height };
-        result = rf_arena_alloc( &p->arena, "films", half, (void**)&m->films[f].half[0], error );
-        if ( result == RF_OK )
-            memset( m->films[f].half[0], 0, half );
-    }
-    if ( result == RF_OK && sizes->pass_state > 0 )
-        result = rf_arena_alloc( &p->arena, "films", sizes->pass_state, &m->pass_state, error );
-    if ( result == RF_OK && sizes->pass_state > 0 )
-        memset( m->pass_state, 0, sizes->pass_state );
-    return result == RF_OK ? rf_arena_alloc( &p->arena, "scratch", sizes->accumulate_scratch, &m->accumulate_scratch, error )
-                           : result;
-}
-
-static void free_meter( Meter* m )
-{
-    Probe* p = m->probe;
-    for ( int f = 0; f < p->sizes.film_count; ++f )
-        rf_arena_free( &p->arena, "films", m->films[f].half[0], rf_film_half_bytes( p->group.width, p->group.height ) );
-    rf_arena_free( &p->arena, "films", m->pass_state, p->sizes.of_estimator.pass_state );
-    rf_arena_free( &p->arena, "scratch", m->accumulate_scratch, p->sizes.of_estimator.accumulate_scratch );
-}
-
-// The group whose costs are measured: the one that is chosen, or a usual one.
-static int measured_eyes( const RfPlan* plan )
-{
-    int eyes = plan->rows[plan->chosen].eyes;
-    for ( int i = 0; i < plan->count && eyes == 1; ++i )
-        eyes = rf_plan_row_fits( plan->rows + i ) && plan->rows[i].group >= USUAL_GROUP ? plan->rows[i].eyes : eyes;
-    for ( int i = plan->count - 1; i > 0 && eyes == 1; --i )
-        eyes = rf_plan_row_fits( plan->rows + i ) ? plan->rows[i].eyes : eyes;
-    return eyes;
-}
-
-RfResult rf_measure_plan( const RfShot* shot, const RfRenderSettings* settings, double seconds, RfPlan* plan, RfError* error )
-{
-    RfRenderSettings common;
-    RfResult result = rf_resolve_common( shot, settings, &common, error );
-    if ( result != RF_OK )
-        return result;
-    common.weights = RF_WEIGHTS_EXACT; // the biased ones need lists per pass
-    int group_eyes = measured_eyes( plan );
-    Probe probe;
-    Meter m = { .probe = &probe };
-    result = begin_probe( shot, &common, group_eyes, &probe, error );
-    if ( result == RF_OK )
-        result = alloc_meter( &m, error );
-    if ( result == RF_OK && !probe.sizes.of_estimator.whole_pass ) // which single batches are not
-    {
-        Posing posing = time_posing( &probe, probe.plan.eyes );
-        measure( &m, group_eyes, seconds, plan );
-        weigh( shot, &common, posing, plan );
-        result = rf_check_worlds( &probe.worlds, error );
-    }
-    free_meter( &m );
-    end_probe( &probe );
-    return result;
 }
