@@ -199,30 +199,51 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
     return rf_scale( rf_mul( path->flux, f ), cosines * vpl->falloff );
 }
 
+// The last segments of connections: blocked, or by way of panes, as segment number `k`.
+static void see_chain( RfConnection* connection, float visible, const RfPassedPanes* panes, int k )
+{
+    connection->open = visible > 0.0f;
+    if ( !connection->open || !panes->any )
+        return;
+    connection->light = rf_mul( connection->light, rf_passed_colour( panes, k ) );
+    rf_pass_panes( panes, k, &connection->chain );
+}
+
+static void see_vpl( RfVplConnection* connection, float visible, const RfPassedPanes* panes, int k )
+{
+    connection->open = visible > 0.0f;
+    if ( connection->open && panes->any )
+        connection->light = rf_mul( connection->light, rf_passed_colour( panes, k ) );
+}
+
 // Closes the connections that are blocked, by shadow rays from the vertices to the ends of the chains, or from the VPLs to the
 // vertices.
 static void test_visibility( RfConnectionWork* w, bool of_vpls )
 {
     float o[3][RF_CHAIN_BLOCK], d[3][RF_CHAIN_BLOCK], visible[RF_CHAIN_BLOCK];
-    bool* tested[RF_CHAIN_BLOCK];
-    int count = 0;
+    int tested[RF_CHAIN_BLOCK], count = 0;
+    RfPassedPanes panes;
     for ( int k = 0; k < ( of_vpls ? w->vpl_count : w->count ); ++k )
     {
         RfConnection* chain = w->connection + k;
         RfVplConnection* vpl = w->vpl_connection + k;
-        bool* open = of_vpls ? &vpl->open : &chain->open;
-        if ( !*open )
+        if ( !( of_vpls ? vpl->open : chain->open ) )
             continue;
         RfVec3 vertex = rf_start_of( w->v, of_vpls ? vpl->lane : chain->lane );
         RfVec3 from = of_vpls ? rf_vpl_start( vpl->path ) : vertex, to = of_vpls ? vertex : chain->chain.end.o;
         rf_put_ray( o, d, count, from, rf_sub( to, from ) );
-        tested[count++] = open;
+        tested[count++] = k;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
-    rf_trace_segments( w->settings->path->tracer, count, from, way, visible );
+    rf_trace_light_segments( w->settings->path->tracer, count, from, way, visible, &panes );
     w->out->rays += (uint64_t)count;
     for ( int k = 0; k < count; ++k )
-        *tested[k] = visible[k] > 0.0f;
+    {
+        if ( of_vpls )
+            see_vpl( w->vpl_connection + tested[k], visible[k], &panes, k );
+        else
+            see_chain( w->connection + tested[k], visible[k], &panes, k );
+    }
 }
 
 void rf_flush_vpls( RfConnectionWork* w )
@@ -371,7 +392,8 @@ static void measure_connection( const RfConnectionWork* w, const RfConnection* c
     float cosine = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ), chance = RF_INV_PI * cosine,
           through = throughput_of( w, connection->lane );
     // the contribution of a scattered ray that finds the same light
-    float found = rf_luminance( rf_mul( chain->start.radiance, chain->weight ) ) * cosine / ( chance * chain->probability );
+    float found =
+        rf_luminance( rf_mul( chain->start.radiance, chain->weight ) ) * cosine / ( chance * chain->probability * chain->passes );
     const RfLightPaths* paths = w->settings->paths;
     count_chance( w->out, (double)light, (double)found, (double)through );
     float found_now = find_count( paths, connection, paths->share );
@@ -418,8 +440,7 @@ static RfVec3 light_of( const RfConnectionWork* w, const RfConnection* connectio
 static float area_of( const RfConnectionWork* w, const RfConnection* connection, const RfManifoldWalk* walk )
 {
     float step[2], miss, spread;
-    if ( !rf_may_scatter( w->settings->path->tracer, &connection->chain ) ||
-         !rf_is_matte_lane( w->settings->path, w->v, connection->lane ) ||
+    if ( !rf_may_scatter( &connection->chain ) || !rf_is_matte_lane( w->settings->path, w->v, connection->lane ) ||
          !rf_newton_step( &connection->chain.end, walk->y, walk->n, step, &miss, &spread ) )
         return INFINITY;
     return rf_reach_area( &connection->reach ) * spread / w->settings->paths->connections;

@@ -162,7 +162,7 @@ static void set_vpl( const RfTracer* tracer, const RfLightPaths* paths, const Rf
     vpl->share = rf_connection_weight( paths, path->chance, -rf_dot( vpl->n, path->end.d ), 2 );
     vpl->falloff =
         rf_emission_falloff( &path->start, chain->way + rf_length( rf_sub( path->at.p, chain->vertex[chain->length - 1].p ) ) );
-    vpl->scatters = reached && rf_may_scatter( tracer, chain ) && vpl->falloff > 0.0f && path->length > 0 &&
+    vpl->scatters = reached && rf_may_scatter( chain ) && vpl->falloff > 0.0f && path->length > 0 &&
                     rf_is_matte( m->kind, shape ) && rf_dot( vpl->n, wi ) > 0.0f;
 }
 
@@ -207,7 +207,8 @@ static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* path
         number[rays++] = k;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
-    rf_trace_nearest( group->tracer, rays, from, way, false, hit, u, v );
+    RfPassedPanes panes;
+    rf_trace_light( group->tracer, rays, from, way, hit, u, v, &panes );
     for ( int k = 0; k < rays; ++k )
     {
         if ( hit[k] == RF_MISS || materials[rf_triangle_material( group->tracer, hit[k] )].kind >= RF_BSDF_FIRST_SPECULAR )

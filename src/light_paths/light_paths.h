@@ -135,12 +135,8 @@ RfFootprint rf_find_footprint( const RfLightPaths* paths, const RfLights* lights
 #define RF_SCATTERED_PER_PATH 2u
 #define RF_VPL_CONNECTIONS 3.0f // found by a vertex, on average
 
-// Whether there may be a VPL where a chain ends: not inside bodies, where flux and radiance scale differently, and
-// nowhere in scenes where rays pass surfaces by chance.
-static inline bool rf_may_scatter( const RfTracer* tracer, const RfChain* chain )
-{
-    return !chain->ends_inside && !rf_tracer_has_panes( tracer ) && !rf_tracer_is_blended( tracer );
-}
+// Whether there may be a VPL where a chain ends: not inside bodies, where flux and radiance scale differently.
+static inline bool rf_may_scatter( const RfChain* chain ) { return !chain->ends_inside; }
 
 // Where rays start at the VPL.
 static inline RfVec3 rf_vpl_start( const RfLightPath* path ) { return rf_madd( path->at.p, path->vpl.ng, path->vpl.offset ); }

@@ -10,6 +10,33 @@
 // Where a normal is nearly perpendicular to a direction, cameras would be lifted to the horizon (bsdf/bsdf.h); chains end.
 #define MIN_COS RF_MIN_COS
 
+static RfPaneLanes lanes_of( RfPassedPanes* panes )
+{
+    return ( RfPaneLanes ){ panes->probability, { panes->weight[0], panes->weight[1], panes->weight[2] } };
+}
+
+void rf_trace_light( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], uint32_t* triangle,
+                     float* u, float* v, RfPassedPanes* panes )
+{
+    RfPaneLanes lanes = lanes_of( panes );
+    panes->any = rf_tracer_has_panes( tracer );
+    if ( panes->any )
+        rf_trace_nearest_through_panes( tracer, count, o, d, triangle, u, v, &lanes );
+    else
+        rf_trace_nearest( tracer, count, o, d, false, triangle, u, v );
+}
+
+void rf_trace_light_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible,
+                              RfPassedPanes* panes )
+{
+    RfPaneLanes lanes = lanes_of( panes );
+    panes->any = rf_tracer_has_panes( tracer );
+    if ( panes->any )
+        rf_trace_segments_past_panes( tracer, count, o, d, visible, &lanes );
+    else
+        rf_trace_segments( tracer, count, o, d, visible );
+}
+
 // Transfers the differentials to the plane of a surface at the hit.
 static void transfer( RfRayPair* ray, RfVec3 p, RfVec3 n )
 {
@@ -82,7 +109,7 @@ void rf_begin_chain( RfChain* chain )
     }
     chain->length = 0;
     chain->weight = rf_vec3( 1, 1, 1 );
-    chain->probability = 1.0f;
+    chain->probability = chain->passes = 1.0f;
     chain->way = 0.0f;
     chain->end_absorption = none;
 }
@@ -215,8 +242,9 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
     while ( rays.count > 0 )
     {
         Rays now = rays;
+        RfPassedPanes panes;
         const float *o[3] = { now.o[0], now.o[1], now.o[2] }, *d[3] = { now.d[0], now.d[1], now.d[2] };
-        rf_trace_nearest( tracer, now.count, o, d, false, now.triangle, now.u, now.v );
+        rf_trace_light( tracer, now.count, o, d, now.triangle, now.u, now.v, &panes );
         *ray_count += (uint64_t)now.count;
         rays.count = 0;
         for ( int k = 0; k < now.count; ++k )
@@ -227,6 +255,8 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
             const RfMaterial* m = triangle != RF_MISS ? materials + rf_triangle_material( tracer, triangle ) : NULL;
             bool delta = m != NULL && rf_is_chain_surface( m );
             bool full = chain->length == wanted[i];
+            if ( panes.any )
+                rf_pass_panes( &panes, k, chain );
             if ( delta && !full &&
                  rf_step_chain( tracer, triangle, now.u[k], now.v[k], events, keys != NULL ? keys[i] : ( RfRandomKey ){ 0, 0 },
                                 chain ) )

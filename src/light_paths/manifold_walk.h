@@ -54,6 +54,29 @@ static inline RfVec3 rf_sample_reach( const RfReach* reach, RfVec3 direction, fl
     return rf_add( rf_scale( t, x * inverse ), rf_scale( b, y * inverse ) );
 }
 
+#define RF_CHAIN_BLOCK 64
+
+// The thin panes that rays or segments of a block passed (src/reuse/estimators.md, section 11).
+typedef struct RfPassedPanes
+{
+    bool any;                          // in the scene; else there are none
+    float probability[RF_CHAIN_BLOCK]; // q, by which scattered rays pass them
+    float weight[3][RF_CHAIN_BLOCK];   // κ
+} RfPassedPanes;
+
+// T = q κ of what ray number `i` passed.
+static inline RfVec3 rf_passed_colour( const RfPassedPanes* panes, int i )
+{
+    RfVec3 kappa = rf_vec3( panes->weight[0][i], panes->weight[1][i], panes->weight[2][i] );
+    return panes->any ? rf_scale( kappa, panes->probability[i] ) : rf_vec3( 1.0f, 1.0f, 1.0f );
+}
+
+// Nearest hits beyond all thin panes, of `count` ≤ RF_CHAIN_BLOCK rays, and visibility past them.
+void rf_trace_light( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], uint32_t* triangle,
+                     float* u, float* v, RfPassedPanes* panes );
+void rf_trace_light_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible,
+                              RfPassedPanes* panes );
+
 // A ray with its differentials by two parameters.
 typedef struct RfRayPair
 {
@@ -78,8 +101,9 @@ typedef struct RfChain
     uint32_t events;  // bit k: vertex k refracts
     int length;
     RfChainVertex vertex[RF_MAX_CHAIN];
-    RfVec3 weight;     // throughput of reflections, refractions and media
+    RfVec3 weight;     // throughput of reflections, refractions, media and panes
     float probability; // of these events, where they were drawn
+    float passes;      // probability of passing the panes, of scattered rays: light paths pass them for sure
     RfRayPair end;     // the ray that leaves, with derivatives by the steering parameters
     float way;         // m, up to the last vertex
     uint32_t first_triangle;
@@ -87,6 +111,12 @@ typedef struct RfChain
     RfVec3 end_absorption; // of the medium of the ray that leaves, 1/m
     bool ends_inside;      // of a body
 } RfChain;
+
+static inline void rf_pass_panes( const RfPassedPanes* panes, int ray, RfChain* chain )
+{
+    chain->weight = rf_mul( chain->weight, rf_passed_colour( panes, ray ) );
+    chain->passes *= panes->probability[ray];
+}
 
 // Where a chain's events come from.
 typedef enum RfChainEvents
@@ -98,7 +128,6 @@ typedef enum RfChainEvents
 // Walks `count` ≤ RF_CHAIN_BLOCK chains from their starts. Inactive ones are left alone. Chains that fail get
 // length 0, as do drawn ones of more than RF_MAX_CHAIN vertices or without an end. *land has the triangle and
 // barycentrics where they end; with `land`, copied chains fail unless they end on a non-specular surface.
-#define RF_CHAIN_BLOCK 64
 typedef struct RfLanding
 {
     uint32_t triangle[RF_CHAIN_BLOCK];

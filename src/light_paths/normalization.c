@@ -57,7 +57,9 @@ static int try_again( RfConnectionWork* w, uint32_t trial, bool* pending )
                                                    land.p[k], rf_triangle_record( tracer, land.triangle[k], &place )->ng );
         RfFootprintBox box = { land.p[k], footprint.half };
         walk->most = rf_scaled_reach( &footprint.reach, RF_STEP_MARGIN );
-        walk->active = footprint.reach.along > 0.0f && rf_box_holds( &box, rf_start_of( w->v, connection->lane ) );
+        // light paths that panes leave nothing of are not stored
+        bool shines = rf_luminance( rf_mul( walk->at.start.radiance, walk->at.weight ) ) > 0.0f;
+        walk->active = shines && footprint.reach.along > 0.0f && rf_box_holds( &box, rf_start_of( w->v, connection->lane ) );
     }
     rf_walk_manifold( tracer, w->count, w->walk, &w->out->rays );
     int left = 0;
@@ -130,7 +132,8 @@ static int try_vpls_again( RfConnectionWork* w, uint32_t trial, bool* pending )
         index[count++] = k;
     }
     const float *from[3] = { o[0], o[1], o[2] }, *way[3] = { d[0], d[1], d[2] };
-    rf_trace_nearest( tracer, count, from, way, false, hit, u, v );
+    RfPassedPanes panes;
+    rf_trace_light( tracer, count, from, way, hit, u, v, &panes );
     w->out->rays += (uint64_t)count;
     for ( int k = 0; k < count; ++k )
     {

@@ -46,7 +46,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.moves = rf_may_move( scene );
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
-    if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles > 0 && !traits.panes && !traits.blended )
+    if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles > 0 && !traits.blended )
         traits.emitters = rf_divide_emitters( scene, NULL );
     return traits;
 }
@@ -54,8 +54,8 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
 bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings )
 {
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
-                             settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->panes &&
-                             !traits->blended && !( traits->moves && settings->group != 0 ) &&
+                             settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->blended &&
+                             !( traits->moves && settings->group != 0 ) &&
                              ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }

@@ -94,6 +94,7 @@ typedef struct RfQuery
     const RfTracer* tracer;
     RfQueryKind kind;
     bool pass_panes; // else panes are surfaces like any others
+    bool surely;     // nearest hits: rays pass panes for sure, not by chance
     bool passed;     // some pane was passed
     int traps;       // of the caller (base/float_traps.h)
     // per ray, initially 1

@@ -124,7 +124,7 @@ static bool hits_pane( const struct RTCFilterFunctionNArguments* args, unsigned 
     uint32_t id = ray_bits( args, RAY_ID, lane );
     if ( query->kind == RF_QUERY_NEAREST )
     {
-        bool hits = random_of_ray( args, lane, triangle ) >= pane.probability;
+        bool hits = !query->surely && random_of_ray( args, lane, triangle ) >= pane.probability;
         query->passed |= !hits;
         return hits;
     }

@@ -97,6 +97,7 @@ static RfQuery begin_query( const RfTracer* tracer, RfQueryKind kind, bool coher
     query.tracer = tracer;
     query.kind = kind;
     query.pass_panes = pass_panes;
+    query.surely = false;
     for ( int i = 0; i < RF_PACKET; ++i )
         query.transmittance[i] = 1.0f;
     if ( pass_panes )
@@ -211,9 +212,10 @@ static void number_hits( const RfTracer* tracer, int count, const struct RTCHit1
 
 // `panes`: NULL if they are surfaces like any others.
 static void trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
-                           uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes )
+                           bool surely, uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes )
 {
     RfQuery query = begin_query( tracer, RF_QUERY_NEAREST, coherent, panes != NULL );
+    query.surely = surely;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
     memset( &packet.hit, 0, sizeof packet.hit );
@@ -249,13 +251,19 @@ static void trace_nearest( const RfTracer* tracer, int count, const float* const
 void rf_trace_nearest( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], bool coherent,
                        uint32_t* triangle, float* u, float* v )
 {
-    trace_nearest( tracer, count, o, d, coherent, triangle, u, v, NULL );
+    trace_nearest( tracer, count, o, d, coherent, false, triangle, u, v, NULL );
 }
 
 void rf_trace_nearest_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                                   uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes )
 {
-    trace_nearest( tracer, count, o, d, false, triangle, u, v, panes );
+    trace_nearest( tracer, count, o, d, false, false, triangle, u, v, panes );
+}
+
+void rf_trace_nearest_through_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                                     uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes )
+{
+    trace_nearest( tracer, count, o, d, false, true, triangle, u, v, panes );
 }
 
 static void trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible,

@@ -220,6 +220,9 @@ void rf_trace_nearest_past_panes( const RfTracer* tracer, int count, const float
                                   uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes );
 void rf_trace_segments_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                                    float* visible, const RfPaneLanes* panes );
+// Rays that pass all thin panes for sure.
+void rf_trace_nearest_through_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
+                                     uint32_t* triangle, float* u, float* v, const RfPaneLanes* panes );
 int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
                                      const RfPaneLanes* panes );
 

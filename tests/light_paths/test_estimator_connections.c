@@ -1,5 +1,5 @@
-// Connections to light paths bring the light of mirrors and glass without bias: that of lamps without size in a mirror against
-// the mirrored lamps, that of area lights against paths that hit them by chance. Welch tests over 16 seeds.
+// Connections to light paths bring the light of mirrors and glass without bias, also past thin panes: that of lamps without size
+// in a mirror against the mirrored lamps, that of area lights against paths that hit them by chance. Welch tests over 16 seeds.
 #include "light/divide.h"
 #include "support/unbiased.h"
 #include "support/rooms.h"
@@ -26,8 +26,26 @@ static void add_square_lamp( SceneBuilder* b, float radiance, float x, float y, 
               rf_vec3( x - half, y, z ) );
 }
 
+// Level panes: between the lamps and half of the mirror, in two colours that together let nothing pass; and between all of these and
+// the eye, or the ceiling. `mirrored`: the panes as they are seen in the mirror, too.
+static void add_level_panes( SceneBuilder* b, bool mirrored )
+{
+    uint32_t red = add_material( b, make_thin_pane( rf_vec3( 0.9f, 0.4f, 0.0f ), 0.0f ) ),
+             blue = add_material( b, make_thin_pane( rf_vec3( 0.0f, 0.0f, 0.8f ), 0.0f ) ),
+             grey = add_material( b, make_thin_pane( rf_vec3( 0.6f, 0.7f, 0.5f ), 0.0f ) );
+    for ( int side = 1; side >= ( mirrored ? -1 : 1 ); side -= 2 )
+    {
+        float y = 2.0f * (float)side;
+        add_quad( b, grey, rf_vec3( -9, y, -9 ), rf_vec3( 9, y, -9 ), rf_vec3( 9, y, 0.4f ), rf_vec3( -9, y, 0.4f ) );
+        y = 0.5f * (float)side;
+        add_quad( b, red, rf_vec3( -9, y, -9 ), rf_vec3( 0.2f, y, -9 ), rf_vec3( 0.2f, y, 9 ), rf_vec3( -9, y, 9 ) );
+        y = 0.4f * (float)side;
+        add_quad( b, blue, rf_vec3( -0.1f, y, -9 ), rf_vec3( 0.7f, y, -9 ), rf_vec3( 0.7f, y, 9 ), rf_vec3( -0.1f, y, 9 ) );
+    }
+}
+
 // A ceiling over a floor that is a perfect mirror, or over the mirrored lamp alone; `squares`: with a large lamp and a small one.
-static RfScene make_ceiling( RfPunctual lamp, bool squares, bool mirror )
+static RfScene make_ceiling( RfPunctual lamp, bool squares, bool panes, bool mirror )
 {
     SceneBuilder b = { 0 };
     uint32_t white = add_material( &b, make_lambert( 0.7f, 0.6f, 0.5f ) );
@@ -37,6 +55,8 @@ static RfScene make_ceiling( RfPunctual lamp, bool squares, bool mirror )
     add_quad( &b, white, rf_vec3( -2, 3, -2 ), rf_vec3( 2, 3, -2 ), rf_vec3( 2, 3, 2 ), rf_vec3( -2, 3, 2 ) );
     if ( mirror )
         add_quad( &b, floor, rf_vec3( -9, 0, 9 ), rf_vec3( 9, 0, 9 ), rf_vec3( 9, 0, -9 ), rf_vec3( -9, 0, -9 ) );
+    if ( panes )
+        add_level_panes( &b, !mirror );
     for ( int up = 0; squares && up < 2 - mirror; ++up )
     {
         add_square_lamp( &b, 3.0f, 1.7f, up ? -1.2f : 1.2f, 0.8f, up );
@@ -54,9 +74,9 @@ static RfScene make_ceiling( RfPunctual lamp, bool squares, bool mirror )
     return scene;
 }
 
-static Images ceiling_images( RfPunctual lamp, bool squares, bool mirror, int spp )
+static Images ceiling_images( RfPunctual lamp, bool squares, bool panes, bool mirror, int spp )
 {
-    RfScene scene = make_ceiling( lamp, squares, mirror );
+    RfScene scene = make_ceiling( lamp, squares, panes, mirror );
     if ( squares && mirror )
     {
         RfDivision division = rf_divide_emitters( &scene, NULL );
@@ -76,10 +96,10 @@ static Images ceiling_images( RfPunctual lamp, bool squares, bool mirror, int sp
     return images;
 }
 
-static void check_lamp( const char* what, RfPunctual lamp )
+static void check_lamp( const char* what, RfPunctual lamp, bool panes )
 {
-    Images connected = ceiling_images( lamp, false, true, samples( 48 ) ),
-           mirrored = ceiling_images( lamp, false, false, samples( 16 ) );
+    Images connected = ceiling_images( lamp, false, panes, true, samples( 48 ) ),
+           mirrored = ceiling_images( lamp, false, panes, false, samples( 16 ) );
     assert_unbiased( what, &connected, &mirrored, 4 );
     free_images( &connected );
     free_images( &mirrored );
@@ -89,15 +109,17 @@ static void test_lamps_without_size_shine_in_mirrors( void** state )
 {
     (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 3.0f );
-    check_lamp( "point", lamp );
+    check_lamp( "point", lamp, false );
+    check_lamp( "point, panes", lamp, true );
     lamp.kind = RF_PUNCTUAL_SPOT;
     lamp.direction = rf_normalize( rf_vec3( -0.3f, -1.0f, 0.1f ) );
     lamp.cos_inner = 0.8f;
     lamp.cos_outer = 0.4f;
-    check_lamp( "spot", lamp );
+    check_lamp( "spot", lamp, false );
     lamp.kind = RF_PUNCTUAL_DIRECTIONAL;
     lamp.direction = rf_normalize( rf_vec3( -1.0f, -0.7f, 0.1f ) ); // comes in below the ceiling
-    check_lamp( "sun", lamp );
+    check_lamp( "sun", lamp, false );
+    check_lamp( "sun, panes", lamp, true );
 }
 
 // The large lamp is left to chance, the small one and that without size to connections.
@@ -105,11 +127,14 @@ static void test_emitters_are_divided( void** state )
 {
     (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 2.0f );
-    Images divided = ceiling_images( lamp, true, true, samples( 32 ) ),
-           mirrored = ceiling_images( lamp, true, false, samples( 16 ) );
-    assert_unbiased( "divided", &divided, &mirrored, 4 );
-    free_images( &divided );
-    free_images( &mirrored );
+    for ( int panes = 0; panes < 2; ++panes )
+    {
+        Images divided = ceiling_images( lamp, true, panes, true, samples( 32 ) ),
+               mirrored = ceiling_images( lamp, true, panes, false, samples( 16 ) );
+        assert_unbiased( panes ? "divided, panes" : "divided", &divided, &mirrored, 4 );
+        free_images( &divided );
+        free_images( &mirrored );
+    }
 }
 
 static void check_room( const char* what, MirrorRoom kind, int max_depth, const ChainSetting* setting )

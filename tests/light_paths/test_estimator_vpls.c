@@ -1,6 +1,7 @@
 // Indirect light from caustics, without bias: a room whose lamp shines on a mirror alone,
 // against paths that hit it by chance. Welch tests over 16 seeds.
 #include "support/unbiased.h"
+#include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 
@@ -13,7 +14,7 @@
 
 // The room has a floor that VPLs and cameras see in all ways: matte and glossy, flat and curved, and corners, where connections to
 // VPLs have small weights. The lamp has the same power in any size.
-static RfScene make_indirect_room( float half )
+static RfScene make_indirect_room( float half, bool panes )
 {
     SceneBuilder b = { 0 };
     uint32_t wall = add_material( &b, make_lambert( 0.7f, 0.6f, 0.5f ) );
@@ -32,6 +33,17 @@ static RfScene make_indirect_room( float half )
     // and one that the cameras see
     add_quad( &b, mirror, rf_vec3( -0.3f, 0.8f, -1.95f ), rf_vec3( 0.3f, 0.8f, -1.95f ), rf_vec3( 0.3f, 1.6f, -1.95f ),
               rf_vec3( -0.3f, 1.6f, -1.95f ) );
+    if ( panes )
+    {
+        uint32_t pane = add_material( &b, make_thin_pane( rf_vec3( 0.9f, 0.7f, 0.4f ), 0.0f ) );
+        // between lamp and mirror, across the room, and before the mirror that the cameras see
+        add_quad( &b, pane, rf_vec3( -2, 2.6f, -2 ), rf_vec3( 0.3f, 2.6f, -2 ), rf_vec3( 0.3f, 2.6f, 2 ),
+                  rf_vec3( -2, 2.6f, 2 ) );
+        add_quad( &b, pane, rf_vec3( -2, 1.8f, -2 ), rf_vec3( 2, 1.8f, -2 ), rf_vec3( 2, 1.2f, 0.5f ),
+                  rf_vec3( -2, 1.2f, 0.5f ) );
+        add_quad( &b, pane, rf_vec3( 0.5f, 0, -1.8f ), rf_vec3( 0.5f, 1.5f, -1.8f ), rf_vec3( 0.5f, 1.5f, 1 ),
+                  rf_vec3( 0.5f, 0, 1 ) );
+    }
     return finish_scene( &b );
 }
 
@@ -43,7 +55,11 @@ static void test_light_of_the_second_kind( void** state )
     ChainCase c = chain_case( "indirect light from caustics", 5 );
     c.settings = settings;
     c.setting_count = 2;
-    check_chains( &c, make_indirect_room( 1.2f ) );
+    check_chains( &c, make_indirect_room( 1.2f, false ) );
+    c.what = "the same with panes";
+    c.settings = settings + 1;
+    c.setting_count = 1;
+    check_chains( &c, make_indirect_room( 1.2f, true ) );
 }
 
 // Only in the long form: with fewer samples most seeds of a pixel miss the light that chance finds, connections or not, and
@@ -53,7 +69,7 @@ static void test_light_of_the_second_kind_of_a_smaller_lamp( void** state )
     (void)state;
     if ( getenv( "REFRAME_LONG" ) == NULL )
         skip();
-    RfScene scene = make_indirect_room( 0.4f );
+    RfScene scene = make_indirect_room( 0.4f, false );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[CHAIN_EYES];
     orbit_eyes( eyes, CHAIN_EYES, 3.0f, CHAIN_WIDTH, CHAIN_HEIGHT );

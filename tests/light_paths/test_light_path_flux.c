@@ -24,8 +24,8 @@ static double power_of( const RfTracer* tracer, uint32_t lamp )
     return (double)RF_PI * (double)RADIANCE * area;
 }
 
-// `expected`: the part of the lamp's power that goes out without a reflection.
-static void check_flux( const char* name, float inner, float outer, double expected )
+// `expected`: the part of the lamp's power that goes out without a reflection. `tint`: of thin bulbs around the glass and within it.
+static void check_flux( const char* name, float inner, float outer, float tint, double expected )
 {
     static LightPathSet set;
     SceneBuilder b = { 0 };
@@ -38,6 +38,10 @@ static void check_flux( const char* name, float inner, float outer, double expec
     add_sphere( &b, glass, center, outer, 64 );
     if ( inner > 0.0f )
         add_sphere( &b, glass, center, -inner, 64 ); // facing in
+    RfMaterial pane = make_glass( 1.5f, 0.0f, true );
+    pane.tint = rf_vec3( 0.9f, tint, 0.2f );
+    for ( int k = 0; k < 2 && tint > 0.0f; ++k )
+        add_sphere( &b, add_material( &b, pane ), center, k == 0 ? 0.3f : 0.8f, 64 );
     RfScene scene = finish_scene( &b );
     draw_light_path_set( &scene, 1024, 512, &set );
     int surfaces = inner > 0.0f ? 2 : 1;
@@ -61,8 +65,9 @@ static void check_flux( const char* name, float inner, float outer, double expec
 static void test_flux_is_conserved( void** state )
 {
     (void)state;
-    check_flux( "lamp in solid glass", 0.0f, 0.5f, 0.96 );
-    check_flux( "lamp in a shell of glass", 0.4f, 0.5f, 0.96 * 0.96 );
+    check_flux( "lamp in solid glass", 0.0f, 0.5f, 0.0f, 0.96 );
+    check_flux( "lamp in a shell of glass", 0.4f, 0.5f, 0.0f, 0.96 * 0.96 );
+    check_flux( "the same between bulbs", 0.4f, 0.5f, 0.6f, 0.96 * 0.96 * ( 0.96 * 0.6 ) * ( 0.96 * 0.6 ) );
 }
 
 int main( void )

@@ -175,7 +175,8 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_CHOICE,
       .value = &render_parse.options.light_paths,
       .choices = rf_light_paths_words,
-      .help = "trace paths from the lights, for caustics and lamps behind glass; auto: from small lights, where it pays off",
+      .help = "trace paths from the lights, for caustics and lamps behind glass; auto (experimental): from small lights, where "
+              "it seems to pay off",
       .heading = RF_HEADING_QUALITY },
     RF_FILTER_OPTIONS( render_parse.options ),
     RF_PATH_TRACING_OPTIONS( render_parse.options ),
