@@ -345,7 +345,7 @@ static void test_schema_has_the_limits_of_the_options( void** state )
         if ( option->type == RF_OPTION_INT )
             expect_limits( of_type( property, "integer" ), option );
         else if ( option->type == RF_OPTION_REAL || option->type == RF_OPTION_RATIO || option->type == RF_OPTION_TIME )
-            expect_limits( property, option );
+            expect_limits( of_type( property, "number" ), option );
         else if ( option->type == RF_OPTION_SIZE )
             expect_limits( json_object_get( property, "items" ), option );
         else if ( option->type == RF_OPTION_CHOICE )
