@@ -101,7 +101,7 @@ static RfResult render_metered( const RfTestRegion* region, int first, int eye_c
                                 TrialMeter* meter, RfError* error )
 {
     Metered m = { .frame = frame, .user = user, .watch = region->watch, .one_thread = settings->threads == 1 };
-    RfRenderCallbacks callbacks = { &m, on_frame, on_progress };
+    RfRenderCallbacks callbacks = { .user = &m, .frame = on_frame, .progress = on_progress };
     int* frames = malloc( (size_t)eye_count * sizeof *frames );
     if ( frames == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a list of %d frames", eye_count );

@@ -13,7 +13,7 @@
 //     output.tracer = tracer;
 //     output.path = &path;
 //     output.settings = settings; // as rf_resolve_settings made them
-//     RfRenderCallbacks callbacks = { &output, write, NULL };
+//     RfRenderCallbacks callbacks = { .user = &output, .frame = write };
 #ifndef REFRAME_OUTPUT_H
 #define REFRAME_OUTPUT_H
 

@@ -15,7 +15,7 @@
 //     RfPathOptions asked = { .fps = { 24, 1 }, .width = 960, .height = 540 };
 //     RfOutput output = rf_default_output();
 //     RfRenderSettings settings = rf_default_render_settings();
-//     RfRenderCallbacks callbacks = { &output, write, NULL };
+//     RfRenderCallbacks callbacks = { .user = &output, .frame = write };
 //     int frames[3] = { 0, 1, 2 };
 //     RfShot shot;
 //

@@ -5,7 +5,7 @@
 //     RfRenderSettings asked = rf_default_render_settings(), settings;
 //     asked.spp = 16;
 //     RfShot shot = { tracer, path.eyes, path.count, frames, frame_count };
-//     RfRenderCallbacks callbacks = { user, take_frame, NULL };
+//     RfRenderCallbacks callbacks = { .user = user, .frame = take_frame };
 //     if ( rf_resolve_settings( &shot, &asked, &settings, &error ) == RF_OK )
 //         result = rf_render( &shot, &settings, &callbacks, &stats, &error );
 //
@@ -113,17 +113,37 @@ typedef struct RfProgress
     double left; // seconds to the end, in proportion to the work done; NaN: not known yet
 } RfProgress;
 
-// Either callback may be NULL. `frame` failing stops the render with its
+// The frame in work, the oldest that is not finished: what its samples so far make. Valid during the callback only.
+typedef struct RfPreview
+{
+    int frame; // index into the cameras, from 0
+    int width, height;
+    const float* rgb;  // 3 × width × height
+    double native_spp; // samples that the frame traced itself so far, per pixel
+} RfPreview;
+
+// Each callback may be NULL. `frame` failing stops the render with its
 // error; `progress` returning false stops it with RF_ERROR_INTERRUPTED. With
 // settings.queue > 0 `frame` is called from another thread, still once at a
 // time and in order, while `progress` is called from that of rf_render; when
 // the render is stopped, the frames that are finished are still handed over,
 // before rf_render returns.
+//
+// `preview` is called after the first pass, and then from time to time: at most once a second, and for at most 1 % of the
+// time of the render, the callback's own time with it. It changes no picture.
+//
+// An interrupted render writes its state by `save`, piece by piece, after the frames that are finished: the films of the
+// frames in work, which `load` gives back to a render of the frames that were left, in the same pieces. It goes on from there
+// with the same bits, for any number of threads. The caller sees to it that scene, path and settings are the same
+// (rf_frame_fingerprint). `save` failing ends the saving alone; `load` failing fails the render.
 typedef struct RfRenderCallbacks
 {
     void* user;
     RfResult ( *frame )( void* user, const RfFrameResult* result, RfError* error );
     bool ( *progress )( void* user, const RfProgress* progress );
+    void ( *preview )( void* user, const RfPreview* preview );
+    RfResult ( *save )( void* user, const void* bytes, size_t size, RfError* error );
+    RfResult ( *load )( void* user, void* bytes, size_t size, RfError* error );
 } RfRenderCallbacks;
 
 typedef struct RfRayCounts

@@ -81,6 +81,16 @@ RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* q )
     return buffer;
 }
 
+RfFrameBuffer* rf_free_frame_buffer( RfFrameQueue* q )
+{
+    if ( !q->threaded )
+        return q->buffers;
+    pthread_mutex_lock( &q->mutex );
+    RfFrameBuffer* buffer = q->waiting < q->buffer_count ? q->buffers + ( q->first + q->waiting ) % q->buffer_count : NULL;
+    pthread_mutex_unlock( &q->mutex );
+    return buffer;
+}
+
 void rf_queue_frame( RfFrameQueue* q )
 {
     if ( !q->threaded )

@@ -41,6 +41,9 @@ void rf_start_frame_queue( RfFrameQueue* queue, const RfRenderCallbacks* callbac
 // A buffer that is free; waits until there is one.
 RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* queue );
 
+// The same without waiting; NULL where there is none.
+RfFrameBuffer* rf_free_frame_buffer( RfFrameQueue* queue );
+
 // Queues the buffer of rf_next_frame_buffer, now filled. The render must not touch it any more.
 void rf_queue_frame( RfFrameQueue* queue );
 

@@ -3,6 +3,7 @@
 
 #include "base/system.h"
 #include "render/adaptive/adaptive.h"
+#include "render/preview.h"
 #include "render/settings.h"
 
 #include <math.h>
@@ -184,20 +185,29 @@ static int list_jobs( RfRenderer* r, const RfPass* pass )
 
 RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
 {
-    begin_pass( r );
+    if ( r->resuming ) // what the estimator keeps per pass is there, too
+        r->resuming = false;
+    else
+    {
+        begin_pass( r );
+        r->at.pass = pass->number;
+        r->at.batches = 0;
+    }
     prepare_pass( r, pass );
     int jobs = list_jobs( r, pass );
     bool has_aovs = ( r->setup->settings.aovs & RF_FIRST_HIT_AOVS ) != 0;
-    for ( int first = 0; first < jobs; first += r->memory.batch_slots )
+    for ( int first = r->at.batches; first < jobs; first += r->memory.batch_slots )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
         rf_trace_batches( r, pass, first, count, has_aovs ? add_aovs : NULL, NULL );
         accumulate_chunk( r, pass, count );
+        r->at.batches = first + count;
         RfResult result = end_chunk( r, count, error );
         if ( result != RF_OK )
             return result;
     }
     filter_aovs( r, pass );
     end_pass( r, pass );
+    rf_show_preview( r );
     return RF_OK;
 }

@@ -5,6 +5,7 @@
 #include "render/pass.h"
 #include "render/render_effects.h"
 #include "render/settings.h"
+#include "render/state.h"
 #include "render/stop/until.h"
 
 #include <math.h>
@@ -48,7 +49,7 @@ RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settin
 static RfResult render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
 {
     RfResult result = RF_OK;
-    for ( int k = 0; k < group->passes && result == RF_OK; ++k )
+    for ( int k = r->resuming ? r->at.pass : 0; k < group->passes && result == RF_OK; ++k )
     {
         RfPass pass = rf_make_pass( estimator_group, group, k );
         result = rf_render_pass( r, &pass, error );
@@ -59,7 +60,9 @@ static RfResult render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_
 static RfResult render_group( RfRenderer* r, int number, RfError* error )
 {
     RfGroup group = rf_group( &r->setup->plan, number );
-    rf_open_films( r, number );
+    r->at.group = number;
+    if ( !r->resuming )
+        rf_open_films( r, number );
     RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
     estimator_group.shared = r->memory.shared;
     RfResult result = rf_check_worlds( &r->worlds, error );
@@ -90,7 +93,7 @@ static double count_batches( RfRenderer* r )
 // The groups that hold frames of the sweep.
 static RfResult render_groups( RfRenderer* r, RfError* error )
 {
-    for ( int g = 0; g < r->setup->plan.groups; ++g )
+    for ( int g = r->resuming ? r->at.group : 0; g < r->setup->plan.groups; ++g )
     {
         RfResult result = rf_group_wanted( r, rf_group( &r->setup->plan, g ) ) ? render_group( r, g, error ) : RF_OK;
         if ( result != RF_OK )
@@ -103,19 +106,27 @@ static void begin_sweep( RfRenderer* r, int first )
 {
     const RfShot* shot = &r->setup->shot;
     int left = shot->frame_count - first, most = r->setup->fit.sweeps == 1 ? left : r->setup->fit.films;
+    most = first == 0 && r->first_sweep > 0 ? r->first_sweep : most;
     r->sweep = ( RfSweep ){ .frames = shot->frames + first, .count = left < most ? left : most };
 }
 
-// The frames in sweeps; a frame is the same whichever others are asked for.
-static RfResult render_sweeps( RfRenderer* r, RfError* error )
+static void count_all_batches( RfRenderer* r )
 {
-    r->batches_all = 0.0;
     for ( int first = 0; first < r->setup->shot.frame_count; first += r->sweep.count )
     {
         begin_sweep( r, first );
         r->batches_all += count_batches( r );
     }
+}
+
+// The frames in sweeps; a frame is the same whichever others are asked for.
+static RfResult render_sweeps( RfRenderer* r, RfError* error )
+{
     RfResult result = RF_OK;
+    if ( r->setup->callbacks.load != NULL )
+        result = rf_load_state( r, error );
+    else
+        count_all_batches( r );
     for ( int first = 0; first < r->setup->shot.frame_count && result == RF_OK; first += r->sweep.count )
     {
         begin_sweep( r, first );
@@ -179,6 +190,8 @@ static RfResult render_and_deliver( RfRenderer* r, RfError* error )
                           r->setup->settings.queue > 0 );
     RfResult result = render_sweeps( r, error );
     RfResult delivered = rf_end_frame_queue( &r->queue, error );
+    if ( delivered == RF_OK && result == RF_ERROR_INTERRUPTED && r->setup->callbacks.save != NULL )
+        rf_save_state( r, &( RfError ){ 0 } );
     return delivered != RF_OK ? delivered : result;
 }
 

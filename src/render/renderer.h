@@ -27,12 +27,29 @@ typedef struct RfSweep
     int count;
 } RfSweep;
 
-// A render under way.
+// Where a render is: after so many batches of a pass of a group.
+typedef struct RfPlace
+{
+    int group, pass, batches;
+} RfPlace;
+
+// A group that is rendered until a goal is reached.
+typedef struct RfUntil
+{
+    int done, next, due; // passes: done, before the next decision, wanted
+    RfNoiseEstimates estimates;
+} RfUntil;
+
+// A render under way. state.c saves what a later one needs to go on.
 struct RfRenderer
 {
     const RfRenderSetup* setup;
     RfSweep sweep;
-    RfStop stop; // with settings.noise, flicker or time
+    int first_sweep; // frames of the first sweep, where it was begun before; 0: as the plan has it
+    RfPlace at;
+    bool resuming; // until the pass at this place goes on
+    RfStop stop;   // with settings.noise, flicker or time
+    RfUntil until;
     RfRenderMemory memory;
     RfFrameQueue queue;
     RfWorlds worlds;
@@ -41,7 +58,8 @@ struct RfRenderer
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
-    double share; // of the work, as last reported
+    double share;        // of the work, as last reported
+    double next_preview; // not before this time
     int frames_done;
     int adaptive_frames; // of these with extra samples
     double last_relmse;  // of the last finished frame

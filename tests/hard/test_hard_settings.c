@@ -211,19 +211,19 @@ static void test_callbacks_stop_the_render( void** state )
         for ( int at = 0; at < EYES; at += 2 )
         {
             Stopper stopper = { at, 0 };
-            RfRenderCallbacks callbacks = { &stopper, stop_at_frame, NULL };
+            RfRenderCallbacks callbacks = { .user = &stopper, .frame = stop_at_frame };
             assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, all, EYES }, &settings, &callbacks, NULL, &error ),
                               RF_ERROR_IO );
             assert_string_equal( error.text, "disk full" );
             assert_int_equal( stopper.seen, at + 1 ); // none after it
             stopper.seen = 0;
-            callbacks = ( RfRenderCallbacks ){ &stopper, NULL, stop_at_progress };
+            callbacks = ( RfRenderCallbacks ){ .user = &stopper, .progress = stop_at_progress };
             assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, all, EYES }, &settings, &callbacks, NULL, &error ),
                               RF_ERROR_INTERRUPTED );
             assert_int_equal( stopper.seen, at + 1 );
         }
         Stopper never = { -1, 0 };
-        RfRenderCallbacks callbacks = { &never, NULL, stop_at_progress };
+        RfRenderCallbacks callbacks = { .user = &never, .progress = stop_at_progress };
         assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, all, EYES }, &settings, &callbacks, NULL, &error ),
                           RF_OK );
     }

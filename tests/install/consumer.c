@@ -68,7 +68,7 @@ static RfResult render( const RfTracer* tracer, const RfCameraPath* path, const 
     RfShot shot = { tracer, path->eyes, path->count, frames, FRAMES };
     RfRenderStats stats;
     char effects[RF_EFFECTS_TEXT_SIZE];
-    RfRenderCallbacks callbacks = { &output, write_frame, go_on };
+    RfRenderCallbacks callbacks = { .user = &output, .frame = write_frame, .progress = go_on };
     output.pattern = pattern;
     output.tracer = tracer;
     output.path = path;

@@ -84,10 +84,10 @@ void render( const RfTracer& tracer, const RfCameraPath& path, const std::vector
     rf_name_effects( &shot, &output.settings, effects );
     output.calls_for = effects;
     check( rf_prepare_output_folder( output.pattern, &error ), error );
-    const RfRenderCallbacks callbacks = { &output,
-                                          []( void* user, const RfFrameResult* frame, RfError* failure )
-                                          { return rf_write_frame( static_cast<const RfOutput*>( user ), frame, failure ); },
-                                          nullptr };
+    RfRenderCallbacks callbacks = {};
+    callbacks.user = &output;
+    callbacks.frame = []( void* user, const RfFrameResult* frame, RfError* failure )
+    { return rf_write_frame( static_cast<const RfOutput*>( user ), frame, failure ); };
     check( rf_render( &shot, &output.settings, &callbacks, nullptr, &error ), error );
 }
 

@@ -284,7 +284,7 @@ static Motion render_motion( const RfTracer* tracer, const RfEye* eyes, int coun
     RfRenderSettings settings = settings_of( 1, "1" );
     settings.spp = 3;
     settings.aovs = RF_AOV_BIT( RF_AOV_MOTION );
-    RfRenderCallbacks callbacks = { &motion, keep_motion, NULL };
+    RfRenderCallbacks callbacks = { .user = &motion, .frame = keep_motion };
     RfShot shot = { .tracer = tracer, .eyes = eyes, .eye_count = count, .frames = frames, .frame_count = count };
     assert_int_equal( rf_render( &shot, &settings, &callbacks, NULL, NULL ), RF_OK );
     return motion;

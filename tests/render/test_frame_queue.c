@@ -111,7 +111,7 @@ static bool count_progress( void* user, const RfProgress* progress )
 static RfResult watch( const Setup* s, const RfRenderSettings* settings, Watch* w, RfError* error )
 {
     w->renderer = pthread_self();
-    RfRenderCallbacks callbacks = { w, take_frame, count_progress };
+    RfRenderCallbacks callbacks = { .user = w, .frame = take_frame, .progress = count_progress };
     error->text[0] = 0;
     return rf_render( &( RfShot ){ s->tracer, s->eyes, EYES, s_all, EYES }, settings, &callbacks, NULL, error );
 }

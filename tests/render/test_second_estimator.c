@@ -296,7 +296,7 @@ static void test_a_silent_callback_is_named( void** state )
     (void)state;
     RfError error;
     RfRenderSettings settings = settings_of( NULL );
-    RfRenderCallbacks callbacks = { NULL, fail_silently, NULL };
+    RfRenderCallbacks callbacks = { .frame = fail_silently };
     assert_int_equal( rf_render( &( RfShot ){ s_tracer, s_eyes, EYES, ( int[] ){ 1 }, 1 }, &settings, &callbacks, NULL, &error ),
                       RF_ERROR_IO );
     assert_int_equal( error.code, RF_ERROR_IO );

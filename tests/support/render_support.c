@@ -57,7 +57,7 @@ Rendered render_frames( const RfTracer* tracer, const RfEye* eyes, int eye_count
         abort();
     r.rgb = must_alloc( 3 * r.pixels * (size_t)frame_count * sizeof( float ) );
     r.weight = must_alloc( r.pixels * (size_t)frame_count * sizeof( float ) );
-    RfRenderCallbacks callbacks = { &r, keep_frame, NULL };
+    RfRenderCallbacks callbacks = { .user = &r, .frame = keep_frame };
     RfError error;
     RfRenderSettings of_suite = *settings;
     of_suite.seed += suite_seed();

@@ -7,7 +7,7 @@
 #include "render/sizes.h"
 #include "render/stop/stop_rule.h"
 
-// The films of one frame of the path while it is rendered.
+// The films of one frame of the path while it is rendered. render/state.c saves all of it.
 typedef struct RfLiveFilm
 {
     int frame;                  // −1: free

@@ -26,11 +26,16 @@ double rf_group_units( const RfStop* stop, int group )
     return rf_shares_of( &stop->rule, group ) * rf_group( &stop->rule.plan, group ).eyes;
 }
 
-RfGroup rf_begin_group( RfStop* stop, int number )
+RfGroup rf_group_in_work( const RfStop* stop )
 {
-    RfGroup group = rf_group( &stop->rule.plan, number );
+    RfGroup group = rf_group( &stop->rule.plan, stop->group );
     group.passes = 0;
     group.passes_before = stop->passes;
+    return group;
+}
+
+RfGroup rf_begin_group( RfStop* stop, int number )
+{
     stop->group = number;
     stop->group_units = rf_group_units( stop, number );
     stop->group_share = 0.0;
@@ -38,7 +43,7 @@ RfGroup rf_begin_group( RfStop* stop, int number )
         stop->units_all = stop->units_left;
     stop->units_left -= stop->group_units;
     stop->due = 0.0;
-    return group;
+    return rf_group_in_work( stop );
 }
 
 // The goals that frames are estimated for.

@@ -71,6 +71,9 @@ double rf_group_units( const RfStop* stop, int group );
 // the passes that there really were before it.
 RfGroup rf_begin_group( RfStop* stop, int group );
 
+// The group begun last, once more.
+RfGroup rf_group_in_work( const RfStop* stop );
+
 // Total passes that the group should have, by the latest estimates and the time now
 // (seconds since the start), after `done` passes. With a time it may change
 // after every pass, without it only with new estimates.

@@ -121,26 +121,49 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
     return estimates;
 }
 
+// The passes up to the next decision.
+static RfResult render_due( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
+{
+    for ( RfUntil* u = &r->until; u->done < u->next; ++u->done )
+    {
+        RfPass pass = rf_make_pass( estimator_group, group, u->done );
+        RfResult result = rf_render_pass( r, &pass, error );
+        if ( result != RF_OK )
+            return result;
+        rf_note_pass( &r->stop, group->eyes, rf_wall_seconds() - r->start );
+    }
+    return RF_OK;
+}
+
+// Decides how many passes are due, and after how many the next decision is.
+static bool is_more_due( RfRenderer* r )
+{
+    RfUntil* u = &r->until;
+    u->due = rf_passes_due( &r->stop, &u->estimates, u->done, rf_wall_seconds() - r->start );
+    u->next = r->stop.rule.goals.seconds > 0.0 ? u->done + 1 : u->due;
+    return u->due > u->done;
+}
+
 RfResult rf_render_until( RfRenderer* r, const RfEstimatorGroup* estimator_group, RfError* error )
 {
-    RfStop* stop = &r->stop;
-    RfGroup group = rf_begin_group( stop, estimator_group->number );
-    RfNoiseEstimates estimates = estimate_films( r, estimator_group->number, 0 );
-    int due, done = 0;
-    while ( ( due = rf_passes_due( stop, &estimates, done, rf_wall_seconds() - r->start ) ) > done )
+    RfUntil* u = &r->until;
+    int number = estimator_group->number;
+    bool more = r->resuming;
+    RfGroup group = more ? rf_group_in_work( &r->stop ) : rf_begin_group( &r->stop, number );
+    if ( !more )
     {
-        int next = stop->rule.goals.seconds > 0.0 ? done + 1 : due;
-        for ( ; done < next; ++done )
-        {
-            RfPass pass = rf_make_pass( estimator_group, &group, done );
-            RfResult result = rf_render_pass( r, &pass, error );
-            if ( result != RF_OK )
-                return result;
-            rf_note_pass( stop, group.eyes, rf_wall_seconds() - r->start );
-        }
-        if ( next == due )
-            estimates = estimate_films( r, estimator_group->number, done );
+        *u = ( RfUntil ){ .estimates = estimate_films( r, number, 0 ) };
+        more = is_more_due( r );
     }
-    rf_end_group( stop, done );
+    while ( more )
+    {
+        RfResult result = render_due( r, estimator_group, &group, error );
+        if ( result != RF_OK )
+            return result;
+        if ( u->next == u->due )
+            u->estimates = estimate_films( r, number, u->done );
+        more = is_more_due( r );
+    }
+    rf_end_group( &r->stop, u->done );
     return RF_OK;
 }

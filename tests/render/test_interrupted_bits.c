@@ -1,0 +1,366 @@
+// A render that is interrupted again and again, and each time goes on from the films it kept, has the same bits as one that is
+// not: pictures and AOVs, with other threads and another budget in between. So has one that shows previews.
+#include "support/render_support.h"
+#include "support/rooms.h"
+#include "support/scene_builder.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define EYES 9
+#define WIDTH 22
+#define HEIGHT 15
+#define PIXELS ( WIDTH * HEIGHT )
+
+typedef struct Kept
+{
+    float rgb[3 * PIXELS], weight[PIXELS], aov[RF_AOV_COUNT][4 * PIXELS];
+    double native_spp, effective_spp, relmse;
+    int times;
+} Kept;
+
+typedef struct Memory
+{
+    unsigned char* bytes;
+    size_t size, room, read;
+} Memory;
+
+typedef struct Run
+{
+    Kept frames[EYES];
+    int done;
+    int chunks, most; // until it is interrupted
+    Memory state;
+    int previews, preview_frame;
+    double preview_spp;
+} Run;
+
+static RfResult keep( void* user, const RfFrameResult* f, RfError* error )
+{
+    (void)error;
+    Run* run = user;
+    Kept* kept = run->frames + f->frame;
+    memcpy( kept->rgb, f->rgb, sizeof kept->rgb );
+    memcpy( kept->weight, f->weight, sizeof kept->weight );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        if ( f->aovs[a] != NULL )
+            memcpy( kept->aov[a], f->aovs[a], sizeof( float ) * PIXELS * (size_t)rf_aov_channels( (RfAov)a ) );
+    }
+    kept->native_spp = f->native_spp;
+    kept->effective_spp = f->effective_spp;
+    kept->relmse = isnan( f->relmse_estimate ) ? -1.0 : f->relmse_estimate;
+    kept->times += 1;
+    run->done += 1;
+    return RF_OK;
+}
+
+static bool count_chunk( void* user, const RfProgress* progress )
+{
+    Run* run = user;
+    assert_true( progress->share >= 0.0 && progress->share <= 1.0 + 1e-9 );
+    return ++run->chunks < run->most;
+}
+
+static RfResult save( void* user, const void* bytes, size_t size, RfError* error )
+{
+    (void)error;
+    Memory* m = &( (Run*)user )->state;
+    if ( m->size + size > m->room )
+    {
+        m->room = 2 * ( m->size + size );
+        m->bytes = realloc( m->bytes, m->room );
+        assert_non_null( m->bytes );
+    }
+    memcpy( m->bytes + m->size, bytes, size );
+    m->size += size;
+    return RF_OK;
+}
+
+static RfResult load( void* user, void* bytes, size_t size, RfError* error )
+{
+    Memory* m = &( (Run*)user )->state;
+    if ( m->read + size > m->size )
+        return rf_fail( error, RF_ERROR_IO, "too short" );
+    memcpy( bytes, m->bytes + m->read, size );
+    m->read += size;
+    return RF_OK;
+}
+
+static void look( void* user, const RfPreview* preview )
+{
+    Run* run = user;
+    run->previews += 1;
+    run->preview_frame = preview->frame;
+    run->preview_spp = preview->native_spp;
+    assert_int_equal( preview->width * preview->height, PIXELS );
+    double sum = 0.0;
+    for ( int i = 0; i < 3 * PIXELS; ++i )
+        sum += (double)preview->rgb[i];
+    assert_true( sum > 0.0 && isfinite( sum ) );
+}
+
+typedef struct Case
+{
+    const char* name;
+    RfRenderSettings settings;
+    RfScene scene;
+    bool in_sweeps; // too little memory for the films of a group
+} Case;
+
+// Of the frames from `first` on that are left.
+static RfResult render( const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings, int first, Run* run, bool resumes )
+{
+    int frames[EYES];
+    for ( int i = first; i < EYES; ++i )
+        frames[i - first] = i;
+    RfRenderCallbacks callbacks = { .user = run, .frame = keep, .progress = count_chunk, .save = save };
+    callbacks.load = resumes ? load : NULL;
+    callbacks.preview = run->previews >= 0 ? look : NULL;
+    RfError error = { 0 };
+    RfResult result = rf_render( &( RfShot ){ tracer, eyes, EYES, frames, EYES - first }, &settings, &callbacks, NULL, &error );
+    if ( result != RF_OK && result != RF_ERROR_INTERRUPTED )
+        fail_msg( "%s", error.text );
+    return result;
+}
+
+static void expect_same( const char* name, const Run* whole, const Run* parts )
+{
+    for ( int f = 0; f < EYES; ++f )
+    {
+        const Kept *a = whole->frames + f, *b = parts->frames + f;
+        if ( memcmp( a, b, sizeof *a ) != 0 )
+            fail_msg( "%s: frame %d differs: rgb %d weight %d spp %g %g times %d", name, f,
+                      memcmp( a->rgb, b->rgb, sizeof a->rgb ), memcmp( a->weight, b->weight, sizeof a->weight ), a->native_spp,
+                      b->native_spp, b->times );
+    }
+}
+
+// Interrupted after every `chunks` chunks, with one and two threads by turns.
+static int interrupt_often( const RfTracer* tracer, const RfEye* eyes, const Case* c, int chunks, Run* run )
+{
+    int times = 0;
+    bool resumes = false;
+    for ( ;; ++times )
+    {
+        RfRenderSettings settings = c->settings;
+        settings.threads = 1 + times % 2;
+        if ( times % 3 == 1 && !c->in_sweeps )
+            settings.memory *= 2;
+        run->chunks = 0;
+        run->most = chunks;
+        if ( render( tracer, eyes, settings, run->done, run, resumes ) == RF_OK )
+            break;
+        assert_true( run->state.size > 0 );
+        if ( resumes )
+        {
+            // what was read is what an interruption before it wrote; keep what was written now
+            memmove( run->state.bytes, run->state.bytes + run->state.read, run->state.size - run->state.read );
+            run->state.size -= run->state.read;
+        }
+        run->state.read = 0;
+        resumes = true;
+    }
+    return times;
+}
+
+static void check_case( Case* c )
+{
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfTracer* tracer = make_tracer( &c->scene );
+    Run *whole = calloc( 1, sizeof *whole ), *parts = calloc( 1, sizeof *parts );
+    assert_true( whole != NULL && parts != NULL );
+    whole->most = 1 << 30;
+    assert_int_equal( render( tracer, eyes, c->settings, 0, whole, false ), RF_OK );
+    assert_true( whole->previews > 0 );
+    parts->previews = -1;
+    int chunks = whole->chunks / 7 + 1, times = interrupt_often( tracer, eyes, c, chunks, parts );
+    if ( times < 4 )
+        fail_msg( "%s: interrupted %d times, in %d chunks", c->name, times, whole->chunks );
+    expect_same( c->name, whole, parts );
+    free( parts->state.bytes );
+    free( whole );
+    free( parts );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &c->scene );
+}
+
+static RfRenderSettings settings_of( int group, int spp, const char* tile, unsigned aovs )
+{
+    RfRenderSettings s = rf_default_render_settings();
+    s.group = group;
+    s.spp = spp;
+    s.threads = 2;
+    s.memory = (size_t)64 << 20;
+    s.adaptive = RF_ADAPTIVE_OFF;
+    s.aovs = aovs;
+    assert_true( rf_parse_tile( tile, &s.tile ) );
+    return s;
+}
+
+#define AOVS ( RF_ALL_AOVS & ~RF_GRADIENT_AOVS )
+
+static void test_groups_and_tiles( void** state )
+{
+    (void)state;
+    static const int groups[] = { 0, 1, 3, 20 };
+    for ( int g = 0; g < 4; ++g )
+    {
+        Case c = { "groups", settings_of( groups[g], 9, g % 2 == 0 ? "3x3" : "1", g % 2 == 0 ? AOVS : 0 ), make_room( ROOM_GGX ),
+                   false };
+        c.settings.filter = g < 2 ? RF_FILTER_BOX : RF_FILTER_BLACKMAN_HARRIS;
+        check_case( &c );
+    }
+}
+
+static void test_adaptive_alpha_and_filters( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < 2; ++k )
+    {
+        Case c = { "adaptive", settings_of( 2, 10, "3x3", AOVS | RF_AOV_BIT( RF_AOV_ALPHA ) ),
+                   k == 0 ? make_mirror_room( GLASS_BALL ) : make_open_scene( LIT_BY_ALL ), false };
+        c.settings.adaptive = RF_ADAPTIVE_ON;
+        c.settings.filter = k == 0 ? RF_FILTER_BLACKMAN_HARRIS : RF_FILTER_BOX;
+        check_case( &c );
+    }
+}
+
+static void test_stop_rules( void** state )
+{
+    (void)state;
+    Case noise = { "noise", settings_of( 2, 400, "3x3", 0 ), make_room( ROOM_DIFFUSE ), false };
+    noise.settings.noise = 0.05;
+    check_case( &noise );
+    Case flicker = { "flicker", settings_of( 1, 400, "3x3", AOVS ), make_room( ROOM_GGX ), false };
+    flicker.settings.flicker = 0.4;
+    check_case( &flicker );
+}
+
+static void test_gradients_and_biased_weights( void** state )
+{
+    (void)state;
+    Case gradient = { "gradient", settings_of( 0, 10, "4x4", RF_ALL_AOVS ), make_room( ROOM_DIFFUSE ), false };
+    gradient.settings.estimator = rf_find_estimator( "gradient" );
+    gradient.settings.filter = rf_default_filter( gradient.settings.estimator );
+    check_case( &gradient );
+    Case biased = { "eq15", settings_of( 2, 10, "1", 0 ), make_room( ROOM_DIFFUSE ), false };
+    biased.settings.weights = RF_WEIGHTS_EQ15;
+    biased.settings.filter = RF_FILTER_BOX;
+    biased.settings.normalize = RF_NORMALIZE_RATIO;
+    check_case( &biased );
+}
+
+static void test_light_paths( void** state )
+{
+    (void)state;
+    Case c = { "light paths", settings_of( 1, 8, "3x3", 0 ), make_mirror_room( GLASS_BALL ), false };
+    c.settings.light_paths = RF_LIGHT_PATHS_ON;
+    check_case( &c );
+}
+
+// A long render empties its films into doubles, and one with too little memory goes along the path several times.
+static void test_long_renders_and_sweeps( void** state )
+{
+    (void)state;
+    Case longer = { "totals", settings_of( 0, 48, "1", 0 ), make_room( ROOM_DIFFUSE ), false };
+    longer.settings.max_depth = 3;
+    longer.settings.filter_width = RF_MAX_FILTER_WIDTH; // fills them soon
+    check_case( &longer );
+    Case sweeps = { "sweeps", settings_of( 2, 6, "1", 0 ), make_room( ROOM_DIFFUSE ), true };
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfTracer* tracer = make_tracer( &sweeps.scene );
+    RfMemoryFit fit = { 0 };
+    RfError error = { 0 };
+    RfRenderSettings resolved;
+    sweeps.settings.threads = 1;
+    sweeps.settings.memory = 1;
+    RfShot shot = { tracer, eyes, EYES, NULL, EYES };
+    assert_int_equal( rf_resolve_settings( &shot, &sweeps.settings, &resolved, &error ), RF_OK );
+    rf_fit_memory( &shot, &resolved, &fit, &error );
+    sweeps.settings.memory = resolved.memory = fit.least;
+    assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, &error ), RF_OK );
+    assert_true( fit.sweeps > 1 );
+    rf_destroy_tracer( tracer );
+    check_case( &sweeps );
+}
+
+// Of other frames, or cut short: an error, no crash.
+static void test_other_states_are_refused( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_DIFFUSE );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    Run* run = calloc( 1, sizeof *run );
+    RfRenderSettings settings = settings_of( 1, 6, "1", 0 );
+    run->most = 3;
+    assert_int_equal( render( tracer, eyes, settings, 0, run, false ), RF_ERROR_INTERRUPTED );
+    size_t size = run->state.size;
+    int frames[EYES] = { 0, 1, 2, 3, 4, 5, 6, 7, 8 };
+    RfRenderCallbacks callbacks = { .user = run, .frame = keep, .load = load };
+    for ( int k = 0; k < 4; ++k )
+    {
+        RfError error = { 0 };
+        RfRenderSettings other = settings;
+        run->state.read = 0;
+        run->state.size = k == 0 ? size / 2 : size;
+        other.aovs = k == 1 ? AOVS : 0;
+        frames[0] = k == 3 ? 1 : 0;
+        RfShot shot = { tracer, eyes, EYES, k == 3 ? frames + 1 : frames, k < 2 ? EYES : EYES - 1 };
+        assert_int_equal( rf_render( &shot, &other, &callbacks, NULL, &error ), k == 0 ? RF_ERROR_IO : RF_ERROR_USAGE );
+        assert_true( error.text[0] != '\0' );
+    }
+    assert_int_equal( run->done, 0 );
+    free( run->state.bytes );
+    free( run );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+// The first comes after the first pass: of the oldest frame, with one sample.
+static void test_preview_comes_early( void** state )
+{
+    (void)state;
+    RfScene scene = make_room( ROOM_DIFFUSE );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    Run* run = calloc( 1, sizeof *run );
+    RfRenderSettings settings = settings_of( 1, 6, "1", 0 );
+    run->most = 1 << 30;
+    assert_int_equal( render( tracer, eyes, settings, 3, run, false ), RF_OK );
+    assert_true( run->previews >= 1 );
+    if ( run->previews == 1 ) // on a free machine: the next would come a second later
+    {
+        assert_int_equal( run->preview_frame, 3 );
+        assert_true( run->preview_spp == 1.0 );
+    }
+    free( run );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_groups_and_tiles ),
+        cmocka_unit_test( test_adaptive_alpha_and_filters ),
+        cmocka_unit_test( test_stop_rules ),
+        cmocka_unit_test( test_gradients_and_biased_weights ),
+        cmocka_unit_test( test_light_paths ),
+        cmocka_unit_test( test_long_renders_and_sweeps ),
+        cmocka_unit_test( test_other_states_are_refused ),
+        cmocka_unit_test( test_preview_comes_early ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
