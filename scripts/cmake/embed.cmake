@@ -1,6 +1,6 @@
 # cmake -DOUT=page_assets.c -DFOLDER=src/page/assets -P embed.cmake
 # Writes the page's files as C arrays: rf_page_html, rf_page_css, and rf_page_js of
-# all scripts in the order of their names.
+# all scripts in the order of their names; rf_live_html and rf_live_js of the live page.
 function(add_array name)
   set(hex "")
   foreach(file ${ARGN})
@@ -22,4 +22,6 @@ list(SORT scripts)
 add_array(rf_page_html ${FOLDER}/page.html)
 add_array(rf_page_css ${FOLDER}/page.css)
 add_array(rf_page_js ${scripts})
+add_array(rf_live_html ${FOLDER}/live/live.html)
+add_array(rf_live_js ${FOLDER}/10-light.js ${FOLDER}/live/live.js)
 file(WRITE ${OUT} "${text}")

@@ -143,7 +143,7 @@ void rf_discard_atomic_file( RfAtomicFile* file )
 
 RfResult rf_commit_atomic_file( RfAtomicFile* file, RfError* error )
 {
-    int failure = sync_all( file->fd );
+    int failure = file->unsynced ? 0 : sync_all( file->fd );
     // network file systems may report lost data only on close
     if ( close( file->fd ) != 0 && failure == 0 && errno != EINTR )
         failure = errno;
@@ -155,7 +155,7 @@ RfResult rf_commit_atomic_file( RfAtomicFile* file, RfError* error )
         rf_discard_atomic_file( file );
         return rf_fail_io( file->path, "cannot be written", failure, error );
     }
-    failure = sync_all( file->folder );
+    failure = file->unsynced ? 0 : sync_all( file->folder );
     close( file->folder );
     file->folder = -1;
     // some file systems do not support fsync for folders and return EINVAL

@@ -6,6 +6,7 @@
 
 #include "reframe/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct RfAtomicFile
@@ -15,6 +16,7 @@ typedef struct RfAtomicFile
     int folder;         // descriptor of the folder
     char base[256];     // final name within the folder
     char temporary[64]; // temporary name within the folder
+    bool unsynced;      // set by the caller: it need not survive a crash of the machine
 } RfAtomicFile;
 
 // Creates the temporary file. A symbolic link as the last component is followed. An existing

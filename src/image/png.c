@@ -1,7 +1,8 @@
 // PNG by libpng: writing and decoding.
-#include "image/decode_formats.h"
+#include "image/png.h"
 
 #include "image/atomic_file.h"
+#include "image/decode_formats.h"
 #include "reframe/image.h"
 
 #include <math.h>
@@ -14,7 +15,11 @@
 // State that must survive libpng's longjmp on errors.
 typedef struct Writer
 {
+    const char* name;
     RfAtomicFile file;
+    bool fast; // into memory, at a small part of the time
+    unsigned char* bytes;
+    size_t size, room;
     RfResult result; // of the failed write
     RfError* error;
     png_structp png;
@@ -27,7 +32,7 @@ static void keep_write_error( png_structp png, png_const_charp message )
 {
     Writer* writer = png_get_error_ptr( png );
     if ( writer->result == RF_OK ) // else the message is already set
-        writer->result = rf_fail( writer->error, RF_ERROR_IO, "%s: cannot be written: libpng: %s", writer->file.path, message );
+        writer->result = rf_fail( writer->error, RF_ERROR_IO, "%s: cannot be written: libpng: %s", writer->name, message );
     longjmp( writer->out, 1 );
 }
 
@@ -37,10 +42,31 @@ static void drop_warning( png_structp png, png_const_charp message )
     (void)message;
 }
 
+static void keep_bytes( Writer* writer, const unsigned char* bytes, size_t size )
+{
+    if ( writer->size + size > writer->room )
+    {
+        size_t room = 2 * ( writer->size + size );
+        unsigned char* larger = realloc( writer->bytes, room );
+        if ( larger == NULL )
+        {
+            writer->result = rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for its bytes", writer->name );
+            return;
+        }
+        writer->bytes = larger;
+        writer->room = room;
+    }
+    memcpy( writer->bytes + writer->size, bytes, size );
+    writer->size += size;
+}
+
 static void write_bytes( png_structp png, png_bytep bytes, size_t size )
 {
     Writer* writer = png_get_io_ptr( png );
-    writer->result = rf_append_atomic_file( &writer->file, bytes, size, writer->error );
+    if ( writer->fast )
+        keep_bytes( writer, bytes, size );
+    else
+        writer->result = rf_append_atomic_file( &writer->file, bytes, size, writer->error );
     if ( writer->result != RF_OK )
         png_error( png, "write" );
 }
@@ -86,6 +112,11 @@ static void write_rows( Writer* writer, const RfImage* image, const float* alpha
     png_set_IHDR( writer->png, writer->info, (png_uint_32)image->width, (png_uint_32)image->height, 8,
                   alpha != NULL ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                   PNG_FILTER_TYPE_DEFAULT );
+    if ( writer->fast )
+    {
+        png_set_compression_level( writer->png, 1 );
+        png_set_filter( writer->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB );
+    }
     png_set_sRGB( writer->png, writer->info, PNG_sRGB_INTENT_PERCEPTUAL );
     png_write_info( writer->png, writer->info );
     for ( int y = 0; y < image->height; ++y )
@@ -101,14 +132,14 @@ static RfResult write_image( Writer* writer, const RfImage* image, const float* 
 {
     writer->row = malloc( 4 * (size_t)image->width );
     if ( writer->row == NULL )
-        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for a row", writer->file.path );
+        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for a row", writer->name );
     // libpng reports failures of these two by NULL or through keep_write_error
     if ( setjmp( writer->out ) != 0 )
         return writer->result;
     writer->png = png_create_write_struct( PNG_LIBPNG_VER_STRING, writer, keep_write_error, drop_warning );
     writer->info = writer->png != NULL ? png_create_info_struct( writer->png ) : NULL;
     if ( writer->info == NULL )
-        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", writer->file.path );
+        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", writer->name );
     write_rows( writer, image, alpha, exposure );
     return RF_OK;
 }
@@ -128,6 +159,7 @@ RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float
     Writer* writer = calloc( 1, sizeof *writer );
     if ( writer == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to write it", path );
+    writer->name = path;
     writer->error = error;
     RfResult result = rf_open_atomic_file( path, &writer->file, error );
     if ( result == RF_OK )
@@ -140,6 +172,25 @@ RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float
         else
             rf_discard_atomic_file( &writer->file );
     }
+    free( writer );
+    return result;
+}
+
+RfResult rf_encode_png( const char* name, const RfImage* image, unsigned char** bytes, size_t* size, RfError* error )
+{
+    Writer* writer = calloc( 1, sizeof *writer );
+    if ( writer == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to write it", name );
+    writer->name = name;
+    writer->fast = true;
+    writer->error = error;
+    RfResult result = write_image( writer, image, NULL, 1.0f );
+    png_destroy_write_struct( &writer->png, &writer->info );
+    free( writer->row );
+    if ( result != RF_OK )
+        free( writer->bytes );
+    *bytes = result == RF_OK ? writer->bytes : NULL;
+    *size = writer->size;
     free( writer );
     return result;
 }

@@ -7,4 +7,8 @@ extern const char rf_page_html[]; // template with the marks {{title}} {{style}}
 extern const char rf_page_css[];
 extern const char rf_page_js[]; // all scripts, in alphabetical order of their file names
 
+// The page of a render that goes on: a template with the marks {{style}} (of the other) and {{script}}.
+extern const char rf_live_html[];
+extern const char rf_live_js[];
+
 #endif

@@ -2,6 +2,7 @@
 #include "render/preview.h"
 
 #include "base/system.h"
+#include "trace/trace.h"
 
 #include <math.h>
 
@@ -29,7 +30,10 @@ static void combine( const RfRenderer* r, const RfLiveFilm* live, float* rgb )
     size_t width = (size_t)film->width;
 #pragma omp parallel for num_threads( r->setup->settings.threads ) schedule( static )
     for ( int y = 0; y < film->height; ++y )
+    {
+        rf_set_float_mode();
         rf_combine_film_pixels( film, normalize, (size_t)y * width, width, rgb, NULL );
+    }
 }
 
 void rf_show_preview( RfRenderer* r )

@@ -64,7 +64,7 @@ static void move_live_film( Stream* s, RfLiveFilm* live )
     MOVE( s, live->most_need );
     move( s, live->need, live->need != NULL ? rf_need_bytes( sizes ) : 0 );
     move( s, live->pass_state, sizes->of_estimator.pass_state );
-    for ( int f = 0; f < sizes->estimator->films; ++f )
+    for ( int f = 0; f < sizes->film_count; ++f )
         move_film( s, live->films + f );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         move( s, a == RF_AOV_SAMPLES ? (void*)live->aovs.landed : live->aovs.mean[a], rf_aov_film_bytes( sizes, a ) );
@@ -125,7 +125,7 @@ static Shape shape_of( const RfRenderer* r )
     Shape shape = {
         .width = sizes->width,
         .height = sizes->height,
-        .films = sizes->estimator->films,
+        .films = sizes->film_count,
         .frames = r->setup->shot.frame_count - done,
         .of_sweep = first + r->sweep.count - done,
         .aovs = sizes->aovs,

@@ -108,12 +108,75 @@ static void test_interrupted_frames_stay_and_resume( void** state )
     cli_start( "exec $R render $VASE -o i/f.####.exr --json i.json " SLOW );
     wait_for_another( "i/f.0001.exr", 0 );
     int kept = interrupt( "frames are finished and kept, --resume goes on" );
-    assert_int_equal( cli_count_files( "", "i" ), kept );
+    assert_int_equal( cli_count_files( ".exr", "i" ), kept );
     check_interrupted_json( "i.json", kept );
     cli_expect( cli_run( "cp i.json older.json; $R render $VASE -o i/f.####.exr --resume --json i.json " SLOW ), 0, NULL );
     check_kept( "i.json", "older.json", kept );
     cli_expect( cli_run( "$R render $VASE -o whole/f.####.exr " SLOW "&& for f in whole/*; do cmp $f i/${f#*/} || exit 1; done" ),
                 0, NULL );
+}
+
+#ifdef REFRAME_SANITIZED
+#define LIKE "--size 48x27 --spp 24 --group 3 --threads 2 "
+#else
+#define LIKE "--size 64x36 --spp 48 --group 3 --threads 2 "
+#endif
+#define GROUPED "--frames 1-4 " LIKE
+#define GROUP "$R render $VASE -o w/f.####.exr --alpha --aov albedo,depth --quiet "
+
+// Interrupts in the only group of all frames, after its first pass: nothing is finished, but the films are kept.
+static void interrupt_group( const char* more, int signal_number )
+{
+    cli_expect( cli_run( "rm -f w.png" ), 0, NULL );
+    cli_start( "exec " GROUP GROUPED "--preview w.png %s", more );
+    wait_for_another( "w.png", 0 );
+    cli_expect( cli_wait( signal_number ), 130,
+                "interrupted: 0 of 4 frames are finished and kept, --resume goes on from the films in w/f.0001.films" );
+    assert_int_equal( cli_count_files( "", "w" ), 1 );
+}
+
+static void test_films_of_a_group_are_kept( void** state )
+{
+    (void)state;
+    interrupt_group( "", SIGINT );
+    interrupt_group( "--resume", SIGTERM ); // and once more, in the midst of what was left
+    cli_expect( cli_run( GROUP GROUPED ), 1, "w/f.0001.films: films of an interrupted render are there: --resume goes on" );
+    cli_expect( cli_run( GROUP GROUPED "--resume --seed 2" ), 1, "are the films of another render" );
+    cli_expect( cli_run( GROUP "--frames 1-3 --size 64x36 --spp 8 --group 3 --resume" ), 1, "are the films of another render" );
+    cli_expect( cli_run( "cp w/f.0001.films kept; head -c 100000 kept > w/f.0001.films; " GROUP GROUPED "--resume" ), 1,
+                "w/f.0001.films: are no whole films" );
+    cli_expect(
+        cli_run(
+            "cp kept w/f.0001.films; printf x | dd of=w/f.0001.films bs=1 seek=50000 conv=notrunc 2> /dev/null; " GROUP GROUPED
+            "--resume" ),
+        1, "w/f.0001.films: are no whole films" );
+    cli_expect( cli_run( "cp kept w/f.0001.films" ), 0, NULL );
+    cli_expect( cli_run( GROUP GROUPED "--resume" ), 0, NULL );
+    assert_int_equal( cli_count_files( "", "w" ), 4 ); // the films are gone
+    cli_expect( cli_run( "mv w resumed && " GROUP GROUPED "&& for f in w/*; do cmp $f resumed/${f#*/} || exit 1; done" ), 0,
+                NULL );
+}
+
+// Films of other frames of the same render; --overwrite starts over.
+static void test_films_of_other_frames( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "rm -rf w" ), 0, NULL );
+    interrupt_group( "", SIGINT );
+    cli_expect( cli_run( GROUP "--frames 1-3 " LIKE "--resume" ), 1, "are films for frames 1 to 4 (4), and frames 1 to 3 (3)" );
+    cli_expect( cli_run( GROUP "--frames 1-2 --size 16x9 --spp 2 --group 0 --overwrite" ), 0, NULL );
+    assert_int_equal( cli_count_files( "", "w" ), 2 );
+}
+
+// No room for the films: named, and what is finished stays.
+static void test_films_that_cannot_be_kept( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "rm -rf w w.png" ), 0, NULL );
+    cli_start( "ulimit -f 200; exec " GROUP GROUPED "--preview w.png" );
+    wait_for_another( "w.png", 0 );
+    cli_expect( cli_wait( SIGINT ), 130, "goes on; without the films of those in work: w/f.0001.films: cannot be written" );
+    assert_int_equal( cli_count_files( "", "w" ), 0 );
 }
 
 // Frames of another render lie behind those that are finished.
@@ -301,11 +364,12 @@ static void test_seconds_of_a_group_are_shared( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_interrupted_frames_stay_and_resume ), cmocka_unit_test( test_interrupted_overwrite_resumes ),
-        cmocka_unit_test( test_interrupted_with_time_resumes ),      cmocka_unit_test( test_resume_and_overwrite ),
-        cmocka_unit_test( test_resume_of_a_whole_sequence ),         cmocka_unit_test( test_a_line_for_each_frame ),
-        cmocka_unit_test( test_resume_names_what_differs ),          cmocka_unit_test( test_no_temporary_file_is_left ),
-        cmocka_unit_test( test_seconds_of_a_group_are_shared ),
+        cmocka_unit_test( test_films_of_a_group_are_kept ),     cmocka_unit_test( test_films_of_other_frames ),
+        cmocka_unit_test( test_films_that_cannot_be_kept ),     cmocka_unit_test( test_interrupted_frames_stay_and_resume ),
+        cmocka_unit_test( test_interrupted_overwrite_resumes ), cmocka_unit_test( test_interrupted_with_time_resumes ),
+        cmocka_unit_test( test_resume_and_overwrite ),          cmocka_unit_test( test_resume_of_a_whole_sequence ),
+        cmocka_unit_test( test_a_line_for_each_frame ),         cmocka_unit_test( test_resume_names_what_differs ),
+        cmocka_unit_test( test_no_temporary_file_is_left ),     cmocka_unit_test( test_seconds_of_a_group_are_shared ),
     };
     return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
 }

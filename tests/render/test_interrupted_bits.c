@@ -266,6 +266,14 @@ static void test_light_paths( void** state )
     check_case( &c );
 }
 
+static void test_clamp( void** state )
+{
+    (void)state;
+    Case c = { "clamp", settings_of( 1, 8, "3x3", AOVS ), make_mirror_room( MIRROR_BALL ), false };
+    c.settings.clamp = RF_CLAMP_AUTO;
+    check_case( &c );
+}
+
 // A long render empties its films into doubles, and one with too little memory goes along the path several times.
 static void test_long_renders_and_sweeps( void** state )
 {
@@ -358,6 +366,7 @@ int main( void )
         cmocka_unit_test( test_stop_rules ),
         cmocka_unit_test( test_gradients_and_biased_weights ),
         cmocka_unit_test( test_light_paths ),
+        cmocka_unit_test( test_clamp ),
         cmocka_unit_test( test_long_renders_and_sweeps ),
         cmocka_unit_test( test_other_states_are_refused ),
         cmocka_unit_test( test_preview_comes_early ),

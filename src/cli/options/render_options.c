@@ -206,10 +206,18 @@ static const RfOption s_options[] = {
       .given = &render_parse.is_float_given,
       .help = "32-bit floats for all channels",
       .heading = RF_HEADING_OUTPUT },
+    { .name = "preview",
+      .type = RF_OPTION_STRING,
+      .value = &render_parse.options.preview,
+      .writes = ".png",
+      .meta = "FILE.png|PORT",
+      .help = "show the frame in work from its first pass on: in a file, or with all frames on a page at http://127.0.0.1:PORT/",
+      .heading = RF_HEADING_OUTPUT },
     { .name = "resume",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.resume,
-      .help = "keep finished frames of the same render; other existing files are an error",
+      .help =
+          "keep finished frames of the same render, and go on from the films of those in work; other existing files are an error",
       .heading = RF_HEADING_OUTPUT },
     { .name = "overwrite",
       .type = RF_OPTION_BOOL,
@@ -309,12 +317,26 @@ static void print_default_texts( const RfRenderSettings* settings )
     print_filter_widths( t->filter_width, sizeof t->filter_width );
 }
 
+bool rf_is_port( const char* text, int* port )
+{
+    const char* digits = text + ( text[0] == ':' );
+    size_t length = strspn( digits, "0123456789" );
+    if ( length == 0 || length > 5 || digits[length] != '\0' )
+        return false;
+    *port = atoi( digits );
+    return *port <= 65535;
+}
+
 static RfResult check( const RfRenderOptions* options, RfError* error )
 {
     if ( options->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "-o is missing: say where the frames go, such as -o out/frame.####.exr" );
     if ( !rf_ends_with( options->output, ".exr" ) )
         return rf_fail( error, RF_ERROR_USAGE, "--output: expected a name that ends in .exr, got '%s'", options->output );
+    int port;
+    if ( options->preview != NULL && !rf_is_port( options->preview, &port ) && !rf_ends_with( options->preview, ".png" ) )
+        return rf_fail( error, RF_ERROR_USAGE, "--preview: expected a name that ends in .png or a port from 0 to 65535, got '%s'",
+                        options->preview );
     if ( render_parse.is_half_given && render_parse.is_float_given && options->settings.files.half == render_parse.is_float )
         return rf_fail( error, RF_ERROR_USAGE, "--half and --float: only one of the two" );
     if ( options->nodes > 0 && !options->check )

@@ -39,6 +39,7 @@ typedef struct RfRenderOptions
     const char* aov;  // NULL: none
     bool alpha;
     const char* output;
+    const char* preview; // NULL: none
     bool resume;
     bool overwrite;
     bool check;       // only look at the frames that are there
@@ -61,6 +62,9 @@ RfResult rf_read_render_defaults( const struct RfField* defaults, RfRenderOption
 // The defaults, overridden by the command line, which has been parsed before.
 RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc, char** argv, RfRenderOptions* options,
                                        RfError* error );
+
+// Is the text of --preview a port, "8080" or ":8080"? Else it is the name of a file.
+bool rf_is_port( const char* text, int* port );
 
 // The lens that --shutter, --fstop and --focus ask for. Fails with RF_ERROR_USAGE.
 RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error );

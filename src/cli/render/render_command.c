@@ -260,6 +260,7 @@ static void print_runs( const RfCameraPath* path, const int* frames, int frame_c
 
 static void destroy_render_job( RfRenderJob* job )
 {
+    rf_stop_preview( &job->preview );
     pthread_mutex_destroy( &job->speech );
     rf_destroy_tracer( job->tracer );
     rf_destroy_camera_path( &job->path );
@@ -268,6 +269,8 @@ static void destroy_render_job( RfRenderJob* job )
     free( job->frames );
     free( job->runs );
     free( job->kept );
+    if ( job->films != NULL )
+        fclose( job->films );
     json_decref( job->frames_json );
     json_decref( job->reported.lines );
 }
@@ -367,12 +370,17 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     job->kept_count = asked_count - job->frame_count;
     if ( result == RF_OK )
         result = find_runs( job, error ); // of what is left
+    if ( result == RF_OK && job->frame_count > 0 )
+        result =
+            rf_find_films( &( RfFramesLeft ){ &job->output, job->frames, job->frame_count }, &job->options, &job->films, error );
     if ( result != RF_OK || job->options.quiet )
         return result;
     print_settings( &job->asked, &job->options.settings, &job->fit, &job->path );
     if ( job->options.verbose )
         print_effects( job->effects, job->effect_count );
     print_runs( &job->path, job->frames, job->frame_count, job->run_count );
+    if ( job->films != NULL )
+        fprintf( stderr, "reframe render: goes on from the films of frame %d\n", rf_frame_number( &job->path, job->frames[0] ) );
     return RF_OK;
 }
 
@@ -415,6 +423,8 @@ static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int 
     RfResult written = rf_write_frame( &job->output, result, error );
     if ( written != RF_OK )
         return written;
+    rf_remove_films_file( &job->output, result->frame ); // of no use any more
+    rf_note_live_frame( &job->preview, rf_frame_number( &job->path, result->frame ) );
     pthread_mutex_lock( &job->speech );
     ++job->frames_done;
     note_frame_error( &job->errors, result, rf_frame_number( &job->path, result->frame ) );
@@ -451,24 +461,101 @@ static bool on_progress( void* user, const RfProgress* progress )
     pthread_mutex_lock( &job->speech );
     rf_show_progress( &job->line, progress );
     pthread_mutex_unlock( &job->speech );
+    rf_note_live_progress( &job->preview, progress );
     return !rf_is_interrupted();
+}
+
+static int first_frame_of_run( const RfRenderJob* job, int run )
+{
+    int i = 0;
+    while ( i < job->frame_count - 1 && job->path.run_of_frame[job->frames[i]] < run )
+        ++i;
+    return rf_frame_number( &job->path, job->frames[i] );
+}
+
+static void on_preview( void* user, const RfPreview* preview )
+{
+    RfRenderJob* job = user;
+    RfError error = { 0 };
+    int number = first_frame_of_run( job, preview->frame );
+    if ( rf_take_preview( &job->preview, preview, number, job->options.settings.threads, &error ) == RF_OK )
+        return;
+    pthread_mutex_lock( &job->speech );
+    rf_clear_progress( &job->line );
+    rf_warn( &job->log, "%.1000s", error.text );
+    pthread_mutex_unlock( &job->speech );
+}
+
+static RfResult start_preview( RfRenderJob* job, RfError* error )
+{
+    const char* option = job->options.preview;
+    RfResult result = rf_start_preview( option, &job->output, job->kept_count + job->frame_count, &job->preview, error );
+    for ( int i = 0; i < job->kept_count && result == RF_OK; ++i )
+        rf_note_live_frame( &job->preview, rf_frame_number( &job->path, job->kept[i] ) );
+    if ( result == RF_OK && job->preview.serving && !job->options.quiet )
+        fprintf( stderr, "reframe render: live page: http://127.0.0.1:%d/\n", job->preview.server.port );
+    return result;
+}
+
+// The films of an interrupted render, into a file named after the first frame that is not written.
+static RfResult on_save( void* user, const void* bytes, size_t size, RfError* error )
+{
+    RfRenderJob* job = user;
+    RfFramesLeft left = { &job->output, job->frames + job->frames_done, job->frame_count - job->frames_done };
+    RfResult result = job->keeping.open ? RF_OK : rf_create_films_file( &left, &job->keeping, error );
+    if ( result == RF_OK )
+        result = rf_append_films( &job->keeping, bytes, size, error );
+    if ( result != RF_OK )
+        job->not_kept = *error;
+    return result;
+}
+
+static RfResult on_load( void* user, void* bytes, size_t size, RfError* error )
+{
+    RfRenderJob* job = user;
+    return fread( bytes, size, 1, job->films ) == 1 ? RF_OK
+                                                    : rf_fail( error, RF_ERROR_IO, "the films of frame %d cannot be read",
+                                                               rf_frame_number( &job->path, job->frames[0] ) );
+}
+
+static RfResult fail_interrupted( RfRenderJob* job, RfError* error )
+{
+    char films[RF_FILMS_NAME_SIZE + 256] = "";
+    if ( job->keeping.open )
+        rf_end_films_file( &job->keeping, &job->not_kept );
+    if ( job->not_kept.code != RF_OK )
+        snprintf( films, sizeof films, "; without the films of those in work: %.900s", job->not_kept.text );
+    else if ( job->keeping.bytes > 0 )
+        snprintf( films, sizeof films, " from the films in %.900s", job->keeping.name );
+    return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: %d of %d frames are finished and kept, %s goes on%s",
+                    job->kept_count + job->frames_done, job->kept_count + job->frame_count,
+                    job->options.overwrite ? "--resume --overwrite" : "--resume", films );
 }
 
 static RfResult render( RfRenderJob* job, RfError* error )
 {
     if ( rf_is_interrupted() )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
+    RfResult result = start_preview( job, error );
+    if ( result != RF_OK )
+        return result;
     job->line = rf_create_progress_line( job->options.quiet );
-    RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress };
+    RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress, .save = on_save };
+    callbacks.load = job->films != NULL ? on_load : NULL;
     RfShot shot = shot_of( job );
-    RfResult result = rf_render( &shot, &job->options.settings, &callbacks, &job->stats, error );
+    callbacks.preview = job->options.preview != NULL ? on_preview : NULL;
+    result = rf_render( &shot, &job->options.settings, &callbacks, &job->stats, error );
     job->stats.missed = job->errors.missed; // of frames, not of runs
     job->stats.flicker_missed = job->errors.flicker_missed;
     rf_clear_progress( &job->line );
     if ( result == RF_ERROR_INTERRUPTED )
-        return rf_fail( error, result, "interrupted: %d of %d frames are finished and kept, %s goes on",
-                        job->kept_count + job->frames_done, job->kept_count + job->frame_count,
-                        job->options.overwrite ? "--resume --overwrite" : "--resume" );
+        return fail_interrupted( job, error );
+    if ( result == RF_ERROR_USAGE && job->films != NULL )
+    {
+        RfError reason = *error;
+        return rf_fail( error, result, "--resume: frame %d: %.900s: add --overwrite without --resume to start over",
+                        rf_frame_number( &job->path, job->frames[0] ), reason.text );
+    }
     if ( result == RF_OK )
         warn_of_solves( &job->errors, &job->log );
     if ( result == RF_OK )

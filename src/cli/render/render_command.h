@@ -5,6 +5,8 @@
 #include "reframe/render.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
+#include "cli/render/films_file.h"
+#include "cli/render/preview.h"
 #include "cli/render/progress.h"
 #include "reframe/output.h"
 #include "scene/json/scene_file.h"
@@ -66,6 +68,10 @@ typedef struct RfRenderJob
     int frames_done;
     bool reported_black; // the warning comes once
     RfFrameErrors errors;
+    FILE* films;           // of an interrupted render, which this one goes on from; NULL: from the beginning
+    RfFilmsWriter keeping; // those of this one, where it is interrupted
+    RfLivePreview preview;
+    RfError not_kept; // why not; RF_OK: they are, or there are none
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;

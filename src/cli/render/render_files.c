@@ -371,3 +371,26 @@ RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* optio
     *count = result == RF_OK ? left : *count;
     return result;
 }
+
+RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options, FILE** films, RfError* error )
+{
+    char name[RF_FILMS_NAME_SIZE];
+    RfError reason = { 0 };
+    RfFilmsState state = rf_open_films_file( left, films, &reason );
+    if ( state == RF_FILMS_MISSING || ( state == RF_FILMS_SAME && options->resume ) )
+        return RF_OK;
+    if ( *films != NULL )
+        fclose( *films );
+    *films = NULL;
+    if ( options->overwrite )
+        return RF_OK;
+    RfResult result = rf_films_file_name( left->output, left->frames[0], name, error );
+    if ( result != RF_OK )
+        return result;
+    if ( !options->resume )
+        return rf_fail( error, RF_ERROR_IO,
+                        "%s: films of an interrupted render are there: --resume goes on from them, --overwrite "
+                        "starts over",
+                        name );
+    return rf_fail( error, RF_ERROR_IO, "--resume: %.900s: give the same, or add --overwrite to start over", reason.text );
+}

@@ -19,6 +19,10 @@
 RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* options, int* frames, int* count, int* kept,
                             RfError* error );
 
+// The films that an interrupted render left for the first of these frames: *films is their file, for --resume, or NULL where there
+// are none. An error without --resume, and where they are of another render, unless with --overwrite: then they are not used.
+RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options, FILE** films, RfError* error );
+
 // The frames that --resume keeps, in the result of the run that keeps them.
 
 // The array "frames" in ascending order: the elements of `rendered` and one for each of the

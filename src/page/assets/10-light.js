@@ -23,8 +23,10 @@ function bytesOf(id) {
 }
 
 // Parses a frame: { cell, columns, rows, base, bitmap }. The browser decodes the bitmap asynchronously.
-async function decodeFrame(id) {
-  const bytes = bytesOf(id), view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+const decodeFrame = id => decodePicture(bytesOf(id));
+
+async function decodePicture(bytes) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const cell = view.getUint16(0, true), columns = view.getUint16(2, true), rows = view.getUint16(4, true);
   const base = new Int16Array(3 * columns * rows);
   for (let i = 0; i < base.length; ++i)

@@ -1,0 +1,41 @@
+// render --preview: the frame in work as a PNG, or everything on a live page.
+#ifndef REFRAME_CLI_RENDER_PREVIEW_H
+#define REFRAME_CLI_RENDER_PREVIEW_H
+
+#include "cli/render/http_server.h"
+#include "reframe/image.h"
+#include "reframe/output.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+
+typedef struct RfLivePreview
+{
+    const char* file;       // NULL: none
+    const RfOutput* output; // of the live page
+    bool broken;            // the file could not be written
+    bool serving;
+    RfHttpServer server;
+    pthread_mutex_t mutex; // of all below
+    RfImage image;         // of the frame in work
+    int frame;             // its number
+    double spp;
+    int version;    // counts the pictures
+    double encoded; // seconds that it took to encode one for the page
+    double taken;   // when the last was taken
+    RfProgress progress;
+    int* finished; // numbers of frames
+    int finished_count;
+} RfLivePreview;
+
+// Begins as the option says; NULL: there is no preview. `frames`: in all, to be finished. `output` must stay. Fails with RF_ERROR_IO
+// where the file or the port cannot be used.
+RfResult rf_start_preview( const char* option, const RfOutput* output, int frames, RfLivePreview* preview, RfError* error );
+void rf_stop_preview( RfLivePreview* preview );
+
+// `number`: of the frame. Fails where the file cannot be written, the first time only.
+RfResult rf_take_preview( RfLivePreview* preview, const RfPreview* picture, int number, int threads, RfError* error );
+void rf_note_live_progress( RfLivePreview* preview, const RfProgress* progress );
+void rf_note_live_frame( RfLivePreview* preview, int number );
+
+#endif
