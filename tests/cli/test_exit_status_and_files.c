@@ -256,9 +256,10 @@ static void test_json_has_every_key( void** state )
         cli_run( "$R render $VASE -o j.####.exr --frames 1-2 --json - --size 24x16 --spp 3 --group 1 --quiet" );
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
-    expect_keys( json, "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
-                       "normalize threads effects effects_left_out effects_forced kept_frames interrupted adaptive adaptive_mode "
-                       "adaptive_frames warnings repeated_frames filter" );
+    expect_keys( json,
+                 "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
+                 "normalize threads effects effects_left_out effects_forced kept_frames interrupted clamp adaptive adaptive_mode "
+                 "adaptive_frames warnings repeated_frames filter" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
