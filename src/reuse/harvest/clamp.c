@@ -71,6 +71,20 @@ void rf_add_clamped_light( float ( *const light )[RF_LANES], const float* const 
     }
 }
 
+void rf_clamp_rare_emission( RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        float* radiance = batch->radiance + 4 * (size_t)i;
+        float value[3] = { radiance[0], radiance[1], radiance[2] };
+        if ( batch->view[i] != RF_VIEW_CHAIN || !rf_is_rare_chain( scratch->chains, scratch->hits->slot[i] ) ||
+             !( value[0] + value[1] + value[2] > 0.0f ) )
+            continue;
+        memset( radiance, 0, sizeof value );
+        batch->any_removed |= rf_add_clamped( scratch->clamp, batch, i, value, radiance, batch->removed + 4 * (size_t)i );
+    }
+}
+
 // To the light that holds in a hit's own frame alone.
 static void add_own( const float value[3], int i, RfHitBatch* batch, RfHarvestScratch* scratch )
 {

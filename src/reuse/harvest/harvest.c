@@ -356,7 +356,9 @@ static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int
     for ( int i = 0; i < batch->count; ++i )
     {
         int slot = scratch->hits->slot[i];
-        if ( chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot] == 0.0f )
+        float light = chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot];
+        float rare = chains->clamped ? chains->rare[0][slot] + chains->rare[1][slot] + chains->rare[2][slot] : 0.0f;
+        if ( light + rare == 0.0f )
             continue;
         rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
         glint_slot[batch->glint_count++] = slot;
@@ -573,6 +575,7 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
     scratch->hits = first;
     if ( !rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) || !rf_has_chains( first ) )
         return;
+    scratch->chains->clamped = scratch->clamp != NULL;
     rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
     scratch->hits = &scratch->chains->hits;
     if ( rf_reuses_tiles( scratch ) )

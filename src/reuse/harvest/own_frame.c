@@ -114,13 +114,31 @@ static void copy_chain_light( const RfChains* chains, const int32_t* slot, int c
     }
 }
 
+// What rare chains find, clamped.
+static void add_rare_light( const RfHarvestScratch* scratch, RfHitBatch* batch, int first, int count, const int32_t* slot )
+{
+    for ( int k = 0; k < count; ++k )
+    {
+        size_t at = 4 * (size_t)( first + k );
+        const float( *rare )[RF_LANES] = (const float( * )[RF_LANES])scratch->chains->rare;
+        float value[3] = { rare[0][slot[k]], rare[1][slot[k]], rare[2][slot[k]] };
+        if ( value[0] + value[1] + value[2] > 0.0f )
+            batch->any_removed |=
+                rf_add_clamped( scratch->clamp, batch, first + k, value, batch->radiance + at, batch->removed + at );
+    }
+}
+
 // Light that chains find on their way, for pixels without a hit and for pixels with one.
-static void light_chains( const RfHarvestScratch* scratch, const RfHitBatch* batch )
+static void light_chains( const RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     int first = scratch->ray_miss_count;
     copy_chain_light( scratch->chains, scratch->miss_slot + first, batch->miss_count - first, 1.0f,
                       rf_miss_radiance( batch ) + 4 * (size_t)first );
     copy_chain_light( scratch->chains, scratch->glint_slot, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
+    if ( scratch->clamp == NULL )
+        return;
+    add_rare_light( scratch, batch, batch->count + first, batch->miss_count - first, scratch->miss_slot + first );
+    add_rare_light( scratch, batch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot );
 }
 
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )

@@ -301,6 +301,8 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
             batch->radiance[4 * i + c] = v->emission[c][i];
         batch->radiance[4 * i + 3] = 1.0f;
     }
+    if ( scratch->clamp != NULL && rf_follows_chains( scratch ) )
+        rf_clamp_rare_emission( batch, scratch );
     if ( harvest->path.max_depth == 1 )
     {
         rf_clear_directions( batch, rf_direction_count( &harvest->shape ) );
