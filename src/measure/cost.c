@@ -7,6 +7,7 @@
 #include "measure/trial.h"
 #include "render/groups.h"
 #include "render/settings.h"
+#include "render/estimator.h"
 #include "reuse/tile/tile.h"
 #include "trace/trace.h"
 
@@ -33,9 +34,11 @@ typedef struct CostStudy
     int workers;              // trials at a time, with a thread each
     int threads;              // of the render
     int first_passes, passes; // of the first level and of this one
+    double clamp;             // threshold of the first round; 0: none is tried
     int round;
-    RfTrial trials[COST_TASKS]; // of this round: path tracing and reuse by turns, with different seeds
-    RfTrial sums[2];            // of all rounds: each weighs as its passes, since more samples determine the error better
+    RfTrial trials[COST_TASKS];      // of this round: path tracing and reuse by turns, with different seeds
+    RfTrial sums[2];                 // of all rounds: each weighs as its passes, since more samples determine the error better
+    RfTrial clamped[RF_COST_CLAMPS]; // of reuse, by the clamp of the round
     CostLevel levels[2][RF_COST_LEVELS];
     RfTrialWatch watch; // the job's, and the deadline
     double start;
@@ -91,17 +94,10 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
-// Adds a trial of one of the positions, whose pieces are the same in all rounds.
-static void add_trial( CostStudy* s, int curve, int position, const RfTrial* trial )
+// Adds a trial of one of the positions, whose pieces are the same in all rounds, with the weight of its passes.
+static void add_weighed( const CostStudy* s, int position, const RfTrial* trial, RfTrial* sum )
 {
-    RfTrial *sum = s->sums + curve, weighed = *trial;
-    CostLevel* level = s->levels[curve];
-    for ( int passes = s->first_passes; passes < s->passes; passes *= 2 )
-        level += 1;
-    level->relmse += rf_trial_relmse( trial, s->passes );
-    level->cpu_seconds += trial->cpu_seconds;
-    level->samples += trial->timed_samples;
-    level->trials += 1;
+    RfTrial weighed = *trial;
     int first = 0, pieces = sum->piece_count;
     for ( int k = 0; k < position; ++k )
         first += s->regions[k].pieces.count;
@@ -109,8 +105,11 @@ static void add_trial( CostStudy* s, int curve, int position, const RfTrial* tri
     {
         sum->pieces[first + k].weight += s->passes * trial->pieces[k].weight;
         sum->pieces[first + k].relmse += s->passes * trial->pieces[k].relmse;
+        sum->pieces[first + k].clamped += s->passes * trial->pieces[k].clamped;
     }
-    double* const scaled[] = { &weighed.weight, &weighed.relmse, &weighed.mse, &weighed.change_weight, &weighed.change };
+    double* const scaled[] = { &weighed.weight,        &weighed.relmse,        &weighed.mse,
+                               &weighed.change_weight, &weighed.change,        &weighed.clamp.relmse,
+                               &weighed.clamp.bias,    &weighed.clamp.removed, &weighed.clamp.light };
     for ( size_t k = 0; k < sizeof scaled / sizeof scaled[0]; ++k )
         *scaled[k] *= s->passes;
     for ( int k = 0; k < RF_WORST_CELLS; ++k )
@@ -118,6 +117,21 @@ static void add_trial( CostStudy* s, int curve, int position, const RfTrial* tri
     weighed.piece_count = 0;
     rf_add_trial( sum, &weighed );
     sum->piece_count = first + trial->piece_count > pieces ? first + trial->piece_count : pieces;
+}
+
+// Adds a trial of a curve.
+static void add_trial( CostStudy* s, int curve, int position, const RfTrial* trial )
+{
+    CostLevel* level = s->levels[curve];
+    for ( int passes = s->first_passes; passes < s->passes; passes *= 2 )
+        level += 1;
+    level->relmse += rf_trial_relmse( trial, s->passes );
+    level->cpu_seconds += trial->cpu_seconds;
+    level->samples += trial->timed_samples;
+    level->trials += 1;
+    add_weighed( s, position, trial, s->sums + curve );
+    if ( curve == 1 )
+        add_weighed( s, position, trial, s->clamped + s->round % RF_COST_CLAMPS );
 }
 
 // What all trials say together. All threads of a render work as fast as those of the trials.
@@ -144,6 +158,35 @@ static void fit_cost_curve( CostStudy* s, int curve, RfCostCurve* c )
         };
     }
     c->slope = slope_of( c );
+}
+
+static void fit_clamps( CostStudy* s )
+{
+    for ( int i = 0; i < RF_COST_CLAMPS && s->clamped[i].clamp.threshold > 0.0; ++i )
+    {
+        const RfTrial* sum = s->clamped + i;
+        double missing = fmax( sum->clamp.removed, 0.0 ) / sum->clamp.light, bias = sum->clamp.bias / sum->weight;
+        s->cost->clamps[i] = ( RfCostClamp ){ .threshold = sum->clamp.threshold / sum->clamp.frames,
+                                              .error = rf_trial_clamped_error( sum ),
+                                              // were the same share missing everywhere, in three channels, it were least
+                                              .bias = fmax( bias, 3.0 * missing * missing ),
+                                              .missing = missing };
+        s->cost->clamp_count = i + 1;
+    }
+}
+
+const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse )
+{
+    const RfCostClamp* best = NULL;
+    for ( int i = 0; i < cost->clamp_count; ++i )
+    {
+        double error = cost->clamps[i].error.value / spp + cost->clamps[i].bias;
+        if ( best != NULL && !isless( error, *relmse ) )
+            continue;
+        best = cost->clamps + i;
+        *relmse = error;
+    }
+    return best;
 }
 
 // So many samples, at least two.
@@ -173,6 +216,23 @@ RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve
 RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep )
 {
     return predict_samples( job, curve, ceil( curve->f1_squared / ( flicker * flicker ) ), per_sweep );
+}
+
+RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* cost, double relmse, int per_sweep,
+                                          const RfCostClamp** clamp )
+{
+    double least = cost->reuse.relmse / relmse;
+    *clamp = NULL;
+    for ( int i = 0; i < cost->clamp_count; ++i )
+    {
+        const RfCostClamp* c = cost->clamps + i;
+        double wanted = c->error.value / ( relmse - c->bias );
+        if ( !isless( c->bias, relmse ) || !isless( wanted, least ) )
+            continue;
+        least = wanted;
+        *clamp = c;
+    }
+    return predict_samples( job, &cost->reuse, ceil( least ), per_sweep );
 }
 
 // What the measurement of cost renders with.
@@ -207,6 +267,7 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     RfRenderSettings asked = *job->settings;
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
+    asked.clamp = 0.0;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
     RfResult result = rf_resolve_settings( &job->shot, &asked, reuse, error );
     if ( result != RF_OK )
@@ -226,6 +287,9 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     s->cost->reuse = ( RfCostCurve ){ .group = reuse->group, .eyes = groups.eyes, .tile = reuse->tile };
     return RF_OK;
 }
+
+// Thresholds that are tried by turns, times the one that was found: it is best for one error, and others ask for others.
+static const double s_clamp_steps[RF_COST_CLAMPS] = { 1.0, 4.0, 0.25, 16.0 };
 
 #define WANTED_LEVELS 3   // sample counts that the budget is planned for
 #define FEW_PIXELS 4000.0 // traced of a frame: four pieces and what is around them
@@ -294,6 +358,33 @@ static void free_regions( CostStudy* s )
         rf_destroy_test_region( s->regions + i );
 }
 
+static bool no_more( void* user, const RfProgress* progress )
+{
+    (void)user, (void)progress;
+    return false;
+}
+
+// The threshold that --clamp auto takes for the relMSE wanted: a render that ends when it has begun. Without one, none is tried.
+static void find_clamp( CostStudy* s )
+{
+    const RfTestRegion* region = s->regions;
+    RfRenderSettings settings = *s->job->settings;
+    RfRenderStats stats = { .clamp = 0.0 };
+    settings.group = s->settings[1].group;
+    settings.clamp = RF_CLAMP_AUTO;
+    settings.noise = s->job->relmse;
+    settings.flicker = settings.time = 0.0;
+    settings.adaptive = RF_ADAPTIVE_OFF;
+    settings.aovs = 0;
+    settings.queue = 0;
+    int frame = region->frames / 2;
+    RfShot shot = { s->job->shot.tracer, region->eyes, region->frames, &frame, 1 };
+    if ( s->job->relmse > 0.0 && settings.weights == RF_WEIGHTS_EXACT && settings.estimator->clamps )
+        rf_render( &shot, &settings, &( RfRenderCallbacks ){ .progress = no_more }, &stats, NULL );
+    s->clamp = isgreater( stats.clamp, 0.0 ) && stats.clamp <= RF_MAX_CLAMP ? stats.clamp : 0.0;
+    s->settings[1].clamp = s->clamp;
+}
+
 // So many pixels that the budget allows WANTED_LEVELS rounds, each taking twice as long as the one before. Where these are few,
 // fewer rounds, then fewer positions. The pilot pictures of a piece tell how fast this machine is.
 static RfResult choose_pixels( CostStudy* s, RfError* error )
@@ -306,11 +397,13 @@ static RfResult choose_pixels( CostStudy* s, RfError* error )
         samples += s->regions[i].samples;
         frames += s->regions[i].frames;
     }
+    double sample_seconds = ( rf_wall_seconds() - start ) / samples;
+    if ( result == RF_OK )
+        find_clamp( s );
     free_regions( s );
     if ( result != RF_OK )
         return result;
-    double now = rf_wall_seconds(), sample_seconds = ( now - start ) / samples,
-           left = SLACK * ( s->job->budget - ( now - s->start ) );
+    double now = rf_wall_seconds(), left = SLACK * ( s->job->budget - ( now - s->start ) );
     // both renders of a trial by both curves, and as much again for the pilot pictures of all rounds
     double first = 4.0 * s->first_passes * frames * sample_seconds, pilots = s->first_passes * frames * sample_seconds;
     double all = cost_frame_pixels( s->job ), few = fmin( FEW_PIXELS, all );
@@ -349,6 +442,7 @@ static RfResult run_round( CostStudy* s, RfError* error )
     for ( int i = 0; i < 2 * s->cost->positions; ++i )
         add_trial( s, i % 2, i / 2, s->trials + i );
     s->round += 1;
+    s->settings[1].clamp = s->clamp * s_clamp_steps[s->round % RF_COST_CLAMPS];
     return RF_OK;
 }
 
@@ -399,6 +493,7 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
         result = fail_late( s, error );
     for ( int k = 0; k < 2 && s->round > 0; ++k )
         fit_cost_curve( s, k, k == 0 ? &cost->plain : &cost->reuse );
+    fit_clamps( s );
     cost->speedup = rf_trial_gain( s->sums, s->sums + 1 );
     cost->seconds = rf_wall_seconds() - s->start;
     free_regions( s );

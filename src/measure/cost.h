@@ -11,6 +11,7 @@
 
 #define RF_COST_LEVELS 12
 #define RF_COST_POSITIONS 3
+#define RF_COST_CLAMPS 4
 
 // A point of a curve: the mean over the positions on the path.
 typedef struct RfCostRow
@@ -36,11 +37,22 @@ typedef struct RfCostCurve
     double finish_seconds; // the same for finishing a frame
 } RfCostCurve;
 
+// A clamp with reuse: relMSE = error / samples + bias, at the seconds of the curve without one.
+typedef struct RfCostClamp
+{
+    double threshold;
+    RfInterval error; // variance of a single sample, as relMSE
+    double bias;      // squared, as relMSE
+    double missing;   // share of the light, 0 to 1
+} RfCostClamp;
+
 typedef struct RfCost
 {
     RfCostCurve plain, reuse;
-    RfInterval speedup; // CPU seconds of path tracing over those with reuse, at equal error
-    double pixels;      // traced of each test frame
+    RfCostClamp clamps[RF_COST_CLAMPS]; // that of job->relmse, and some beside it
+    int clamp_count;                    // 0 where the estimator has none
+    RfInterval speedup;                 // CPU seconds of path tracing over those with reuse, at equal error
+    double pixels;                      // traced of each test frame
     int positions;
     double seconds; // spent measuring
     double needed;  // seconds that the first round takes, about
@@ -49,15 +61,16 @@ typedef struct RfCost
 typedef struct RfCostJob
 {
     RfShot shot;
-    const RfRenderSettings* settings;                            // with reuse; spp is ignored
-    double budget;                                               // seconds; the first round is completed, but for a deadline
-    double deadline;                                             // rf_wall_seconds() at which all is stopped; 0: none
-    const RfTrialWatch* watch;                                   // may be NULL
+    const RfRenderSettings* settings; // with reuse; spp is ignored
+    double budget;                    // seconds; the first round is completed, but for a deadline
+    double deadline;                  // rf_wall_seconds() at which all is stopped; 0: none
+    double relmse;                    // for which --clamp auto looks for a threshold; 0: no clamps are tried
+    const RfTrialWatch* watch;        // may be NULL
     void ( *report )( void* user, const RfCost* cost, int spp ); // called before each round; may be NULL
     void* user;
 } RfCostJob;
 
-// Measures both curves. Fails with RF_ERROR_INTERRUPTED if stopped, RF_ERROR_USAGE if the
+// Measures both curves. Of the settings the clamp is not looked at. Fails with RF_ERROR_INTERRUPTED if stopped, RF_ERROR_USAGE if the
 // settings do not reuse anything, RF_ERROR_SCENE if the deadline came before the first result.
 RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error );
 
@@ -73,6 +86,14 @@ typedef struct RfCostPrediction
 // Predicts the cost of reaching `relmse` from a measured curve, and that of F1 = `flicker`.
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep );
 RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep );
+
+// The same with that clamp which needs the fewest samples for `relmse`; *clamp is NULL where none reaches it with fewer than
+// the exact picture.
+RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* cost, double relmse, int per_sweep,
+                                          const RfCostClamp** clamp );
+
+// The clamp with the least relMSE for so many samples, which is set; NULL: there are none.
+const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse );
 
 // The slope of log y against log x by unweighted least squares, with Student's t for the
 // scatter about the line. Points that are not above 0 are skipped. Needs at least two points,

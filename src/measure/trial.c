@@ -29,12 +29,15 @@ typedef struct TrialMeter
 typedef struct TrialPair
 {
     int eyes;
-    bool whole;                   // the frames are the whole path
-    const RfTestPieces* pieces;   // of the region
-    int first;                    // frame of the region
-    const float* weight;          // of the region
-    float* rgb;                   // of the group's slots: the first render, then the differences to the second
-    double relmse[RF_MAX_PIECES]; // sums over the pixels of a piece: of weighted ½ d², summed over channels
+    bool whole;                    // the frames are the whole path
+    const RfTestPieces* pieces;    // of the region
+    int first;                     // frame of the region
+    const float* weight;           // of the region
+    float* rgb;                    // of the group's slots: the first render, then the differences to the second
+    float* removed;                // with a clamp: what it took out of the first render; NULL: there is none
+    RfClampSums clamp;             // `relmse` and `bias` weighted
+    double clamped[RF_MAX_PIECES]; // of clamp.relmse
+    double relmse[RF_MAX_PIECES];  // sums over the pixels of a piece: of weighted ½ d², summed over channels
     double pixels[RF_MAX_PIECES];
     double worst[RF_WORST_CELLS]; // of relmse
     double square;                // sum of ½ d² over pixels, mean over channels
@@ -130,6 +133,8 @@ static void begin_pair( TrialPair* p, int first )
     p->first = first;
     p->square = p->first_mean = p->last_mean = p->steps = 0.0;
     p->step_count = 0;
+    p->clamp = ( RfClampSums ){ 0 };
+    memset( p->clamped, 0, sizeof p->clamped );
     memset( p->relmse, 0, sizeof p->relmse );
     memset( p->pixels, 0, sizeof p->pixels );
     memset( p->worst, 0, sizeof p->worst );
@@ -154,6 +159,13 @@ static float* colors_of( const TrialPair* p, int32_t slot )
     return p->rgb + 3 * RF_CELL_PIXELS * (size_t)( slot - p->pieces->first_slot[p->first] );
 }
 
+// A channel of the picture without a clamp.
+static float exact_value( const RfFrameResult* frame, size_t i )
+{
+    const float* removed = frame->aovs[RF_AOV_REMOVED];
+    return removed != NULL ? frame->rgb[i] + removed[i] : frame->rgb[i];
+}
+
 // Frame callback of the first render: keeps the frame.
 static RfResult keep_first( void* user, const RfFrameResult* frame, RfError* error )
 {
@@ -164,10 +176,26 @@ static RfResult keep_first( void* user, const RfFrameResult* frame, RfError* err
     for ( int cell = 0; cell < s.cells; ++cell )
     {
         int count = s.slot[cell] >= 0 ? rf_cell_pixels( p->pieces, cell, pixel ) : 0;
-        for ( int k = 0; k < count; ++k )
-            memcpy( colors_of( p, s.slot[cell] ) + 3 * k, frame->rgb + 3 * (size_t)pixel[k], 3 * sizeof( float ) );
+        size_t to = count > 0 ? (size_t)( colors_of( p, s.slot[cell] ) - p->rgb ) : 0;
+        for ( int k = 0; k < 3 * count; ++k )
+        {
+            size_t i = 3 * (size_t)pixel[k / 3] + (size_t)( k % 3 );
+            p->rgb[to + (size_t)k] = exact_value( frame, i );
+            if ( p->removed != NULL )
+                p->removed[to + (size_t)k] = frame->aovs[RF_AOV_REMOVED][i];
+        }
     }
     return RF_OK;
+}
+
+// Adds what the clamp took out of a channel, and the error of what is left; `delta` is the difference without a clamp.
+static double add_clamped( TrialPair* p, double delta, double exact, double first, double second, double weight )
+{
+    double left = delta - ( first - second );
+    p->clamp.bias += weight * first * second;
+    p->clamp.removed += first + second;
+    p->clamp.light += 2.0 * exact + delta;
+    return weight * 0.5 * left * left;
 }
 
 // Subtracts the second render from a cell of the first; returns the sum of ½ d², and adds the weighted one to the piece.
@@ -175,20 +203,26 @@ static double subtract_cell( TrialPair* p, const RfFrameResult* frame, int32_t s
 {
     float* d = colors_of( p, slot );
     const float* weight = p->weight + RF_CELL_PIXELS * (size_t)slot;
-    double square = 0.0, relmse = 0.0;
+    double square = 0.0, relmse = 0.0, clamped = 0.0;
     for ( int k = 0; k < count; ++k )
     {
         double sum = 0.0;
         for ( int c = 0; c < 3; ++c )
         {
-            double delta = (double)d[3 * k + c] - (double)frame->rgb[3 * (size_t)pixel[k] + (size_t)c];
+            size_t i = 3 * (size_t)pixel[k] + (size_t)c;
+            double exact = (double)exact_value( frame, i ), delta = (double)d[3 * k + c] - exact;
             sum += 0.5 * delta * delta;
+            if ( p->removed != NULL )
+                clamped += add_clamped( p, delta, exact, (double)p->removed[( d - p->rgb ) + 3 * k + c],
+                                        (double)frame->aovs[RF_AOV_REMOVED][i], (double)weight[k] );
             d[3 * k + c] = (float)delta;
         }
         square += sum;
         relmse += (double)weight[k] * sum;
     }
     p->relmse[p->pieces->piece[slot]] += relmse;
+    p->clamped[p->pieces->piece[slot]] += clamped;
+    p->clamp.relmse += clamped;
     rf_keep_worst_cell( p->worst, relmse );
     p->pixels[p->pieces->piece[slot]] += count;
     return square;
@@ -228,6 +262,8 @@ static RfResult compare_second( void* user, const RfFrameResult* frame, RfError*
         step += change_of_cell( p, s.slot[cell], before[cell], count );
         shared += count;
     }
+    p->clamp.threshold += frame->clamp;
+    p->clamp.frames += 1.0;
     double mean = all > 0.0 ? square / ( 3.0 * all ) : 0.0;
     p->square += square / 3.0;
     p->first_mean = frame->frame == 0 ? mean : p->first_mean;
@@ -259,10 +295,14 @@ static void end_pair( const TrialPair* p, int passes, RfTrial* trial )
         trial->pieces[i].weight += p->pixels[i];
         trial->pieces[i].relmse += passes * p->relmse[i];
         trial->relmse += passes * p->relmse[i];
+        trial->pieces[i].clamped += passes * p->clamped[i];
         weight += p->pixels[i];
     }
     for ( int k = 0; k < RF_WORST_CELLS; ++k )
         rf_keep_worst_cell( trial->worst, passes * p->worst[k] );
+    RfClampSums clamp = p->clamp;
+    clamp.relmse *= passes;
+    rf_add_clamp_sums( &trial->clamp, &clamp );
     trial->piece_count = p->pieces->count;
     trial->groups += 1;
     trial->weight += weight;
@@ -356,6 +396,7 @@ static RfResult render_pilot( RfTestRegion* region, const RfRenderSettings* sett
     s.weights = RF_WEIGHTS_EXACT;
     s.normalize = RF_NORMALIZE_CROSSFIT;
     s.aovs = 0;
+    s.clamp = 0.0;
     s.queue = 0;
     s.adaptive = RF_ADAPTIVE_OFF;
     s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)region->first ) ) ^ 0x5175ull;
@@ -484,12 +525,14 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
     int count = clamp( groups, 1, region->frames / eyes ), first = ( region->frames - count * eyes ) / 2;
     RfRenderSettings s = *settings;
     s.spp = passes; // of a single group
-    s.aovs = 0;
+    s.aovs = s.clamp != 0.0 ? RF_AOV_BIT( RF_AOV_REMOVED ) : 0;
     s.queue = 0;
     TrialPair pair = {
         .eyes = eyes, .whole = region->whole && eyes == region->frames, .pieces = &region->pieces, .weight = region->weight
     };
-    pair.rgb = malloc( ( most_slots( &region->pieces, eyes ) + 1 ) * 3 * RF_CELL_PIXELS * sizeof( float ) );
+    size_t values = ( most_slots( &region->pieces, eyes ) + 1 ) * 3 * RF_CELL_PIXELS;
+    pair.rgb = malloc( ( s.clamp != 0.0 ? 2 : 1 ) * values * sizeof( float ) );
+    pair.removed = s.clamp != 0.0 && pair.rgb != NULL ? pair.rgb + values : NULL;
     if ( pair.rgb == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try groups of %d frames", eyes );
     RfResult result = RF_OK;
@@ -497,6 +540,16 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
         result = try_group( region, first + w * eyes, &s, &pair, trial, error );
     free( pair.rgb );
     return result;
+}
+
+void rf_add_clamp_sums( RfClampSums* sum, const RfClampSums* clamp )
+{
+    sum->relmse += clamp->relmse;
+    sum->bias += clamp->bias;
+    sum->removed += clamp->removed;
+    sum->light += clamp->light;
+    sum->threshold += clamp->threshold;
+    sum->frames += clamp->frames;
 }
 
 void rf_add_trial( RfTrial* sum, const RfTrial* trial )
@@ -514,6 +567,7 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial )
     sum->change += trial->change;
     sum->time_noise += trial->time_noise;
     sum->time_count += trial->time_count;
+    rf_add_clamp_sums( &sum->clamp, &trial->clamp );
     for ( int k = 0; k < RF_WORST_CELLS; ++k )
         rf_keep_worst_cell( sum->worst, trial->worst[k] );
     for ( int i = 0; i < trial->piece_count && sum->piece_count < RF_TRIAL_PIECES; ++i )
@@ -624,4 +678,14 @@ RfInterval rf_trial_error( const RfTrial* trial )
         influence[i] = influence_on( trial, i, s.weight[0], s.relmse[0] );
     double margin = rf_influence_margin( influence, trial->piece_count, 0.0 ), tail = tail_margin( trial );
     return rf_log_interval( value, sqrt( margin * margin + tail * tail ) );
+}
+
+RfInterval rf_trial_clamped_error( const RfTrial* trial )
+{
+    RfTrial clamped = *trial; // what has been clamped has no tail
+    clamped.relmse = trial->clamp.relmse;
+    memset( clamped.worst, 0, sizeof clamped.worst );
+    for ( int i = 0; i < trial->piece_count; ++i )
+        clamped.pieces[i].relmse = trial->pieces[i].clamped;
+    return rf_trial_error( &clamped );
 }

@@ -20,6 +20,11 @@
 // relMSE divides by the image. Dividing by each noisy render itself would overweight dark
 // pixels and underweight fireflies, the more so the noisier it is. All settings therefore use
 // the same pilot image of the test region, which is independent of them.
+//
+// With a clamp (src/reuse/estimators.md, E15) one render has both pictures: the clamped one, and with what was removed the
+// exact one. All figures are of the exact picture, but those that say otherwise. The error of the clamped one is its variance,
+// from the difference of the two renders, and its squared bias, of which the product of what both have lost is an unbiased
+// estimate.
 #ifndef REFRAME_MEASURE_TRIAL_H
 #define REFRAME_MEASURE_TRIAL_H
 
@@ -80,9 +85,20 @@ void rf_destroy_test_region( RfTestRegion* region );
 // The error found in a piece, over all frames.
 typedef struct RfPieceError
 {
-    double weight; // pixels
-    double relmse; // summed, as in RfTrial
+    double weight;  // pixels
+    double relmse;  // summed, as in RfTrial
+    double clamped; // likewise
 } RfPieceError;
+
+// What a clamp does, as sums over the pixels.
+typedef struct RfClampSums
+{
+    double relmse;         // of a single pass of the clamped picture, without its bias
+    double bias;           // squared, weighted as relMSE, which does not fall with the passes
+    double removed, light; // of both renders, all channels
+    double threshold;      // of the clamp, times `frames`
+    double frames;
+} RfClampSums;
 
 // The result of trials, as sums that rf_add_trial can combine. Errors are those of a single
 // pass (P times the error of P passes), multiplied by `weight`.
@@ -101,6 +117,7 @@ typedef struct RfTrial
     double time_noise;                    // squared differences of the logarithms of the two renders' seconds per sample
     int time_count;                       // of these
     double worst[RF_WORST_CELLS];         // of relmse: what the cells of 4×4 pixels with the most hold, in falling order
+    RfClampSums clamp;                    // zero without one
     int piece_count;                      // the first RF_TRIAL_PIECES are listed
     RfPieceError pieces[RF_TRIAL_PIECES];
 } RfTrial;
@@ -116,6 +133,9 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
 // Adds the error of a cell to the list of the worst ones, if it is among them.
 void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse );
 
+// Adds the sums of a clamp.
+void rf_add_clamp_sums( RfClampSums* sum, const RfClampSums* clamp );
+
 // Adds the sums of another trial, and lists its pieces behind those of `sum`.
 void rf_add_trial( RfTrial* sum, const RfTrial* trial );
 
@@ -126,6 +146,9 @@ RfInterval rf_trial_gain( const RfTrial* plain, const RfTrial* reuse );
 
 // relMSE of a single sample with such an interval, in which the times have no part.
 RfInterval rf_trial_error( const RfTrial* trial );
+
+// The same of the clamped picture, without its bias.
+RfInterval rf_trial_clamped_error( const RfTrial* trial );
 
 // relMSE of a frame in the middle of a long path with `spp` own-frame samples per pixel.
 double rf_trial_relmse( const RfTrial* trial, double spp );

@@ -435,6 +435,14 @@ static bool is_stopped( const Tuner* t )
 // Was that the deadline?
 static bool is_late( const Tuner* t, RfResult result ) { return result == RF_ERROR_INTERRUPTED && !is_stopped( t ); }
 
+static int count_tried( const RfTune* tune )
+{
+    int count = 0;
+    for ( int i = 0; i < tune->count; ++i )
+        count += tune->rows[i].rounds > 0;
+    return count;
+}
+
 // Plans a round for the candidates, or for the better ones if time is too short; false if it is too short even for two that
 // are to be compared. The first round is planned in any case.
 static bool plan_round( Tuner* t, int number, RfTuneRound* round )
@@ -468,7 +476,8 @@ static RfResult next_round( Tuner* t, int number, bool* last, RfError* error )
     rf_predict_tune_rows( t->tune, (double)job->shot.eyes->width * job->shot.eyes->height, job->shot.frame_count );
     if ( is_late( t, result ) )
     {
-        t->tune->needed = t->tune->round_count > 0 ? 0.0 : rf_wall_seconds() - t->start + round->seconds;
+        if ( number == 0 && count_tried( t->tune ) < 2 ) // nothing to compare
+            t->tune->needed = 2.0 * fmax( job->budget, rf_wall_seconds() - t->start + round->seconds );
         *last = true;
         return RF_OK;
     }
@@ -497,6 +506,11 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
           ++number )
         result = next_round( &t, number, &last, error );
     rf_predict_tune_rows( tune, (double)job->shot.eyes->width * job->shot.eyes->height, job->shot.frame_count );
+    if ( tune->needed > 0.0 && tune->chosen >= 0 )
+    {
+        tune->rows[tune->chosen].chosen = false;
+        tune->chosen = -1;
+    }
     tune->seconds = rf_wall_seconds() - t.start;
     if ( result == RF_OK && tune->chosen < 0 && tune->needed == 0.0 )
         return rf_fail( error, RF_ERROR_SCENE,

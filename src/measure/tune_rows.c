@@ -136,6 +136,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     asked.group = 0; // auto would compute a further plan
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
+    asked.clamp = 0.0;
     RfResult result = rf_resolve_settings( &job->shot, &asked, common, error );
     common->spp = asked.spp;
     RfRenderSettings listed = *common; // of the render itself, whose memory is said
@@ -143,6 +144,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     listed.flicker = job->settings->flicker;
     listed.time = job->settings->time;
     listed.adaptive = job->settings->adaptive;
+    listed.clamp = job->settings->clamp;
     int tried = 0;
     for ( int t = 0; t < RF_TUNE_TILES && result == RF_OK; ++t )
     {

@@ -180,6 +180,7 @@ typedef struct RfRenderStats
     int flicker_missed;  // the same of pairs and settings.flicker, counted at the later frame
     bool hurried;        // settings.time was too short for the least: two passes of a frame
     int adaptive_frames; // finished frames with extra samples
+    double clamp;        // threshold of the first frame asked for; 0: none was needed, or found
     int entry_count;     // of the entries
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;

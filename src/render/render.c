@@ -210,6 +210,7 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .flicker_missed = r->stop.flicker_missed,
         .hurried = r->stop.hurried,
         .adaptive_frames = r->adaptive_frames,
+        .clamp = r->clamps != NULL ? (double)r->clamps[*r->setup->shot.frames] : 0.0,
         .entry_count = r->memory.arena.entry_count,
     };
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );
@@ -253,10 +254,10 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         rf_destroy_worlds( &r.worlds );
         omp_set_num_threads( before );
         free( r.traced_jobs );
-        free( r.clamps );
     }
     if ( stats != NULL )
         fill_stats( &r, stats );
+    free( r.clamps );
     rf_free_render_memory( &setup.sizes, &r.memory );
     return result;
 }

@@ -115,7 +115,8 @@ static void test_json_of_render_and_cost_is_read( void** state )
     cli_write( "j/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
     static const char cost[] = "{\"rows\":[{\"reuse\":true,\"group\":3,\"tile\":\"3x3\",\"spp\":4,\"seconds\":2,\"relmse\":0.5},{"
                                "\"reuse\":\"x\",\"seconds\":\"bad\",\"relmse\":[]},"
-                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_"
+                               "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"slope_low\":-1.02,"
+                               "\"slope_high\":-0.92,\"speedup_at_equal_"
                                "error\":4.5,\"speedup_low\":4,\"speedup_high\":5}";
     cli_write( "j/c.json", cost, strlen( cost ) );
     cli_expect( cli_run( "$R report j -o j.html" ), 0, NULL );
@@ -132,7 +133,7 @@ static void test_json_of_render_and_cost_is_read( void** state )
     const json_t* curve = json_array_get( json_object_get( data, "cost" ), 0 );
     assert_int_equal( json_array_size( json_object_get( curve, "rows" ) ), 2 );
     assert_string_equal( json_string_value( json_object_get( curve, "note" ) ),
-                         "reuse is 4.5 times faster at equal error (95 %: 4 to 5); relMSE falls as time^-0.97" );
+                         "reuse is 4.5 times faster at equal error (95 %: 4 to 5); relMSE falls as time^-0.97 (-1.02 to -0.92)" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 0 ), "reuse" ) ),
                          "group 3, tile 3x3" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( json_object_get( curve, "rows" ), 1 ), "reuse" ) ),

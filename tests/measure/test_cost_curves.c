@@ -176,6 +176,56 @@ static void test_predictions_by_hand( void** state )
     end( &s );
 }
 
+// By hand: the exact picture needs 70 samples. One clamp needs 20, but its bias is too large for less; one 40.
+static void test_clamps_are_weighed_by_hand( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 20, 0 );
+    RfCost cost = { .reuse = { .group = 0, .eyes = 1, .relmse = 6.99, .sample_seconds = 1.0 },
+                    .clamps = { { 0.5, { 0.999, 0.5, 2.0 }, 0.05, 0.1 }, { 2.0, { 3.599, 2.0, 5.0 }, 0.01, 0.02 } },
+                    .clamp_count = 2 };
+    const RfCostClamp* clamp;
+    RfCostPrediction p = rf_predict_clamped_cost( &s.job, &cost, 0.1, 20, &clamp );
+    assert_true( p.spp == 20 && clamp == cost.clamps );
+    near( p.seconds, 20.0 * 20.0 * WIDTH * HEIGHT );
+    p = rf_predict_clamped_cost( &s.job, &cost, 0.04, 20, &clamp );
+    assert_true( p.spp == 120 && clamp == cost.clamps + 1 );
+    p = rf_predict_clamped_cost( &s.job, &cost, 0.011, 20, &clamp ); // 636 samples are fewer than 3599
+    assert_true( clamp == NULL && p.spp == 636 );
+    double relmse;
+    assert_true( rf_best_clamp( &cost, 10.0, &relmse ) == cost.clamps );
+    near( relmse, 0.1499 );
+    assert_true( rf_best_clamp( &cost, 100.0, &relmse ) == cost.clamps + 1 );
+    cost.clamp_count = 0;
+    assert_null( rf_best_clamp( &cost, 10.0, &relmse ) );
+    end( &s );
+}
+
+// Both curves come from the same samples; the clamped one has less variance, and some of the light is missing.
+static void test_clamps_are_tried( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 6, 1 );
+    s.job.relmse = 0.01;
+    RfCost cost;
+    RfError error;
+    assert_int_equal( rf_measure_cost( &s.job, &cost, &error ), RF_OK );
+    check_curve( &cost.reuse );
+    assert_true( cost.clamp_count >= 1 );
+    for ( int i = 0; i < cost.clamp_count; ++i )
+    {
+        const RfCostClamp* c = cost.clamps + i;
+        assert_true( c->threshold > 0.0 && c->missing >= 0.0 && c->missing < 0.5 && c->bias >= 3.0 * c->missing * c->missing );
+        assert_true( c->error.value > 0.0 && c->error.value < 1.5 * cost.reuse.relmse );
+    }
+    s.settings.weights = RF_WEIGHTS_EQ15; // which have no clamp
+    assert_int_equal( rf_measure_cost( &s.job, &cost, &error ), RF_OK );
+    assert_int_equal( cost.clamp_count, 0 );
+    end( &s );
+}
+
 static void test_command_says_what_json_says( void** state )
 {
     (void)state;
@@ -203,7 +253,10 @@ static void test_command_says_what_json_says( void** state )
     }
     assert_true( json_real_value( json_object_get( json, "speedup_low" ) ) <
                  json_real_value( json_object_get( json, "speedup_high" ) ) );
-    json_t* wanted = json_object_get( json, "wanted" );
+    json_t *wanted = json_object_get( json, "wanted" ), *clamps = json_object_get( json, "clamps" );
+    assert_true( json_array_size( clamps ) >= 1 );
+    assert_true( json_number_value( json_object_get( json_array_get( clamps, 0 ), "clamp" ) ) > 0.0 );
+    assert_non_null( json_object_get( json_array_get( wanted, 0 ), "clamped" ) ); // or null
     assert_int_equal( json_array_size( wanted ), 2 );
     json_t *dear = json_array_get( wanted, 0 ), *cheap = json_array_get( wanted, 1 );
     assert_true( json_integer_value( json_object_get( json_object_get( dear, "plain" ), "spp" ) ) >
@@ -217,14 +270,15 @@ static void test_command_says_what_json_says( void** state )
     assert_true( size > 500 && strstr( text, "<svg" ) != NULL && strstr( text, "group 1, tile 3x3" ) != NULL );
     free( text );
     text = cli_read( "c.txt", &size );
-    assert_non_null( strstr( text, "(relMSE 0.05): " ) );
+    assert_non_null( strstr( text, "13 % noise (relMSE 0.05):\n  exact " ) );
+    assert_non_null( strstr( text, "\n  path tracing " ) );
     assert_non_null( strstr( text, " for all 5 (--spp " ) );
     assert_true( count < 6 || strstr( text, "groups of 3 and 3x3 tiles: relMSE falls as time^-" ) !=
                                   NULL ); // a busy machine may have fewer rows
     free( text );
     cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 1 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );
     text = cli_read( "c.txt", &size );
-    assert_non_null( strstr( text, "(relMSE 1e-09): more than 1048576 spp, the limit" ) );
+    assert_non_null( strstr( text, "(relMSE 1e-09): exact more than 1048576 spp, the limit\n" ) );
     free( text );
     cli_leave();
 }
@@ -249,7 +303,8 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_both_curves_are_rendered ),   cmocka_unit_test( test_short_paths_have_curves ),
         cmocka_unit_test( test_nothing_to_compare ),         cmocka_unit_test( test_interruption_returns_no_rows ),
-        cmocka_unit_test( test_predictions_by_hand ),        cmocka_unit_test( test_command_says_what_json_says ),
+        cmocka_unit_test( test_predictions_by_hand ),        cmocka_unit_test( test_clamps_are_weighed_by_hand ),
+        cmocka_unit_test( test_clamps_are_tried ),           cmocka_unit_test( test_command_says_what_json_says ),
         cmocka_unit_test( test_wrong_commands_are_refused ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -93,6 +93,39 @@ static void check_weights( const RfTestRegion* site )
     assert_int_equal( pixels, site->frames * WIDTH * HEIGHT );
 }
 
+// Both pictures of one render: the exact one has the errors that it has without a clamp, and what the clamped one gains in
+// variance it loses in light.
+static void test_clamped_and_exact_come_from_one_render( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, 1.0f, 7, EYES );
+    RfRenderSettings settings = settings_of( 1, "3x3" );
+    RfTrial exact = trial_of( &s, 3, 4, &settings );
+    assert_true( exact.clamp.relmse == 0.0 && exact.clamp.threshold == 0.0 && exact.pieces[0].clamped == 0.0 );
+    double last = 0.0, missing = 1.0;
+    static const double thresholds[] = { 0.01, 0.1, 1e6 };
+    for ( int i = 0; i < 3; ++i )
+    {
+        settings.clamp = thresholds[i];
+        RfTrial trial = trial_of( &s, 3, 4, &settings );
+        const RfClampSums* c = &trial.clamp;
+        expect_near( "exact relMSE", trial.relmse, exact.relmse, 1e-3 );
+        expect_near( "exact change", trial.change, exact.change, 1e-3 );
+        expect_near( "threshold", c->threshold / c->frames, thresholds[i], 1e-6 );
+        double sum = 0.0, lost = c->removed / c->light;
+        for ( int k = 0; k < trial.piece_count; ++k )
+            sum += trial.pieces[k].clamped;
+        expect_near( "pieces", sum, c->relmse, 1e-9 );
+        expect_near( "of a sample", rf_trial_clamped_error( &trial ).value, c->relmse / trial.weight, 1e-9 );
+        assert_true( c->relmse > last && c->relmse <= 1.001 * trial.relmse && lost < missing );
+        assert_true( i < 2 ? lost > 0.0 && c->bias > 0.0 : lost == 0.0 && c->bias == 0.0 );
+        last = c->relmse;
+        missing = lost;
+    }
+    end( &s );
+}
+
 static void test_region_is_cut_at_the_ends_of_the_path( void** state )
 {
     (void)state;
@@ -304,6 +337,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_region_is_cut_at_the_ends_of_the_path ),
+        cmocka_unit_test( test_clamped_and_exact_come_from_one_render ),
         cmocka_unit_test( test_sums_hold_for_any_samples ),
         cmocka_unit_test( test_more_passes_same_error ),
         cmocka_unit_test( test_equal_eyes_average_their_samples ),

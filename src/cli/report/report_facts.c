@@ -251,12 +251,9 @@ static void append_slope( char* text, size_t size, const json_t* cost )
     double slope = rf_json_number_of( cost, "slope" ), low = rf_json_number_of( cost, "slope_low" ),
            high = rf_json_number_of( cost, "slope_high" );
     size_t used = strlen( text );
-    if ( !isfinite( slope ) )
-        return;
-    snprintf( text + used, size - used, "%srelMSE falls as time^%.2f", used > 0 ? "; " : "", slope );
-    used = strlen( text );
-    if ( isfinite( low ) && isfinite( high ) )
-        snprintf( text + used, size - used, " (%.2f to %.2f)", low, high );
+    if ( isfinite( slope ) && isfinite( low ) && isfinite( high ) )
+        snprintf( text + used, size - used, "%srelMSE falls as time^%.2f (%.2f to %.2f)", used > 0 ? "; " : "", slope, low,
+                  high );
 }
 
 // The label of a row of cost: "path tracing", "group 3, tile 3x3".

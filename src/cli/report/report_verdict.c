@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define WIDEST 4.0 // times the lower end of its interval: the upper one of a gain that is told
+
 // Means of a sequence over the frames that all compared sequences have.
 typedef struct Mean
 {
@@ -162,9 +164,11 @@ static void single_words( const RfPageData* data, const Contest* c, char* text, 
     rf_format_noise( relmse, percent );
     snprintf( text, size, "%s %s noise (relMSE %.3g)", at_least ? "At least" : "About", percent, relmse );
     double speedup = rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" );
+    double low = rf_json_number_of( single_cost( data, c ), "speedup_low" ),
+           high = rf_json_number_of( single_cost( data, c ), "speedup_high" );
     char number[32];
     size_t used = strlen( text );
-    if ( !isgreater( speedup, 0.0 ) )
+    if ( !isgreater( speedup, 0.0 ) || isgreater( high, WIDEST * low ) )
         return;
     double times = speedup < 1.0 ? 1.0 / speedup : speedup;
     format_times( times, number );

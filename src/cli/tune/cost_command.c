@@ -63,14 +63,26 @@ static void print_rows( const RfCostCurve* c, const char* name )
                 noise_of( c, c->rows[i].relmse ).text, c->rows[i].relmse );
 }
 
+// The same samples with the clamp that leaves the least error.
+static void print_clamped( const CostReport* r )
+{
+    const RfCostCurve* c = &r->cost->reuse;
+    for ( int i = 0; i < c->count && r->cost->clamp_count > 0; ++i )
+    {
+        double relmse;
+        char noise[RF_NOISE_TEXT_SIZE];
+        const RfCostClamp* clamp = rf_best_clamp( r->cost, c->rows[i].spp, &relmse );
+        rf_format_noise( relmse, noise );
+        printf( "%-28s %7d %10.3g %10.3g %8s %10.3g  --clamp %.3g, %.2g %% of the light missing\n", "  clamped", c->rows[i].spp,
+                c->rows[i].seconds, c->rows[i].cpu_seconds, rf_is_known( &clamp->error ) ? noise : "?", relmse, clamp->threshold,
+                100.0 * clamp->missing );
+    }
+}
+
 static void print_slope( const RfCostCurve* c, const char* name )
 {
-    if ( !isfinite( c->slope.value ) )
-        return;
-    printf( "%s: relMSE falls as time^%.2f", name, c->slope.value );
     if ( isfinite( c->slope.low ) )
-        printf( " (95 %%: %.2f to %.2f)", c->slope.low, c->slope.high );
-    printf( "\n" );
+        printf( "%s: relMSE falls as time^%.2f (95 %%: %.2f to %.2f)\n", name, c->slope.value, c->slope.low, c->slope.high );
 }
 
 // The whole render, including the loading of the scene.
@@ -96,44 +108,89 @@ static RfCostPrediction predict( const CostReport* r, Goal goal, int curve )
                            : rf_predict_cost( r->job, c, goal.value, r->per_sweep[curve] );
 }
 
-// "94 s a frame, 16 min for all 48 (--spp 28)"; "at least …" where the error is known too little.
-static void format_price( const CostReport* r, Goal goal, int curve, char* text, size_t size )
+// What a goal takes: samples and seconds, with `at_least` where the error is known too little, so that this is the lower end.
+typedef struct Price
 {
-    const RfCostCurve* c = curve == 0 ? &r->cost->plain : &r->cost->reuse;
-    RfCostCurve least = *c;
-    bool known = rf_is_known( &c->error );
-    if ( !known && isfinite( c->error.low ) )
+    RfCostPrediction prediction;
+    bool at_least;
+    const RfCostClamp* clamp; // NULL: none
+} Price;
+
+static Price exact_price( const CostReport* r, Goal goal, int curve )
+{
+    CostReport lower = *r;
+    RfCost cost = *r->cost;
+    RfCostCurve* c = curve == 0 ? &cost.plain : &cost.reuse;
+    bool at_least = !rf_is_known( &c->error ) && isfinite( c->error.low );
+    lower.cost = &cost;
+    if ( at_least )
     {
-        least.f1_squared *= least.error.low / least.relmse;
-        least.relmse = least.error.low;
+        c->f1_squared *= c->error.low / c->relmse;
+        c->relmse = c->error.low;
     }
-    int per_sweep = r->per_sweep[curve];
-    RfCostPrediction p = goal.is_flicker ? rf_predict_flicker_cost( r->job, &least, goal.value, per_sweep )
-                                         : rf_predict_cost( r->job, &least, goal.value, per_sweep );
-    char frame[32], all[32];
-    if ( p.spp == 0 )
-    {
-        snprintf( text, size, "more than %d spp, the limit", RF_MAX_SPP );
-        return;
-    }
-    rf_format_span( p.frame_seconds, frame, sizeof frame );
-    rf_format_span( path_seconds( r, p ), all, sizeof all );
-    snprintf( text, size, "%s%s a frame, %s for all %d (--spp %d)", known ? "" : "at least ", frame, all,
-              r->job->shot.frame_count, p.spp );
+    return ( Price ){ predict( &lower, goal, curve ), at_least, NULL };
 }
 
-static void format_goal( const CostReport* r, Goal goal, char* text, size_t size )
+static Price clamped_price( const CostReport* r, Goal goal )
 {
-    char name[64], noise[RF_NOISE_TEXT_SIZE], prices[2][128];
-    rf_format_noise( goal.value, noise );
-    rf_format_reuse( r->cost->reuse.eyes, &r->cost->reuse.tile, name, sizeof name );
-    for ( int k = 0; k < 2; ++k )
-        format_price( r, goal, k, prices[k], sizeof prices[k] );
+    Price price = { { 0 }, false, NULL };
     if ( goal.is_flicker )
-        snprintf( text, size, "F1 %g: %s with %s; path tracing %s", goal.value, prices[1], name, prices[0] );
+        return price;
+    RfCost lower = *r->cost;
+    for ( int i = 0; i < lower.clamp_count; ++i )
+    {
+        RfInterval* error = &lower.clamps[i].error;
+        error->value = rf_is_known( error ) || !isfinite( error->low ) ? error->value : error->low;
+    }
+    const RfCostClamp* clamp;
+    price.prediction = rf_predict_clamped_cost( r->job, &lower, goal.value, r->per_sweep[1], &clamp );
+    price.clamp = clamp != NULL ? r->cost->clamps + ( clamp - lower.clamps ) : NULL;
+    price.at_least = clamp != NULL && !rf_is_known( &price.clamp->error );
+    return price;
+}
+
+// "94 s a frame, 16 min for all 48 (--spp 28)".
+static void print_price( const CostReport* r, const char* name, Price price )
+{
+    char frame[32], all[32], clamp[32] = "", missing[64] = "";
+    if ( price.prediction.spp == 0 )
+    {
+        printf( "  %-16s more than %d spp, the limit\n", name, RF_MAX_SPP );
+        return;
+    }
+    rf_format_span( price.prediction.frame_seconds, frame, sizeof frame );
+    rf_format_span( path_seconds( r, price.prediction ), all, sizeof all );
+    if ( price.clamp != NULL )
+    {
+        snprintf( clamp, sizeof clamp, " --clamp %.3g", price.clamp->threshold );
+        snprintf( missing, sizeof missing, ", %.2g %% of the light missing", 100.0 * price.clamp->missing );
+    }
+    printf( "  %-16s %s%s a frame, %s for all %d (--spp %d%s)%s\n", name, price.at_least ? "at least " : "", frame, all,
+            r->job->shot.frame_count, price.prediction.spp, clamp, missing );
+}
+
+static void format_goal( Goal goal, char* text, size_t size )
+{
+    char noise[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( goal.value, noise );
+    if ( goal.is_flicker )
+        snprintf( text, size, "F1 %g", goal.value );
     else
-        snprintf( text, size, "%s noise (relMSE %g): %s with %s; path tracing %s", noise, goal.value, prices[1], name,
-                  prices[0] );
+        snprintf( text, size, "%s noise (relMSE %g)", noise, goal.value );
+}
+
+static void print_goal( const CostReport* r, Goal goal )
+{
+    char name[64];
+    format_goal( goal, name, sizeof name );
+    printf( "%s:\n", name );
+    Price clamped = clamped_price( r, goal );
+    print_price( r, "exact", exact_price( r, goal, 1 ) );
+    if ( clamped.clamp != NULL )
+        print_price( r, "clamped", clamped );
+    else if ( r->cost->clamp_count > 0 && !goal.is_flicker )
+        printf( "  %-16s no clamp that was tried takes fewer samples\n", "clamped" );
+    print_price( r, "path tracing", exact_price( r, goal, 0 ) );
 }
 
 // What reuse is worth, and what the first error asked for takes.
@@ -146,8 +203,21 @@ static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
     int used = snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
     if ( r->options->error_count == 0 )
         return;
-    text[used++] = '\n';
-    format_goal( r, noise_goal( r->options->errors[0] ), text + used, RF_VERDICT_SIZE - (size_t)used );
+    Goal goal = noise_goal( r->options->errors[0] );
+    Price exact = exact_price( r, goal, 1 ), clamped = clamped_price( r, goal );
+    char wanted[64], frame[32];
+    format_goal( goal, wanted, sizeof wanted );
+    rf_format_span( exact.prediction.frame_seconds, frame, sizeof frame );
+    if ( exact.prediction.spp == 0 )
+        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%s: exact more than %d spp, the limit", wanted,
+                          RF_MAX_SPP );
+    else
+        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%s: exact %s%s a frame", wanted,
+                          exact.at_least ? "at least " : "", frame );
+    rf_format_span( clamped.prediction.frame_seconds, frame, sizeof frame );
+    if ( clamped.clamp != NULL && clamped.prediction.spp > 0 )
+        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", clamp %s%s and %.2g %% of the light missing",
+                  clamped.at_least ? "at least " : "", frame, 100.0 * clamped.clamp->missing );
 }
 
 static void print_cost( const CostReport* r )
@@ -161,22 +231,16 @@ static void print_cost( const CostReport* r )
     printf( "%-28s %7s %10s %10s %8s %10s\n", "", "spp", "seconds", "CPU s", "noise", "relMSE" );
     print_rows( &cost->plain, "path tracing" );
     print_rows( &cost->reuse, name );
+    print_clamped( r );
     printf( "seconds: of a frame of %dx%d with %d threads, from %.0f of its pixels at %d camera position%s, measured in %.1f s\n",
             r->options->render.size.width, r->options->render.size.height, r->threads, cost->pixels, cost->positions,
             cost->positions == 1 ? "" : "s", cost->seconds );
     print_slope( &cost->plain, "path tracing" );
     print_slope( &cost->reuse, name );
-    char goal[400];
-    for ( int i = 1; i < r->options->error_count; ++i )
-    {
-        format_goal( r, noise_goal( r->options->errors[i] ), goal, sizeof goal );
-        printf( "%s\n", goal );
-    }
+    for ( int i = 0; i < r->options->error_count; ++i )
+        print_goal( r, noise_goal( r->options->errors[i] ) );
     for ( int i = 0; i < r->options->flicker_count; ++i )
-    {
-        format_goal( r, flicker_goal( r->options->flickers[i] ), goal, sizeof goal );
-        printf( "%s\n", goal );
-    }
+        print_goal( r, flicker_goal( r->options->flickers[i] ) );
 }
 
 static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
@@ -198,8 +262,17 @@ static json_t* prediction_json( const CostReport* r, RfCostPrediction p )
 
 static json_t* goal_json( const CostReport* r, Goal goal, const char* key )
 {
-    return json_pack( "{s:f, s:o, s:o}", key, goal.value, "plain", prediction_json( r, predict( r, goal, 0 ) ), "reuse",
-                      prediction_json( r, predict( r, goal, 1 ) ) );
+    const RfCostClamp* clamp;
+    RfCostPrediction p = rf_predict_clamped_cost( r->job, r->cost, goal.value, r->per_sweep[1], &clamp );
+    json_t* clamped = json_null();
+    if ( !goal.is_flicker && clamp != NULL && p.spp > 0 )
+    {
+        clamped = prediction_json( r, p );
+        json_object_set_new( clamped, "clamp", rf_json_number( clamp->threshold ) );
+        json_object_set_new( clamped, "missing", rf_json_number( clamp->missing ) );
+    }
+    return json_pack( "{s:o, s:f, s:o, s:o}", "clamped", clamped, key, goal.value, "plain",
+                      prediction_json( r, predict( r, goal, 0 ) ), "reuse", prediction_json( r, predict( r, goal, 1 ) ) );
 }
 
 static json_t* cost_json( const CostReport* r )
@@ -230,6 +303,14 @@ static json_t* cost_json( const CostReport* r )
         json, "f1_squared_of_one_sample",
         json_pack( "[o, o]", rf_json_number( cost->plain.f1_squared ), rf_json_number( cost->reuse.f1_squared ) ) );
     json_object_set_new( json, "wanted_flicker", flickers );
+    json_t* clamps = json_array();
+    for ( int i = 0; i < cost->clamp_count; ++i )
+    {
+        const RfCostClamp* c = cost->clamps + i;
+        json_array_append_new( clamps, json_pack( "{s:f, s:o, s:f, s:f}", "clamp", c->threshold, "relmse_of_one_sample",
+                                                  rf_json_number( c->error.value ), "bias", c->bias, "missing", c->missing ) );
+    }
+    json_object_set_new( json, "clamps", clamps );
     return json;
 }
 
@@ -478,6 +559,8 @@ static RfResult run( Job* job, RfError* error )
                        .watch = &watch,
                        .report = say,
                        .user = job };
+    if ( job->options.error_count > 0 )
+        cost.relmse = job->options.errors[job->options.error_count / 2];
     cost.budget = rf_budget_left( job->options.budget, job->start, &cost.deadline );
     result = rf_measure_cost( &cost, &job->cost, error );
     if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )

@@ -424,6 +424,7 @@ static const RfOption s_options[] = {
         "of a render that stops at this relMSE: its memory; time and rays are upper limits, cost --noise predicts them",
         "the same for a render that stops at this F1", "the same for a render that stops after this time per frame" ),
     RF_ADAPTIVE_OPTION( s_parsed.render, "include the memory for extra samples; their time is not predicted" ),
+    RF_CLAMP_OPTION( s_parsed.render, "include the memory of a clamp; cost says what it saves" ),
     RF_FILTER_OPTIONS( s_parsed.render ),
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),

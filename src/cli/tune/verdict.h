@@ -5,7 +5,7 @@
 #include "measure/image_error.h"
 #include "reframe/render.h"
 
-#define RF_VERDICT_SIZE 800
+#define RF_VERDICT_SIZE 1000
 
 // Is the value known well enough to be printed?
 bool rf_is_known( const RfInterval* value );
