@@ -37,7 +37,8 @@ RF_API_BEGIN
        "like this, Z and W with the opposite sign); 0 at the ends of the path, for points behind the other camera, and for "     \
        "what is not there in the other frame" )                                                                                  \
     X( VARIANCE, "variance", "RGB", false, FILMS, "estimated variance of the colour; 0 where a frame has a single pass" )        \
-    X( SAMPLES, "samples", "Y", false, FILMS, "samples that landed in the pixel, own-frame and reused, each counted once" )      \
+    X( SAMPLES, "samples", "Y", false, FILMS,                                                                                    \
+       "effective samples: all that landed in the pixel, reused ones too, each counted once" )                                   \
     X( REMOVED, "removed", "RGB", true, FILMS,                                                                                   \
        "with a clamp: the light that it has taken out; colour and this together are the picture without bias" )                  \
     X( PRIMAL, "primal", "RGB", false, FILMS,                                                                                    \

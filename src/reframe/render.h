@@ -88,8 +88,8 @@ typedef struct RfFrameResult
     RfSolved solved;
     double clamp;         // what a path could bring to this frame's hits, luminance; 0: any light
     double removed;       // share of the frame's light that the clamp has taken out, by luminance, 0 to 1
-    double native_spp;    // samples that the frame traced itself, per pixel
-    double effective_spp; // samples that landed in a pixel, its own and reused ones
+    double native_spp;    // samples: traced for the frame, per pixel, extra ones too
+    double effective_spp; // effective samples: all that landed in a pixel, with those reused from other frames
     // With settings.flicker: F1 of this frame and the one before (NaN: that was not rendered now), as of the relMSE
     double flicker_estimate;
     bool flicker_is_lower_bound;
@@ -119,7 +119,7 @@ typedef struct RfPreview
     int frame; // index into the cameras, from 0
     int width, height;
     const float* rgb;  // 3 × width × height
-    double native_spp; // samples that the frame traced itself so far, per pixel
+    double native_spp; // samples traced for the frame so far, per pixel
 } RfPreview;
 
 // Each callback may be NULL. `frame` failing stops the render with its

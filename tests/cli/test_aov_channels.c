@@ -76,8 +76,9 @@ static void test_every_channel_is_written( void** state )
 static void test_wrong_names_are_refused( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
-                "reframe render: --aov: 'colour' is no AOV, there are albedo,normal,depth,motion,variance,samples,removed,primal,dx,dy" );
+    cli_expect(
+        cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
+        "reframe render: --aov: 'colour' is no AOV, there are albedo,normal,depth,motion,variance,samples,removed,primal,dx,dy" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normals" ), 2, "did you mean normal?" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,,normal" ), 2, "'' is no AOV" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth," ), 2, "'' is no AOV" );

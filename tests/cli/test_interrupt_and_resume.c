@@ -330,7 +330,7 @@ static void test_resume_names_what_differs( void** state )
                 1, "with these settings, but from another scene or camera path" );
 }
 
-// Off a terminal: a line for each frame, with the time spent and the estimate.
+// Off a terminal: a line for each frame, with the time spent, the estimate, and the samples, traced and effective.
 static void test_a_line_for_each_frame( void** state )
 {
     (void)state;
@@ -339,6 +339,7 @@ static void test_a_line_for_each_frame( void** state )
     const char* spent = strstr( result->err, " spent  relMSE " );
     assert_non_null( spent );
     assert_true( spent[-3] == ':' ); // 0:00
+    assert_non_null( strstr( spent, "  2 samples/pixel, 2 effective\n" ) );
 }
 
 // One group of all frames finishes them at once: its seconds are theirs in equal parts.

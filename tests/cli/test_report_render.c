@@ -61,7 +61,8 @@ static void test_traced_samples_and_bound( void** state )
 
 #define KEPT_JSON                                                                                                                \
     "{\"frames\":[{\"frame\":1,\"seconds\":null,\"native_spp\":2,\"relmse_estimate\":0.5,\"kept\":true},"                        \
-    "{\"frame\":2,\"seconds\":3,\"native_spp\":4,\"relmse_estimate\":0.25,\"kept\":%s}],\"seconds\":6,\"peak_bytes\":0,"         \
+    "{\"frame\":2,\"seconds\":3,\"native_spp\":4,\"effective_spp\":6,\"relmse_estimate\":0.25,\"kept\":%s}],\"seconds\":6,"      \
+    "\"peak_bytes\":0,"                                                                                                          \
     "\"rays\":{\"eye\":6},"                                                                                                      \
     "\"kept_frames\":1,\"interrupted\":%s}"
 
@@ -88,6 +89,7 @@ static void test_totals_are_of_the_last_run( void** state )
     assert_string_equal( page_fact( sequence, "Rays", "Totals" ), "of 1 frame rendered last; 1 kept from before" );
     assert_string_equal( page_fact( sequence, "Time and memory", "A frame" ), "6 s" );
     assert_string_equal( page_fact( sequence, "Settings", "Samples a pixel" ), "2 to 4" );
+    assert_string_equal( page_fact( sequence, "Settings", "Effective samples a pixel" ), "6" );
     page_check_item( sequence, "relmse", 0, 0.5 );
     assert_true( json_is_null( page_item( sequence, "seconds", 0 ) ) ); // no times in headers
     page_check_item( sequence, "seconds", 1, 3.0 );

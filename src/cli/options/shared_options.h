@@ -86,10 +86,13 @@ extern RfDefaultTexts rf_default_texts;
         .default_text = "the camera's", .help = "focus distance in metres, or scene node to focus on"                            \
     }
 
+#define RF_SPP_HELP                                                                                                              \
+    "samples traced per pixel and frame; effective samples are all that land in a pixel, with those reused from other frames"
+
 #define RF_SPP_OPTION( o )                                                                                                       \
     {                                                                                                                            \
         .name = "spp", .in_file = true, .type = RF_OPTION_INT, .value = &( o ).settings.spp, .min = 1, .max = RF_MAX_SPP,        \
-        .meta = "S", .heading = RF_HEADING_QUALITY, .help = "samples traced per pixel and frame, over all groups of the frame"   \
+        .meta = "S", .heading = RF_HEADING_QUALITY, .help = RF_SPP_HELP                                                          \
     }
 
 // Of a render that may stop at an error or after a time.
@@ -104,8 +107,7 @@ extern RfDefaultTexts rf_default_texts;
       .meta = "S",                                                                                                               \
       .default_text = rf_default_texts.spp,                                                                                      \
       .heading = RF_HEADING_QUALITY,                                                                                             \
-      .help =                                                                                                                    \
-          "samples traced per pixel and frame, over all groups of the frame; the limit with --noise, --flicker and --time" },    \
+      .help = RF_SPP_HELP "; the limit with --noise, --flicker and --time" },                                                    \
         { .name = "noise",                                                                                                       \
           .in_file = true,                                                                                                       \
           .type = RF_OPTION_RATIO,                                                                                               \

@@ -106,7 +106,7 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
         fprintf( stderr, "  F1 at least %.3g, likely %.3g", result->flicker_estimate, result->flicker_likely );
     else if ( isgreater( result->flicker_estimate, 0.0 ) )
         fprintf( stderr, "  F1 %.3g", result->flicker_estimate );
-    fprintf( stderr, "  %.1f samples/pixel\n", result->effective_spp );
+    fprintf( stderr, "  %.4g samples/pixel, %.4g effective\n", result->native_spp, result->effective_spp );
 }
 
 void rf_show_frame_count( bool quiet, int done, int all )

@@ -441,6 +441,30 @@ static void format_samples( double samples, char text[32] )
     snprintf( text, 32, isless( samples, 1000.0 ) ? "%.4g" : "%.0f", samples );
 }
 
+// "12 to 14.5"; nothing where no frame says.
+static void format_range( double least, double most, char* text, size_t size )
+{
+    char parts[2][32];
+    format_samples( least, parts[0] );
+    format_samples( most, parts[1] );
+    if ( islessequal( least, most ) )
+        snprintf( text, size, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
+}
+
+static void add_effective_samples( json_t* facts, const RfPageTrack* track )
+{
+    double least = INFINITY, most = -INFINITY;
+    char text[128] = "";
+    for ( int i = 0; i < track->count; ++i )
+    {
+        least = fmin( least, track->frames[i].effective );
+        most = fmax( most, track->frames[i].effective );
+    }
+    format_range( least, most, text, sizeof text );
+    if ( text[0] != '\0' )
+        add_fact( facts, "Settings", "Effective samples a pixel", text );
+}
+
 // Samples traced, least and most of all frames; with --noise and --time also their limit,
 // where it is known.
 static void add_samples( json_t* facts, const RfPageTrack* track )
@@ -454,21 +478,19 @@ static void add_samples( json_t* facts, const RfPageTrack* track )
         least = fmin( least, track->frames[i].samples );
         most = fmax( most, track->frames[i].samples );
     }
-    char parts[3][32], text[128] = "";
-    format_samples( least, parts[0] );
-    format_samples( most, parts[1] );
-    format_samples( asked, parts[2] );
+    char limit[32], text[128] = "";
+    format_samples( asked, limit );
+    format_range( least, most, text, sizeof text ); // where the frames say
     bool is_bound = isgreater( noise, 0.0 ) || isgreater( flicker, 0.0 ) || isgreater( time, 0.0 ),
          is_said = asked != rf_default_most_spp( noise, flicker );
-    if ( islessequal( least, most ) ) // where the frames say
-        snprintf( text, sizeof text, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
-    else if ( isgreater( asked, 0.0 ) && !is_bound )
-        snprintf( text, sizeof text, "%s", parts[2] );
+    if ( text[0] == '\0' && isgreater( asked, 0.0 ) && !is_bound )
+        snprintf( text, sizeof text, "%s", limit );
     size_t used = strlen( text );
     if ( isgreater( asked, 0.0 ) && is_bound && is_said )
-        snprintf( text + used, sizeof text - used, "%sat most %s", used > 0 ? ", " : "", parts[2] );
+        snprintf( text + used, sizeof text - used, "%sat most %s", used > 0 ? ", " : "", limit );
     if ( text[0] != '\0' )
         add_fact( facts, "Settings", "Samples a pixel", text );
+    add_effective_samples( facts, track );
 }
 
 #define MOST_STRINGS 24 // of other programs

@@ -382,6 +382,7 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
         figures->relmse = rf_json_number_of( row, "relmse_estimate" );
         figures->seconds = rf_json_number_of( row, "seconds" );
         figures->samples = rf_json_number_of( row, "native_spp" );
+        figures->effective = rf_json_number_of( row, "effective_spp" );
         figures->at_least = json_is_true( json_object_get( row, "relmse_is_lower_bound" ) );
         figures->worst_ten_share = rf_json_number_of( row, "worst_ten_share" );
     }
@@ -395,6 +396,8 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
         figures->worst_ten_share = rf_read_exr_number( path, "reframe/worst-ten-share" );
     if ( isnan( figures->samples ) )
         figures->samples = rf_read_exr_number( path, "reframe/native-spp" );
+    if ( isnan( figures->effective ) )
+        figures->effective = rf_read_exr_number( path, "reframe/effective-spp" );
 }
 
 // The pair of this frame and the one before, if both are there. Along the motion only
@@ -493,8 +496,9 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
     if ( track->frames == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->pattern, track->count );
     for ( int i = 0; i < track->count; ++i )
-        track->frames[i] =
-            ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN };
+        track->frames[i] = ( RfPageFrame ){
+            .relmse = NAN, .seconds = NAN, .samples = NAN, .effective = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN
+        };
     find_layers( &work );
     RfResult result = find_page_aovs( track, error );
     for ( int i = 0; i < track->count && result == RF_OK; ++i )

@@ -42,9 +42,9 @@ typedef struct RfPageFrame
     bool at_least;          // the estimate is a lower bound only
     double worst_ten_share; // of the estimate: what the ten worst pixels carry
     double seconds;
-    double samples; // traced per pixel
-    double phi, f1; // of this frame and the one before
-    size_t bad;     // pixels with NaN or infinity
+    double samples, effective; // traced per pixel; landed in a pixel
+    double phi, f1;            // of this frame and the one before
+    size_t bad;                // pixels with NaN or infinity
 } RfPageFrame;
 
 typedef struct RfPageTrack

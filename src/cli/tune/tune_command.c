@@ -80,7 +80,7 @@ static void print_groups( const TuneReport* r )
             "reach", "gain" );
     for ( int i = 0; i < r->plan->count; ++i )
         print_group( r->plan->rows + i );
-    printf( "with tile %s; MiB: beyond the scene; reach: samples that land in a pixel for each of its own; gain: upper bound, "
+    printf( "with tile %s; MiB: beyond the scene; reach: effective samples for each one traced; gain: upper bound, "
             "over the "
             "tile alone\n",
             tile );
