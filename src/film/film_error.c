@@ -15,6 +15,8 @@
 // A glint in one pixel that one sample in ten hits cannot be distinguished from a firefly. Where the sum hangs on
 // that, in its ten worst pixels, only what it is at least can be reported: those pixels with denominators from
 // their own values.
+//
+// Specks are counted by a histogram of the terms: all above the lowest edge that is RF_SPECK times the mean term below it.
 #include "film/film_error.h"
 
 #include "film/normalize.h"
@@ -191,13 +193,22 @@ typedef struct Strip
 typedef struct Term
 {
     double likely, least;
+    double error; // Pixel.error
+    int pixel;
 } Term;
+
+// Half octaves, from 2^-LOW on.
+#define BINS 256
+#define LOW 64
 
 typedef struct Sum
 {
     double likely;
-    Term worst[WORST]; // descending
-    int count;         // of them
+    int pixels;
+    int count; // of the worst
+    int binned[BINS];
+    double in_bin[BINS];          // sum of the terms
+    Term worst[RF_LISTED_SPECKS]; // descending
 } Sum;
 
 static double mean_of_channels( const float* rgb ) { return ( (double)rgb[0] + (double)rgb[1] + (double)rgb[2] ) / 3.0; }
@@ -296,12 +307,30 @@ static double likely_value( const Strip* s, const Surroundings* around, const Pi
     return fmax( likely, fmax( p->half[darker], 0.0 ) );
 }
 
+// The bin of a positive term.
+static int bin_of( double likely )
+{
+    int exponent;
+    double mantissa = frexp( likely, &exponent ); // 0.5 to 1
+    int bin = 2 * ( exponent + LOW ) - ( mantissa < sqrt( 0.5 ) ? 2 : 1 );
+    return bin < 0 ? 0 : bin < BINS ? bin : BINS - 1;
+}
+
+static double lower_edge( int bin ) { return exp2( 0.5 * bin - LOW ); }
+
 static void add( Sum* sum, Term term )
 {
     sum->likely += term.likely;
-    if ( sum->count == WORST && term.likely <= sum->worst[WORST - 1].likely )
+    sum->pixels += 1;
+    if ( term.likely > 0.0 && isfinite( term.likely ) )
+    {
+        int bin = bin_of( term.likely );
+        sum->binned[bin] += 1;
+        sum->in_bin[bin] += term.likely;
+    }
+    if ( sum->count == RF_LISTED_SPECKS && term.likely <= sum->worst[RF_LISTED_SPECKS - 1].likely )
         return;
-    int i = sum->count < WORST ? sum->count++ : WORST - 1;
+    int i = sum->count < RF_LISTED_SPECKS ? sum->count++ : RF_LISTED_SPECKS - 1;
     for ( ; i > 0 && sum->worst[i - 1].likely < term.likely; --i )
         sum->worst[i] = sum->worst[i - 1];
     sum->worst[i] = term;
@@ -326,15 +355,52 @@ static void add_strip( Sum* sum, const Surroundings* around, const RfFilm* film,
         {
             const Pixel* p = &s.pixels[y % SIDE][x - s.first];
             double likely = likely_value( &s, around, p, x, y ), most = fmax( likely, fabs( p->value ) );
-            add( sum, ( Term ){ p->error / ( likely * likely + 0.001 ), p->error / ( most * most + 0.001 ) } );
+            add( sum, ( Term ){ .likely = p->error / ( likely * likely + 0.001 ),
+                                .least = p->error / ( most * most + 0.001 ),
+                                .error = p->error,
+                                .pixel = y * film->width + x } );
         }
     }
 }
 
-static RfRelmse conclude( const Sum* sum, double scale )
+// `share`: rf_film_half_share; `scale`: of the sum of all terms.
+static RfSpeckList find_specks( const Sum* sum, double share, double scale )
 {
-    Term worst = { 0.0, 0.0 };
-    for ( int i = 0; i < sum->count; ++i )
+    RfSpeckList specks = { .rest = CORRECTION * scale * sum->likely };
+    if ( !isfinite( sum->likely ) )
+        return ( RfSpeckList ){ .rest = (double)NAN };
+    int most = (int)( RF_MOST_SPECKS * sum->pixels ), above = 0;
+    double terms = 0.0, of_specks = 0.0;
+    for ( int bin = BINS - 1; bin > 0; --bin )
+    {
+        above += sum->binned[bin];
+        terms += sum->in_bin[bin];
+        if ( above > ( most > WORST ? most : WORST ) || above == sum->pixels )
+            break;
+        double mean = fmax( sum->likely - terms, 0.0 ) / ( sum->pixels - above );
+        if ( sum->binned[bin] == 0 || lower_edge( bin ) < fmax( RF_SPECK * mean, RF_LEAST_SPECK / share ) )
+            continue;
+        specks.pixels = above;
+        of_specks = terms;
+    }
+    if ( specks.pixels == 0 )
+        return specks;
+    specks.share = fmin( of_specks / sum->likely, 1.0 );
+    specks.rest = CORRECTION * scale * fmax( sum->likely - of_specks, 0.0 );
+    specks.count = specks.pixels < RF_LISTED_SPECKS ? specks.pixels : RF_LISTED_SPECKS;
+    for ( int i = 0; i < specks.count; ++i )
+    {
+        specks.worst[i].pixel = sum->worst[i].pixel;
+        specks.worst[i].share = sum->worst[i].likely / sum->likely;
+        specks.worst[i].variance = share * sum->worst[i].error;
+    }
+    return specks;
+}
+
+static RfRelmse conclude( const Sum* sum, double share, double scale )
+{
+    Term worst = { 0 };
+    for ( int i = 0; i < sum->count && i < WORST; ++i )
     {
         worst.likely += sum->worst[i].likely;
         worst.least += sum->worst[i].least;
@@ -345,6 +411,7 @@ static RfRelmse conclude( const Sum* sum, double scale )
         .least = scale * least,
         .worst_share = sum->likely > 0.0 ? worst.likely / sum->likely : 0.0,
         .is_lower_bound = least < AMBIGUOUS * sum->likely,
+        .specks = find_specks( sum, share, scale ),
     };
 }
 
@@ -358,7 +425,7 @@ RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const fl
     Sum sum = { 0 };
     for ( int first = 0; first < film->width; first += STRIP )
         add_strip( &sum, &around, film, normalize, rgb, first, first + STRIP < film->width ? first + STRIP : film->width );
-    return conclude( &sum, share / ( (double)film->width * (double)film->height ) );
+    return conclude( &sum, share, share / ( (double)film->width * (double)film->height ) );
 }
 
 // Errors of a frame, from a film or kept.

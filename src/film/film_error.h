@@ -7,6 +7,28 @@
 
 #include <math.h>
 
+// Pixels that stand out: each has more than RF_SPECK times the mean error of the others, and an error that can be seen. They are
+// few, or there are none.
+#define RF_SPECK 64.0
+#define RF_LEAST_SPECK 1e-3 // part of a pixel in relMSE, times the pixels
+#define RF_MOST_SPECKS 0.02 // of a film's pixels, or 10: more than that are noise
+
+#define RF_LISTED_SPECKS 64
+
+typedef struct RfSpeckList
+{
+    int pixels;   // all of them
+    double share; // part of RfRelmse.likely that they carry
+    double rest;  // the relMSE of the picture without them; NaN: unknown
+    int count;    // of those below, the worst, in descending order
+    struct
+    {
+        int pixel;       // row by row
+        double share;    // of RfRelmse.likely
+        double variance; // of the picture there, estimated, summed over the channels
+    } worst[RF_LISTED_SPECKS];
+} RfSpeckList;
+
 // What can be reported of a film's relMSE.
 typedef struct RfRelmse
 {
@@ -14,10 +36,14 @@ typedef struct RfRelmse
     double least;        // what it is at least, if the worst pixels really are as bright as they are now
     double worst_share;  // part of `likely` that its ten worst pixels carry
     bool is_lower_bound; // `likely` hangs on what these pixels are: only `least` is certain
+    RfSpeckList specks;
 } RfRelmse;
 
 // A figure that nothing more is known of.
-static inline RfRelmse rf_plain_relmse( double relmse ) { return ( RfRelmse ){ .likely = relmse, .least = relmse }; }
+static inline RfRelmse rf_plain_relmse( double relmse )
+{
+    return ( RfRelmse ){ .likely = relmse, .least = relmse, .specks.rest = relmse };
+}
 
 // The figure that is reported.
 static inline double rf_reported_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }

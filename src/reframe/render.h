@@ -71,6 +71,40 @@ typedef enum RfSolved
     RF_SOLVED_NOT,     // samples were not finite: the picture is that of the pixels alone
 } RfSolved;
 
+// Pixels whose error is more than 64 times the mean of the others': white specks in the picture.
+typedef enum RfSpeckKind
+{
+    RF_SPECK_GLINT,  // of something bright that is smaller than a pixel: emission or direct light differs within it
+    RF_SPECK_CHANCE, // of light that mirrors, glass or gloss send on, found by chance
+    RF_SPECK_OTHER,
+} RfSpeckKind;
+
+#define RF_SPECK_KINDS 3
+
+// "glint", "chance", "other".
+const char* rf_speck_kind_name( RfSpeckKind kind );
+
+// Those of one kind on one material.
+typedef struct RfSpeckPart
+{
+    RfSpeckKind kind;
+    int material; // that is seen there first, index into the scene's; −1: the sky
+    int pixels;
+    double share; // of relmse_likely
+} RfSpeckPart;
+
+#define RF_MAX_SPECK_PARTS 64
+
+// Where a frame's error is. The worst 64 specks are examined; where there are more they stand for all.
+typedef struct RfSpecks
+{
+    int pixels;                            // 0: none stand out, or it is not known
+    double share;                          // of relmse_likely
+    double rest;                           // relMSE without them; NaN: not known
+    int part_count;                        // 0 also where the estimator has no means to tell
+    RfSpeckPart parts[RF_MAX_SPECK_PARTS]; // by share, descending
+} RfSpecks;
+
 // A finished frame. The pixels are valid during the callback only.
 typedef struct RfFrameResult
 {
@@ -85,6 +119,7 @@ typedef struct RfFrameResult
     bool relmse_is_lower_bound;      // the estimate is what the relMSE is at least: more is not known
     double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound
     double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
+    RfSpecks specks;
     RfSolved solved;
     double clamp;         // what a path could bring to this frame's hits, luminance; 0: any light
     double removed;       // share of the frame's light that the clamp has taken out, by luminance, 0 to 1

@@ -5,6 +5,7 @@
 #include "film/film_error.h"
 #include "render/adaptive/adaptive.h"
 #include "render/pieces.h"
+#include "render/specks.h"
 
 #include <math.h>
 
@@ -121,6 +122,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
         .effective_spp = (double)film->landed / pixels,
     };
+    rf_find_specks( r, live, &relmse.specks, &buffer->result.specks );
     RfMissed missed = { false, false };
     if ( r->setup->sizes.stopping )
         missed = note_finished( r, live, film, &relmse, &flicker );

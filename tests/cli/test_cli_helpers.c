@@ -4,6 +4,7 @@
 #include "cli/options/frame_lists.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
+#include "cli/render/specks_json.h"
 #include "cli/tune/verdict.h"
 #include "scene/pinhole.h"
 
@@ -199,6 +200,88 @@ static void test_gains_are_said_as_far_as_they_are_known( void** state )
     }
 }
 
+static json_t* frame_with_specks( double likely, const RfSpecks* specks, const RfScene* scene )
+{
+    return json_pack( "{s:f, s:o}", "relmse_likely", likely, "specks", rf_specks_json( specks, scene ) );
+}
+
+static void expect_specks( const json_t* sum, const char* words, const char* advice )
+{
+    char text[512];
+    RfRenderSettings settings = rf_default_render_settings();
+    assert_true( rf_format_specks( sum, text, sizeof text ) );
+    assert_string_equal( text, words );
+    const char* given = rf_speck_advice( sum, &settings );
+    assert_int_equal( given != NULL, advice != NULL );
+    if ( given != NULL )
+        assert_string_equal( given, advice );
+}
+
+// Frames count by their errors. The sentence names a material and a kind that has most of it, and what helps.
+static void test_specks_in_words( void** state )
+{
+    (void)state;
+    RfMaterial materials[] = { { .name = "steel" }, { .name = "wall" } };
+    RfScene scene = { .materials = materials, .material_count = 2 };
+    RfSpecks one = { .pixels = 1,
+                     .share = 0.9969,
+                     .rest = 0.03,
+                     .part_count = 1,
+                     .parts = { { .kind = RF_SPECK_CHANCE, .material = 1, .pixels = 1, .share = 0.9969 } } };
+    RfSpecks glints = { .pixels = 9,
+                        .share = 0.5,
+                        .rest = 0.01,
+                        .part_count = 2,
+                        .parts = { { .kind = RF_SPECK_GLINT, .material = 0, .pixels = 6, .share = 0.4 },
+                                   { .kind = RF_SPECK_GLINT, .material = -1, .pixels = 3, .share = 0.1 } } };
+    RfSpecks sky = { .pixels = 3,
+                     .share = 0.4,
+                     .rest = 0.03,
+                     .part_count = 1,
+                     .parts = { { .kind = RF_SPECK_OTHER, .material = -1, .pixels = 3, .share = 0.4 } } };
+    RfSpecks none = { .rest = 0.03 };
+    json_t* frames = json_array();
+    assert_null( rf_sum_specks( frames ) );
+    json_array_append_new( frames, frame_with_specks( 0.9, &one, &scene ) );
+    json_t* sum = rf_sum_specks( frames );
+    expect_specks( sum,
+                   "1 speck holds 99 % of the error, mostly on 'wall' (caustics found by chance); the rest has about 10 % noise "
+                   "(relMSE 0.03)",
+                   "--clamp auto" );
+    json_decref( sum );
+    json_array_append_new( frames, frame_with_specks( 2.7, &glints, &scene ) );
+    json_array_append_new( frames, json_pack( "{s:n, s:n}", "relmse_likely", "specks" ) ); // kept, or a single pass
+    sum = rf_sum_specks( frames );
+    expect_specks( sum,
+                   "10 specks in 2 frames hold 62 % of the error, mostly glints; the rest has about 8.2 % noise (relMSE 0.02)",
+                   "raise --spp" );
+    const json_t* rows = json_object_get( sum, "materials" );
+    assert_int_equal( json_array_size( rows ), 3 );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( rows, 0 ), "material" ) ), "steel" );
+    assert_true( json_is_null( json_object_get( json_array_get( rows, 2 ), "material" ) ) );
+    assert_true( fabs( rf_json_number_of( json_array_get( rows, 0 ), "share" ) - 0.75 * 0.4 ) < 1e-12 );
+    const json_t* glint = json_object_get( json_object_get( sum, "kinds" ), "glint" );
+    assert_true( rf_json_number_of( glint, "pixels" ) == 9.0 && fabs( rf_json_number_of( glint, "share" ) - 0.375 ) < 1e-12 );
+    json_decref( sum );
+    json_array_clear( frames );
+    json_array_append_new( frames, frame_with_specks( 0.0, &sky, &scene ) ); // no error: no share
+    char text[512];
+    sum = rf_sum_specks( frames );
+    assert_false( rf_format_specks( sum, text, sizeof text ) );
+    json_decref( sum );
+    json_array_append_new( frames, frame_with_specks( 1.0, &sky, &scene ) );
+    json_array_remove( frames, 0 );
+    sum = rf_sum_specks( frames );
+    expect_specks( sum, "3 specks hold 40 % of the error, mostly in the sky; the rest has about 10 % noise (relMSE 0.03)", NULL );
+    json_decref( sum );
+    json_array_clear( frames );
+    json_array_append_new( frames, frame_with_specks( 1.0, &none, &scene ) );
+    sum = rf_sum_specks( frames );
+    assert_true( sum != NULL && !rf_format_specks( sum, text, sizeof text ) );
+    json_decref( sum );
+    json_decref( frames );
+}
+
 static void test_progress_line_is_short_and_right( void** state )
 {
     (void)state;
@@ -210,11 +293,11 @@ static void test_progress_line_is_short_and_right( void** state )
     assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  1.9 M samples/s" );
     progress.relmse = 0.00314;
     rf_format_progress( &progress, text, sizeof text );
-    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s" );
+    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  noise 3.2 % (relMSE 0.0031)" );
     progress.flicker = 0.0123;
     progress.flicker_is_lower_bound = true;
     rf_format_progress( &progress, text, sizeof text );
-    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  F1 at least 0.012" );
+    assert_string_equal( text, "frame 12/48  25 %  0:14 spent  0:42 left  noise 3.2 % (relMSE 0.0031)" );
     progress = ( RfProgress ){ .frames_all = 1, .relmse = (double)NAN, .left = (double)NAN };
     rf_format_progress( &progress, text, sizeof text );
     assert_string_equal( text, "frame 1/1  0 %  0:00 spent  -:-- left  0 k samples/s" );
@@ -230,7 +313,7 @@ static void test_progress_line_is_short_and_right( void** state )
                                .left = 359999.0,
                                .relmse = 1.2345e-5 };
     rf_format_progress( &progress, text, sizeof text );
-    assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  relMSE 1.2e-05" );
+    assert_string_equal( text, "frame 99999/99999  50 %  99:59:59 spent  99:59:59 left  noise 0.2 %" );
 }
 
 // Where standard error is a pipe: a plain line every ten seconds, from the start.
@@ -272,6 +355,7 @@ int main( void )
         cmocka_unit_test( test_matrices_of_shifted_lenses ),
         cmocka_unit_test( test_fingerprints_change_with_every_setting ),
         cmocka_unit_test( test_noise_in_percent ),
+        cmocka_unit_test( test_specks_in_words ),
         cmocka_unit_test( test_gains_are_said_as_far_as_they_are_known ),
         cmocka_unit_test( test_progress_line_is_short_and_right ),
         cmocka_unit_test( test_progress_off_a_terminal ),

@@ -259,14 +259,16 @@ static void test_json_has_every_key( void** state )
     expect_keys( json,
                  "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                  "normalize threads effects effects_left_out effects_forced kept_frames interrupted clamp adaptive adaptive_mode "
-                 "adaptive_frames warnings repeated_frames filter" );
+                 "adaptive_frames warnings repeated_frames filter specks" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 2 );
-    expect_keys(
-        json_array_get( frames, 1 ),
-        "frame seconds relmse_estimate relmse_is_lower_bound relmse_likely worst_ten_share native_spp effective_spp kept" );
+    expect_keys( json_array_get( frames, 1 ), "frame seconds relmse_estimate relmse_is_lower_bound relmse_likely worst_ten_share "
+                                              "native_spp effective_spp kept noise_percent specks" );
+    expect_keys( json_object_get( json_array_get( frames, 1 ), "specks" ),
+                 "pixels share rest_relmse rest_noise_percent kinds materials" );
+    expect_keys( json_object_get( json, "specks" ), "pixels share rest_relmse rest_noise_percent kinds materials frames" );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 1 ), "frame" ) ), 2 );
     assert_int_equal( json_integer_value( json_object_get( json, "group" ) ), 1 );
     assert_string_equal( json_string_value( json_object_get( json, "scene" ) ), REFRAME_VASE_ROOM );

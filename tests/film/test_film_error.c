@@ -139,6 +139,49 @@ static void test_noise_beyond_the_picture( void** state )
     check_size( "wild noise, slope", slope, wild );
 }
 
+// Fireflies put into even noise are listed, and what is left is the noise without them.
+static void test_specks_are_listed( void** state )
+{
+    (void)state;
+    static const int places[] = { 1234, 7, 9999, 12345, 5000 };
+    static float half[2][4 * PIXELS], rgb[3 * PIXELS];
+    RfFilm film = { .width = WIDTH,
+                    .height = HEIGHT,
+                    .half = { half[0], half[1] },
+                    .passes = { PASSES / 2, PASSES / 2 },
+                    .weight = { PASSES / 2, PASSES / 2 } };
+    const RfNormalize none = RF_NORMALIZE_NONE;
+    fill_half( &film, 0, flat, ( Noise ){ 0.0f, 0.0f, 1 }, 1 );
+    fill_half( &film, 1, flat, ( Noise ){ 0.0f, 0.0f, 1 }, 1 );
+    rf_combine_film( &film, none, rgb, NULL );
+    RfRelmse clean = rf_estimate_relmse( &film, none, rgb );
+    assert_true( clean.specks.pixels == 0 && clean.specks.count == 0 && clean.specks.rest == clean.likely );
+    for ( int k = 0; k < 5; ++k )
+        half[k % 2][4 * places[k] + 1] += 1000.0f / (float)( k + 1 );
+    rf_combine_film( &film, none, rgb, NULL );
+    RfRelmse spotted = rf_estimate_relmse( &film, none, rgb );
+    double share = 0.0;
+    assert_true( spotted.specks.pixels == 5 && spotted.specks.count == 5 );
+    for ( int k = 0; k < 5; ++k )
+    {
+        double error = 0.5 * 1000.0 / ( k + 1 ) / ( PASSES / 2 );
+        assert_int_equal( spotted.specks.worst[k].pixel, places[k] );
+        assert_true( fabs( spotted.specks.worst[k].variance / ( error * error ) - 1.0 ) < 0.2 );
+        share += spotted.specks.worst[k].share;
+    }
+    assert_true( fabs( share - spotted.specks.share ) < 1e-9 && share > 0.9 );
+    assert_true( fabs( spotted.specks.rest / clean.likely - 1.0 ) < 0.02 );
+    // a third of the picture is no set of specks
+    for ( int i = 0; i < PIXELS / 3; ++i )
+        half[0][4 * i] += 1000.0f;
+    rf_combine_film( &film, none, rgb, NULL );
+    assert_int_equal( rf_estimate_relmse( &film, none, rgb ).specks.pixels, 0 );
+    half[0][4] = (float)NAN;
+    rf_combine_film( &film, none, rgb, NULL );
+    RfRelmse broken = rf_estimate_relmse( &film, none, rgb );
+    assert_true( broken.specks.pixels == 0 && broken.specks.count == 0 && isnan( broken.specks.rest ) );
+}
+
 // A film narrower and lower than the surroundings, and values that are no
 // picture at all, are answered with a number.
 static void test_small_films_give_a_number( void** state )
@@ -172,7 +215,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_noise_without_fireflies ),   cmocka_unit_test( test_fireflies_of_pixels ),
         cmocka_unit_test( test_fireflies_of_tiles ),        cmocka_unit_test( test_noise_beyond_the_picture ),
-        cmocka_unit_test( test_small_films_give_a_number ),
+        cmocka_unit_test( test_small_films_give_a_number ), cmocka_unit_test( test_specks_are_listed ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

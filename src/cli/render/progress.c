@@ -1,6 +1,9 @@
 // The progress line: share done, time left, error and rate; rewritten in place on a terminal only.
 #include "cli/render/progress.h"
 
+#include "cli/messages.h"
+#include "cli/render/specks_json.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -40,11 +43,27 @@ static void format_rate( double rate, char* text, size_t size )
 }
 
 // Appends a part if the line still fits the terminal.
-static void append_part( char* text, size_t size, const char* part )
+static bool append_part( char* text, size_t size, const char* part )
 {
     size_t length = strlen( text ), most = size < COLUMNS ? size : COLUMNS;
-    if ( length + 2 + strlen( part ) < most )
-        snprintf( text + length, size - length, "  %s", part );
+    if ( length + 2 + strlen( part ) >= most )
+        return false;
+    snprintf( text + length, size - length, "  %s", part );
+    return true;
+}
+
+static void append_noise( const RfProgress* progress, char* text, size_t size )
+{
+    char noise[RF_NOISE_TEXT_SIZE], part[96];
+    const char* bound = progress->relmse_is_lower_bound ? "at least " : "";
+    if ( !isgreater( progress->relmse, 0.0 ) || !isfinite( progress->relmse ) )
+        return;
+    rf_format_noise( progress->relmse, noise );
+    snprintf( part, sizeof part, "noise %s%s (relMSE %.2g)", bound, noise, progress->relmse );
+    if ( append_part( text, size, part ) )
+        return;
+    snprintf( part, sizeof part, "noise %s%s", bound, noise );
+    append_part( text, size, part );
 }
 
 void rf_format_progress( const RfProgress* progress, char* text, size_t size )
@@ -55,9 +74,7 @@ void rf_format_progress( const RfProgress* progress, char* text, size_t size )
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
     snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all,
               floor( 100.0 * progress->share ), spent, left );
-    snprintf( part, sizeof part, "relMSE %s%.2g", progress->relmse_is_lower_bound ? "at least " : "", progress->relmse );
-    if ( progress->relmse > 0.0 && isfinite( progress->relmse ) )
-        append_part( text, size, part );
+    append_noise( progress, text, size );
     snprintf( part, sizeof part, "F1 %s%.2g", progress->flicker_is_lower_bound ? "at least " : "", progress->flicker );
     if ( isgreater( progress->flicker, 0.0 ) && isfinite( progress->flicker ) )
         append_part( text, size, part );
@@ -97,11 +114,20 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
         return;
     format_duration( floor( seconds ), spent, sizeof spent );
     fprintf( stderr, "frame %d/%d  number %d  %.2f s  %s spent", done, all, number, result->seconds, spent );
-    if ( result->relmse_is_lower_bound )
-        fprintf( stderr, "  relMSE at least %.3g, likely %.3g: ten pixels hold %.0f %% of it", result->relmse_estimate,
-                 result->relmse_likely, 100.0 * result->worst_ten_share );
+    char noise[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( result->relmse_estimate, noise );
+    if ( result->specks.share >= RF_SPECKS_STAND_OUT )
+    {
+        rf_format_noise( result->specks.rest, noise );
+        fprintf( stderr, "  %d speck%s %.0f %% of the error, the rest: noise %s (relMSE %.3g)", result->specks.pixels,
+                 result->specks.pixels == 1 ? " holds" : "s hold", floor( 100.0 * result->specks.share ), noise,
+                 result->specks.rest );
+    }
+    else if ( result->relmse_is_lower_bound )
+        fprintf( stderr, "  noise at least %s (relMSE %.3g, likely %.3g: ten pixels hold %.0f %% of it)", noise,
+                 result->relmse_estimate, result->relmse_likely, 100.0 * result->worst_ten_share );
     else if ( isfinite( result->relmse_estimate ) )
-        fprintf( stderr, "  relMSE %.3g", result->relmse_estimate );
+        fprintf( stderr, "  noise %s (relMSE %.3g)", noise, result->relmse_estimate );
     if ( result->flicker_is_lower_bound )
         fprintf( stderr, "  F1 at least %.3g, likely %.3g", result->flicker_estimate, result->flicker_likely );
     else if ( isgreater( result->flicker_estimate, 0.0 ) )

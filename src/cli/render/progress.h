@@ -17,7 +17,7 @@ typedef struct RfProgressLine
 
 RfProgressLine rf_create_progress_line( bool quiet );
 
-// Shows "frame 12/48  25 %  0:14 spent  0:42 left  relMSE 0.0031  1.9 M samples/s", with the
+// Shows "frame 12/48  25 %  0:14 spent  0:42 left  noise 3.2 % (relMSE 0.0031)", with the
 // estimated error of the last finished frame, at most ten times a second. The rate is left out
 // where the line would exceed 80 columns. Where standard error is no terminal: a plain line
 // every ten seconds.

@@ -10,6 +10,7 @@
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
 #include "cli/render/render_json.h"
+#include "cli/render/specks_json.h"
 #include "cli/signals.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
@@ -70,16 +71,26 @@ static void stop_flicker( RfFrameResult* result )
     result->reached = !result->noise_missed;
 }
 
-// Prints the mean over the frames as a part of a line, where there is one.
-static void print_frame_errors( const RfFrameErrors* errors )
+// Prints a line about the error of the frames, where it is known: the mean, or where it is and what helps.
+static void print_frame_errors( const RfRenderJob* job )
 {
+    const RfFrameErrors* errors = &job->errors;
     double reported = errors->relmse_sum / errors->frames, likely = errors->likely_sum / errors->frames;
     if ( errors->frames == 0 || isfinite( reported ) == 0 )
         return;
-    if ( errors->lower_bounds > 0 )
-        printf( ", relMSE at least %.3g, likely %.3g by its estimate", reported, likely );
+    char text[512], noise[RF_NOISE_TEXT_SIZE];
+    json_t* specks = rf_sum_specks( job->frames_json );
+    rf_format_noise( reported, noise );
+    if ( rf_format_specks( specks, text, sizeof text ) )
+    {
+        const char* advice = rf_speck_advice( specks, &job->options.settings );
+        rf_print( "%s%s%s\n", text, advice != NULL ? ": " : "", advice != NULL ? advice : "" );
+    }
+    else if ( errors->lower_bounds > 0 )
+        printf( "At least %s noise (relMSE %.3g, likely %.3g)\n", noise, reported, likely );
     else
-        printf( ", relMSE %.3g by its estimate", reported );
+        printf( "About %s noise (relMSE %.3g)\n", noise, reported );
+    json_decref( specks );
 }
 
 static void print_removed( const RfFrameErrors* errors )
@@ -432,7 +443,7 @@ static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int 
     rf_show_frame( &job->line, result, rf_frame_number( &job->path, result->frame ), job->frames_done, job->frame_count,
                    now() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
-    json_array_append_new( job->frames_json, rf_frame_json( result, &job->path, &job->options.settings, same_as ) );
+    json_array_append_new( job->frames_json, rf_frame_json( result, &job->scene, &job->path, &job->options.settings, same_as ) );
     return RF_OK;
 }
 
@@ -569,7 +580,8 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
     RfRenderRun run = { .stats = &job->stats,
                         .seconds = now() - job->start,
                         .seconds_scene = job->seconds_scene,
-                        .frames = rf_join_kept_frames( options, &job->path, job->kept, job->kept_count, job->frames_json ),
+                        .frames =
+                            rf_join_kept_frames( options, &job->scene, &job->path, job->kept, job->kept_count, job->frames_json ),
                         .kept = job->kept_count,
                         .warnings = job->reported.lines,
                         .repeated = job->frame_count - job->run_count,
@@ -586,11 +598,11 @@ static RfResult report( RfRenderJob* job, RfError* error )
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
         rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
-        print_frame_errors( &job->errors );
         print_removed( &job->errors );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
+        print_frame_errors( job );
     }
     return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );
 }

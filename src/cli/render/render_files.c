@@ -188,9 +188,9 @@ static bool is_same( double a, double b )
     return isnan( a ) || isnan( b ) ? isnan( a ) && isnan( b ) : fabs( a - b ) <= 1e-5 * fabs( b );
 }
 
-// Seconds from the older JSON if it describes this very file. If the file was replaced since,
+// The row of the older JSON that describes this very file, or NULL. If the file was replaced since,
 // samples or estimate differ.
-static double older_seconds( Older* older, const RfFrameResult* said, int number )
+static const json_t* older_row( Older* older, const RfFrameResult* said, int number )
 {
     size_t all = json_array_size( older->frames );
     while ( older->next < all && isless( rf_json_number_of( json_array_get( older->frames, older->next ), "frame" ), number ) )
@@ -199,10 +199,11 @@ static double older_seconds( Older* older, const RfFrameResult* said, int number
     bool is_it = rf_json_number_of( row, "frame" ) == number &&
                  is_same( rf_json_number_of( row, "relmse_estimate" ), said->relmse_estimate ) &&
                  is_same( rf_json_number_of( row, "native_spp" ), said->native_spp );
-    return is_it ? rf_json_number_of( row, "seconds" ) : (double)NAN;
+    return is_it ? row : NULL;
 }
 
-static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPath* path, int frame, Older* older )
+static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* scene, const RfCameraPath* path, int frame,
+                                Older* older )
 {
     char name[RF_PAGE_NAME_SIZE];
     int number = rf_frame_number( path, frame );
@@ -234,14 +235,16 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfCameraPa
         said.clamp = rf_read_exr_number( name, "reframe/clamp-threshold" );
         said.removed = rf_read_exr_number( name, "reframe/removed-share" );
     }
-    said.seconds = older_seconds( older, &said, number );
-    json_t* json = rf_frame_json( &said, path, &options->settings, -1 );
+    const json_t *row = older_row( older, &said, number ), *specks = json_object_get( row, "specks" );
+    said.seconds = rf_json_number_of( row, "seconds" );
+    json_t* json = rf_frame_json( &said, scene, path, &options->settings, -1 );
+    json_object_set_new( json, "specks", specks != NULL ? json_deep_copy( specks ) : json_null() );
     json_object_set_new( json, "kept", json_true() );
     return json;
 }
 
-json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath* path, const int* kept, int count,
-                             json_t* rendered )
+json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfScene* scene, const RfCameraPath* path, const int* kept,
+                             int count, json_t* rendered )
 {
     json_t* frames = json_array();
     Older older = { 0 };
@@ -253,7 +256,7 @@ json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfCameraPath*
         while ( next < all &&
                 isless( rf_json_number_of( json_array_get( rendered, next ), "frame" ), rf_frame_number( path, kept[i] ) ) )
             json_array_append( frames, json_array_get( rendered, next++ ) );
-        json_array_append_new( frames, kept_frame_json( options, path, kept[i], &older ) );
+        json_array_append_new( frames, kept_frame_json( options, scene, path, kept[i], &older ) );
     }
     while ( next < all )
         json_array_append( frames, json_array_get( rendered, next++ ) );

@@ -3,11 +3,13 @@
 
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
+#include "cli/render/specks_json.h"
 #include "reframe/scene.h"
 
 #include <stdio.h>
 
-json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, const RfRenderSettings* settings, int same_as )
+json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const RfCameraPath* path,
+                       const RfRenderSettings* settings, int same_as )
 {
     json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:b}", "frame", rf_frame_number( path, result->frame ),
                               "seconds", rf_json_number( result->seconds ), "relmse_estimate",
@@ -15,6 +17,8 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, co
                               "relmse_likely", rf_json_number( result->relmse_likely ), "worst_ten_share",
                               rf_json_number( result->worst_ten_share ), "native_spp", rf_json_number( result->native_spp ),
                               "effective_spp", rf_json_number( result->effective_spp ), "kept", false );
+    json_object_set_new( json, "noise_percent", rf_json_number( rf_noise_percent( result->relmse_estimate ) ) );
+    json_object_set_new( json, "specks", rf_specks_json( &result->specks, scene ) );
     if ( result->solved != RF_SOLVED )
         json_object_set_new( json, "reconstruction",
                              json_string( result->solved == RF_SOLVED_NOT ? "failed" : "not converged" ) );
@@ -121,6 +125,8 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
         json_object_set_new( json, "kernel_normalization",
                              json_string( rf_kernel_normalization_name( options->settings.kernel_normalization ) ) );
     }
+    json_t* specks = rf_sum_specks( run->frames );
+    json_object_set_new( json, "specks", specks != NULL ? specks : json_null() );
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );

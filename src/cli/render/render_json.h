@@ -7,9 +7,10 @@
 
 #include <jansson.h>
 
-// One element of "frames"; with a noise or a flicker in the settings also whether it was reached. `same_as` is the
+// One element of "frames", with the names of the scene's materials; with a noise or a flicker in the settings also whether it was reached. `same_as` is the
 // frame of this run whose picture it repeats, from 0; else −1. NULL where memory ran out.
-json_t* rf_frame_json( const RfFrameResult* result, const RfCameraPath* path, const RfRenderSettings* settings, int same_as );
+json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const RfCameraPath* path,
+                       const RfRenderSettings* settings, int same_as );
 
 // What one run of `render` did.
 typedef struct RfRenderRun
