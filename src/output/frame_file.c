@@ -324,6 +324,7 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     if ( output->settings.clamp != 0.0 )
     {
         put( a, RF_KEY_CLAMP_THRESHOLD, "%.6g", frame->clamp );
+        put( a, RF_KEY_CLAMP_THRESHOLD_CHAINS, "%.6g", frame->clamp_chains );
         put( a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
     }
     if ( output->settings.noise > 0.0 || output->settings.flicker > 0.0 )

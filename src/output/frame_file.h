@@ -30,6 +30,7 @@
     X( NOISE, "reframe/noise" )                                                                                                  \
     X( CLAMP, "reframe/clamp" )                                                                                                  \
     X( CLAMP_THRESHOLD, "reframe/clamp-threshold" )                                                                              \
+    X( CLAMP_THRESHOLD_CHAINS, "reframe/clamp-threshold-chains" )                                                                \
     X( REMOVED_SHARE, "reframe/removed-share" )                                                                                  \
     X( FLICKER, "reframe/flicker" )                                                                                              \
     X( TIME, "reframe/time" )                                                                                                    \

@@ -35,14 +35,13 @@
 typedef struct Path
 {
     int32_t block;
-    int32_t half;
+    int16_t kind, half;
     float luminance;
 } Path;
 
-// Sums over the blocks of a shot, by threshold.
+// Sums over the blocks of a shot, by threshold, of paths of a kind.
 typedef struct Tally
 {
-    double samples;
     double variance[STEPS]; // of a sample, relative to the squared brightness
     double bias[STEPS];     // squared, likewise
     float largest;          // that a path brought
@@ -56,8 +55,10 @@ typedef struct Pilot
     Path* paths; // of a frame
     size_t count, capacity;
     int columns, blocks; // of the film
-    double* sums;        // by half and block: samples and luminance
-    Tally tally;
+    double* sums;        // by block and half: samples and luminance
+    double* kept;        // by block: luminance without rare paths
+    double samples;
+    Tally tally[RF_CLAMP_KINDS];
 } Pilot;
 
 static float step_threshold( int step ) { return exp2f( 0.5f * (float)( step + LEAST_STEP ) ); }
@@ -90,8 +91,9 @@ static bool take_paths( Pilot* p, const RfClampWatch* watch, int half )
         float luminance = watch->paths[i].luminance;
         if ( !isfinite( luminance ) )
             continue;
-        p->paths[p->count++] = ( Path ){ block_of( p, watch->paths[i].pixel ), half, luminance };
-        p->tally.largest = rf_maxf( p->tally.largest, luminance );
+        int kind = (int)watch->paths[i].kind;
+        p->paths[p->count++] = ( Path ){ block_of( p, watch->paths[i].pixel ), (int16_t)kind, (int16_t)half, luminance };
+        p->tally[kind].largest = rf_maxf( p->tally[kind].largest, luminance );
     }
     return true;
 }
@@ -148,6 +150,8 @@ static int compare_paths( const void* a, const void* b )
     const Path *x = a, *y = b;
     if ( x->block != y->block )
         return x->block < y->block ? -1 : 1;
+    if ( x->kind != y->kind )
+        return x->kind < y->kind ? -1 : 1;
     if ( x->half != y->half )
         return x->half < y->half ? -1 : 1;
     return ( x->luminance > y->luminance ) - ( x->luminance < y->luminance );
@@ -173,7 +177,7 @@ static void add_half( const Path* paths, size_t count, double* squares, double* 
     }
 }
 
-// The paths of a block, by half.
+// The paths of a block and a kind.
 typedef struct Block
 {
     const Path* paths;
@@ -181,61 +185,62 @@ typedef struct Block
     const double* sums;     // of Pilot.sums
 } Block;
 
-// The block whose paths begin at `first`; false where a half has no sample of it.
-static bool find_block( const Pilot* p, size_t first, Block* b )
+static Block block_from( const Pilot* p, size_t first )
 {
-    *b = ( Block ){ .paths = p->paths + first, .sums = p->sums + 4 * (size_t)p->paths[first].block };
-    for ( ; first + b->count < p->count && b->paths[b->count].block == b->paths->block; ++b->count )
-        b->of_first += b->paths[b->count].half == 0;
-    return b->sums[0] > 0.0 && b->sums[2] > 0.0;
+    Block b = { .paths = p->paths + first, .sums = p->sums + 4 * (size_t)p->paths[first].block };
+    for ( ; first + b.count < p->count && b.paths[b.count].block == b.paths->block && b.paths[b.count].kind == b.paths->kind;
+          ++b.count )
+        b.of_first += b.paths[b.count].half == 0;
+    return b;
 }
 
-static void add_halves( const Block* b, double squares[2][STEPS], double lost[2][STEPS] )
+// Light above a threshold.
+static double lost_above( const Pilot* p, double c )
 {
+    double lost = 0.0;
+    for ( size_t i = 0; i < p->count; ++i )
+        lost += fmax( (double)p->paths[i].luminance - c, 0.0 );
+    return lost;
+}
+
+// The brightness of blocks: of what a low threshold keeps, which has little noise, times the light of the frame over what that
+// keeps of it.
+static void find_brightness( Pilot* p )
+{
+    double light = 0.0;
+    for ( int i = 0; i < p->blocks; ++i )
+    {
+        p->kept[i] = p->sums[4 * i + 1] + p->sums[4 * i + 3];
+        light += p->kept[i];
+    }
+    int low = 0, high = STEPS - 1;
+    while ( low < high )
+    {
+        int middle = ( low + high ) / 2;
+        bool enough = lost_above( p, (double)step_threshold( middle ) ) <= MOST_LOST * light;
+        low = enough ? low : middle + 1;
+        high = enough ? middle : high;
+    }
+    double c = (double)step_threshold( low ), kept = light - lost_above( p, c );
+    for ( size_t i = 0; i < p->count; ++i )
+        p->kept[p->paths[i].block] -= fmax( (double)p->paths[i].luminance - c, 0.0 );
+    for ( int i = 0; i < p->blocks; ++i )
+        p->kept[i] = kept > 0.0 ? fmax( p->kept[i], 0.0 ) * light / kept : p->kept[i];
+}
+
+static void add_block( Pilot* p, const Block* b )
+{
+    double squares[2][STEPS], lost[2][STEPS], pixels = b->sums[0] + b->sums[2];
+    if ( !( b->sums[0] > 0.0 && b->sums[2] > 0.0 ) )
+        return;
     add_half( b->paths, b->of_first, squares[0], lost[0] );
     add_half( b->paths + b->of_first, b->count - b->of_first, squares[1], lost[1] );
-}
-
-// The brightness of blocks: of what a low threshold keeps, which has little noise, times the light of the frame over what that keeps.
-typedef struct Brightness
-{
-    int step; // the threshold
-    double ratio;
-} Brightness;
-
-static Brightness find_brightness( const Pilot* p )
-{
-    double lost[STEPS] = { 0.0 }, light = 0.0;
-    Block b;
-    for ( size_t first = 0; first < p->count; first += b.count )
-    {
-        double squares[2][STEPS], of_block[2][STEPS];
-        if ( !find_block( p, first, &b ) )
-            continue;
-        add_halves( &b, squares, of_block );
-        for ( int k = 0; k < STEPS; ++k )
-            lost[k] += of_block[0][k] + of_block[1][k];
-    }
-    for ( int i = 0; i < p->blocks; ++i )
-        light += p->sums[4 * i + 1] + p->sums[4 * i + 3];
-    Brightness found = { 0, 1.0 };
-    while ( found.step < STEPS - 1 && lost[found.step] > MOST_LOST * light )
-        ++found.step;
-    if ( light > lost[found.step] )
-        found.ratio = light / ( light - lost[found.step] );
-    return found;
-}
-
-static void add_block( Pilot* p, const Block* b, Brightness brightness )
-{
-    double squares[2][STEPS], lost[2][STEPS];
-    add_halves( b, squares, lost );
-    double pixels = b->sums[0] + b->sums[2], kept = b->sums[1] + b->sums[3] - lost[0][brightness.step] - lost[1][brightness.step];
-    double mean = brightness.ratio * fmax( kept, 0.0 ) / pixels, scale = 1.0 / ( mean * mean + RF_RELMSE_EPSILON );
+    double mean = p->kept[b->paths->block] / pixels, scale = 1.0 / ( mean * mean + RF_RELMSE_EPSILON );
+    Tally* tally = p->tally + b->paths->kind;
     for ( int k = 0; k < STEPS; ++k )
     {
-        p->tally.variance[k] += scale * ( squares[0][k] + squares[1][k] );
-        p->tally.bias[k] += scale * pixels * ( lost[0][k] / b->sums[0] ) * ( lost[1][k] / b->sums[2] );
+        tally->variance[k] += scale * ( squares[0][k] + squares[1][k] );
+        tally->bias[k] += scale * pixels * ( lost[0][k] / b->sums[0] ) * ( lost[1][k] / b->sums[2] );
     }
 }
 
@@ -243,17 +248,17 @@ static void add_blocks( Pilot* p )
 {
     sum_blocks( p );
     qsort( p->paths, p->count, sizeof *p->paths, compare_paths );
-    Brightness brightness = find_brightness( p );
+    find_brightness( p );
     Block b;
     for ( size_t first = 0; first < p->count; first += b.count )
     {
-        if ( find_block( p, first, &b ) )
-            add_block( p, &b, brightness );
+        b = block_from( p, first );
+        add_block( p, &b );
     }
     for ( int i = 0; i < p->blocks; ++i )
     {
         const double* sums = p->sums + 4 * (size_t)i;
-        p->tally.samples += sums[0] > 0.0 && sums[2] > 0.0 ? sums[0] + sums[2] : 0.0;
+        p->samples += sums[0] > 0.0 && sums[2] > 0.0 ? sums[0] + sums[2] : 0.0;
     }
 }
 
@@ -301,15 +306,15 @@ static double worth_of( const RfRenderer* r )
 }
 
 // The threshold of the least error, or where the relMSE is given, of the fewest samples that reach it.
-static float choose_threshold( const RfRenderer* r, const Tally* tally )
+static float choose_threshold( const Pilot* p, const Tally* tally )
 {
+    const RfRenderer* r = p->renderer;
     const RfRenderSettings* s = &r->setup->settings;
-    bool stops = rf_is_stopping( s );
-    double worth = worth_of( r ), spp = stops ? USUAL_SPP : s->spp, least = INFINITY;
+    double worth = worth_of( r ), spp = rf_is_stopping( s ) ? USUAL_SPP : s->spp, least = INFINITY;
     float best = tally->largest;
     for ( int k = 0; k < STEPS; ++k )
     {
-        double variance = tally->variance[k] / ( tally->samples * worth ), bias = tally->bias[k] / tally->samples;
+        double variance = tally->variance[k] / ( p->samples * worth ), bias = tally->bias[k] / p->samples;
         double cost = s->noise > 0.0 ? ( bias < s->noise ? variance / ( s->noise - bias ) : INFINITY ) : variance / spp + bias;
         if ( cost < least )
         {
@@ -318,12 +323,28 @@ static float choose_threshold( const RfRenderer* r, const Tally* tally )
         }
     }
     // beyond what the pilot has seen, nothing is known; with more samples larger ones are found
-    double seen = worth * spp * r->setup->sizes.width * r->setup->sizes.height / tally->samples;
+    double seen = worth * spp * r->setup->sizes.width * r->setup->sizes.height / p->samples;
     return rf_minf( best, tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
 }
 
-// The threshold for the frames of a shot; 0 without memory.
-static float look_at_shot( Pilot* p, int first, int end, int* patches )
+// Kinds of which the pilot has seen nothing have the threshold of the others; where it has seen nothing at all there is none.
+static RfClampThresholds choose_thresholds( const Pilot* p )
+{
+    RfClampThresholds chosen = { { INFINITY, INFINITY } };
+    float least = INFINITY;
+    for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
+    {
+        if ( p->tally[kind].largest > 0.0f )
+            chosen.threshold[kind] = choose_threshold( p, p->tally + kind );
+        least = rf_minf( least, chosen.threshold[kind] );
+    }
+    for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
+        chosen.threshold[kind] = p->tally[kind].largest > 0.0f ? chosen.threshold[kind] : least;
+    return chosen;
+}
+
+// False without memory.
+static bool look_at_shot( Pilot* p, int first, int end, int* patches )
 {
     const RfRenderer* r = p->renderer;
     int frames = end - first < PILOT_FRAMES ? end - first : PILOT_FRAMES;
@@ -331,15 +352,15 @@ static float look_at_shot( Pilot* p, int first, int end, int* patches )
     double samples = fmin( fmax( PILOT_SHARE * pixels * ( end - first ) * r->setup->settings.spp, LEAST_PILOT ), MOST_PILOT );
     double of_patch = pixels / r->setup->sizes.of_estimator.jobs;
     int wanted = (int)ceil( samples / ( 2.0 * of_patch * frames ) );
-    memset( &p->tally, 0, sizeof p->tally );
+    memset( p->tally, 0, sizeof p->tally );
+    p->samples = 0.0;
     for ( int k = 0; k < frames; ++k )
     {
         int frame = first + (int)( ( 2 * (int64_t)k + 1 ) * ( end - first ) / ( 2 * frames ) );
         if ( !look_at_frame( p, frame, wanted, patches ) )
-            return 0.0f;
+            return false;
     }
-    // where paths bring no light there is nothing to clamp
-    return p->tally.samples > 0.0 && p->tally.largest > 0.0f ? choose_threshold( r, &p->tally ) : INFINITY;
+    return true;
 }
 
 static RfResult run_pilot( RfRenderer* r, Pilot* p, int* patches, RfError* error )
@@ -349,11 +370,11 @@ static RfResult run_pilot( RfRenderer* r, Pilot* p, int* patches, RfError* error
     {
         int start;
         rf_shot_of_frame( plan, first, &start, &end );
-        float threshold = look_at_shot( p, first, end, patches );
-        if ( !( threshold > 0.0f ) )
+        if ( !look_at_shot( p, first, end, patches ) )
             return fail_memory( error );
+        RfClampThresholds chosen = choose_thresholds( p );
         for ( int frame = first; frame < end; ++frame )
-            r->clamps[frame] = threshold;
+            r->clamps[frame] = chosen;
     }
     return rf_check_worlds( &r->worlds, error );
 }
@@ -371,7 +392,8 @@ static RfResult find_by_pilot( RfRenderer* r, RfError* error )
     RfWatchedPath* lists = malloc( (size_t)slots * (size_t)capacity * sizeof *lists );
     p.watches = malloc( (size_t)slots * sizeof *p.watches );
     p.sums = malloc( (size_t)blocks * 4 * sizeof *p.sums );
-    bool allocated = patches != NULL && lists != NULL && p.watches != NULL && p.sums != NULL;
+    p.kept = malloc( (size_t)blocks * sizeof *p.kept );
+    bool allocated = patches != NULL && lists != NULL && p.watches != NULL && p.sums != NULL && p.kept != NULL;
     for ( int i = 0; i < slots && allocated; ++i )
         p.watches[i] = ( RfClampWatch ){ .paths = lists + (size_t)i * (size_t)capacity, .capacity = capacity };
     RfResult result = allocated ? run_pilot( r, &p, patches, error ) : fail_memory( error );
@@ -379,6 +401,7 @@ static RfResult find_by_pilot( RfRenderer* r, RfError* error )
     free( lists );
     free( p.watches );
     free( p.sums );
+    free( p.kept );
     free( p.paths );
     return result;
 }
@@ -393,6 +416,6 @@ RfResult rf_find_clamps( RfRenderer* r, RfError* error )
     if ( r->clamps == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the thresholds of %d frames", frames );
     for ( int frame = 0; frame < frames; ++frame )
-        r->clamps[frame] = (float)value;
+        r->clamps[frame] = ( RfClampThresholds ){ { (float)value, (float)value } };
     return value == RF_CLAMP_AUTO ? find_by_pilot( r, error ) : RF_OK;
 }

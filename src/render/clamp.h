@@ -6,10 +6,25 @@
 
 #include <stdint.h>
 
+// What is clamped.
+typedef enum RfClampKind
+{
+    RF_CLAMP_PATHS,  // indirect light at hits
+    RF_CLAMP_CHAINS, // lights that camera rays find by chains
+    RF_CLAMP_KINDS
+} RfClampKind;
+
+// Of a frame, luminance.
+typedef struct RfClampThresholds
+{
+    float threshold[RF_CLAMP_KINDS];
+} RfClampThresholds;
+
 // What a path brings to a pixel.
 typedef struct RfWatchedPath
 {
     int32_t pixel;
+    RfClampKind kind;
     float luminance;
 } RfWatchedPath;
 
@@ -20,10 +35,10 @@ typedef struct RfClampWatch
     int count, capacity; // paths beyond the capacity are not listed
 } RfClampWatch;
 
-static inline void rf_watch_path( RfClampWatch* watch, int32_t pixel, float luminance )
+static inline void rf_watch_path( RfClampWatch* watch, RfClampKind kind, int32_t pixel, float luminance )
 {
     if ( luminance > 0.0f && watch->count < watch->capacity )
-        watch->paths[watch->count++] = ( RfWatchedPath ){ pixel, luminance };
+        watch->paths[watch->count++] = ( RfWatchedPath ){ pixel, kind, luminance };
 }
 
 typedef struct RfRenderer RfRenderer;

@@ -53,7 +53,7 @@ struct RfRenderer
     RfRenderMemory memory;
     RfFrameQueue queue;
     RfWorlds worlds;
-    float* clamps;    // by frame of the path: thresholds; NULL without a clamp
+    RfClampThresholds* clamps;    // by frame of the path: thresholds; NULL without a clamp
     int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs
     RfRayCounts rays;
     double start, last_frame; // seconds

@@ -233,6 +233,7 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* s
         said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
         said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
         said.clamp = rf_read_exr_number( name, "reframe/clamp-threshold" );
+        said.clamp_chains = rf_read_exr_number( name, "reframe/clamp-threshold-chains" );
         said.removed = rf_read_exr_number( name, "reframe/removed-share" );
     }
     const json_t *row = older_row( older, &said, number ), *specks = json_object_get( row, "specks" );

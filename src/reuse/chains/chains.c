@@ -91,43 +91,6 @@ static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexL
     }
 }
 
-static void clear_rare_light( RfChains* chains )
-{
-    for ( int slot = 0; slot < RF_LANES; ++slot )
-        chains->chance[slot] = 1.0f;
-    memset( chains->rare, 0, sizeof chains->rare );
-    memset( chains->seen, 0, sizeof chains->seen );
-}
-
-// Moves what has arrived since it was last called to `rare` where the chain is.
-static void take_rare_light( RfWavefront* wavefront, RfChains* chains )
-{
-    for ( int c = 0; c < 3 && chains->clamped; ++c )
-    {
-        float *rest = wavefront->arrivals.rest[c], *seen = chains->seen[c];
-        for ( int slot = 0; slot < RF_LANES; ++slot )
-        {
-            bool rare = rf_is_rare_chain( chains, slot );
-            chains->rare[c][slot] += rare ? rest[slot] - seen[slot] : 0.0f;
-            rest[slot] = rare ? seen[slot] : rest[slot];
-            seen[slot] = rest[slot];
-        }
-    }
-}
-
-// The probability with which lane i of GLASS was scattered to this side, where that is a matter of chance.
-static float chance_of_side( const RfVertexLanes* v, int i, float side, float pdf )
-{
-    if ( pdf < RF_DELTA_PDF )
-        return 1.0f; // rough: light samples find the same
-    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-        param[p] = v->param[p];
-    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
-    float reflects = rf_reflection_probability_of_lane( &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
-    return side > 0.0f ? reflects : 1.0f - reflects;
-}
-
 // A vertex of chains that scatters.
 typedef struct Scattering
 {
@@ -161,8 +124,6 @@ static void append_rays( const Scattering* at, bool end_at_panes, RfChains* chai
              ends_at_panes( at, chains, i, side ) != end_at_panes )
             continue;
         chains->reflected[v->slot[i]] = side > 0.0f;
-        if ( chains->clamped )
-            chains->chance[v->slot[i]] *= survival * chance_of_side( v, i, side, s->pdf[i] );
         int to = rays->count++;
         t = rf_scale( t, 1.0f / survival );
         rays->throughput[0][to] = t.x;
@@ -288,23 +249,17 @@ static void split_reflections( const RfPathSettings* path, int vertex, const RfV
     if ( at->count == 0 )
         return;
     light_lobes( path, vertex, at, wavefront, chains );
-    take_rare_light( wavefront, chains );
-    float throughput[3][RF_LANES], chance[RF_LANES];
+    float throughput[3][RF_LANES];
     memcpy( throughput, chains->throughput, sizeof throughput );
-    if ( chains->clamped )
-        memcpy( chance, chains->chance, sizeof chance );
     for ( int followed = 1; at->count > 0; ++followed )
     {
         scatter_chains( path, vertex, followed, at, wavefront, chains );
         if ( wavefront->rays.count == 0 )
             break;
         add_reflected_emission( path, wavefront );
-        take_rare_light( wavefront, chains );
         follow_reflections( path, ++vertex, wavefront, at, chains );
     }
     memcpy( chains->throughput, throughput, sizeof throughput );
-    if ( chains->clamped )
-        memcpy( chains->chance, chance, sizeof chance );
 }
 
 bool rf_has_chains( const RfVertexLanes* first )
@@ -394,19 +349,17 @@ static void start_chains( const RfPathSettings* path, const RfVertexLanes* first
         set_throughput( chains, i, rf_vec3( 1, 1, 1 ) );
         chains->lobe_weight[i] = 1.0f;
     }
-    if ( chains->clamped )
-        clear_rare_light( chains );
     go_to( first, &chains->at );
     start_at_glass( path, camera_rays, wavefront, chains );
     start_at_coats( first, wavefront, chains );
+    if ( chains->clamped )
+        memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
     if ( lit && path->max_depth > 1 )
         split_reflections( path, 1, first, wavefront, chains );
     for ( int i = 0; i < chains->at.count; ++i )
     {
         int slot = chains->at.slot[i];
         set_throughput( chains, slot, rf_scale( throughput_of( chains, slot ), chains->lobe_weight[slot] ) );
-        if ( chains->clamped )
-            chains->chance[slot] /= chains->lobe_weight[slot];
     }
     chains->ends.count = 0;
 }
@@ -601,6 +554,16 @@ static void merge_hits( const RfVertexLanes* first, RfChains* chains )
         hits->first[kind] = hits->count;
 }
 
+// What has arrived since the chains started.
+static void tell_found_light( const RfWavefront* wavefront, RfChains* chains )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        for ( int slot = 0; slot < RF_LANES; ++slot )
+            chains->found[c][slot] = wavefront->arrivals.rest[c][slot] - chains->light[c][slot];
+    }
+}
+
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains )
 {
@@ -612,7 +575,6 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         note_panes_at( path, chains );
         if ( lit )
             find_lights( path, vertex, wavefront, chains );
-        take_rare_light( wavefront, chains );
         int end_at_panes = scatter_chains( path, vertex, vertex, &chains->at, wavefront, chains );
         if ( wavefront->rays.count == 0 )
             break;
@@ -624,11 +586,13 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         rf_absorb( &wavefront->vertices, &wavefront->rays );
         drop_counted_light( chains, wavefront );
         add_emission( path, pane_probability, vertex, wavefront, chains );
-        take_rare_light( wavefront, chains );
         note_ends( path, &wavefront->vertices, &wavefront->rays, wavefront->scratch.triangle, vertex, chains );
         go_to( &wavefront->vertices, &chains->at );
     }
-    memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
+    if ( chains->clamped )
+        tell_found_light( wavefront, chains );
+    else
+        memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
     merge_hits( first, chains );
 }
 

@@ -22,21 +22,11 @@ typedef struct RfChains
     uint8_t counted[RF_LANES];   // 1: reflected where it was split
     uint8_t reflected[RF_LANES]; // 1: the last event was a reflection
     float lobe_weight[RF_LANES]; // 1 over the probability of drawing the lobe of a coat
-    // for the clamp alone, by slot
-    bool clamped;            // else the rest is not set
-    float chance[RF_LANES];  // of drawing the chain's reflections and transmissions
-    float rare[3][RF_LANES]; // of `light` what chains have found that are drawn by a small chance; not in it
-    float seen[3][RF_LANES]; // arrivals that are told apart already
+    bool clamped;                // `light` is that of the first vertices alone,
+    float found[3][RF_LANES];    // and what chains find beyond them is here; else this is not set
     // by end
     uint8_t kind[RF_LANES]; // RfBsdfKind
 } RfChains;
-
-// Whether a chain was drawn by so small a chance that a light that it finds is not what the camera sees there.
-#define RF_RARE_CHAIN 0.125f
-static inline bool rf_is_rare_chain( const RfChains* chains, int slot )
-{
-    return chains->clamped && chains->chance[slot] < RF_RARE_CHAIN;
-}
 
 // True if chains start at some of these vertices.
 bool rf_has_chains( const RfVertexLanes* first );

@@ -6,7 +6,8 @@
 void rf_begin_clamp( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     RfClampHits* clamp = scratch->clamp;
-    clamp->threshold = harvest->clamps != NULL ? harvest->clamps[batch->eye] : INFINITY;
+    for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
+        clamp->threshold[kind] = harvest->clamps != NULL ? harvest->clamps[batch->eye].threshold[kind] : INFINITY;
     clamp->watch = harvest->clamp_watch;
     bool chains = rf_follows_chains( scratch );
     for ( int i = 0; i < batch->count; ++i )
@@ -54,8 +55,8 @@ void rf_add_clamped_diffuse( const RfArrivalLanes* arrival, bool all_indirect, c
         Parts parts = weigh_parts( arrival, all_indirect, i, pdf[i], ( float[3] ){ f[0][i], f[1][i], f[2][i] } );
         for ( int c = 0; c < 3; ++c )
             batch->radiance[4 * i + c] += parts.direct[c];
-        batch->any_removed |=
-            rf_add_clamped( scratch->clamp, batch, i, parts.indirect, batch->radiance + 4 * i, batch->removed + 4 * (size_t)i );
+        batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_PATHS, batch, i, parts.indirect, batch->radiance + 4 * i,
+                                              batch->removed + 4 * (size_t)i );
     }
 }
 
@@ -66,29 +67,29 @@ void rf_add_clamped_light( float ( *const light )[RF_LANES], const float* const 
     {
         float value[3] = { factor[0][i] * light[0][i], factor[1][i] * light[1][i], factor[2][i] * light[2][i] };
         if ( value[0] + value[1] + value[2] > 0.0f )
-            batch->any_removed |=
-                rf_add_clamped( scratch->clamp, batch, i, value, batch->radiance + 4 * i, batch->removed + 4 * (size_t)i );
+            batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_PATHS, batch, i, value, batch->radiance + 4 * i,
+                                                  batch->removed + 4 * (size_t)i );
     }
 }
 
-void rf_clamp_rare_emission( RfHitBatch* batch, RfHarvestScratch* scratch )
+void rf_clamp_seen_emission( RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     for ( int i = 0; i < batch->count; ++i )
     {
         float* radiance = batch->radiance + 4 * (size_t)i;
         float value[3] = { radiance[0], radiance[1], radiance[2] };
-        if ( batch->view[i] != RF_VIEW_CHAIN || !rf_is_rare_chain( scratch->chains, scratch->hits->slot[i] ) ||
-             !( value[0] + value[1] + value[2] > 0.0f ) )
+        if ( batch->view[i] != RF_VIEW_CHAIN || !( value[0] + value[1] + value[2] > 0.0f ) )
             continue;
         memset( radiance, 0, sizeof value );
-        batch->any_removed |= rf_add_clamped( scratch->clamp, batch, i, value, radiance, batch->removed + 4 * (size_t)i );
+        batch->any_removed |=
+            rf_add_clamped( scratch->clamp, RF_CLAMP_CHAINS, batch, i, value, radiance, batch->removed + 4 * (size_t)i );
     }
 }
 
 // To the light that holds in a hit's own frame alone.
 static void add_own( const float value[3], int i, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    float share = rf_clamp_share( scratch->clamp, batch, i, value );
+    float share = rf_clamp_share( scratch->clamp, RF_CLAMP_PATHS, batch, i, value );
     for ( int c = 0; c < 3; ++c )
     {
         float kept = share * value[c];
@@ -146,7 +147,7 @@ void rf_clamp_direction( int direction, const RfArrivalLanes* arrival, bool all_
         const float one[3] = { 1.0f, 1.0f, 1.0f };
         Parts q = weigh_parts( arrival, all_indirect, first + i, mixture[i], one );
         float value[3] = { f[0][i] * q.indirect[0], f[1][i] * q.indirect[1], f[2][i] * q.indirect[2] };
-        float share = rf_clamp_share( scratch->clamp, batch, first + i, value );
+        float share = rf_clamp_share( scratch->clamp, RF_CLAMP_PATHS, batch, first + i, value );
         for ( int c = 0; c < 3; ++c )
         {
             float left = share * q.indirect[c];

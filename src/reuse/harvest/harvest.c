@@ -357,8 +357,8 @@ static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int
     {
         int slot = scratch->hits->slot[i];
         float light = chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot];
-        float rare = chains->clamped ? chains->rare[0][slot] + chains->rare[1][slot] + chains->rare[2][slot] : 0.0f;
-        if ( light + rare == 0.0f )
+        float found = chains->clamped ? chains->found[0][slot] + chains->found[1][slot] + chains->found[2][slot] : 0.0f;
+        if ( light + found == 0.0f )
             continue;
         rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
         glint_slot[batch->glint_count++] = slot;

@@ -33,7 +33,7 @@ typedef struct RfHarvest
     bool first_hits_only;
     const RfLightPaths* light_paths; // NULL: none
     RfKernelNormalization kernel_normalization;
-    const float* clamps; // thresholds of the frames, and who is told, as in RfEstimatorGroup
+    const RfClampThresholds* clamps; // thresholds of the frames, and who is told, as in RfEstimatorGroup
     RfClampWatch* clamp_watch;
 } RfHarvest;
 

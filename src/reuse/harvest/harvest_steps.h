@@ -156,8 +156,8 @@ void rf_add_clamped_light( float ( *const light )[RF_LANES], const float* const 
                            RfHarvestScratch* scratch );
 void rf_clamp_direction( int direction, const RfArrivalLanes* arrival, bool all_indirect, const float* mixture, RfHitBatch* batch,
                          RfHarvestScratch* scratch );
-// Emission of hits at the end of chains that are drawn by a small chance.
-void rf_clamp_rare_emission( RfHitBatch* batch, RfHarvestScratch* scratch );
+// Emission of hits at the end of chains that no other camera can follow.
+void rf_clamp_seen_emission( RfHitBatch* batch, RfHarvestScratch* scratch );
 // The same of light that holds in the hits' own frame alone; the first for hit i.
 void rf_add_clamped_own( const RfArrivalLanes* arrival, int i, float pdf, const float f[3], RfHitBatch* batch,
                          RfHarvestScratch* scratch );

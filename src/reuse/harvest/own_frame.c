@@ -59,7 +59,7 @@ static void add_clamped_scattered( const RfHarvestScratch* scratch, const RfArri
         rest[c] = arrivals->rest[c][slot];
     }
     float* removed = batch->removed + 4 * (size_t)( batch->count + miss );
-    batch->any_removed |= rf_add_clamped( scratch->clamp, batch, batch->count + miss, rest, light, removed );
+    batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_PATHS, batch, batch->count + miss, rest, light, removed );
 }
 
 static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfArrivals* arrivals,
@@ -114,17 +114,17 @@ static void copy_chain_light( const RfChains* chains, const int32_t* slot, int c
     }
 }
 
-// What rare chains find, clamped.
-static void add_rare_light( const RfHarvestScratch* scratch, RfHitBatch* batch, int first, int count, const int32_t* slot )
+// What chains find beyond their first vertices, clamped.
+static void add_found_light( const RfHarvestScratch* scratch, RfHitBatch* batch, int first, int count, const int32_t* slot )
 {
     for ( int k = 0; k < count; ++k )
     {
         size_t at = 4 * (size_t)( first + k );
-        const float( *rare )[RF_LANES] = (const float( * )[RF_LANES])scratch->chains->rare;
-        float value[3] = { rare[0][slot[k]], rare[1][slot[k]], rare[2][slot[k]] };
+        const float( *found )[RF_LANES] = (const float( * )[RF_LANES])scratch->chains->found;
+        float value[3] = { found[0][slot[k]], found[1][slot[k]], found[2][slot[k]] };
         if ( value[0] + value[1] + value[2] > 0.0f )
-            batch->any_removed |=
-                rf_add_clamped( scratch->clamp, batch, first + k, value, batch->radiance + at, batch->removed + at );
+            batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_CHAINS, batch, first + k, value, batch->radiance + at,
+                                                  batch->removed + at );
     }
 }
 
@@ -137,8 +137,8 @@ static void light_chains( const RfHarvestScratch* scratch, RfHitBatch* batch )
     copy_chain_light( scratch->chains, scratch->glint_slot, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
     if ( scratch->clamp == NULL )
         return;
-    add_rare_light( scratch, batch, batch->count + first, batch->miss_count - first, scratch->miss_slot + first );
-    add_rare_light( scratch, batch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot );
+    add_found_light( scratch, batch, batch->count + first, batch->miss_count - first, scratch->miss_slot + first );
+    add_found_light( scratch, batch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot );
 }
 
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )

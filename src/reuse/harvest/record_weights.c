@@ -302,7 +302,7 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
         batch->radiance[4 * i + 3] = 1.0f;
     }
     if ( scratch->clamp != NULL && rf_follows_chains( scratch ) )
-        rf_clamp_rare_emission( batch, scratch );
+        rf_clamp_seen_emission( batch, scratch );
     if ( harvest->path.max_depth == 1 )
     {
         rf_clear_directions( batch, rf_direction_count( &harvest->shape ) );
