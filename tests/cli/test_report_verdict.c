@@ -75,6 +75,35 @@ static void test_verdict_compares_at_equal_noise( void** state )
     json_decref( data );
 }
 
+#define SPECKS( pixels, share, rest )                                                                                            \
+    "\"relmse_likely\":2,\"specks\":{\"pixels\":" pixels ",\"share\":" share ",\"rest_relmse\":" rest                            \
+    ",\"materials\":[{\"material\":\"steel\",\"kind\":\"glint\",\"pixels\":" pixels ",\"share\":" share "},"                     \
+    "{\"material\":7,\"kind\":\"none such\"},{}]}"
+
+// Where the error is in few pixels, that is the verdict; a reference knows better.
+static void test_specks_are_the_verdict( void** state )
+{
+    (void)state;
+    write_render( "specks", 2, 2.0, 0.01, 0.03, "," SPECKS( "7", "0.9", "0.03" ) );
+    json_t* data = report( "specks", 2 );
+    expect_verdict( data,
+                    "7 specks hold 90 % of the error, mostly on 'steel' (glints); the rest has about 10 % noise (relMSE 0.03)", 2,
+                    "estimated" );
+    const json_t* sequence = page_sequence( data, 0 );
+    assert_string_equal( page_fact( sequence, "Error", "Specks" ), "7 pixels hold 90 %" );
+    assert_string_equal( page_fact( sequence, "Error", "Noise of the rest" ), "10 %" );
+    assert_string_equal( page_fact( sequence, "Error", "Specks on 'steel' (glint)" ), "7 pixels hold 90 %" );
+    assert_string_equal( page_fact( sequence, "Error", "Noise of a channel, estimated" ), "8.2 %" );
+    json_decref( data );
+    data = report( "specks --reference specks", 4 );
+    assert_null( strstr( json_string_value( json_object_get( json_object_get( data, "verdict" ), "text" ) ), "specks" ) );
+    json_decref( data );
+    write_render( "specks", 2, 2.0, 0.01, 0.03, "," SPECKS( "\"x\"", "[]", "0.03" ) );
+    data = report( "specks", 2 );
+    expect_verdict( data, "About 8.2 % noise (relMSE 0.02)", 2, "estimated" );
+    json_decref( data );
+}
+
 static void test_lower_bounds_and_warnings_are_reported( void** state )
 {
     (void)state;
@@ -204,6 +233,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_verdict_compares_at_equal_noise ),
+        cmocka_unit_test( test_specks_are_the_verdict ),
         cmocka_unit_test( test_lower_bounds_and_warnings_are_reported ),
         cmocka_unit_test( test_slower_is_called_slower ),
         cmocka_unit_test( test_cost_of_another_scene_is_refused ),

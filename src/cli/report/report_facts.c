@@ -2,6 +2,7 @@
 #include "cli/report/report_facts.h"
 
 #include "cli/messages.h"
+#include "cli/render/specks_json.h"
 #include "cli/options/render_options.h"
 #include "cli/report/report_command.h"
 #include "cli/report/report_frames.h"
@@ -556,9 +557,44 @@ static void add_estimate( json_t* facts, const RfPageTrack* track )
         at_least |= track->frames[i].at_least;
         share = fmax( share, track->frames[i].worst_ten_share ); // passes over NaN
     }
+    char text[RF_NOISE_TEXT_SIZE + 16], noise[RF_NOISE_TEXT_SIZE];
     add_fact_number( facts, "Error", "relMSE, estimated", at_least ? "at least %.3g" : "%.3g", track->estimate );
+    rf_format_noise( track->estimate, noise );
+    snprintf( text, sizeof text, "%s%s", at_least ? "at least " : "", noise );
+    if ( isfinite( track->estimate ) )
+        add_fact( facts, "Error", "Noise of a channel, estimated", text );
     if ( share > 0.0 && isfinite( track->estimate ) )
         add_fact_number( facts, "Error", "Share of the ten worst pixels", "up to %.0f %%", 100.0 * share );
+}
+
+#define MOST_SPECK_ROWS 4
+
+// Where the error is, as render found it: the pixels that stand out, and by material and kind.
+static void add_specks( json_t* facts, const json_t* render )
+{
+    char label[128], text[64];
+    json_t *specks = rf_sum_specks( json_object_get( render, "frames" ) ), *row;
+    size_t i;
+    if ( isgreater( rf_json_number_of( specks, "pixels" ), 0.0 ) )
+    {
+        snprintf( text, sizeof text, "%.0f pixels hold %.0f %%", rf_json_number_of( specks, "pixels" ),
+                  100.0 * rf_json_number_of( specks, "share" ) );
+        add_fact( facts, "Error", "Specks", text );
+        rf_format_noise( rf_json_number_of( specks, "rest_relmse" ), text );
+        add_fact( facts, "Error", "Noise of the rest", text );
+    }
+    json_array_foreach( json_object_get( specks, "materials" ), i, row )
+    {
+        const char* name = json_string_value( json_object_get( row, "material" ) );
+        if ( i == MOST_SPECK_ROWS )
+            break;
+        snprintf( label, sizeof label, name != NULL ? "Specks on '%.60s' (%s)" : "Specks in the sky%.0s (%s)",
+                  name != NULL ? name : "", json_string_value( json_object_get( row, "kind" ) ) );
+        snprintf( text, sizeof text, "%.0f pixels hold %.2g %%", rf_json_number_of( row, "pixels" ),
+                  100.0 * rf_json_number_of( row, "share" ) );
+        add_fact( facts, "Error", label, text );
+    }
+    json_decref( specks );
 }
 
 static void add_error( json_t* facts, const RfPageTrack* track )
@@ -569,7 +605,8 @@ static void add_error( json_t* facts, const RfPageTrack* track )
     {
         add_fact_number( facts, "Error", "relMSE", "%.3g", e->relmse );
         add_fact_number( facts, "Error", "without the worst 0.1 %", "%.3g", e->relmse_trimmed );
-        add_fact_number( facts, "Error", "Noise of a channel", "%.2g %%", 100.0 * sqrt( e->relmse / 3.0 ) );
+        rf_format_noise( e->relmse, text );
+        add_fact( facts, "Error", "Noise of a channel", text );
         bool relative = e->reference_mean > 0.0;
         double scale = relative ? 100.0 / e->reference_mean : 1.0;
         snprintf( text, sizeof text, "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "",
@@ -577,6 +614,7 @@ static void add_error( json_t* facts, const RfPageTrack* track )
         add_fact( facts, "Error", "Mean error", text );
     }
     add_estimate( facts, track );
+    add_specks( facts, track->sequence->render );
     RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
     if ( track->flicker.pairs == 0 )
         return;

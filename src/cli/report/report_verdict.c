@@ -2,6 +2,7 @@
 #include "cli/report/report_verdict.h"
 
 #include "cli/messages.h"
+#include "cli/render/specks_json.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -162,7 +163,11 @@ static void single_words( const RfPageData* data, const Contest* c, char* text, 
     double relmse = c->means[0].relmse;
     char percent[RF_NOISE_TEXT_SIZE];
     rf_format_noise( relmse, percent );
-    snprintf( text, size, "%s %s noise (relMSE %.3g)", at_least ? "At least" : "About", percent, relmse );
+    json_t* specks =
+        data->has_reference ? NULL : rf_sum_specks( json_object_get( data->tracks[c->best].sequence->render, "frames" ) );
+    if ( !rf_format_specks( specks, text, size ) )
+        snprintf( text, size, "%s %s noise (relMSE %.3g)", at_least ? "At least" : "About", percent, relmse );
+    json_decref( specks );
     double speedup = rf_json_number_of( single_cost( data, c ), "speedup_at_equal_error" );
     double low = rf_json_number_of( single_cost( data, c ), "speedup_low" ),
            high = rf_json_number_of( single_cost( data, c ), "speedup_high" );

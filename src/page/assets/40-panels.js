@@ -37,7 +37,7 @@ function makePanel(sequence, index, data) {
     canvas.dataset.frame = shown ? data.frames[i] : "";
     const parts = [], source = shown ? sourceOf(sequence, data, view, i) : null;
     if (sequence.relmse[i] !== null)
-      parts.push(`relMSE ${sequence.at_least[i] ? "\u2265 " : ""}${formatNumber(sequence.relmse[i])}`);
+      parts.push(`relMSE ${sequence.at_least[i] ? "\u2265 " : ""}${formatNumber(sequence.relmse[i])} (${formatNumber(Number((100 * Math.sqrt(sequence.relmse[i] / 3)).toPrecision(2)))} % noise)`);
     if (sequence.phi[i] !== null)
       parts.push(`\u03c6 ${formatNumber(sequence.phi[i])}`);
     if (source && source.layer)
