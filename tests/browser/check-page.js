@@ -11,25 +11,11 @@
 const fs = require("fs"), path = require("path"), { pathToFileURL } = require("url");
 
 const features = require("./check-features.js");
+const { load_playwright, find_chromium } = require("./browser.js");
 
 const page_file = process.argv[2];
 const option = name => process.argv.includes(name) ? process.argv[process.argv.indexOf(name) + 1] : null;
 const pictures = option("--pictures"), most_seconds = Number(option("--seconds") || 0), mean = option("--mean"), quick = process.argv.includes("--quick");
-
-function load_playwright() {
-  for (const folder of [process.env.REFRAME_NODE_MODULES, __dirname].filter(Boolean)) {
-    try {
-      return require(require.resolve("playwright-core", { paths: [folder, path.dirname(folder)] }));
-    } catch (error) { /* the next one */ }
-  }
-  return null;
-}
-
-function find_chromium() {
-  const names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-  const places = (process.env.PATH || "").split(":").flatMap(folder => names.map(name => path.join(folder, name)));
-  return [process.env.REFRAME_CHROMIUM, ...places].filter(Boolean).find(place => fs.existsSync(place));
-}
 
 let failures = 0;
 function check(holds, words) {

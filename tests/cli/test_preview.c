@@ -263,6 +263,23 @@ static void test_garbage_does_no_harm( void** state )
     free( said );
 }
 
+// The page in a browser, by tests/browser/check-live.js.
+static void test_page_in_a_browser( void** state )
+{
+    (void)state;
+    char line[1024];
+    int port = start_page( "-o v/f.####.exr --frames 1-40 --size 96x54 --spp " SOME " --group 0" );
+    snprintf( line, sizeof line,
+              "REFRAME_NODE_MODULES='" REFRAME_SOURCE_DIR "/out/browser/node_modules' node '" REFRAME_SOURCE_DIR
+              "/tests/browser/check-live.js' http://127.0.0.1:%d/",
+              port );
+    int status = system( "command -v node > /dev/null" ) == 0 ? system( line ) : 77 << 8;
+    cli_wait( SIGINT );
+    if ( status == 77 << 8 )
+        skip();
+    assert_int_equal( status, 0 );
+}
+
 static void test_port_in_use( void** state )
 {
     (void)state;
@@ -281,13 +298,10 @@ static void test_port_in_use( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_file_changes_nothing ),
-        cmocka_unit_test( test_file_comes_early ),
-        cmocka_unit_test( test_what_cannot_be_shown ),
-        cmocka_unit_test( test_later_failures_are_a_warning ),
-        cmocka_unit_test( test_page_shows_what_goes_on ),
-        cmocka_unit_test( test_garbage_does_no_harm ),
-        cmocka_unit_test( test_port_in_use ),
+        cmocka_unit_test( test_file_changes_nothing ),    cmocka_unit_test( test_file_comes_early ),
+        cmocka_unit_test( test_what_cannot_be_shown ),    cmocka_unit_test( test_later_failures_are_a_warning ),
+        cmocka_unit_test( test_page_shows_what_goes_on ), cmocka_unit_test( test_page_in_a_browser ),
+        cmocka_unit_test( test_garbage_does_no_harm ),    cmocka_unit_test( test_port_in_use ),
     };
     return cmocka_run_group_tests_name( "preview", tests, cli_enter_group, cli_leave_group );
 }
