@@ -76,6 +76,9 @@ static inline bool rf_is_matte( RfBsdfKind kind, float shape )
 // GGX lobes with a smaller alpha (roughness 0.1) are so narrow that directions of other paths do not fall into them.
 #define RF_SMOOTH_ALPHA 0.01f
 
+// Metals up to this alpha (roughness 0.32) throw caustics (path/own_light.h).
+#define RF_CAUSTIC_ALPHA 0.1f
+
 // Parameters of a hit, one per float; colours and vectors take three in a row.
 typedef enum RfBsdfParam
 {

@@ -325,8 +325,9 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     {
         put( a, RF_KEY_CLAMP_THRESHOLD, "%.6g", frame->clamp );
         put( a, RF_KEY_CLAMP_THRESHOLD_CHAINS, "%.6g", frame->clamp_chains );
-        put( a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
     }
+    if ( frame->removes )
+        put( a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
     if ( output->settings.noise > 0.0 || output->settings.flicker > 0.0 )
         put_text( a, RF_KEY_REACHED, frame->reached ? "yes" : "no" );
     put_effects( a, rf_tracer_scene( output->tracer ) );

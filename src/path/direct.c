@@ -382,7 +382,9 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         look_up_sky( lights, &points, kept, out, scratch );
     if ( rf_tracer_has_panes( settings->tracer ) )
         dim_behind_panes( kept, &panes, out, scratch );
-    if ( settings->own != NULL )
+    if ( settings->own != NULL && settings->own->caustics )
+        rf_find_lit_caustics( settings->own, vertices, out->touched );
+    else if ( settings->own != NULL )
         touch_lights( settings, vertices, &points, kept, out, scratch );
     for ( int k = 0; k < kept; ++k )
     {

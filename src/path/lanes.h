@@ -67,7 +67,7 @@ typedef struct RfLightLanes
     RF_ALIGN float wi[3][RF_LANES];  // unit
     float radiance_cos[3][RF_LANES]; // incident radiance times n·wi; 0: unlit
     float pdf_solid_angle[RF_LANES];
-    uint8_t touched[RF_LANES]; // with RfPathSettings.own: 1 where what moves touches the path or its way to the light
+    uint8_t touched[RF_LANES]; // 1: kept apart, with RfPathSettings.own (path/own_light.h)
 } RfLightLanes;
 
 // Workspace; its contents are not kept between calls.

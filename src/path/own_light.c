@@ -1,4 +1,4 @@
-// Tells the light that holds in one frame alone from what all frames of a group share.
+// Tells the light that is kept apart, since it holds in one frame alone or is a caustic, from the rest.
 #include "path/own_light.h"
 
 #include <math.h>
@@ -90,6 +90,37 @@ void rf_touch_by_segments( const RfTracer* tracer, int count, const float* const
     rf_find_ghosts( tracer, count, o, d, length, touched );
     for ( int k = 0; k < count; ++k )
         touched[k] = visible[k] > 0.0f ? touched[k] : 0;
+}
+
+void rf_begin_caustics( int count, RfOwnLight* own )
+{
+    own->caustics = true;
+    memset( own->touched, 0, (size_t)count );
+    memset( own->seen, 1, (size_t)count );
+}
+
+void rf_note_caustics( const RfVertexLanes* v, const float* pdf, RfOwnLight* own )
+{
+    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    {
+        for ( int i = v->first[kind]; i < v->first[kind + 1]; ++i )
+        {
+            int slot = v->slot[i];
+            bool delta = kind >= RF_BSDF_FIRST_SPECULAR && pdf[i] >= RF_DELTA_PDF; // glass over a base
+            bool throws = delta || rf_throws_caustics( v, (RfBsdfKind)kind, i );
+            own->seen[slot] = ( throws || kind >= RF_BSDF_FIRST_SPECULAR ) && own->seen[slot];
+            own->touched[slot] = throws && !own->seen[slot];
+        }
+    }
+}
+
+void rf_find_lit_caustics( const RfOwnLight* own, const RfVertexLanes* v, uint8_t* touched )
+{
+    for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
+    {
+        for ( int i = v->first[kind]; i < v->first[kind + 1]; ++i )
+            touched[i] = !own->seen[v->slot[i]] && rf_throws_caustics( v, (RfBsdfKind)kind, i );
+    }
 }
 
 void rf_split_arrival( const uint8_t* touched, int count, RfArrivalLanes* held, RfArrivalLanes* own )

@@ -1,8 +1,9 @@
-// Light that holds in the frame of its path alone: something that moves touches the path in some frame of the group. All other
-// light is the same in every frame, and shared (src/reuse/estimators.md, section 18).
+// Light that is kept apart from the rest of what paths find, for the frame of its path alone (src/reuse/estimators.md): where
+// something moves, that of paths which it touches in some frame of the group (section 18); without caustics, these (section 19).
 #ifndef REFRAME_PATH_OWN_LIGHT_H
 #define REFRAME_PATH_OWN_LIGHT_H
 
+#include "bsdf/bsdf.h"
 #include "path/mis.h"
 
 // What the paths of a wavefront find of it, by slot.
@@ -10,7 +11,37 @@ typedef struct RfOwnLight
 {
     RfArrivals arrivals;
     uint8_t touched[RF_LANES]; // 1: what moves touches the path as far as it is traced. Its first vertex does not count
+    // Caustics are kept apart, and nothing moves. `touched` is 1 then where the path has thrown caustics at all vertices since it
+    // came by one that does not; emission that its ray hits is a caustic.
+    bool caustics;
+    uint8_t seen[RF_LANES]; // 1: all vertices throw caustics or are of glass: what the path finds, the camera sees by them
 } RfOwnLight;
+
+// Whether what lane i of a model sends on falls on other surfaces as a caustic: of mirrors, of glass without a base, and of metals
+// up to RF_CAUSTIC_ALPHA. A function of the vertex alone.
+static inline bool rf_throws_caustics( const RfVertexLanes* v, RfBsdfKind kind, int i )
+{
+    float base = v->param[RF_PARAM_DIFFUSE][i] + v->param[RF_PARAM_DIFFUSE + 1][i] + v->param[RF_PARAM_DIFFUSE + 2][i];
+    switch ( kind )
+    {
+        case RF_BSDF_GGX:
+        case RF_BSDF_COATED: return base == 0.0f && v->param[RF_PARAM_SHAPE][i] <= RF_CAUSTIC_ALPHA;
+        case RF_BSDF_GLASS: return base == 0.0f || v->param[RF_PARAM_IOR][i] == 0.0f; // mirrors have no base
+        case RF_BSDF_LAMBERT:
+        case RF_BSDF_PHONG:
+        case RF_BSDF_KIND_COUNT: break;
+    }
+    return false;
+}
+
+// Begins paths at slots [0, count) from the camera, with caustics kept apart.
+void rf_begin_caustics( int count, RfOwnLight* own );
+
+// Sets own->touched and own->seen for the rays that leave vertices, scattered with these densities.
+void rf_note_caustics( const RfVertexLanes* vertices, const float* pdf, RfOwnLight* own );
+
+// Sets touched[i] to 1 where what vertex i gets from light samples is a caustic, else to 0. Before the vertices are scattered from.
+void rf_find_lit_caustics( const RfOwnLight* own, const RfVertexLanes* vertices, uint8_t* touched );
 
 // Marks the slots of rays that meet what moves on their way to the vertices they hit, or to the sky, and of those that hit what
 // moves. `triangle`: by ray, what it hit. Slots that are marked already are not tested.

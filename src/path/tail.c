@@ -43,6 +43,12 @@ static void note_chain_events( RfChainLight* chain_light, const RfVertexLanes* v
     }
 }
 
+static void note_caustics( const RfPathSettings* settings, const RfVertexLanes* v, const float* pdf )
+{
+    if ( settings->own != NULL && settings->own->caustics )
+        rf_note_caustics( v, pdf, settings->own );
+}
+
 static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, float light_pdf,
                                 const RfReceiver* to )
 {
@@ -391,6 +397,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     rf_scatter_lanes( wavefront, v, dimension + RF_DIMENSION_SCATTER, wi, s );
     count_deltas( settings, wavefront, v, vertex, s->pdf );
     note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, s->pdf );
+    note_caustics( settings, v, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
     next->count =
         scatter_specular_lanes( wavefront, rays, vertex, next, scatter_nonspecular_lanes( wavefront, rays, vertex, next ) );
@@ -415,7 +422,7 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     const float* pane_probability = rf_find_vertices_past_panes( settings, rays, 0, vertices, &wavefront->scratch );
     rf_absorb( vertices, rays );
     leave_to_connections( settings, wavefront, rays, vertices );
-    if ( settings->own != NULL )
+    if ( settings->own != NULL && !settings->own->caustics )
         rf_touch_by_rays( settings->tracer, rays, vertices, wavefront->scratch.triangle, settings->own->touched );
     RfReceiver to = {
         .defer_mis = defer_mis, .chain_light = wavefront->chain_light, .arrivals = &wavefront->arrivals, .own = settings->own
@@ -502,5 +509,6 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
     rf_scatter_lanes( wavefront, v, dimension, wi, &wavefront->scratch );
     count_deltas( settings, wavefront, v, vertex, wavefront->scratch.pdf );
     note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, wavefront->scratch.pdf );
+    note_caustics( settings, v, wavefront->scratch.pdf );
     wavefront->rays.count = scatter_specular_deferred( v, wi, wavefront, scatter_nonspecular_deferred( v, wi, wavefront ) );
 }

@@ -57,7 +57,7 @@ typedef struct RfPathSettings
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
-    RfOwnLight* own;              // keeps light of paths that what moves touches apart from the arrivals; NULL: nothing moves
+    RfOwnLight* own; // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
 } RfPathSettings;
 
 // A thread's wavefront.

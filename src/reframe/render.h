@@ -123,7 +123,8 @@ typedef struct RfFrameResult
     RfSolved solved;
     double clamp;         // what a path could bring to this frame's hits, luminance; 0: any light
     double clamp_chains;  // and what lights could that camera rays find by mirrors and glass
-    double removed;       // share of the frame's light that the clamp has taken out, by luminance, 0 to 1
+    bool removes;         // light is taken out of the frame: by the clamp, or with caustics that are left out
+    double removed;       // share of the frame's light that it is, by luminance, 0 to 1
     double native_spp;    // samples: traced for the frame, per pixel, extra ones too
     double effective_spp; // effective samples: all that landed in a pixel, with those reused from other frames
     // With settings.flicker: F1 of this frame and the one before (NaN: that was not rendered now), as of the relMSE

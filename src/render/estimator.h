@@ -120,10 +120,11 @@ struct RfEstimator
     bool draws_by_filter; // and draws its samples by it, so that each counts in its own pixel alone, in AOVs as well
     bool has_gradients;   // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
     bool has_alpha;       // it counts RfAccumulateJob.sky
-    bool clamps;          // with settings.clamp it adds the light taken out to one film more, whose weights do not matter
-    bool has_variance;    // `finish` fills RfPicture.variance
-    int usual_passes;     // from which on `finish` works as with many passes; 0: always
-    RfTile tile;          // that it has where none is asked for (rf_default_tile)
+    bool clamps;       // with settings.clamp, or without caustics (RfSceneTraits), it adds the light taken out to one film more,
+                       // whose weights do not matter
+    bool has_variance; // `finish` fills RfPicture.variance
+    int usual_passes;  // from which on `finish` works as with many passes; 0: always
+    RfTile tile;       // that it has where none is asked for (rf_default_tile)
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
     RfResult ( *check )( const RfRenderSettings* settings, RfError* error );
@@ -171,11 +172,5 @@ struct RfEstimator
 };
 
 #define RF_MAX_FILMS 8
-
-// The films of a frame with these settings.
-static inline int rf_film_count( const RfRenderSettings* settings )
-{
-    return settings->estimator->films + ( settings->clamp != 0.0 );
-}
 
 #endif

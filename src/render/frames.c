@@ -101,6 +101,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     RfRelmse relmse = rf_finish_picture( r, live, &picture );
     RfFlicker flicker = take_flicker( r, live );
     double now = rf_wall_seconds(), pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
+    bool removes = r->setup->sizes.film_count > r->setup->settings.estimator->films;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
         .width = r->setup->sizes.width,
@@ -115,7 +116,8 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .solved = picture.solved,
         .clamp = r->clamps != NULL ? (double)r->clamps[live->frame].threshold[RF_CLAMP_PATHS] : 0.0,
         .clamp_chains = r->clamps != NULL ? (double)r->clamps[live->frame].threshold[RF_CLAMP_CHAINS] : 0.0,
-        .removed = r->clamps != NULL ? rf_removed_share( live->films, r->setup->settings.normalize, buffer->rgb ) : 0.0,
+        .removes = removes,
+        .removed = removes ? rf_removed_share( live->films, r->setup->settings.normalize, buffer->rgb ) : 0.0,
         .flicker_estimate = sqrt( fmax( rf_reported_flicker( &flicker ), 0.0 * flicker.now ) ),
         .flicker_is_lower_bound = rf_flicker_is_lower_bound( &flicker ),
         .flicker_likely = sqrt( fmax( rf_flicker_f1_squared( &flicker ), 0.0 * flicker.now ) ),

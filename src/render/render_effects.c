@@ -130,6 +130,7 @@ static void set_light_paths( const Source* from )
     else
         set( from, RF_EFFECT_LIGHT_PATHS, false, "%s",
              t->chain_triangles == 0          ? "no perfect mirror, no smooth solid glass"
+             : t->without_caustics            ? "caustics are left out"
              : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
              : s->weights != RF_WEIGHTS_EXACT ? "they need exact weights"
              : t->moves && s->group != 0      ? "where something moves they want groups of one frame"

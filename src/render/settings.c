@@ -7,6 +7,7 @@
 #include "film/pixel_filter.h"
 #include "math/vec3.h"
 #include "render/estimator.h"
+#include "scene/leave_out.h"
 
 #include <math.h>
 
@@ -51,8 +52,6 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the flicker wanted must be 0 to %g, got %g", RF_MAX_FLICKER, s->flicker );
     if ( s->clamp != RF_CLAMP_AUTO && !( s->clamp >= 0.0 && s->clamp <= RF_MAX_CLAMP ) )
         return rf_fail( error, RF_ERROR_USAGE, "the clamp must be 0 to %g, got %g", RF_MAX_CLAMP, s->clamp );
-    if ( s->clamp == 0.0 && ( s->aovs & RF_AOV_BIT( RF_AOV_REMOVED ) ) != 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "the AOV removed needs a clamp: nothing is removed without one" );
     if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
         return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
@@ -164,6 +163,24 @@ static RfResult check_moving( const RfShot* shot, const RfRenderSettings* settin
     return rf_check_moving( &traits, settings, error );
 }
 
+bool rf_keeps_removed( const RfScene* scene, const RfRenderSettings* s )
+{
+    return s->clamp != 0.0 || rf_is_left_out( scene, RF_EFFECT_CAUSTICS );
+}
+
+static RfResult check_removed( const RfShot* shot, const RfRenderSettings* s, RfError* error )
+{
+    const RfScene* scene = rf_tracer_scene( shot->tracer );
+    if ( !rf_keeps_removed( scene, s ) && ( s->aovs & RF_AOV_BIT( RF_AOV_REMOVED ) ) != 0 )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "the AOV removed needs a clamp, or caustics left out: nothing is removed without" );
+    if ( !rf_is_left_out( scene, RF_EFFECT_CAUSTICS ) )
+        return RF_OK;
+    RfSceneTraits traits = rf_scene_traits( scene, NULL, 0, s );
+    traits.moves = traits.moves && shot->eye_count > 1;
+    return rf_check_caustics( &traits, s, error );
+}
+
 RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
     RfResult result = check_settings( settings, error );
@@ -189,7 +206,8 @@ RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings
         resolved->normalize = RF_NORMALIZE_RATIO;
     if ( resolved->adaptive == RF_ADAPTIVE_AUTO && !can_adapt( resolved ) )
         resolved->adaptive = RF_ADAPTIVE_OFF;
-    return check_moving( shot, resolved, error );
+    result = check_removed( shot, resolved, error );
+    return result == RF_OK ? check_moving( shot, resolved, error ) : result;
 }
 
 RfGroupPlan rf_plan_samples( const RfShot* shot, int half_width, int spp )

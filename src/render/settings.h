@@ -17,6 +17,9 @@ static inline bool rf_is_stopping( const RfRenderSettings* settings )
 // Fails with RF_ERROR_USAGE for values out of range.
 RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error );
 
+// Is light taken out of the pictures of a scene, and kept on a film of its own?
+bool rf_keeps_removed( const RfScene* scene, const RfRenderSettings* settings );
+
 // Can frames be traced in parts only (settings.pieces)?
 bool rf_can_render_pieces( const RfRenderSettings* settings );
 

@@ -33,7 +33,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
         .of_estimator = settings->estimator->sizes( &group ),
-        .film_count = rf_film_count( settings ),
+        .film_count = settings->estimator->films + rf_keeps_removed( scene, settings ),
         .width = eyes->width,
         .height = eyes->height,
         .eyes = plan->eyes,

@@ -1,6 +1,7 @@
 // What a scene and its camera's path call for, and what runs.
 #include "render/traits.h"
 
+#include "base/remedy.h"
 #include "render/estimator.h"
 #include "scene/leave_out.h"
 #include "scene/mirrors.h"
@@ -21,6 +22,7 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
         traits->blended = traits->blended || rf_is_blended( material );
         traits->panes = traits->panes || rf_may_be_pane( material );
         traits->smooth = traits->smooth || rf_may_be_smooth( material );
+        traits->without_caustics = traits->without_caustics || rf_may_throw_caustics( material );
     }
 }
 
@@ -31,6 +33,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
     for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
         add_triangles( scene, rf_triangle_list( scene, k ), &traits );
+    traits.without_caustics = traits.without_caustics && rf_is_left_out( scene, RF_EFFECT_CAUSTICS );
     traits.chains = traits.smooth || ( traits.kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
     RfMirrors mirrors;
     if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )
@@ -55,7 +58,7 @@ bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* 
 {
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
                              settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->blended &&
-                             !( traits->moves && settings->group != 0 ) &&
+                             !( traits->moves && settings->group != 0 ) && !traits->without_caustics &&
                              ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }
@@ -70,6 +73,24 @@ RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* s
     if ( settings->light_paths == RF_LIGHT_PATHS_ON )
         return rf_fail( error, RF_ERROR_USAGE,
                         "light paths cannot be shared by frames in which something moves: --group 0, or --light-paths auto" );
+    return RF_OK;
+}
+
+RfResult rf_check_caustics( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error )
+{
+    if ( !traits->without_caustics )
+        return RF_OK;
+    if ( !settings->estimator->clamps )
+        return rf_advise(
+            rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot leave caustics out", settings->estimator->name ),
+            RF_REMEDY_ESTIMATOR, 0, error );
+    if ( settings->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "the biased weights cannot leave caustics out: exact weights" );
+    if ( settings->light_paths == RF_LIGHT_PATHS_ON )
+        return rf_fail( error, RF_ERROR_USAGE, "light paths bring caustics, which are left out: --light-paths off or auto" );
+    if ( traits->moves && settings->group != 0 )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "caustics cannot be left out of groups of frames in which something moves: --group 0, or keep them" );
     return RF_OK;
 }
 

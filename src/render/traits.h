@@ -26,6 +26,7 @@ typedef struct RfSceneTraits
     bool moves;               // something in it moves
     bool grouped_chains;      // other frames can use what chains find
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
+    bool without_caustics;    // they are left out of a scene that has surfaces to throw them
     uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)
     uint32_t materials;
     uint32_t most_lights; // triangles that emit, punctual lights, the sky
@@ -48,6 +49,9 @@ bool rf_may_move( const RfScene* scene );
 // Where something moves, groups of several frames share only what holds in all of them, which some settings cannot tell: fails for
 // those with RF_ERROR_USAGE.
 RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error );
+
+// Fails likewise for settings that cannot leave caustics out, where they are.
+RfResult rf_check_caustics( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error );
 
 // Scans the triangles and the environment of a scene, and the cameras of a path. Emitters are divided where the settings make
 // light paths depend on it.

@@ -240,6 +240,20 @@ static RfEffect environment_effect( const RfScene* scene )
     return effect;
 }
 
+static RfEffect caustics_effect( const Census* census )
+{
+    const RfScene* scene = census->scene;
+    RfEffect effect =
+        material_effect( census, RF_EFFECT_CAUSTICS, rf_may_throw_caustics, "no mirror, no glass, no smooth metal" );
+    bool lit = scene->punctual_count > 0 || is_nonzero( scene->environment.radiance );
+    for ( uint32_t i = 0; i < scene->material_count && !lit; ++i )
+        lit = is_used( census, i ) && has_emission( scene->materials + i );
+    if ( effect.on && !lit )
+        snprintf( effect.why, sizeof effect.why, "no light" );
+    effect.on = effect.on && lit;
+    return effect;
+}
+
 void rf_finish_effect( const RfScene* scene, RfEffect* effect )
 {
     effect->name = rf_effect_name( effect->id );
@@ -282,6 +296,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, RF_EFFECT_NORMAL_MAPS, has_normal_map, "no material has a normal texture" );
     effects[count++] =
         material_effect( &census, RF_EFFECT_SMOOTH_METALS, rf_may_be_smooth, "no GGX lobe is almost a perfect mirror" );
+    effects[count++] = caustics_effect( &census );
     free( census.triangles );
     for ( int i = 0; i < count; ++i )
         rf_finish_effect( scene, effects + i );

@@ -111,6 +111,15 @@ static inline bool rf_may_be_smooth( const RfMaterial* m )
     return m->kind == RF_BSDF_GGX && ( varies || m->alpha < RF_SMOOTH_ALPHA );
 }
 
+// True if a surface may throw caustics (path/own_light.h): mirrors, glass, and metals up to RF_CAUSTIC_ALPHA.
+static inline bool rf_may_throw_caustics( const RfMaterial* m )
+{
+    bool varies = m->textured != NULL && m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    bool metal = ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) && m->alpha <= RF_CAUSTIC_ALPHA &&
+                 !( rf_max_component( m->diffuse ) > 0.0f );
+    return m->kind == RF_BSDF_GLASS || metal || ( varies && ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) );
+}
+
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }
 
 static inline bool rf_is_blended( const RfMaterial* m ) { return m->textured != NULL && m->textured->blended; }

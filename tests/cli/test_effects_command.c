@@ -148,12 +148,38 @@ static void test_scene_files_may_leave_out( void** state )
     cli_expect( cli_run( "$R info sky.json 2> said | grep -q '  out  environment .*left out: the sky is black'" ), 0, NULL );
 }
 
+// In header, JSON and the last line, with and without a clamp.
+static void test_caustics_are_counted( void** state )
+{
+    (void)state;
+#define STILL_LIFE "'" REFRAME_SCENE_FOLDER "/still-life.glb' "
+    cli_expect( cli_run( "$R info " STILL_LIFE "| grep -q '  on   caustics  .*material'" ), 0, NULL );
+    cli_expect( cli_run( "$R render " STILL_LIFE "-o s.exr " SMALL "--aov removed" ), 2, "or caustics left out" );
+    const CliResult* done =
+        cli_run( "$R render " STILL_LIFE "-o s.exr " SMALL "--aov removed --no-effect caustics --json s.json" );
+    cli_expect( done, 0, NULL );
+    assert_non_null( strstr( done->err, "--no-effect caustics: changes the picture: light that mirrors, glass" ) );
+    assert_non_null( strstr( done->out, "% of the light taken out" ) );
+    json_t *json = cli_read_json( "s.json" ), *frame = json_array_get( json_object_get( json, "frames" ), 0 );
+    assert_true( json_number_value( json_object_get( frame, "removed_share" ) ) > 0.0 );
+    assert_null( json_object_get( frame, "clamp_threshold" ) );
+    json_decref( json );
+    expect_header( "s.exr", "reframe/removed-share", "0." );
+    expect_header( "s.exr", "reframe/clamp-threshold", NULL );
+    cli_expect( cli_run( "$R render " STILL_LIFE "-o c.exr " SMALL "--quiet --clamp 1 --no-effect caustics 2> said" ), 0, NULL );
+    expect_header( "c.exr", "reframe/removed-share", "0." );
+    expect_header( "c.exr", "reframe/clamp-threshold", "1" );
+    cli_expect( cli_run( "$R render $VASE -o v.exr " SMALL "--quiet" ), 0, NULL );
+    expect_header( "v.exr", "reframe/removed-share", NULL );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_info_tells_all_effects ),   cmocka_unit_test( test_names_are_checked ),
         cmocka_unit_test( test_renders_say_what_they_do ), cmocka_unit_test( test_resume_knows_effects ),
         cmocka_unit_test( test_no_lens_is_a_pinhole ),     cmocka_unit_test( test_scene_files_may_leave_out ),
+        cmocka_unit_test( test_caustics_are_counted ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

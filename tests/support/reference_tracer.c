@@ -279,6 +279,33 @@ static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const 
     return sum;
 }
 
+// The vertices of a path: whether they throw caustics.
+typedef struct Course
+{
+    bool keeps; // all light counts
+    int count;
+    bool throws[RF_MAX_DEPTH + 1], native[RF_MAX_DEPTH + 1];
+} Course;
+
+static bool throws_all( const Point* x )
+{
+    const RfMaterial* m = &x->material;
+    bool black = !( rf_max_component( m->diffuse ) > 0.0f );
+    if ( is_native_point( x ) )
+        return black || m->ior == 0.0f;
+    return ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) && black && m->alpha <= 0.1f;
+}
+
+// Whether light that comes to the last vertex counts: on the way to the camera a surface that throws nothing must not come after
+// those that do.
+static bool counts( const Course* c )
+{
+    bool matte = false;
+    for ( int i = 0; i < c->count; ++i )
+        matte = matte || !( c->throws[i] || c->native[i] );
+    return c->keeps || !matte || !c->throws[c->count - 1];
+}
+
 // Light that arrives along a ray: emitted by the first point it finds, and the
 // rest.
 typedef struct Arriving
@@ -325,8 +352,13 @@ static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray*
 }
 
 static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, Ray ray, RfVec3 throughput,
-                                float roulette_scale )
+                                float roulette_scale, const Point* first, float first_pdf )
 {
+    bool native = is_native_point( first );
+    Course course = { .keeps = !s->without_caustics,
+                      .count = 1,
+                      .throws = { throws_all( first ) || ( native && first_pdf >= RF_DELTA_PDF ) },
+                      .native = { native } };
     Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
     float pdf_scatter = 0.0f;
     for ( int vertex = 2; vertex <= s->max_depth; ++vertex )
@@ -343,16 +375,22 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         else
         {
             float weight = pdf_scatter / ( pdf_scatter + (float)s->light_samples * light_pdf );
+            weight = counts( &course ) ? weight : 0.0f;
             result.rest = rf_add( result.rest, rf_scale( rf_mul( throughput, light ), weight ) );
         }
         if ( !surface || vertex == s->max_depth )
             break;
-        result.rest = direct( tracer, s, &x, key, vertex, throughput, result.rest );
+        bool* throws = course.throws + course.count;
+        *throws = throws_all( &x );
+        course.native[course.count++] = is_native_point( &x );
+        if ( counts( &course ) )
+            result.rest = direct( tracer, s, &x, key, vertex, throughput, result.rest );
         uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
         Onward onward = scatter_at( &x, key, dimension + RF_DIMENSION_SCATTER );
         if ( !( onward.pdf > 0.0f ) )
             break;
         pdf_scatter = onward.pdf;
+        *throws = *throws || ( is_native_point( &x ) && onward.pdf >= RF_DELTA_PDF );
         throughput = is_native_point( &x ) ? rf_mul( throughput, onward.weight )
                                            : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
         float q = vertex < RF_ROULETTE_VERTEX ? 1.0f : rf_survival( rf_max_component( throughput ) * roulette_scale );
@@ -383,11 +421,11 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
     {
         ReferenceSettings left = *s;
         left.max_depth += passes_pane( s, x, &onward );
-        Arriving in = arriving_light( tracer, &left, key, ray, onward.weight, 1.0f );
+        Arriving in = arriving_light( tracer, &left, key, ray, onward.weight, 1.0f, x, onward.pdf );
         return rf_add( rf_scale( in.emitted, onward.pdf / ( onward.pdf + k * in.light_pdf ) ), in.rest );
     }
     float factor = onward.pdf > 0.0f ? rf_max_component( onward.f ) * onward.cos_x / onward.pdf : 0.0f;
-    Arriving in = arriving_light( tracer, s, key, ray, rf_vec3( 1, 1, 1 ), rf_shared_factor( factor ) );
+    Arriving in = arriving_light( tracer, s, key, ray, rf_vec3( 1, 1, 1 ), rf_shared_factor( factor ), x, onward.pdf );
     RfVec3 emitted = rf_scale( rf_scale( in.emitted, onward.cos_x ), 1.0f / ( k * in.light_pdf + onward.pdf ) );
     return rf_mul( onward.f, rf_add( emitted, rf_scale( rf_scale( in.rest, onward.cos_x ), 1.0f / onward.pdf ) ) );
 }

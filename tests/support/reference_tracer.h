@@ -79,6 +79,7 @@ typedef struct ReferenceSettings
     int frame; // of the path: it goes into the random numbers
     RfLightSampling light_sampling;
     bool panes_are_vertices; // thin panes scatter by their delta lobes and stop light samples, as other glass does
+    bool without_caustics;   // light that mirrors, glass and smooth metals throw on other surfaces does not count
 } ReferenceSettings;
 
 // Mean radiance of one path through a pixel of one pass: frame, pass and pixel

@@ -27,7 +27,7 @@ static float* alloc_image( const RfEye* eye )
 }
 
 static Images reference_of( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings,
-                            bool panes_are_vertices )
+                            bool panes_are_vertices, bool without_caustics )
 {
     Images images = { .width = eyes->width, .height = eyes->height, .count = SEEDS };
     for ( int k = 0; k < SEEDS; ++k )
@@ -43,6 +43,7 @@ static Images reference_of( const RfTracer* tracer, const RfEye* eyes, int frame
             .frame = frame,
             .light_sampling = settings->light_sampling,
             .panes_are_vertices = panes_are_vertices,
+            .without_caustics = without_caustics,
         };
         reference_image( tracer, eyes + frame, &plain, images.rgb[k] );
     }
@@ -51,12 +52,17 @@ static Images reference_of( const RfTracer* tracer, const RfEye* eyes, int frame
 
 Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings )
 {
-    return reference_of( tracer, eyes, frame, spp, settings, false );
+    return reference_of( tracer, eyes, frame, spp, settings, false, false );
+}
+
+Images caustic_free_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings )
+{
+    return reference_of( tracer, eyes, frame, spp, settings, false, true );
 }
 
 Images pane_vertex_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings )
 {
-    return reference_of( tracer, eyes, frame, spp, settings, true );
+    return reference_of( tracer, eyes, frame, spp, settings, true, false );
 }
 
 Images rendered_images( const RfTracer* tracer, const RfEye* eyes, int eye_count, int frame, RfRenderSettings settings )

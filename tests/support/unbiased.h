@@ -17,6 +17,8 @@ typedef struct Images
 // `frame` of the path by the plain path tracer of the tests, one image per
 // seed, from seeds that no render uses.
 Images reference_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings );
+// The same without caustics, whether or not they are left out of the scene.
+Images caustic_free_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings );
 // The same by a path tracer for which thin panes are vertices like other glass. It finds no punctual lights
 // through them.
 Images pane_vertex_images( const RfTracer* tracer, const RfEye* eyes, int frame, int spp, const RfRenderSettings* settings );

@@ -47,7 +47,7 @@ static void note_frame_error( RfFrameErrors* errors, const RfFrameResult* result
     errors->likely_sum += result->relmse_likely;
     errors->lower_bounds += result->relmse_is_lower_bound;
     errors->missed += result->noise_missed;
-    errors->clamped = errors->clamped || result->clamp > 0.0;
+    errors->removes = errors->removes || result->removes;
     errors->removed_sum += result->removed;
     errors->flicker_missed += result->flicker_missed;
     if ( isgreater( result->flicker_likely, errors->worst_flicker ) )
@@ -95,8 +95,8 @@ static void print_frame_errors( const RfRenderJob* job )
 
 static void print_removed( const RfFrameErrors* errors )
 {
-    if ( errors->clamped )
-        printf( ", %.2g %% of the light taken out by the clamp", 100.0 * errors->removed_sum / errors->frames );
+    if ( errors->removes )
+        printf( ", %.2g %% of the light taken out", 100.0 * errors->removed_sum / errors->frames );
 }
 
 // Warns of reconstructions that did not converge, or failed.

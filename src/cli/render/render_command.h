@@ -23,8 +23,8 @@ typedef struct RfFrameErrors
     int frames;
     double relmse_sum;  // of the frames' estimates
     double likely_sum;  // and of their best guesses
-    double removed_sum; // of the shares of light that the clamp took out
-    bool clamped;
+    double removed_sum; // of the shares of light that were taken out
+    bool removes;
     int lower_bounds;   // among them
     int missed;         // frames above --noise
     int flicker_missed; // and above --flicker, with the frame before

@@ -235,6 +235,7 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* s
         said.clamp = rf_read_exr_number( name, "reframe/clamp-threshold" );
         said.clamp_chains = rf_read_exr_number( name, "reframe/clamp-threshold-chains" );
         said.removed = rf_read_exr_number( name, "reframe/removed-share" );
+        said.removes = isfinite( said.removed );
     }
     const json_t *row = older_row( older, &said, number ), *specks = json_object_get( row, "specks" );
     said.seconds = rf_json_number_of( row, "seconds" );

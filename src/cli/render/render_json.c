@@ -35,8 +35,9 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const 
     {
         json_object_set_new( json, "clamp_threshold", rf_json_number( result->clamp ) );
         json_object_set_new( json, "clamp_threshold_chains", rf_json_number( result->clamp_chains ) );
-        json_object_set_new( json, "removed_share", rf_json_number( result->removed ) );
     }
+    if ( result->removes )
+        json_object_set_new( json, "removed_share", rf_json_number( result->removed ) );
     if ( settings->noise > 0.0 || settings->flicker > 0.0 )
         json_object_set_new( json, "reached", json_boolean( result->reached ) );
     return json;

@@ -392,17 +392,22 @@ static uint64_t splat( const RfAccumulation* a, int eye, const RfHitBatch* batch
     return landed;
 }
 
-// Adds what the clamp has taken out to a film of its own, whose weights do not matter.
+// Adds what is taken out to a film of its own, whose weights do not matter. Caustics count in their own frame alone.
 static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
                          RfAccumulateScratch* scratch )
 {
     RfHitBatch removed = *batch;
+    bool clamped = a->shape.clamped;
+    if ( !clamped && job.eye != batch->eye )
+        return;
     removed.radiance = batch->removed;
     removed.directions = batch->removed_directions;
     range.film = job.films[1].half[job.half];
     range.sky = NULL;
-    if ( rf_glossy_count( batch ) > 0 )
+    if ( rf_glossy_count( batch ) > 0 && clamped )
         light_glossy( a, job.eye, &removed, scratch );
+    for ( int c = 0; c < 3 && !clamped; ++c )
+        memset( scratch->sum[c], 0, (size_t)rf_glossy_count( batch ) * sizeof( float ) );
     if ( rf_has_filter( a->filter ) )
         spread( a, job.eye, &removed, range, scratch );
     else

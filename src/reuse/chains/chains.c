@@ -596,17 +596,17 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
     merge_hits( first, chains );
 }
 
-void rf_split_tiles( const RfChains* chains, int32_t* tile_of, int* tile_count )
+void rf_split_tiles( const RfVertexLanes* hits, const int32_t* key, int32_t* tile_of, int* tile_count )
 {
     int32_t head[RF_LANES]; // by old tile: its first new one
     int32_t slot_of[RF_LANES], next[RF_LANES];
     int32_t count = 0;
     memset( head, -1, (size_t)*tile_count * sizeof *head );
-    for ( int i = 0; i < chains->hits.count; ++i )
+    for ( int i = 0; i < rf_record_count( hits ); ++i )
     {
-        int slot = chains->hits.slot[i];
+        int slot = hits->slot[i];
         int32_t* tile = head + tile_of[slot];
-        while ( *tile >= 0 && chains->length[slot_of[*tile]] != chains->length[slot] )
+        while ( *tile >= 0 && key[slot_of[*tile]] != key[slot] )
             tile = next + *tile;
         if ( *tile < 0 )
         {

@@ -39,7 +39,7 @@ bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains );
 
-// Splits tiles by chain length: paths with different numbers of vertices left do not share. `tile_of` is by slot.
-void rf_split_tiles( const RfChains* chains, int32_t* tile_of, int* tile_count );
+// Splits tiles: hits with different keys do not share. `key` and `tile_of` are by slot.
+void rf_split_tiles( const RfVertexLanes* hits, const int32_t* key, int32_t* tile_of, int* tile_count );
 
 #endif

@@ -3,6 +3,15 @@
 
 #include <string.h>
 
+void rf_begin_removed( const RfHarvest* harvest, RfHitBatch* batch )
+{
+    batch->any_removed = false;
+    size_t listed = (size_t)( batch->count + batch->miss_count + batch->glint_count );
+    memset( batch->removed, 0, 4 * listed * sizeof( float ) );
+    for ( int d = 0; batch->removed_directions != NULL && d < rf_direction_count( &harvest->shape ); ++d )
+        batch->removed_directions[d].dark = true;
+}
+
 void rf_begin_clamp( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     RfClampHits* clamp = scratch->clamp;
@@ -18,11 +27,6 @@ void rf_begin_clamp( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScrat
             clamp->dimmed[i] = rf_luminance( rf_vec3( scratch->chains->throughput[0][slot], scratch->chains->throughput[1][slot],
                                                       scratch->chains->throughput[2][slot] ) );
     }
-    batch->any_removed = false;
-    size_t listed = (size_t)( batch->count + batch->miss_count + batch->glint_count );
-    memset( batch->removed, 0, 4 * listed * sizeof( float ) );
-    for ( int d = 0; batch->removed_directions != NULL && d < rf_direction_count( &harvest->shape ); ++d )
-        batch->removed_directions[d].dark = true;
     for ( int c = 0; c < 3 && scratch->own != NULL; ++c )
         memset( clamp->own[c], 0, (size_t)batch->count * sizeof( float ) );
 }

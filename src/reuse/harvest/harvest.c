@@ -29,7 +29,9 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     int tile_pixels = rf_tile_pixels( &settings->tile );
     bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
     bool connections = rf_wants_light_paths( &group->traits, settings );
-    bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples; // not in gradients
+    bool exact = settings->weights == RF_WEIGHTS_EXACT && !group->even_light_samples; // not in gradients
+    bool caustics = group->traits.without_caustics && exact;
+    bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples && !caustics;
     RfBatchShape shape = {
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
@@ -41,8 +43,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .own_frame_light = specular || chains || group->traits.sky,
         .filtered = !rf_is_plain_filter( settings ),
         .chains = chains,
-        .own_light = group->traits.moves && group->eye_count > 1 && settings->weights == RF_WEIGHTS_EXACT &&
-                     !group->even_light_samples, // not in gradients
+        .own_light = ( group->traits.moves && group->eye_count > 1 && exact ) || caustics,
+        .caustics = caustics,
         .surfaces = group->traits.moves && rf_follows_motion( settings ),
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
@@ -513,12 +515,12 @@ static const int32_t* find_passed_panes( const RfHarvest* harvest, RfHarvestScra
 }
 
 // Tiles share the light of chains; not where connections find it, nor where replayed rays could meet other surfaces, nor in
-// gradients.
+// gradients, nor without caustics, which all of it is.
 static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch )
 {
     return rf_reuses_tiles( scratch ) && rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) &&
            !rf_tracer_runs( harvest->path.tracer ).any_blended && harvest->path.connector == NULL && !harvest->path_roulette &&
-           harvest->path_source == NULL;
+           harvest->path_source == NULL && !harvest->shape.caustics;
 }
 
 void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
@@ -568,18 +570,39 @@ void rf_find_first_hits( const RfHarvest* harvest, RfHarvestScratch* scratch )
     memcpy( scratch->surfaces->v, lanes->v, count * sizeof *lanes->v );
 }
 
+// Splits tiles by chain length, since paths with different numbers of vertices left do not share, and without caustics by whether
+// hits throw them: what second vertices send on is a caustic to some hits, and to others not.
+static void split_tiles( const RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* v = scratch->hits;
+    if ( !harvest->shape.caustics )
+    {
+        rf_split_tiles( v, scratch->chains->length, scratch->tile_of, &scratch->tile_count );
+        return;
+    }
+    int32_t key[RF_LANES];
+    for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
+    {
+        for ( int i = v->first[kind]; i < v->first[kind + 1]; ++i )
+            key[v->slot[i]] = rf_throws_caustics( v, (RfBsdfKind)kind, i ) +
+                              2 * ( rf_follows_chains( scratch ) ? scratch->chains->length[v->slot[i]] : 0 );
+    }
+    rf_split_tiles( v, key, scratch->tile_of, &scratch->tile_count );
+}
+
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* first = &scratch->first;
     RfWavefront* wavefront = &scratch->wavefront;
     scratch->hits = first;
-    if ( !rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) || !rf_has_chains( first ) )
-        return;
-    scratch->chains->clamped = scratch->clamp != NULL;
-    rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
-    scratch->hits = &scratch->chains->hits;
-    if ( rf_reuses_tiles( scratch ) )
-        rf_split_tiles( scratch->chains, scratch->tile_of, &scratch->tile_count );
+    if ( rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) && rf_has_chains( first ) )
+    {
+        scratch->chains->clamped = scratch->clamp != NULL;
+        rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->first_hits_only, wavefront, scratch->chains );
+        scratch->hits = &scratch->chains->hits;
+    }
+    if ( rf_reuses_tiles( scratch ) && ( rf_follows_chains( scratch ) || harvest->shape.caustics ) )
+        split_tiles( harvest, scratch );
 }
 
 // First hits of a batch, with the cameras at its point of the lens.
@@ -646,12 +669,17 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
     rf_connect_vertices( &connector, &scratch->wavefront, NULL, scratch->hits, 1 );
 }
 
-// From here on light that holds in its own frame alone is kept apart: what the chains before first hits have found does so anyway.
+// From here on light is kept apart that holds in its own frame alone, or caustics: what the chains before first hits have found does
+// the former anyway, and is none of the latter.
 static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratch )
 {
     harvest->path.own = &scratch->own->paths;
     rf_clear_arrivals( count, &harvest->path.own->arrivals );
-    memset( harvest->path.own->touched, 0, (size_t)count );
+    harvest->path.own->caustics = false;
+    if ( harvest->shape.caustics )
+        rf_begin_caustics( count, harvest->path.own );
+    else
+        memset( harvest->path.own->touched, 0, (size_t)count );
     for ( int c = 0; c < 3; ++c )
         memset( scratch->own->light[c], 0, (size_t)count * sizeof( float ) );
 }
@@ -678,7 +706,7 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     // the rest of their paths
     if ( scratch->own != NULL )
         memset( scratch->own->part, 0, sizeof scratch->own->part );
-    if ( rf_splits_light( harvest ) )
+    if ( rf_splits_light( harvest ) || harvest->shape.caustics )
         split_light( harvest, count, scratch );
     rf_clear_arrivals( count, &wavefront->arrivals );
     wavefront->rays.count = 0;
@@ -689,7 +717,7 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         rf_sample_direct( harvest, scratch, rays );
         trace_tails( harvest, scratch, rays );
     }
-    else if ( harvest->path.own != NULL && harvest->path.max_depth > 1 )
+    else if ( rf_splits_light( harvest ) && harvest->path.max_depth > 1 )
         look_for_own_light( harvest, scratch, rays );
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;
@@ -698,6 +726,8 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     if ( harvest->first_hits_only )
         return count;
+    if ( batch->removed != NULL )
+        rf_begin_removed( harvest, batch );
     if ( scratch->clamp != NULL )
         rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );

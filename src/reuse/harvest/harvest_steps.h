@@ -9,7 +9,7 @@
 #include "reuse/harvest/harvest.h"
 #include "reuse/tile/tile_reuse.h"
 
-// Light that holds in the frame of its path alone (path/own_light.h).
+// Light that is kept apart (path/own_light.h).
 typedef struct RfOwnHits
 {
     RfOwnLight paths;
@@ -144,8 +144,17 @@ void rf_find_own_parts( const RfHarvest* harvest, const uint32_t* triangle, RfHa
 // Adds light by one direction, at those glossy hits where it holds in their own frame alone, to scratch->own->light.
 void rf_add_own_glossy( RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch );
 
-// Adds scratch->own->light to the batch, as glints.
+// Whether the light that is kept apart (RfOwnHits) is clamped; caustics are taken out whole.
+static inline bool rf_clamps_own( const RfHarvestScratch* scratch )
+{
+    return scratch->clamp != NULL && !scratch->own->paths.caustics;
+}
+
+// Adds scratch->own->light to the batch, as glints; caustics to what is taken out.
 void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+
+// Nothing is taken out yet.
+void rf_begin_removed( const RfHarvest* harvest, RfHitBatch* batch );
 
 // The clamp (clamp.h), only with one: before the light of a batch is added, in place of adding it, and what is clamped of a direction
 // of glossy hits. `all_indirect`: light samples are clamped as well. `factor`: of the light, by hit.

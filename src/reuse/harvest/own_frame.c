@@ -62,6 +62,21 @@ static void add_clamped_scattered( const RfHarvestScratch* scratch, const RfArri
     batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_PATHS, batch, batch->count + miss, rest, light, removed );
 }
 
+// Caustics at specular hits: all of them longer paths.
+static void take_out_caustics( const RfHarvestScratch* scratch, const RfArrivals* arrivals, RfHitBatch* batch, int first_miss )
+{
+    const RfVertexLanes* v = &scratch->first;
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        float* removed = batch->removed + 4 * (size_t)( batch->count + first_miss + i - rf_record_count( v ) );
+        for ( int c = 0; c < 3; ++c )
+        {
+            removed[c] += arrivals->rest[c][v->slot[i]];
+            batch->any_removed |= removed[c] > 0.0f;
+        }
+    }
+}
+
 static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfArrivals* arrivals,
                            RfHitBatch* batch, int first_miss )
 {
@@ -98,7 +113,7 @@ static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, in
         for ( int c = 0; c < 3; ++c )
         {
             light[c] *= left[c];
-            if ( scratch->clamp != NULL )
+            if ( batch->removed != NULL )
                 removed[c] *= left[c];
         }
     }
@@ -162,7 +177,9 @@ void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
     {
         add_light_samples( harvest, scratch, batch, first_miss );
         add_scattered( harvest, scratch, &scratch->wavefront.arrivals, batch, first_miss );
-        if ( harvest->path.own != NULL )
+        if ( harvest->path.own != NULL && harvest->path.own->caustics )
+            take_out_caustics( scratch, &harvest->path.own->arrivals, batch, first_miss );
+        else if ( harvest->path.own != NULL )
             add_scattered( harvest, scratch, &harvest->path.own->arrivals, batch, first_miss );
     }
     absorb( scratch, batch, first_miss );

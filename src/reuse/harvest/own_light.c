@@ -1,5 +1,6 @@
-// Light at hits that holds in the frame of its path alone, since what moves touches the path in some frame of the group: weighted
-// as in a group of one frame, and added to the hit's own pixel as a glint (src/reuse/estimators.md, section 18).
+// Light at hits that is kept apart, weighted as in a group of one frame and added to the hit's own pixel as a glint: what holds in
+// the frame of its path alone, since what moves touches the path in some frame of the group (src/reuse/estimators.md, section 18), or
+// caustics, which go to what is taken out of the picture (section 19).
 #include "reuse/harvest/harvest_steps.h"
 
 #include <string.h>
@@ -25,7 +26,7 @@ void rf_add_own_glossy( RfHitBatch* batch, const float* const wi[3], RfHarvestSc
     for ( int i = first; i < batch->count; ++i )
     {
         float q[3];
-        if ( scratch->clamp != NULL )
+        if ( rf_clamps_own( scratch ) )
         {
             float of_lobes[3] = { f[0][i - first], f[1][i - first], f[2][i - first] };
             rf_add_clamped_own( &own->arrival, i, s->pdf[i - first], of_lobes, batch, scratch );
@@ -62,7 +63,7 @@ static int append_glint( const RfHarvestScratch* scratch, int hit, RfHitBatch* b
     int slot = scratch->hits->slot[hit], glint = batch->glint_count++, at = batch->count + batch->miss_count + glint;
     rf_glint_pixel( batch )[glint] = scratch->pixel[slot];
     memset( rf_glint_radiance( batch ) + 4 * (size_t)glint, 0, 4 * sizeof( float ) );
-    if ( scratch->clamp != NULL )
+    if ( batch->removed != NULL )
         memset( batch->removed + 4 * (size_t)at, 0, 4 * sizeof( float ) );
     for ( int c = 0; c < 2 && batch->offset[0] != NULL; ++c )
         batch->offset[c][at] = scratch->place[c][slot];
@@ -72,10 +73,11 @@ static int append_glint( const RfHarvestScratch* scratch, int hit, RfHitBatch* b
 void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     float( *light )[RF_LANES] = scratch->own->light;
+    bool caustics = scratch->own->paths.caustics, clamped = rf_clamps_own( scratch );
     int32_t glint_of[RF_LANES];
     if ( rf_has_views( batch ) )
         dim( harvest, batch, scratch, light );
-    if ( rf_has_views( batch ) && scratch->clamp != NULL )
+    if ( rf_has_views( batch ) && rf_clamps_own( scratch ) )
         dim( harvest, batch, scratch, scratch->clamp->own );
     memset( glint_of, -1, sizeof glint_of );
     for ( int g = 0; g < batch->glint_count; ++g )
@@ -86,12 +88,16 @@ void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScr
             continue;
         int glint = glint_of[scratch->hits->slot[i]];
         glint = glint >= 0 ? glint : append_glint( scratch, i, batch );
+        float* picture = rf_glint_radiance( batch ) + 4 * (size_t)glint;
+        size_t at = 4 * (size_t)( batch->count + batch->miss_count + glint );
+        float* removed = batch->removed != NULL ? batch->removed + at : NULL;
         for ( int c = 0; c < 3; ++c )
         {
-            rf_glint_radiance( batch )[4 * (size_t)glint + c] += light[c][i];
-            if ( scratch->clamp != NULL )
-                batch->removed[4 * (size_t)( batch->count + batch->miss_count + glint ) + (size_t)c] += scratch->clamp->own[c][i];
+            *( caustics ? removed + c : picture + c ) += light[c][i];
+            if ( clamped )
+                removed[c] += scratch->clamp->own[c][i];
         }
+        batch->any_removed |= caustics;
     }
 }
 

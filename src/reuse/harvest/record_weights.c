@@ -32,6 +32,24 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
         rf_share_chain_light( harvest, scratch, pairing, out );
 }
 
+// Of diffuse hits, what is kept apart.
+static void add_own_diffuse( const RfArrivalLanes* own, const float* pdf, float* const f[3], RfHitBatch* batch,
+                             RfHarvestScratch* scratch )
+{
+    for ( int i = 0; i < batch->first[RF_BSDF_FIRST_GLOSSY]; ++i )
+    {
+        float q[3];
+        if ( rf_clamps_own( scratch ) )
+        {
+            rf_add_clamped_own( own, i, pdf[i], ( float[3] ){ f[0][i], f[1][i], f[2][i] }, batch, scratch );
+            continue;
+        }
+        rf_weigh_arrival( own, i, pdf[i], q );
+        for ( int c = 0; c < 3; ++c )
+            scratch->own->light[c][i] += f[c][i] * q[c];
+    }
+}
+
 // Diffuse hits: the density is the same for all cameras, so the light to any of
 // them is known here.
 static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arrival, const RfArrivalLanes* own, bool all_indirect,
@@ -45,24 +63,16 @@ static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arriva
     if ( scratch->clamp != NULL )
     {
         rf_add_clamped_diffuse( arrival, all_indirect, s->pdf, f, batch, scratch );
-        for ( int i = 0; i < count && own != NULL; ++i )
-            rf_add_clamped_own( own, i, s->pdf[i], ( float[3] ){ f[0][i], f[1][i], f[2][i] }, batch, scratch );
-        return;
     }
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < count && scratch->clamp == NULL; ++i )
     {
         float q[3];
         rf_weigh_arrival( arrival, i, s->pdf[i], q );
         for ( int c = 0; c < 3; ++c )
             batch->radiance[4 * i + c] += f[c][i] * q[c];
     }
-    for ( int i = 0; i < count && own != NULL; ++i )
-    {
-        float q[3];
-        rf_weigh_arrival( own, i, s->pdf[i], q );
-        for ( int c = 0; c < 3; ++c )
-            scratch->own->light[c][i] += f[c][i] * q[c];
-    }
+    if ( own != NULL )
+        add_own_diffuse( own, s->pdf, f, batch, scratch );
 }
 
 // Path by path.
@@ -77,7 +87,7 @@ static void clamp_diffuse_tile_light( const RfHarvest* harvest, const bool* take
     {
         rf_gather_diffuse_tile_light( scratch->tiles, s, s + 1, count, false, taken, worth, light );
         rf_add_clamped_light( light, albedo, count, batch, scratch );
-        if ( harvest->path.own == NULL )
+        if ( harvest->path.own == NULL || !rf_clamps_own( scratch ) )
             continue;
         rf_gather_diffuse_tile_light( scratch->tiles, s, s + 1, count, true, taken, worth, light );
         rf_add_clamped_own_light( light, albedo, count, batch, scratch );
@@ -97,15 +107,17 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     if ( scratch->clamp != NULL )
     {
         clamp_diffuse_tile_light( harvest, taken, worth, batch, scratch );
-        return;
     }
-    rf_gather_diffuse_tile_light( scratch->tiles, 1, harvest->shape.tile_pixels, count, false, taken, worth, sum );
-    for ( int i = 0; i < count; ++i )
+    else
     {
-        for ( int c = 0; c < 3; ++c )
-            batch->radiance[4 * i + c] += v->param[RF_PARAM_DIFFUSE + c][i] * sum[c][i];
+        rf_gather_diffuse_tile_light( scratch->tiles, 1, harvest->shape.tile_pixels, count, false, taken, worth, sum );
+        for ( int i = 0; i < count; ++i )
+        {
+            for ( int c = 0; c < 3; ++c )
+                batch->radiance[4 * i + c] += v->param[RF_PARAM_DIFFUSE + c][i] * sum[c][i];
+        }
     }
-    if ( harvest->path.own == NULL )
+    if ( harvest->path.own == NULL || rf_clamps_own( scratch ) )
         return;
     rf_gather_diffuse_tile_light( scratch->tiles, 1, harvest->shape.tile_pixels, count, true, taken, worth, sum );
     for ( int c = 0; c < 3; ++c )

@@ -71,7 +71,7 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     batch.density_sum = take_lanes( layout );
     size_t listed = shape->chains || shape->own_light ? 2 * RF_LANES : RF_LANES; // a hit may have a glint as well
     batch.radiance = take( layout, 4 * listed * sizeof( float ) );
-    if ( shape->clamped )
+    if ( shape->clamped || shape->caustics )
         batch.removed = take( layout, 4 * listed * sizeof( float ) );
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
     if ( rf_is_partial( shape ) )

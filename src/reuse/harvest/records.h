@@ -47,9 +47,9 @@ typedef struct RfHitBatch
     float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
     RfDirectionLanes* directions; // numbered as by rf_first_pairing
     float* arrivals;              // likewise; NULL except for research (accumulate/biased_weights.h)
-    // what the clamp takes out (clamp.h); NULL without one
+    // what is taken out of the light; NULL where nothing is
     float* removed;                       // like radiance, with r g b 0
-    RfDirectionLanes* removed_directions; // like directions, which they share wi with
+    RfDirectionLanes* removed_directions; // like directions, which they share wi with; NULL without a clamp (clamp.h)
     bool any_removed;                     // else neither of the two is set
 } RfHitBatch;
 
@@ -68,10 +68,11 @@ typedef struct RfBatchShape
     bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays are followed through mirrors and glass
     int chain_samples;    // per hit behind a chain (path/chain_samples.h); one direction more unless 0
-    bool own_light;       // some paths may hold in their own frame alone: something moves (path/own_light.h)
+    bool own_light;       // some light of paths may be kept apart (path/own_light.h)
+    bool caustics;        // all of that is caustics, which are taken out
     bool surfaces;        // motion follows what moves: which surfaces camera rays hit is kept
     bool connections;     // hits have connections to light paths: one direction more
-    bool clamped;         // what is taken out of the light is kept
+    bool clamped;         // what the clamp takes out of the light is kept
 } RfBatchShape;
 
 // How a hit was found.

@@ -199,9 +199,12 @@ static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
     }
 }
 
-// Begins the paths anew at their second vertices, which `triangle` lists by ray: what moves may touch those themselves.
-static void begin_beyond( const RfTracer* tracer, const uint32_t* triangle, RfTileReuse* reuse )
+// Begins the paths anew at their second vertices, which `triangle` lists by ray: what moves may touch those themselves. Caustics
+// begin at hits: those of a tile are alike (rf_throws_caustics).
+static void begin_beyond( const RfPathSettings* path, const uint32_t* triangle, RfTileReuse* reuse )
 {
+    bool caustics = path->own->caustics;
+    reuse->own->beyond.caustics = caustics;
     const RfVertexLanes* y = &reuse->second.lanes;
     RfArrivals* arrivals = &reuse->own->beyond.arrivals;
     for ( int a = 0; a < y->count; ++a )
@@ -210,7 +213,9 @@ static void begin_beyond( const RfTracer* tracer, const uint32_t* triangle, RfTi
         for ( int c = 0; c < 3; ++c )
             arrivals->emitted[c][slot] = arrivals->rest[c][slot] = 0.0f;
         arrivals->light_pdf_solid_angle[slot] = 0.0f;
-        reuse->own->moving[slot] = reuse->own->beyond.touched[slot] = rf_is_moving( tracer, triangle[y->ray[a]] );
+        reuse->own->beyond.seen[slot] = path->own->seen[slot];
+        reuse->own->moving[slot] = reuse->own->beyond.touched[slot] =
+            !caustics && rf_is_moving( path->tracer, triangle[y->ray[a]] );
     }
 }
 
@@ -283,7 +288,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
         note_panes( &wavefront->rays,
                     rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second.lanes ), reuse );
     if ( reuse->split )
-        begin_beyond( settings->path->tracer, wavefront->scratch.triangle, reuse );
+        begin_beyond( settings->path, wavefront->scratch.triangle, reuse );
     if ( all_end_at_second( settings->path, wavefront ) || reuse->second.lanes.count == 0 )
     {
         clear_pairings( tile_pixels, reuse );

@@ -118,7 +118,7 @@ static void test_segments( Queue* q )
         test_past_panes( q, o, d );
     else
         rf_trace_segments( q->tracer, q->count, o, d, s->visible );
-    if ( q->reuse->split )
+    if ( q->reuse->split && !q->reuse->own->beyond.caustics )
         touch_connections( q, o, d );
     for ( int k = 0; k < q->count; ++k )
         q->reuse->pairings[q->pairing[k]].weight[q->hit[k]] *= s->visible[k];
