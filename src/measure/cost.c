@@ -232,7 +232,10 @@ RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* co
         least = wanted;
         *clamp = c;
     }
-    return predict_samples( job, &cost->reuse, ceil( least ), per_sweep );
+    RfCostPrediction p = predict_samples( job, &cost->reuse, ceil( least ), per_sweep );
+    if ( p.spp > 0 && p.spp == rf_predict_cost( job, &cost->reuse, relmse, per_sweep ).spp ) // whole groups need as many
+        *clamp = NULL;
+    return p;
 }
 
 // What the measurement of cost renders with.
@@ -372,6 +375,7 @@ static void find_clamp( CostStudy* s )
     RfRenderStats stats = { .clamp = 0.0 };
     settings.group = s->settings[1].group;
     settings.clamp = RF_CLAMP_AUTO;
+    settings.spp = s->first_passes; // the pilot is for the error
     settings.noise = s->job->relmse;
     settings.flicker = settings.time = 0.0;
     settings.adaptive = RF_ADAPTIVE_OFF;
