@@ -139,7 +139,7 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     free( table );
     json_decref( tune );
     // words on the way, and JSON alone on standard output
-    const CliResult* said = cli_run( "$R tune $VASE %s --budget 1 --json -", options );
+    const CliResult* said = cli_run( "$R tune $VASE %s --budget 4 --json -", options );
     assert_int_equal( said->status, 0 );
     assert_true( said->out[0] == '{' && strstr( said->err, "reframe tune: round 1: " ) == said->err );
 }
@@ -148,7 +148,7 @@ static void test_names_are_quoted_for_the_shell( void** state )
 {
     (void)state;
     cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
-    cli_expect( cli_run( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget 1 --quiet --json "
+    cli_expect( cli_run( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget 4 --quiet --json "
                          "tune.json > out.txt" ),
                 0, NULL );
     json_t* tune = cli_read_json( "tune.json" );
@@ -180,7 +180,7 @@ static void test_wrong_commands_are_refused( void** state )
     cli_expect( cli_run( "$R tune scene.json --size 400x300 --memory 1500K --budget 1 --quiet" ), 1,
                 "reframe tune: a budget of 1500 KiB is too small for frames of 400x300" );
     cli_expect( cli_run( "$R tune nowhere.glb" ), 1, "reframe tune: nowhere.glb: " );
-    cli_expect( cli_run( "$R tune scene.json --budget 1 --quiet --svg nowhere/plot.svg > out.txt" ), 1, "nowhere/plot.svg" );
+    cli_expect( cli_run( "$R tune scene.json --budget 4 --quiet --svg nowhere/plot.svg > out.txt" ), 1, "nowhere/plot.svg" );
     cli_expect( cli_run( "$R tune --help > out.txt" ), 0, NULL );
 }
 

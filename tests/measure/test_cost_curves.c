@@ -230,7 +230,7 @@ static void test_command_says_what_json_says( void** state )
 {
     (void)state;
     cli_enter();
-    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 1 --group 1 --noise 0.05,0.5 --frames 5-9 --quiet --json c.json "
+    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 4 --group 1 --noise 0.05,0.5 --frames 5-9 --quiet --json c.json "
                          "--svg c.svg > c.txt" ),
                 0, NULL );
     size_t size;
@@ -276,7 +276,7 @@ static void test_command_says_what_json_says( void** state )
     assert_true( count < 6 || strstr( text, "groups of 3 and 3x3 tiles: relMSE falls as time^-" ) !=
                                   NULL ); // a busy machine may have fewer rows
     free( text );
-    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 1 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );
+    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 4 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );
     text = cli_read( "c.txt", &size );
     assert_non_null( strstr( text, "(relMSE 1e-09): exact more than 1048576 spp, the limit\n" ) );
     free( text );
@@ -294,7 +294,7 @@ static void test_wrong_commands_are_refused( void** state )
     cli_expect( cli_run( "$R cost $VASE --budget 0" ), 2, "--budget" );
     cli_expect( cli_run( "$R cost $VASE --group 0 --tile 1" ), 2, "path tracing" );
     cli_expect( cli_run( "$R cost missing.glb" ), 1, "missing.glb" );
-    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 1 --group 1 --quiet --svg no/such/c.svg > c.txt" ), 1, "no/such" );
+    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 4 --group 1 --quiet --svg no/such/c.svg > c.txt" ), 1, "no/such" );
     cli_leave();
 }
 

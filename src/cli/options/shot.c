@@ -87,13 +87,14 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
     return result == RF_OK ? rf_create_tracer_by( options->settings.threads, &shot->scene, &shot->tracer, error ) : result;
 }
 
-#define OVERTIME 0.1 // of the budget, for what is being rendered
+#define OVERTIME 0.1 // of the budget, and these seconds, for what is being rendered
+#define OVERTIME_SECONDS 2.0
 
 double rf_budget_left( double budget, double start, double* deadline )
 {
     double now = rf_wall_seconds(), left = start + budget - now;
     left = left > 0.5 * budget ? left : 0.5 * budget;
-    *deadline = now + left + OVERTIME * budget;
+    *deadline = now + left + OVERTIME * budget + OVERTIME_SECONDS;
     return left;
 }
 
