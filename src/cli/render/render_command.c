@@ -382,8 +382,8 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     if ( result == RF_OK )
         result = find_runs( job, error ); // of what is left
     if ( result == RF_OK && job->frame_count > 0 )
-        result =
-            rf_find_films( &( RfFramesLeft ){ &job->output, job->frames, job->frame_count }, &job->options, &job->films, error );
+        result = rf_find_films( &( RfFramesLeft ){ &job->output, job->frames, job->frame_count }, &job->options, &job->log,
+                                &job->films, error );
     if ( result != RF_OK || job->options.quiet )
         return result;
     print_settings( &job->asked, &job->options.settings, &job->fit, &job->path );

@@ -377,7 +377,7 @@ RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* optio
     return result;
 }
 
-RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options, FILE** films, RfError* error )
+RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options, RfLog* log, FILE** films, RfError* error )
 {
     char name[RF_FILMS_NAME_SIZE];
     RfError reason = { 0 };
@@ -387,7 +387,9 @@ RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options
     if ( *films != NULL )
         fclose( *films );
     *films = NULL;
-    if ( options->overwrite )
+    if ( options->resume && state == RF_FILMS_OTHER_FRAMES ) // of a range that was cut anew
+        rf_warn( log, "--resume: %.900s: not used", reason.text );
+    if ( options->overwrite || ( options->resume && state == RF_FILMS_OTHER_FRAMES ) )
         return RF_OK;
     RfResult result = rf_films_file_name( left->output, left->frames[0], name, error );
     if ( result != RF_OK )
