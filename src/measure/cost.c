@@ -271,6 +271,7 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
     asked.clamp = 0.0;
+    asked.aovs &= ~RF_AOV_BIT( RF_AOV_REMOVED );
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
     RfResult result = rf_resolve_settings( &job->shot, &asked, reuse, error );
     if ( result != RF_OK )

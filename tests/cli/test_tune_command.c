@@ -139,7 +139,7 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     free( table );
     json_decref( tune );
     // words on the way, and JSON alone on standard output
-    const CliResult* said = cli_run( "$R tune $VASE %s --budget 4 --json -", options );
+    const CliResult* said = cli_run( "$R tune $VASE %s --clamp auto --aov removed --budget 4 --json -", options );
     assert_int_equal( said->status, 0 );
     assert_true( said->out[0] == '{' && strstr( said->err, "reframe tune: round 1: " ) == said->err );
 }

@@ -112,6 +112,7 @@ static void test_options_change_plan_as_render( void** state )
         { "--size 64x36 --tile 1 --memory 2500K", "--aov albedo,normal,depth,motion,variance,samples", true },
         { "--size 64x36 --tile 1 --memory 2500K", "--noise 1000", true }, // the samples that it may take need totals
         { "--size 64x36 --tile 1 --memory 2500K", "--time 0.001", true },
+        { "--size 64x36 --tile 1 --memory 2500K", "--clamp 1 --aov removed", true },
         { "--size 64x36 --spp 9 --memory 12M", "--weights eq15", true },
         { "--size 64x36 --spp 9 --memory 12M", "--weights unweighted --normalize none --tile rooks16 --light-samples 2", false },
     };
