@@ -23,11 +23,14 @@
 #define PILOT_SHARE 0.03
 #define LEAST_PILOT 16e3
 #define MOST_PILOT 256e3
-#define BLOCK 8 // pixels
+#define BLOCK 4 // pixels
 // Thresholds that are tried: by half octaves, in luminance.
 #define LEAST_STEP ( -64 )
 #define STEPS 256
 #define MOST_LOST 0.25 // of the light, to the threshold by which blocks are compared
+// A larger threshold takes out less light: the largest is taken that costs little more than the least, and is not far from it.
+#define LITTLE_MORE 1.05
+#define FAR_STEPS 4
 #define SEEN_SHARE 0.7 // of what a frame sees, that another of its group sees as well, about
 #define USUAL_SPP 64.0 // where a flicker or a time ends the render, not a number of samples
 
@@ -310,37 +313,31 @@ static float choose_threshold( const Pilot* p, const Tally* tally )
 {
     const RfRenderer* r = p->renderer;
     const RfRenderSettings* s = &r->setup->settings;
-    double worth = worth_of( r ), spp = rf_is_stopping( s ) ? USUAL_SPP : s->spp, least = INFINITY;
-    float best = tally->largest;
+    double worth = worth_of( r ), spp = rf_is_stopping( s ) ? USUAL_SPP : s->spp, cost[STEPS];
+    int least = 0, best;
     for ( int k = 0; k < STEPS; ++k )
     {
         double variance = tally->variance[k] / ( p->samples * worth ), bias = tally->bias[k] / p->samples;
-        double cost = s->noise > 0.0 ? ( bias < s->noise ? variance / ( s->noise - bias ) : INFINITY ) : variance / spp + bias;
-        if ( cost < least )
-        {
-            least = cost;
-            best = step_threshold( k );
-        }
+        cost[k] = s->noise > 0.0 ? ( bias < s->noise ? variance / ( s->noise - bias ) : INFINITY ) : variance / spp + bias;
+        least = cost[k] < cost[least] ? k : least;
     }
+    best = least;
+    for ( int k = least; k < STEPS && k <= least + FAR_STEPS; ++k )
+        best = cost[k] <= LITTLE_MORE * cost[least] ? k : best;
     // beyond what the pilot has seen, nothing is known; with more samples larger ones are found
     double seen = worth * spp * r->setup->sizes.width * r->setup->sizes.height / p->samples;
-    return rf_minf( best, tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
+    return rf_minf( step_threshold( best ), tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
 }
 
-// Kinds of which the pilot has seen nothing have the threshold of the others; where it has seen nothing at all there is none.
+// Lights seen by chains are few in the pilot, or none: their threshold is not below that of paths. Where the pilot has seen nothing at
+// all there is none.
 static RfClampThresholds choose_thresholds( const Pilot* p )
 {
-    RfClampThresholds chosen = { { INFINITY, INFINITY } };
-    float least = INFINITY;
-    for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
-    {
-        if ( p->tally[kind].largest > 0.0f )
-            chosen.threshold[kind] = choose_threshold( p, p->tally + kind );
-        least = rf_minf( least, chosen.threshold[kind] );
-    }
-    for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
-        chosen.threshold[kind] = p->tally[kind].largest > 0.0f ? chosen.threshold[kind] : least;
-    return chosen;
+    bool paths = p->tally[RF_CLAMP_PATHS].largest > 0.0f, chains = p->tally[RF_CLAMP_CHAINS].largest > 0.0f;
+    float of_paths = paths ? choose_threshold( p, p->tally + RF_CLAMP_PATHS ) : INFINITY;
+    float of_chains = chains ? choose_threshold( p, p->tally + RF_CLAMP_CHAINS ) : of_paths;
+    of_paths = paths ? of_paths : of_chains;
+    return ( RfClampThresholds ){ { of_paths, rf_maxf( of_paths, of_chains ) } };
 }
 
 // False without memory.
