@@ -140,7 +140,8 @@ static void test_tree_is_the_plain_tracer_to_the_bit( void** state )
         {
             float plain[3 * SIDE * SIDE];
             ReferenceSettings s = {
-                settings.spp, settings.max_depth, settings.light_samples, settings.seed, frame, settings.light_sampling, false
+                settings.spp, settings.max_depth, settings.light_samples, settings.seed, frame, settings.light_sampling, false,
+                false
             };
             reference_image( tracer, eyes + frame, &s, plain );
             assert_memory_equal( plain, frame_rgb( &r, frame ), sizeof plain );

@@ -62,7 +62,7 @@ static void check_plain( RfScene scene, int light_samples, int max_depth )
     for ( int k = 0; k < 2; ++k )
     {
         ReferenceSettings plain = { settings.spp, max_depth, light_samples, settings.seed, frames[k], settings.light_sampling,
-                                    false };
+                                    false,        false };
         reference_image( tracer, eyes + frames[k], &plain, reference );
         assert_memory_equal( frame_rgb( &rendered, k ), reference, 3 * rendered.pixels * sizeof( float ) );
         for ( size_t i = 0; i < 3 * rendered.pixels; ++i )

@@ -46,7 +46,7 @@ static int plain_trace( const RfEstimatorGroup* group, RfTraceJob job, void* bat
     Row* row = batch;
     const RfRenderSettings* s = group->settings;
     ReferenceSettings settings = {
-        s->spp, group->max_depth, s->light_samples, s->seed, group->first_frame + job.eye, s->light_sampling, false
+        s->spp, group->max_depth, s->light_samples, s->seed, group->first_frame + job.eye, s->light_sampling, false, false
     };
     row->eye = job.eye;
     row->row = job.job;

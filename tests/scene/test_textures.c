@@ -340,7 +340,7 @@ static void check_plain( RfScene scene )
     for ( int k = 0; k < 3; ++k )
     {
         ReferenceSettings plain = {
-            settings.spp, settings.max_depth, settings.light_samples, settings.seed, k, settings.light_sampling, false
+            settings.spp, settings.max_depth, settings.light_samples, settings.seed, k, settings.light_sampling, false, false
         };
         reference_image( tracer, eyes + k, &plain, reference );
         assert_memory_equal( frame_rgb( &r, k ), reference, 3 * r.pixels * sizeof( float ) );
