@@ -62,6 +62,16 @@ static inline bool rf_is_chain_surface( const RfMaterial* m )
     return m->kind == RF_BSDF_GLASS && m->alpha == 0.0f && m->textured == NULL && !m->thin;
 }
 
+#define RF_PLATE_ALPHA 0.04f // roughness 0.2
+
+// True of the metals that light paths of lamps without size follow, by facets: smooth enough to throw that light as a caustic, no
+// textures.
+static inline bool rf_is_plate( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GGX && m->alpha <= RF_PLATE_ALPHA && m->textured == NULL && m->diffuse.x == 0.0f &&
+           m->diffuse.y == 0.0f && m->diffuse.z == 0.0f;
+}
+
 // True of non-specular surfaces that scatter so widely that a direction drawn by the cosine serves as well as one drawn by the
 // model. `shape`: Phong's exponent, or alpha.
 static inline bool rf_is_matte( RfBsdfKind kind, float shape )

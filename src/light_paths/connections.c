@@ -457,6 +457,9 @@ static void solve( RfConnectionWork* w )
         RfManifoldWalk* walk = w->walk + k;
         walk->at.start = connection->path->start;
         walk->at.events = connection->path->events;
+        walk->at.plate = connection->path->plate;
+        walk->at.facet[0] = connection->path->facet[0];
+        walk->at.facet[1] = connection->path->facet[1];
         walk->at.length = connection->path->length;
         walk->at.end = connection->path->end;
         walk->y = rf_start_of( w->v, connection->lane );

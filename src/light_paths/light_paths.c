@@ -268,7 +268,8 @@ static uint32_t light_path_count( const RfEstimatorGroup* group )
 
 size_t rf_light_paths_bytes( const RfEstimatorGroup* group )
 {
-    size_t n = light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
+    size_t n = light_path_count( group ), s = group->traits.chain_triangles + group->traits.plate_triangles,
+           l = group->traits.most_lights;
     return aligned( sizeof( RfLightPaths ) ) + aligned( n * sizeof( RfLightPath ) ) + aligned( n * sizeof( uint32_t ) ) +
            aligned( n * sizeof( RfFootprintNode ) ) + scattered_bytes( n ) + aligned( s * sizeof( uint32_t ) ) +
            aligned( s * sizeof( double ) ) + aligned( s * sizeof( float ) ) +
@@ -283,17 +284,20 @@ static void* take( char** at, size_t bytes )
     return here;
 }
 
+static bool is_followed( const RfMaterial* m ) { return rf_is_chain_surface( m ) || rf_is_plate( m ); }
+
 // Points are drawn uniformly by area on each material, and every material has the same share of them.
-static void list_surfaces( const RfTracer* tracer, RfLightPaths* paths )
+static void list_surfaces( const RfTracer* tracer, bool plates, RfLightPaths* paths )
 {
     const RfScene* scene = rf_tracer_scene( tracer );
+    bool ( *is )( const RfMaterial* ) = plates ? is_followed : rf_is_chain_surface;
     RfTriangleRecord place;
-    uint32_t count = rf_list_triangles( scene, rf_is_chain_surface, paths->triangle ), materials = 0;
+    uint32_t count = rf_list_triangles( scene, is, paths->triangle ), materials = 0;
     paths->surface_count = count;
     for ( uint32_t m = 0; m < scene->material_count; ++m )
     {
         double area = 0.0;
-        for ( uint32_t k = 0; k < count && rf_is_chain_surface( scene->materials + m ); ++k )
+        for ( uint32_t k = 0; k < count && is( scene->materials + m ); ++k )
         {
             const RfTriangleRecord* t = rf_triangle_record( tracer, paths->triangle[k], &place );
             double twice;
@@ -342,7 +346,7 @@ static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
     const RfScene* scene = rf_tracer_scene( group->tracer );
     rf_divide_emitters( scene, paths->connected );
     for ( uint32_t m = 0; m <= scene->material_count && group->settings->light_paths == RF_LIGHT_PATHS_ON; ++m )
-        paths->connected[m] = true;
+        paths->connected[m] = group->traits.chain_triangles > 0; // plates serve lamps without size alone
     double sum = 0.0;
     uint32_t count = 0;
     for ( uint32_t i = 0; i < lights->count; ++i )
@@ -359,7 +363,8 @@ static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
 // The surfaces are listed once, or, where something moves, for every group; groups at the ends of a camera's path have fewer light paths than others.
 static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
 {
-    size_t n = light_path_count( group ), s = group->traits.chain_triangles, l = group->traits.most_lights;
+    size_t n = light_path_count( group ), s = group->traits.chain_triangles + group->traits.plate_triangles,
+           l = group->traits.most_lights;
     char* at = memory;
     RfLightPaths* paths = take( &at, sizeof *paths );
     paths->share = paths->share > 0.0f ? paths->share : 1.0f;
@@ -380,7 +385,7 @@ static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
     if ( paths->listed_for == 0 || ( group->traits.moves && paths->listed_for != group->number + 1 ) )
     {
-        list_surfaces( group->tracer, paths );
+        list_surfaces( group->tracer, group->traits.plate_triangles > 0, paths );
         list_emitters( group, paths );
     }
     paths->listed_for = group->number + 1;
@@ -490,7 +495,12 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
         if ( !active[i] || c->length == 0 || c->first_triangle != target[i] )
             continue;
         float pdf = rf_steer_pdf( paths, c );
-        *path = ( RfLightPath ){ .start = c->start, .events = c->events, .length = c->length, .end = c->end };
+        *path = ( RfLightPath ){ .start = c->start,
+                                 .events = c->events,
+                                 .plate = c->plate,
+                                 .facet = { c->facet[0], c->facet[1] },
+                                 .length = c->length,
+                                 .end = c->end };
         path->weight = 1.0f / ( pdf * c->probability );
         RfFootprint footprint = rf_find_footprint( paths, rf_tracer_lights( group->tracer ), c, pdf, land.p[i],
                                                    rf_triangle_record( group->tracer, land.triangle[i], &place )->ng );

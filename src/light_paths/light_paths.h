@@ -29,6 +29,8 @@ typedef struct RfLightPath
 {
     RfEmission start;
     uint32_t events;
+    uint32_t plate; // of its chain
+    float facet[2];
     int length;        // vertices of its chain
     float weight;      // 1 / (density of the steering parameters × probability of the events)
     RfReach reach;     // of connections

@@ -72,16 +72,37 @@ static bool refract( RfVec3 d, RfVec3 n, float eta, RfVec3* out )
     return true;
 }
 
+// The facet of a vertex that reflects, and how it turns where the shading normal does.
+static RfVec3 facet_of( const RfChainVertex* v, RfVec3 n, RfVec3* turns )
+{
+    RfVec3 t, b, dn = *turns;
+    float sign = copysignf( 1.0f, n.z ), a = -1.0f / ( sign + n.z ), da = a * a * dn.z;
+    float dc = ( dn.x * n.y + n.x * dn.y ) * a + n.x * n.y * da;
+    RfVec3 dt = rf_vec3( sign * n.x * ( 2.0f * dn.x * a + n.x * da ), sign * dc, -sign * dn.x ),
+           db = rf_vec3( dc, n.y * ( 2.0f * dn.y * a + n.y * da ), -dn.y );
+    float up = sqrtf( rf_maxf( 1.0f - v->at[0] * v->at[0] - v->at[1] * v->at[1], 0.0f ) );
+    rf_basis( n, &t, &b );
+    *turns = rf_add( rf_add( rf_scale( dt, v->at[0] ), rf_scale( db, v->at[1] ) ), rf_scale( dn, up ) );
+    return rf_add( rf_add( rf_scale( t, v->at[0] ), rf_scale( b, v->at[1] ) ), rf_scale( n, up ) );
+}
+
 // Propagates the differentials through reflection or refraction towards `out`. n is on the side that it comes from, eta as
 // seen from there; sign is −1 where that is not the side that the light comes from.
 static void scatter_pair( RfRayPair* ray, const RfTriangleRecord* t, const RfChainVertex* v, RfVec3 n, float eta, float sign,
                           RfVec3 out )
 {
-    RfVec3 d = ray->d;
+    RfVec3 d = ray->d, shading = n;
+    if ( v->facet )
+    {
+        RfVec3 still = rf_vec3( 0, 0, 0 );
+        n = facet_of( v, shading, &still );
+    }
     float c = -rf_dot( d, n );
     for ( int k = 0; k < 2; ++k )
     {
-        RfVec3 dn = normal_change( t, v, n, sign, ray->dp[k] ), dd = ray->dd[k];
+        RfVec3 dn = normal_change( t, v, shading, sign, ray->dp[k] ), dd = ray->dd[k];
+        if ( v->facet )
+            facet_of( v, shading, &dn );
         float dc = -( rf_dot( dd, n ) + rf_dot( d, dn ) );
         if ( v->refracted )
         {
@@ -168,6 +189,31 @@ static bool take_event( const RfMaterial* m, RfChainVertex* v, RfVec3 ng, RfChai
            rf_max_component( chain->weight ) > 0.0f && chain->probability > 0.0f;
 }
 
+static float smith( float alpha, float cosine ) { return sqrtf( alpha * alpha + ( 1.0f - alpha * alpha ) * cosine * cosine ); }
+
+// Reflects at the facet of a plate: what the GGX lobe reflects, over the density D (n·h) of drawing the facet
+// (src/reuse/estimators.md, section 16). False: it is turned away.
+static bool take_facet( const RfMaterial* m, RfChainVertex* v, RfVec3 ng, RfChain* chain )
+{
+    RfVec3 d = chain->end.d, still = rf_vec3( 0, 0, 0 );
+    v->facet = true;
+    v->at[0] = chain->facet[0];
+    v->at[1] = chain->facet[1];
+    RfVec3 h = facet_of( v, v->n, &still );
+    float cos_h = -rf_dot( d, h ), cos_i = -rf_dot( d, v->n ), up = rf_dot( h, v->n );
+    v->out = rf_normalize( rf_madd( d, h, 2.0f * cos_h ) );
+    float cos_o = rf_dot( v->out, v->n );
+    if ( !( cos_h > 0.0f && cos_o > MIN_COS && up > 0.0f && rf_dot( v->out, ng ) > 0.0f ) )
+        return false;
+    float miss = rf_maxf( 1.0f - cos_h, 0.0f ), w = miss * miss * miss * miss * miss;
+    float shadow = 2.0f * cos_o * cos_i / ( cos_o * smith( m->alpha, cos_i ) + cos_i * smith( m->alpha, cos_o ) );
+    float grazing = w * m->f90, scale = shadow * cos_h / ( cos_o * up );
+    RfVec3 fresnel = rf_add( rf_scale( m->specular, 1.0f - w ), rf_vec3( grazing, grazing, grazing ) );
+    chain->weight = rf_mul( chain->weight, rf_scale( fresnel, scale ) );
+    v->flux_scale = cos_o / cos_i;
+    return rf_max_component( chain->weight ) > 0.0f;
+}
+
 bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float bu, float bv, RfChainEvents events, RfRandomKey key,
                     RfChain* chain )
 {
@@ -191,7 +237,9 @@ bool rf_step_chain( const RfTracer* tracer, uint32_t triangle, float bu, float b
     else if ( facing < 0.0f )
         chain->weight = rf_mul( chain->weight, transmittance( m->absorption, distance ) );
     transfer( &chain->end, v->p, t->ng );
-    if ( !take_event( m, v, ng, events, rf_random( key, (uint32_t)chain->length ), chain ) )
+    bool goes_on = chain->plate != 0 ? take_facet( m, v, ng, chain )
+                                     : take_event( m, v, ng, events, rf_random( key, (uint32_t)chain->length ), chain );
+    if ( !goes_on )
         return false;
     scatter_pair( &chain->end, t, v, v->n, v->eta, 1.0f, v->out );
     float offset = rf_hit_point( t, bu, bv, from, v->out ).offset;
@@ -224,6 +272,24 @@ static void add_ray( Rays* rays, int index, const RfRayPair* ray )
     rays->index[k] = index;
 }
 
+// Whether the chain begins at a plate: drawn, it has a facet, drawn in proportion to its area as seen along the normal.
+static bool begins_at_plate( const RfMaterial* materials, uint32_t material, RfChainEvents events, const RfRandomKey* key,
+                             RfChain* chain )
+{
+    if ( chain->length > 0 || !rf_is_plate( materials + material ) )
+        return false;
+    if ( events == RF_CHAIN_COPY )
+        return chain->plate == material + 1;
+    if ( !chain->start.delta_position && !chain->start.delta_direction )
+        return false;
+    float u = rf_random( *key, RF_MAX_CHAIN ), phi = 2.0f * RF_PI * rf_random( *key, RF_MAX_CHAIN + 1 );
+    float alpha = materials[material].alpha, tan2 = alpha * alpha * u / ( 1.0f - u ), sine = sqrtf( tan2 / ( 1.0f + tan2 ) );
+    chain->plate = material + 1;
+    chain->facet[0] = sine * cosf( phi );
+    chain->facet[1] = sine * sinf( phi );
+    return true;
+}
+
 void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRandomKey* keys, const bool* active, int count,
                      RfChain* const* chains, RfLanding* land, uint64_t* ray_count )
 {
@@ -236,6 +302,7 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
         if ( !active[i] )
             continue;
         wanted[i] = events == RF_CHAIN_COPY ? chains[i]->length : RF_MAX_CHAIN;
+        chains[i]->plate = events == RF_CHAIN_COPY ? chains[i]->plate : 0;
         rf_begin_chain( chains[i] );
         add_ray( &rays, i, &chains[i]->end );
     }
@@ -252,8 +319,10 @@ void rf_walk_chains( const RfTracer* tracer, RfChainEvents events, const RfRando
             int i = now.index[k];
             RfChain* chain = chains[i];
             uint32_t triangle = now.triangle[k];
-            const RfMaterial* m = triangle != RF_MISS ? materials + rf_triangle_material( tracer, triangle ) : NULL;
-            bool delta = m != NULL && rf_is_chain_surface( m );
+            uint32_t material = triangle != RF_MISS ? rf_triangle_material( tracer, triangle ) : 0;
+            const RfMaterial* m = triangle != RF_MISS ? materials + material : NULL;
+            bool delta = m != NULL && ( ( rf_is_chain_surface( m ) && chain->plate == 0 ) ||
+                                        begins_at_plate( materials, material, events, keys != NULL ? keys + i : NULL, chain ) );
             bool full = chain->length == wanted[i];
             if ( panes.any )
                 rf_pass_panes( &panes, k, chain );
@@ -398,6 +467,9 @@ void rf_walk_manifold( const RfTracer* tracer, int count, RfManifoldWalk* walks,
             tried[i].start = e;
             tried[i].events = b->at.events;
             tried[i].length = b->at.length;
+            tried[i].plate = b->at.plate;
+            tried[i].facet[0] = b->at.facet[0];
+            tried[i].facet[1] = b->at.facet[1];
             active[i] = e.infinite || rf_emit_towards( rf_tracer_lights( tracer ), e.direction, &tried[i].start );
             any = true;
             if ( !active[i] )

@@ -93,12 +93,17 @@ typedef struct RfChainVertex
     float normal_scale; // of the normal's derivatives: its sign over the length of the interpolated normal; 0: flat
     float eta;          // refractive index of the far over the near side; 0: a mirror
     bool refracted;
+    bool facet; // of a plate: its facet with these coordinates in rf_basis( n ) reflects
+    float at[2];
+    float flux_scale; // of a facet: the factor for flux over that for radiance
 } RfChainVertex;
 
 typedef struct RfChain
 {
     RfEmission start; // with position and direction
     uint32_t events;  // bit k: vertex k refracts
+    uint32_t plate;   // 1 + the material of the plate (rf_is_plate) that is its only vertex; 0: it has none
+    float facet[2];   // that reflects there
     int length;
     RfChainVertex vertex[RF_MAX_CHAIN];
     RfVec3 weight;     // throughput of reflections, refractions, media and panes
@@ -182,6 +187,7 @@ static inline float rf_flux_over_radiance( const RfChain* chain )
     for ( int k = 0; k < chain->length; ++k )
     {
         const RfChainVertex* v = chain->vertex + k;
+        scale *= v->facet ? v->flux_scale : 1.0f;
         scale /= v->refracted ? v->eta * v->eta : 1.0f;
     }
     return scale;
@@ -202,7 +208,7 @@ typedef struct RfManifoldWalk
 // is singular.
 bool rf_newton_step( const RfRayPair* ray, RfVec3 y, RfVec3 n, float step[2], float* miss, float* spread );
 
-// Walks the active ones of `count` ≤ RF_CHAIN_BLOCK chains to their points. Of `at` only start, events, length and
+// Walks the active ones of `count` ≤ RF_CHAIN_BLOCK chains to their points. Of `at` only start, events, plate, facet, length and
 // end must be set. Whether a walk succeeds depends on these and y alone.
 void rf_walk_manifold( const RfTracer* tracer, int count, RfManifoldWalk* walks, uint64_t* rays );
 

@@ -40,6 +40,9 @@ static int try_again( RfConnectionWork* w, uint32_t trial, bool* pending )
         chains[k] = &walk->at;
         walk->active = active[k] = pending[k] && draw_start( w, connection, trial, &walk->at.start );
         walk->at.events = connection->chain.events;
+        walk->at.plate = connection->chain.plate;
+        walk->at.facet[0] = connection->chain.facet[0];
+        walk->at.facet[1] = connection->chain.facet[1];
         walk->at.length = connection->chain.length;
         w->out->trials += pending[k];
     }

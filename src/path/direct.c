@@ -236,10 +236,22 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
     }
 }
 
-// connect() for punctual lights and the environment, whose radiance is still 1.
-static void connect_non_area( const RfLights* lights, const RfWavefront* keys, const RfVertexLanes* v, LightPoints* points,
-                              uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
+// Whether connections bring what a plate throws of a lamp without size to the path's previous vertex (src/light_paths).
+static bool leaves_to_connections( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v, int i,
+                                   float cos_x )
 {
+    if ( settings->connector == NULL || keys->deltas[v->slot[i]] != 1 ||
+         !rf_is_plate( rf_tracer_scene( settings->tracer )->materials + v->material[i] ) )
+        return false;
+    float cos_o = v->n[0][i] * v->wo[0][i] + v->n[1][i] * v->wo[1][i] + v->n[2][i] * v->wo[2][i];
+    return cos_x > RF_MIN_COS && cos_o > RF_MIN_COS;
+}
+
+// connect() for punctual lights and the environment, whose radiance is still 1.
+static void connect_non_area( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v,
+                              LightPoints* points, uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
     memset( points->sky, 0, sizeof points->sky );
     for ( int k = 0; k < points->non_area_count; ++k )
     {
@@ -252,7 +264,8 @@ static void connect_non_area( const RfLights* lights, const RfWavefront* keys, c
         NonAreaSample s = sample_non_area( lights, points->selection[i], key, dimension, u, from );
         float cos_x = rf_dot( n, s.wi );
         bool is_finite = rf_max_component( s.radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
-        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && is_finite ) )
+        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && is_finite ) ||
+             ( !s.sky && leaves_to_connections( settings, keys, v, i, cos_x ) ) )
             continue;
         float wi[3] = { s.wi.x, s.wi.y, s.wi.z }, radiance[3] = { s.radiance.x, s.radiance.y, s.radiance.z };
         for ( int c = 0; c < 3; ++c )
@@ -369,7 +382,7 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     connect( vertices, &points, out, scratch );
     if ( rf_calls_for( points.non_area_count > 0, RF_EFFECT_PUNCTUAL_LIGHTS ) ||
          rf_calls_for( points.non_area_count > 0, RF_EFFECT_ENVIRONMENT ) )
-        connect_non_area( lights, keys, vertices, &points, dimension, out, scratch );
+        connect_non_area( settings, keys, vertices, &points, dimension, out, scratch );
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };

@@ -118,18 +118,21 @@ static void set_light_paths( const Source* from )
     bool on = rf_wants_light_paths( t, s );
     if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->emitters.connected > 0 )
         set( from, RF_EFFECT_LIGHT_PATHS, false,
-             "not enabled, although mirrors or clear glass carry the light of %u small emitter%s", t->emitters.connected,
-             t->emitters.connected == 1 ? "" : "s" );
+             "not enabled, although mirrors, clear glass or smooth metals carry the light of %u small emitter%s",
+             t->emitters.connected, t->emitters.connected == 1 ? "" : "s" );
     else if ( s->light_paths == RF_LIGHT_PATHS_OFF )
         set( from, RF_EFFECT_LIGHT_PATHS, false, "off in the settings" );
     else if ( on && s->light_paths == RF_LIGHT_PATHS_AUTO )
-        set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass; %u of %u emitters are small",
-             t->chain_triangles, t->emitters.connected, t->emitters.all );
+        set( from, RF_EFFECT_LIGHT_PATHS, true,
+             "%u triangles of mirrors, clear glass or smooth metals; %u of %u emitters are small",
+             t->chain_triangles + t->plate_triangles, t->emitters.connected, t->emitters.all );
     else if ( on )
-        set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors or clear glass", t->chain_triangles );
+        set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors, clear glass or smooth metals",
+             t->chain_triangles + t->plate_triangles );
     else
         set( from, RF_EFFECT_LIGHT_PATHS, false, "%s",
-             t->chain_triangles == 0          ? "no perfect mirror, no smooth solid glass"
+             t->chain_triangles + t->plate_triangles == 0
+                 ? "no perfect mirror, no smooth solid glass, no smooth metal under lamps without size"
              : t->without_caustics            ? "caustics are left out"
              : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
              : s->weights != RF_WEIGHTS_EXACT ? "they need exact weights"

@@ -15,6 +15,7 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
     {
         const RfMaterial* material = scene->materials + number[i];
         traits->chain_triangles += rf_is_chain_surface( material ) ? list.uses : 0;
+        traits->plate_triangles += scene->punctual_count > 0 && rf_is_plate( material ) ? list.uses : 0;
         traits->most_lights += rf_max_component( material->emission ) > 0.0f;
         if ( i > 0 && number[i] == number[i - 1] )
             continue;
@@ -49,7 +50,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.moves = rf_may_move( scene );
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
-    if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles > 0 && !traits.blended )
+    if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles + traits.plate_triangles > 0 && !traits.blended )
         traits.emitters = rf_divide_emitters( scene, NULL );
     return traits;
 }
@@ -57,8 +58,8 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
 bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings )
 {
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
-                             settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles > 0 && !traits->blended &&
-                             !( traits->moves && settings->group != 0 ) && !traits->without_caustics &&
+                             settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles + traits->plate_triangles > 0 &&
+                             !traits->blended && !( traits->moves && settings->group != 0 ) && !traits->without_caustics &&
                              ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }

@@ -28,6 +28,7 @@ typedef struct RfSceneTraits
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
     bool without_caustics;    // they are left out of a scene that has surfaces to throw them
     uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)
+    uint32_t plate_triangles; // that those of lamps without size can (rf_is_plate); 0 where there are no such lamps
     uint32_t materials;
     uint32_t most_lights; // triangles that emit, punctual lights, the sky
     RfDivision emitters;  // by light/divide.h

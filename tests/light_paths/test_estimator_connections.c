@@ -158,12 +158,69 @@ static void test_area_lights_shine_in_mirrors( void** state )
     check_room( "mirror ball", MIRROR_BALL, 4, g_connected );
 }
 
+// A ceiling and a wall over smooth metal, a plate and a ball, with a pane between. Mirrors would bring light that the reference lacks.
+static RfScene make_plates( RfPunctual lamp, float roughness )
+{
+    SceneBuilder b = { 0 };
+    uint32_t white = add_material( &b, make_lambert( 0.7f, 0.6f, 0.5f ) ), satin = add_material( &b, make_plastic( 0.6f, 0.6f ) ),
+             metal = add_material( &b, make_metal( 0.8f, roughness ) ),
+             pane = add_material( &b, make_thin_pane( rf_vec3( 0.9f, 0.6f, 0.4f ), 0.0f ) );
+    add_quad( &b, white, rf_vec3( -2, 2, -2 ), rf_vec3( 2, 2, -2 ), rf_vec3( 2, 2, 2 ), rf_vec3( -2, 2, 2 ) );
+    add_quad( &b, satin, rf_vec3( -2, 0, 2 ), rf_vec3( 2, 0, 2 ), rf_vec3( 2, 2, 2 ), rf_vec3( -2, 2, 2 ) );
+    add_quad( &b, metal, rf_vec3( -1.5f, 0, 1.5f ), rf_vec3( 0.3f, 0, 1.5f ), rf_vec3( 0.3f, 0.2f, -1.5f ),
+              rf_vec3( -1.5f, 0.2f, -1.5f ) );
+    add_sphere( &b, metal, rf_vec3( 0.9f, 0.3f, 0.2f ), 0.4f, 16 );
+    add_quad( &b, pane, rf_vec3( -0.6f, 1.2f, -2 ), rf_vec3( 0.5f, 1.2f, -2 ), rf_vec3( 0.5f, 1.2f, 0.5f ),
+              rf_vec3( -0.6f, 1.2f, 0.5f ) );
+    RfScene scene = finish_scene( &b );
+    scene.punctuals = malloc( sizeof *scene.punctuals );
+    if ( scene.punctuals == NULL )
+        abort();
+    scene.punctuals[0] = lamp;
+    scene.punctuals[0].name = NULL;
+    scene.punctual_count = 1;
+    return scene;
+}
+
+static void check_plates( const char* what, RfPunctual lamp, float roughness, int group, const char* tile )
+{
+    RfScene scene = make_plates( lamp, roughness );
+    RfTracer* tracer = make_tracer( &scene );
+    RfEye eyes[3];
+    for ( int i = 0; i < 3; ++i )
+        eyes[i] = rf_make_eye( rf_vec3( 0.05f * (float)i, 0.7f, -1.2f ), rf_vec3( 0.1f, 0.8f, 1 ), rf_vec3( 0, 1, 0 ), 0.9, WIDTH,
+                               HEIGHT );
+    RfRenderSettings settings = plain_settings();
+    settings.max_depth = 4;
+    settings.group = group;
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    Images reference = reference_images( tracer, eyes, 1, samples( 256 ), &settings );
+    settings.spp = samples( group == 0 ? 24 : 14 );
+    settings.light_paths = RF_LIGHT_PATHS_ON;
+    Images connected = rendered_images( tracer, eyes, 3, 1, settings );
+    assert_unbiased( what, &connected, &reference, 4 );
+    free_images( &reference );
+    free_images( &connected );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+static void test_smooth_metals_throw_light( void** state )
+{
+    (void)state;
+    RfPunctual lamp = make_point_light( rf_vec3( 0.2f, 1.5f, 0.3f ), 2.0f );
+    check_plates( "point, smooth metals, 0:1", lamp, 0.2f, 0, "1" );
+    check_plates( "point, smooth metals, 1:3x3", lamp, 0.1f, 1, "3x3" );
+    lamp.kind = RF_PUNCTUAL_DIRECTIONAL;
+    lamp.direction = rf_normalize( rf_vec3( -0.2f, -0.7f, 1.0f ) ); // comes in below the ceiling
+    check_plates( "sun, smooth metals, 1:3x3", lamp, 0.2f, 1, "3x3" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lamps_without_size_shine_in_mirrors ),
-        cmocka_unit_test( test_emitters_are_divided ),
-        cmocka_unit_test( test_area_lights_shine_in_mirrors ),
+        cmocka_unit_test( test_lamps_without_size_shine_in_mirrors ), cmocka_unit_test( test_emitters_are_divided ),
+        cmocka_unit_test( test_smooth_metals_throw_light ),           cmocka_unit_test( test_area_lights_shine_in_mirrors ),
         cmocka_unit_test( test_area_lights_shine_through_glass ),
     };
     return run_statistical_tests( tests, sizeof tests / sizeof *tests );
