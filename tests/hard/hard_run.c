@@ -79,7 +79,7 @@ static RfRenderSettings settings_of( const HardScene* h, const Estimator* e, con
     return s;
 }
 
-// Light paths are drawn where there are mirrors or clear glass alone.
+// Light paths are drawn only where there is something for them to follow.
 static bool is_for( const Estimator* e, const HardScene* h, const HardForm* form )
 {
     RfEffect effects[RF_MAX_EFFECTS];
