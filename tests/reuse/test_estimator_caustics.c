@@ -16,7 +16,7 @@
 #define WIDTH 32
 #define HEIGHT 24
 #define VALUES ( 3 * WIDTH * HEIGHT )
-#define REFERENCE_SPP 40
+#define REFERENCE_SPP 32
 #define CAUSTICS RF_EFFECT_BIT( RF_EFFECT_CAUSTICS )
 
 typedef struct Reuse
@@ -98,9 +98,9 @@ static void check( const char* what, RfScene scene, const RfEye* given, int coun
     rf_destroy_scene( &scene );
 }
 
-static const Reuse s_all[] = { { 0, "1", false, false, false },      { 0, "3x3", false, false, false },
-                               { 1, "1", false, false, false },      { 1, "3x3", false, false, false },
-                               { 1, "rooks4", false, false, false }, { 1, "2x2", true, false, false },
+static const Reuse s_all[] = { { 0, "1", false, false, false },
+                               { 1, "rooks4", false, false, false },
+                               { 1, "2x2", true, false, false },
                                { 1, "3x3", false, true, true } };
 static const Reuse s_both[] = { { 0, "3x3", false, false, false }, { 1, "3x3", false, false, false } };
 
@@ -108,7 +108,7 @@ static void test_mirrors_and_glass( void** state )
 {
     (void)state;
     check( "mirror", make_mirror_room( FLAT_MIRROR ), NULL, 2, s_both );
-    check( "glass", make_mirror_room( GLASS_BALL ), NULL, 7, s_all );
+    check( "glass", make_mirror_room( GLASS_BALL ), NULL, 4, s_all );
     check( "rough slab", make_mirror_room( ROUGH_SLAB ), NULL, 2, s_both );
     check( "slab over a base", make_mirror_room( LAYERED_SLAB ), NULL, 2, s_both );
 }
@@ -116,14 +116,14 @@ static void test_mirrors_and_glass( void** state )
 static void test_metals( void** state )
 {
     (void)state;
-    check( "sharp metal", make_mirror_room( SHARP_METAL ), NULL, 7, s_all );
+    check( "sharp metal", make_mirror_room( SHARP_METAL ), NULL, 2, s_both );
     RfScene scene = make_room( ROOM_GGX ); // with a ball that is brushed, and no chain
     RfMaterial* m = scene.materials + ROOM_OBJECT_MATERIAL;
     m->diffuse = rf_vec3( 0, 0, 0 );
     m->specular = rf_vec3( 0.9f, 0.8f, 0.7f );
     m->alpha = 0.08f;
     m->coat_f0 = m->coat_f90 = 1.0f;
-    check( "brushed metal", scene, NULL, 7, s_all );
+    check( "brushed metal", scene, NULL, 4, s_all );
     check( "varied", make_varied_room(), NULL, 2, s_both );
 }
 

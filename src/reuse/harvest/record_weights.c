@@ -61,10 +61,9 @@ static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arriva
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_evaluate_seen_from( v, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
     if ( scratch->clamp != NULL )
-    {
         rf_add_clamped_diffuse( arrival, all_indirect, s->pdf, f, batch, scratch );
-    }
-    for ( int i = 0; i < count && scratch->clamp == NULL; ++i )
+    int left = scratch->clamp == NULL ? count : 0;
+    for ( int i = 0; i < left; ++i )
     {
         float q[3];
         rf_weigh_arrival( arrival, i, s->pdf[i], q );
@@ -105,9 +104,7 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     float worth = rf_balance_weight( sampling.worth, (float)sampling.count ); // of diffuse hits, for any direction
     const bool* taken = samples != NULL ? samples->taken : NULL;
     if ( scratch->clamp != NULL )
-    {
         clamp_diffuse_tile_light( harvest, taken, worth, batch, scratch );
-    }
     else
     {
         rf_gather_diffuse_tile_light( scratch->tiles, 1, harvest->shape.tile_pixels, count, false, taken, worth, sum );
