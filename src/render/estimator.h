@@ -43,12 +43,12 @@ typedef struct RfEstimatorGroup
     // Of them this is the part between `round` and `round` + 1.
     const float* need;
     int round;
-    bool packed;               // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
-    bool first_hits_only;      // no light: for add_own_shares and count_reuse alone
-    const RfClampThresholds* clamp;        // with settings.clamp: the threshold of each frame, like eyes; NULL: none
-    RfClampWatch* clamp_watch; // is told of what paths bring, by one thread (render/clamp.h); NULL: nobody
-    bool even_light_samples;   // first hits have no more light samples than other vertices
-    const void* shared;        // what `prepare` made for the pass; NULL: there is nothing
+    bool packed;          // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
+    bool first_hits_only; // no light: for add_own_shares and count_reuse alone
+    const RfClampThresholds* clamp; // with settings.clamp: the threshold of each frame, like eyes; NULL: none
+    RfClampWatch* clamp_watch;      // is told of what paths bring, by one thread (render/clamp.h); NULL: nobody
+    bool even_light_samples;        // first hits have no more light samples than other vertices
+    const void* shared;             // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;
 
 // The tracer of one of the group's frames.
