@@ -65,6 +65,36 @@ static void test_what_is_seen_stays( void** state )
     }
 }
 
+static double mean_removed( const RfTracer* tracer, const RfEye* eyes, const RfRenderSettings* settings )
+{
+    static KeptPicture kept;
+    const int frame = 1;
+    double sum = 0.0;
+    render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, settings, &kept );
+    for ( int i = 0; i < VALUES; ++i )
+        sum += (double)kept.aov[RF_AOV_REMOVED][i];
+    return sum / VALUES;
+}
+
+// What is taken out is spread by the pixel filter like the picture: about as much of it.
+static void test_filters_spread_what_is_taken_out( void** state )
+{
+    (void)state;
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    RfScene scene = make_mirror_room( FLAT_MIRROR );
+    assert_int_equal( rf_choose_effects( &scene, 0, CAUSTICS, NULL ), RF_OK );
+    RfTracer* tracer = make_tracer( &scene );
+    RfRenderSettings settings = settings_of( 1, 48 );
+    double plain = mean_removed( tracer, eyes, &settings );
+    settings.filter = RF_FILTER_BLACKMAN_HARRIS;
+    double filtered = mean_removed( tracer, eyes, &settings );
+    if ( !( plain > 0.0 && fabs( filtered / plain - 1.0 ) < 0.1 ) )
+        fail_msg( "%g and %g", plain, filtered );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
 // Where nothing throws caustics the picture has the same bits.
 static void test_nothing_to_leave_out( void** state )
 {
@@ -144,6 +174,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_what_is_seen_stays ),
+        cmocka_unit_test( test_filters_spread_what_is_taken_out ),
         cmocka_unit_test( test_nothing_to_leave_out ),
         cmocka_unit_test( test_what_moves ),
         cmocka_unit_test( test_refusals ),

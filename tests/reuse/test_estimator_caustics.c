@@ -23,7 +23,7 @@ typedef struct Reuse
 {
     int group;
     const char* tile;
-    bool adaptive, filtered, clamped;
+    bool adaptive, clamped;
 } Reuse;
 
 static RfRenderSettings settings_of( Reuse reuse, int spp )
@@ -34,7 +34,6 @@ static RfRenderSettings settings_of( Reuse reuse, int spp )
     settings.max_depth = 6;
     settings.adaptive = reuse.adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
     settings.clamp = reuse.clamped ? 0.3 : 0.0;
-    settings.filter = reuse.filtered ? RF_FILTER_BLACKMAN_HARRIS : settings.filter;
     settings.aovs = RF_AOV_BIT( RF_AOV_REMOVED );
     assert_true( rf_parse_tile( reuse.tile, &settings.tile ) );
     return settings;
@@ -98,11 +97,10 @@ static void check( const char* what, RfScene scene, const RfEye* given, int coun
     rf_destroy_scene( &scene );
 }
 
-static const Reuse s_all[] = { { 0, "1", false, false, false },
-                               { 1, "rooks4", false, false, false },
-                               { 1, "2x2", true, false, false },
-                               { 1, "3x3", false, true, true } };
-static const Reuse s_both[] = { { 0, "3x3", false, false, false }, { 1, "3x3", false, false, false } };
+static const Reuse s_all[] = {
+    { 0, "1", false, false }, { 1, "rooks4", false, false }, { 1, "2x2", true, false }, { 1, "3x3", false, true }
+};
+static const Reuse s_both[] = { { 0, "3x3", false, false }, { 1, "3x3", false, false } };
 
 static void test_mirrors_and_glass( void** state )
 {
