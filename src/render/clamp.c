@@ -27,7 +27,7 @@
 // Thresholds that are tried: by half octaves, in luminance.
 #define LEAST_STEP ( -64 )
 #define STEPS 256
-#define MOST_LOST 0.25 // of the light, to the threshold by which blocks are compared
+#define FEW_PATHS 0.005 // of all, which do not count in the brightness of blocks
 // A larger threshold takes out less light: the largest is taken that costs little more than the least, and is not far from it.
 #define LITTLE_MORE 1.05
 #define FAR_STEPS 4
@@ -58,10 +58,10 @@ typedef struct Pilot
     RfClampWatch* watches;
     Path* paths; // of a frame
     size_t count, capacity;
-    int columns, blocks; // of the film
-    double* sums;        // by block and half: samples and luminance
-    double* kept;        // by block: luminance without rare paths
-    double samples;
+    int columns, blocks;   // of the film
+    double* sums;          // by block and half: samples and luminance
+    double* kept;          // by block: luminance without rare paths
+    double samples, light; // of the shot: and the sum of their luminance
     Tally tally[RF_CLAMP_KINDS];
 } Pilot;
 
@@ -198,38 +198,30 @@ static Block block_from( const Pilot* p, size_t first )
     return b;
 }
 
-// Light above a threshold.
-static double lost_above( const Pilot* p, double c )
+static size_t count_above( const Pilot* p, float c )
 {
-    double lost = 0.0;
+    size_t count = 0;
     for ( size_t i = 0; i < p->count; ++i )
-        lost += fmax( (double)p->paths[i].luminance - c, 0.0 );
-    return lost;
+        count += p->paths[i].luminance > c;
+    return count;
 }
 
-// The brightness of blocks: of what a low threshold keeps, which has little noise, times the light of the frame over what that
-// keeps of it.
+// The brightness of blocks, without what few paths bring above all others: those would make their own block bright.
 static void find_brightness( Pilot* p )
 {
-    double light = 0.0;
-    for ( int i = 0; i < p->blocks; ++i )
-    {
-        p->kept[i] = p->sums[4 * i + 1] + p->sums[4 * i + 3];
-        light += p->kept[i];
-    }
     int low = 0, high = STEPS - 1;
     while ( low < high )
     {
         int middle = ( low + high ) / 2;
-        bool enough = lost_above( p, (double)step_threshold( middle ) ) <= MOST_LOST * light;
-        low = enough ? low : middle + 1;
-        high = enough ? middle : high;
+        bool few = (double)count_above( p, step_threshold( middle ) ) <= FEW_PATHS * (double)p->count;
+        low = few ? low : middle + 1;
+        high = few ? middle : high;
     }
-    double c = (double)step_threshold( low ), kept = light - lost_above( p, c );
-    for ( size_t i = 0; i < p->count; ++i )
-        p->kept[p->paths[i].block] -= fmax( (double)p->paths[i].luminance - c, 0.0 );
+    float c = step_threshold( low );
     for ( int i = 0; i < p->blocks; ++i )
-        p->kept[i] = kept > 0.0 ? fmax( p->kept[i], 0.0 ) * light / kept : p->kept[i];
+        p->kept[i] = p->sums[4 * i + 1] + p->sums[4 * i + 3];
+    for ( size_t i = 0; i < p->count; ++i )
+        p->kept[p->paths[i].block] -= (double)rf_maxf( p->paths[i].luminance - c, 0.0f );
 }
 
 static void add_block( Pilot* p, const Block* b )
@@ -239,7 +231,7 @@ static void add_block( Pilot* p, const Block* b )
         return;
     add_half( b->paths, b->of_first, squares[0], lost[0] );
     add_half( b->paths + b->of_first, b->count - b->of_first, squares[1], lost[1] );
-    double mean = p->kept[b->paths->block] / pixels, scale = 1.0 / ( mean * mean + RF_RELMSE_EPSILON );
+    double mean = fmax( p->kept[b->paths->block], 0.0 ) / pixels, scale = 1.0 / ( mean * mean + RF_RELMSE_EPSILON );
     Tally* tally = p->tally + b->paths->kind;
     for ( int k = 0; k < STEPS; ++k )
     {
@@ -262,7 +254,10 @@ static void add_blocks( Pilot* p )
     for ( int i = 0; i < p->blocks; ++i )
     {
         const double* sums = p->sums + 4 * (size_t)i;
-        p->samples += sums[0] > 0.0 && sums[2] > 0.0 ? sums[0] + sums[2] : 0.0;
+        if ( !( sums[0] > 0.0 && sums[2] > 0.0 ) )
+            continue;
+        p->samples += sums[0] + sums[2];
+        p->light += fmax( p->kept[i], 0.0 );
     }
 }
 
@@ -331,15 +326,15 @@ static float choose_threshold( const Pilot* p, const Tally* tally )
     return rf_minf( step_threshold( best ), tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
 }
 
-// Lights seen by chains are few in the pilot, or none: their threshold is not below that of paths. Where the pilot has seen nothing at
-// all there is none.
+// Lights seen by chains are few in the pilot, or none: their threshold is not below the brightness of the picture. Where the pilot has
+// seen nothing at all there is none.
 static RfClampThresholds choose_thresholds( const Pilot* p )
 {
     bool paths = p->tally[RF_CLAMP_PATHS].largest > 0.0f, chains = p->tally[RF_CLAMP_CHAINS].largest > 0.0f;
     float of_paths = paths ? choose_threshold( p, p->tally + RF_CLAMP_PATHS ) : INFINITY;
     float of_chains = chains ? choose_threshold( p, p->tally + RF_CLAMP_CHAINS ) : of_paths;
-    of_paths = paths ? of_paths : of_chains;
-    return ( RfClampThresholds ){ { of_paths, rf_maxf( of_paths, of_chains ) } };
+    float mean = p->samples > 0.0 ? (float)( p->light / p->samples ) : 0.0f;
+    return ( RfClampThresholds ){ { paths ? of_paths : of_chains, rf_maxf( mean, of_chains ) } };
 }
 
 // False without memory.
@@ -352,7 +347,7 @@ static bool look_at_shot( Pilot* p, int first, int end, int* patches )
     double of_patch = pixels / r->setup->sizes.of_estimator.jobs;
     int wanted = (int)ceil( samples / ( 2.0 * of_patch * frames ) );
     memset( p->tally, 0, sizeof p->tally );
-    p->samples = 0.0;
+    p->samples = p->light = 0.0;
     for ( int k = 0; k < frames; ++k )
     {
         int frame = first + (int)( ( 2 * (int64_t)k + 1 ) * ( end - first ) / ( 2 * frames ) );
