@@ -31,7 +31,9 @@
 // A larger threshold takes out less light: the largest is taken that costs little more than the least, and is not far from it.
 #define LITTLE_MORE 1.05
 #define FAR_STEPS 4
-#define WORTH_IT 0.9   // of the variance without a clamp: where more is left, only what the pilot has not seen is clamped
+// Of the variance without a clamp: where more is left, only what the pilot has not seen is clamped. Lamps seen by chains are part of
+// the picture.
+static const double s_worth_it[RF_CLAMP_KINDS] = { [RF_CLAMP_PATHS] = 0.9, [RF_CLAMP_CHAINS] = 0.5 };
 #define SEEN_SHARE 0.7 // of what a frame sees, that another of its group sees as well, about
 #define USUAL_SPP 64.0 // where a flicker or a time ends the render, not a number of samples
 
@@ -320,7 +322,7 @@ static float choose_threshold( const Pilot* p, const Tally* tally )
     best = least;
     for ( int k = least; k < STEPS && k <= least + FAR_STEPS; ++k )
         best = cost[k] <= LITTLE_MORE * cost[least] ? k : best;
-    best = cost[least] <= WORTH_IT * cost[STEPS - 1] ? best : STEPS - 1;
+    best = cost[least] <= s_worth_it[tally - p->tally] * cost[STEPS - 1] ? best : STEPS - 1;
     // beyond what the pilot has seen, nothing is known; with more samples larger ones are found
     double seen = worth * spp * r->setup->sizes.width * r->setup->sizes.height / p->samples;
     return rf_minf( step_threshold( best ), tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
