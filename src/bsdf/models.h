@@ -89,6 +89,9 @@ static inline bool rf_is_matte( RfBsdfKind kind, float shape )
 // Metals up to this alpha (roughness 0.32) throw caustics (path/own_light.h).
 #define RF_CAUSTIC_ALPHA 0.1f
 
+// Lobes with a smaller alpha (roughness 0.25) may mirror a lamp in few of a pixel's points.
+#define RF_SHARP_ALPHA 0.0625f
+
 // Parameters of a hit, one per float; colours and vectors take three in a row.
 typedef enum RfBsdfParam
 {

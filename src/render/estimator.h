@@ -44,6 +44,7 @@ typedef struct RfEstimatorGroup
     const float* need;
     int round;
     bool packed;          // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
+    bool single;          // pixel by pixel, not in tiles
     bool first_hits_only; // no light: for add_own_shares and count_reuse alone
     const RfClampThresholds* clamp; // with settings.clamp: the threshold of each frame, like eyes; NULL: none
     RfClampWatch* clamp_watch;      // is told of what paths bring, by one thread (render/clamp.h); NULL: nobody
@@ -166,11 +167,17 @@ struct RfEstimator
     void ( *add_own_shares )( const void* batch, const void* scratch, float* sum );
     uint64_t ( *count_samples )( const void* batch, float weight, float* sum );
 
+    // Glints; NULL where the estimator has none. One camera ray for each pixel of a block of RF_GLINT_BLOCK² of the group's first
+    // frame, numbered by rows. Adds to four floats per pixel: the mean and the mean square that samples will have of the light of
+    // lamps, mirrored or in view; about what else the surface reflects, and 1, where it mirrors lamps.
+    void ( *add_glints )( const RfEstimatorGroup* group, int block, void* scratch, float* sums, RfRayCounts* rays );
+
     // Counts for the plan; NULL where frames share nothing. Adds what a batch that was traced for its own
     // frame alone (where something moves, for the first hits of `group`) would find in `group`, where that frame has index `eye`.
     void ( *count_reuse )( const RfEstimatorGroup* group, int eye, void* batch, void* scratch, RfReuseCount* count );
 };
 
 #define RF_MAX_FILMS 8
+#define RF_GLINT_BLOCK 32 // pixels, the side of a block of add_glints
 
 #endif

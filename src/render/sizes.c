@@ -3,6 +3,7 @@
 
 #include "image/exr.h"
 #include "render/adaptive/adaptive.h"
+#include "render/adaptive/glints.h"
 #include "render/memory/memory.h"
 #include "render/settings.h"
 #include "render/worlds.h"
@@ -26,8 +27,9 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     // as many additions to a pixel as the group has frames, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
     int materials = adaptive && rf_noise_differs( &called ) ? (int)scene->material_count : 0;
-    int total_every =
-        rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) );
+    bool glints = adaptive && called.sharp && settings->estimator->add_glints != NULL;
+    int total_every = rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) +
+                                           ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) + ( glints ? RF_MOST_GLINTS : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
     return ( RfRenderSizes ){
@@ -50,6 +52,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .stopping = rf_is_stopping( settings ),
         .paired = rf_is_stopping( settings ) && settings->flicker > 0.0,
         .adaptive = adaptive,
+        .glints = glints,
         .materials = materials,
         .worlds = worlds,
         .moving = rf_worlds_bytes( scene, worlds ),
@@ -79,6 +82,8 @@ size_t rf_kept_errors_bytes( const RfRenderSizes* s ) { return s->paired ? film_
 
 size_t rf_need_bytes( const RfRenderSizes* s ) { return s->adaptive ? film_pixels( s ) * sizeof( float ) : 0; }
 
+size_t rf_glints_bytes( const RfRenderSizes* s ) { return s->glints ? film_pixels( s ) * sizeof( float ) : 0; }
+
 size_t rf_extra_bytes( const RfRenderSizes* s ) { return s->adaptive ? rf_film_extra_bytes( s->width, s->height ) : 0; }
 
 // One more for the materials that are alike.
@@ -104,7 +109,8 @@ static size_t optional( size_t bytes ) { return bytes > 0 ? rf_arena_size( bytes
 size_t rf_films_bytes( const RfRenderSizes* s )
 {
     size_t film = 2 * rf_arena_size( rf_film_half_bytes( s->width, s->height ) ) + 2 * optional( rf_totals_bytes( s ) );
-    size_t frame = (size_t)s->film_count * film + optional( rf_need_bytes( s ) ) + 2 * optional( rf_extra_bytes( s ) );
+    size_t frame = (size_t)s->film_count * film + optional( rf_need_bytes( s ) ) + optional( rf_glints_bytes( s ) ) +
+                   2 * optional( rf_extra_bytes( s ) );
     frame += optional( s->of_estimator.pass_state );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         frame += optional( rf_aov_film_bytes( s, a ) );

@@ -23,6 +23,7 @@ typedef struct RfRenderSizes
     bool stopping;   // by noise, flicker or time
     bool paired;     // by flicker: the films of a group are held at once, and the errors of one more frame
     bool adaptive;   // films may get extra samples
+    bool glints;     // likewise for glints
     int materials;   // whose noise is measured for these; 0: all are alike
     int worlds;      // frames whose moving things are held at once (render/worlds.h)
     size_t moving;   // bytes of these: counted, not allocated by memory.h
@@ -63,6 +64,7 @@ size_t rf_totals_bytes( const RfRenderSizes* sizes );
 size_t rf_noise_estimates_bytes( const RfRenderSizes* sizes );
 size_t rf_kept_errors_bytes( const RfRenderSizes* sizes );
 size_t rf_need_bytes( const RfRenderSizes* sizes );
+size_t rf_glints_bytes( const RfRenderSizes* sizes );
 size_t rf_extra_bytes( const RfRenderSizes* sizes );
 size_t rf_material_noise_bytes( const RfRenderSizes* sizes );
 size_t rf_aov_film_bytes( const RfRenderSizes* sizes, int aov );

@@ -63,6 +63,8 @@ static void move_live_film( Stream* s, RfLiveFilm* live )
     MOVE( s, live->pair );
     MOVE( s, live->most_need );
     move( s, live->need, live->need != NULL ? rf_need_bytes( sizes ) : 0 );
+    MOVE( s, live->most_glints );
+    move( s, live->glints, rf_glints_bytes( sizes ) );
     move( s, live->pass_state, sizes->of_estimator.pass_state );
     for ( int f = 0; f < sizes->film_count; ++f )
         move_film( s, live->films + f );

@@ -24,6 +24,7 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
         traits->panes = traits->panes || rf_may_be_pane( material );
         traits->smooth = traits->smooth || rf_may_be_smooth( material );
         traits->without_caustics = traits->without_caustics || rf_may_throw_caustics( material );
+        traits->sharp = traits->sharp || rf_may_be_sharp( material );
     }
 }
 

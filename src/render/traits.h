@@ -24,6 +24,7 @@ typedef struct RfSceneTraits
 #undef RF_TRAIT_FLAG
     // what is a matter of the scene alone, whatever is forced
     bool moves;               // something in it moves
+    bool sharp;               // some surface may mirror a lamp (rf_may_be_sharp)
     bool grouped_chains;      // other frames can use what chains find
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
     bool without_caustics;    // they are left out of a scene that has surfaces to throw them

@@ -4,6 +4,7 @@
 #include "reuse/accumulate/accumulate.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/harvest/connection_share.h"
+#include "reuse/harvest/glints.h"
 #include "reuse/harvest/harvest_steps.h"
 
 static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
@@ -128,6 +129,12 @@ static uint64_t count_samples( const void* memory, float weight, float* sum )
     return (uint64_t)all;
 }
 
+static void add_glints( const RfEstimatorGroup* group, int block, void* scratch, float* sums, RfRayCounts* rays )
+{
+    RfHarvest harvest = rf_make_harvest( group );
+    rf_add_glints( &harvest, block, sums, scratch, rays );
+}
+
 static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_memory, void* scratch_memory, RfReuseCount* count )
 {
     RfHitBatch* batch = batch_memory;
@@ -165,5 +172,6 @@ const RfEstimator rf_reuse_estimator = {
     .accumulate = accumulate,
     .add_own_shares = add_own_shares,
     .count_samples = count_samples,
+    .add_glints = add_glints,
     .count_reuse = count_reuse,
 };

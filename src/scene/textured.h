@@ -120,6 +120,22 @@ static inline bool rf_may_throw_caustics( const RfMaterial* m )
     return m->kind == RF_BSDF_GLASS || metal || ( varies && ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) );
 }
 
+// True if some lobe of a material may mirror a lamp: its alpha, or what is like it, below RF_SHARP_ALPHA.
+static inline bool rf_may_be_sharp( const RfMaterial* m )
+{
+    bool varies = m->textured != NULL && m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    switch ( m->kind )
+    {
+        case RF_BSDF_LAMBERT: return false;
+        case RF_BSDF_PHONG: return 2.0f < ( m->exponent + 2.0f ) * RF_SHARP_ALPHA * RF_SHARP_ALPHA;
+        case RF_BSDF_COATED: return varies || m->alpha < RF_SHARP_ALPHA || m->clearcoat_alpha < RF_SHARP_ALPHA;
+        case RF_BSDF_GGX:
+        case RF_BSDF_GLASS: return varies || m->alpha < RF_SHARP_ALPHA;
+        case RF_BSDF_KIND_COUNT: break;
+    }
+    return false;
+}
+
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }
 
 static inline bool rf_is_blended( const RfMaterial* m ) { return m->textured != NULL && m->textured->blended; }

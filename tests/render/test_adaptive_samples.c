@@ -2,6 +2,7 @@
 // nothing else changes the result.
 #include "support/cli_run.h"
 #include "render/adaptive/adaptive.h"
+#include "render/adaptive/glints.h"
 #include "render/adaptive/need.h"
 #include "support/rooms.h"
 #include "support/render_support.h"
@@ -65,6 +66,25 @@ static void test_nothing_else_decides( void** state )
     RfRenderSettings settings = adaptive_settings();
     check_nothing_else_decides( tracer, settings );
     settings.adaptive = RF_ADAPTIVE_AUTO;
+    check_nothing_else_decides( tracer, settings );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+// The same of glints, which auto finds in every frame of this room.
+static void test_nothing_else_decides_glints( void** state )
+{
+    (void)state;
+    RfScene scene = make_glint_room( RF_BSDF_GGX );
+    RfTracer* tracer = make_tracer( &scene );
+    RfRenderSettings settings = adaptive_settings();
+    settings.adaptive = RF_ADAPTIVE_AUTO;
+    Rendered all = render( tracer, settings, -1 );
+    assert_int_equal( all.stats.adaptive_frames, EYES );
+    double spp = all.native_spp[EYES / 2];
+    printf( "%.3f samples for %.3f\n", spp, (double)all.stats.spp );
+    assert_true( spp > all.stats.spp * 1.01 && spp < all.stats.spp * 1.1 );
+    free_rendered( &all );
     check_nothing_else_decides( tracer, settings );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
@@ -142,7 +162,7 @@ static void test_auto_is_off_where_it_must( void** state )
         assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, NULL ), RF_OK );
         resolved.adaptive = RF_ADAPTIVE_OFF;
         assert_int_equal( rf_fit_memory( &shot, &resolved, &off, NULL ), RF_OK );
-        size_t more = cases[i].resolved == RF_ADAPTIVE_AUTO ? 3 * sizeof( float ) * 40 * 30 : 0; // need and extra
+        size_t more = cases[i].resolved == RF_ADAPTIVE_AUTO ? 4 * sizeof( float ) * 40 * 30 : 0; // need, glints and extra
         size_t noise = more > 0 ? ( scene.material_count + 1 ) * sizeof( RfMaterialNoise ) : 0;
         assert_true( fit.bytes_films >= off.bytes_films + more && fit.bytes_films < off.bytes_films + more + 256 + noise );
         settings.adaptive = RF_ADAPTIVE_ON;
@@ -276,6 +296,46 @@ static void test_need_wants_two_witnesses( void** state )
     assert_true( set_need( 0.01f, 15.99f, 4.0f, false, share ) > 0.0f );
 }
 
+// Of 1000 pixels, lit as `base`, the first `glints` show a lamp of radiance 100 in a part `share` of them. Returns the extra samples
+// of all.
+static double set_glints( int glints, float share, float base, float extra[1000] )
+{
+    enum
+    {
+        PIXELS = 1000
+    };
+    static float sums[4 * PIXELS];
+    for ( int i = 0; i < PIXELS; ++i )
+    {
+        sums[4 * i] = i < glints ? 100.0f * share : 0.0f;
+        sums[4 * i + 1] = i < glints ? 1e4f * share : 0.0f;
+        sums[4 * i + 2] = base;
+        sums[4 * i + 3] = 1.0f;
+    }
+    float most = rf_set_glints( sums, PIXELS, 7.0, 1.0, extra );
+    double sum = 0.0;
+    for ( int i = 0; i < PIXELS; ++i )
+        sum += most > 0.0f ? (double)extra[i] : 0.0;
+    assert_true( most == 0.0f || ( most == extra[0] && most <= RF_MOST_GLINTS && extra[999] == 0.0f ) );
+    return sum;
+}
+
+// Few pixels get what they need, more of them a tenth of the samples, and none where they are no larger part of the error
+// than of the picture.
+static void test_glints_keep_their_budget( void** state )
+{
+    (void)state;
+    static float extra[1000];
+    double one = set_glints( 1, 0.02f, 0.2f, extra ), some = set_glints( 10, 0.02f, 0.2f, extra );
+    printf( "extra samples: %.2f for one glint, %.2f for ten\n", one, some );
+    assert_true( one > 7.0 && one < some && some > 0.07 * 1000.0 && some < 0.1 * 1000.0 );
+    assert_true( set_glints( 1000, 0.02f, 0.2f, extra ) == 0.0 );
+    assert_true( set_glints( 10, 0.0f, 0.2f, extra ) == 0.0 );
+    assert_true( set_glints( 10, 1.0f, 0.2f, extra ) == 0.0 );  // all of the pixel
+    assert_true( set_glints( 10, 1e-3f, 1e3f, extra ) == 0.0 ); // lost in other light
+    assert_true( set_glints( 0, 0.0f, 0.0f, extra ) == 0.0 );   // in the dark
+}
+
 // Of the classes: glass that few paths find light through is measured to be noisier than walls, and gets more
 // samples for it, in a render whose films count them.
 static void test_noise_is_measured( void** state )
@@ -324,6 +384,7 @@ static void test_command_line_takes_it( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_nothing_else_decides_glints ),   cmocka_unit_test( test_glints_keep_their_budget ),
         cmocka_unit_test( test_nothing_else_decides ),          cmocka_unit_test( test_single_frames_are_as_without ),
         cmocka_unit_test( test_auto_decides_by_frame ),         cmocka_unit_test( test_auto_is_off_where_it_must ),
         cmocka_unit_test( test_threshold_follows_the_weights ), cmocka_unit_test( test_command_line_takes_it ),

@@ -119,6 +119,15 @@ static void test_another_view( void** state )
     check( "aside, Phong", make_room( ROOM_PHONG ), 2.0f, 15.0f, RF_ADAPTIVE_AUTO, 3 );
 }
 
+// Highlights smaller than a pixel: extra samples by them alone, since all frames see the same.
+static void test_glints( void** state )
+{
+    (void)state;
+    check( "glints, GGX", make_glint_room( RF_BSDF_GGX ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 3 );
+    check( "glints, Phong", make_glint_room( RF_BSDF_PHONG ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
+    check( "glints, coat", make_glint_room( RF_BSDF_COATED ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
+}
+
 // Over seeds.
 static void test_mean_weight( void** state )
 {
@@ -157,10 +166,8 @@ static void test_mean_weight( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_glass_room ),
-        cmocka_unit_test( test_another_view ),
-        cmocka_unit_test( test_noisy_glass ),
-        cmocka_unit_test( test_mean_weight ),
+        cmocka_unit_test( test_glass_room ), cmocka_unit_test( test_another_view ), cmocka_unit_test( test_noisy_glass ),
+        cmocka_unit_test( test_glints ),     cmocka_unit_test( test_mean_weight ),
     };
     return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

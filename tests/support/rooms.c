@@ -662,6 +662,27 @@ static RfTextured* blend( RfScene* scene, uint32_t material, RfFactors factors, 
     return t;
 }
 
+RfScene make_glint_room( RfBsdfKind kind )
+{
+    RfScene scene = make_room( kind == RF_BSDF_PHONG ? ROOM_PHONG : ROOM_GGX );
+    RfMaterial* gloss = scene.materials + ROOM_OBJECT_MATERIAL;
+    if ( kind == RF_BSDF_PHONG )
+        gloss->exponent = 1000.0f;
+    else
+        gloss->alpha = 0.04f;
+    if ( kind == RF_BSDF_COATED )
+    {
+        gloss->kind = RF_BSDF_COATED;
+        gloss->alpha = 0.5f;
+        gloss->clearcoat = 1.0f;
+        gloss->clearcoat_alpha = 0.04f;
+    }
+    scene.punctuals = calloc( 1, sizeof *scene.punctuals );
+    scene.punctual_count = 1;
+    scene.punctuals[0] = make_point_light( rf_vec3( -0.8f, 2.4f, 1.2f ), 6.0f );
+    return scene;
+}
+
 RfScene make_blended_room( void )
 {
     RfScene scene = make_room( ROOM_GGX );

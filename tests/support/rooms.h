@@ -80,6 +80,9 @@ typedef enum PaneLight
 // a ball of thin glass and a blended curtain.
 RfScene make_pane_room( PaneLight light );
 
+// The GGX room with small curved gloss of this kind, which a lamp without size shines at: a ball, and a block around it.
+RfScene make_glint_room( RfBsdfKind kind );
+
 // A smooth thin wall with this tint over a Lambert base.
 RfMaterial make_thin_pane( RfVec3 tint, float base );
 

@@ -3,6 +3,7 @@
 
 #include "base/random.h"
 #include "base/system.h"
+#include "render/adaptive/glints.h"
 #include "render/adaptive/need.h"
 #include "scene/textured.h"
 
@@ -393,14 +394,19 @@ void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
         measure_noise( r, live );
         find_need( r, live );
     }
+    live->most_glints = 0.0f;
+    if ( live->glints != NULL )
+        rf_find_glints( r, live, extra_worth( r ) );
     // without extra samples the sums are those of a render without adaptive sampling, bit for bit
     live->films[0].total_every = rf_film_total_every( r->setup->plan.eyes * rf_filter_pixels( &r->setup->settings ) +
-                                                      ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) );
+                                                      ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) +
+                                                      ( live->most_glints > 0.0f ? RF_MOST_GLINTS : 0 ) );
 }
 
 // The samples of some tiles of a frame alone.
 
 #define EXTRA_GROUP 0x80000000u // no group of the path has these numbers
+#define GLINT_GROUP 0xa0000000u // likewise
 
 static void count_extra( RfRenderer* r, const RfPass* pass, int eye, const void* batch, const void* scratch, void* user )
 {
@@ -413,18 +419,27 @@ static void count_extra( RfRenderer* r, const RfPass* pass, int eye, const void*
     film->extra_samples += samples;
 }
 
+// A kind of extra samples.
+typedef struct Extra
+{
+    const float* need;
+    uint32_t group; // whose numbers they have
+    int most;       // of a pixel in a pass
+    bool packed, single;
+} Extra;
+
 // Extra samples of a frame: of the tiles that are drawn one more, or, packed, as many as fill a batch of each job. Returns
 // their number.
-static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int round )
+static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, Extra kind, int round )
 {
-    bool packed = r->memory.noise != NULL;
-    RfEstimatorGroup group = rf_frames_as_group( r, live->frame, 1, (int)( EXTRA_GROUP | (uint32_t)pass->group->number ) );
-    group.need = live->need;
+    RfEstimatorGroup group = rf_frames_as_group( r, live->frame, 1, (int)( kind.group | (uint32_t)pass->group->number ) );
+    group.need = kind.need;
     group.round = round;
-    group.packed = packed;
+    group.packed = kind.packed;
+    group.single = kind.single;
     group.shared = pass->group->shared; // that of the pass
     RfPass extra = { .group = &group,
-                     .number = rf_most_extra( packed ) * pass->number + ( packed ? 0 : round ),
+                     .number = kind.most * pass->number + ( kind.packed ? 0 : round ),
                      .half = pass->half,
                      .weight = pass->weight };
     int jobs = r->setup->sizes.of_estimator.jobs;
@@ -438,16 +453,22 @@ static uint64_t render_round( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
     return live->films[0].extra_samples - before;
 }
 
+static void render_packed( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, Extra kind )
+{
+    for ( int round = 0; render_round( r, pass, live, kind, round ) > 0; ++round )
+        ;
+}
+
 static void render_frame_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live )
 {
-    if ( r->memory.noise != NULL )
-    {
-        for ( int round = 0; render_round( r, pass, live, round ) > 0; ++round )
-            ;
-        return;
-    }
-    for ( int round = 0; (float)round < live->most_need; ++round )
-        render_round( r, pass, live, round );
+    bool noisy = r->memory.noise != NULL;
+    Extra tiles = { live->need, EXTRA_GROUP, rf_most_extra( noisy ), noisy, false };
+    if ( noisy && live->most_need > 0.0f )
+        render_packed( r, pass, live, tiles );
+    for ( int round = 0; !noisy && (float)round < live->most_need; ++round )
+        render_round( r, pass, live, tiles, round );
+    if ( live->most_glints > 0.0f )
+        render_packed( r, pass, live, ( Extra ){ live->glints, GLINT_GROUP, RF_MOST_GLINTS, true, true } );
 }
 
 void rf_render_extra( RfRenderer* r, const RfPass* pass )
@@ -455,7 +476,7 @@ void rf_render_extra( RfRenderer* r, const RfPass* pass )
     for ( int i = 0; i < r->memory.film_slots; ++i )
     {
         RfLiveFilm* live = r->memory.films + i;
-        if ( live->frame != -1 && live->most_need > 0.0f )
+        if ( live->frame != -1 && ( live->most_need > 0.0f || live->most_glints > 0.0f ) )
             render_frame_extra( r, pass, live );
     }
     rf_frames_as_group( r, pass->group->first_frame, pass->group->eye_count, pass->group->number ); // with its ghosts again

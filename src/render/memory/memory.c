@@ -86,6 +86,8 @@ static RfResult alloc_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLi
         result = rf_arena_alloc( &m->arena, "adaptive", rf_extra_bytes( s ), (void**)&live->films[0].extra[h], error );
     if ( s->adaptive && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "adaptive", rf_need_bytes( s ), (void**)&live->need, error );
+    if ( s->glints && result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "adaptive", rf_glints_bytes( s ), (void**)&live->glints, error );
     if ( s->of_estimator.pass_state > 0 && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "landed cameras", s->of_estimator.pass_state, &live->pass_state, error );
     if ( result == RF_OK )
@@ -247,6 +249,7 @@ static void free_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFil
     for ( int h = 0; h < 2; ++h )
         rf_arena_free( &m->arena, "adaptive", live->films[0].extra[h], rf_extra_bytes( s ) );
     rf_arena_free( &m->arena, "adaptive", live->need, rf_need_bytes( s ) );
+    rf_arena_free( &m->arena, "adaptive", live->glints, rf_glints_bytes( s ) );
     rf_arena_free( &m->arena, "landed cameras", live->pass_state, s->of_estimator.pass_state );
     free_aov_film( s, m, &live->aovs );
 }

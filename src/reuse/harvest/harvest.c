@@ -76,6 +76,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .need = group->need,
         .round = group->round,
         .packed = group->packed,
+        .single = group->single,
         .first_hits_only = group->first_hits_only,
         .light_paths = rf_drawn_light_paths( group->shared ),
         .kernel_normalization = settings->kernel_normalization,
@@ -167,7 +168,7 @@ typedef struct Tiles
 
 static void list_tiles( const RfHarvest* harvest, int count, const RfHarvestScratch* scratch, Tiles* out )
 {
-    bool in_tiles = rf_reuses_tiles( scratch );
+    bool in_tiles = rf_reuses_tiles( scratch ) && !harvest->single;
     out->count = in_tiles ? scratch->tile_count : count;
     memset( out->size, 0, sizeof out->size );
     memset( out->need, 0, sizeof out->need );

@@ -30,6 +30,7 @@ typedef struct RfHarvest
     const float* need;             // adaptive sampling, as in RfEstimatorGroup
     int round;
     bool packed;
+    bool single;
     bool first_hits_only;
     const RfLightPaths* light_paths; // NULL: none
     RfKernelNormalization kernel_normalization;
