@@ -53,8 +53,8 @@ struct RfRenderer
     RfRenderMemory memory;
     RfFrameQueue queue;
     RfWorlds worlds;
-    RfClampThresholds* clamps;    // by frame of the path: thresholds; NULL without a clamp
-    int* traced_jobs; // of a pass, with settings.pieces; NULL: all jobs
+    RfClampThresholds* clamps; // by frame of the path: thresholds; NULL without a clamp
+    int* traced_jobs;          // of a pass, with settings.pieces; NULL: all jobs
     RfRayCounts rays;
     double start, last_frame; // seconds
     double batches_done, batches_all;
