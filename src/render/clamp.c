@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PILOT_GROUP 0x80000000u // no other group has this number
+#define PILOT_GROUP 0x80000000u // no group of the path has this number
 #define PILOT_FRAMES 16         // of a shot, at most
 // Samples of the pilot: this part of the path's, within limits.
 #define PILOT_SHARE 0.03
@@ -274,6 +274,13 @@ static int list_patches( const RfRenderer* r, int frame, int wanted, int* patche
     return count;
 }
 
+// Caustics that are left out are in the last of them.
+static void clear_films( const Pilot* p )
+{
+    for ( int f = 0; f < p->renderer->setup->sizes.film_count; ++f )
+        rf_clear_film( p->film->films + f );
+}
+
 static bool look_at_frame( Pilot* p, int frame, int wanted, int* patches )
 {
     RfRenderer* r = p->renderer;
@@ -283,7 +290,7 @@ static bool look_at_frame( Pilot* p, int frame, int wanted, int* patches )
     group.shared = r->memory.shared;
     int count = list_patches( r, frame, wanted, patches ), slots = r->memory.batch_slots;
     bool listed = true;
-    rf_clear_film( p->film->films );
+    clear_films( p );
     p->count = 0;
     for ( int half = 0; half < 2 && listed; ++half )
     {
@@ -294,7 +301,7 @@ static bool look_at_frame( Pilot* p, int frame, int wanted, int* patches )
     }
     if ( listed )
         add_blocks( p );
-    rf_clear_film( p->film->films );
+    clear_films( p );
     return listed;
 }
 

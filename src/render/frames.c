@@ -117,7 +117,10 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .clamp = r->clamps != NULL ? (double)r->clamps[live->frame].threshold[RF_CLAMP_PATHS] : 0.0,
         .clamp_chains = r->clamps != NULL ? (double)r->clamps[live->frame].threshold[RF_CLAMP_CHAINS] : 0.0,
         .removes = removes,
-        .removed = removes ? rf_removed_share( live->films, r->setup->settings.normalize, buffer->rgb ) : 0.0,
+        // of pieces, the rest of the picture is not known
+        .removed = removes && r->setup->settings.pieces == NULL
+                       ? rf_removed_share( live->films, r->setup->settings.normalize, buffer->rgb )
+                       : 0.0,
         .flicker_estimate = sqrt( fmax( rf_reported_flicker( &flicker ), 0.0 * flicker.now ) ),
         .flicker_is_lower_bound = rf_flicker_is_lower_bound( &flicker ),
         .flicker_likely = sqrt( fmax( rf_flicker_f1_squared( &flicker ), 0.0 * flicker.now ) ),

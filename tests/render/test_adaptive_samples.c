@@ -327,6 +327,7 @@ static void test_glints_keep_their_budget( void** state )
     (void)state;
     static float extra[1000];
     double one = set_glints( 1, 0.02f, 0.2f, extra ), some = set_glints( 10, 0.02f, 0.2f, extra );
+    assert_true( set_glints( 0, 0.0f, 0.0f, extra ) == 0.0 ); // without light
     printf( "extra samples: %.2f for one glint, %.2f for ten\n", one, some );
     assert_true( one > 7.0 && one < some && some > 0.07 * 1000.0 && some < 0.1 * 1000.0 );
     assert_true( set_glints( 1000, 0.02f, 0.2f, extra ) == 0.0 );

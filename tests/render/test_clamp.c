@@ -95,7 +95,7 @@ static void test_picture_and_removed_are_the_whole( void** state )
     }
 }
 
-static void test_filters_lenses_and_light_paths( void** state )
+static void test_filters_lenses_light_paths_and_extra_samples( void** state )
 {
     (void)state;
     RfEye eyes[EYES], blurred[EYES];
@@ -114,6 +114,9 @@ static void test_filters_lenses_and_light_paths( void** state )
     settings = settings_of( 0, "3x3" );
     settings.light_paths = RF_LIGHT_PATHS_ON;
     check_room( "light paths", make_mirror_room( GLASS_BALL ), eyes, EYES, settings );
+    settings = settings_of( 1, "3x3" );
+    settings.adaptive = RF_ADAPTIVE_ON;
+    check_room( "extra samples", make_room( ROOM_GGX ), eyes, EYES, settings );
 }
 
 static void test_what_moves( void** state )
@@ -255,7 +258,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_picture_and_removed_are_the_whole ),
-        cmocka_unit_test( test_filters_lenses_and_light_paths ),
+        cmocka_unit_test( test_filters_lenses_light_paths_and_extra_samples ),
         cmocka_unit_test( test_what_moves ),
         cmocka_unit_test( test_direct_light_stays ),
         cmocka_unit_test( test_automatic_threshold ),

@@ -32,8 +32,10 @@ static double base_light( const float* sums, size_t pixels )
 static double variance_ratio( const float* sums, size_t i, double base )
 {
     double mean = (double)sums[4 * i], square = (double)sums[4 * i + 1], all = mean + base;
+    if ( !( all > 0.0 ) )
+        return 0.0;
     double seen = mean * mean / ( all * all );
-    return all > 0.0 ? seen * fmax( 0.0, square - mean * mean ) / ( all * all + DARK ) / USUAL_VARIANCE : 0.0;
+    return seen * fmax( 0.0, square - mean * mean ) / ( all * all + DARK ) / USUAL_VARIANCE;
 }
 
 // The error is least for its cost where samples go with the root of the variance: θ of what makes all pixels alike.
