@@ -60,7 +60,7 @@ static void make_trial( const double* errors, int count, double seconds, RfTrial
 {
     *trial = ( RfTrial ){ .timed_samples = 1.0, .cpu_seconds = seconds, .time_count = 1, .piece_count = count };
     for ( int i = 0; i < count; ++i )
-        trial->pieces[i] = ( RfPieceError ){ 100.0, 100.0 * errors[i] };
+        trial->pieces[i] = ( RfPieceError ){ .weight = 100.0, .relmse = 100.0 * errors[i] };
 }
 
 static void test_gain_by_hand( void** state )
