@@ -139,7 +139,8 @@ void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate )
         return;
     qsort( sorted, (size_t)count, sizeof *sorted, descending );
     double hope = tune->round_count > 0 ? HOPE : 0.0; // before, efficiencies are guesses
-    double bar = fmax( hope * sorted[0], sorted[kept < count ? kept - 1 : count - 1] );
+    double last = kept > 0 ? sorted[kept < count ? kept - 1 : count - 1] : (double)INFINITY;
+    double bar = fmax( hope * sorted[0], last );
     for ( int i = 0; i < tune->count; ++i )
         candidate[i] =
             candidate[i] && ( tune->rows[i].efficiency >= bar || tune->rows[i].usual || rf_is_plain_row( tune->rows + i ) );
@@ -453,7 +454,7 @@ static bool plan_round( Tuner* t, int number, RfTuneRound* round )
         if ( rf_plan_tune_round( t->tune, t->candidate, &outlook, round ) )
             return true;
         rf_cut_tune_candidates( t->tune, kept, t->candidate ); // path tracing and what is usual stay besides
-        if ( number > 0 && count_candidates( t ) < LEAST_ROWS )
+        if ( number > 0 && ( count_candidates( t ) < LEAST_ROWS || kept <= 0 ) )
             return false;
     }
 }

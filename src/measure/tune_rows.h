@@ -55,7 +55,7 @@ bool rf_plan_tune_round( const RfTune* tune, const bool* candidate, const RfTune
 // Expected CPU seconds of a round.
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second );
 
-// Keeps the best `kept` candidates that still have a chance to win, path tracing and the usual row; drops candidates without
+// Keeps the best `kept` ≥ 0 candidates that still have a chance to win, path tracing and the usual row; drops candidates without
 // an efficiency.
 void rf_cut_tune_candidates( const RfTune* tune, int kept, bool* candidate );
 

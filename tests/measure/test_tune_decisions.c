@@ -235,6 +235,9 @@ static void test_cutting_keeps_the_most_efficient( void** state )
     // and what a render takes by itself
     tune.rows[2].usual = candidate[2] = true;
     assert_int_equal( cut( &tune, 1, candidate ), 3 );
+    assert_int_equal( cut( &tune, 0, candidate ), 2 );
+    assert_true( candidate[0] && candidate[2] );
+    candidate[1] = true;
     candidate[2] = false;
     tune.rows[1].efficiency = tune.rows[0].efficiency = (double)NAN;
     assert_int_equal( cut( &tune, 1, candidate ), 0 );

@@ -513,10 +513,11 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     RfResult result = rf_resolve_settings( &shot, &settings, &resolved, error );
     if ( result == RF_OK )
         result = rf_fit_memory( &shot, &resolved, &fit, error );
-    if ( result == RF_OK )
-        *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
+    if ( result != RF_OK )
+        return result;
+    *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
     *threads = fit.threads;
-    return result;
+    return RF_OK;
 }
 
 // Names the scene, so that `report` can refuse what was measured with another one.
