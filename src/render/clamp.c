@@ -23,7 +23,8 @@
 #define PILOT_SHARE 0.03
 #define LEAST_PILOT 16e3
 #define MOST_PILOT 256e3
-#define BLOCK 4 // pixels
+#define MOST_OF_FRAME 64e3 // whose paths are listed at once
+#define BLOCK 4            // pixels
 // Thresholds that are tried: by half octaves, in luminance.
 #define LEAST_STEP ( -64 )
 #define STEPS 256
@@ -56,8 +57,9 @@ typedef struct Tally
 typedef struct Pilot
 {
     RfRenderer* renderer;
-    RfLiveFilm* film; // borrowed
-    RfClampWatch* watches;
+    RfLiveFilm* film;      // borrowed
+    RfClampWatch* watches; // of `slots` batches that are traced at once: as many as there are threads, for their lists
+    int slots;
     Path* paths; // of a frame
     size_t count, capacity;
     int columns, blocks;   // of the film
@@ -288,7 +290,7 @@ static bool look_at_frame( Pilot* p, int frame, int wanted, int* patches )
     group.filter = NULL;
     group.clamp = NULL;
     group.shared = r->memory.shared;
-    int count = list_patches( r, frame, wanted, patches ), slots = r->memory.batch_slots;
+    int count = list_patches( r, frame, wanted, patches ), slots = p->slots;
     bool listed = true;
     clear_films( p );
     p->count = 0;
@@ -354,7 +356,7 @@ static bool look_at_shot( Pilot* p, int first, int end, int* patches )
     double pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
     double samples = fmin( fmax( PILOT_SHARE * pixels * ( end - first ) * r->setup->settings.spp, LEAST_PILOT ), MOST_PILOT );
     double of_patch = pixels / r->setup->sizes.of_estimator.jobs;
-    int wanted = (int)ceil( samples / ( 2.0 * of_patch * frames ) );
+    int wanted = (int)ceil( fmin( samples / frames, MOST_OF_FRAME ) / ( 2.0 * of_patch ) );
     memset( p->tally, 0, sizeof p->tally );
     p->samples = p->light = 0.0;
     for ( int k = 0; k < frames; ++k )
@@ -387,10 +389,11 @@ static int list_capacity( const RfRenderer* r ) { return RF_LANES * 2 * ( r->set
 
 static RfResult find_by_pilot( RfRenderer* r, RfError* error )
 {
-    int width = r->setup->sizes.width, height = r->setup->sizes.height, slots = r->memory.batch_slots;
+    int width = r->setup->sizes.width, height = r->setup->sizes.height, threads = r->setup->settings.threads;
+    int slots = r->memory.batch_slots < threads ? r->memory.batch_slots : threads;
     int columns = ( width + BLOCK - 1 ) / BLOCK, blocks = columns * ( ( height + BLOCK - 1 ) / BLOCK ),
         capacity = list_capacity( r );
-    Pilot p = { .renderer = r, .film = r->memory.films, .columns = columns, .blocks = blocks };
+    Pilot p = { .slots = slots, .renderer = r, .film = r->memory.films, .columns = columns, .blocks = blocks };
     int* patches = malloc( (size_t)r->setup->sizes.of_estimator.jobs * sizeof *patches );
     RfWatchedPath* lists = malloc( (size_t)slots * (size_t)capacity * sizeof *lists );
     p.watches = malloc( (size_t)slots * sizeof *p.watches );
