@@ -16,7 +16,7 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
     if ( s->adaptive == RF_ADAPTIVE_ON && s->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
     if ( s->clamp != 0.0 && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "a clamp needs exact weights" );
+        return rf_fail( error, RF_ERROR_USAGE, "a clamp needs exact weights: --weights exact, or --clamp off" );
     return RF_OK;
 }
 

@@ -245,7 +245,7 @@ static void test_refusals( void** state )
     expect_refusal( tracer, eyes, &settings, "removed needs a clamp" );
     settings.clamp = 1.0;
     settings.weights = RF_WEIGHTS_EQ15;
-    expect_refusal( tracer, eyes, &settings, "exact weights" );
+    expect_refusal( tracer, eyes, &settings, "exact weights: --weights exact, or --clamp off" );
     settings = settings_of( 0, "1" );
     rf_use_estimator( &settings, rf_find_estimator( "gradient" ) );
     settings.clamp = 1.0;

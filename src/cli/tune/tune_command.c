@@ -125,7 +125,8 @@ static void print_left_out( const RfTune* tune )
         }
         if ( said )
             continue;
-        printf( "%s%d: %s", before, count, row->excluded != NULL ? row->excluded : "no time left" );
+        printf( "%s%d setting%s: %s", before, count, count > 1 ? "s" : "",
+                row->excluded != NULL ? row->excluded : "no time left" );
         before = "; ";
     }
     printf( "%s", before[0] == ';' ? "\n" : "" );
