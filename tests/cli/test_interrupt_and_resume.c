@@ -144,12 +144,12 @@ static void test_films_of_a_group_are_kept( void** state )
     cli_expect( cli_run( GROUP GROUPED "--resume --seed 2" ), 1, "are the films of another render" );
     cli_expect( cli_run( GROUP "--frames 1-3 --size 64x36 --spp 8 --group 3 --resume" ), 1, "are the films of another render" );
     cli_expect( cli_run( "cp w/f.0001.films kept; head -c 100000 kept > w/f.0001.films; " GROUP GROUPED "--resume" ), 1,
-                "w/f.0001.films: are no whole films" );
+                "w/f.0001.films: are no whole films of a render: add --overwrite" );
     cli_expect(
         cli_run(
             "cp kept w/f.0001.films; printf x | dd of=w/f.0001.films bs=1 seek=50000 conv=notrunc 2> /dev/null; " GROUP GROUPED
             "--resume" ),
-        1, "w/f.0001.films: are no whole films" );
+        1, "w/f.0001.films: are no whole films of a render: add --overwrite" );
     cli_expect( cli_run( "cp kept w/f.0001.films" ), 0, NULL );
     cli_expect( cli_run( GROUP GROUPED "--resume" ), 0, NULL );
     assert_int_equal( cli_count_files( "", "w" ), 4 ); // the films are gone

@@ -399,5 +399,6 @@ RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options
                         "%s: films of an interrupted render are there: --resume goes on from them, --overwrite "
                         "starts over",
                         name );
-    return rf_fail( error, RF_ERROR_IO, "--resume: %.900s: give the same, or add --overwrite to start over", reason.text );
+    return rf_fail( error, RF_ERROR_IO, "--resume: %.900s: %sadd --overwrite to start over", reason.text,
+                    state == RF_FILMS_OTHER ? "give the same, or " : "" );
 }
