@@ -144,14 +144,15 @@ void rf_clamp_direction( int direction, const RfArrivalLanes* arrival, bool all_
     RfLaneScratch* s = &scratch->wavefront.scratch;
     const float *wo[3] = { batch->wo[0], batch->wo[1], batch->wo[2] }, *wi[3] = { kept->wi[0], kept->wi[1], kept->wi[2] };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    rf_evaluate_glossy( batch, wo, wi, f, NULL );
+    rf_evaluate_glossy( batch, wo, wi, f, s->pdf );
     bool any = false;
     for ( int i = 0; i < count; ++i )
     {
         const float one[3] = { 1.0f, 1.0f, 1.0f };
         Parts q = weigh_parts( arrival, all_indirect, first + i, mixture[i], one );
-        float value[3] = { f[0][i] * q.indirect[0], f[1][i] * q.indirect[1], f[2][i] * q.indirect[2] };
-        float share = rf_clamp_share( scratch->clamp, RF_CLAMP_PATHS, batch, first + i, value );
+        // as the hit's own camera alone would have drawn it
+        Parts value = weigh_parts( arrival, all_indirect, first + i, s->pdf[i], ( float[3] ){ f[0][i], f[1][i], f[2][i] } );
+        float share = rf_clamp_share( scratch->clamp, RF_CLAMP_PATHS, batch, first + i, value.indirect );
         for ( int c = 0; c < 3; ++c )
         {
             float left = share * q.indirect[c];
