@@ -27,7 +27,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     // as many additions to a pixel as the group has frames, and half of the passes in each half
     bool adaptive = may_adapt( settings, plan->eyes );
     int materials = adaptive && rf_noise_differs( &called ) ? (int)scene->material_count : 0;
-    bool glints = adaptive && called.sharp && settings->estimator->add_glints != NULL;
+    bool glints = adaptive && called.sharp && settings->estimator->add_glints != NULL &&
+                  ( settings->adaptive == RF_ADAPTIVE_ON || settings->spp >= RF_LEAST_GLINT_SPP );
     int total_every = rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) +
                                            ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) + ( glints ? RF_MOST_GLINTS : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;

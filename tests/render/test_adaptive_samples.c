@@ -34,7 +34,7 @@ static RfRenderSettings adaptive_settings( void )
     RfRenderSettings settings = rf_default_render_settings();
     settings.filter = RF_FILTER_BOX;
     settings.group = 2;
-    settings.spp = 6;
+    settings.spp = RF_LEAST_GLINT_SPP;
     settings.adaptive = RF_ADAPTIVE_ON;
     return settings;
 }
@@ -186,7 +186,7 @@ static void test_single_frames_are_as_without( void** state )
     settings.adaptive = RF_ADAPTIVE_OFF;
     Rendered without = render( tracer, settings, -1 );
     assert_memory_equal( with.rgb, without.rgb, 3 * with.pixels * EYES * sizeof( float ) );
-    assert_true( with.native_spp[2] == 6.0 );
+    assert_true( with.native_spp[2] == RF_LEAST_GLINT_SPP );
     free_rendered( &with );
     free_rendered( &without );
     rf_destroy_tracer( tracer );

@@ -6,6 +6,8 @@
 
 // Extra samples of a pixel in a pass, at most.
 #define RF_MOST_GLINTS 64
+// With fewer samples of a frame the pilot costs more than a hundredth of it; `auto` leaves it out.
+#define RF_LEAST_GLINT_SPP 12
 
 // Fills live->glints and live->most_glints of a frame whose film has just been cleared; `worth`: of an extra sample beside one of
 // a pass.

@@ -8,7 +8,7 @@
 #include <math.h>
 
 #define PART 8       // pixels, the side of a part of a block
-#define COPIES 8     // rays of each pixel of a part with thin or curved surfaces
+#define COPIES 6     // rays of each pixel of a part with thin or curved surfaces
 #define SOME 2       // of these, with which hits are compared
 #define CURVED 2e-3f // the spread of normals from which a surface is
 // Variance of a normal in a pixel over the mean square by which it differs from those of the pixels around it: twice that of
