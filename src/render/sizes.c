@@ -157,9 +157,10 @@ int rf_batches_wanted( const RfRenderSizes* s )
     return s->of_estimator.whole_pass || jobs < wanted ? jobs : wanted;
 }
 
+size_t rf_ring_bytes( const RfRenderSizes* s ) { return rf_arena_size( (size_t)s->ring * sizeof( RfFrameBuffer ) ); }
+
 size_t rf_fixed_bytes( const RfRenderSizes* s )
 {
-    size_t ring = rf_arena_size( (size_t)s->ring * sizeof( RfFrameBuffer ) );
-    return rf_films_bytes( s ) + ring + rf_image_bytes( s ) + rf_scratch_bytes( s ) + optional( rf_writer_bytes( s ) ) +
-           optional( s->moving );
+    return rf_films_bytes( s ) + rf_ring_bytes( s ) + rf_image_bytes( s ) + rf_scratch_bytes( s ) +
+           optional( rf_writer_bytes( s ) ) + optional( s->moving );
 }

@@ -48,6 +48,8 @@ static inline int rf_batches_of_pass( const RfRenderSizes* sizes ) { return size
 size_t rf_films_bytes( const RfRenderSizes* sizes );
 // Bytes of one finished frame on its way to the caller.
 size_t rf_image_bytes( const RfRenderSizes* sizes );
+// Bytes of the table of finished frames.
+size_t rf_ring_bytes( const RfRenderSizes* sizes );
 // Bytes of the workspaces of all threads.
 size_t rf_scratch_bytes( const RfRenderSizes* sizes );
 // Bytes that writing a frame takes. They are counted, not allocated here.

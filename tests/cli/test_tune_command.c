@@ -128,7 +128,7 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     char* table = cli_read( "table.txt", &size );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
-    assert_non_null( strstr( table, "10: spp would more than double" ) );
+    assert_non_null( strstr( table, "10 settings: spp would more than double" ) );
     assert_non_null( strstr( command, " --size=16x9 --spp 5 --frames 20-21 --seed 7 --memory 200M --max-depth 4" ) );
     cli_expect_verdict( table, tune, "best: " );
     assert_null( strstr( command, " --budget" ) );

@@ -134,7 +134,8 @@ static void test_forecast_is_what_render_does( void** state )
             expect_near( "eye", row->group, row->rays_eye, rays->eye );
         assert_memory_equal( &row->fit, &done.stats.fit, sizeof row->fit );
         size_t bytes = row->fit.bytes_films + row->fit.bytes_hits + row->fit.bytes_lists;
-        assert_true( done.stats.peak_bytes >= bytes && done.stats.peak_bytes < bytes + 1024 );
+        if ( !( done.stats.peak_bytes >= bytes && done.stats.peak_bytes < bytes + 1024 ) )
+            fail_msg( "group %d: %zu bytes planned, %zu used", row->group, bytes, done.stats.peak_bytes );
         free_rendered( &done );
     }
     end( &s );

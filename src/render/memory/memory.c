@@ -372,7 +372,7 @@ RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemory
     fit->sweeps = sizes->films == wanted ? 1 : up( frames, sizes->films );
     fit->batches = batches_that_fit( budget, sizes );
     fit->chunks = up( rf_batches_of_pass( sizes ), fit->batches );
-    fit->bytes_films = rf_films_bytes( sizes ) + rf_image_bytes( sizes );
+    fit->bytes_films = rf_films_bytes( sizes ) + rf_ring_bytes( sizes ) + rf_image_bytes( sizes );
     fit->bytes_hits = rf_records_bytes( sizes, fit->batches );
     fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes ) + sizes->moving;
     return RF_OK;
