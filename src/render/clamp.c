@@ -247,7 +247,8 @@ static void add_block( Pilot* p, const Block* b )
 static void add_blocks( Pilot* p )
 {
     sum_blocks( p );
-    qsort( p->paths, p->count, sizeof *p->paths, compare_paths );
+    if ( p->count > 0 )
+        qsort( p->paths, p->count, sizeof *p->paths, compare_paths );
     find_brightness( p );
     Block b;
     for ( size_t first = 0; first < p->count; first += b.count )
