@@ -185,11 +185,12 @@ static void format_main_part( const json_t* sum, char* text, size_t size )
     }
     const char* name = json_string_value( json_object_get( first, "material" ) );
     if ( first != NULL && isgreaterequal( share, MOSTLY * rf_json_number_of( sum, "share" ) ) )
-        snprintf( place, sizeof place, name != NULL ? " on '%.60s'" : " in the sky", name );
+        snprintf( place, sizeof place, " %s%.60s%s", name != NULL ? "on '" : "in the sky", name != NULL ? name : "",
+                  name != NULL ? "'" : "" );
     if ( place[0] != '\0' )
         snprintf( text, size, ", mostly%s%s%s%s", place, kind[0] != '\0' ? " (" : "", kind, kind[0] != '\0' ? ")" : "" );
     else
-        snprintf( text, size, kind[0] != '\0' ? ", mostly %s" : "", kind );
+        snprintf( text, size, "%s%s", kind[0] != '\0' ? ", mostly " : "", kind );
 }
 
 bool rf_format_specks( const json_t* sum, char* text, size_t size )
