@@ -9,6 +9,7 @@
 #include "render/settings.h"
 #include "render/estimator.h"
 #include "reuse/tile/tile.h"
+#include "scene/leave_out.h"
 #include "trace/trace.h"
 
 #include <math.h>
@@ -384,7 +385,9 @@ static void find_clamp( CostStudy* s )
     settings.queue = 0;
     int frame = region->frames / 2;
     RfShot shot = { s->job->shot.tracer, region->eyes, region->frames, &frame, 1 };
-    if ( s->job->relmse > 0.0 && settings.weights == RF_WEIGHTS_EXACT && settings.estimator->clamps )
+    // what is removed without caustics is no part of the picture asked for: picture and removed would not be the exact one
+    bool whole = !rf_is_left_out( rf_tracer_scene( s->job->shot.tracer ), RF_EFFECT_CAUSTICS );
+    if ( s->job->relmse > 0.0 && settings.weights == RF_WEIGHTS_EXACT && settings.estimator->clamps && whole )
         rf_render( &shot, &settings, &( RfRenderCallbacks ){ .progress = no_more }, &stats, NULL );
     s->clamp = isgreater( stats.clamp, 0.0 ) && stats.clamp <= RF_MAX_CLAMP ? stats.clamp : 0.0;
     s->settings[1].clamp = s->clamp;

@@ -50,7 +50,7 @@ typedef struct RfCost
 {
     RfCostCurve plain, reuse;
     RfCostClamp clamps[RF_COST_CLAMPS]; // that of job->relmse, and some beside it
-    int clamp_count;                    // 0 where the estimator has none
+    int clamp_count;                    // 0 where the estimator has none, or caustics are left out
     RfInterval speedup;                 // CPU seconds of path tracing over those with reuse, at equal error
     double pixels;                      // traced of each test frame
     int positions;

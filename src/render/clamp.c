@@ -332,14 +332,14 @@ static float choose_threshold( const Pilot* p, const Tally* tally )
     best = least;
     for ( int k = least; k < STEPS && k <= least + FAR_STEPS; ++k )
         best = cost[k] <= LITTLE_MORE * cost[least] ? k : best;
-    best = cost[least] <= s_worth_it[tally - p->tally] * cost[STEPS - 1] ? best : STEPS - 1;
+    best = cost[least] < s_worth_it[tally - p->tally] * cost[STEPS - 1] ? best : STEPS - 1; // also where nothing was found twice
     // beyond what the pilot has seen, nothing is known; with more samples larger ones are found
     double seen = worth * spp * r->setup->sizes.width * r->setup->sizes.height / p->samples;
     return rf_minf( step_threshold( best ), tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
 }
 
-// Lights seen by chains are few in the pilot, or none: their threshold is not below the brightness of the picture. Where the pilot has
-// seen nothing at all there is none.
+// A kind of which the pilot has seen nothing has the threshold of the other; of neither, there is none. Lights seen by chains are few
+// in a pilot, so their threshold is not below the brightness of the picture.
 static RfClampThresholds choose_thresholds( const Pilot* p )
 {
     bool paths = p->tally[RF_CLAMP_PATHS].largest > 0.0f, chains = p->tally[RF_CLAMP_CHAINS].largest > 0.0f;

@@ -10,6 +10,7 @@
 #include "measure/cost.h"
 #include "measure/plot.h"
 #include "scene/json/json_document.h"
+#include "scene/leave_out.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -190,6 +191,8 @@ static void print_goal( const CostReport* r, Goal goal )
         print_price( r, "clamped", clamped );
     else if ( r->cost->clamp_count > 0 && !goal.is_flicker )
         printf( "  %-16s no clamp that was tried takes fewer samples\n", "clamped" );
+    else if ( rf_is_left_out( rf_tracer_scene( r->job->shot.tracer ), RF_EFFECT_CAUSTICS ) )
+        printf( "  %-16s not tried where caustics are left out\n", "clamped" );
     print_price( r, "path tracing", exact_price( r, goal, 0 ) );
 }
 
