@@ -53,6 +53,8 @@ typedef struct RfMaterial
     RfVec3 absorption;     // GLASS: absorption coefficient of the inside, 1/m
     RfVec3 emission;       // radiance, W/(m² sr), on the front (on both sides if double_sided)
     bool double_sided;
+    bool dims;                   // its emission changes: `emission` is the most of each channel, a pose has that of its time
+    bool changes;                // something else of it does: only what moves (scene/movement.h) has it
     struct RfTextured* textured; // what varies over the surface (scene/textured.h); NULL: nothing
 } RfMaterial;
 

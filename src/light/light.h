@@ -42,6 +42,12 @@ enum
 };
 #undef RF_ONE_MORE
 
+// Lights of a group of frames, by part. What holds in all its frames is part 0. That of a lamp that is dimmed has a part of its
+// own, as far as there are parts, and a scale in each frame: what it sends is computed as it is at scale 1. All else is light of
+// one frame alone, as it is in that.
+#define RF_DIMMED_MOST 4
+#define RF_PART_OWN 255
+
 // Up to so many lights are selected by power: a lamp of two triangles needs no tree.
 #define RF_FEW_LIGHTS 2
 
@@ -77,12 +83,20 @@ typedef struct RfLights
     float* power_fraction;     // of each light: its power over that of all
     uint32_t* alias_threshold; // alias table, in units of 2⁻³²: below it the column is selected, else its alias
     uint32_t* alias;
-    uint32_t* of_triangle; // light of each triangle, or RF_NO_LIGHT; NULL without area lights
+    uint32_t* of_triangle;                 // light of each triangle, or RF_NO_LIGHT; NULL without area lights
+    uint8_t* part;                         // of each light; NULL: all hold
+    int dimmed_count;                      // parts from 1 on
+    RfVec3 part_scale[RF_DIMMED_MOST + 1]; // of each part, in the frame at hand; [0] is 1
 } RfLights;
 
 // Fails with RF_ERROR_MEMORY only. A scene without emission gives count 0.
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error );
 void rf_destroy_lights( RfLights* lights );
+
+static inline int rf_light_part( const RfLights* lights, uint32_t light )
+{
+    return lights->part != NULL ? lights->part[light] : 0;
+}
 
 static inline bool rf_has_sky( const RfLights* lights )
 {

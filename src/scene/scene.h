@@ -84,6 +84,7 @@ typedef enum RfAnimatedPath
     RF_SCALE,
     RF_WEIGHTS,    // of morph targets
     RF_VISIBILITY, // 1, or 0: hidden
+    RF_VALUE,      // of what is not a node (scene/movement.h)
 } RfAnimatedPath;
 
 struct RfCurve;
@@ -158,6 +159,7 @@ typedef struct RfEnvironment
     float rotation;    // of the map about +y, radians, counter-clockwise seen from above;
                        // at 0 the centre of the map is at −z, with +x to its right
     bool hidden;       // black to camera rays, but still illuminates the scene
+    bool changes;      // its radiance or its rotation do: a pose has them as they are
 } RfEnvironment;
 
 typedef enum RfPunctualKind
@@ -177,6 +179,7 @@ typedef struct RfPunctual
     RfVec3 intensity;           // W/sr; directional lights: irradiance, W/m²
     float cos_inner, cos_outer; // spot cone: full intensity inside inner, none outside outer
     float range;                // m, no light beyond it; infinity: unlimited
+    bool changes;               // it moves, is dimmed or is switched, or else is another at some time: a pose has it as it is
 } RfPunctual;
 
 struct RfScene

@@ -38,7 +38,8 @@ static RfResult read_value( const RfField* field, RfAnimatedPath path, double va
         case RF_TRANSLATION: return rf_field_numbers( field, rf_range( -MAX_LENGTH, MAX_LENGTH ), 3, value );
         case RF_ROTATION: return rf_read_rotation( field, value );
         case RF_SCALE: return read_scale( field, value );
-        case RF_WEIGHTS: break;
+        case RF_WEIGHTS:
+        case RF_VALUE: break;
         case RF_VISIBILITY:
             result = rf_field_bool( field, &visible );
             value[0] = visible ? 1.0 : 0.0;
