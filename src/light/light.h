@@ -85,6 +85,8 @@ typedef struct RfLights
     uint32_t* alias;
     uint32_t* of_triangle;                 // light of each triangle, or RF_NO_LIGHT; NULL without area lights
     uint8_t* part;                         // of each light; NULL: all hold
+    uint8_t* material_part;                // of the triangles that have each material of the scene; set where `part` is
+    bool any_own;                          // some part is RF_PART_OWN
     int dimmed_count;                      // parts from 1 on
     RfVec3 part_scale[RF_DIMMED_MOST + 1]; // of each part, in the frame at hand; [0] is 1
 } RfLights;
@@ -96,6 +98,17 @@ void rf_destroy_lights( RfLights* lights );
 static inline int rf_light_part( const RfLights* lights, uint32_t light )
 {
     return lights->part != NULL ? lights->part[light] : 0;
+}
+
+static inline int rf_material_part( const RfLights* lights, int32_t material )
+{
+    return lights->part != NULL ? lights->material_part[material] : 0;
+}
+
+// What the light of a part is multiplied by in the frame at hand.
+static inline RfVec3 rf_part_scale( const RfLights* lights, int part )
+{
+    return part == 0 || part == RF_PART_OWN ? rf_vec3( 1, 1, 1 ) : lights->part_scale[part];
 }
 
 static inline bool rf_has_sky( const RfLights* lights )
