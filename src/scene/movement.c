@@ -1,7 +1,47 @@
-// Frees what moves.
+// Adds to what changes, and frees what moves.
 #include "scene/movement.h"
 
+#include "scene/animation.h"
+
+#include <math.h>
 #include <stdlib.h>
+
+static bool is_empty( const RfMovement* m ) { return m->mover_count == 0 && m->lamp_count == 0 && m->change_count == 0; }
+
+RfMovement* rf_open_movement( RfScene* scene )
+{
+    if ( scene->movement == NULL )
+        scene->movement = calloc( 1, sizeof *scene->movement );
+    return scene->movement;
+}
+
+bool rf_add_change( RfScene* scene, RfChange* change )
+{
+    RfMovement* movement = rf_open_movement( scene );
+    size_t count = movement != NULL ? (size_t)movement->change_count : 0;
+    RfChange* grown = movement != NULL ? realloc( movement->changes, ( count + 1 ) * sizeof *grown ) : NULL;
+    if ( grown == NULL )
+    {
+        rf_destroy_channel( &change->channel );
+        return false;
+    }
+    double start, end;
+    rf_channel_span( &change->channel, &start, &end );
+    bool first = is_empty( movement );
+    movement->start = first ? start : fmin( movement->start, start );
+    movement->end = first ? end : fmax( movement->end, end );
+    movement->changes = grown;
+    movement->changes[movement->change_count++] = *change;
+    return true;
+}
+
+void rf_drop_empty_movement( RfScene* scene )
+{
+    if ( scene->movement == NULL || !is_empty( scene->movement ) )
+        return;
+    rf_destroy_movement( scene->movement );
+    scene->movement = NULL;
+}
 
 void rf_destroy_movement( RfMovement* movement )
 {

@@ -91,6 +91,15 @@ typedef struct RfMovement
     double start, end; // seconds: first and last key of all that moves or changes
 } RfMovement;
 
+// The scene's movement, which is made where there is none. NULL: there is no memory.
+RfMovement* rf_open_movement( RfScene* scene );
+
+// Gives the scene a change, with its keys, and widens the span of its movement. False: there is no memory, and the keys are freed.
+bool rf_add_change( RfScene* scene, RfChange* change );
+
+// Destroys the movement where nothing moves or changes.
+void rf_drop_empty_movement( RfScene* scene );
+
 // NULL is allowed.
 void rf_destroy_movement( RfMovement* movement );
 

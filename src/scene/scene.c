@@ -1,4 +1,4 @@
-// Frees scenes and their parts, and says how many frames per second one has.
+// Frees scenes and their parts, lists what is not rendered, and says how many frames per second a scene has.
 #include "scene/scene.h"
 
 #include "scene/camera_path/camera_track.h"
@@ -9,6 +9,21 @@
 #include <string.h>
 
 RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }
+
+bool rf_note_unrendered( RfScene* scene, const char* what, const char* why )
+{
+    size_t count = (size_t)scene->unrendered_count;
+    const RfUnrendered* last = count > 0 ? scene->unrendered + count - 1 : NULL;
+    if ( last != NULL && strcmp( last->what, what ) == 0 && strcmp( last->why, why ) == 0 )
+        return true;
+    RfUnrendered* grown = realloc( scene->unrendered, ( count + 1 ) * sizeof *grown );
+    if ( grown == NULL )
+        return false;
+    scene->unrendered = grown;
+    RfUnrendered entry = { strdup( what ), strdup( why ) };
+    scene->unrendered[scene->unrendered_count++] = entry;
+    return entry.what != NULL && entry.why != NULL;
+}
 
 void rf_destroy_triangles( RfTriangles* triangles )
 {

@@ -224,7 +224,7 @@ struct RfScene
     int export_warning_count;
     char** export_warnings; // what the program that wrote the file warned of; printable
     RfCamera* cameras;
-    RfFps key_fps;                             // at which keys of its objects count frames; 0/0: none do
+    RfFps key_fps;                             // at which its keys count frames; 0/0: none do
     int chosen_camera;                         // 1 + index of the camera that the scene file selects; 0: none
     uint64_t effects_forced, effects_left_out; // by rf_choose_effects: sets of RF_EFFECT_BITs
 };
@@ -234,6 +234,9 @@ void rf_destroy_scene( RfScene* scene );
 
 // Fails with RF_ERROR_UNSUPPORTED where something changes that cannot be rendered so.
 RfResult rf_check_rendered( const RfScene* scene, RfError* error );
+
+// Adds to what changes and cannot be rendered so; the same is listed once. False: there is no memory.
+bool rf_note_unrendered( RfScene* scene, const char* what, const char* why );
 
 // Frees the arrays and clears the struct.
 void rf_destroy_triangles( RfTriangles* triangles );

@@ -21,26 +21,12 @@
 
 RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* format, ... )
 {
-    RfScene* scene = gltf->scene;
     char why[256];
     va_list args;
     va_start( args, format );
     vsnprintf( why, sizeof why, format, args );
     va_end( args );
-    size_t count = (size_t)scene->unrendered_count;
-    const RfUnrendered* last = count > 0 ? scene->unrendered + count - 1 : NULL;
-    if ( last != NULL && strcmp( last->what, what ) == 0 && strcmp( last->why, why ) == 0 )
-        return RF_OK;
-    if ( ( count & ( count - 1 ) ) == 0 ) // a power of two as long as the list grows
-    {
-        RfUnrendered* grown = realloc( scene->unrendered, ( count > 0 ? 2 * count : 1 ) * sizeof *grown );
-        if ( grown == NULL )
-            return rf_gltf_no_memory( gltf, "animations" );
-        scene->unrendered = grown;
-    }
-    RfUnrendered entry = { strdup( what ), strdup( why ) };
-    scene->unrendered[scene->unrendered_count++] = entry;
-    return entry.what != NULL && entry.why != NULL ? RF_OK : rf_gltf_no_memory( gltf, "animations" );
+    return rf_note_unrendered( gltf->scene, what, why ) ? RF_OK : rf_gltf_no_memory( gltf, "animations" );
 }
 
 // The channel of a node that animates `path`, or −1.
@@ -155,7 +141,7 @@ static RfResult begin( Builder* b )
 {
     RfGltf* gltf = b->gltf;
     size_t nodes = (size_t)gltf->scene->node_count, meshes = (size_t)gltf->counts[RF_GLTF_MESHES];
-    b->movement = gltf->scene->movement = calloc( 1, sizeof *b->movement );
+    b->movement = rf_open_movement( gltf->scene );
     b->moving_of = fill( nodes );
     for ( int k = 0; k < 3; ++k )
         b->shape_of[k] = fill( meshes );
@@ -539,6 +525,8 @@ static void find_span( const RfScene* scene, RfMovement* movement )
         if ( movement->movers[i].weights_moved >= 0 )
             widen( movement, scene->channels + movement->movers[i].weights_moved );
     }
+    for ( int i = 0; i < movement->change_count; ++i )
+        widen( movement, &movement->changes[i].channel );
     if ( movement->start > movement->end )
         movement->start = movement->end = 0.0;
 }
@@ -610,11 +598,8 @@ static RfResult place_all( Builder* b )
         result = rf_number_placements( scene, gltf->error );
     if ( result == RF_OK )
         result = widen_bounds( b, before );
-    if ( result == RF_OK && b->movement->mover_count == 0 )
-    {
-        rf_destroy_movement( b->movement );
-        scene->movement = NULL;
-    }
+    if ( result == RF_OK )
+        rf_drop_empty_movement( scene );
     return result;
 }
 
