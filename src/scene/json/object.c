@@ -3,18 +3,13 @@
 
 #include "base/words.h"
 #include "scene/camera_path/camera_track_read.h"
-#include "scene/camera_path/curve.h"
+#include "scene/json/keys.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define MAX_OBJECTS 100000
-#define MAX_KEYS 1000000
 #define MAX_LENGTH 1e15
-
-// By RfAnimatedPath; files alone have weights.
-static const char* const s_names[RF_OBJECT_PATHS] = { "translation", "rotation", "scale", NULL, "visible" };
-static const int s_components[RF_OBJECT_PATHS] = { 3, 4, 3, 0, 1 };
 
 // One number is the same scale along all axes.
 static RfResult read_scale( const RfField* field, double value[3] )
@@ -29,127 +24,35 @@ static RfResult read_scale( const RfField* field, double value[3] )
     return result;
 }
 
-static RfResult read_value( const RfField* field, RfAnimatedPath path, double value[4] )
+static RfResult read_visible( const RfField* field, double value[1] )
 {
     bool visible = true;
-    RfResult result;
-    switch ( path )
-    {
-        case RF_TRANSLATION: return rf_field_numbers( field, rf_range( -MAX_LENGTH, MAX_LENGTH ), 3, value );
-        case RF_ROTATION: return rf_read_rotation( field, value );
-        case RF_SCALE: return read_scale( field, value );
-        case RF_WEIGHTS:
-        case RF_VALUE: break;
-        case RF_VISIBILITY:
-            result = rf_field_bool( field, &visible );
-            value[0] = visible ? 1.0 : 0.0;
-            return result;
-    }
-    return RF_OK;
+    RfResult result = rf_field_bool( field, &visible );
+    value[0] = visible ? 1.0 : 0.0;
+    return result;
 }
+
+static const RfKeyed s_keyed[] = {
+    { "translation", RF_TRANSLATION, 3, -MAX_LENGTH, MAX_LENGTH, 1, NULL },
+    { "rotation", RF_ROTATION, 4, 0, 0, 1, rf_read_rotation },
+    { "scale", RF_SCALE, 3, 0, 0, 1, read_scale },
+    { "visible", RF_VISIBILITY, 1, 0, 0, 1, read_visible },
+};
+#define KEYED_COUNT ( (int)( sizeof s_keyed / sizeof s_keyed[0] ) )
 
 static RfResult no_memory( const RfField* field )
 {
     return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left for %s", field->file, field->path );
 }
 
-// Makes room for those of the keys that have such a value.
-static RfResult open_channel( const RfField* keys, RfAnimatedPath path, RfChannel* channel )
+static RfResult read_keys( const RfField* field, RfFps fps, RfObject* object, bool* in_frames )
 {
-    size_t count = 0, all = json_array_size( keys->json );
-    for ( size_t i = 0; i < all; ++i )
-        count += json_object_get( json_array_get( keys->json, i ), s_names[path] ) != NULL;
-    *channel = ( RfChannel ){ .node = -1, .path = path, .components = s_components[path], .interpolation = RF_LINEAR };
-    if ( count == 0 )
-        return RF_OK;
-    if ( path == RF_VISIBILITY )
-        channel->interpolation = RF_STEP;
-    channel->times = malloc( count * sizeof *channel->times );
-    channel->values = malloc( count * (size_t)channel->components * sizeof *channel->values );
-    return channel->times != NULL && channel->values != NULL ? RF_OK : no_memory( keys );
-}
-
-static RfResult read_key( const RfField* key, double seconds, RfObject* object )
-{
-    bool any = false;
-    for ( int path = 0; path < RF_OBJECT_PATHS; ++path )
-    {
-        RfChannel* channel = object->channels + path;
-        if ( s_names[path] == NULL || !rf_has_member( key, s_names[path] ) )
-            continue;
-        double value[4];
-        RfField field = rf_field_member( key, s_names[path] );
-        RfResult result = read_value( &field, (RfAnimatedPath)path, value );
-        if ( result != RF_OK )
-            return result;
-        size_t n = (size_t)channel->components;
-        memcpy( channel->values + n * (size_t)channel->count, value, n * sizeof *value );
-        channel->times[channel->count++] = seconds;
-        any = true;
-    }
-    return any ? RF_OK : rf_field_fail( key, "has no translation, rotation, scale or visible: give it one, or leave it out" );
-}
-
-static RfResult smooth( const RfField* keys, RfChannel* channel )
-{
-    if ( channel->count < 2 || channel->path == RF_VISIBILITY )
-        return RF_OK;
-    channel->curve = calloc( 1, sizeof *channel->curve );
-    if ( channel->curve == NULL )
-        return no_memory( keys );
-    RfCurveKind kind = channel->path == RF_ROTATION ? RF_CURVE_ROTATION : RF_CURVE_POINT;
-    return rf_create_curve( kind, false, channel->count, channel->times, channel->values, channel->curve, keys->error );
-}
-
-static RfResult read_all_keys( const RfField* keys, RfFps fps, RfObject* object, bool* in_frames )
-{
-    static const char* const s_seconds[] = { "time", "translation", "rotation", "scale", "visible", NULL };
-    static const char* const s_frames[] = { "frame", "translation", "rotation", "scale", "visible", NULL };
-    RfField first = rf_field_item( keys, 0 );
-    int count = (int)json_array_size( keys->json );
-    *in_frames = rf_has_member( &first, "frame" );
-    double* times = malloc( (size_t)count * sizeof *times );
-    RfResult result = times != NULL ? RF_OK : no_memory( keys );
-    for ( int i = 0; result == RF_OK && i < count; ++i )
-    {
-        RfField key = rf_field_item( keys, (size_t)i );
-        result = rf_field_keys( &key, *in_frames ? s_frames : s_seconds );
-        if ( result == RF_OK )
-            result = rf_read_key_time( &key, *in_frames, i, times );
-        // as the times of the frames of a camera, to the bit
-        double seconds =
-            *in_frames && result == RF_OK ? ( times[i] - 1.0 ) * (double)fps.denominator / (double)fps.numerator : 0.0;
-        if ( result == RF_OK )
-            result = read_key( &key, *in_frames ? seconds : times[i], object );
-    }
-    free( times );
-    return result;
-}
-
-static RfResult read_keys( const RfField* object_field, RfFps fps, RfObject* object, bool* in_frames )
-{
-    RfField keys = rf_field_member( object_field, "keys" ), how = rf_field_member( object_field, "interpolation" );
-    bool linear;
-    *in_frames = false;
-    if ( keys.json == NULL && how.json != NULL )
-        return rf_field_fail( &how, "has no effect without keys: leave it out" );
-    if ( keys.json == NULL )
-        return RF_OK;
-    RfResult result = rf_field_array( &keys, "keys", 1, MAX_KEYS );
+    RfChannel channels[KEYED_COUNT];
+    RfResult result = rf_read_keys( field, fps, s_keyed, KEYED_COUNT, channels, in_frames );
     if ( result == RF_OK )
-        result = rf_read_interpolation( object_field, &linear );
-    for ( int path = 0; result == RF_OK && path < RF_OBJECT_PATHS; ++path )
-    {
-        if ( s_names[path] != NULL )
-            result = open_channel( &keys, (RfAnimatedPath)path, object->channels + path );
-    }
-    if ( result == RF_OK )
-        result = read_all_keys( &keys, fps, object, in_frames );
-    for ( int path = 0; result == RF_OK && !linear && path < RF_OBJECT_PATHS; ++path )
-    {
-        if ( object->channels[path].count > 0 )
-            result = smooth( &keys, object->channels + path );
-    }
+        result = rf_refuse_twice( field, s_keyed, KEYED_COUNT, channels );
+    for ( int i = 0; i < KEYED_COUNT; ++i )
+        object->channels[s_keyed[i].path] = channels[i];
     return result;
 }
 
@@ -157,21 +60,19 @@ static RfResult read_keys( const RfField* object_field, RfFps fps, RfObject* obj
 static RfResult read_still( const RfField* field, RfObject* object )
 {
     RfResult result = RF_OK;
-    for ( int path = 0; result == RF_OK && path < RF_OBJECT_PATHS; ++path )
+    for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
     {
-        RfField member = rf_field_member( field, s_names[path] != NULL ? s_names[path] : "weights" );
-        bool keyed = object->channels[path].count > 0;
+        const RfKeyed* kind = s_keyed + i;
+        RfField member = rf_field_member( field, kind->name );
         double value[4] = { 0 };
-        if ( keyed && member.json != NULL )
-            return rf_field_fail( &member, "keys have it too: leave one of the two out" );
-        object->given |= keyed || member.json != NULL ? 1u << path : 0u;
+        object->given |= object->channels[kind->path].count > 0 || member.json != NULL ? 1u << kind->path : 0u;
         if ( member.json == NULL )
             continue;
-        result = read_value( &member, (RfAnimatedPath)path, value );
-        if ( path <= RF_SCALE )
-            memcpy( object->still[path], value, sizeof value );
-        else
+        result = rf_read_keyed( &member, kind, value );
+        if ( kind->path == RF_VISIBILITY )
             object->hidden = value[0] == 0.0;
+        else
+            memcpy( object->still[kind->path], value, sizeof value );
     }
     return result;
 }
