@@ -356,6 +356,29 @@ static void touch_lights( const RfPathSettings* settings, const RfVertexLanes* v
         out->touched[scratch->index[k]] |= touched[k];
 }
 
+// Tells the light of dimmed lamps, and of lamps that change otherwise.
+static void sort_by_part( const RfPathSettings* settings, const LightPoints* points, int kept, RfLightLanes* out,
+                          const RfLaneScratch* scratch )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    for ( int k = 0; k < kept; ++k )
+    {
+        int i = scratch->index[k], part = rf_light_part( lights, points->selection[i].light );
+        if ( settings->own != NULL )
+            out->touched[i] |= part == RF_PART_OWN;
+        bool apart = settings->parts && part != RF_PART_OWN && !( settings->own != NULL && out->touched[i] );
+        if ( apart )
+        {
+            out->part[i] = (uint8_t)part;
+            continue;
+        }
+        RfVec3 scale = rf_part_scale( lights, part );
+        out->radiance_cos[0][i] *= scale.x;
+        out->radiance_cos[1][i] *= scale.y;
+        out->radiance_cos[2][i] *= scale.z;
+    }
+}
+
 int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
                       RfLightLanes* out, RfLaneScratch* scratch )
 {
@@ -371,6 +394,7 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         for ( int i = 0; i < count; ++i )
             out->pdf_solid_angle[i] = 1.0f;
         memset( out->touched, 0, sizeof out->touched );
+        memset( out->part, 0, sizeof out->part );
         return 0;
     }
     LightPoints points;
@@ -399,6 +423,10 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         rf_find_lit_caustics( settings->own, vertices, out->touched );
     else if ( settings->own != NULL )
         touch_lights( settings, vertices, &points, kept, out, scratch );
+    if ( settings->parts )
+        memset( out->part, 0, (size_t)count );
+    if ( lights->part != NULL )
+        sort_by_part( settings, &points, kept, out, scratch );
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];

@@ -68,6 +68,7 @@ typedef struct RfLightLanes
     float radiance_cos[3][RF_LANES]; // incident radiance times n·wi; 0: unlit
     float pdf_solid_angle[RF_LANES];
     uint8_t touched[RF_LANES]; // 1: kept apart, with RfPathSettings.own (path/own_light.h)
+    uint8_t part[RF_LANES];    // with RfPathSettings.parts: of the light (light/light.h), 0 where touched
 } RfLightLanes;
 
 // Workspace; its contents are not kept between calls.

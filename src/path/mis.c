@@ -28,6 +28,20 @@ void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfAr
     out->scattered = false;
 }
 
+void rf_keep_part( const uint8_t* parts, int part, int count, RfArrivalLanes* lanes )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        float* restrict a = lanes->a[c], * restrict b = lanes->b[c];
+#pragma omp simd
+        for ( int i = 0; i < count; ++i )
+        {
+            a[i] = parts[i] == part ? a[i] : 0.0f;
+            b[i] = parts[i] == part ? b[i] : 0.0f;
+        }
+    }
+}
+
 void rf_gather_scattered( const RfVertexLanes* v, int count, const float* const wi[3], const RfArrivals* arrivals, float k,
                           RfArrivalLanes* out )
 {

@@ -49,12 +49,26 @@ static void note_caustics( const RfPathSettings* settings, const RfVertexLanes* 
         rf_note_caustics( v, pdf, settings->own );
 }
 
-static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, float light_pdf,
-                                const RfReceiver* to )
+// Light of a part, which what moves may touch, goes to the arrivals that are returned.
+static inline RfArrivals* take_part( const RfPathSettings* settings, int part, const RfReceiver* to, bool* touched,
+                                     RfVec3* light )
+{
+    *touched = *touched || ( part == RF_PART_OWN && to->own != NULL );
+    bool apart = settings->parts && part != RF_PART_OWN && !*touched;
+    if ( part != 0 && !apart )
+        *light = rf_mul( *light, rf_part_scale( rf_tracer_lights( settings->tracer ), part ) );
+    return *touched ? &to->own->arrivals : apart && part != 0 ? to->dimmed + part - 1 : to->arrivals;
+}
+
+static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, int part,
+                                float light_pdf, const RfReceiver* to )
 {
     int slot = rays->slot[r];
     bool touched = to->own != NULL && to->own->touched[slot];
-    RfArrivals* arrivals = touched ? &to->own->arrivals : to->arrivals;
+    // chains have no parts
+    bool by_chain = part != 0 && to->chain_light != NULL && rf_may_take_chain_light( to->chain_light, slot );
+    touched = touched || ( by_chain && to->own != NULL );
+    RfArrivals* arrivals = take_part( settings, part, to, &touched, &light );
     float l[3] = { light.x * rays->throughput[0][r], light.y * rays->throughput[1][r], light.z * rays->throughput[2][r] };
     if ( to->chain_light != NULL && rf_take_chain_light( to->chain_light, slot, l ) )
     {
@@ -93,6 +107,7 @@ static inline float light_pdf_behind( const float* pane_probability, int r, floa
 static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays, const RfVertexLanes* v,
                           const uint32_t* triangle, const float* pane_probability, const RfReceiver* to )
 {
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
     for ( int i = 0; i < v->count; ++i )
     {
         if ( v->light_pdf_solid_angle[i] == 0.0f )
@@ -102,7 +117,7 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
         uint32_t light = rf_triangle_light( settings->tracer, triangle[r] );
         float probability = RF_FAULT( selection ) ? 1.0f : selection_probability( settings, rays, r, light );
         float light_pdf = light_pdf_behind( pane_probability, r, v->light_pdf_solid_angle[i] * probability );
-        add_arrival( settings, rays, r, emission, light_pdf, to );
+        add_arrival( settings, rays, r, emission, rf_light_part( lights, light ), light_pdf, to );
     }
 }
 
@@ -120,7 +135,8 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
         RfVec3 sky = rf_sky_radiance( &lights->sky, d );
         float light_pdf =
             rf_sky_pdf_solid_angle( &lights->sky, d ) * selection_probability( settings, rays, r, rf_sky_number( lights ) );
-        add_arrival( settings, rays, r, sky, light_pdf_behind( pane_probability, r, light_pdf ), to );
+        add_arrival( settings, rays, r, sky, rf_light_part( lights, rf_sky_number( lights ) ),
+                     light_pdf_behind( pane_probability, r, light_pdf ), to );
     }
 }
 
@@ -323,7 +339,9 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
         {
             int slot = v->slot[i], r = v->ray[i];
             float scale = rf_balance_scale( k * lights->pdf_solid_angle[i], s->pdf[i] );
-            RfArrivals* to = settings->own != NULL && lights->touched[i] ? &settings->own->arrivals : &wavefront->arrivals;
+            RfArrivals* to = settings->own != NULL && lights->touched[i] ? &settings->own->arrivals
+                             : settings->parts && lights->part[i] != 0   ? wavefront->dimmed + lights->part[i] - 1
+                                                                         : &wavefront->arrivals;
             for ( int c = 0; c < 3; ++c )
                 to->rest[c][slot] += rays->throughput[c][r] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
         }
@@ -424,9 +442,11 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     leave_to_connections( settings, wavefront, rays, vertices );
     if ( settings->own != NULL && !settings->own->caustics )
         rf_touch_by_rays( settings->tracer, rays, vertices, wavefront->scratch.triangle, settings->own->touched );
-    RfReceiver to = {
-        .defer_mis = defer_mis, .chain_light = wavefront->chain_light, .arrivals = &wavefront->arrivals, .own = settings->own
-    };
+    RfReceiver to = { .defer_mis = defer_mis,
+                      .chain_light = wavefront->chain_light,
+                      .arrivals = &wavefront->arrivals,
+                      .own = settings->own,
+                      .dimmed = wavefront->dimmed };
     rf_add_emission_hits( settings, rays, vertices, wavefront->scratch.triangle, pane_probability, to );
     return pane_probability;
 }

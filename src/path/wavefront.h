@@ -30,10 +30,16 @@ static inline bool rf_is_chain_event( const RfVertexLanes* v, int i, float pdf )
            v->param[RF_PARAM_IOR][i] >= 0.0f;
 }
 
+// Whether emission that a slot's path hits now has come by a chain.
+static inline bool rf_may_take_chain_light( const RfChainLight* chain_light, int slot )
+{
+    return chain_light->open[slot] && chain_light->length[slot] > 0;
+}
+
 // Takes the emission that a slot's path has hit, times throughput, if it came by a chain.
 static inline bool rf_take_chain_light( RfChainLight* chain_light, int slot, const float light[3] )
 {
-    bool taken = chain_light->open[slot] && chain_light->length[slot] > 0 && light[0] + light[1] + light[2] > 0.0f;
+    bool taken = rf_may_take_chain_light( chain_light, slot ) && light[0] + light[1] + light[2] > 0.0f;
     for ( int c = 0; c < 3 && taken; ++c )
         chain_light->light[c][slot] = light[c];
     chain_light->open[slot] = chain_light->open[slot] && !taken;
@@ -58,6 +64,7 @@ typedef struct RfPathSettings
     RfLightSampling light_sampling;
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
     RfOwnLight* own; // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
+    bool parts;      // keeps that of dimmed lamps apart (light/light.h); else it is as in the tracer's frame
 } RfPathSettings;
 
 // A thread's wavefront.
@@ -73,6 +80,7 @@ typedef struct RfWavefront
     RfRayLanes rays;                // the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
+    RfArrivals* dimmed;              // of dimmed lamps, by part from 1 on, with RfPathSettings.parts
     uint64_t path_rays, shadow_rays; // counted up
     uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
     uint8_t deltas[RF_LANES];        // with a connector, by slot: 1 + the specular vertices since the last non-specular one;
@@ -85,6 +93,11 @@ typedef struct RfWavefront
     RfLightLanes lights;
     RfLaneScratch scratch;
 } RfWavefront;
+
+static inline RfArrivals* rf_arrivals_of_part( RfWavefront* wavefront, int part )
+{
+    return part == 0 ? &wavefront->arrivals : wavefront->dimmed + part - 1;
+}
 
 static inline void rf_clear_ray_counts( RfWavefront* wavefront )
 {
@@ -127,6 +140,12 @@ struct RfConnector
     // that of connections.
     float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 };
+
+// How many parts light of dimmed lamps has, from 1 on.
+static inline int rf_dimmed_parts( const RfPathSettings* settings )
+{
+    return settings->parts ? rf_tracer_lights( settings->tracer )->dimmed_count : 0;
+}
 
 // Light samples per vertex, with that of the connector.
 static inline int rf_light_lanes_count( const RfPathSettings* settings )
@@ -180,7 +199,8 @@ typedef struct RfReceiver
     bool defer_mis;            // to `emitted` of the arrivals, unweighted; else to `rest`, weighted by the balance heuristic
     RfChainLight* chain_light; // takes what it waits for instead; NULL: nothing
     RfArrivals* arrivals;
-    RfOwnLight* own; // takes that of touched paths; NULL: there are none
+    RfOwnLight* own;    // takes that of touched paths; NULL: there are none
+    RfArrivals* dimmed; // take that of dimmed lamps; not set without RfPathSettings.parts
 } RfReceiver;
 
 // Adds emission hit by the rays, of surfaces (the vertices) and of the sky. The rays have passed panes with these probabilities

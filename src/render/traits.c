@@ -28,6 +28,16 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
     }
 }
 
+static int count_dimmable( const RfScene* scene )
+{
+    int count = scene->environment.changes;
+    for ( int i = 0; i < scene->punctual_count; ++i )
+        count += scene->punctuals[i].changes;
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+        count += scene->materials[i].dims;
+    return count < RF_DIMMED_MOST ? count : RF_DIMMED_MOST;
+}
+
 bool rf_may_move( const RfScene* scene ) { return rf_calls_for( scene->movement != NULL, RF_EFFECT_MOVING ); }
 
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
@@ -49,6 +59,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
     traits.scattered = traits.lens || traits.shutter;
     traits.moves = rf_may_move( scene );
+    traits.dimmable = traits.moves ? count_dimmable( scene ) : 0;
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
     if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles + traits.plate_triangles > 0 && !traits.blended )

@@ -23,7 +23,8 @@ typedef struct RfSceneTraits
     RF_TRAIT_LIST( RF_TRAIT_FLAG )
 #undef RF_TRAIT_FLAG
     // what is a matter of the scene alone, whatever is forced
-    bool moves;               // something in it moves
+    bool moves;               // something in it moves or changes
+    int dimmable;             // lamps that may be dimmed, at most RF_DIMMED_MOST
     bool sharp;               // some surface may mirror a lamp (rf_may_be_sharp)
     bool grouped_chains;      // other frames can use what chains find
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen

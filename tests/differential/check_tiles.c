@@ -172,10 +172,10 @@ int check_tiles( long count )
               rf_vec3( 1e6f, 1.001e6f, 1e6f ) );
     RfScene scene = finish_scene( &b );
     RfTracer* tracer = make_tracer( &scene );
-    RfPathSettings path = { tracer, 3, 1, RF_LIGHTS_BY_POWER, NULL, NULL };
+    RfPathSettings path = { tracer, 3, 1, RF_LIGHTS_BY_POWER, NULL, NULL, false };
     RfTileReuseSettings settings = { .path = &path, .tile_pixels = 2 };
-    size_t bytes = ( rf_tile_reuse_bytes( 1, 2, false, false ) + 63 ) / 64 * 64;
-    RfTileReuse* reuse = rf_lay_out_tile_reuse( 1, 2, false, false, aligned_alloc( 64, bytes ) );
+    size_t bytes = ( rf_tile_reuse_bytes( 1, 2, false, false, false ) + 63 ) / 64 * 64;
+    RfTileReuse* reuse = rf_lay_out_tile_reuse( 1, 2, false, false, false, aligned_alloc( 64, bytes ) );
     RfVertexLanes* hits = aligned_alloc( 64, ( sizeof *hits + 63 ) / 64 * 64 );
     RfWavefront* wavefront = aligned_alloc( 64, ( sizeof *wavefront + 63 ) / 64 * 64 );
     static float s_scattered[3][RF_LANES];

@@ -316,8 +316,80 @@ static void reproject( const RfAccumulation* a, int eye, const RfHitBatch* batch
         rf_count_once( batch->count, a->weight, scratch->ratio );
 }
 
+// Light of a batch in the frame of a film: of dimmed lamps, scaled to it, and the rest.
+typedef struct FrameLight
+{
+    int parts; // of dimmed lamps; by part from 1 on, NULL: it brings none
+    const float* radiance[RF_DIMMED_MOST];
+    const RfDirectionLanes* directions[RF_DIMMED_MOST];
+    RfVec3 scale[RF_DIMMED_MOST];
+} FrameLight;
+
+static FrameLight find_light( const RfAccumulation* a, const RfHitBatch* batch, bool removed )
+{
+    FrameLight light = { .parts = batch->dimmed_count };
+    for ( int k = 0; k < light.parts; ++k )
+    {
+        const RfDimmedLight* of = batch->dimmed + k;
+        if ( removed && !of->any_removed )
+            continue;
+        light.radiance[k] = removed ? of->removed : of->radiance;
+        light.directions[k] = removed ? of->removed_directions : of->directions;
+        light.scale[k] = a->lights->part_scale[k + 1];
+    }
+    return light;
+}
+
+// Adds the radiance of dimmed lamps to that of the batch.
+static float* add_dimmed( const FrameLight* light, const RfHitBatch* batch, RfAccumulateScratch* s )
+{
+    if ( light->parts == 0 )
+        return batch->radiance;
+    memcpy( s->radiance, batch->radiance,
+            4 * sizeof( float ) * (size_t)( batch->count + batch->miss_count + batch->glint_count ) );
+    for ( int k = 0; k < light->parts; ++k )
+    {
+        const float scale[4] = { light->scale[k].x, light->scale[k].y, light->scale[k].z, 0.0f };
+        for ( int i = 0; i < 4 * batch->count && light->radiance[k] != NULL; ++i )
+            s->radiance[i] += scale[i % 4] * light->radiance[k][i];
+    }
+    return s->radiance;
+}
+
+// Q of a direction, by channel; false where none comes by it.
+static bool find_q( const FrameLight* light, const RfHitBatch* batch, int direction, const float* q[3], RfAccumulateScratch* s )
+{
+    const RfDirectionLanes* lanes = batch->directions + direction;
+    int count = rf_glossy_count( batch );
+    bool any = false;
+    for ( int c = 0; c < 3; ++c )
+        q[c] = lanes->q[c];
+    for ( int k = 0; k < light->parts; ++k )
+    {
+        const RfDirectionLanes* of_part = light->directions[k] != NULL ? light->directions[k] + direction : NULL;
+        const float scale[3] = { light->scale[k].x, light->scale[k].y, light->scale[k].z };
+        if ( of_part == NULL || of_part->dark )
+            continue;
+        for ( int c = 0; c < 3; ++c )
+        {
+            float* restrict sum = s->q[c];
+            const float* restrict more = of_part->q[c];
+            if ( !any && lanes->dark )
+                memset( sum, 0, (size_t)count * sizeof *sum );
+            else if ( !any )
+                memcpy( sum, lanes->q[c], (size_t)count * sizeof *sum );
+            for ( int i = 0; i < count; ++i )
+                sum[i] += scale[c] * more[i];
+            q[c] = sum;
+        }
+        any = true;
+    }
+    return any || !lanes->dark;
+}
+
 // Radiance of the glossy hits towards the camera, into sum: Σ f Q over the directions.
-static void light_glossy( const RfAccumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* s )
+static void light_glossy( const RfAccumulation* a, int eye, const RfHitBatch* batch, const FrameLight* light,
+                          RfAccumulateScratch* s )
 {
     int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
     float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
@@ -333,14 +405,15 @@ static void light_glossy( const RfAccumulation* a, int eye, const RfHitBatch* ba
     for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
     {
         const RfDirectionLanes* lanes = batch->directions + d;
-        if ( lanes->dark )
+        const float* q_of[3];
+        if ( !find_q( light, batch, d, q_of, s ) )
             continue;
         const float* wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] };
         rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
         for ( int c = 0; c < 3; ++c )
         {
             float* restrict sum = s->sum[c];
-            const float* restrict q = lanes->q[c];
+            const float* restrict q = q_of[c];
             const float* restrict of_lobes = s->f[c];
 #pragma omp simd
             for ( int i = 0; i < count; ++i )
@@ -400,12 +473,14 @@ static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfH
     bool clamped = a->shape.clamped;
     if ( !clamped && job.eye != batch->eye )
         return;
+    FrameLight light = find_light( a, batch, true );
     removed.radiance = batch->removed;
+    removed.radiance = add_dimmed( &light, &removed, scratch );
     removed.directions = batch->removed_directions;
     range.film = job.films[1].half[job.half];
     range.sky = NULL;
     if ( rf_glossy_count( batch ) > 0 && clamped )
-        light_glossy( a, job.eye, &removed, scratch );
+        light_glossy( a, job.eye, &removed, &light, scratch );
     for ( int c = 0; c < 3 && !clamped; ++c )
         memset( scratch->sum[c], 0, (size_t)rf_glossy_count( batch ) * sizeof( float ) );
     if ( rf_has_filter( a->filter ) )
@@ -414,18 +489,21 @@ static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfH
         splat( a, job.eye, &removed, range, scratch );
 }
 
-static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
+static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* given, PixelRange range,
                            RfAccumulateScratch* scratch )
 {
+    RfHitBatch lit = *given, *batch = &lit;
+    FrameLight light = find_light( a, given, false );
+    lit.radiance = add_dimmed( &light, given, scratch );
     reproject( a, job.eye, batch, scratch );
     if ( rf_glossy_count( batch ) > 0 && batch->arrivals != NULL )
         rf_light_glossy_eq15( a, job.eye, batch, job.pass_state, scratch );
     else if ( rf_glossy_count( batch ) > 0 )
-        light_glossy( a, job.eye, batch, scratch );
+        light_glossy( a, job.eye, batch, &light, scratch );
     uint64_t landed =
         rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
     if ( batch->removed != NULL && batch->any_removed )
-        add_removed( a, job, batch, range, scratch );
+        add_removed( a, job, given, range, scratch );
     if ( job.landed != NULL )
         count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && job.eye == batch->eye )
@@ -443,6 +521,7 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
         .weights = group->settings->weights,
         .filter = group->need == NULL ? group->filter : NULL,
         .weight = job.weight,
+        .lights = rf_tracer_lights( group->tracers != NULL ? group->tracers[job.eye] : group->tracer ),
         .batches = batches,
         .batch_count = batch_count,
     };

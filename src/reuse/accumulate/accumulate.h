@@ -18,13 +18,18 @@ typedef struct RfAccumulateScratch
     RF_ALIGN float f[3][RF_LANES];
     RF_ALIGN float sum[3][RF_LANES];
     RF_ALIGN float pdf[RF_LANES];
-    RF_ALIGN float offset[2][RF_LANES]; // place in the pixel; only with a pixel filter, else not allocated
+    RF_ALIGN float offset[2][RF_LANES]; // place in the pixel; with a pixel filter, else not allocated unless the next are
+    // only where lamps may be dimmed
+    RF_ALIGN float q[3][RF_LANES];
+    RF_ALIGN float radiance[8 * RF_LANES];
 } RfAccumulateScratch;
 
 // Bytes of a workspace.
 static inline size_t rf_accumulate_scratch_bytes( const RfBatchShape* shape )
 {
-    return shape->filtered ? sizeof( RfAccumulateScratch ) : offsetof( RfAccumulateScratch, offset );
+    return shape->dimmed > 0 ? sizeof( RfAccumulateScratch )
+           : shape->filtered ? offsetof( RfAccumulateScratch, q )
+                             : offsetof( RfAccumulateScratch, offset );
 }
 
 // What all batches of a call share.
@@ -36,6 +41,7 @@ typedef struct RfAccumulation
     RfWeights weights;
     const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
     float weight;                // of the pass in the film
+    const RfLights* lights;      // of the film's frame
     void* const* batches;        // RfHitBatch, in the order in which they add to the film
     int batch_count;
 } RfAccumulation;

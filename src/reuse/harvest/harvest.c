@@ -49,6 +49,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
         .clamped = settings->clamp != 0.0,
+        .dimmed = group->eye_count > 1 && exact ? group->traits.dimmable : 0,
     };
     shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
     return shape;
@@ -94,7 +95,8 @@ static size_t eyes_bytes( const RfBatchShape* shape )
 
 static size_t tile_bytes( const RfBatchShape* shape )
 {
-    return rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, shape->own_light );
+    return rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, shape->own_light,
+                                shape->dimmed > 0 );
 }
 
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
@@ -104,8 +106,10 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
            (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) +
            ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
            ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
-           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) + ( shape->clamped ? sizeof( RfClampHits ) + 64 : 0 ) +
-           ( shape->surfaces ? sizeof( RfSurfaceLanes ) + 64 : 0 ) + ( shape->filtered ? 2 * lanes : 0 );
+           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) +
+           ( shape->dimmed > 0 ? (size_t)shape->dimmed * sizeof( RfArrivals ) + 64 : 0 ) +
+           ( shape->clamped ? sizeof( RfClampHits ) + 64 : 0 ) + ( shape->surfaces ? sizeof( RfSurfaceLanes ) + 64 : 0 ) +
+           ( shape->filtered ? 2 * lanes : 0 );
 }
 
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
@@ -117,7 +121,7 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
     scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes,
-                                            shape->own_light, rest );
+                                            shape->own_light, shape->dimmed > 0, rest );
     rest += tile_bytes( shape );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
@@ -129,6 +133,9 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     rest = samples ? (char*)( scratch->chain_light + 1 ) : rest;
     scratch->own = shape->own_light ? (RfOwnHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->own_light ? (char*)( scratch->own + 1 ) : rest;
+    scratch->dimmed = shape->dimmed > 0 ? (RfArrivals*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
+    rest = shape->dimmed > 0 ? (char*)( scratch->dimmed + shape->dimmed ) : rest;
+    scratch->part = 0;
     scratch->clamp = shape->clamped ? (RfClampHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->clamped ? (char*)( scratch->clamp + 1 ) : rest;
     scratch->surfaces = shape->surfaces ? (RfSurfaceLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
@@ -524,6 +531,19 @@ static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch
            harvest->path_source == NULL && !harvest->shape.caustics;
 }
 
+RfTileReuseSettings rf_tile_settings( const RfHarvest* harvest, const RfHarvestScratch* scratch )
+{
+    return ( RfTileReuseSettings ){
+        .path = &harvest->path,
+        .tile_pixels = harvest->shape.tile_pixels,
+        .tile_of = scratch->tile_of,
+        .tile_count = scratch->tile_count,
+        .path_roulette = harvest->path_roulette,
+        .chain_light = shares_chain_light( harvest, scratch ),
+        .source = harvest->path_source,
+    };
+}
+
 void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     const RfVertexLanes* v = scratch->hits;
@@ -542,15 +562,7 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         wavefront->spent = find_passed_panes( harvest, scratch, wi );
     if ( rf_reuses_tiles( scratch ) )
     {
-        RfTileReuseSettings settings = {
-            .path = &harvest->path,
-            .tile_pixels = harvest->shape.tile_pixels,
-            .tile_of = scratch->tile_of,
-            .tile_count = scratch->tile_count,
-            .path_roulette = harvest->path_roulette,
-            .chain_light = chain_light,
-            .source = harvest->path_source,
-        };
+        RfTileReuseSettings settings = rf_tile_settings( harvest, scratch );
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else
@@ -685,6 +697,16 @@ static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratc
         memset( scratch->own->light[c], 0, (size_t)count * sizeof( float ) );
 }
 
+// Likewise light of dimmed lamps: what the chains have found of it is as in the frame.
+static void begin_parts( RfHarvest* harvest, int count, RfHarvestScratch* scratch )
+{
+    harvest->path.parts = rf_tracer_lights( harvest->path.tracer )->dimmed_count > 0 && scratch->dimmed != NULL;
+    scratch->wavefront.dimmed = scratch->dimmed;
+    scratch->part = 0;
+    for ( int k = 0; k < rf_dimmed_parts( &harvest->path ); ++k )
+        rf_clear_arrivals( count, scratch->dimmed + k );
+}
+
 // Estimates by first hits alone, without paths, how much of their light is own-frame.
 static void look_for_own_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
@@ -709,6 +731,7 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         memset( scratch->own->part, 0, sizeof scratch->own->part );
     if ( rf_splits_light( harvest ) || harvest->shape.caustics )
         split_light( harvest, count, scratch );
+    begin_parts( harvest, count, scratch );
     rf_clear_arrivals( count, &wavefront->arrivals );
     wavefront->rays.count = 0;
     rf_scale_roulette( scratch, count );
@@ -732,6 +755,7 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     if ( scratch->clamp != NULL )
         rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );
+    rf_weight_dimmed( harvest, batch, scratch );
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
     if ( harvest->path.own != NULL )

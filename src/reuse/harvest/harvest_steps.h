@@ -50,6 +50,8 @@ struct RfHarvestScratch
     RfChainSamples* chain_samples;           // NULL without
     RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
     RfOwnHits* own;                          // NULL unless something moves
+    RfArrivals* dimmed;                      // light of dimmed lamps, by part from 1 on; NULL unless some may be
+    int part;                                // of the light that is weighted
     RfClampHits* clamp;                      // NULL without a clamp
 };
 
@@ -62,10 +64,13 @@ static inline bool rf_follows_chains( const RfHarvestScratch* scratch )
 {
     return rf_calls_for( scratch->hits != &scratch->first, RF_EFFECT_CHAINS );
 }
-// Whether something moves in the group that hits are harvested for, so that some light holds in one of its frames alone.
+// Whether something moves or changes in the group that hits are harvested for, so that some light holds in one of its frames alone.
 static inline bool rf_splits_light( const RfHarvest* harvest )
 {
-    return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) && rf_tracer_has_ghosts( harvest->path.tracer );
+    const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
+    return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) &&
+           ( rf_tracer_has_ghosts( harvest->path.tracer ) || lights->any_own ||
+             ( lights->dimmed_count > 0 && harvest->shape.chains ) ); // light of chains has no parts
 }
 static inline bool rf_is_adaptive( const RfHarvest* harvest )
 {
@@ -173,7 +178,13 @@ void rf_add_clamped_own( const RfArrivalLanes* arrival, int i, float pdf, const 
 void rf_add_clamped_own_light( float ( *const light )[RF_LANES], const float* const factor[3], int count, RfHitBatch* batch,
                                RfHarvestScratch* scratch );
 
-// The light of the records: batch->radiance, and the glossy hits' directions.
+// The light of the records: batch->radiance, and the glossy hits' directions. Of one part alone: scratch->part.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+
+// What the parts of dimmed lamps bring, after part 0.
+void rf_weight_dimmed( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
+
+// How tiles share paths.
+RfTileReuseSettings rf_tile_settings( const RfHarvest* harvest, const RfHarvestScratch* scratch );
 
 #endif

@@ -17,6 +17,19 @@ static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch
         wi[c] = lanes[c];
 }
 
+// Tiles' light of a dimmed lamp that holds in its own frame alone is as in that frame.
+static void scale_for_frame( const RfHarvest* harvest, const RfHarvestScratch* scratch, int first, int end,
+                             float ( *light )[RF_LANES] )
+{
+    RfVec3 scale = rf_part_scale( rf_tracer_lights( harvest->path.tracer ), scratch->part );
+    const float of_frame[3] = { scale.x, scale.y, scale.z };
+    for ( int c = 0; c < 3 && scratch->part > 0; ++c )
+    {
+        for ( int i = first; i < end; ++i )
+            light[c][i] *= of_frame[c];
+    }
+}
+
 // Of the glossy hits: what holds in their own frame alone, or what all share.
 static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, bool own,
                                RfArrivalLanes* out )
@@ -24,6 +37,8 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
     int first = scratch->hits->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( scratch->hits );
     size_t bytes = (size_t)( end - first ) * sizeof( float );
     rf_gather_tile_light( scratch->tiles, pairing, scratch->hits, first, end, own, out->b );
+    if ( own )
+        scale_for_frame( harvest, scratch, first, end, out->b );
     for ( int c = 0; c < 3; ++c )
         memset( out->a[c] + first, 0, bytes );
     memset( out->light_pdf + first, 0, bytes );
@@ -89,6 +104,7 @@ static void clamp_diffuse_tile_light( const RfHarvest* harvest, const bool* take
         if ( harvest->path.own == NULL || !rf_clamps_own( scratch ) )
             continue;
         rf_gather_diffuse_tile_light( scratch->tiles, s, s + 1, count, true, taken, worth, light );
+        scale_for_frame( harvest, scratch, 0, count, light );
         rf_add_clamped_own_light( light, albedo, count, batch, scratch );
     }
 }
@@ -117,6 +133,7 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, RfHarvestScratch* 
     if ( harvest->path.own == NULL || rf_clamps_own( scratch ) )
         return;
     rf_gather_diffuse_tile_light( scratch->tiles, 1, harvest->shape.tile_pixels, count, true, taken, worth, sum );
+    scale_for_frame( harvest, scratch, 0, count, sum );
     for ( int c = 0; c < 3; ++c )
     {
         for ( int i = 0; i < count; ++i )
@@ -192,10 +209,11 @@ static void store_direction( const RfHitBatch* batch, const RfArrivalLanes* arri
             out->q[c][i] = q[c];
         }
     }
+    out->dark = false;
 }
 
 // What arrives at the hits from one direction, and with own != NULL the part that holds in their own frame alone, there.
-static void gather_direction( const RfHarvest* harvest, const RfHarvestScratch* scratch, int direction, const float* const wi[3],
+static void gather_direction( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* const wi[3],
                               RfArrivalLanes* arrival, RfArrivalLanes* own )
 {
     int pairing = direction - rf_first_pairing( &harvest->shape );
@@ -204,6 +222,8 @@ static void gather_direction( const RfHarvest* harvest, const RfHarvestScratch* 
     if ( direction < harvest->shape.light_samples )
     {
         rf_gather_light_sample( scratch->direct + direction, v->count, k, arrival );
+        if ( harvest->path.parts )
+            rf_keep_part( scratch->direct[direction].part, scratch->part, v->count, arrival );
         if ( own != NULL )
             rf_split_arrival( scratch->direct[direction].touched, v->count, arrival, own );
     }
@@ -211,7 +231,7 @@ static void gather_direction( const RfHarvest* harvest, const RfHarvestScratch* 
         rf_gather_light_sample( &scratch->chain_samples->found, v->count, 1.0f, arrival );
     else if ( pairing == 0 )
     {
-        rf_gather_scattered( v, rf_record_count( v ), wi, &scratch->wavefront.arrivals, k, arrival );
+        rf_gather_scattered( v, rf_record_count( v ), wi, rf_arrivals_of_part( &scratch->wavefront, scratch->part ), k, arrival );
         if ( own != NULL )
             rf_gather_scattered( v, rf_record_count( v ), wi, &harvest->path.own->arrivals, k, own );
     }
@@ -223,6 +243,23 @@ static void gather_direction( const RfHarvest* harvest, const RfHarvestScratch* 
     }
 }
 
+// Whether light arrives; by pairings of tiles at glossy hits alone.
+static bool is_lit( const RfHitBatch* batch, int pairing, const RfArrivalLanes* arrival, const RfArrivalLanes* own )
+{
+    int first = pairing > 0 ? batch->first[RF_BSDF_FIRST_GLOSSY] : 0;
+    return rf_any_arrives( arrival, first, batch->count ) || ( own != NULL && rf_any_arrives( own, first, batch->count ) );
+}
+
+// No light comes by a direction.
+static void leave_dark( const RfHitBatch* batch, int direction, const float* const wi[3] )
+{
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = batch->count - first;
+    for ( int c = 0; c < 3 && count > 0; ++c ) // other parts of the light may come by it
+        memcpy( batch->directions[direction].wi[c], wi[c] + first, (size_t)count * sizeof( float ) );
+    if ( count > 0 )
+        batch->directions[direction].dark = true;
+}
+
 static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
 {
     RfArrivalLanes* arrival = &scratch->arrival;
@@ -232,6 +269,11 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
     const float* wi[3];
     direction_lanes( harvest, scratch, direction, wi );
     gather_direction( harvest, scratch, direction, wi, arrival, own );
+    if ( harvest->path.parts && ( ( found && scratch->part > 0 ) || !is_lit( batch, pairing, arrival, own ) ) )
+    {
+        leave_dark( batch, direction, wi );
+        return;
+    }
     if ( pairing <= 0 )
         add_diffuse( scratch, arrival, own, found, wi, batch, &scratch->wavefront.scratch );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
@@ -304,11 +346,14 @@ static void dim_chains( const RfHarvest* harvest, RfHitBatch* batch, const RfHar
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = scratch->hits;
+    const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
     for ( int i = 0; i < batch->count; ++i )
     {
+        int part = harvest->path.parts ? rf_material_part( lights, v->material[i] ) : 0;
+        bool shines = ( part == RF_PART_OWN ? 0 : part ) == scratch->part;
         for ( int c = 0; c < 3; ++c )
-            batch->radiance[4 * i + c] = v->emission[c][i];
-        batch->radiance[4 * i + 3] = 1.0f;
+            batch->radiance[4 * i + c] = shines ? v->emission[c][i] : 0.0f;
+        batch->radiance[4 * i + 3] = scratch->part == 0 ? 1.0f : 0.0f;
     }
     if ( scratch->clamp != NULL && rf_follows_chains( scratch ) )
         rf_clamp_seen_emission( batch, scratch );
@@ -320,7 +365,9 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
         return;
     }
     bool glossy = batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count;
-    if ( glossy && harvest->weights == RF_WEIGHTS_EXACT )
+    if ( glossy && scratch->part > 0 )
+        ; // the mixtures are the same for all parts
+    else if ( glossy && harvest->weights == RF_WEIGHTS_EXACT )
         mix_densities( harvest, batch, scratch );
     else if ( glossy )
         take_own_densities( harvest, batch, scratch );
@@ -329,7 +376,7 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     int directions = rf_first_pairing( &harvest->shape ) + ( glossy ? harvest->shape.tile_pixels : 1 );
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
-    if ( harvest->shape.connections )
+    if ( harvest->shape.connections && scratch->part == 0 )
         add_connections( harvest, batch, scratch );
     if ( rf_follows_chains( scratch ) )
         dim_chains( harvest, batch, scratch );

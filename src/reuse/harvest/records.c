@@ -23,9 +23,10 @@ static void take_lanes3( Layout* layout, float* lanes[3] )
         lanes[c] = take_lanes( layout );
 }
 
-static void take_removed( Layout* layout, int directions, RfHitBatch* batch )
+// Further light by the directions of a batch.
+static RfDirectionLanes* take_along( Layout* layout, int directions, const RfHitBatch* batch )
 {
-    batch->removed_directions = take( layout, (size_t)directions * sizeof *batch->removed_directions );
+    RfDirectionLanes* out = take( layout, (size_t)directions * sizeof *out );
     for ( int d = 0; d < directions; ++d )
     {
         RfDirectionLanes lanes = { 0 };
@@ -34,8 +35,9 @@ static void take_removed( Layout* layout, int directions, RfHitBatch* batch )
             continue;
         for ( int c = 0; c < 3; ++c )
             lanes.wi[c] = batch->directions[d].wi[c];
-        batch->removed_directions[d] = lanes;
+        out[d] = lanes;
     }
+    return out;
 }
 
 static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* batch )
@@ -58,7 +60,13 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
             batch->directions[d] = lanes;
     }
     if ( shape->clamped )
-        take_removed( layout, directions, batch );
+        batch->removed_directions = take_along( layout, directions, batch );
+    for ( int k = 0; k < shape->dimmed; ++k )
+    {
+        batch->dimmed[k].directions = take_along( layout, directions, batch );
+        if ( shape->clamped )
+            batch->dimmed[k].removed_directions = take_along( layout, directions, batch );
+    }
     if ( shape->arrivals > 0 )
         batch->arrivals = take( layout, shape->arrivals );
 }
@@ -73,6 +81,12 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     batch.radiance = take( layout, 4 * listed * sizeof( float ) );
     if ( shape->clamped || shape->caustics )
         batch.removed = take( layout, 4 * listed * sizeof( float ) );
+    for ( int k = 0; k < shape->dimmed; ++k )
+    {
+        batch.dimmed[k].radiance = take( layout, 4 * RF_LANES * sizeof( float ) );
+        if ( shape->clamped )
+            batch.dimmed[k].removed = take( layout, 4 * RF_LANES * sizeof( float ) );
+    }
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
     if ( rf_is_partial( shape ) )
         batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );

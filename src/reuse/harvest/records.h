@@ -18,6 +18,16 @@ typedef struct RfDirectionLanes
     bool dark; // q is 0, and not looked at
 } RfDirectionLanes;
 
+// Light of a dimmed lamp at scale 1 (light/light.h): what a batch has of all other light.
+typedef struct RfDimmedLight
+{
+    float* radiance;                      // with r g b 0
+    RfDirectionLanes* directions;         // share wi
+    float* removed;                       // NULL without a clamp, as the next
+    RfDirectionLanes* removed_directions; // share wi
+    bool any_removed;
+} RfDimmedLight;
+
 typedef struct RfHitBatch
 {
     int eye;                           // index in the group of the frame whose pixels these are
@@ -51,6 +61,8 @@ typedef struct RfHitBatch
     float* removed;                       // like radiance, with r g b 0
     RfDirectionLanes* removed_directions; // like directions, which they share wi with; NULL without a clamp (clamp.h)
     bool any_removed;                     // else neither of the two is set
+    int dimmed_count;
+    RfDimmedLight dimmed[RF_DIMMED_MOST]; // parts of the light from 1 on
 } RfHitBatch;
 
 // Determines the layout of a batch.
@@ -73,6 +85,7 @@ typedef struct RfBatchShape
     bool surfaces;        // motion follows what moves: which surfaces camera rays hit is kept
     bool connections;     // hits have connections to light paths: one direction more
     bool clamped;         // what the clamp takes out of the light is kept
+    int dimmed;           // parts that light of dimmed lamps may have
 } RfBatchShape;
 
 // How a hit was found.

@@ -6,12 +6,20 @@
 
 #include <string.h>
 
+// What arrives at second vertices beyond them, of a part.
+static const RfArrivals* arrivals_of_part( const RfTileReuse* reuse )
+{
+    return reuse->part == 0 ? &reuse->slots.at_second : reuse->dimmed->at_second + reuse->part - 1;
+}
+
 // One direction at all second vertices: that of a light sample, or the scattered one.
 static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* reuse, int sample )
 {
     RfSecondVertices* second = &reuse->second;
     const RfLightLanes* direct = second->direct + sample;
     rf_gather_light_sample( direct, second->lanes.count, (float)settings->light_samples, &second->arrival );
+    if ( settings->parts )
+        rf_keep_part( direct->part, reuse->part, second->lanes.count, &second->arrival );
     if ( reuse->split && reuse->own->any )
         rf_split_arrival( direct->touched, second->lanes.count, &second->arrival, &reuse->own->arrival );
 }
@@ -20,7 +28,7 @@ static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse
 {
     RfSecondVertices* second = &reuse->second;
     const float* wi[3] = { second->wi[0], second->wi[1], second->wi[2] };
-    rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->slots.at_second, (float)settings->light_samples,
+    rf_gather_scattered( &second->lanes, second->lanes.count, wi, arrivals_of_part( reuse ), (float)settings->light_samples,
                          &second->arrival );
     if ( reuse->split && reuse->own->any )
         rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->own->beyond.arrivals,
@@ -203,8 +211,10 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfArrivalLanes* arrival = own ? &reuse->own->arrival : &reuse->second.arrival;
-    const RfArrivals* at_second = own ? &reuse->own->beyond.arrivals : &reuse->slots.at_second;
+    const RfArrivals* at_second = own ? &reuse->own->beyond.arrivals : arrivals_of_part( reuse );
     RfLaneScratch* s = &wavefront->scratch;
+    RfVec3 scale = rf_part_scale( rf_tracer_lights( settings->tracer ), reuse->part );
+    const float of_frame[3] = { scale.x, scale.y, scale.z };
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     rf_evaluate_lanes( y, wi, f, s->pdf );
     for ( int a = 0; a < y->count; ++a )
@@ -216,8 +226,8 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         float pdf = specular ? reuse->second.pdf[a] : s->pdf[a], q[3];
         float weight = connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
         rf_weigh_arrival( arrival, a, pdf, q );
-        RfArrivals* to =
-            own || ( reuse->split && settings->own->touched[slot] ) ? &settings->own->arrivals : &wavefront->arrivals;
+        bool to_own = own || ( reuse->split && settings->own->touched[slot] );
+        RfArrivals* to = to_own ? &settings->own->arrivals : rf_arrivals_of_part( wavefront, reuse->part );
         for ( int c = 0; c < 3; ++c )
         {
             float light = f[c][a] * q[c] * weight;
@@ -227,7 +237,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
                 light =
                     at_second->rest[c][slot] + ( pdf > 0.0f ? at_second->emitted[c][slot] * rf_balance_weight( pdf, k ) : 0.0f );
             }
-            to->rest[c][slot] += reuse->second.throughput[c][a] * light;
+            to->rest[c][slot] += reuse->second.throughput[c][a] * light * ( to_own ? of_frame[c] : 1.0f );
         }
     }
 }
@@ -243,8 +253,11 @@ static bool all_reused( const RfTileReuse* reuse )
 }
 
 // store_own where light is split.
-static void store_own_split( RfArrivals* held, RfOwnLight* paths, const RfTileReuse* reuse )
+static void store_own_split( const RfPathSettings* path, RfArrivals* held, const RfTileReuse* reuse )
 {
+    RfOwnLight* paths = path->own;
+    RfVec3 scale = rf_part_scale( rf_tracer_lights( path->tracer ), reuse->part );
+    const float of_frame[3] = { scale.x, scale.y, scale.z };
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfPairingLanes* own = reuse->pairings;
     for ( int a = 0; a < rf_record_count( y ); ++a )
@@ -257,7 +270,7 @@ static void store_own_split( RfArrivals* held, RfOwnLight* paths, const RfTileRe
         for ( int c = 0; c < 3; ++c )
         {
             float throughput = reuse->second.throughput[c][a];
-            float beyond = ( reuse->own->any ? own->own[c][a] : 0.0f ) + ( touched ? own->light[c][a] : 0.0f );
+            float beyond = ( reuse->own->any ? own->own[c][a] : 0.0f ) + ( touched ? own->light[c][a] * of_frame[c] : 0.0f );
             held->rest[c][slot] = touched ? 0.0f : weight * own->light[c][a] * throughput;
             paths->arrivals.rest[c][slot] = weight * beyond * throughput;
         }
@@ -265,7 +278,7 @@ static void store_own_split( RfArrivals* held, RfOwnLight* paths, const RfTileRe
 }
 
 // Pairing 0 is the light of the hits' own paths; their throughput is that of the panes they passed.
-static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
+static void store_own( RfArrivals* arrivals, const RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfPairingLanes* own = reuse->pairings;
@@ -274,7 +287,7 @@ static void store_own( RfWavefront* wavefront, const RfTileReuse* reuse )
         if ( reuse->second.owner[a] < 0 )
             continue;
         for ( int c = 0; c < 3; ++c )
-            wavefront->arrivals.rest[c][y->slot[a]] =
+            arrivals->rest[c][y->slot[a]] =
                 own->weight[reuse->second.owner[a]] * own->light[c][a] * reuse->second.throughput[c][a];
     }
 }
@@ -343,6 +356,15 @@ static void begin_own( const RfPathSettings* path, int tile_pixels, RfTileReuse*
     }
 }
 
+// The light of chains had its turn with part 0.
+static void clear_chain_light( int tile_pixels, const RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    int first = rf_record_count( y );
+    for ( int k = 0; k < 3 * tile_pixels; ++k )
+        memset( reuse->pairings[k / 3].light[k % 3] + first, 0, (size_t)( y->count - first ) * sizeof( float ) );
+}
+
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfPathSettings* path = settings->path;
@@ -353,8 +375,12 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     reuse->second.shared = connected ? 0 : reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
     for ( int k = 0; k < 3 * ( glossy || connected ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
-    if ( reuse->split )
+    if ( reuse->split && reuse->part == 0 )
         begin_own( path, tile_pixels, reuse );
+    else if ( reuse->split )
+        reuse->own->any = false; // it had its turn, too
+    if ( reuse->part > 0 )
+        clear_chain_light( tile_pixels, reuse );
     bool reused = all_reused( reuse );
     int k = path->light_samples;
     for ( int d = 0; d <= k + connected; ++d ) // light samples, what was scattered, connections
@@ -377,10 +403,11 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
             add_diffuse( wi, reuse, &wavefront->scratch );
         add_glossy( path, wi, tile_pixels, connections, reuse, &wavefront->scratch );
     }
+    RfArrivals* arrivals = rf_arrivals_of_part( wavefront, reuse->part );
     if ( reuse->split )
-        store_own_split( &wavefront->arrivals, path->own, reuse );
+        store_own_split( path, arrivals, reuse );
     else
-        store_own( wavefront, reuse );
+        store_own( arrivals, reuse );
 }
 
 // The light for its own frame alone that second vertex a sends to hit i by pairing t; `from` has the vertex's light.

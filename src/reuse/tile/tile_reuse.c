@@ -15,12 +15,15 @@ static size_t own_bytes( int tile_pixels )
     return ( sizeof( RfTileOwn ) + 63 ) / 64 * 64 + lanes3_bytes( tile_pixels ) + (size_t)tile_pixels * RF_LANES;
 }
 
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own )
+static size_t dimmed_bytes( void ) { return sizeof( RfTileDimmed ) + 64; }
+
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed )
 {
     if ( tile_pixels == 1 )
         return 0;
-    return struct_bytes() + (size_t)light_lanes * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes ) +
-           ( panes ? lanes3_bytes( tile_pixels ) : 0 ) + ( own ? own_bytes( tile_pixels ) + 64 : 0 );
+    return ( dimmed ? dimmed_bytes() : 0 ) + struct_bytes() + (size_t)light_lanes * sizeof( RfLightLanes ) +
+           (size_t)tile_pixels * sizeof( RfPairingLanes ) + ( panes ? lanes3_bytes( tile_pixels ) : 0 ) +
+           ( own ? own_bytes( tile_pixels ) + 64 : 0 );
 }
 
 static void lay_out_own( int tile_pixels, char* memory, RfTileReuse* reuse )
@@ -35,11 +38,13 @@ static void lay_out_own( int tile_pixels, char* memory, RfTileReuse* reuse )
     }
 }
 
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, void* memory )
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed, void* memory )
 {
     if ( tile_pixels == 1 )
         return NULL;
     RfTileReuse* reuse = memory;
+    reuse->part = 0;
+    reuse->dimmed = NULL;
     reuse->second.direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
     reuse->pairings = (RfPairingLanes*)( reuse->second.direct + light_lanes );
     float( *pane_weight )[RF_LANES] = (void*)( reuse->pairings + tile_pixels );
@@ -49,6 +54,11 @@ RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes
     reuse->split = false;
     if ( own )
         lay_out_own( tile_pixels, (char*)( pane_weight + ( panes ? 3 * tile_pixels : 0 ) ), reuse );
+    if ( dimmed )
+    {
+        char* end = (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, false );
+        reuse->dimmed = (RfTileDimmed*)(void*)( end + ( 64 - (uintptr_t)end % 64 ) % 64 );
+    }
     return reuse;
 }
 
@@ -138,11 +148,14 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfArrivals* arrivals = &reuse->slots.at_second;
+    int dimmed = rf_dimmed_parts( path );
     float sum[RF_LANES];
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
         sum[a] = sum_of( arrivals, slot ) + ( reuse->split ? sum_of( &reuse->own->beyond.arrivals, slot ) : 0.0f );
+        for ( int part = 0; part < dimmed; ++part )
+            sum[a] += sum_of( reuse->dimmed->at_second + part, slot );
     }
     for ( int j = 0; j < rf_light_lanes_count( path ); ++j )
     {
@@ -235,14 +248,25 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
     if ( settings->connector != NULL )
         settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
                                      reuse->second.connection_area );
+    int dimmed = rf_dimmed_parts( path );
     memcpy( &reuse->slots.at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    for ( int part = 0; part < dimmed; ++part )
+    {
+        memcpy( reuse->dimmed->at_hits + part, wavefront->dimmed + part, sizeof *wavefront->dimmed );
+        memset( wavefront->dimmed + part, 0, sizeof *wavefront->dimmed );
+    }
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
     rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
     memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
     rf_trace_tails( settings, wavefront, 3 );
     memcpy( &reuse->slots.at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
     memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );
+    for ( int part = 0; part < dimmed; ++part )
+    {
+        memcpy( reuse->dimmed->at_second + part, wavefront->dimmed + part, sizeof *wavefront->dimmed );
+        memcpy( wavefront->dimmed + part, reuse->dimmed->at_hits + part, sizeof *wavefront->dimmed );
+    }
 }
 
 // Whether max_depth ends all paths at their second vertex. Where the camera ray passed a pane, they may have one more.
@@ -261,6 +285,7 @@ static bool all_end_at_second( const RfPathSettings* path, const RfWavefront* wa
 // No pairing brings light. The directions stay valid, as BSDFs need them.
 static void clear_pairings( int tile_pixels, RfTileReuse* reuse )
 {
+    reuse->paired = false;
     const RfVertexLanes* hits = reuse->hits.lanes;
     reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY] = 0;
     for ( int s = 0; s < tile_pixels; ++s )
@@ -282,6 +307,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     reuse->second.lanes.count = reuse->thinned = reuse->kept = reuse->second.shared = 0;
     reuse->hits.lanes = hits;
     reuse->split = settings->path->own != NULL;
+    reuse->part = 0;
     if ( reuse->split )
         reuse->own->any = false;
     if ( wavefront->rays.count > 0 )
@@ -314,6 +340,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
     pass_own_panes( settings->path->tracer, reuse );
+    reuse->paired = true;
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
     rf_light_pairings( settings, wavefront, reuse );
     if ( wavefront->chain_light != NULL )

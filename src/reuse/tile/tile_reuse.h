@@ -83,6 +83,13 @@ typedef struct RfTileOwn
     uint8_t moving[RF_LANES]; // by slot: the second vertex itself moves
 } RfTileOwn;
 
+// Light of dimmed lamps (light/light.h), by part from 1 on.
+typedef struct RfTileDimmed
+{
+    RfArrivals at_hits[RF_DIMMED_MOST]; // as in RfTileSlots
+    RfArrivals at_second[RF_DIMMED_MOST];
+} RfTileDimmed;
+
 typedef struct RfTileReuse
 {
     int thinned, kept; // paths before and after roulette; 0 without it
@@ -92,6 +99,9 @@ typedef struct RfTileReuse
     RfPairingLanes* pairings; // one per pixel of a tile
     RfTileOwn* own;
     bool split; // light is split into what the frames share and `own`
+    RfTileDimmed* dimmed;
+    int part;    // of the light that pairings bring
+    bool paired; // else no pairing brings any
 } RfTileReuse;
 
 typedef struct RfTileReuseSettings
@@ -106,9 +116,9 @@ typedef struct RfTileReuseSettings
 } RfTileReuseSettings;
 
 // `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
-// `own`: with room for light that holds in its own frame alone.
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own );
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, void* memory );
+// `own`: with room for light that holds in its own frame alone; `dimmed`: for that of dimmed lamps.
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed );
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed, void* memory );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are reused inside their tiles.
 // wavefront->arrivals is as returned there, with the weighted light of pairing 0 in `rest`; pairings from 1 on are in
@@ -121,7 +131,9 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
 uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
                              RfWavefront* wavefront, RfTileReuse* reuse );
 
-// The light that second vertices scatter to the receivers of all pairings.
+// The light that second vertices scatter to the receivers of all pairings: of reuse->part, which rf_trace_tile_tails leaves at 0. With
+// another, it takes the place of what was there, and that of pairing 0 is in wavefront->dimmed. What is split of it is to be scaled
+// for its frame, but for pairing 0.
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
 
 // Luminance of the light that each second vertex scatters back along its own path, weighted as without tiles; and whether
