@@ -5,7 +5,7 @@
 
 writes CASE.glb, which moves by glTF's animations, and CASE-0.glb and so on for its frames, in which the same stands
 still: their vertices are computed here, so that nobody who renders them knows of movement. The camera's path is in all
-of them. Uses only Python's standard library.
+of them. Rooms in which lamps and materials change are those of changing_rooms.py. Uses only Python's standard library.
 """
 import copy
 import math
@@ -125,12 +125,33 @@ def area(mesh, corners):
     return sum(x * x for x in cofactor(u + v + (0.0, 0.0, 0.0))[6:9])
 
 
+class Lamp:
+    """A punctual light that shines along -z of its way. `changes`: a value for each frame by its pointer, as in the file."""
+
+    def __init__(self, name, description, way, changes=None, step=False):
+        self.name, self.description, self.way, self.changes, self.step = name, description, way, changes or {}, step
+
+
+def changed(description, changes, frame):
+    """A light or a material as it is in a frame."""
+    result = copy.deepcopy(description)
+    for pointer, values in changes.items():
+        inner, keys = result, pointer.split("/")
+        for key in keys[:-1]:
+            inner = inner.setdefault(key, {})
+        value = values[frame]
+        inner[keys[-1]] = list(value) if isinstance(value, tuple) else value
+    return result
+
+
 class Room:
-    """A case: what stands still, what moves, and the camera."""
+    """A case: what stands still, what moves or changes, and the camera. `changes`: those of materials, by their names, as those of
+    lamps; `yfov`: in degrees, one for each frame."""
 
     def __init__(self, name, eyes, targets, sky=None, frames=FRAMES):
         self.name, self.eyes, self.targets, self.sky, self.frames = name, eyes, targets, sky, frames
         self.things, self.lamps, self.stills = [], [], range(frames)
+        self.changing_lamps, self.changes, self.textures, self.yfov = [], {}, [], None
 
     def still(self, name, mesh, look, at=(0.0, 0.0, 0.0)):
         self.things.append(Thing(name, mesh, look, [Way(at)]))
@@ -138,27 +159,52 @@ class Room:
     def move(self, *arguments, **named):
         self.things.append(Thing(*arguments, **named))
 
-    def file(self):
+    def light(self, *arguments, **named):
+        self.changing_lamps.append(Lamp(*arguments, **named))
+
+    def look(self, thing, frame):
+        return changed(thing.look, self.changes.get(thing.look["name"], {}), frame)
+
+    def file(self, frame=0):
         out = glb.Gltf("moving_rooms.py", self.name)
+        for name, image in self.textures:
+            out.texture(name, image)
+        if any("KHR_texture_transform" in pointer for changes in self.changes.values() for pointer in changes):
+            out.extensions.append("KHR_texture_transform")
         if self.sky:
             out.json["scenes"][0]["extras"] = {"reframe": {"environment": self.sky}}
         views = [(mix(self.eyes[0], self.eyes[1], f / LAST), mix(self.targets[0], self.targets[1], f / LAST))
                  for f in range(self.frames)]
-        out.camera(views, math.radians(60.0))
+        out.camera(views, math.radians(self.yfov[frame] if self.yfov else 60.0))
         return out
 
 
 # ---- The still rooms ----
 
+def add_light(out, description, node):
+    """The number of the light; its node, without a place."""
+    lights = out.json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {}).setdefault("lights", [])
+    lights.append(description)
+    node["extensions"] = {"KHR_lights_punctual": {"light": len(lights) - 1}}
+    return len(lights) - 1
+
+
 def write_still(room, frame, folder):
-    out = room.file()
+    out = room.file(frame)
     for thing in room.things:
         for way in thing.ways:
             mesh = thing.baked(way, frame)
             if mesh:
-                out.mesh(thing.name, mesh, thing.look)
+                out.mesh(thing.name, mesh, room.look(thing, frame))
     for name, description, place, towards in room.lamps:
         out.light(name, description, place, towards)
+    for lamp in room.changing_lamps:
+        if lamp.way.is_shown(frame):
+            m, shift = lamp.way.map(frame)
+            columns = [x for c in range(3) for x in m[3 * c:3 * c + 3] + (0.0,)]
+            node = {"name": lamp.name, "matrix": columns + list(shift) + [1.0]}
+            add_light(out, dict(changed(lamp.description, lamp.changes, frame), name=lamp.name), node)
+            out.node(node)
     out.write(os.path.join(folder, "%s-%d.glb" % (room.name, frame)))
 
 
@@ -183,11 +229,19 @@ class Animation:
         """By an accessor of bytes, as KHR_animation_pointer has it for booleans."""
         accessor = {"bufferView": self.out.view(bytes(shown)), "componentType": 5121, "count": len(shown), "type": "SCALAR"}
         self.out.json["accessors"].append(accessor)
-        output = len(self.out.json["accessors"]) - 1
-        self.samplers.append({"input": self.times(range(len(shown))), "output": output, "interpolation": "STEP"})
-        pointer = "/nodes/%d/extensions/KHR_node_visibility/visible" % node
+        self.point("/nodes/%d/extensions/KHR_node_visibility/visible" % node, len(shown), len(self.out.json["accessors"]) - 1, True)
+
+    def point(self, pointer, count, output, step=False):
+        self.samplers.append({"input": self.times(range(count)), "output": output, "interpolation": "STEP" if step else "LINEAR"})
         self.channels.append({"sampler": len(self.samplers) - 1, "target": {
             "path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}})
+        self.out.extensions.append("KHR_animation_pointer")
+
+    def change(self, what, changes, step=False):
+        for pointer, values in changes.items():
+            rows = [v if isinstance(v, tuple) else (v,) for v in values]
+            kind = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[len(rows[0])]
+            self.point("%s/%s" % (what, pointer), len(rows), self.out.accessor(rows, kind), step)
 
 
 def quaternion(axis, angle):
@@ -205,8 +259,8 @@ def add_way(out, animation, way, extra):
     if way.scale:
         node["scale"] = list(way.scale[0])
     if way.shown:
-        node["extensions"] = {"KHR_node_visibility": {"visible": bool(way.shown[0])}}
-        out.extensions += ["KHR_node_visibility", "KHR_animation_pointer"]
+        node["extensions"] = dict(node.get("extensions", {}), KHR_node_visibility={"visible": bool(way.shown[0])})
+        out.extensions.append("KHR_node_visibility")
     way.number = out.node(node, way.under.number if way.under else None)
     if isinstance(way.at, list):
         animation.add(way.number, "translation", way.keys or range(len(way.at)), way.at, "VEC3", not way.keys)
@@ -238,7 +292,7 @@ def write_moving(room, folder):
     out = room.file()
     animation = Animation(out)
     for thing in room.things:
-        mesh = out.add_mesh(thing.name, thing.mesh, thing.look)
+        mesh = out.add_mesh(thing.name, thing.mesh, room.look(thing, 0))
         extra = {"mesh": mesh}
         primitive = out.json["meshes"][mesh]["primitives"][0]
         for joint in thing.joints or []:
@@ -256,6 +310,15 @@ def write_moving(room, folder):
                 animation.add(way.number, "weights", range(len(weights)), [(w,) for w in weights], "SCALAR")
     for name, description, place, towards in room.lamps:
         out.light(name, description, place, towards)
+    for lamp in room.changing_lamps:
+        node = {}
+        number = add_light(out, dict(changed(lamp.description, lamp.changes, 0), name=lamp.name), node)
+        add_way(out, animation, lamp.way, node)
+        animation.change("/extensions/KHR_lights_punctual/lights/%d" % number, lamp.changes, lamp.step)
+    for name, changes in room.changes.items():
+        animation.change("/materials/%d" % out.materials[name], changes)
+    if room.yfov:
+        animation.change("/cameras/0/perspective", {"yfov": [math.radians(y) for y in room.yfov]})
     if animation.channels:
         camera = out.json["animations"][0]
         shift = len(camera["samplers"])
@@ -542,16 +605,20 @@ CASES = (sweep, door, mirrors, figure, shown, panes, sky, around_eye, flat, sing
          short_path, plate, apart, lamps, many)
 
 
-def main():
-    if len(sys.argv) != 2:
-        sys.exit(__doc__.strip())
-    folder = sys.argv[1]
+def write_rooms(cases, folder):
     os.makedirs(folder, exist_ok=True)
-    for case in CASES:
+    for case in cases:
         write_moving(case(), folder)
         room = case()
         for frame in room.stills:
             write_still(room, frame, folder)
+
+
+def main():
+    import changing_rooms  # which uses this file
+    if len(sys.argv) != 2:
+        sys.exit(__doc__.strip())
+    write_rooms(CASES + changing_rooms.CASES, sys.argv[1])
 
 
 if __name__ == "__main__":
