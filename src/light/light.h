@@ -87,6 +87,7 @@ typedef struct RfLights
     uint8_t* part;                         // of each light; NULL: all hold
     uint8_t* material_part;                // of the triangles that have each material of the scene; set where `part` is
     bool any_own;                          // some part is RF_PART_OWN
+    bool all_own;                          // all are, but for lights without power
     int dimmed_count;                      // parts from 1 on
     RfVec3 part_scale[RF_DIMMED_MOST + 1]; // of each part, in the frame at hand; [0] is 1
 } RfLights;

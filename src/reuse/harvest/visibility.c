@@ -167,6 +167,15 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
     {
         const RfEye* eye = harvest->eyes + l;
         float* density = scratch->density + (size_t)l * RF_LANES;
+        if ( l != batch->eye && rf_shares_nothing( harvest ) )
+        {
+            memset( density, 0, (size_t)batch->count * sizeof *density );
+            batch->rows[2 * l] = 0;
+            batch->rows[2 * l + 1] = -1;
+            if ( batch->densities != NULL )
+                memset( batch->densities + (size_t)l * RF_LANES, 0, (size_t)batch->count * sizeof *density );
+            continue;
+        }
         if ( l == batch->eye )
             see_from_own_eye( harvest, batch, lifted, scratch, density, rays );
         else
