@@ -1,11 +1,22 @@
-// Samples animation channels of glTF (step, linear, cubic spline) into the matrices of nodes.
+// Samples animation channels of glTF (step, linear, cubic spline) into the matrices of nodes, and frees them.
 #include "scene/animation.h"
 
 #include "math/quat.h"
 #include "scene/camera_path/curve.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+void rf_destroy_channel( RfChannel* channel )
+{
+    if ( channel->curve != NULL )
+        rf_destroy_curve( channel->curve );
+    free( channel->curve );
+    free( channel->times );
+    free( channel->values );
+    memset( channel, 0, sizeof *channel );
+}
 
 // Index of the last key at or before `time`, which the caller has clamped.
 static int find_key( const RfChannel* channel, double time )

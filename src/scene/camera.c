@@ -269,10 +269,25 @@ static void project_otherwise( RfEye* eye, RfProjectionKind projection, double y
     }
 }
 
+// The field of view at a time, where it changes. False: there is none.
+static bool zoom_to( const RfCamera* camera, double time, double* yfov, double* ymag )
+{
+    double value[4];
+    if ( camera->zoom == NULL )
+        return true;
+    rf_sample_change( camera->zoom, time, value );
+    if ( camera->zoom->value == RF_CHANGED_YMAG )
+        *ymag = value[0];
+    else if ( has_fov( (RfProjectionKind)camera->projection ) )
+        *yfov = value[0];
+    return value[0] > 0.0 && value[0] < rf_changed_traits( camera->zoom->value )->high;
+}
+
 static RfResult node_eye( const RfCameraSampling* sampling, double time, RfEye* eye, RfError* error )
 {
     const RfScene* scene = sampling->scene;
     const RfCamera* self = sampling->camera;
+    const RfProjectionKind projection = (RfProjectionKind)self->projection;
     RfMat4 world;
     rf_node_world_matrix( scene, self->node, time, &world );
     double forward[3], up[3];
@@ -287,10 +302,14 @@ static RfResult node_eye( const RfCameraSampling* sampling, double time, RfEye* 
                         "%s: camera '%.60s' at %g s: its transform is degenerate or not finite: "
                         "remove zero scales from it and from its parents",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
-    *eye =
-        rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ),
-                            has_fov( (RfProjectionKind)self->projection ) ? self->yfov : 1.0, sampling->width, sampling->height );
-    project_otherwise( eye, (RfProjectionKind)self->projection, self->ymag );
+    double yfov = has_fov( projection ) ? self->yfov : 1.0, ymag = self->ymag;
+    if ( !zoom_to( self, time, &yfov, &ymag ) )
+        return rf_fail( error, RF_ERROR_SCENE,
+                        "%s: camera '%.60s' at %g s: its field of view is not more than 0: straighten its curve",
+                        scene->path != NULL ? scene->path : "scene", self->name, time );
+    *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ), yfov, sampling->width,
+                               sampling->height );
+    project_otherwise( eye, projection, ymag );
     return RF_OK;
 }
 

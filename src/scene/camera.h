@@ -56,7 +56,7 @@ RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfE
 // its path is keyed by frame numbers.
 void rf_camera_numbers( const RfCamera* camera, int* first, int* step );
 
-// Finds the cuts of a camera that moves with its node: keys of STEP interpolation at which it or an ancestor jumps, if no key of the
+// Finds the cuts of a camera that moves with its node: keys of STEP interpolation at which it, an ancestor or its zoom jumps, if no key of the
 // same channel is nearer than 0.25 s. Fails with RF_ERROR_MEMORY.
 RfResult rf_find_step_cuts( const RfScene* scene, RfCamera* camera, RfError* error );
 

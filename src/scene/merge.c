@@ -6,6 +6,7 @@
 #include "scene/placement.h"
 #include "scene/textured.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,7 +62,7 @@ typedef struct Merge
 {
     RfScene *scene, *placed;
     uint32_t materials;
-    int textures, meshes, nodes, channels, moving_nodes, skins, movers;
+    int textures, meshes, nodes, channels, punctuals, moving_nodes, skins, movers, lamps, moving_materials, changes;
     RfError* error;
 } Merge;
 
@@ -169,6 +170,46 @@ static RfResult move_placements( const Merge* m )
     return RF_OK;
 }
 
+// Those of the sky, which is left behind, come first: the environment is read before all else that changes.
+static int drop_sky( RfMovement* from )
+{
+    int dropped = 0;
+    while ( dropped < from->change_count && ( from->changes[dropped].value == RF_CHANGED_SKY_STRENGTH ||
+                                              from->changes[dropped].value == RF_CHANGED_SKY_ROTATION ) )
+        rf_destroy_channel( &from->changes[dropped++].channel );
+    from->change_count -= dropped;
+    if ( dropped > 0 )
+        memmove( from->changes, from->changes + dropped, (size_t)from->change_count * sizeof *from->changes );
+    return dropped;
+}
+
+static RfResult move_changes( const Merge* m, RfMovement* to, RfMovement* from )
+{
+    int shift = m->changes - drop_sky( from );
+    MOVE_ITEMS( to->changes, to->change_count, from->changes, from->change_count );
+    for ( int i = m->changes; i < to->change_count; ++i )
+    {
+        RfChange* change = to->changes + i;
+        change->of += change->value < RF_CHANGED_LAMP_VALUES ? m->punctuals : (int)m->materials;
+    }
+    MOVE_ITEMS( to->lamps, to->lamp_count, from->lamps, from->lamp_count );
+    for ( int i = m->lamps; i < to->lamp_count; ++i )
+    {
+        RfMovingLamp* lamp = to->lamps + i;
+        lamp->punctual += m->punctuals;
+        lamp->node = lamp->node >= 0 ? lamp->node + m->moving_nodes : -1;
+        for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+            lamp->changes[v] = lamp->changes[v] >= 0 ? lamp->changes[v] + shift : -1;
+    }
+    MOVE_ITEMS( to->materials, to->material_count, from->materials, from->material_count );
+    for ( int i = m->moving_materials; i < to->material_count; ++i )
+    {
+        to->materials[i].material += (int)m->materials;
+        to->materials[i].first_change += shift;
+    }
+    return RF_OK;
+}
+
 static RfResult move_movement( const Merge* m )
 {
     RfMovement* from = m->placed->movement;
@@ -207,7 +248,7 @@ static RfResult move_movement( const Merge* m )
     }
     to->start = from->start < to->start ? from->start : to->start;
     to->end = from->end > to->end ? from->end : to->end;
-    return RF_OK;
+    return move_changes( m, to, from );
 }
 
 // "fox.glb: light 'Sun'".
@@ -272,6 +313,12 @@ static RfResult merge( const Merge* m, const char* name )
     if ( result == RF_OK )
         result = move_notes( m, name );
     scene->frozen = scene->frozen || placed->frozen;
+    if ( placed->change_end > placed->change_start )
+    {
+        bool first = !( scene->change_end > scene->change_start );
+        scene->change_start = first ? placed->change_start : fmin( scene->change_start, placed->change_start );
+        scene->change_end = first ? placed->change_end : fmax( scene->change_end, placed->change_end );
+    }
     scene->instance_count += placed->instance_count;
     scene->content_hash = rf_hash_bytes( scene->content_hash, &placed->content_hash, sizeof placed->content_hash );
     return result == RF_OK ? rf_number_placements( scene, m->error ) : result;
@@ -288,9 +335,13 @@ RfResult rf_merge_scene( RfScene* scene, RfScene* placed, const char* name, RfEr
         .meshes = scene->mesh_count,
         .nodes = scene->node_count,
         .channels = scene->channel_count,
+        .punctuals = scene->punctual_count,
         .moving_nodes = movement != NULL ? movement->node_count : 0,
         .skins = movement != NULL ? movement->skin_count : 0,
         .movers = movement != NULL ? movement->mover_count : 0,
+        .lamps = movement != NULL ? movement->lamp_count : 0,
+        .moving_materials = movement != NULL ? movement->material_count : 0,
+        .changes = movement != NULL ? movement->change_count : 0,
         .error = error,
     };
     RfResult result = merge( &m, name );

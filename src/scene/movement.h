@@ -1,8 +1,8 @@
-// What moves in a scene, and by which nodes: the reader fills it, scene/pose.h evaluates it at a time.
+// What moves and changes in a scene, and by which nodes and keys: the reader fills it, scene/pose.h evaluates it at a time.
 #ifndef REFRAME_SCENE_MOVEMENT_H
 #define REFRAME_SCENE_MOVEMENT_H
 
-#include "scene/scene.h"
+#include "scene/textured.h"
 
 // A node that movers or joints hang on.
 typedef struct RfMovingNode
@@ -54,27 +54,60 @@ typedef enum RfChangedValue
     // of the sky
     RF_CHANGED_SKY_STRENGTH, // a factor on its radiance
     RF_CHANGED_SKY_ROTATION, // radians
-    // of a camera that moves with its node
+    // of the lens of a camera that moves with its node, which has the keys itself (scene/scene.h)
     RF_CHANGED_YFOV,
     RF_CHANGED_YMAG,
+    RF_CHANGED_COUNT
 } RfChangedValue;
+
+#define RF_CHANGED_LAMP_VALUES ( RF_CHANGED_OUTER_CONE + 1 )
+
+// What may be its values: from `low` to `high`, both included, and above `low` where that is 0 and `positive`.
+typedef struct RfChangedTraits
+{
+    const char* name; // in glTF
+    int components;
+    double low, high;
+    bool positive;
+    bool limited; // `high` is a limit of this program
+} RfChangedTraits;
+
+const RfChangedTraits* rf_changed_traits( RfChangedValue value );
 
 typedef struct RfChange
 {
     RfChangedValue value;
-    int of;            // number of the light, material or camera; the sky: 0
+    int of;            // number of the material; of a light: the first that has it; of the sky: 0
     int slot;          // of a texture: RfTextureSlot
     RfChannel channel; // owned; its node is −1, its path RF_VALUE
 } RfChange;
 
-// A punctual light that changes.
+// A change at `time` seconds. A spline that leaves the range between its keys is held at the end of the range.
+void rf_sample_change( const RfChange* change, double time, double value[4] );
+
+// The most of each component at any time.
+void rf_most_of_change( const RfChange* change, double most[4] );
+
+// A punctual light that moves, is switched or changes.
 typedef struct RfMovingLamp
 {
     int punctual;
-    int node;        // moving node that places, shows and hides it; −1: it stands still
-    double color[3]; // as in the file, where no change has them
+    int node;                            // moving node that places, shows and hides it; −1: it stands still
+    int changes[RF_CHANGED_LAMP_VALUES]; // of the movement, by value; −1: none
+    double color[3];                     // as in the file, where no change has them
     double intensity, cone[2];
 } RfMovingLamp;
+
+// A material that dims or changes.
+typedef struct RfMovingMaterial
+{
+    int material;
+    int first_change, change_count; // of the movement
+    double base[4];                 // as in the file, where no change has them
+    double metallic, roughness;
+    double emissive[3], strength;
+    double transform[RF_TEXTURE_SLOT_COUNT][5]; // of its textures: offset, rotation, scale
+} RfMovingMaterial;
 
 typedef struct RfMovement
 {
@@ -86,8 +119,10 @@ typedef struct RfMovement
     RfMover* movers; // of the placements that move, in their order
     int lamp_count;
     RfMovingLamp* lamps;
+    int material_count;
+    RfMovingMaterial* materials;
     int change_count;
-    RfChange* changes; // owned
+    RfChange* changes; // owned; those of a material one after the other
     double start, end; // seconds: first and last key of all that moves or changes
 } RfMovement;
 

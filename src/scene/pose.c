@@ -6,6 +6,7 @@
 #include "scene/animation.h"
 #include "scene/deformation.h"
 #include "scene/movement.h"
+#include "scene/pose_changes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,6 +22,7 @@ typedef struct Layout
     size_t worlds, shown;             // of moving nodes
     size_t joints, weights, mirrored; // of one mover at a time
     size_t arrays;                    // of the meshes that deform
+    size_t changes;                   // lamps and materials
     int own_meshes;
     size_t total;
 } Layout;
@@ -108,6 +110,7 @@ static Layout lay_out( const RfScene* scene )
     layout.weights = take( &layout.total, weights, sizeof( double ) );
     layout.mirrored = take( &layout.total, vertices, sizeof( bool ) );
     layout.arrays = take( &layout.total, arrays, 1 );
+    layout.changes = take( &layout.total, rf_changes_bytes( scene ), 1 );
     return layout;
 }
 
@@ -331,17 +334,23 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
         return no_memory( scene, error );
     Posing p = begin( scene, time, &layout, pose->memory, error );
     p.pose = pose;
-    memcpy( p.placements, scene->placements, (size_t)scene->placement_count * sizeof *p.placements );
+    if ( scene->placement_count > 0 )
+        memcpy( p.placements, scene->placements, (size_t)scene->placement_count * sizeof *p.placements );
     if ( scene->mesh_count > 0 )
         memcpy( p.meshes, scene->meshes, (size_t)scene->mesh_count * sizeof *p.meshes );
     memset( p.meshes + scene->mesh_count, 0, (size_t)layout.own_meshes * sizeof *p.meshes );
-    pose->scene.placements = p.placements;
+    if ( scene->placement_count > 0 )
+        pose->scene.placements = p.placements;
     pose->scene.meshes = p.meshes;
     pose->scene.mesh_count = scene->mesh_count + layout.own_meshes;
     find_nodes( &p );
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < p.movement->mover_count; ++i )
         result = pose_mover( &p, i );
+    RfNodesAt nodes = { time, p.worlds, p.shown };
+    pose->hash = rf_hash_changes( scene, &nodes, pose->hash );
+    if ( result == RF_OK )
+        result = rf_pose_changes( scene, &nodes, (char*)pose->memory + layout.changes, &pose->scene, error );
     return result;
 }
 
@@ -373,6 +382,8 @@ RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfEr
         RfMat4 matrix;
         follow( &p, p.movement->movers + i, &matrix, hash );
     }
+    RfNodesAt nodes = { time, p.worlds, p.shown };
+    *hash = rf_hash_changes( scene, &nodes, *hash );
     free( memory );
     return RF_OK;
 }

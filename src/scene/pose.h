@@ -8,10 +8,10 @@
 typedef struct RfPosedScene
 {
     double time;
-    RfScene scene; // placements and meshes are the pose's own, all else is shared: to be read like any scene, never destroyed.
-                   // What deforms has meshes after those of the scene; they stand in the world, relative to its origin, or,
-                   // where only morph targets deform them, in the space of the mesh. Triangles have the same numbers at all
-                   // times; the bounds are those of the scene
+    RfScene scene; // placements and meshes are the pose's own, punctual lights and materials where some change; all else is
+        // shared: to be read like any scene, never destroyed. A lamp that is hidden has intensity 0. What deforms has meshes after those of the scene; they stand in the world, relative to its origin, or,
+        // where only morph targets deform them, in the space of the mesh. Triangles have the same numbers at all
+        // times; the bounds are those of the scene
     uint64_t hash; // of what moves: as rf_moment_hash
     void* memory;  // of rf_pose_bytes, aligned to 64 bytes; NULL: rf_pose_scene allocates it, and rf_destroy_pose frees it
     bool owned;
@@ -29,18 +29,19 @@ typedef struct RfPoseParts
 } RfPoseParts;
 RfPoseParts rf_pose_parts( const RfScene* scene );
 
-// Poses what moves as it is at `time` seconds, which counts as the first or last key outside of the keys. A pose may be
+// Poses what moves and changes as it is at `time` seconds, which counts as the first or last key outside of the keys. A pose may be
 // posed again. Fails with RF_ERROR_SCENE, naming the object and the time, where something lies further out than floats
-// compute with. What shrinks to a point is not shown.
+// compute with, or has a value that the file may not have. What shrinks to a point is not shown.
 RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, RfError* error );
 
 void rf_destroy_pose( RfPosedScene* pose );
 
-// Whether anything that moves differs between two times: it is shown at one of them only, or elsewhere, or in another shape.
+// Whether anything that moves or changes differs between two times: it is shown at one of them only, or elsewhere, or in another
+// shape, light or material.
 // True as well if there is no memory to find out.
 bool rf_scene_moves( const RfScene* scene, double t0, double t1 );
 
-// A hash of where and in which shape all that moves is at a time, for fingerprints; without movement, the same for all times. It
+// A hash of how all that moves and changes is at a time, for fingerprints; without movement, the same for all times. It
 // is that of a pose, at a fraction of its cost. Fails with RF_ERROR_MEMORY.
 RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfError* error );
 

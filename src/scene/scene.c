@@ -38,16 +38,6 @@ void rf_destroy_triangles( RfTriangles* triangles )
     memset( triangles, 0, sizeof *triangles );
 }
 
-void rf_destroy_channel( RfChannel* channel )
-{
-    if ( channel->curve != NULL )
-        rf_destroy_curve( channel->curve );
-    free( channel->curve );
-    free( channel->times );
-    free( channel->values );
-    memset( channel, 0, sizeof *channel );
-}
-
 void rf_destroy_camera( RfCamera* camera )
 {
     if ( camera->track != NULL )
@@ -57,6 +47,9 @@ void rf_destroy_camera( RfCamera* camera )
         free( camera->edit->shots );
     free( camera->edit );
     free( camera->cuts );
+    if ( camera->zoom != NULL )
+        rf_destroy_channel( &camera->zoom->channel );
+    free( camera->zoom );
     if ( camera->optics != NULL )
         rf_destroy_optics( camera->optics );
     free( camera->optics );

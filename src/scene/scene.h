@@ -142,8 +142,9 @@ typedef struct RfCamera
     int projection;              // RfProjectionKind
     double yfov;                 // perspective: vertical field of view, radians
     double ymag;                 // orthographic: half the height of the picture, m
+    struct RfChange* zoom;       // owned: yfov or ymag where that changes (scene/movement.h); NULL: it does not
     struct RfOptics* optics;     // owned: lens and shutter where there is no path; NULL: a pinhole
-    bool animated;               // a channel animates its node or an ancestor
+    bool animated;               // a channel animates its node or an ancestor, or its field of view
     double start;                // seconds: first key of those channels
     double end;                  // last key
     int cut_count;               // of a camera that moves with its node
@@ -169,7 +170,8 @@ typedef enum RfPunctualKind
     RF_PUNCTUAL_DIRECTIONAL,
 } RfPunctualKind;
 
-// A punctual light (KHR_lights_punctual), in world space.
+// A punctual light (KHR_lights_punctual), in world space. Of one that changes, the intensity of a loaded scene is the most that it
+// has.
 typedef struct RfPunctual
 {
     char* name;
@@ -181,6 +183,13 @@ typedef struct RfPunctual
     float range;                // m, no light beyond it; infinity: unlimited
     bool changes;               // it moves, is dimmed or is switched, or else is another at some time: a pose has it as it is
 } RfPunctual;
+
+// The cone of a spot, radians.
+static inline void rf_set_cone( RfPunctual* spot, double inner, double outer )
+{
+    spot->cos_inner = (float)cos( inner );
+    spot->cos_outer = (float)fmax( cos( outer ), 0.0 );
+}
 
 struct RfScene
 {
@@ -202,9 +211,10 @@ struct RfScene
     struct RfMovement* movement; // owned: what moves, and how; NULL: nothing does
     int unrendered_count;
     RfUnrendered* unrendered;
-    bool frozen;                   // something moves or changes in the file, and was read as in the first frame
-    RfVec3 bounds_min, bounds_max; // of all triangles; both 0 if there are none
-    uint32_t instance_count;       // mesh primitives instanced by nodes
+    bool frozen;                     // something moves or changes in the file, and was read as in the first frame
+    double change_start, change_end; // seconds: keys of what changes beside nodes, in the file; equal: nothing does
+    RfVec3 bounds_min, bounds_max;   // of all triangles; both 0 if there are none
+    uint32_t instance_count;         // mesh primitives instanced by nodes
     uint32_t material_count;
     RfMaterial* materials;
     int texture_count;

@@ -1,6 +1,7 @@
 // Cuts of cameras that move with their nodes.
 #include "scene/animation.h"
 #include "scene/camera.h"
+#include "scene/movement.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -46,24 +47,28 @@ static void sort_cuts( RfCamera* camera )
     camera->cut_count = count;
 }
 
+static RfResult add_cuts( const RfChannel* c, RfCamera* camera, RfError* error )
+{
+    bool steps = c->interpolation == RF_STEP && c->curve == NULL && c->clock.speed == 0.0;
+    RfResult result = RF_OK;
+    for ( int k = 1; result == RF_OK && steps && k < c->count; ++k )
+        result = is_cut( c, k ) ? add_cut( c->times[k], camera, error ) : RF_OK;
+    return result;
+}
+
 RfResult rf_find_step_cuts( const RfScene* scene, RfCamera* camera, RfError* error )
 {
+    RfResult result = camera->zoom != NULL ? add_cuts( &camera->zoom->channel, camera, error ) : RF_OK;
     for ( int node = camera->node; node >= 0; node = scene->nodes[node].parent )
     {
         int count;
         const RfChannel* channels = rf_node_channels( scene, node, &count );
-        for ( int i = 0; i < count; ++i )
+        for ( int i = 0; result == RF_OK && i < count; ++i )
         {
-            const RfChannel* c = channels + i;
-            bool steps = c->interpolation == RF_STEP && c->curve == NULL && c->clock.speed == 0.0;
-            for ( int k = 1; k < c->count && steps && ( c->path == RF_TRANSLATION || c->path == RF_ROTATION ); ++k )
-            {
-                RfResult result = is_cut( c, k ) ? add_cut( c->times[k], camera, error ) : RF_OK;
-                if ( result != RF_OK )
-                    return result;
-            }
+            if ( channels[i].path == RF_TRANSLATION || channels[i].path == RF_ROTATION )
+                result = add_cuts( channels + i, camera, error );
         }
     }
     sort_cuts( camera );
-    return RF_OK;
+    return result;
 }

@@ -10,6 +10,15 @@
 // rf_texture_bound examines up to this many texels individually.
 #define MAX_SCANNED 4096
 
+void rf_set_uv_transform( const double by[5], float transform[6] )
+{
+    const double *offset = by, *scale = by + 3, rotation = by[2];
+    const double t[6] = { cos( rotation ) * scale[0],  sin( rotation ) * scale[1], offset[0],
+                          -sin( rotation ) * scale[0], cos( rotation ) * scale[1], offset[1] };
+    for ( int i = 0; i < 6; ++i )
+        transform[i] = (float)t[i];
+}
+
 void rf_transform_uv( const RfTextureRef* ref, const float uv[2], float out[2] )
 {
     const float* t = ref->transform;

@@ -32,6 +32,10 @@ typedef struct RfTextureRef
     float transform[6]; // u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5
 } RfTextureRef;
 
+// KHR_texture_transform: u' = T · R · S · u, the rotation in radians, counter-clockwise as the image is seen. Five numbers: offset,
+// rotation, scale.
+void rf_set_uv_transform( const double by[5], float transform[6] );
+
 // Transforms the coordinates of a point to u', v' on the texture.
 void rf_transform_uv( const RfTextureRef* ref, const float uv[2], float out[2] );
 

@@ -205,6 +205,23 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
         clearcoat_at( scene, m, at.triangles, at.index, u, v, out );
 }
 
+void rf_derive_material( RfMaterial* m )
+{
+    const RfTextured* t = m->textured;
+    switch ( t->model )
+    {
+        case RF_TEXTURED_COATED: rf_derive_lobes( &t->factors, m ); break;
+        case RF_TEXTURED_GLASS:
+            if ( m->ior == 0.0f )
+                m->specular = scaled( t->factors.base, 1.0 );
+            else
+                rf_derive_glass( &t->factors, t->transmission, m );
+            break;
+        case RF_TEXTURED_UNLIT: m->emission = scaled( t->factors.base, 1.0 ); break;
+        case RF_TEXTURED_DIFFUSE: break;
+    }
+}
+
 bool rf_is_clear_somewhere( const RfMaterial* m )
 {
     if ( m->ior == 0.0f ) // a mirror
@@ -212,7 +229,7 @@ bool rf_is_clear_somewhere( const RfMaterial* m )
     if ( m->textured == NULL )
         return m->alpha == 0.0f && rf_max_component( m->tint ) > 0.0f;
     // textures are factors: they make rough surfaces smooth, but nothing rougher
-    bool smooth = m->alpha == 0.0f || m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    bool smooth = m->alpha == 0.0f || rf_roughness_varies( m );
     return smooth && m->textured->transmission > 0.0;
 }
 
@@ -313,7 +330,7 @@ RfVec3 rf_mean_emission( const RfScene* scene, const RfMaterial* m, uint32_t tri
 static bool has_vertex_tangents( const RfTriangles* t, const RfTextured* textured, const RfTextureRef* ref )
 {
     const RfTextureRef* of = textured->refs + RF_TEXTURE_NORMAL;
-    if ( t->tangents == NULL )
+    if ( t->tangents == NULL || textured->turns )
         return false;
     // the bits of the same file: NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     return of->texture < 0 || ( of->uv_set == ref->uv_set && memcmp( of->transform, ref->transform, sizeof of->transform ) == 0 );

@@ -56,7 +56,9 @@ struct RfTextured
     bool vertex_colors; // some primitive with this material has vertex colours
     bool masked;        // no surface where alpha is below the cutoff
     float alpha_cutoff;
-    bool blended; // alpha is the opacity of the surface
+    bool blended;  // alpha is the opacity of the surface
+    bool reshapes; // roughness or metallic factor change
+    bool turns;    // a normal texture is rotated or scaled, which vertex tangents do not follow
 };
 
 // Smoother surfaces are perfectly smooth: their lobe would be narrower than that of
@@ -69,6 +71,9 @@ void rf_derive_lobes( const RfFactors* factors, RfMaterial* out );
 
 // The same for glass: sets diffuse, specular, f90, coat_f0, coat_f90, tint and alpha of `out`.
 void rf_derive_glass( const RfFactors* factors, double transmission, RfMaterial* out );
+
+// Sets what a material derives from the factors of its `textured` where no texture varies them.
+void rf_derive_material( RfMaterial* m );
 
 // Sets clearcoat and clearcoat_alpha of `out`.
 void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out );
@@ -104,17 +109,24 @@ float rf_opacity_at( const RfScene* scene, const RfMaterial* material, uint32_t 
 float rf_opacity_on( const RfScene* scene, const RfMaterial* material, const RfTriangles* triangles, uint32_t index, float u,
                      float v );
 
+// True if the roughness of a material is not the same everywhere and at all times.
+static inline bool rf_roughness_varies( const RfMaterial* m )
+{
+    const RfTextured* t = m->textured;
+    return t != NULL && ( t->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 || t->reshapes );
+}
+
 // True if the GGX lobe of a material may be narrower than those of roughness 0.1.
 static inline bool rf_may_be_smooth( const RfMaterial* m )
 {
-    bool varies = m->textured != NULL && m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    bool varies = rf_roughness_varies( m );
     return m->kind == RF_BSDF_GGX && ( varies || m->alpha < RF_SMOOTH_ALPHA );
 }
 
 // True if a surface may throw caustics (path/own_light.h): mirrors, glass, and metals up to RF_CAUSTIC_ALPHA.
 static inline bool rf_may_throw_caustics( const RfMaterial* m )
 {
-    bool varies = m->textured != NULL && m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    bool varies = rf_roughness_varies( m );
     bool metal = ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) && m->alpha <= RF_CAUSTIC_ALPHA &&
                  !( rf_max_component( m->diffuse ) > 0.0f );
     return m->kind == RF_BSDF_GLASS || metal || ( varies && ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) );
@@ -123,7 +135,7 @@ static inline bool rf_may_throw_caustics( const RfMaterial* m )
 // True if some lobe of a material may mirror a lamp: its alpha, or what is like it, below RF_SHARP_ALPHA.
 static inline bool rf_may_be_sharp( const RfMaterial* m )
 {
-    bool varies = m->textured != NULL && m->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0;
+    bool varies = rf_roughness_varies( m );
     switch ( m->kind )
     {
         case RF_BSDF_LAMBERT: return false;

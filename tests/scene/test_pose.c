@@ -340,6 +340,158 @@ static void test_instances_that_move( void** state )
     rf_destroy_scene( &scene );
 }
 
+// ---- Lamps, materials and the sky ---------------------------------------------------
+
+#define CHANGES( sampler, pointer )                                                                                              \
+    "{\"sampler\":" sampler                                                                                                      \
+    ",\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"" pointer "\"}}}}"
+#define LIGHT "/extensions/KHR_lights_punctual/lights/0/"
+
+// 0 times 1 and 3, 1 intensities, 2 colours, 3 angles, 4 places, 5 a spline of 2 numbers, 6 truths, 7 times of these.
+static GltfBuilder make_lamp_keys( void )
+{
+    static const float s_at[] = { 1, 3 }, s_watts[] = { 0, 8 }, s_colors[] = { 1, 0, 0.5f, 0, 1, 0.5f }, s_angles[] = { 0.5f, 1 },
+                       s_places[] = { 0, 0, 0, 2, 4, 6 }, s_spline[] = { 0, 1, 3, 1, 5, 0 }, s_when[] = { 1, 2 };
+    static const uint8_t s_shown[] = { 0, 1 };
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_at );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_watts );
+    add_gltf_floats( &b, "VEC3", 3, 2, s_colors );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_angles );
+    add_gltf_floats( &b, "VEC3", 3, 2, s_places );
+    add_gltf_floats( &b, "SCALAR", 1, 6, s_spline );
+    add_gltf_accessor( &b, 5121, "SCALAR", 2, s_shown, sizeof s_shown, "" );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_when );
+    return b;
+}
+
+#define LIGHTS( light ) "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[" light "]}}"
+#define WITH_LIGHT "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}"
+
+#define KEYS( input, output ) "{\"input\":" input ",\"output\":" output "}"
+#define ANIMATE( samplers, channels ) "\"animations\":[{\"samplers\":[" samplers "],\"channels\":[" channels "]}]"
+#define SPOT "{\"type\":\"spot\",\"spot\":{\"innerConeAngle\":0.25},\"range\":9}"
+#define SPLINE "{\"input\":0,\"output\":5,\"interpolation\":\"CUBICSPLINE\"}"
+#define FOUR_CHANGES                                                                                                             \
+    CHANGES( "0", LIGHT "intensity" )                                                                                            \
+    "," CHANGES( "1", LIGHT "color" ) "," CHANGES( "2", LIGHT "spot/outerConeAngle" ) "," CHANGES( "4", LIGHT "range" )
+#define MOVES "{\"sampler\":3,\"target\":{\"node\":0,\"path\":\"translation\"}}"
+
+// A spot of which all changes, at two nodes, of which one moves.
+static void test_a_lamp_that_changes( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_lamp_keys();
+    RfScene scene =
+        gltf_load_built( &b, "\"nodes\":[{" WITH_LIGHT "},{\"translation\":[7,0,0]," WITH_LIGHT "}]," LIGHTS( SPOT ) "," ANIMATE(
+                                 KEYS( "0", "1" ) "," KEYS( "0", "2" ) "," KEYS( "0", "3" ) "," KEYS( "0", "4" ) "," SPLINE,
+                                 FOUR_CHANGES "," MOVES ) );
+    assert_int_equal( scene.unrendered_count, 0 );
+    assert_string_equal( gltf_warnings, "" );
+    assert_int_equal( scene.punctual_count, 2 );
+    assert_true( scene.punctuals[0].changes && scene.punctuals[1].changes );
+    assert_true( scene.movement->start == 1.0 && scene.movement->end == 3.0 );
+    assert_int_equal( scene.movement->change_count, 4 );
+    gltf_assert_rgb( scene.punctuals[1].intensity, 8, 8, 4 ); // the most of each channel
+    for ( int k = -1; k <= 9; ++k )
+    {
+        double time = 0.5 * k, t = fmin( fmax( ( time - 1.0 ) / 2.0, 0.0 ), 1.0 );
+        RfPosedScene pose = gltf_pose_at( &scene, time );
+        assert_ptr_equal( pose.scene.materials, scene.materials );
+        for ( int i = 0; i < 2; ++i )
+        {
+            const RfPunctual* lamp = pose.scene.punctuals + i;
+            double x = i == 0 ? 2.0 * t : 7.0;
+            gltf_assert_rgb( lamp->intensity, 8.0 * t * ( 1.0 - t ), 8.0 * t * t, 4.0 * t );
+            gltf_assert_rgb( lamp->position, x, i == 0 ? 4.0 * t : 0.0, i == 0 ? 6.0 * t : 0.0 );
+            gltf_assert_rgb( lamp->direction, 0, 0, -1 );
+            gltf_assert_near( lamp->cos_inner, cos( 0.25 ) );
+            gltf_assert_near( lamp->cos_outer, cos( 0.5 + 0.5 * t ) );
+            // Hermite: from 1 with the slope 3 to 5 with the slope 1, over 2 s
+            double h = ( 2 * t * t * t - 3 * t * t + 1 ) * 1.0 + ( t * t * t - 2 * t * t + t ) * 2.0 * 3.0 +
+                       ( 3 * t * t - 2 * t * t * t ) * 5.0 + ( t * t * t - t * t ) * 2.0 * 1.0;
+            gltf_assert_near( lamp->range, h );
+        }
+        rf_destroy_pose( &pose );
+    }
+    assert_false( rf_scene_moves( &scene, 0.0, 1.0 ) );
+    assert_true( rf_scene_moves( &scene, 1.0, 1.5 ) );
+    rf_destroy_scene( &scene );
+}
+
+#define BULB LIGHTS( "{\"type\":\"point\",\"intensity\":5}" )
+
+static void test_a_lamp_that_is_switched( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_lamp_keys();
+    RfScene scene =
+        gltf_load_built( &b, "\"nodes\":[{\"children\":[1]," VISIBLE( "true" ) "},{\"translation\":[0,3,0]," WITH_LIGHT "}]," BULB
+                                                                               "," SHOWS( "0", "7", "6" ) );
+    assert_int_equal( scene.unrendered_count, 0 );
+    gltf_assert_rgb( scene.punctuals[0].intensity, 5, 5, 5 );
+    static const double s_at[] = { 0, 1, 1.99, 2, 9 };
+    for ( int i = 0; i < 5; ++i )
+    {
+        double want = i < 3 ? 0.0 : 5.0;
+        RfPosedScene pose = gltf_pose_at( &scene, s_at[i] );
+        gltf_assert_rgb( pose.scene.punctuals[0].intensity, want, want, want );
+        gltf_assert_rgb( pose.scene.punctuals[0].position, 0, 3, 0 );
+        rf_destroy_pose( &pose );
+    }
+    assert_true( rf_scene_moves( &scene, 1.0, 2.0 ) );
+    assert_false( rf_scene_moves( &scene, 0.0, 1.5 ) );
+    rf_destroy_scene( &scene );
+}
+
+static void assert_hash_of_pose( const RfScene* scene, double time )
+{
+    uint64_t hash;
+    RfPosedScene pose = gltf_pose_at( scene, time );
+    assert_int_equal( rf_moment_hash( scene, time, &hash, NULL ), RF_OK );
+    assert_true( hash == pose.hash );
+    rf_destroy_pose( &pose );
+}
+
+#define TRIANGLE( material ) "{\"attributes\":{\"POSITION\":8},\"material\":" material "}"
+
+#define TWO_TRIANGLES "\"meshes\":[{\"primitives\":[" TRIANGLE( "0" ) "," TRIANGLE( "1" ) "]}]"
+#define STRENGTH "/materials/1/extensions/KHR_materials_emissive_strength/emissiveStrength"
+
+// Dark at first, and in the middle brighter than at any key: (1 - t) × 7 t, the most of which bounds the light that is loaded.
+static void test_a_material_that_dims( void** state )
+{
+    (void)state;
+    static const float s_triangle[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, s_strengths[] = { 7, 0 };
+    GltfBuilder b = make_lamp_keys();
+    add_gltf_floats( &b, "VEC3", 3, 3, s_triangle );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_strengths );
+    add_gltf_floats( &b, "VEC3", 3, 2, ( const float[] ){ 0, 0, 0, 1, 0.5f, 0 } );
+    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," TWO_TRIANGLES
+                                         ",\"materials\":[{\"emissiveFactor\":[1,1,1]},{}]," ANIMATE(
+                                             KEYS( "0", "9" ) "," KEYS( "0", "10" ),
+                                             CHANGES( "0", STRENGTH ) "," CHANGES( "1", "/materials/1/emissiveFactor" ) ) );
+    assert_int_equal( scene.unrendered_count, 0 );
+    assert_int_equal( scene.triangles.count, 2 ); // it stands still
+    assert_int_equal( scene.placement_count, 0 );
+    assert_true( scene.materials[1].dims && !scene.materials[1].changes && !scene.materials[0].dims );
+    gltf_assert_rgb( scene.materials[1].emission, 7, 3.5, 0 );
+    size_t bytes = rf_pose_bytes( &scene );
+    RfPosedScene pose = { .memory = aligned_alloc( 64, bytes ) };
+    void* memory = pose.memory;
+    for ( int k = 0; k <= 8; ++k )
+    {
+        double time = 0.5 * k, t = fmin( fmax( ( time - 1.0 ) / 2.0, 0.0 ), 1.0 ), red = 7.0 * ( 1.0 - t ) * t;
+        assert_int_equal( rf_pose_scene( &scene, time, &pose, NULL ), RF_OK );
+        gltf_assert_rgb( pose.scene.materials[1].emission, red, 0.5 * red, 0 );
+        gltf_assert_rgb( pose.scene.materials[0].emission, 1, 1, 1 );
+        assert_hash_of_pose( &scene, time );
+    }
+    rf_destroy_pose( &pose );
+    free( memory );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -355,6 +507,9 @@ int main( void )
         cmocka_unit_test( test_what_is_shown_at_times ),
         cmocka_unit_test( test_ten_thousand_nodes ),
         cmocka_unit_test( test_instances_that_move ),
+        cmocka_unit_test( test_a_lamp_that_changes ),
+        cmocka_unit_test( test_a_lamp_that_is_switched ),
+        cmocka_unit_test( test_a_material_that_dims ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }

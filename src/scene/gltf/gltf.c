@@ -6,6 +6,7 @@
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
+#include "scene/gltf/gltf_changes.h"
 #include "scene/gltf/gltf_document.h"
 #include "scene/gltf/gltf_geometry.h"
 #include "scene/gltf/gltf_materials.h"
@@ -286,6 +287,8 @@ double rf_gltf_first_time( const RfScene* scene )
         rf_channel_span( scene->channels + i, &start, &end );
         first = fmin( first, start );
     }
+    if ( scene->change_end > scene->change_start )
+        first = fmin( first, scene->change_start );
     return isfinite( first ) ? first : 0.0;
 }
 
@@ -303,8 +306,6 @@ static RfResult read_document( RfGltf* gltf )
         return rf_gltf_no_memory( gltf, "accessors" );
     result = rf_gltf_load_buffers( gltf );
     if ( result == RF_OK )
-        result = rf_gltf_load_materials( gltf );
-    if ( result == RF_OK )
         result = rf_gltf_load_nodes( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_animations( gltf );
@@ -313,6 +314,8 @@ static RfResult read_document( RfGltf* gltf )
     if ( result == RF_OK )
         result = rf_gltf_load_environment( gltf ); // with the frames per second
     gltf->frozen_at = gltf->options->frozen_at != NULL ? *gltf->options->frozen_at : rf_gltf_first_time( gltf->scene );
+    if ( result == RF_OK )
+        result = rf_gltf_load_materials( gltf );
     if ( result == RF_OK )
         result = rf_gltf_load_lights( gltf );
     if ( result == RF_OK )
@@ -335,6 +338,8 @@ static void close_document( RfGltf* gltf )
     free( gltf->remap );
     free( gltf->remap_stamp );
     free( gltf->apart );
+    free( gltf->part_apart );
+    rf_gltf_free_changes( gltf );
 }
 
 static RfResult load_around( const double origin[3], const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log,

@@ -1,6 +1,6 @@
 // Animations: the channels of all of them merged into one list sorted by node, and the time
 // span in which each node moves.
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_changes.h"
 
 #include "scene/animation.h"
 #include "scene/camera_path/curve.h"
@@ -18,10 +18,11 @@ typedef struct Loader
 {
     int capacity;
     uint64_t values;
-    uint8_t* taken; // per node: one bit per animated property
-    uint8_t* given; // likewise, those from outside the file
-    int* owner;     // per node: the last animation that moves it
-    int* left_out;  // animations that move what one before them moves
+    uint8_t* taken;  // per node: one bit per animated property
+    uint8_t* given;  // likewise, those from outside the file
+    int* owner;      // per node: the last animation that moves it
+    json_t* changed; // by name_change: the animation that changes it
+    int* left_out;   // animations that move what one before them moves
     int left_out_count;
     int instead; // of the first of those
 } Loader;
@@ -164,103 +165,36 @@ static RfResult read_sampler( RfGltf* gltf, Loader* loader, const json_t* json, 
     return result == RF_OK ? check_visibility( gltf, where, channel ) : result;
 }
 
-// KHR_animation_pointer: what a channel animates, as a path in the document. `pointer` stays NULL where the channel says it all.
-
-static RfResult find_pointer( const RfGltf* gltf, const json_t* target, const char* where, const char** pointer )
+// A value that is not of a node, as a key.
+static RfWhere name_change( const RfChange* change )
 {
-    const json_t* extension;
-    RfResult result = rf_gltf_get_extension( gltf, target, where, "KHR_animation_pointer", &extension );
-    if ( result == RF_OK && extension == NULL )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.extensions.KHR_animation_pointer is missing" );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, extension, where, "pointer" );
-    return result == RF_OK ? rf_gltf_get_string( gltf, extension, where, "pointer", pointer ) : result;
+    return rf_where( "%d %d %d", (int)change->value, change->of, change->slot );
 }
 
-// Sets node and path of those that can be followed, and then clears the pointer.
-static RfResult follow_pointer( const RfGltf* gltf, const char* where, const char** pointer, RfChannel* channel )
-{
-    static const char* const s_members[] = { "translation", "rotation", "scale", "weights",
-                                             "extensions/KHR_node_visibility/visible" };
-    int length = 0;
-    long long node = -1;
-    if ( sscanf( *pointer, "/nodes/%9lld/%n", &node, &length ) != 1 || length == 0 )
-        return RF_OK;
-    if ( node < 0 || node >= gltf->counts[RF_GLTF_NODES] )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "pointer '%.80s' names a node that does not exist", *pointer );
-    for ( int i = 0; i < 5; ++i )
-    {
-        if ( strcmp( *pointer + length, s_members[i] ) != 0 )
-            continue;
-        channel->node = (int)node;
-        channel->path = (RfAnimatedPath)i;
-        *pointer = NULL;
-        return RF_OK;
-    }
-    return RF_OK;
-}
-
-// What a pointer names, in words.
-static RfWhere name_target( const RfGltf* gltf, const char* pointer )
-{
-    static const struct
-    {
-        const char *list, *kind;
-    } s_lists[] = {
-        { "materials", "material" }, { "nodes", "node" },       { "meshes", "mesh" },
-        { "cameras", "camera" },     { "textures", "texture" }, { "extensions/KHR_lights_punctual/lights", "light" }
-    };
-    for ( size_t i = 0; i < sizeof s_lists / sizeof s_lists[0]; ++i )
-    {
-        size_t length = strlen( s_lists[i].list );
-        if ( strncmp( pointer + 1, s_lists[i].list, length ) != 0 || pointer[1 + length] != '/' )
-            continue;
-        const json_t* list = json_object_get( gltf->root, s_lists[i].list );
-        if ( strcmp( s_lists[i].kind, "light" ) == 0 )
-            list = json_object_get( json_object_get( json_object_get( gltf->root, "extensions" ), "KHR_lights_punctual" ),
-                                    "lights" );
-        int index = atoi( pointer + 2 + length );
-        const char* name = json_string_value( json_object_get( json_array_get( list, (size_t)index ), "name" ) );
-        return name != NULL && name[0] != 0 ? rf_where( "%s '%.80s'", s_lists[i].kind, name )
-                                            : rf_where( "%s %d", s_lists[i].kind, index );
-    }
-    return rf_where( "%.100s", pointer );
-}
-
-static RfResult note_pointer( RfGltf* gltf, const char* pointer )
-{
-    RfWhere what = name_target( gltf, pointer );
-    return rf_gltf_note_unrendered( gltf, what.text, "the file animates %.160s, which is not rendered yet", pointer );
-}
-
-static RfResult find_path( RfGltf* gltf, const json_t* target, const char* where, const char* path, RfChannel* channel,
-                           const char** pointer )
+static RfResult find_path( RfGltf* gltf, const json_t* target, const char* where, const char* path, RfGltfTarget* out )
 {
     static const char* const s_paths[] = { "translation", "rotation", "scale", "weights" };
     if ( strcmp( path, "pointer" ) == 0 )
-    {
-        RfResult result = find_pointer( gltf, target, where, pointer );
-        return result == RF_OK ? follow_pointer( gltf, where, pointer, channel ) : result;
-    }
+        return rf_gltf_follow_pointer( gltf, target, where, out );
     for ( int i = 0; i < 4; ++i )
     {
         if ( strcmp( path, s_paths[i] ) == 0 )
         {
-            channel->path = (RfAnimatedPath)i;
+            out->change.channel.path = (RfAnimatedPath)i;
+            out->wanted = out->change.channel.node >= 0; // without a node, an extension defines the target
             return RF_OK;
         }
     }
     return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.path '%.20s' does not exist", path );
 }
 
-// Reads which node and property the channel animates, and whether it is supported. `pointer` is set to one that is not.
-static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where, RfChannel* channel, bool* wanted,
-                             const char** pointer )
+// Reads what the channel animates.
+static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where, RfGltfTarget* out )
 {
     const json_t* target = NULL;
     const char* path = "";
-    *wanted = false;
-    *pointer = NULL;
+    *out = ( RfGltfTarget ){ 0 };
+    RfChannel* channel = &out->change.channel;
     RfResult result = rf_gltf_require( gltf, json, where, "target" );
     if ( result == RF_OK )
         result = rf_gltf_get_object( gltf, json, where, "target", &target );
@@ -270,17 +204,20 @@ static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where
         result = rf_gltf_get_string( gltf, target, where, "path", &path );
     if ( result == RF_OK )
         result = rf_gltf_get_index( gltf, target, where, "node", RF_GLTF_NODES, &channel->node );
-    if ( result != RF_OK )
+    if ( result == RF_OK )
+        result = find_path( gltf, target, where, path, out );
+    if ( result != RF_OK || !out->wanted )
         return result;
-    result = find_path( gltf, target, where, path, channel, pointer );
-    channel->components = channel->path == RF_ROTATION ? 4 : channel->path == RF_VISIBILITY ? 1 : 3;
-    // without a node, an extension defines the target
-    *wanted = result == RF_OK && *pointer == NULL && channel->node >= 0;
-    return *wanted && channel->path == RF_WEIGHTS ? rf_gltf_count_targets( gltf, channel->node, where, &channel->components )
-                                                  : result;
+    if ( channel->path == RF_VALUE )
+        channel->node = -1;
+    else if ( channel->path == RF_WEIGHTS )
+        return rf_gltf_count_targets( gltf, channel->node, where, &channel->components );
+    else
+        channel->components = channel->path == RF_ROTATION ? 4 : channel->path == RF_VISIBILITY ? 1 : 3;
+    return RF_OK;
 }
 
-static RfResult check_target( RfGltf* gltf, Loader* loader, const char* where, const RfChannel* channel, bool* wanted )
+static RfResult check_node( RfGltf* gltf, Loader* loader, const char* where, const RfChannel* channel, bool* wanted )
 {
     const RfNode* node = gltf->scene->nodes + channel->node;
     if ( node->has_matrix && channel->path <= RF_SCALE )
@@ -296,6 +233,44 @@ static RfResult check_target( RfGltf* gltf, Loader* loader, const char* where, c
     }
     loader->taken[channel->node] |= bit;
     return RF_OK;
+}
+
+// Takes what a channel animates for an animation, unless something has it.
+static RfResult take_target( RfGltf* gltf, Loader* loader, const char* where, int animation, RfGltfTarget* target )
+{
+    const RfChange* change = &target->change;
+    if ( change->channel.path != RF_VALUE )
+    {
+        RfResult result = check_node( gltf, loader, where, &change->channel, &target->wanted );
+        if ( result == RF_OK && target->wanted )
+            loader->owner[change->channel.node] = animation;
+        return result;
+    }
+    RfWhere name = name_change( change );
+    if ( json_object_get( loader->changed, name.text ) != NULL )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS, "%s changes %s, which an earlier channel changes: the first is used",
+                        where, rf_changed_traits( change->value )->name );
+        target->wanted = false;
+        return RF_OK;
+    }
+    return json_object_set_new( loader->changed, name.text, json_integer( animation ) ) == 0 ? RF_OK
+                                                                                             : rf_gltf_no_memory( gltf, where );
+}
+
+// The animation that has what a channel animates, or −1.
+static int find_owner( const Loader* loader, const RfGltfTarget* target )
+{
+    const RfChannel* channel = &target->change.channel;
+    if ( !target->wanted )
+        return -1;
+    if ( channel->path == RF_VALUE )
+    {
+        const json_t* owner = json_object_get( loader->changed, name_change( &target->change ).text );
+        return owner != NULL ? (int)json_integer_value( owner ) : -1;
+    }
+    bool taken = ( loader->taken[channel->node] & ~loader->given[channel->node] & 1u << channel->path ) != 0;
+    return taken ? loader->owner[channel->node] : -1;
 }
 
 static RfResult append_channel( RfGltf* gltf, Loader* loader, const RfChannel* channel )
@@ -318,17 +293,14 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
                               size_t index )
 {
     RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, index );
-    RfChannel channel = { 0 };
-    bool wanted;
-    const char* pointer;
-    RfResult result = read_target( gltf, json, where.text, &channel, &wanted, &pointer );
-    if ( result == RF_OK && pointer != NULL )
-        result = note_pointer( gltf, pointer );
-    if ( result == RF_OK && wanted )
-        result = check_target( gltf, loader, where.text, &channel, &wanted );
-    if ( result == RF_OK && wanted )
-        loader->owner[channel.node] = animation;
-    if ( result != RF_OK || wanted == false )
+    RfGltfTarget target;
+    RfChannel* channel = &target.change.channel;
+    RfResult result = read_target( gltf, json, where.text, &target );
+    if ( result == RF_OK && target.unrendered != NULL )
+        result = rf_gltf_note_pointer( gltf, target.unrendered );
+    if ( result == RF_OK && target.wanted )
+        result = take_target( gltf, loader, where.text, animation, &target );
+    if ( result != RF_OK || !target.wanted )
         return result;
 
     int64_t sampler = -1;
@@ -341,12 +313,14 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
     const json_t* sampler_json = json_array_get( samplers, (size_t)sampler );
     if ( json_is_object( sampler_json ) == 0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
-    result = read_sampler( gltf, loader, sampler_json, self.text, &channel );
+    result = read_sampler( gltf, loader, sampler_json, self.text, channel );
+    if ( result == RF_OK && channel->path == RF_VALUE )
+        result = rf_gltf_check_change( gltf, self.text, &target.change );
     if ( result == RF_OK )
-        result = append_channel( gltf, loader, &channel );
+        result = channel->path == RF_VALUE ? rf_gltf_add_change( gltf, &target.change ) : append_channel( gltf, loader, channel );
     if ( result != RF_OK )
-        rf_destroy_channel( &channel );
-    return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
+        rf_destroy_channel( channel );
+    return result; // NOLINT(clang-analyzer-unix.Malloc): what appends does not fail with RF_OK
 }
 
 // Whether an animation moves what one before it moves.
@@ -356,16 +330,13 @@ static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const json_t*
     for ( size_t i = 0; *other < 0 && i < json_array_size( channels ); ++i )
     {
         RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, i );
-        RfChannel channel = { 0 };
-        bool wanted;
-        const char* pointer;
+        RfGltfTarget target;
         if ( !json_is_object( json_array_get( channels, i ) ) )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must be an object" );
-        RfResult result = read_target( gltf, json_array_get( channels, i ), where.text, &channel, &wanted, &pointer );
+        RfResult result = read_target( gltf, json_array_get( channels, i ), where.text, &target );
         if ( result != RF_OK )
             return result;
-        if ( wanted && ( loader->taken[channel.node] & ~loader->given[channel.node] & 1u << channel.path ) != 0 )
-            *other = loader->owner[channel.node];
+        *other = find_owner( loader, &target );
     }
     return RF_OK;
 }
@@ -455,9 +426,10 @@ static RfResult check_chosen( const RfGltf* gltf )
                          count > 0 ? ": there are " : ": there are none", names );
 }
 
-static RfResult copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to )
+RfResult rf_gltf_copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to )
 {
-    size_t times = (size_t)from->count * sizeof *to->times, values = times * (size_t)from->components;
+    size_t keys = (size_t)from->count, per_key = from->interpolation == RF_CUBICSPLINE && from->curve == NULL ? 3 : 1;
+    size_t times = keys * sizeof *to->times, values = times * per_key * (size_t)from->components;
     *to = *from;
     to->times = malloc( times );
     to->values = malloc( values );
@@ -484,7 +456,7 @@ static RfResult add_given( RfGltf* gltf, Loader* loader )
         loader->given[given->node] |= (uint8_t)( 1u << given->path );
         if ( given->count == 0 )
             continue;
-        result = copy_channel( gltf, given, &channel );
+        result = rf_gltf_copy_channel( gltf, given, &channel );
         if ( result == RF_OK )
             result = append_channel( gltf, loader, &channel );
         if ( result != RF_OK )
@@ -493,19 +465,26 @@ static RfResult add_given( RfGltf* gltf, Loader* loader )
     return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
 }
 
-// Sets the clock of channels, from the first of their keys to the last.
-static void set_clock( RfChannel* channels, int count, const RfClock* clock )
+static void find_keys( const RfChannel* channel, RfClock* all )
 {
-    RfClock all = *clock;
+    all->first = fmin( all->first, channel->times[0] );
+    all->last = fmax( all->last, channel->times[channel->count - 1] );
+}
+
+// Sets the clock of the file's own channels, from the first of their keys to the last.
+static void set_clock( RfGltf* gltf, RfChannel* channels, int count )
+{
+    RfClock all = *gltf->options->clock;
     all.first = (double)INFINITY;
     all.last = -(double)INFINITY;
     for ( int i = 0; i < count; ++i )
-    {
-        all.first = fmin( all.first, channels[i].times[0] );
-        all.last = fmax( all.last, channels[i].times[channels[i].count - 1] );
-    }
+        find_keys( channels + i, &all );
+    for ( int i = 0; i < gltf->change_count; ++i )
+        find_keys( &gltf->changes[i].channel, &all );
     for ( int i = 0; i < count; ++i )
         channels[i].clock = all;
+    for ( int i = 0; i < gltf->change_count; ++i )
+        gltf->changes[i].channel.clock = all;
 }
 
 // Those of the name that is chosen go before the others: a file may have one for each of its objects.
@@ -531,7 +510,7 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     if ( result == RF_OK && gltf->animation == NULL )
         warn_of_left_out( gltf, loader );
     if ( result == RF_OK && gltf->options->clock != NULL )
-        set_clock( gltf->scene->channels + given, gltf->scene->channel_count - given, gltf->options->clock );
+        set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given );
     return result;
 }
 
@@ -582,16 +561,20 @@ RfResult rf_gltf_load_animations( RfGltf* gltf )
     Loader loader = { .taken = calloc( nodes, 1 ),
                       .given = calloc( nodes, 1 ),
                       .owner = calloc( nodes, sizeof *loader.owner ),
+                      .changed = json_object(),
                       .left_out = calloc( animations, sizeof *loader.left_out ) };
-    bool room = loader.taken != NULL && loader.given != NULL && loader.owner != NULL && loader.left_out != NULL;
+    bool room =
+        loader.changed != NULL && loader.taken != NULL && loader.given != NULL && loader.owner != NULL && loader.left_out != NULL;
     RfResult result = room ? load_all( gltf, &loader ) : rf_gltf_no_memory( gltf, "animations" );
     free( loader.taken );
     free( loader.given );
     free( loader.owner );
     free( loader.left_out );
+    json_decref( loader.changed );
     if ( result != RF_OK )
         return result;
     if ( gltf->scene->channel_count > 0 )
         qsort( gltf->scene->channels, (size_t)gltf->scene->channel_count, sizeof( RfChannel ), compare_channels );
-    return find_spans( gltf );
+    result = rf_gltf_sort_changes( gltf );
+    return result == RF_OK ? find_spans( gltf ) : result;
 }

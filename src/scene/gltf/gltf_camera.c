@@ -1,8 +1,9 @@
 // Cameras: one for each node of the default scene that has a camera.
 
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_changes.h"
 
 #include "reframe/camera.h"
+#include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/projection.h"
 
@@ -114,6 +115,26 @@ static char* make_unique( json_t* names, const char* base )
     return NULL;
 }
 
+// Where its field of view changes. Cameras are never frozen.
+static RfResult load_zoom( const RfGltf* gltf, int index, RfCamera* camera )
+{
+    bool wide = camera->projection == RF_PERSPECTIVE;
+    double* still = wide ? &camera->yfov : &camera->ymag;
+    int change = rf_gltf_find_change( gltf, wide ? RF_CHANGED_YFOV : RF_CHANGED_YMAG, index, 0, still );
+    double start, end;
+    if ( change < 0 )
+        return RF_OK;
+    camera->zoom = malloc( sizeof *camera->zoom );
+    if ( camera->zoom == NULL )
+        return rf_gltf_no_memory( gltf, "cameras" );
+    *camera->zoom = gltf->changes[change];
+    rf_channel_span( &gltf->changes[change].channel, &start, &end );
+    camera->start = camera->animated ? fmin( camera->start, start ) : start;
+    camera->end = camera->animated ? fmax( camera->end, end ) : end;
+    camera->animated = true;
+    return rf_gltf_copy_channel( gltf, &gltf->changes[change].channel, &camera->zoom->channel );
+}
+
 static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
 {
     const char* base;
@@ -133,10 +154,12 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
     {
         camera->start = gltf->spans[node].start;
         camera->end = gltf->spans[node].end;
-        result = rf_find_step_cuts( gltf->scene, camera, gltf->error );
-        if ( result != RF_OK )
-            return result;
     }
+    result = load_zoom( gltf, index, camera );
+    if ( result == RF_OK && camera->animated )
+        result = rf_find_step_cuts( gltf->scene, camera, gltf->error );
+    if ( result != RF_OK )
+        return result;
     RfWhere where = rf_where( "nodes[%d]", node );
     return rf_gltf_read_camera_path( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), where.text, camera );
 }

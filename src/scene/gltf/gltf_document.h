@@ -109,8 +109,19 @@ typedef struct RfGltf
     // meshes that move, deform or are hidden, see gltf_mover.c: by node
     int* apart;
     int apart_count;
+    int* part_apart; // nodes of which only the primitives with materials that change are
+    int part_apart_count;
     uint64_t target_vertices; // of morph targets, so far
     uint64_t shape_triangles; // of meshes in their own space, so far
+
+    // what changes by keys and is not of a node, see gltf_changes.c: sorted once all is read
+    struct RfChange* changes;
+    int change_count;
+    bool* change_used; // by the scene
+    struct RfMovingLamp* lamps;
+    int lamp_count;
+    struct RfMovingMaterial* moving_materials;
+    int moving_material_count;
 
     bool noticed[RF_GLTF_NOTICE_COUNT];
     uint32_t noticed_extensions; // one bit per row of the table in gltf_extension.c

@@ -112,18 +112,21 @@ RfResult rf_gltf_read_influences( RfGltf* gltf, const json_t* json, const char* 
 // Up to eight joints for a vertex, rather than four?
 bool rf_gltf_has_eight_joints( const json_t* primitive );
 
-// A mesh in its own space, of all primitives. `deforms`: with its morph targets and all triangles; `skinned`: with its
+// Whether a primitive, unread, has a material that changes.
+bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive );
+
+// A mesh in its own space, of all primitives, or of those with materials that change. `deforms`: with its morph targets and all triangles; `skinned`: with its
 // joints as well; else without the triangles that have no area (gltf_shape.c).
 typedef struct RfGltfShape
 {
     int mesh;
-    bool deforms, skinned;
+    bool deforms, skinned, changing_only;
 } RfGltfShape;
 
 RfResult rf_gltf_read_shape( RfGltf* gltf, const RfGltfShape* shape, RfMesh* out );
 
-// Takes the mesh of a node out of those that stand still, where it moves, deforms or is hidden: `mesh` becomes −1
-// (gltf_mover.c).
+// Takes the mesh of a node out of those that stand still, where it moves, deforms or is hidden: `mesh` becomes −1. Where only
+// some of its materials change, its primitives with these are to be left out (gltf_mover.c).
 RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh );
 
 // Places what was set apart, after everything else.

@@ -1,5 +1,5 @@
 // Lights: punctual ones and the environment.
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_changes.h"
 
 #include "scene/camera.h"
 #include "scene/json/environment_json.h"
@@ -15,9 +15,6 @@
 #define EXTENSION "KHR_lights_punctual"
 #define HALF_PI 1.57079632679489662
 
-// Higher intensities would overflow close to the light.
-#define MAX_INTENSITY 1e9
-
 static RfResult find_lights( const RfGltf* gltf, const json_t** lights )
 {
     const json_t* json;
@@ -28,25 +25,44 @@ static RfResult find_lights( const RfGltf* gltf, const json_t** lights )
     return result;
 }
 
-static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* where, RfPunctual* out )
+// A light of the document, at the node that has it.
+typedef struct Source
 {
-    double inner = 0.0, outer = 0.5 * HALF_PI;
+    RfMovingLamp lamp; // its values, and what changes them
+    double range;
+    int index; // of the list
+} Source;
+
+// What a value is where it does not change.
+static void follow_change( const RfGltf* gltf, RfChangedValue value, Source* source, double* still )
+{
+    source->lamp.changes[value] = rf_gltf_find_change( gltf, value, source->index, 0, still );
+}
+
+static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* where, Source* source )
+{
+    double* cone = source->lamp.cone;
     const json_t* spot = NULL;
     RfResult result = rf_gltf_require( gltf, json, where, "spot" );
+    cone[0] = 0.0;
+    cone[1] = 0.5 * HALF_PI;
     if ( result == RF_OK )
         result = rf_gltf_get_object( gltf, json, where, "spot", &spot );
     if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, spot, where, "innerConeAngle", &inner );
+        result = rf_gltf_get_number( gltf, spot, where, "innerConeAngle", cone );
     if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, spot, where, "outerConeAngle", &outer );
+        result = rf_gltf_get_number( gltf, spot, where, "outerConeAngle", cone + 1 );
     if ( result != RF_OK )
         return result;
+    follow_change( gltf, RF_CHANGED_INNER_CONE, source, cone );
+    follow_change( gltf, RF_CHANGED_OUTER_CONE, source, cone + 1 );
+    if ( source->lamp.changes[RF_CHANGED_INNER_CONE] >= 0 || source->lamp.changes[RF_CHANGED_OUTER_CONE] >= 0 )
+        return RF_OK; // the pose finds out
     // exporters round both to the same float: equal angles give a hard edge
-    if ( !( inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= HALF_PI + 1e-6 ) )
+    if ( !( cone[0] >= 0.0 && cone[0] <= cone[1] && cone[1] > 0.0 && cone[1] <= HALF_PI + 1e-6 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
-                             "cone angles %g and %g must be 0 <= inner <= outer, and outer above 0, at most pi/2", inner, outer );
-    out->cos_inner = (float)cos( inner );
-    out->cos_outer = (float)fmax( cos( outer ), 0.0 );
+                             "cone angles %g and %g must be 0 <= inner <= outer, and outer above 0, at most pi/2", cone[0],
+                             cone[1] );
     return RF_OK;
 }
 
@@ -65,39 +81,70 @@ static RfResult read_kind( const RfGltf* gltf, const json_t* json, const char* w
     else if ( strcmp( type, "directional" ) == 0 )
         out->kind = RF_PUNCTUAL_DIRECTIONAL;
     else if ( strcmp( type, "spot" ) == 0 )
-    {
         out->kind = RF_PUNCTUAL_SPOT;
-        return read_cone( gltf, json, where, out );
-    }
     else
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' must be point, spot or directional", type );
     return RF_OK;
 }
 
-static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* where, RfPunctual* out )
+// The most of a value, where it changes.
+static void raise_to_most( const RfGltf* gltf, const Source* source, RfChangedValue value, double* most )
 {
-    double color[3] = { 1, 1, 1 }, intensity = 1.0, range = (double)INFINITY;
+    double all[4];
+    if ( source->lamp.changes[value] < 0 )
+        return;
+    rf_most_of_change( gltf->changes + source->lamp.changes[value], all );
+    memcpy( most, all, (size_t)rf_changed_traits( value )->components * sizeof *most );
+}
+
+// As bright, as wide and as far as it ever is.
+static void set_light( const RfGltf* gltf, const Source* source, RfPunctual* out )
+{
+    double color[3], intensity = source->lamp.intensity, range = source->range;
+    double cone[2] = { source->lamp.cone[0], source->lamp.cone[1] };
+    memcpy( color, source->lamp.color, sizeof color );
+    raise_to_most( gltf, source, RF_CHANGED_COLOR, color );
+    raise_to_most( gltf, source, RF_CHANGED_INTENSITY, &intensity );
+    raise_to_most( gltf, source, RF_CHANGED_RANGE, &range );
+    raise_to_most( gltf, source, RF_CHANGED_INNER_CONE, cone );
+    raise_to_most( gltf, source, RF_CHANGED_OUTER_CONE, cone + 1 );
+    if ( out->kind == RF_PUNCTUAL_SPOT )
+        rf_set_cone( out, fmin( cone[0], cone[1] ), cone[1] );
+    out->intensity = rf_vec3( (float)( color[0] * intensity ), (float)( color[1] * intensity ), (float)( color[2] * intensity ) );
+    out->range = (float)range;
+}
+
+static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* where, Source* source, RfPunctual* out )
+{
+    double *color = source->lamp.color, *intensity = &source->lamp.intensity, *range = &source->range;
+    color[0] = color[1] = color[2] = *intensity = 1.0;
+    *range = (double)INFINITY;
     RfResult result = read_kind( gltf, json, where, out );
+    if ( result == RF_OK && out->kind == RF_PUNCTUAL_SPOT )
+        result = read_cone( gltf, json, where, source );
     if ( result == RF_OK )
         result = rf_gltf_get_numbers( gltf, json, where, "color", 3, color );
     if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where, "intensity", &intensity );
+        result = rf_gltf_get_number( gltf, json, where, "intensity", intensity );
     if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where, "range", &range );
+        result = rf_gltf_get_number( gltf, json, where, "range", range );
     if ( result != RF_OK )
         return result;
-    if ( !( intensity >= 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it must be 0 or more", intensity );
-    if ( !( range > 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "range is %g, it must be more than 0", range );
+    if ( !( *intensity >= 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it must be 0 or more", *intensity );
+    if ( !( *range > 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "range is %g, it must be more than 0", *range );
     for ( int i = 0; i < 3; ++i )
     {
         if ( !( color[i] >= 0.0 && color[i] <= 1.0 ) )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "color is %g, it must be 0 to 1", color[i] );
     }
-    out->intensity = rf_vec3( (float)( color[0] * intensity ), (float)( color[1] * intensity ), (float)( color[2] * intensity ) );
-    out->range = (float)range;
-    return rf_gltf_check_limit( gltf, where, "intensity", intensity, MAX_INTENSITY );
+    follow_change( gltf, RF_CHANGED_COLOR, source, color );
+    follow_change( gltf, RF_CHANGED_INTENSITY, source, intensity );
+    follow_change( gltf, RF_CHANGED_RANGE, source, range );
+    set_light( gltf, source, out );
+    // higher ones would overflow close to the light
+    return rf_gltf_check_limit( gltf, where, "intensity", *intensity, rf_changed_traits( RF_CHANGED_INTENSITY )->high );
 }
 
 // At the origin of the node, pointing along −z; scale is ignored.
@@ -117,14 +164,31 @@ static RfResult place_light( const RfGltf* gltf, int node, const char* where, Rf
     return RF_OK;
 }
 
-static RfResult note_change( RfGltf* gltf, int node, const char* name )
+// Whether the document changes a light by keys.
+static bool is_animated( const RfGltf* gltf, int index )
 {
-    RfWhere what = rf_where( "light '%.80s'", name );
-    if ( rf_gltf_varies( gltf, node ) )
-        return rf_gltf_note_unrendered( gltf, what.text, "it moves, which lamps cannot do yet" );
-    if ( rf_gltf_changes( gltf, node ) )
-        return rf_gltf_note_unrendered( gltf, what.text, "it is switched, which lamps cannot be yet" );
-    return RF_OK;
+    for ( int i = 0; i < gltf->change_count; ++i )
+    {
+        const RfChange* change = gltf->changes + i;
+        if ( change->value < RF_CHANGED_LAMP_VALUES && change->of == index && rf_gltf_channel_varies( &change->channel ) )
+            return true;
+    }
+    return false;
+}
+
+// What moves, is switched or changes.
+static RfResult note_change( RfGltf* gltf, int node, Source* source, RfPunctual* out )
+{
+    RfMovingLamp* lamp = &source->lamp;
+    bool moves = rf_gltf_changes( gltf, node );
+    if ( gltf->freeze )
+        return moves || is_animated( gltf, source->index ) ? rf_gltf_note_frozen( gltf, "light", out->name ) : RF_OK;
+    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+        out->changes = out->changes || lamp->changes[v] >= 0;
+    out->changes = out->changes || moves;
+    lamp->node = moves ? node : -1;
+    lamp->punctual = (int)( out - gltf->scene->punctuals );
+    return out->changes ? rf_gltf_add_lamp( gltf, lamp ) : RF_OK;
 }
 
 static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, const json_t* extension )
@@ -143,15 +207,16 @@ static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, c
     if ( !json_is_object( json ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
     RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
-    result = read_light( gltf, json, self.text, out );
-    if ( result == RF_OK )
+    Source source = { .lamp = { .changes = { -1, -1, -1, -1, -1 } }, .index = (int)index };
+    result = read_light( gltf, json, self.text, &source, out );
+    if ( result == RF_OK && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) )
         result = place_light( gltf, node, where.text, out );
     if ( result == RF_OK )
         result = rf_gltf_copy_name( gltf, json, self.text, gltf->scene->nodes[node].name, &out->name );
     if ( result != RF_OK )
         return result;
     gltf->scene->punctual_count += 1;
-    return note_change( gltf, node, out->name );
+    return note_change( gltf, node, &source, out );
 }
 
 RfResult rf_gltf_load_lights( RfGltf* gltf )
@@ -170,8 +235,8 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
         result =
             rf_gltf_get_extension( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] ), where.text, EXTENSION, &extension );
         bool hidden = rf_gltf_visibility( gltf, gltf->order[i] ) == RF_GLTF_HIDDEN;
-        if ( result == RF_OK && extension != NULL && hidden && rf_gltf_changes( gltf, gltf->order[i] ) ) // it is frozen
-            result = note_change( gltf, gltf->order[i], gltf->scene->nodes[gltf->order[i]].name );
+        if ( result == RF_OK && extension != NULL && hidden && rf_gltf_changes( gltf, gltf->order[i] ) )
+            result = rf_gltf_note_frozen( gltf, "light", gltf->scene->nodes[gltf->order[i]].name );
         if ( result == RF_OK && extension != NULL && !hidden )
             result = load_node_light( gltf, lights, gltf->order[i], extension );
     }

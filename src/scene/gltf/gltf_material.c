@@ -1,4 +1,5 @@
 // Materials and their extensions, except for textures.
+#include "scene/gltf/gltf_changes.h"
 #include "scene/gltf/gltf_materials.h"
 
 #include <math.h>
@@ -104,8 +105,9 @@ static bool is_all_metal( const json_t* material, const RfFactors* factors )
 
 // Reads KHR_materials_transmission, _volume and _unlit, and metals without roughness, after
 // all other factors.
+// `reshapes`: its roughness or metallic factor change, so that it is no metal or mirror at all times.
 static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
-                                 RfMaterial* out )
+                                 bool reshapes, RfMaterial* out )
 {
     Inside inside = { .distance = (double)INFINITY, .color = { 1, 1, 1 } };
     RfResult result = read_transmission( gltf, material, where, &inside );
@@ -115,9 +117,9 @@ static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, con
         return result;
     if ( rf_gltf_is_unlit( material ) )
         make_unlit( factors->base, out );
-    else if ( inside.transmission > 0.0 && !is_all_metal( material, factors ) )
+    else if ( inside.transmission > 0.0 && ( reshapes || !is_all_metal( material, factors ) ) )
         make_glass( &inside, factors, out );
-    else if ( factors->metallic == 1.0 && factors->roughness < RF_SMOOTH_ROUGHNESS )
+    else if ( !reshapes && factors->metallic == 1.0 && factors->roughness < RF_SMOOTH_ROUGHNESS )
     {
         out->kind = RF_BSDF_GLASS;
         out->alpha = 0.0f;
@@ -433,12 +435,44 @@ static RfResult read_emission( const RfGltf* gltf, const json_t* material, const
                            : result;
 }
 
-static void apply_factors( const Factors* in, RfMaterial* out )
+static void apply_factors( const Factors* in, bool reshapes, RfMaterial* out )
 {
     rf_derive_lobes( &in->lobes, out );
-    out->kind = in->lobes.metallic == 0.0 && in->lobes.specular == 0.0 ? RF_BSDF_LAMBERT : RF_BSDF_GGX;
+    out->kind = !reshapes && in->lobes.metallic == 0.0 && in->lobes.specular == 0.0 ? RF_BSDF_LAMBERT : RF_BSDF_GGX;
     out->emission = rf_vec3( (float)( in->emissive[0] * in->strength ), (float)( in->emissive[1] * in->strength ),
                              (float)( in->emissive[2] * in->strength ) );
+}
+
+// A material in the making, of the document's number.
+typedef struct Making
+{
+    const RfGltf* gltf;
+    int index;
+    Factors factors; // as they are where they stand still, else as in the file
+} Making;
+
+// Does a factor change? Else it is made what it is.
+static bool follow_change( const Making* m, RfChangedValue value, double* factor )
+{
+    return rf_gltf_find_change( m->gltf, value, m->index, 0, factor ) >= 0;
+}
+
+static void raise_to_most( const Making* m, RfChangedValue value, double most[4] )
+{
+    double unused[4];
+    int change = rf_gltf_find_change( m->gltf, value, m->index, 0, unused );
+    if ( change >= 0 )
+        rf_most_of_change( m->gltf->changes + change, most );
+}
+
+// The most of each channel, at any time.
+static void set_most_emission( const Making* m, RfMaterial* out )
+{
+    double emissive[4], strength[4] = { m->factors.strength };
+    memcpy( emissive, m->factors.emissive, sizeof m->factors.emissive );
+    raise_to_most( m, RF_CHANGED_EMISSIVE, emissive );
+    raise_to_most( m, RF_CHANGED_EMISSIVE_STRENGTH, strength );
+    out->emission = scaled( emissive, strength[0] );
 }
 
 static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
@@ -448,29 +482,45 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     RfResult result = rf_gltf_copy_name( gltf, json, where.text, where.text, &out->name );
     if ( result != RF_OK )
         return result;
-    Factors factors = default_factors();
-    result = read_metallic_roughness( gltf, json, where.text, &factors.lobes );
+    Making making = { .gltf = gltf, .index = index, .factors = default_factors() };
+    Factors* factors = &making.factors;
+    result = read_metallic_roughness( gltf, json, where.text, &factors->lobes );
     if ( result == RF_OK )
-        result = read_specular( gltf, json, where.text, &factors.lobes );
+        result = read_specular( gltf, json, where.text, &factors->lobes );
     if ( result == RF_OK )
-        result = read_ior( gltf, json, where.text, &factors.lobes );
+        result = read_ior( gltf, json, where.text, &factors->lobes );
     if ( result == RF_OK )
-        result = read_coat( gltf, json, where.text, &factors.lobes );
+        result = read_coat( gltf, json, where.text, &factors->lobes );
     if ( result == RF_OK )
-        result = read_emission( gltf, json, where.text, &factors );
+        result = read_emission( gltf, json, where.text, factors );
     if ( result == RF_OK )
         result = rf_gltf_get_bool( gltf, json, where.text, "doubleSided", &out->double_sided );
     if ( result != RF_OK )
         return result;
     rf_gltf_notice_extensions( gltf, json, "material", out->name );
-    apply_factors( &factors, out );
-    const RfFactors* lobes = &factors.lobes;
-    result = gltf_read_glass( gltf, json, where.text, lobes, out );
+    follow_change( &making, RF_CHANGED_BASE_COLOR, factors->lobes.base );
+    bool metallic = follow_change( &making, RF_CHANGED_METALLIC, &factors->lobes.metallic ),
+         roughness = follow_change( &making, RF_CHANGED_ROUGHNESS, &factors->lobes.roughness ), reshapes = metallic || roughness;
+    follow_change( &making, RF_CHANGED_EMISSIVE, factors->emissive );
+    follow_change( &making, RF_CHANGED_EMISSIVE_STRENGTH, &factors->strength );
+    apply_factors( factors, reshapes, out );
+    set_most_emission( &making, out );
+    const RfFactors* lobes = &factors->lobes;
+    result = gltf_read_glass( gltf, json, where.text, lobes, reshapes, out );
     if ( result == RF_OK )
         result = read_clearcoat( gltf, json, where.text, out );
     if ( result == RF_OK )
         result = read_lobes( gltf, json, where.text, out );
-    return result == RF_OK ? rf_gltf_read_textured( gltf, json, where.text, lobes, out ) : result;
+    if ( result == RF_OK )
+        result = rf_gltf_read_textured( gltf, json, where.text, lobes, out );
+    if ( result != RF_OK )
+        return result;
+    RfMovingMaterial moving = {
+        .material = index, .metallic = lobes->metallic, .roughness = lobes->roughness, .strength = factors->strength
+    };
+    memcpy( moving.base, lobes->base, sizeof moving.base );
+    memcpy( moving.emissive, factors->emissive, sizeof moving.emissive );
+    return rf_gltf_change_material( gltf, json, &moving, out );
 }
 
 RfResult rf_gltf_load_materials( RfGltf* gltf )
@@ -496,7 +546,7 @@ RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index )
         if ( material->name == NULL )
             return rf_gltf_no_memory( gltf, "materials" );
         Factors factors = default_factors();
-        apply_factors( &factors, material );
+        apply_factors( &factors, false, material );
         material->textured = rf_gltf_textured( &factors.lobes );
         if ( material->textured == NULL )
             return rf_gltf_no_memory( gltf, "materials" );

@@ -341,6 +341,8 @@ static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placi
 {
     static const RfMat4 own = { { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
     RfGltfPrimitive primitive;
+    if ( rf_gltf_primitive_changes( gltf, json ) ) // a mover
+        return RF_OK;
     RfResult result = rf_gltf_read_primitive( gltf, json, where, &primitive );
     if ( result != RF_OK || primitive.triangle_count == 0 )
         return result;
@@ -417,7 +419,8 @@ static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh,
         RfWhere where = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
         RfGltfSurvey survey;
         result = rf_gltf_survey_primitive( gltf, json_array_get( primitives, i ), where.text, &survey );
-        if ( result == RF_OK && survey.triangle_count > 0 && !emits( gltf->scene->materials + survey.material ) )
+        const RfMaterial* material = gltf->scene->materials + survey.material;
+        if ( result == RF_OK && survey.triangle_count > 0 && !emits( material ) && !material->changes )
             saving->triangles += survey.triangle_count;
     }
     double places = (double)saving->places;

@@ -1,4 +1,5 @@
 // What moves, deforms, or is shown at times only: which nodes do, and how they become meshes, placements and movers.
+#include "scene/gltf/gltf_changes.h"
 #include "scene/gltf/gltf_geometry.h"
 
 #include "scene/animation.h"
@@ -85,6 +86,34 @@ static RfResult is_morphed( const RfGltf* gltf, int node, int mesh, bool* morphe
     return result;
 }
 
+bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive )
+{
+    const json_t* material = json_object_get( primitive, "material" );
+    json_int_t index = json_is_integer( material ) ? json_integer_value( material ) : -1;
+    return gltf->moving_material_count > 0 && index >= 0 && index < gltf->counts[RF_GLTF_MATERIALS] &&
+           gltf->scene->materials[index].changes;
+}
+
+// How many primitives of a mesh have a material that changes.
+static uint32_t count_changing( const RfGltf* gltf, int mesh )
+{
+    const json_t* primitives = json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), "primitives" );
+    uint32_t count = 0;
+    for ( size_t i = 0; gltf->moving_material_count > 0 && i < json_array_size( primitives ); ++i )
+        count += rf_gltf_primitive_changes( gltf, json_array_get( primitives, i ) );
+    return count;
+}
+
+static RfResult add_apart( const RfGltf* gltf, int node, int** list, int* count )
+{
+    if ( *list == NULL )
+        *list = malloc( ( (size_t)gltf->scene->node_count + 1 ) * sizeof **list );
+    if ( *list == NULL )
+        return rf_gltf_no_memory( gltf, "nodes" );
+    ( *list )[( *count )++] = node;
+    return RF_OK;
+}
+
 RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh )
 {
     int skin;
@@ -101,14 +130,11 @@ RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh )
         *mesh = -1;
     if ( visibility == RF_GLTF_HIDDEN ||
          ( visibility == RF_GLTF_SHOWN && skin < 0 && !morphed && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) ) )
-        return RF_OK;
-    if ( gltf->apart == NULL )
-        gltf->apart = malloc( ( (size_t)gltf->scene->node_count + 1 ) * sizeof *gltf->apart );
-    if ( gltf->apart == NULL )
-        return rf_gltf_no_memory( gltf, "nodes" );
-    gltf->apart[gltf->apart_count++] = node;
+        return *mesh >= 0 && count_changing( gltf, *mesh ) > 0
+                   ? add_apart( gltf, node, &gltf->part_apart, &gltf->part_apart_count )
+                   : RF_OK;
     *mesh = -1;
-    return RF_OK;
+    return add_apart( gltf, node, &gltf->apart, &gltf->apart_count );
 }
 
 // What is set apart, in the making.
@@ -117,7 +143,7 @@ typedef struct Builder
     RfGltf* gltf;
     RfMovement* movement;
     int* moving_of;     // per node of the scene: its place among the moving nodes, or −1
-    int* shape_of[3];   // per mesh of the document: its meshes of the scene, rigid, deforming and skinned, or −1
+    int* shape_of[4];   // per mesh of the document: its meshes of the scene, as in find_mesh, or −1
     int mesh_capacity;  // of the scene
     int mover_capacity; // of movers and placements
 } Builder;
@@ -125,7 +151,7 @@ typedef struct Builder
 static void free_builder( Builder* b )
 {
     free( b->moving_of );
-    for ( int k = 0; k < 3; ++k )
+    for ( int k = 0; k < 4; ++k )
         free( b->shape_of[k] );
 }
 
@@ -143,10 +169,13 @@ static RfResult begin( Builder* b )
     size_t nodes = (size_t)gltf->scene->node_count, meshes = (size_t)gltf->counts[RF_GLTF_MESHES];
     b->movement = rf_open_movement( gltf->scene );
     b->moving_of = fill( nodes );
-    for ( int k = 0; k < 3; ++k )
+    bool room = b->movement != NULL && b->moving_of != NULL;
+    for ( int k = 0; k < 4; ++k )
+    {
         b->shape_of[k] = fill( meshes );
-    if ( b->movement == NULL || b->moving_of == NULL || b->shape_of[0] == NULL || b->shape_of[1] == NULL ||
-         b->shape_of[2] == NULL )
+        room = room && b->shape_of[k] != NULL;
+    }
+    if ( !room )
         return rf_gltf_no_memory( gltf, "nodes" );
     b->movement->nodes = malloc( ( nodes + 1 ) * sizeof *b->movement->nodes );
     return b->movement->nodes != NULL ? rf_gltf_load_skins( gltf, b->movement ) : rf_gltf_no_memory( gltf, "nodes" );
@@ -207,11 +236,10 @@ static RfResult add_mesh( Builder* b, const RfGltfShape* shape, int* index )
     return rf_gltf_read_shape( b->gltf, shape, scene->meshes + *index );
 }
 
-static RfResult find_mesh( Builder* b, int mesh, bool deforms, bool skinned, int* index )
+static RfResult find_mesh( Builder* b, const RfGltfShape* shape, int* index )
 {
-    int* known = b->shape_of[skinned ? 2 : deforms ? 1 : 0] + mesh;
-    RfGltfShape shape = { mesh, deforms, skinned };
-    RfResult result = *known >= 0 ? RF_OK : add_mesh( b, &shape, known );
+    int* known = b->shape_of[shape->changing_only ? 3 : shape->skinned ? 2 : shape->deforms ? 1 : 0] + shape->mesh;
+    RfResult result = *known >= 0 ? RF_OK : add_mesh( b, shape, known );
     *index = *known;
     return result;
 }
@@ -275,6 +303,7 @@ typedef struct Common
 {
     int node, document_mesh, mesh;
     uint32_t primitives; // of the mesh
+    bool part;           // those primitives alone whose materials change
     bool still;          // it deforms, but does not move
     RfMover mover;
 } Common;
@@ -375,7 +404,8 @@ static RfResult describe( Builder* b, bool* used, Common* common )
     if ( result != RF_OK )
         return result;
     const json_t* mesh = rf_gltf_item( gltf, RF_GLTF_MESHES, common->document_mesh );
-    common->primitives = (uint32_t)json_array_size( json_object_get( mesh, "primitives" ) );
+    uint32_t changing = count_changing( gltf, common->document_mesh );
+    common->primitives = common->part ? changing : (uint32_t)json_array_size( json_object_get( mesh, "primitives" ) );
     if ( mover->skin >= 0 )
         use_skin( b, used, mover->skin );
     mover->node = add_moving_node( b, common->node );
@@ -384,18 +414,20 @@ static RfResult describe( Builder* b, bool* used, Common* common )
         result = rf_gltf_mesh_targets( gltf, common->document_mesh, &mover->target_count );
     bool travels = mover->skin >= 0 ? does_skin_move( b, mover->skin ) : rf_gltf_varies( gltf, common->node );
     travels = travels || weights_vary( scene, mover ) || rf_gltf_visibility( gltf, common->node ) != RF_GLTF_SHOWN;
-    common->still = !travels || gltf->freeze;
+    common->still = ( !travels && changing == 0 ) || gltf->freeze;
     if ( result == RF_OK && travels )
         result = rf_gltf_note_moving( gltf, scene->nodes[common->node].name );
+    RfGltfShape shape = { common->document_mesh, morphed || mover->skin >= 0, mover->skin >= 0, common->part };
     if ( result == RF_OK )
-        result = find_mesh( b, common->document_mesh, morphed || mover->skin >= 0, mover->skin >= 0, &common->mesh );
+        result = find_mesh( b, &shape, &common->mesh );
     return result == RF_OK ? check_joints( b, common ) : result;
 }
 
-static RfResult place_node( Builder* b, bool* used, int node )
+// `part`: of its primitives those alone whose materials change.
+static RfResult place_node( Builder* b, bool* used, int node, bool part )
 {
     RfScene* scene = b->gltf->scene;
-    Common common = { .node = node };
+    Common common = { .node = node, .part = part };
     RfResult result = describe( b, used, &common );
     if ( result != RF_OK || scene->meshes[common.mesh].triangles.count == 0 )
         return result;
@@ -559,7 +591,8 @@ static RfResult widen_bounds( Builder* b, uint32_t first_triangle )
         rf_grow_bounds( &scene->bounds_min, &scene->bounds_max, !any, rf_vec3( p[0], p[1], p[2] ) );
         any = true;
     }
-    for ( int k = 0; result == RF_OK && b->movement->mover_count > 0 && k <= BOUNDS_SAMPLES; ++k )
+    for ( int k = 0; result == RF_OK && ( b->movement->mover_count > 0 || b->movement->lamp_count > 0 ) && k <= BOUNDS_SAMPLES;
+          ++k )
     {
         double part = (double)k / BOUNDS_SAMPLES;
         double time = b->movement->start + part * ( b->movement->end - b->movement->start );
@@ -570,6 +603,12 @@ static RfResult widen_bounds( Builder* b, uint32_t first_triangle )
             grow_by_placement( scene, &any, placement, pose.scene.meshes + placement->mesh );
             if ( k == 0 && placement->mesh < scene->mesh_count ) // as it starts
                 scene->placements[i] = *placement;
+        }
+        for ( int i = 0; result == RF_OK && k == 0 && i < b->movement->lamp_count; ++i )
+        {
+            const RfPunctual* lamp = pose.scene.punctuals + b->movement->lamps[i].punctual;
+            scene->punctuals[b->movement->lamps[i].punctual].position = lamp->position;
+            scene->punctuals[b->movement->lamps[i].punctual].direction = lamp->direction;
         }
     }
     rf_destroy_pose( &pose );
@@ -585,8 +624,17 @@ static RfResult place_all( Builder* b )
     if ( result == RF_OK && used == NULL )
         result = rf_gltf_no_memory( gltf, "skins" );
     for ( int i = 0; result == RF_OK && i < gltf->apart_count; ++i )
-        result = place_node( b, used, gltf->apart[i] );
+        result = place_node( b, used, gltf->apart[i], false );
+    for ( int i = 0; result == RF_OK && i < gltf->part_apart_count; ++i )
+        result = place_node( b, used, gltf->part_apart[i], true );
+    for ( int i = 0; result == RF_OK && i < gltf->lamp_count; ++i )
+    {
+        RfMovingLamp* lamp = gltf->lamps + i;
+        lamp->node = lamp->node >= 0 ? add_moving_node( b, lamp->node ) : -1;
+    }
     free( used );
+    if ( result == RF_OK )
+        result = rf_gltf_move_changes( gltf, b->movement );
     if ( result != RF_OK )
         return result;
     find_span( scene, b->movement );
@@ -606,7 +654,8 @@ static RfResult place_all( Builder* b )
 RfResult rf_gltf_place_movers( RfGltf* gltf )
 {
     Builder builder = { .gltf = gltf };
-    RfResult result = gltf->apart_count > 0 ? place_all( &builder ) : RF_OK;
+    int count = gltf->apart_count + gltf->part_apart_count + gltf->lamp_count + gltf->moving_material_count;
+    RfResult result = count > 0 ? place_all( &builder ) : RF_OK;
     free_builder( &builder );
     return result;
 }

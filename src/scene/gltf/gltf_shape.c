@@ -161,6 +161,8 @@ static RfResult read_primitive( Reader* r, const json_t* json, const char* where
     RfGltfPrimitive p;
     if ( !json_is_object( json ) )
         return rf_gltf_fail( r->gltf, RF_ERROR_FORMAT, where, "must be an object" );
+    if ( r->shape->changing_only && !rf_gltf_primitive_changes( r->gltf, json ) )
+        return RF_OK;
     RfResult result = rf_gltf_read_primitive( r->gltf, json, where, &p );
     if ( result != RF_OK )
         return result;

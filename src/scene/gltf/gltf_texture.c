@@ -1,4 +1,5 @@
 // Textures of materials: their images, their uses, and what makes a material vary.
+#include "scene/gltf/gltf_changes.h"
 #include "scene/gltf/gltf_materials.h"
 
 #include "base/file.h"
@@ -315,16 +316,15 @@ static RfResult read_transform( const RfGltf* gltf, const json_t* info, const ch
         result = rf_gltf_get_integer( gltf, json, where.text, "texCoord", 0, INT32_MAX, set );
     if ( result != RF_OK )
         return result;
-    double t[6] = { cos( rotation ) * scale[0],  sin( rotation ) * scale[1], offset[0],
-                    -sin( rotation ) * scale[0], cos( rotation ) * scale[1], offset[1] };
-    for ( int i = 0; i < 6; ++i )
+    for ( int i = 0; result == RF_OK && i < 2; ++i )
     {
-        result = rf_gltf_check_limit( gltf, where.text, i % 3 == 2 ? "offset" : "scale", t[i], MAX_TRANSFORM );
-        if ( result != RF_OK )
-            return result;
-        out->transform[i] = (float)t[i];
+        result = rf_gltf_check_limit( gltf, where.text, "offset", offset[i], MAX_TRANSFORM );
+        if ( result == RF_OK )
+            result = rf_gltf_check_limit( gltf, where.text, "scale", scale[i], MAX_TRANSFORM );
     }
-    return RF_OK;
+    if ( result == RF_OK )
+        rf_set_uv_transform( ( const double[] ){ offset[0], offset[1], rotation, scale[0], scale[1] }, out->transform );
+    return result;
 }
 
 // Reads a use of a texture, `key` of `parent`; `info` is NULL if there is
@@ -377,25 +377,78 @@ static RfResult read_scale( const RfGltf* gltf, const json_t* info, const char* 
     return result;
 }
 
+// The uses of textures: where they are in a material.
+typedef struct Slot
+{
+    const char *part, *extension, *key;
+    RfTextureSlot slot;
+    bool srgb;
+} Slot;
+
+static const Slot s_slots[] = {
+    { "pbrMetallicRoughness", NULL, "baseColorTexture", RF_TEXTURE_BASE, true },
+    { "pbrMetallicRoughness", NULL, "metallicRoughnessTexture", RF_TEXTURE_METALLIC_ROUGHNESS, false },
+    { NULL, NULL, "normalTexture", RF_TEXTURE_NORMAL, false },
+    { NULL, NULL, "emissiveTexture", RF_TEXTURE_EMISSIVE, true },
+    { NULL, "KHR_materials_specular", "specularTexture", RF_TEXTURE_SPECULAR, false },
+    { NULL, "KHR_materials_specular", "specularColorTexture", RF_TEXTURE_SPECULAR_COLOR, true },
+    { NULL, "KHR_materials_transmission", "transmissionTexture", RF_TEXTURE_TRANSMISSION, false },
+    { NULL, "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
+    { NULL, "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
+    { NULL, "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
+};
+
+bool rf_gltf_texture_slot( const char* path, size_t length, int* slot )
+{
+    // what a ray tracer does without
+    static const char* const s_ignored[] = { "occlusionTexture", "extensions/KHR_materials_volume/thicknessTexture" };
+    for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
+    {
+        const Slot* s = s_slots + i;
+        RfWhere own = rf_where( "%s%s%s%s%s", s->part != NULL ? s->part : "", s->part != NULL ? "/" : "",
+                                s->extension != NULL ? "extensions/" : "", s->extension != NULL ? s->extension : "",
+                                s->extension != NULL ? "/" : "" );
+        size_t before = strlen( own.text );
+        *slot = (int)s->slot;
+        if ( length == before + strlen( s->key ) && strncmp( path, own.text, before ) == 0 &&
+             strncmp( path + before, s->key, length - before ) == 0 )
+            return true;
+    }
+    *slot = -1;
+    for ( int i = 0; i < 2; ++i )
+    {
+        if ( length == strlen( s_ignored[i] ) && strncmp( path, s_ignored[i], length ) == 0 )
+            return true;
+    }
+    return false;
+}
+
+void rf_gltf_texture_transform( const json_t* material, int slot, double transform[5] )
+{
+    static const double s_none[5] = { 0, 0, 0, 1, 1 };
+    size_t i = 0;
+    while ( (int)s_slots[i].slot != slot )
+        ++i;
+    const json_t* parent = material;
+    if ( s_slots[i].part != NULL )
+        parent = json_object_get( material, s_slots[i].part );
+    if ( s_slots[i].extension != NULL )
+        parent = json_object_get( json_object_get( material, "extensions" ), s_slots[i].extension );
+    const json_t* json =
+        json_object_get( json_object_get( json_object_get( parent, s_slots[i].key ), "extensions" ), "KHR_texture_transform" );
+    const json_t *offset = json_object_get( json, "offset" ), *rotation = json_object_get( json, "rotation" ),
+                 *scale = json_object_get( json, "scale" );
+    memcpy( transform, s_none, sizeof s_none );
+    for ( size_t k = 0; k < 2; ++k )
+    {
+        transform[k] = offset != NULL ? json_number_value( json_array_get( offset, k ) ) : transform[k];
+        transform[3 + k] = scale != NULL ? json_number_value( json_array_get( scale, k ) ) : transform[3 + k];
+    }
+    transform[2] = json_number_value( rotation );
+}
+
 static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
 {
-    static const struct
-    {
-        const char *part, *extension, *key;
-        RfTextureSlot slot;
-        bool srgb;
-    } s_slots[] = {
-        { "pbrMetallicRoughness", NULL, "baseColorTexture", RF_TEXTURE_BASE, true },
-        { "pbrMetallicRoughness", NULL, "metallicRoughnessTexture", RF_TEXTURE_METALLIC_ROUGHNESS, false },
-        { NULL, NULL, "normalTexture", RF_TEXTURE_NORMAL, false },
-        { NULL, NULL, "emissiveTexture", RF_TEXTURE_EMISSIVE, true },
-        { NULL, "KHR_materials_specular", "specularTexture", RF_TEXTURE_SPECULAR, false },
-        { NULL, "KHR_materials_specular", "specularColorTexture", RF_TEXTURE_SPECULAR_COLOR, true },
-        { NULL, "KHR_materials_transmission", "transmissionTexture", RF_TEXTURE_TRANSMISSION, false },
-        { NULL, "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
-        { NULL, "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
-        { NULL, "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
-    };
     for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
     {
         const json_t* parent = material;

@@ -487,8 +487,11 @@ static void test_what_a_placed_file_leaves_behind( void** state )
     assert_non_null( strstr( s_warnings, "objects[0]: the environment of 'sky.glb' is left out" ) );
     assert_int_equal( scene.punctual_count, 2 );
     gltf_assert_rgb( scene.punctuals[0].position, 1, 3, 3 );
-    assert_int_equal( scene.unrendered_count, 1 );
-    assert_string_equal( scene.unrendered[0].what, "sky: light 'Sun'" );
+    assert_int_equal( scene.unrendered_count, 0 );
+    RfPosedScene pose = gltf_pose_at( &scene, 0.5 ); // the lamp of the second goes with it
+    gltf_assert_rgb( pose.scene.punctuals[0].position, 1, 3, 3 );
+    gltf_assert_rgb( pose.scene.punctuals[1].position, 0.5, 1, 0 );
+    rf_destroy_pose( &pose );
     assert_string_equal( scene.export_warnings[1], "sky: a loss" );
     rf_destroy_scene( &scene );
 }

@@ -1,0 +1,398 @@
+// What changes by keys and is not of a node: the list of it, and its way into the scene.
+#include "scene/gltf/gltf_changes.h"
+
+#include "scene/animation.h"
+#include "scene/placement.h"
+#include "scene/textured.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A value of a key, by the range that it has when it stands still.
+static RfResult check_value( const RfGltf* gltf, const char* where, const RfChangedTraits* traits, double value )
+{
+    RfWhere of = rf_where( "%s of the output", traits->name );
+    if ( traits->limited && fabs( value ) > traits->high )
+        return rf_gltf_check_limit( gltf, where, of.text, value, traits->high );
+    if ( value >= traits->low && value <= traits->high && !( traits->positive && value == 0.0 ) )
+        return RF_OK;
+    const char* above = traits->positive ? "above " : "";
+    if ( isfinite( traits->high ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be %s%g to %.7g", of.text, value, above,
+                             traits->low, traits->high );
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be %s%g", of.text, value,
+                         traits->positive ? above : "at least ", traits->low );
+}
+
+RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfChange* change )
+{
+    const RfChannel* channel = &change->channel;
+    const RfChangedTraits* traits = rf_changed_traits( change->value );
+    size_t n = (size_t)channel->components, per_key = channel->interpolation == RF_CUBICSPLINE ? 3 * n : n;
+    const double* values = channel->values + ( per_key > n ? n : 0 );
+    RfResult result = RF_OK;
+    for ( size_t k = 0; result == RF_OK && k < (size_t)channel->count; ++k )
+    {
+        for ( size_t i = 0; result == RF_OK && i < n; ++i )
+            result = check_value( gltf, where, traits, values[k * per_key + i] );
+    }
+    return result;
+}
+
+// Room for one more where the count is a power of two.
+static bool reserve( void** list, int count, size_t size )
+{
+    size_t items = (size_t)count;
+    if ( ( items & ( items - 1 ) ) != 0 )
+        return true;
+    void* grown = realloc( *list, ( items > 0 ? 2 * items : 1 ) * size );
+    *list = grown != NULL ? grown : *list;
+    return grown != NULL;
+}
+
+RfResult rf_gltf_add_change( RfGltf* gltf, const RfChange* change )
+{
+    void* list = gltf->changes;
+    bool room = reserve( &list, gltf->change_count, sizeof *gltf->changes );
+    gltf->changes = list;
+    if ( !room )
+        return rf_gltf_no_memory( gltf, "animations" );
+    gltf->changes[gltf->change_count++] = *change;
+    return RF_OK;
+}
+
+// The number of the first value of the kind of thing that has it.
+static int group_of( RfChangedValue value )
+{
+    return value < RF_CHANGED_LAMP_VALUES    ? 0
+           : value < RF_CHANGED_SKY_STRENGTH ? (int)RF_CHANGED_LAMP_VALUES
+           : value < RF_CHANGED_YFOV         ? (int)RF_CHANGED_SKY_STRENGTH
+                                             : (int)RF_CHANGED_YFOV;
+}
+
+static int compare( const void* a, const void* b )
+{
+    const RfChange *x = a, *y = b;
+    int keys[2][4] = { { group_of( x->value ), x->of, (int)x->value, x->slot },
+                       { group_of( y->value ), y->of, (int)y->value, y->slot } };
+    for ( int i = 0; i < 4; ++i )
+    {
+        if ( keys[0][i] != keys[1][i] )
+            return keys[0][i] < keys[1][i] ? -1 : 1;
+    }
+    return 0;
+}
+
+RfResult rf_gltf_sort_changes( RfGltf* gltf )
+{
+    RfScene* scene = gltf->scene;
+    if ( gltf->change_count == 0 )
+        return RF_OK;
+    qsort( gltf->changes, (size_t)gltf->change_count, sizeof *gltf->changes, compare );
+    double first = (double)INFINITY, last = -(double)INFINITY;
+    for ( int i = 0; i < gltf->change_count; ++i )
+    {
+        double start, end;
+        rf_channel_span( &gltf->changes[i].channel, &start, &end );
+        first = fmin( first, start );
+        last = fmax( last, end );
+    }
+    scene->change_start = first;
+    scene->change_end = last;
+    gltf->change_used = calloc( (size_t)gltf->change_count, sizeof *gltf->change_used );
+    return gltf->change_used != NULL ? RF_OK : rf_gltf_no_memory( gltf, "animations" );
+}
+
+void rf_gltf_free_changes( RfGltf* gltf )
+{
+    for ( int i = 0; i < gltf->change_count; ++i )
+        rf_destroy_channel( &gltf->changes[i].channel );
+    free( gltf->changes );
+    free( gltf->change_used );
+    free( gltf->lamps );
+    free( gltf->moving_materials );
+}
+
+int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int slot, double* still )
+{
+    RfChange wanted = { .value = value, .of = of, .slot = slot };
+    const RfChange* found =
+        gltf->change_count > 0 ? bsearch( &wanted, gltf->changes, (size_t)gltf->change_count, sizeof wanted, compare ) : NULL;
+    if ( found == NULL )
+        return -1;
+    bool frozen = gltf->freeze && group_of( value ) != (int)RF_CHANGED_YFOV; // cameras never are
+    if ( !frozen && rf_gltf_channel_varies( &found->channel ) )
+        return (int)( found - gltf->changes );
+    double values[4];
+    rf_sample_change( found, frozen ? gltf->frozen_at : 0.0, values );
+    memcpy( still, values, (size_t)found->channel.components * sizeof *still );
+    return -1;
+}
+
+RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name )
+{
+    RfWhere what = rf_where( "%s '%.80s'", kind, name );
+    return gltf->freeze ? rf_gltf_note_unrendered( gltf, what.text, "it changes" ) : RF_OK;
+}
+
+RfResult rf_gltf_add_lamp( RfGltf* gltf, const RfMovingLamp* lamp )
+{
+    void* list = gltf->lamps;
+    bool room = reserve( &list, gltf->lamp_count, sizeof *gltf->lamps );
+    gltf->lamps = list;
+    if ( !room )
+        return rf_gltf_no_memory( gltf, "lights" );
+    gltf->lamps[gltf->lamp_count++] = *lamp;
+    return RF_OK;
+}
+
+// Materials.
+
+static bool is_of_texture( RfChangedValue value )
+{
+    return value == RF_CHANGED_TEXTURE_OFFSET || value == RF_CHANGED_TEXTURE_ROTATION || value == RF_CHANGED_TEXTURE_SCALE;
+}
+
+static bool is_emission( RfChangedValue value ) { return value == RF_CHANGED_EMISSIVE || value == RF_CHANGED_EMISSIVE_STRENGTH; }
+
+// Whether a material that is read looks another way by a change of this.
+static bool has_effect( const RfMaterial* m, const RfChange* change )
+{
+    const RfTextured* t = m->textured;
+    if ( is_of_texture( change->value ) )
+        return t->refs[change->slot].texture >= 0;
+    if ( is_emission( change->value ) )
+        return t->model != RF_TEXTURED_UNLIT;
+    if ( change->value == RF_CHANGED_BASE_COLOR )
+        return t->model != RF_TEXTURED_DIFFUSE || t->masked || t->blended;
+    return t->model == RF_TEXTURED_COATED || t->model == RF_TEXTURED_GLASS;
+}
+
+// The transforms of textures, which are the material's unless they change.
+static void follow_transforms( const RfGltf* gltf, const json_t* json, RfMovingMaterial* moving, const RfMaterial* out )
+{
+    unsigned known = 0; // slots
+    for ( int i = 0; i < moving->change_count; ++i )
+    {
+        const RfChange* change = gltf->changes + moving->first_change + i;
+        if ( !is_of_texture( change->value ) || !has_effect( out, change ) )
+            continue;
+        double* transform = moving->transform[change->slot];
+        if ( ( known & 1u << change->slot ) == 0 )
+            rf_gltf_texture_transform( json, change->slot, transform );
+        known |= 1u << change->slot;
+        int part = change->value == RF_CHANGED_TEXTURE_OFFSET ? 0 : change->value == RF_CHANGED_TEXTURE_ROTATION ? 2 : 3;
+        rf_gltf_find_change( gltf, change->value, change->of, change->slot, transform + part );
+        rf_set_uv_transform( transform, out->textured->refs[change->slot].transform );
+    }
+}
+
+static float most( float a, float b ) { return a > b ? a : b; }
+
+static RfVec3 most_of( RfVec3 a, RfVec3 b ) { return rf_vec3( most( a.x, b.x ), most( a.y, b.y ), most( a.z, b.z ) ); }
+
+// As light as it ever is, and both metal and not: what is asked of it while a scene is prepared holds at all times.
+static void make_lightest( const RfGltf* gltf, const RfMovingMaterial* moving, RfMaterial* out )
+{
+    RfFactors* factors = &out->textured->factors;
+    double base[4], unused[4];
+    int color = rf_gltf_find_change( gltf, RF_CHANGED_BASE_COLOR, moving->material, 0, unused );
+    if ( color >= 0 )
+    {
+        rf_most_of_change( gltf->changes + color, base );
+        size_t first = out->textured->model == RF_TEXTURED_DIFFUSE ? 3 : 0; // which has a base of its own
+        memcpy( factors->base + first, base + first, ( 4 - first ) * sizeof *base );
+    }
+    rf_derive_material( out );
+    if ( rf_gltf_find_change( gltf, RF_CHANGED_METALLIC, moving->material, 0, unused ) < 0 )
+        return;
+    RfMaterial metal = *out;
+    factors->metallic = 1.0;
+    rf_derive_material( &metal );
+    factors->metallic = 0.0;
+    rf_derive_material( out );
+    factors->metallic = moving->metallic;
+    out->diffuse = most_of( out->diffuse, metal.diffuse );
+    out->specular = most_of( out->specular, metal.specular );
+    out->tint = most_of( out->tint, metal.tint );
+    out->f90 = most( out->f90, metal.f90 );
+    out->coat_f0 = most( out->coat_f0, metal.coat_f0 );
+    out->coat_f90 = most( out->coat_f90, metal.coat_f90 );
+}
+
+// Notes what changes. Returns whether anything does.
+static bool follow_changes( RfGltf* gltf, const RfMovingMaterial* moving, RfMaterial* out )
+{
+    RfTextured* t = out->textured;
+    for ( int i = 0; i < moving->change_count; ++i )
+    {
+        const RfChange* change = gltf->changes + moving->first_change + i;
+        bool varies = rf_gltf_channel_varies( &change->channel ) && has_effect( out, change );
+        if ( !varies )
+            continue;
+        gltf->change_used[moving->first_change + i] = true;
+        bool shapes = change->value == RF_CHANGED_METALLIC || change->value == RF_CHANGED_ROUGHNESS,
+             of_normals = change->slot == RF_TEXTURE_NORMAL || change->slot == RF_TEXTURE_CLEARCOAT_NORMAL,
+             turned = change->value == RF_CHANGED_TEXTURE_ROTATION || change->value == RF_CHANGED_TEXTURE_SCALE;
+        out->dims = out->dims || is_emission( change->value );
+        out->changes = out->changes || !is_emission( change->value );
+        t->reshapes = t->reshapes || shapes;
+        t->turns = t->turns || ( of_normals && turned );
+    }
+    return out->dims || out->changes;
+}
+
+static int first_of_material( const RfGltf* gltf, int material )
+{
+    RfChange least = { .value = RF_CHANGED_BASE_COLOR, .of = material, .slot = 0 };
+    int low = 0, high = gltf->change_count;
+    while ( low < high )
+    {
+        int middle = low + ( high - low ) / 2;
+        if ( compare( gltf->changes + middle, &least ) < 0 )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static RfResult add_material( RfGltf* gltf, const RfMovingMaterial* moving )
+{
+    void* list = gltf->moving_materials;
+    bool room = reserve( &list, gltf->moving_material_count, sizeof *gltf->moving_materials );
+    gltf->moving_materials = list;
+    if ( !room )
+        return rf_gltf_no_memory( gltf, "materials" );
+    gltf->moving_materials[gltf->moving_material_count++] = *moving;
+    return RF_OK;
+}
+
+RfResult rf_gltf_change_material( RfGltf* gltf, const json_t* json, RfMovingMaterial* moving, RfMaterial* out )
+{
+    int first = first_of_material( gltf, moving->material ), end = first;
+    while ( end < gltf->change_count && gltf->changes[end].of == moving->material &&
+            group_of( gltf->changes[end].value ) == (int)RF_CHANGED_BASE_COLOR )
+        ++end;
+    moving->first_change = first;
+    moving->change_count = end - first;
+    if ( first == end )
+        return RF_OK;
+    follow_transforms( gltf, json, moving, out );
+    if ( !follow_changes( gltf, moving, out ) )
+        return RF_OK;
+    if ( gltf->freeze )
+    {
+        out->dims = out->changes = out->textured->reshapes = out->textured->turns = false;
+        return rf_gltf_note_frozen( gltf, "material", out->name );
+    }
+    if ( out->changes )
+    {
+        out->textured->optional = false;
+        make_lightest( gltf, moving, out );
+    }
+    return add_material( gltf, moving );
+}
+
+// A lamp's changes that the movement does not have yet.
+static void move_lamp( const int* moved, RfMovingLamp* lamp, RfMovement* movement )
+{
+    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+    {
+        int change = lamp->changes[v];
+        if ( change < 0 )
+            continue;
+        lamp->changes[v] = moved[change];
+        RfChange* own = movement->changes + moved[change];
+        own->of = own->of < 0 ? lamp->punctual : own->of;
+    }
+    movement->lamps[movement->lamp_count++] = *lamp;
+}
+
+// Which materials some triangle has.
+static void find_used( const RfScene* scene, bool* used )
+{
+    for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
+    {
+        const RfTriangles* t = rf_triangle_list( scene, k ).triangles;
+        for ( uint32_t i = 0; i < t->count; ++i )
+            used[t->material[i]] = true;
+    }
+}
+
+// Marks the changes that are needed, and moves them: `moved` has their numbers.
+static void move_list( RfGltf* gltf, RfMovement* movement, int* moved )
+{
+    for ( int i = 0; i < gltf->change_count; ++i )
+    {
+        moved[i] = movement->change_count;
+        if ( !gltf->change_used[i] )
+            continue;
+        RfChange* to = movement->changes + movement->change_count++;
+        *to = gltf->changes[i];
+        if ( group_of( to->value ) == 0 )
+            to->of = -1; // until a lamp has it
+        memset( &gltf->changes[i].channel, 0, sizeof gltf->changes[i].channel );
+    }
+}
+
+static void mark_used( RfGltf* gltf, const bool* used )
+{
+    int kept = 0;
+    for ( int i = 0; i < gltf->lamp_count; ++i )
+    {
+        for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+        {
+            if ( gltf->lamps[i].changes[v] >= 0 )
+                gltf->change_used[gltf->lamps[i].changes[v]] = true;
+        }
+    }
+    for ( int i = 0; i < gltf->moving_material_count; ++i )
+    {
+        const RfMovingMaterial* self = gltf->moving_materials + i;
+        bool keep = used[self->material];
+        for ( int c = 0; !keep && c < self->change_count; ++c )
+            gltf->change_used[self->first_change + c] = false;
+        if ( keep )
+            gltf->moving_materials[kept++] = *self;
+    }
+    gltf->moving_material_count = kept;
+}
+
+// Those of a material that are in use come one after the other.
+static void move_material( const RfGltf* gltf, const int* moved, const RfMovingMaterial* from, RfMovement* movement )
+{
+    RfMovingMaterial* to = movement->materials + movement->material_count++;
+    *to = *from;
+    to->first_change = moved[from->first_change];
+    to->change_count = 0;
+    for ( int c = 0; c < from->change_count; ++c )
+        to->change_count += gltf->change_used[from->first_change + c];
+}
+
+RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement )
+{
+    size_t changes = (size_t)gltf->change_count + 1;
+    bool* used = calloc( (size_t)gltf->scene->material_count + 1, sizeof *used );
+    int* moved = malloc( changes * sizeof *moved );
+    RfChange* all = realloc( movement->changes, ( (size_t)movement->change_count + changes ) * sizeof *all );
+    movement->changes = all != NULL ? all : movement->changes;
+    movement->lamps = calloc( (size_t)gltf->lamp_count + 1, sizeof *movement->lamps );
+    movement->materials = calloc( (size_t)gltf->moving_material_count + 1, sizeof *movement->materials );
+    bool room =
+        used != NULL && moved != NULL && movement->changes != NULL && movement->lamps != NULL && movement->materials != NULL;
+    if ( room )
+    {
+        find_used( gltf->scene, used );
+        mark_used( gltf, used );
+        move_list( gltf, movement, moved );
+    }
+    for ( int i = 0; room && i < gltf->lamp_count; ++i )
+        move_lamp( moved, gltf->lamps + i, movement );
+    for ( int i = 0; room && i < gltf->moving_material_count; ++i )
+        move_material( gltf, moved, gltf->moving_materials + i, movement );
+    free( used );
+    free( moved );
+    return room ? RF_OK : rf_gltf_no_memory( gltf, "animations" );
+}

@@ -1,0 +1,60 @@
+// What changes by keys and is not of a node. Internal to the reader.
+#ifndef REFRAME_SCENE_GLTF_GLTF_CHANGES_H
+#define REFRAME_SCENE_GLTF_GLTF_CHANGES_H
+
+#include "scene/gltf/gltf_document.h"
+#include "scene/movement.h"
+
+// What a channel animates.
+typedef struct RfGltfTarget
+{
+    bool wanted;
+    const char* unrendered; // a pointer to what cannot be rendered; NULL: there is none
+    RfChange change;        // of a node: its channel's node and path alone, else the node is −1
+} RfGltfTarget;
+
+// Follows the pointer of an animation target (gltf_pointer.c). What the reader ignores is not wanted.
+RfResult rf_gltf_follow_pointer( RfGltf* gltf, const json_t* target, const char* where, RfGltfTarget* out );
+
+// Lists what a pointer names as not rendered.
+RfResult rf_gltf_note_pointer( RfGltf* gltf, const char* pointer );
+
+// Copies a channel with its keys, which are to be freed also where that fails (gltf_animation.c).
+RfResult rf_gltf_copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to );
+
+// That all keys of a change are values that the file may have (gltf_changes.c).
+RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfChange* change );
+
+// Adds a change, whose channel it takes unless it fails.
+RfResult rf_gltf_add_change( RfGltf* gltf, const RfChange* change );
+
+// Sorts them by what they are of, and finds their span.
+RfResult rf_gltf_sort_changes( RfGltf* gltf );
+
+void rf_gltf_free_changes( RfGltf* gltf );
+
+// The change of a value, or −1 where it stands still or is frozen: `still` is then what it is, unless nothing is said of it.
+int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int slot, double* still );
+
+// Says in the list of what is frozen that something changes, where it is frozen.
+RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name );
+
+// Notes a punctual light that moves, is switched or changes. Its node is one of the scene, its changes are numbers of
+// rf_gltf_find_change.
+RfResult rf_gltf_add_lamp( RfGltf* gltf, const RfMovingLamp* lamp );
+
+// Notes a material that dims or changes, in which its factors are as in the file, and prepares it for that: `out` is as `json`
+// says, of which the transforms of textures are followed here.
+RfResult rf_gltf_change_material( RfGltf* gltf, const json_t* json, RfMovingMaterial* moving, RfMaterial* out );
+
+// Moves what has been noted, and is of what is in the scene, to a movement. The nodes of lamps are moving ones by now.
+RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement );
+
+// A use of a texture by its path within a material: its slot, −1 where it is ignored. False: there is no such use
+// (gltf_texture.c).
+bool rf_gltf_texture_slot( const char* path, size_t length, int* slot );
+
+// Offset, rotation and scale of a texture that a material has, as in the file.
+void rf_gltf_texture_transform( const json_t* material, int slot, double transform[5] );
+
+#endif
