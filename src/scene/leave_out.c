@@ -2,6 +2,7 @@
 // and the estimator, and the camera's lens and shutter to its path.
 #include "scene/leave_out.h"
 
+#include "scene/movement.h"
 #include "scene/textured.h"
 
 #include <stdlib.h>
@@ -116,6 +117,8 @@ static void remove_punctual_lights( RfScene* scene )
     for ( int i = 0; i < scene->punctual_count; ++i )
         free( scene->punctuals[i].name );
     scene->punctual_count = 0;
+    if ( scene->movement != NULL )
+        scene->movement->lamp_count = 0;
 }
 
 static RfResult check_choice( uint64_t forced, uint64_t left_out, RfError* error )
@@ -147,7 +150,7 @@ static bool varies( const RfTextured* t )
 // A material of which nothing is left that varies is one without textures.
 static void settle_textured( const RfScene* scene, RfMaterial* m )
 {
-    if ( m->textured == NULL || varies( m->textured ) )
+    if ( m->textured == NULL || m->changes || varies( m->textured ) )
         return;
     RfMaterial constant;
     rf_material_at( scene, m, 0, 0.0f, 0.0f, &constant );

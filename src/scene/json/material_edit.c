@@ -198,6 +198,31 @@ static RfResult copy_value( const RfField* field, const Entry* entry, json_t* ma
     return RF_OK;
 }
 
+// Takes the animations of a value out, which stands still then.
+static void stop_channels( json_t* channels, const char* pointer )
+{
+    for ( size_t i = json_array_size( channels ); i-- > 0; )
+    {
+        const json_t* target = json_object_get( json_array_get( channels, i ), "target" );
+        const json_t* extension = json_object_get( json_object_get( target, "extensions" ), "KHR_animation_pointer" );
+        const char* own = json_string_value( json_object_get( extension, "pointer" ) );
+        if ( own != NULL && strcmp( own, pointer ) == 0 )
+            json_array_remove( channels, i );
+    }
+}
+
+static void stop_value( json_t* root, size_t material, const Entry* entry )
+{
+    char pointer[160];
+    const json_t* animations = json_object_get( root, "animations" );
+    const char *home = entry->parent != NULL ? entry->parent : entry->extension,
+               *before = entry->extension != NULL ? "extensions/" : "";
+    snprintf( pointer, sizeof pointer, "/materials/%zu/%s%s%s%s", material, before, home != NULL ? home : "",
+              home != NULL ? "/" : "", entry->key );
+    for ( size_t i = 0; i < json_array_size( animations ); ++i )
+        stop_channels( json_object_get( json_array_get( animations, i ), "channels" ), pointer );
+}
+
 // Removes textures from an object and its member objects, to the depth at which glTF has them.
 static void drop_textures( json_t* object, int depth )
 {
@@ -223,8 +248,9 @@ static RfResult edit_textures( const RfField* override, json_t* material )
     return result;
 }
 
-static RfResult edit_material( const RfField* override, json_t* material )
+static RfResult edit_material( const RfField* override, json_t* root, size_t index )
 {
+    json_t* material = json_array_get( json_object_get( root, "materials" ), index );
     RfResult result = edit_lobes( override, material );
     if ( result == RF_OK )
         result = edit_textures( override, material );
@@ -238,12 +264,15 @@ static RfResult edit_material( const RfField* override, json_t* material )
         if ( entry->gltf_only && !is_gltf )
             return rf_field_fail( &field, "has no effect on bsdf \"%.20s\": add \"bsdf\": \"gltf\"", edited_bsdf( material ) );
         result = copy_value( &field, entry, material );
+        if ( result == RF_OK )
+            stop_value( root, index, entry );
     }
     return result;
 }
 
-static RfResult edit_by_name( const RfField* override, const char* name, json_t* list )
+static RfResult edit_by_name( const RfField* override, const char* name, json_t* root )
 {
+    const json_t* list = json_object_get( root, "materials" );
     const char* keys[ENTRY_COUNT + 1] = { NULL };
     for ( size_t i = 0; i < ENTRY_COUNT; ++i )
         keys[i] = s_entries[i].key;
@@ -252,11 +281,10 @@ static RfResult edit_by_name( const RfField* override, const char* name, json_t*
     for ( size_t i = 0; i < json_array_size( list ) && result == RF_OK; ++i )
     {
         char fallback[RF_ITEM_NAME];
-        json_t* material = json_array_get( list, i );
-        if ( !json_is_object( material ) || strcmp( rf_item_name( list, "materials", i, fallback ), name ) != 0 )
+        if ( !json_is_object( json_array_get( list, i ) ) || strcmp( rf_item_name( list, "materials", i, fallback ), name ) != 0 )
             continue;
         found = true;
-        result = edit_material( override, material );
+        result = edit_material( override, root, i );
     }
     return result == RF_OK && !found ? rf_fail_unknown_item( override, "material", name, list ) : result;
 }
@@ -267,14 +295,13 @@ RfResult rf_edit_materials( const RfField* materials, json_t* root )
         return RF_OK;
     if ( !json_is_object( materials->json ) )
         return rf_field_must_be( materials, "an object of materials by name" );
-    json_t* list = json_object_get( root, "materials" );
     RfResult result = RF_OK;
     const char* name;
     json_t* value;
     json_object_foreach( (json_t*)materials->json, name, value )
     {
         RfField override = rf_field_member( materials, name );
-        result = edit_by_name( &override, name, list );
+        result = edit_by_name( &override, name, root );
         if ( result != RF_OK )
             break;
     }

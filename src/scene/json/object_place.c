@@ -315,7 +315,7 @@ static RfResult check_placed( const Placing* p, const RfScene* placed, RfLog* lo
     int own = placed->channel_count;
     for ( int i = 0; i < p->options.channel_count; ++i )
         own -= p->channels[i].count > 0;
-    if ( object->plays != NULL && own == 0 )
+    if ( object->plays != NULL && own == 0 && !( placed->change_end > placed->change_start ) )
     {
         RfField field = rf_field_member( &object->field, object->plays );
         return rf_field_fail( &field, "'%.80s' has no animation: leave it out", object->file );

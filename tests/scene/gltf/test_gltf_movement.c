@@ -252,56 +252,6 @@ static void test_pointers_to_nodes( void** state )
     rf_destroy_scene( &scene );
 }
 
-// ---- Lenses -----------------------------------------------------------------------
-
-#define CAMERA "\"nodes\":[{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]"
-#define ZOOM( how )                                                                                                              \
-    CAMERA ",\"animations\":[{" SAMPLERS( "1", "4", how ) ",\"channels\":[" POINTER(                                             \
-        "/cameras/0/perspective/yfov" ) "," POINTER( "/cameras/0/perspective/znear" ) "]}]"
-
-static RfScene load_zoom( const char* rest )
-{
-    GltfBuilder b = make_triangle();
-    add_gltf_floats( &b, "SCALAR", 1, 2, ( const float[] ){ 0.5f, 1.5f } );
-    return gltf_load_built( &b, rest );
-}
-
-// The focal length, in pixels of a picture 200 high, is 100 / tan(yfov / 2).
-static void test_a_camera_that_zooms( void** state )
-{
-    (void)state;
-    RfScene scene = load_zoom( ZOOM( "" ) );
-    const RfCamera* camera = scene.cameras;
-    RfEye eye;
-    int frames;
-    assert_int_equal( scene.unrendered_count, 0 ); // the near plane is ignored when it stands still, too
-    assert_null( scene.movement );                 // nothing in the world moves
-    assert_true( camera->animated && camera->start == 0.0 && camera->end == 1.0 );
-    assert_int_equal( rf_camera_frame_count( camera, 4.0, &frames, NULL ), RF_OK );
-    assert_int_equal( frames, 5 );
-    for ( int k = -1; k <= 5; ++k )
-    {
-        double t = fmin( fmax( 0.25 * k, 0.0 ), 1.0 );
-        assert_int_equal( rf_scene_eye( &scene, 0, 0.25 * k, 300, 200, &eye, NULL ), RF_OK );
-        gltf_assert_near( eye.focal, 100.0 / tan( 0.5 * ( 0.5 + t ) ) );
-    }
-    RfLens lens = { .has_shutter = true, .shutter = { -0.25, 0.25 } };
-    RfCameraSampling sampling = { &scene, camera, &lens, { 4, 1 }, 300, 200 };
-    assert_int_equal( rf_camera_lens_eye( &sampling, 2.0, &eye, NULL ), RF_OK );
-    gltf_assert_near( eye.focal, 100.0 / tan( 0.5 ) );
-    assert_true( eye.moves );
-    rf_destroy_scene( &scene );
-}
-
-static void test_a_camera_that_jumps_to_another_lens( void** state )
-{
-    (void)state;
-    RfScene scene = load_zoom( ZOOM( ",\"interpolation\":\"STEP\"" ) );
-    assert_int_equal( scene.cameras[0].cut_count, 1 );
-    assert_true( scene.cameras[0].cuts[0] == 1.0 );
-    rf_destroy_scene( &scene );
-}
-
 // ---- What cannot be rendered yet --------------------------------------------------
 
 static void assert_unrendered( const RfScene* scene, const char* what, const char* why )
@@ -521,8 +471,6 @@ int main( void )
         cmocka_unit_test( test_keys_that_are_equal ),
         cmocka_unit_test( test_targets_of_other_attributes ),
         cmocka_unit_test( test_pointers_to_nodes ),
-        cmocka_unit_test( test_a_camera_that_zooms ),
-        cmocka_unit_test( test_a_camera_that_jumps_to_another_lens ),
         cmocka_unit_test( test_what_cannot_be_rendered ),
         cmocka_unit_test( test_broken_files ),
         cmocka_unit_test( test_what_is_not_broken ),

@@ -496,6 +496,52 @@ static void test_what_a_placed_file_leaves_behind( void** state )
     rf_destroy_scene( &scene );
 }
 
+#define POINTER( sampler, pointer )                                                                                              \
+    "{\"sampler\":" sampler                                                                                                      \
+    ",\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"" pointer "\"}}}}"
+
+// A lamp and a material that dim and one that changes, twice: in the second the last stands still, since the scene file says what
+// it is, and all goes twice as fast.
+static void test_what_changes_in_placed_files( void** state )
+{
+    (void)state;
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    add_gltf_floats( &b, "SCALAR", 1, 2, ( const float[] ){ 0, 2 } );
+    add_gltf_floats( &b, "SCALAR", 1, 2, ( const float[] ){ 0, 1 } );
+    write_glb( "dims.glb", &b,
+               "\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],\"extensions\":{"
+               "\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}},\"materials\":[{\"emissiveFactor\":[1,1,1]},{"
+               "\"name\":"
+               "\"shiny\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},{\"attributes\":{"
+               "\"POSITION\":0},\"material\":1}]}],\"animations\":[{\"samplers\":[{\"input\":1,\"output\":2}],\"channels\":"
+               "[" POINTER( "0", "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength" ) "," POINTER(
+                   "0", "/materials/1/pbrMetallicRoughness/roughnessFactor" ) "," POINTER( "0", "/extensions/KHR_lights_punctual/"
+                                                                                                "lights/0/intensity" ) "]}]" );
+    RfScene scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"dims.glb\"},{\"file\":\"dims.glb\",\"speed\":2,"
+                                            "\"materials\":{\"shiny\":{\"roughnessFactor\":0.5}}}]" );
+    uint32_t first = scene.material_count - 4;
+    assert_int_equal( scene.unrendered_count, 0 );
+    assert_int_equal( scene.movement->change_count, 5 );
+    assert_int_equal( scene.placement_count, 1 );
+    for ( int k = 0; k <= 4; ++k )
+    {
+        double t[2] = { 0.125 * k, 0.25 * k };
+        RfPosedScene pose = gltf_pose_at( &scene, 0.25 * k );
+        const RfMaterial* m = pose.scene.materials + first;
+        for ( int i = 0; i < 2; ++i )
+        {
+            gltf_assert_rgb( pose.scene.punctuals[i].intensity, t[i], t[i], t[i] );
+            gltf_assert_rgb( m[2 * i].emission, t[i], t[i], t[i] );
+        }
+        gltf_assert_near( m[1].alpha, fmax( t[0] * t[0], 1e-3 ) );
+        gltf_assert_near( m[3].alpha, 0.25 );
+        rf_destroy_pose( &pose );
+    }
+    assert_true( scene.materials[first + 1].changes && !scene.materials[first + 3].changes );
+    rf_destroy_scene( &scene );
+}
+
 static void test_the_origin_is_that_of_the_scene( void** state )
 {
     (void)state;
@@ -716,6 +762,7 @@ int main( void )
         cmocka_unit_test( test_materials_and_textures_are_their_own ),
         cmocka_unit_test( test_which_animation ),
         cmocka_unit_test( test_what_a_placed_file_leaves_behind ),
+        cmocka_unit_test( test_what_changes_in_placed_files ),
         cmocka_unit_test( test_the_origin_is_that_of_the_scene ),
         cmocka_unit_test( test_frames_of_keys ),
         cmocka_unit_test( test_frozen_as_the_camera_begins ),
