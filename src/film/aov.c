@@ -2,7 +2,7 @@
 #include "film/aov.h"
 
 #include "base/words.h"
-#include "scene/placement.h"
+#include "scene/moments.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -161,19 +161,27 @@ typedef struct Seen
     float u, v;
 } Seen;
 
-// Where barycentrics of a triangle of `at` are in the world, on what `mesh` and `matrix` make of it. The corners are those
-// that the triangle has in the job's scene: deformation may turn it over, or take it out.
-static void place( const RfTriangleAt* at, const RfMesh* mesh, const RfMat4* matrix, float u, float v, double out[3] )
+// Where barycentrics of a triangle of `at` are in the world, on what a placement makes of it in a scene, in the middle of its
+// shutter. The corners are those that the triangle has in the job's scene: deformation may turn it over, or take it out.
+static void place( const RfScene* scene, const RfPlacement* placement, const RfTriangleAt* at, float u, float v, double out[3] )
 {
     const double share[3] = { 1.0 - (double)u - (double)v, (double)u, (double)v };
+    const uint32_t* corners = at->triangles->indices + 3 * (size_t)at->index;
+    RfTriangles t = scene->meshes[placement->mesh].triangles;
+    RfTriangleAt there = { &t, at->index, placement };
+    RfBetween between;
     double sum[3] = { 0 };
+    t.indices = at->triangles->indices;
+    bool blurred = rf_is_between( scene, placement );
+    if ( blurred )
+        there = rf_triangle_between( scene, &there, &between );
     for ( int k = 0; k < 3; ++k )
     {
-        const float* p = mesh->triangles.positions + 3 * (size_t)at->triangles->indices[3 * (size_t)at->index + (size_t)k];
+        const float* p = blurred ? between.positions + 3 * k : t.positions + 3 * (size_t)corners[k];
         for ( int c = 0; c < 3; ++c )
             sum[c] += share[k] * (double)p[c];
     }
-    rf_mat4_apply( matrix, sum, 1.0, out );
+    rf_mat4_apply( &there.placement->matrix, sum, 1.0, out );
 }
 
 // The same point of its surface at another frame; false where what it lies on is not shown there. By how much the surface has
@@ -186,8 +194,8 @@ static bool follow( const RfScene* scene, const RfScene* other, Seen* seen )
     double from[3], to[3];
     if ( !there->shown )
         return false;
-    place( &seen->at, scene->meshes + own->mesh, &own->matrix, seen->u, seen->v, from );
-    place( &seen->at, other->meshes + there->mesh, &there->matrix, seen->u, seen->v, to );
+    place( scene, own, &seen->at, seen->u, seen->v, from );
+    place( other, there, &seen->at, seen->u, seen->v, to );
     seen->point =
         rf_add( seen->point, rf_vec3( (float)( to[0] - from[0] ), (float)( to[1] - from[1] ), (float)( to[2] - from[2] ) ) );
     return true;
@@ -260,6 +268,11 @@ static Seen seen_at( const RfAovJob* job, RfFirstHits first, int i )
     seen.v = first.surfaces->v[ray];
     bool moves = seen.at.placement != NULL && seen.at.placement - job->scene->placements >= job->scene->still_placement_count;
     seen.moving = moves ? seen.at.placement : NULL;
+    double middle[3];
+    if ( !rf_is_between( job->scene, seen.moving ) )
+        return seen;
+    place( job->scene, seen.moving, &seen.at, seen.u, seen.v, middle ); // not at the moment at which it was hit
+    seen.point = rf_vec3( (float)middle[0], (float)middle[1], (float)middle[2] );
     return seen;
 }
 

@@ -60,6 +60,10 @@ typedef struct RfEye
 
     double time; // moment of the scene that it sees, s; 0 where nothing moves
 
+    // What moves in the scene while the shutter is open is blurred as well.
+    double opens, closes; // moments of the scene; 0 unless blur_steps is above
+    int64_t blur_steps;   // straight steps from the one to the other, up to RF_MAX_BLUR_STEPS; 0: all is as at `time`
+
     // Number of its shot. Along a path it never falls, and rises at a cut: frames of different shots share no samples, and none
     // has motion towards another.
     int64_t shot;
@@ -117,6 +121,8 @@ RfCameraPath rf_empty_camera_path( void );
 #define RF_MAX_FSTOP 1e6     // beyond that a pinhole would do
 #define RF_MAX_FOCUS 1e6     // m
 #define RF_MAX_SHUTTER 100.0 // frames before and after the frame's own time
+#define RF_MAX_BLUR_STEPS 32
+#define RF_BLUR_STEPS 4 // unless asked for others
 
 // A lens and a shutter in the place of a camera's own.
 typedef struct RfLens
@@ -127,6 +133,7 @@ typedef struct RfLens
     double fstop;           // 0: a pinhole
     double focus;           // m along the view; 0: the camera's own
     const char* focus_node; // the node of the scene that is in focus; NULL: none
+    int blur_steps;         // straight steps that what moves in the scene takes while the shutter is open; 0: RF_BLUR_STEPS
 } RfLens;
 
 // Which camera's path is sampled, and how; all zero: as the scene has it.

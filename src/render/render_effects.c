@@ -41,7 +41,7 @@ static void set_path( const Source* from, const RfEye* eyes )
         const RfEye *e = eyes + i, *f = eyes;
         RfVec3 step = rf_sub( e->origin, f->origin ), turn = rf_sub( e->forward, f->forward );
         lens += e->lens_radius > 0.0f;
-        shutter += e->moves != 0;
+        shutter += e->moves != 0 || e->blur_steps > 0;
         moving += rf_dot( step, step ) + rf_dot( turn, turn ) + fabsf( e->focal - f->focal ) > 0.0f;
     }
     int all = from->eye_count;
@@ -52,8 +52,8 @@ static void set_path( const Source* from, const RfEye* eyes )
              lens > 0 ? "the camera has a lens in %d of %d frames" : "the camera is a pinhole", lens, all );
     if ( !from->rows[RF_EFFECT_MOTION_BLUR].left_out )
         set( from, RF_EFFECT_MOTION_BLUR, shutter > 0,
-             shutter > 0 ? "the camera moves while its shutter is open in %d of %d frames"
-                         : "the camera does not move while its shutter is open",
+             shutter > 0 ? "something moves while the shutter is open in %d of %d frames"
+                         : "nothing moves while the shutter is open",
              shutter, all );
 }
 
@@ -137,6 +137,7 @@ static void set_light_paths( const Source* from )
              : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
              : s->weights != RF_WEIGHTS_EXACT ? "they need exact weights"
              : t->moves && s->group != 0      ? "where something moves they want groups of one frame"
+             : t->blur_steps > 0              ? "something moves while the shutter is open: they are of one moment"
              : s->estimator->prepare == NULL
                  ? "the estimator does not support them"
                  : "mirrors and glass carry the light of large emitters only, which BSDF sampling finds" );

@@ -123,12 +123,18 @@ static bool is_usable_pose( const RfPose* p )
            isfinite( p->focal ) && isfinite( p->axis_x ) && isfinite( p->axis_y );
 }
 
+static bool has_usable_moments( const RfEye* e )
+{
+    return e->blur_steps == 0 || ( e->blur_steps > 0 && e->blur_steps <= RF_MAX_BLUR_STEPS && e->opens <= e->closes &&
+                                   isfinite( e->opens ) && isfinite( e->closes ) );
+}
+
 // Camera rays that are no numbers end the process in Embree. The last line is the shear of the film by the lens.
 static bool is_usable( const RfEye* e )
 {
     RfPose own = { e->origin, e->forward, e->up, e->focal, e->axis_x, e->axis_y };
     return is_usable_pose( &own ) && is_finite3( e->right ) && e->focal_x > 0.0f && isfinite( e->focal_x ) &&
-           ( !e->moves || ( is_usable_pose( &e->open ) && is_usable_pose( &e->close ) ) ) &&
+           has_usable_moments( e ) && ( !e->moves || ( is_usable_pose( &e->open ) && is_usable_pose( &e->close ) ) ) &&
            ( ( e->lens_radius <= 0.0f && !RF_FAULT( lens_sharp ) ) ||
              ( e->focus != 0.0f && isfinite( rf_maxf( e->focal, e->focal_x ) * e->lens_radius / e->focus ) ) );
 }
@@ -160,6 +166,8 @@ static RfResult check_moving( const RfShot* shot, const RfRenderSettings* settin
 {
     const RfScene* scene = rf_tracer_scene( shot->tracer );
     RfSceneTraits traits = { .moves = rf_may_move( scene ) && shot->eye_count > 1 };
+    for ( int i = 0; i < shot->eye_count; ++i )
+        traits.blur_steps = rf_may_move( scene ) && shot->eyes[i].blur_steps > 0 ? 1 : traits.blur_steps;
     return rf_check_moving( &traits, settings, error );
 }
 

@@ -56,7 +56,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .glints = glints,
         .materials = materials,
         .worlds = worlds,
-        .moving = rf_worlds_bytes( scene, worlds ),
+        .moving = rf_worlds_bytes( scene, worlds, called.blur_steps ),
         .files = settings->files,
     };
 }

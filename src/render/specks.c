@@ -42,7 +42,8 @@ typedef struct Speck
     RfSpeckKind kind;
 } Speck;
 
-// What rays are traced through.
+// What rays are traced through. What moves is as in the middle of the shutter: rays share one wavefront, with cameras at moments of
+// their own.
 typedef struct Shape
 {
     const RfRenderer* renderer;

@@ -54,7 +54,9 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     for ( int i = 0; i < eye_count; ++i )
     {
         traits.lens = traits.lens || eyes[i].lens_radius > 0.0f;
-        traits.shutter = traits.shutter || eyes[i].moves;
+        bool blurs = rf_may_move( scene ) && eyes[i].blur_steps > traits.blur_steps;
+        traits.blur_steps = blurs ? (int)eyes[i].blur_steps : traits.blur_steps;
+        traits.shutter = traits.shutter || eyes[i].moves || traits.blur_steps > 0;
     }
     traits.grouped_chains = traits.mirrors || traits.smooth || traits.panes;
     traits.scattered = traits.lens || traits.shutter;
@@ -71,13 +73,18 @@ bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* 
 {
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
                              settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles + traits->plate_triangles > 0 &&
-                             !traits->blended && !( traits->moves && settings->group != 0 ) && !traits->without_caustics &&
+                             !traits->blended && !( traits->moves && settings->group != 0 ) && traits->blur_steps == 0 &&
+                             !traits->without_caustics &&
                              ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }
 
 RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error )
 {
+    if ( traits->blur_steps > 0 && settings->light_paths == RF_LIGHT_PATHS_ON )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "light paths are of one moment, but something moves while the shutter is open: --shutter 0, or "
+                        "--light-paths auto" );
     if ( !traits->moves || settings->group == 0 )
         return RF_OK;
     if ( settings->weights != RF_WEIGHTS_EXACT )

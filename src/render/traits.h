@@ -14,7 +14,7 @@
     X( mirrors, FLAT_MIRRORS ) /* flat mirrors */                                                                                \
     X( smooth, SMOOTH_METALS ) /* GGX coats or metals that may be nearly as smooth as mirrors */                                 \
     X( lens, DEPTH_OF_FIELD )  /* some camera of the path has a lens */                                                          \
-    X( shutter, MOTION_BLUR )  /* some camera of the path moves while its shutter is open */
+    X( shutter, MOTION_BLUR )  /* some camera of the path, or what it sees, moves while its shutter is open */
 
 typedef struct RfSceneTraits
 {
@@ -27,6 +27,7 @@ typedef struct RfSceneTraits
     int dimmable;             // lamps that may be dimmed, at most RF_DIMMED_MOST
     bool sharp;               // some surface may mirror a lamp (rf_may_be_sharp)
     bool grouped_chains;      // other frames can use what chains find
+    int blur_steps;           // the most of the cameras' (RfEye.blur_steps); 0: what moves is not blurred
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
     bool without_caustics;    // they are left out of a scene that has surfaces to throw them
     uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)

@@ -16,14 +16,15 @@
 #define BYTES_PER_PLACEMENT 48 // of all, for the errors of their hits
 #define BYTES_PER_WORLD 4096
 
-size_t rf_worlds_bytes( const RfScene* scene, int count )
+size_t rf_worlds_bytes( const RfScene* scene, int count, int steps )
 {
     if ( count == 0 )
         return 0;
     RfPoseParts own = rf_pose_parts( scene );
     size_t movers = (size_t)( scene->placement_count - scene->still_placement_count );
-    size_t world = rf_pose_bytes( scene ) + BYTES_PER_WORLD + BYTES_PER_TRIANGLE * (size_t)own.triangles +
-                   BYTES_PER_MESH * (size_t)own.meshes + BYTES_PER_MOVER * movers +
+    size_t moments = (size_t)steps + 1;
+    size_t world = moments * ( rf_pose_bytes( scene ) + sizeof( RfPosedScene ) ) + sizeof( RfMoments ) + BYTES_PER_WORLD +
+                   BYTES_PER_TRIANGLE * (size_t)own.triangles + BYTES_PER_MESH * (size_t)own.meshes + BYTES_PER_MOVER * movers +
                    BYTES_PER_PLACEMENT * (size_t)scene->placement_count +
                    sizeof( RfMesh ) * (size_t)( scene->mesh_count + own.meshes );
     return (size_t)count * world + BYTES_PER_BUILT_TRIANGLE * (size_t)own.most_triangles;
@@ -78,7 +79,10 @@ static void close_world( RfWorlds* worlds, RfWorld* world )
     if ( world->frame >= 0 )
         worlds->tracers[world->frame] = NULL;
     rf_destroy_tracer( world->tracer );
-    rf_destroy_pose( &world->pose );
+    for ( int k = 0; k < world->moments; ++k )
+        rf_destroy_pose( world->poses + k );
+    free( world->poses );
+    free( world->joined );
     *world = ( RfWorld ){ .frame = -1 };
 }
 
@@ -109,11 +113,33 @@ static RfWorld* free_world( RfWorlds* worlds, int first, int end )
     return earliest;
 }
 
+// Poses the scene at the moments of an eye's shutter.
+static RfResult pose_moments( const RfScene* scene, const RfEye* eye, RfWorld* world, RfError* error )
+{
+    int steps = (int)eye->blur_steps;
+    world->poses = calloc( (size_t)steps + 1, sizeof *world->poses );
+    world->joined = steps > 0 ? calloc( 1, sizeof *world->joined ) : NULL;
+    if ( world->poses == NULL || ( steps > 0 && world->joined == NULL ) )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for what moves at %d moments", steps + 1 );
+    world->moments = steps + 1;
+    RfResult result = RF_OK;
+    for ( int k = 0; k <= steps && result == RF_OK; ++k )
+    {
+        world->poses[k].in_shutter = steps > 0;
+        result = rf_pose_scene( scene, rf_moment_time( eye, k ), world->poses + k, error );
+    }
+    if ( result == RF_OK && steps > 0 )
+        rf_join_moments( world->poses, steps, world->joined );
+    return result;
+}
+
 static RfResult open_world( RfWorlds* worlds, int frame, RfWorld* world, RfError* error )
 {
-    RfResult result = rf_pose_scene( rf_tracer_scene( worlds->still ), worlds->eyes[frame].time, &world->pose, error );
+    const RfEye* eye = worlds->eyes + frame;
+    RfResult result = pose_moments( rf_tracer_scene( worlds->still ), eye, world, error );
+    const RfPosedScene* pose = world->poses + rf_middle_moment( (int)eye->blur_steps );
     if ( result == RF_OK )
-        result = rf_create_posed_tracer( worlds->still, &world->pose.scene, &world->tracer, error );
+        result = rf_create_posed_tracer( worlds->still, &pose->scene, &world->tracer, error );
     if ( result == RF_OK )
     {
         world->frame = frame;

@@ -4,21 +4,23 @@
 #define REFRAME_RENDER_WORLDS_H
 
 #include "reframe/render.h"
-#include "scene/pose.h"
+#include "scene/moments.h"
 #include "trace/trace.h"
 
 // One frame of the path.
 typedef struct RfWorld
 {
-    int frame; // −1: free
-    RfPosedScene pose;
+    int frame;           // −1: free
+    int moments;         // that it is posed at
+    RfPosedScene* poses; // of these; where there are several the middle one has them all (scene/moments.h)
+    RfMoments* joined;   // NULL: there is a single one
     RfTracer* tracer;
 } RfWorld;
 
 typedef struct RfWorlds
 {
     const RfTracer* still; // of the scene as it was loaded
-    const RfEye* eyes;     // of the whole path: their times count
+    const RfEye* eyes;     // of the whole path: their times and the moments of their shutters count
     int frames;            // of it
     bool neighbours;       // the frames before and after those of a group are wanted as well
     int count;             // worlds that are held at once; 0: nothing moves
@@ -34,8 +36,8 @@ typedef struct RfWorlds
 // frames before and after a group; `ahead`: with half a group after it, for groups around its last frame.
 int rf_worlds_held( const RfScene* scene, int frames, int eyes, bool neighbours, bool ahead );
 
-// Bytes that so many need, with the ghosts of a group of them.
-size_t rf_worlds_bytes( const RfScene* scene, int count );
+// Bytes that so many need, with the ghosts of a group of them. `steps`: the most of the path's eyes (RfEye.blur_steps).
+size_t rf_worlds_bytes( const RfScene* scene, int count, int steps );
 
 // `count`: as rf_worlds_held has it for the groups that will be opened. Fails with RF_ERROR_MEMORY.
 RfResult rf_create_worlds( const RfShot* shot, int count, bool neighbours, RfWorlds* worlds, RfError* error );

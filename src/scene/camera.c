@@ -661,6 +661,9 @@ static RfResult check_lens( const RfLens* lens, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE,
                         "a shutter must open and close within %g frames of the frame's time, got %g and %g", RF_MAX_SHUTTER,
                         shutter[0], shutter[1] );
+    if ( lens->blur_steps < 0 || lens->blur_steps > RF_MAX_BLUR_STEPS )
+        return rf_fail( error, RF_ERROR_USAGE, "what moves is blurred by 1 to %d steps, got %d", RF_MAX_BLUR_STEPS,
+                        lens->blur_steps );
     return RF_OK;
 }
 
@@ -703,6 +706,43 @@ static RfResult add_lens( const Moment* m, RfOptics* optics, double offset, RfEy
     return result;
 }
 
+static int64_t shot_number( const RfCameraSampling* sampling, double frame )
+{
+    ShotPath shot;
+    find_shot( sampling, frame, &shot );
+    return shot.number;
+}
+
+// How far the shot of `frame` goes on the way to another frame.
+static double end_of_shot( const RfCameraSampling* sampling, double frame, double end )
+{
+    int64_t number = shot_number( sampling, frame );
+    double inside = frame, outside = end;
+    if ( shot_number( sampling, end ) == number )
+        return end;
+    for ( int i = 0; i < 40; ++i )
+    {
+        double middle = 0.5 * ( inside + outside );
+        bool same = shot_number( sampling, middle ) == number;
+        inside = same ? middle : inside;
+        outside = same ? outside : middle;
+    }
+    return inside;
+}
+
+// What moves is blurred from one frame to another, as far as the shot goes: at a cut it may jump.
+static void open_shutter( const RfCameraSampling* sampling, double frame, double first, double last, RfEye* eye )
+{
+    double begin = end_of_shot( sampling, frame, first ), end = end_of_shot( sampling, frame, last );
+    bool cut = begin > first || end < last;
+    begin = begin > first ? fmin( begin + 1.5 * FRAME_SLACK, end ) : begin; // shots begin as much before the cut
+    eye->opens = scene_time( sampling, begin );
+    eye->closes = scene_time( sampling, end );
+    eye->blur_steps = sampling->lens != NULL && sampling->lens->blur_steps > 0 ? sampling->lens->blur_steps : RF_BLUR_STEPS;
+    if ( cut )
+        eye->time = 0.5 * ( eye->opens + eye->closes );
+}
+
 RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
 {
     ShotPath shot;
@@ -722,8 +762,10 @@ RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfE
     if ( result == RF_OK )
         result = add_lens( &m, &optics, middle, eye );
     const RfCameraTrack* track = sampling->camera->track;
-    double later = track != NULL && track->in_frames ? middle / track->step : middle;
-    eye->time = sampling->scene->movement != NULL ? scene_time( sampling, frame + later ) : 0.0;
+    double unit = track != NULL && track->in_frames ? track->step : 1.0; // of the shutter, in frames
+    eye->time = sampling->scene->movement != NULL ? scene_time( sampling, frame + middle / unit ) : 0.0;
+    if ( blurs && sampling->scene->movement != NULL )
+        open_shutter( sampling, frame, frame + optics.shutter[0] / unit, frame + optics.shutter[1] / unit, eye );
     if ( result != RF_OK || !blurs )
         return result;
     result = eye_at( &m, optics.shutter[0], &open );

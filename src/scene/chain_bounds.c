@@ -1,7 +1,7 @@
 // Splits the mirrors and glass of a scene into a few boxes by the surface area they save.
 #include "scene/chain_bounds.h"
 
-#include "scene/placement.h"
+#include "scene/moments.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,11 +25,12 @@ static double area( const Part* part )
     return (double)e.x * (double)e.y + (double)e.y * (double)e.z + (double)e.z * (double)e.x;
 }
 
-static void get_corners( const RfScene* scene, uint32_t triangle, RfVec3 corners[3] )
+// At one of the moments of the shutter.
+static void get_corners( const RfScene* scene, int moment, uint32_t triangle, RfVec3 corners[3] )
 {
-    bool world = triangle < scene->triangles.count;
+    RfTriangleAt at = rf_locate_triangle( scene, triangle );
     for ( int k = 0; k < 3; ++k )
-        corners[k] = world ? rf_corner( &scene->triangles, triangle, k ) : rf_placed_corner( scene, triangle, k );
+        corners[k] = at.placement == NULL ? rf_corner( at.triangles, triangle, k ) : rf_corner_at( scene, moment, &at, k );
 }
 
 static void bound( const RfScene* scene, const uint32_t* triangle, Part* part )
@@ -38,11 +39,12 @@ static void bound( const RfScene* scene, const uint32_t* triangle, Part* part )
     for ( uint32_t i = part->begin; i < part->end; ++i )
     {
         RfVec3 p[3];
-        get_corners( scene, triangle[i], p );
-        for ( int k = 0; k < 3; ++k )
+        for ( int k = 0; k < 3 * rf_moment_count( scene ); ++k )
         {
-            low = rf_vec3( rf_minf( low.x, p[k].x ), rf_minf( low.y, p[k].y ), rf_minf( low.z, p[k].z ) );
-            high = rf_vec3( rf_maxf( high.x, p[k].x ), rf_maxf( high.y, p[k].y ), rf_maxf( high.z, p[k].z ) );
+            if ( k % 3 == 0 )
+                get_corners( scene, k / 3, triangle[i], p );
+            low = rf_vec3( rf_minf( low.x, p[k % 3].x ), rf_minf( low.y, p[k % 3].y ), rf_minf( low.z, p[k % 3].z ) );
+            high = rf_vec3( rf_maxf( high.x, p[k % 3].x ), rf_maxf( high.y, p[k % 3].y ), rf_maxf( high.z, p[k % 3].z ) );
         }
     }
     part->low = low;
@@ -59,7 +61,7 @@ static bool split( const RfScene* scene, uint32_t* triangle, Part* part, Part* o
     for ( uint32_t i = part->begin; i < part->end; ++i )
     {
         RfVec3 p[3];
-        get_corners( scene, triangle[i], p );
+        get_corners( scene, 0, triangle[i], p );
         RfVec3 sum = rf_add( p[0], rf_add( p[1], p[2] ) );
         if ( component( sum, axis ) >= 3.0f * middle )
             continue;

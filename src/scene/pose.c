@@ -287,9 +287,10 @@ static RfResult pose_mover( Posing* p, int i )
     bool skinned = mover->skin >= 0;
     Extent extent = skinned ? SOLID : extent_of( &placement->matrix, mesh, mover->flattens );
     placement->shown = extent != GONE;
-    if ( extent == GONE || ( mesh->deformation == NULL && extent == SOLID && !mover->settles ) )
+    bool flat = extent == FLAT || mover->settles || ( p->pose->in_shutter && own != NULL );
+    if ( extent == GONE || ( mesh->deformation == NULL && !flat ) )
         return check_bounds( p, mover, mesh, &placement->matrix );
-    return deform( p, mover, mesh, own, extent == FLAT || mover->settles, placement );
+    return deform( p, mover, mesh, own, flat, placement );
 }
 
 static Posing begin( const RfScene* scene, double time, const Layout* layout, char* memory, RfError* error )

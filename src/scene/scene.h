@@ -209,6 +209,9 @@ struct RfScene
     uint32_t* placement_blocks; // the placement of every 2^placement_shift-th of their triangles, and the last one
     int placement_shift;
     struct RfMovement* movement; // owned: what moves, and how; NULL: nothing does
+    const struct RfMoments*
+        moments;  // of poses: where what moves is while the shutter is open (scene/moments.h); NULL: it is closed
+    float moment; // within the shutter, 0 to 1: that of this scene
     int unrendered_count;
     RfUnrendered* unrendered;
     bool frozen;                     // something moves or changes in the file, and was read as in the first frame

@@ -3,6 +3,7 @@
 
 #include "base/built_in.h"
 #include "base/fault.h"
+#include "scene/moments.h"
 
 #include <math.h>
 #include <string.h>
@@ -422,6 +423,9 @@ static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextur
     float rgba[4];
     RfVec3 tangent, bitangent;
     RfTriangleAt on = rf_locate_triangle( scene, triangle );
+    RfBetween between;
+    if ( rf_is_between( scene, on.placement ) )
+        on = rf_triangle_between( scene, &on, &between );
     if ( !look_up_slot( scene, m, slot, on.triangles, on.index, u, v, rgba ) ||
          !find_tangents( m->textured, m->textured->refs + slot, &on, u, v, n, &tangent, &bitangent ) )
         return n;

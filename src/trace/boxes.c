@@ -1,6 +1,6 @@
 #include "trace/boxes.h"
 
-#include "scene/placement.h"
+#include "scene/moments.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,14 +24,14 @@ RfBoxes rf_no_boxes( void )
     return boxes;
 }
 
-void rf_add_moving_boxes( const RfScene* posed, float scale, RfBoxes* boxes )
+static void add_at( const RfScene* posed, int moment, float scale, RfBoxes* boxes )
 {
     int first = posed->still_placement_count, all = posed->placement_count - first;
     int each = ( all + RF_MOST_BOXES - 1 ) / RF_MOST_BOXES;
     for ( int i = 0; i < all; ++i )
     {
-        const RfPlacement* p = posed->placements + first + i;
-        const RfMesh* mesh = posed->meshes + p->mesh;
+        const RfPlacement* p = rf_placements_at( posed, moment ) + first + i;
+        const RfMesh* mesh = rf_meshes_at( posed, moment ) + p->mesh;
         const RfVec3 bounds[2] = { mesh->bounds_min, mesh->bounds_max };
         float *low = boxes->low[i / each], *high = boxes->high[i / each];
         for ( int k = 0; k < 8 && p->shown && mesh->triangles.count > 0; ++k )
@@ -45,6 +45,12 @@ void rf_add_moving_boxes( const RfScene* posed, float scale, RfBoxes* boxes )
             }
         }
     }
+}
+
+void rf_add_moving_boxes( const RfScene* posed, float scale, RfBoxes* boxes )
+{
+    for ( int k = 0; k < rf_moment_count( posed ); ++k )
+        add_at( posed, k, scale, boxes );
 }
 
 void rf_finish_boxes( RfBoxes* boxes )

@@ -18,7 +18,7 @@ typedef struct RfBoxes
 
 RfBoxes rf_no_boxes( void );
 
-// Adds what moves in a scene at one moment, in the world multiplied by `scale`.
+// Adds what moves in a posed scene, while its shutter is open, in the world multiplied by `scale`.
 void rf_add_moving_boxes( const RfScene* posed, float scale, RfBoxes* boxes );
 // To be called when all is added.
 void rf_finish_boxes( RfBoxes* boxes );

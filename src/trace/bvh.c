@@ -4,6 +4,7 @@
 #include "base/fault.h"
 #include "base/float_traps.h"
 #include "scene/leave_out.h"
+#include "scene/moments.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
 #include "trace/far.h"
@@ -87,9 +88,44 @@ static void note_material( const RfScene* scene, const RfMaterial* m, RfBvh* bvh
     bvh->partial = bvh->partial || rf_is_blended( m ) || is_pane( scene, m );
 }
 
+// The vertices of a mesh at the moments of the shutter at which they differ: often a single one.
+typedef struct Positions
+{
+    int moments;
+    const float* positions[RF_MAX_BLUR_STEPS + 1];
+} Positions;
+
+static Positions positions_of( const RfScene* scene, int mesh )
+{
+    const RfTriangles* t = &scene->meshes[mesh].triangles;
+    Positions all = { 1, { t->positions } };
+    int count = rf_moment_count( scene );
+    bool deforms = false;
+    for ( int k = 0; k < count && count > 1; ++k )
+    {
+        all.positions[k] = rf_meshes_at( scene, k )[mesh].triangles.positions;
+        deforms = deforms || ( all.positions[k] != all.positions[0] &&
+                               memcmp( all.positions[k], all.positions[0], 12 * (size_t)t->vertex_count ) != 0 );
+    }
+    all.moments = deforms ? count : 1;
+    return all;
+}
+
+static bool is_far( const Positions* at, const RfMeshBvh* mesh, uint32_t triangle )
+{
+    bool far = false;
+    RfTriangles t = *mesh->triangles;
+    for ( int k = 0; k < at->moments && !far; ++k )
+    {
+        t.positions = (float*)at->positions[k];
+        far = rf_is_far_triangle( &t, triangle, mesh->far_error, mesh->placed );
+    }
+    return far;
+}
+
 // Masked and blended triangles, panes and far triangles form a geometry of their own, so that the others need no
 // filter. Sorts the triangles: unfiltered first.
-static RfResult sort_masked( const RfScene* scene, RfBvh* bvh, RfMeshBvh* mesh, RfError* error )
+static RfResult sort_masked( const RfScene* scene, const Positions* at, RfBvh* bvh, RfMeshBvh* mesh, RfError* error )
 {
     const RfTriangles* t = mesh->triangles;
     uint32_t masked = 0;
@@ -102,7 +138,7 @@ static RfResult sort_masked( const RfScene* scene, RfBvh* bvh, RfMeshBvh* mesh, 
             note_material( scene, m, bvh );
             filtered = is_filtered( scene, m );
         }
-        bool far = rf_is_far_triangle( t, i, mesh->far_error, mesh->placed );
+        bool far = is_far( at, mesh, i );
         mesh->far = mesh->far || far;
         masked += filtered || far;
     }
@@ -116,33 +152,43 @@ static RfResult sort_masked( const RfScene* scene, RfBvh* bvh, RfMeshBvh* mesh, 
     uint32_t next[2] = { 0, mesh->masked_first };
     for ( uint32_t i = 0; i < t->count; ++i )
     {
-        bool has_filter =
-            is_filtered( scene, scene->materials + t->material[i] ) || rf_is_far_triangle( t, i, mesh->far_error, mesh->placed );
+        bool has_filter = is_filtered( scene, scene->materials + t->material[i] ) || is_far( at, mesh, i );
         mesh->order[next[has_filter]++] = i;
     }
     return RF_OK;
 }
 
 // Shared by both geometries. Embree may read 16 bytes at each vertex of 12, hence the padding.
-static RTCBuffer copy_positions( RTCDevice device, const RfTriangles* t, float scale )
+static RTCBuffer copy_positions( RTCDevice device, uint32_t vertices, const float* from, float scale )
 {
-    size_t bytes = (size_t)t->vertex_count * 12;
+    size_t bytes = (size_t)vertices * 12;
     RTCBuffer buffer = rtcNewBuffer( device, bytes + 16 );
     char* memory = buffer != NULL ? rtcGetBufferData( buffer ) : NULL;
     if ( memory == NULL )
         return buffer; // reported by the device's error handler
     float* positions = (float*)(void*)memory;
-    for ( size_t i = 0; i < 3 * (size_t)t->vertex_count; ++i )
-        positions[i] = scale * t->positions[i];
+    for ( size_t i = 0; i < 3 * (size_t)vertices; ++i )
+        positions[i] = scale * from[i];
     memset( memory + bytes, 0, 16 );
     return buffer;
 }
 
-static RTCGeometry make_geometry( RTCDevice device, const RfMeshBvh* mesh, RTCBuffer positions, uint32_t first, uint32_t count )
+// The vertices of a mesh, at each of the moments at which they differ.
+typedef struct Vertices
+{
+    int moments;
+    RTCBuffer positions[RF_MAX_BLUR_STEPS + 1];
+} Vertices;
+
+static RTCGeometry make_geometry( RTCDevice device, const RfMeshBvh* mesh, const Vertices* v, uint32_t first, uint32_t count )
 {
     const RfTriangles* t = mesh->triangles;
     RTCGeometry geometry = rtcNewGeometry( device, RTC_GEOMETRY_TYPE_TRIANGLE );
-    rtcSetGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, 12, t->vertex_count );
+    if ( v->moments > 1 )
+        rtcSetGeometryTimeStepCount( geometry, (unsigned int)v->moments );
+    for ( int k = 0; k < v->moments; ++k )
+        rtcSetGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, (unsigned int)k, RTC_FORMAT_FLOAT3, v->positions[k], 0, 12,
+                              t->vertex_count );
     if ( mesh->order == NULL )
     {
         rtcSetSharedGeometryBuffer( geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, t->indices, 0, 12, count );
@@ -154,11 +200,11 @@ static RTCGeometry make_geometry( RTCDevice device, const RfMeshBvh* mesh, RTCBu
     return geometry;
 }
 
-static void attach( RTCDevice device, RfMeshBvh* mesh, RTCBuffer positions, uint32_t first, uint32_t count, unsigned int id )
+static void attach( RTCDevice device, RfMeshBvh* mesh, const Vertices* v, uint32_t first, uint32_t count, unsigned int id )
 {
     if ( count == 0 )
         return;
-    RTCGeometry geometry = make_geometry( device, mesh, positions, first, count );
+    RTCGeometry geometry = make_geometry( device, mesh, v, first, count );
     if ( id == RF_GEOMETRY_FILTERED )
     {
         rtcSetGeometryUserData( geometry, mesh );
@@ -186,26 +232,32 @@ static RfResult note_failure( RTCDevice device, RfError* error )
 
 // Embree's scene of a mesh whose triangles are sorted, not yet committed. Build quality MEDIUM with ROBUST is deterministic with
 // any number of threads; HIGH is not.
-static void begin_mesh( RTCDevice device, RfMeshBvh* mesh )
+static void begin_mesh( RTCDevice device, const Positions* at, RfMeshBvh* mesh )
 {
     const RfTriangles* t = mesh->triangles;
+    Vertices v = { .moments = at->moments };
     mesh->embree_scene = rtcNewScene( device );
     rtcSetSceneBuildQuality( mesh->embree_scene, RTC_BUILD_QUALITY_MEDIUM );
     rtcSetSceneFlags( mesh->embree_scene, RTC_SCENE_FLAG_ROBUST );
-    RTCBuffer positions = copy_positions( device, t, mesh->scale );
-    attach( device, mesh, positions, 0, mesh->masked_first, RF_GEOMETRY_OPAQUE );
-    attach( device, mesh, positions, mesh->masked_first, t->count - mesh->masked_first, RF_GEOMETRY_FILTERED );
-    if ( positions != NULL )
-        rtcReleaseBuffer( positions );
+    for ( int k = 0; k < v.moments; ++k )
+        v.positions[k] = copy_positions( device, t->vertex_count, at->positions[k], mesh->scale );
+    attach( device, mesh, &v, 0, mesh->masked_first, RF_GEOMETRY_OPAQUE );
+    attach( device, mesh, &v, mesh->masked_first, t->count - mesh->masked_first, RF_GEOMETRY_FILTERED );
+    for ( int k = 0; k < v.moments; ++k )
+    {
+        if ( v.positions[k] != NULL )
+            rtcReleaseBuffer( v.positions[k] );
+    }
 }
 
 // The most by which a placement of the mesh lengthens an edge.
 static double most_stretch( const RfScene* scene, int mesh )
 {
     double most = 0.0;
-    for ( int i = 0; i < scene->placement_count; ++i )
+    int count = scene->placement_count;
+    for ( int i = 0; i < count * rf_moment_count( scene ); ++i )
     {
-        const RfPlacement* p = scene->placements + i;
+        const RfPlacement* p = rf_placements_at( scene, i / count ) + i % count;
         if ( p->mesh != mesh || !p->shown )
             continue;
         double squares = 0.0;
@@ -244,12 +296,13 @@ static RfResult build_meshes( RTCDevice device, const RfScene* scene, int first,
                                         .placed = true,
                                         .scale = rf_embree_scale( median_mesh_reach( t ) ),
                                         .far_error = (float)fmin( far_error, (double)FLT_MAX ) };
-        RfResult result = sort_masked( scene, bvh, bvh->meshes + m, error );
+        Positions at = positions_of( scene, m );
+        RfResult result = sort_masked( scene, &at, bvh, bvh->meshes + m, error );
         if ( result != RF_OK )
             return result;
         if ( is_left_to_poses( scene, m ) )
             continue;
-        begin_mesh( device, bvh->meshes + m );
+        begin_mesh( device, &at, bvh->meshes + m );
         result = note_failure( device, error );
         if ( result != RF_OK )
             return result;
@@ -259,7 +312,7 @@ static RfResult build_meshes( RTCDevice device, const RfScene* scene, int first,
 }
 
 // From Embree's scene of a mesh to that of the world.
-static void set_transform( RTCGeometry instance, const RfMat4* matrix, double base_scale, double mesh_scale )
+static void set_transform( RTCGeometry instance, int moment, const RfMat4* matrix, double base_scale, double mesh_scale )
 {
     float columns[12];
     for ( int k = 0; k < 12; ++k )
@@ -267,7 +320,17 @@ static void set_transform( RTCGeometry instance, const RfMat4* matrix, double ba
         int column = k / 3;
         columns[k] = (float)( matrix->m[4 * column + k % 3] * base_scale / ( column < 3 ? mesh_scale : 1.0 ) );
     }
-    rtcSetGeometryTransform( instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns );
+    rtcSetGeometryTransform( instance, (unsigned int)moment, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns );
+}
+
+// The moments at which a placement stands differently; 1: it is the same at all.
+static int placement_moments( const RfScene* scene, int placement )
+{
+    const RfMat4* matrix = &rf_placements_at( scene, 0 )[placement].matrix;
+    bool moves = false;
+    for ( int k = 1; k < rf_moment_count( scene ); ++k )
+        moves = moves || memcmp( &rf_placements_at( scene, k )[placement].matrix, matrix, sizeof *matrix ) != 0;
+    return moves ? rf_moment_count( scene ) : 1;
 }
 
 // Placements [first, end).
@@ -281,18 +344,22 @@ static void attach_placements( RTCDevice device, const RfScene* scene, const RfB
             continue;
         RTCGeometry instance = rtcNewGeometry( device, RTC_GEOMETRY_TYPE_INSTANCE );
         rtcSetGeometryInstancedScene( instance, mesh->embree_scene );
-        set_transform( instance, &p->matrix, (double)bvh->base.scale, (double)mesh->scale );
+        int moments = placement_moments( scene, i );
+        if ( moments > 1 )
+            rtcSetGeometryTimeStepCount( instance, (unsigned int)moments );
+        for ( int k = 0; k < moments; ++k )
+            set_transform( instance, k, &rf_placements_at( scene, k )[i].matrix, (double)bvh->base.scale, (double)mesh->scale );
         rtcCommitGeometry( instance );
         rtcAttachGeometryByID( to, instance, RF_GEOMETRY_PLACEMENTS + (unsigned int)i );
         rtcReleaseGeometry( instance );
     }
 }
 
-static RfPlacedBvh make_placed( const RfPlacement* p )
+RfPlacedBvh rf_note_matrix( const RfMat4* matrix, const RfMat4* most )
 {
     RfPlacedBvh placed = { .side = 1.0f };
-    double det = rf_mat4_det3( &p->matrix );
-    if ( !p->shown || det == 0.0 )
+    double det = rf_mat4_det3( matrix );
+    if ( det == 0.0 )
         return placed;
     placed.side = det < 0.0 ? -1.0f : 1.0f;
     for ( int r = 0; r < 3; ++r )
@@ -300,7 +367,7 @@ static RfPlacedBvh make_placed( const RfPlacement* p )
         for ( int c = 0; c < 3; ++c )
         {
             // the minor without column r and row c
-            const double *a = p->matrix.m + 4 * ( ( r + 1 ) % 3 ), *b = p->matrix.m + 4 * ( ( r + 2 ) % 3 );
+            const double *a = most->m + 4 * ( ( r + 1 ) % 3 ), *b = most->m + 4 * ( ( r + 2 ) % 3 );
             int i = ( c + 1 ) % 3, k = ( c + 2 ) % 3;
             placed.inverse[r][c] = (float)( ( fabs( a[i] * b[k] ) + fabs( a[k] * b[i] ) ) / fabs( det ) );
         }
@@ -314,7 +381,10 @@ static RfResult note_placements( const RfScene* scene, RfBvh* bvh, RfError* erro
     if ( bvh->placed == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for %d instances", scene->placement_count );
     for ( int i = 0; i < scene->placement_count; ++i )
-        bvh->placed[i] = make_placed( scene->placements + i );
+    {
+        const RfPlacement* p = scene->placements + i;
+        bvh->placed[i] = p->shown ? rf_note_matrix( &p->matrix, &p->matrix ) : ( RfPlacedBvh ){ .side = 1.0f };
+    }
     return RF_OK;
 }
 
@@ -380,9 +450,10 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
         .halved = rf_halves_packets( device ),
         .panes = rf_is_forced( scene, RF_EFFECT_PANES )
     };
-    RfResult result = sort_masked( scene, bvh, &bvh->base, error );
+    Positions at = { 1, { scene->triangles.positions } };
+    RfResult result = sort_masked( scene, &at, bvh, &bvh->base, error );
     if ( result == RF_OK )
-        begin_mesh( device, &bvh->base );
+        begin_mesh( device, &at, &bvh->base );
     if ( result == RF_OK && scene->placement_count > 0 )
         result = place_meshes( device, scene, bvh, error );
     bvh->blended = bvh->any_blended || rf_is_forced( scene, RF_EFFECT_ALPHA_BLEND );
@@ -399,7 +470,7 @@ RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float sc
         return NULL;
     RTCScene out = rtcNewScene( device );
     RTCGeometry geometry = rtcNewGeometry( device, RTC_GEOMETRY_TYPE_TRIANGLE );
-    RTCBuffer positions = copy_positions( device, &scene->triangles, scale );
+    RTCBuffer positions = copy_positions( device, scene->triangles.vertex_count, scene->triangles.positions, scale );
     rtcSetGeometryBuffer( geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions, 0, 12,
                           scene->triangles.vertex_count );
     uint32_t* indices =

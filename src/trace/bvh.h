@@ -106,6 +106,9 @@ typedef struct RfQuery
     float world[6][RF_PACKET];
 } RfQuery;
 
+// For a matrix whose entries are rounded by these magnitudes.
+RfPlacedBvh rf_note_matrix( const RfMat4* matrix, const RfMat4* most );
+
 // Embree's filter function for geometries whose user pointer is their RfMeshBvh (trace/filter.c). Rejects hits where the surface
 // is masked out. On a blended surface, rays hit with probability alpha, by a hash of the ray; segments are attenuated by
 // 1 − alpha. Thin panes are passed likewise, and their factors accumulated for segments.

@@ -1,5 +1,6 @@
 // Tracers for moments of a scene that moves, and what moves in a group of frames.
 #include "base/fault.h"
+#include "scene/moments.h"
 #include "trace/tracer.h"
 
 #include <stdlib.h>
@@ -11,10 +12,12 @@
 static float find_reach( const RfScene* posed, const RfLights* lights )
 {
     float reach = lights->radius;
-    for ( int i = posed->still_placement_count; i < posed->placement_count; ++i )
+    int moving = posed->placement_count - posed->still_placement_count;
+    for ( int n = 0; n < moving * rf_moment_count( posed ); ++n )
     {
-        const RfPlacement* p = posed->placements + i;
-        const RfVec3 *low = &posed->meshes[p->mesh].bounds_min, *high = &posed->meshes[p->mesh].bounds_max;
+        const RfPlacement* p = rf_placements_at( posed, n / moving ) + posed->still_placement_count + n % moving;
+        const RfMesh* mesh = rf_meshes_at( posed, n / moving ) + p->mesh;
+        const RfVec3 *low = &mesh->bounds_min, *high = &mesh->bounds_max;
         for ( int k = 0; p->shown && k < 8 && !RF_FAULT( sky_reach ); ++k )
         {
             RfVec3 corner = rf_vec3( ( k & 1 ) != 0 ? low->x : high->x, ( k & 2 ) != 0 ? low->y : high->y,
@@ -41,6 +44,7 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
     *tracer = *still;
     tracer->still = still;
     tracer->scene = posed;
+    tracer->moment = posed->moments != NULL ? posed->moment : 0.0f;
     tracer->lights.reach = tracer->own_reach = find_reach( posed, &still->lights );
     tracer->chain_bounds = ( RfChainBounds ){ 0 };
     tracer->bvh = ( RfBvh ){ 0 };
@@ -56,6 +60,26 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
     }
     *out = tracer;
     return RF_OK;
+}
+
+typedef struct TracerAt
+{
+    RfTracer tracer;
+    RfScene scene;
+} TracerAt;
+
+size_t rf_tracer_at_bytes( void ) { return ( sizeof( TracerAt ) + 63 ) / 64 * 64; }
+
+const RfTracer* rf_tracer_at( const RfTracer* posed, float moment, void* memory )
+{
+    if ( posed->scene->moments == NULL )
+        return posed;
+    TracerAt* at = memory;
+    at->tracer = *posed;
+    at->scene = *posed->scene;
+    at->scene.moment = at->tracer.moment = moment;
+    at->tracer.scene = &at->scene;
+    return &at->tracer;
 }
 
 void rf_destroy_posed_tracer( RfTracer* tracer )

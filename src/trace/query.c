@@ -136,11 +136,12 @@ static int set_valid( int* valid, int first, int count )
 }
 
 // What is the same in all packets of a query.
-static void begin_rays( struct RTCRay16* ray )
+static void begin_rays( const RfTracer* tracer, struct RTCRay16* ray )
 {
     memset( ray, 0, sizeof *ray );
     for ( int i = 0; i < RF_PACKET; ++i )
     {
+        ray->time[i] = tracer->moment;
         ray->tnear[i] = RF_FAULT( near_0 ) ? 1e-4f : 0.0f;
         ray->mask[i] = 0xffffffffu;
         ray->id[i] = (unsigned int)i;
@@ -219,7 +220,7 @@ static void trace_nearest( const RfTracer* tracer, int count, const float* const
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
     memset( &packet.hit, 0, sizeof packet.hit );
-    begin_rays( &packet.ray );
+    begin_rays( tracer, &packet.ray );
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
@@ -272,7 +273,7 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
     RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
-    begin_rays( &ray );
+    begin_rays( tracer, &ray );
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
@@ -323,7 +324,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
     float scale = tracer->bvh.base.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
-    begin_rays( &ray );
+    begin_rays( tracer, &ray );
     for ( int i = 0; i < RF_PACKET; ++i )
     {
         ray.org_x[i] = scale * origin.x;
@@ -374,7 +375,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRayHit16 packet;
     memset( &packet.hit, 0, sizeof packet.hit );
-    begin_rays( &packet.ray );
+    begin_rays( tracer, &packet.ray );
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
@@ -452,7 +453,7 @@ void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3],
         return;
     RfQuery query = begin_query( tracer, RF_QUERY_GHOSTS, false, false );
     NearRays rays = { .count = 0 };
-    begin_rays( &rays.ray );
+    begin_rays( tracer, &rays.ray );
     for ( int first = 0; first < count; first += RF_BOX_BLOCK )
     {
         int32_t near[RF_BOX_BLOCK];

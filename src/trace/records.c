@@ -1,5 +1,6 @@
 // The records of triangles that hits refer to.
 #include "base/fault.h"
+#include "scene/moments.h"
 #include "trace/far.h"
 #include "trace/tracer.h"
 
@@ -98,13 +99,15 @@ static RfVec3 own_normal( const RfTriangles* t, const uint32_t v[3], const RfMat
     return rf_place_normal( matrix, side, n );
 }
 
-void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
+// A triangle where `at` has it, within instances of `placed`. `most`: magnitudes that Embree's floats are rounded by, of the
+// matrix; `own` and `world`: of coordinates, at least. `turned`: its corners are in reverse order.
+static void make_record( const RfMeshBvh* mesh, const RfTriangleAt* at, const RfPlacedBvh* placed, const RfMat4* most, RfVec3 own,
+                         RfVec3 world, bool turned, RfTriangleRecord* place )
 {
     const RfTriangles* t = at->triangles;
     const uint32_t* v = t->indices + 3 * (size_t)at->index;
     const RfMat4* matrix = &at->placement->matrix;
-    const RfPlacedBvh* placed = tracer->bvh.placed + ( at->placement - tracer->scene->placements );
-    RfVec3 p[3], n[3], own = { 0, 0, 0 }, world = { 0, 0, 0 };
+    RfVec3 p[3], n[3];
     for ( int k = 0; k < 3; ++k )
     {
         RfVec3 corner = load_vec3( t->positions, v[k] );
@@ -115,14 +118,31 @@ void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTr
     }
     RfTriangleRecord r = { .material = t->material[at->index], .light = RF_NO_LIGHT, .mirror = RF_NO_MIRROR, .placed = 1 };
     set_corners( &r, p[0], p[1], p[2] );
-    r.ng = rf_scale( r.ng, placed->side );  // a mirroring matrix reverses the winding
+    float side = turned ? -placed->side : placed->side;
+    r.ng = rf_scale( r.ng, side );          // a mirroring matrix reverses the winding
     if ( !( rf_dot( r.ng, r.ng ) > 0.5f ) ) // far out, where rounding joins corners that Embree keeps apart in the mesh's space
-        r.ng = own_normal( t, v, matrix, (double)placed->side );
+        r.ng = own_normal( t, v, matrix, (double)side );
     set_normals( &r, n[0], n[1], n[2] );
-    const RfMeshBvh* mesh = tracer->bvh.meshes + at->placement->mesh;
     r.far = mesh->far && rf_is_far_triangle( t, at->index, mesh->far_error, true );
-    r.offset += placed_error( placed, matrix, own, world, r.ng );
+    r.offset += placed_error( placed, most, own, world, r.ng );
     *place = r;
+}
+
+void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
+{
+    const RfPlacement* p = at->placement;
+    const RfMeshBvh* mesh = tracer->bvh.meshes + p->mesh;
+    RfVec3 none = { 0, 0, 0 };
+    if ( !rf_is_between( tracer->scene, p ) )
+    {
+        make_record( mesh, at, tracer->bvh.placed + ( p - tracer->scene->placements ), &p->matrix, none, none, false, place );
+        return;
+    }
+    RfBetween between;
+    RfTriangleAt then = rf_triangle_between( tracer->scene, at, &between );
+    RfPlacedBvh placed = rf_note_matrix( &between.placement.matrix, &between.most );
+    make_record( mesh, &then, &placed, &between.most, between.own, between.world, between.turned, place );
+    place->offset = rf_maxf( place->offset, rf_ray_offset( rf_largest_coordinate( between.world ) ) );
 }
 
 const RfTriangleRecord* rf_place_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place )

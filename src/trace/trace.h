@@ -31,6 +31,11 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** trac
 // the scene as it was loaded, and must outlive it, as must the posed scene. What moves is no light and no flat mirror.
 RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, RfTracer** tracer, RfError* error );
 
+// A posed tracer at a moment of its frame's shutter, 0 to 1: a copy at `memory`, of rf_tracer_at_bytes and aligned to 64, which goes
+// with the tracer. The tracer itself where the shutter is closed, or nothing moves in it. As it was created it is in the middle.
+size_t rf_tracer_at_bytes( void );
+const RfTracer* rf_tracer_at( const RfTracer* posed, float moment, void* memory );
+
 // Ghosts: what moves in a group of frames, at all of them together (src/reuse/estimators.md, section 18).
 typedef struct RfGhosts RfGhosts;
 

@@ -22,6 +22,7 @@ struct RfTracer
     float own_reach;       // as lights.reach, without ghosts
     const RfGhosts* ghosts;
     const RfScene* scene;
+    float moment; // of rays, where the shutter is open: that of the scene
     RTCDevice device;
     RfBvh bvh;
     RfLights lights;

@@ -137,7 +137,7 @@ static void test_ten_thousand_nodes( void** state )
     RfRenderSettings settings = settings_of( 3, "3x3", 7 );
     render( &room, room.eyes, 3, &settings, &picture );
     double rendered = cpu_seconds();
-    double bytes = (double)rf_worlds_bytes( &room.scene, MOVING_EYES );
+    double bytes = (double)rf_worlds_bytes( &room.scene, MOVING_EYES, 0 );
     printf( "loaded in %.2f s, posed in %.4f s, rendered in %.2f s; %.1f MB for 7 frames\n", loaded - start, posed - loaded,
             rendered - posed, bytes * 1e-6 );
     assert_true( bytes < 1e8 );

@@ -453,7 +453,7 @@ static void test_the_budget_counts_what_moves( void** state )
     RfScene scene = load_sliding( ( const float[3] ){ 0.8f, 0, 0 } );
     RfTracer* tracer = make_tracer( &scene );
     RfRenderSettings settings = moving_settings( 1, 3 );
-    size_t five = rf_worlds_bytes( &scene, 5 ), three = rf_worlds_bytes( &scene, 3 );
+    size_t five = rf_worlds_bytes( &scene, 5, 0 ), three = rf_worlds_bytes( &scene, 3, 0 );
     assert_true( three > 0 && five > three );
     assert_int_equal( rf_worlds_held( &scene, 9, 3, true, false ), 5 );
     assert_int_equal( rf_worlds_held( &scene, 9, 7, true, true ), 9 );
@@ -534,7 +534,7 @@ static void test_embree_holds_no_more_than_counted( void** state )
         for ( int first = 0; first + 5 <= 12; ++first )
         {
             assert_non_null( rf_open_worlds( &worlds, first, 5 ) );
-            assert_true( rf_tracer_bytes( tracer ) - before <= rf_worlds_bytes( &scene, 5 ) - 5 * rf_pose_bytes( &scene ) );
+            assert_true( rf_tracer_bytes( tracer ) - before <= rf_worlds_bytes( &scene, 5, 0 ) - 5 * rf_pose_bytes( &scene ) );
         }
         rf_destroy_worlds( &worlds );
         rf_destroy_tracer( tracer );

@@ -406,6 +406,17 @@ def mirrors():
     return room
 
 
+def fan():
+    """Two blades turn by 84 degrees from frame to frame, below the lamp and before the eye."""
+    room = view("fan")
+    furnish(room)
+    axle = Way((0.2, 1.4, -0.2), None, "z", 0.2, 9.0)
+    room.move("blade", make_box((1.6, 0.25, 0.06)), LACQUER, [Way((0.0, -0.125, 0.0), under=axle)])
+    room.move("other blade", make_box((0.25, 1.2, 0.06)), WHITE, [Way((0.0, -0.6, 0.1), under=axle)])
+    room.stills = []
+    return room
+
+
 def column(height, rows):
     """A square column of rows of vertices around the y axis."""
     mesh = Mesh()
@@ -601,7 +612,7 @@ def many():
     return room
 
 
-CASES = (sweep, door, mirrors, figure, shown, panes, sky, around_eye, flat, singular, late, no_area, far_out,
+CASES = (sweep, door, mirrors, fan, figure, shown, panes, sky, around_eye, flat, singular, late, no_area, far_out,
          short_path, plate, apart, lamps, many)
 
 

@@ -38,6 +38,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .tile_pixels = tile_pixels,
         .params = rf_glossy_params( group->traits.kinds ),
         .blurred = rf_is_blurred( &group->traits ),
+        .moments = rf_calls_for( group->traits.moves && group->traits.blur_steps > 0, RF_EFFECT_MOTION_BLUR ),
         .blended = group->traits.blended,
         .panes = group->traits.panes,
         .own_frame_light = specular || chains || group->traits.sky,
@@ -93,6 +94,16 @@ static size_t eyes_bytes( const RfBatchShape* shape )
     return rf_is_blurred_shape( shape ) ? ( (size_t)shape->eyes * sizeof( RfEye ) + 63 ) / 64 * 64 : 0;
 }
 
+static size_t tracer_list_bytes( const RfBatchShape* shape )
+{
+    return ( (size_t)shape->eyes * sizeof( const RfTracer* ) + 63 ) / 64 * 64;
+}
+
+static size_t tracers_bytes( const RfBatchShape* shape )
+{
+    return shape->moments ? tracer_list_bytes( shape ) + (size_t)shape->eyes * rf_tracer_at_bytes() : 0;
+}
+
 static size_t tile_bytes( const RfBatchShape* shape )
 {
     return rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, shape->own_light,
@@ -102,9 +113,10 @@ static size_t tile_bytes( const RfBatchShape* shape )
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
     size_t lanes = RF_LANES * sizeof( float );
-    return scratch_struct_bytes() + eyes_bytes( shape ) + (size_t)shape->light_samples * sizeof( RfLightLanes ) +
-           (size_t)shape->eyes * lanes + (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) +
-           ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) + ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
+    return scratch_struct_bytes() + eyes_bytes( shape ) + tracers_bytes( shape ) +
+           (size_t)shape->light_samples * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
+           (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) + ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) +
+           ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
            ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
            ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) +
            ( shape->dimmed > 0 ? (size_t)shape->dimmed * sizeof( RfArrivals ) + 64 : 0 ) +
@@ -116,7 +128,10 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
 {
     RfHarvestScratch* scratch = memory;
     scratch->eyes = (RfEye*)(void*)( (char*)memory + scratch_struct_bytes() );
-    scratch->direct = (RfLightLanes*)( (char*)memory + scratch_struct_bytes() + eyes_bytes( shape ) );
+    char* tracers = (char*)memory + scratch_struct_bytes() + eyes_bytes( shape );
+    scratch->tracers = shape->moments ? (const RfTracer**)(void*)tracers : NULL;
+    scratch->at_moment = shape->moments ? tracers + tracer_list_bytes( shape ) : NULL;
+    scratch->direct = (RfLightLanes*)( tracers + tracers_bytes( shape ) );
     scratch->density = (float*)( scratch->direct + shape->light_samples );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
@@ -161,6 +176,13 @@ RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, R
     for ( int l = 0; l < harvest->shape.eyes; ++l )
         scratch->eyes[l] = rf_sample_eye( harvest->eyes + l, lens );
     at.eyes = scratch->eyes;
+    if ( scratch->tracers == NULL )
+        return at;
+    for ( int l = 0; l < harvest->shape.eyes; ++l )
+        scratch->tracers[l] =
+            rf_tracer_at( rf_harvest_tracer( harvest, l ), lens.time, scratch->at_moment + (size_t)l * rf_tracer_at_bytes() );
+    at.tracers = scratch->tracers;
+    at.path.tracer = scratch->tracers[eye];
     return at;
 }
 

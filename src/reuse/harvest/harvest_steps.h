@@ -41,6 +41,8 @@ struct RfHarvestScratch
     RF_ALIGN int32_t landed_pixel[RF_LANES]; // pixel of each hit on the film of a camera
     RF_ALIGN float lifted[3][RF_LANES];      // the hits, off their surface
     RfEye* eyes;                             // of the group, at the batch's point of the lens and moment of the shutter
+    const RfTracer** tracers;                // of the group likewise; NULL where nothing moves while the shutter is open
+    char* at_moment;                         // where they are
     float* place[2];                         // of each camera ray in its pixel, by slot; NULL with the plain pixel filter
     RfLightLanes* direct;                    // light samples at the hits, K of them
     float* density;                          // J_l V_l: camera l, hit i at l·RF_LANES + i
@@ -100,7 +102,7 @@ static inline const RfTracer* rf_harvest_tracer( const RfHarvest* harvest, int e
 }
 
 // The harvest of batches of one frame: with its tracer, and with all cameras as pinholes at a point of the lens and moment of the
-// shutter, in scratch->eyes.
+// shutter, in scratch->eyes, and what moves at that moment in scratch->tracers.
 RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, RfHarvestScratch* scratch );
 
 // One camera ray per pixel, through a point drawn uniformly or by a filter (NULL: uniformly). Lane i is slot i,

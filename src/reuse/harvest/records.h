@@ -77,6 +77,7 @@ typedef struct RfBatchShape
     bool panes;           // connections and, with chains, the cameras' rays may pass thin panes
     bool own_frame_light; // misses may be lit: the scene has a sky or specular materials
     bool blurred;         // batches have their points of the lens and moments of the shutter
+    bool moments;         // what moves in the scene is then as at that moment
     bool filtered;        // samples need their place in the pixel
     bool chains;          // camera rays are followed through mirrors and glass
     int chain_samples;    // per hit behind a chain (path/chain_samples.h); one direction more unless 0

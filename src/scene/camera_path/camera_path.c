@@ -4,6 +4,7 @@
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/lens.h"
+#include "scene/moments.h"
 #include "scene/pose.h"
 
 #include <stddef.h>
@@ -32,6 +33,11 @@ static uint64_t hash_eye( uint64_t hash, const RfEye* e )
     bool plain = film[0] == e->focal && film[1] == 0.5f * (float)e->width && film[2] == 0.5f * (float)e->height;
     hash = plain ? hash : rf_hash_bytes( hash, film, sizeof film ); // square pixels and a centred lens add nothing
     hash = e->time == 0.0 ? hash : rf_hash_bytes( hash, &e->time, sizeof e->time ); // nor does a scene that stands still
+    if ( e->blur_steps > 0 )
+    {
+        const double shutter[2] = { e->opens, e->closes };
+        hash = rf_hash_bytes( rf_hash_bytes( hash, shutter, sizeof shutter ), &e->blur_steps, sizeof e->blur_steps );
+    }
     hash = e->shot == 0 ? hash : rf_hash_bytes( hash, &e->shot, sizeof e->shot );
     // RfEye has no padding
     return rf_is_sharp( e ) && e->projection == RF_PERSPECTIVE ? hash : rf_hash_bytes( hash, e, offsetof( RfEye, time ) );
@@ -42,12 +48,29 @@ int rf_frame_number( const RfCameraPath* path, int frame )
     return path->step > 0 ? path->first + frame * path->step : frame + 1; // a path of the caller's own may have no numbers
 }
 
-// Whether two frames are the same. RfEye has no padding.
+// Whether two frames are the same, at all moments of their shutters. RfEye has no padding.
 static bool shows_same( const RfScene* scene, const RfEye* a, const RfEye* b )
 {
     RfEye at = *a;
     at.time = b->time;
-    return memcmp( &at, b, sizeof at ) == 0 && !rf_scene_moves( scene, a->time, b->time );
+    at.opens = b->opens;
+    at.closes = b->closes;
+    bool same = memcmp( &at, b, sizeof at ) == 0;
+    for ( int k = 0; k <= a->blur_steps && same; ++k )
+        same = !rf_scene_moves( scene, rf_moment_time( a, k ), rf_moment_time( b, k ) );
+    return same;
+}
+
+// Where nothing that moves differs between the moments of a shutter, nothing is blurred.
+static void drop_still_moments( const RfScene* scene, RfEye* eye )
+{
+    for ( int k = 1; k <= eye->blur_steps; ++k )
+    {
+        if ( rf_scene_moves( scene, rf_moment_time( eye, k - 1 ), rf_moment_time( eye, k ) ) )
+            return;
+    }
+    eye->opens = eye->closes = 0.0;
+    eye->blur_steps = 0;
 }
 
 // Frames that follow each other with equal cameras, between which nothing moves.
@@ -88,8 +111,10 @@ static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path,
     for ( int i = 0; i < path->count && result == RF_OK; ++i )
     {
         result = rf_camera_lens_eye( sampling, (double)i, path->eyes + i, error );
-        if ( result == RF_OK )
-            path->hash = hash_eye( path->hash, path->eyes + i );
+        if ( result != RF_OK )
+            break;
+        drop_still_moments( scene, path->eyes + i );
+        path->hash = hash_eye( path->hash, path->eyes + i );
     }
     return result == RF_OK ? find_runs( scene, path, error ) : result;
 }
