@@ -23,7 +23,8 @@
 #define HEIGHT 16
 #define BLOCK 4
 #define FRAME 3
-#define MOMENTS 24
+#define STEPS 12
+#define MOMENTS 16
 #define REFERENCE_SPP 4
 #define REFERENCE_SEED 2000003
 #define MAX_DEPTH 5
@@ -33,7 +34,7 @@ static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
 // With an open shutter; so many steps that straight ones are as good as turns.
 static void open_shutters( MovingRoom* room, double length )
 {
-    RfLens lens = { .has_shutter = true, .shutter = { -0.5 * length, 0.5 * length }, .blur_steps = 24 };
+    RfLens lens = { .has_shutter = true, .shutter = { -0.5 * length, 0.5 * length }, .blur_steps = STEPS };
     RfCameraPath path;
     RfError error;
     RfPathOptions options = { .lens = &lens, .width = WIDTH, .height = HEIGHT };
@@ -41,7 +42,7 @@ static void open_shutters( MovingRoom* room, double length )
         fail_msg( "%s", error.text );
     assert_int_equal( path.count, room->eye_count );
     for ( int i = 0; i < path.count; ++i )
-        assert_int_equal( path.eyes[i].blur_steps, 24 );
+        assert_int_equal( path.eyes[i].blur_steps, STEPS );
     memcpy( room->eyes, path.eyes, (size_t)path.count * sizeof *path.eyes );
     rf_destroy_camera_path( &path );
 }
@@ -102,7 +103,7 @@ static void check( const char* name, double shutter, int count )
         settings.max_depth = MAX_DEPTH;
         settings.memory = (size_t)512 << 20;
         settings.group = s->group;
-        settings.spp = 4 * s->spp * ( is_long() ? 4 : 1 );
+        settings.spp = s->spp * ( is_long() ? 4 : 1 );
         settings.adaptive = s->adaptive ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
         settings.light_paths = RF_LIGHT_PATHS_OFF;
         assert_true( rf_parse_tile( s->tile, &settings.tile ) );
