@@ -39,6 +39,9 @@ int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int s
 // Says in the list of what is frozen that something changes, where it is frozen.
 RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name );
 
+// Whether the document changes a light by keys (gltf_light.c).
+bool rf_gltf_light_changes( const RfGltf* gltf, int index );
+
 // Notes a punctual light that moves, is switched or changes. Its node is one of the scene, its changes are numbers of
 // rf_gltf_find_change.
 RfResult rf_gltf_add_lamp( RfGltf* gltf, const RfMovingLamp* lamp );

@@ -164,13 +164,13 @@ static RfResult place_light( const RfGltf* gltf, int node, const char* where, Rf
     return RF_OK;
 }
 
-// Whether the document changes a light by keys.
-static bool is_animated( const RfGltf* gltf, int index )
+bool rf_gltf_light_changes( const RfGltf* gltf, int index )
 {
     for ( int i = 0; i < gltf->change_count; ++i )
     {
         const RfChange* change = gltf->changes + i;
-        if ( change->value < RF_CHANGED_LAMP_VALUES && change->of == index && rf_gltf_channel_varies( &change->channel ) )
+        bool varies = gltf->change_used[i] || rf_gltf_channel_varies( &change->channel ); // whose keys have gone to the scene
+        if ( change->value < RF_CHANGED_LAMP_VALUES && change->of == index && varies )
             return true;
     }
     return false;
@@ -182,7 +182,7 @@ static RfResult note_change( RfGltf* gltf, int node, Source* source, RfPunctual*
     RfMovingLamp* lamp = &source->lamp;
     bool moves = rf_gltf_changes( gltf, node );
     if ( gltf->freeze )
-        return moves || is_animated( gltf, source->index ) ? rf_gltf_note_frozen( gltf, "light", out->name ) : RF_OK;
+        return moves || rf_gltf_light_changes( gltf, source->index ) ? rf_gltf_note_frozen( gltf, "light", out->name ) : RF_OK;
     for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
         out->changes = out->changes || lamp->changes[v] >= 0;
     out->changes = out->changes || moves;

@@ -1,5 +1,5 @@
 // What `extras.reframe` of a scene says beside its environment: settings of a render, camera paths, warnings of the exporter.
-#include "scene/gltf/gltf_document.h"
+#include "scene/gltf/gltf_changes.h"
 
 #include "base/file.h"
 #include "reframe/render.h"
@@ -278,7 +278,43 @@ static bool is_moving_node( const RfScene* scene, const char* name ) // or an an
     return false;
 }
 
-// Takes what does not move in the file out of the names.
+static bool any_material_changes( const RfGltf* gltf, int mesh )
+{
+    const json_t* primitives = json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), "primitives" );
+    for ( size_t i = 0; i < json_array_size( primitives ); ++i )
+    {
+        const json_t* material = json_object_get( json_array_get( primitives, i ), "material" );
+        const RfMaterial* m = material != NULL ? gltf->scene->materials + json_integer_value( material ) : NULL;
+        if ( m != NULL && ( m->dims || m->changes ) )
+            return true;
+    }
+    return false;
+}
+
+// Whether a node that stands still has something that changes: all of it has been read.
+static bool changes_at( const RfGltf* gltf, int node )
+{
+    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, node );
+    const json_t* mesh = json_object_get( json, "mesh" );
+    const json_t* light =
+        json_object_get( json_object_get( json_object_get( json, "extensions" ), "KHR_lights_punctual" ), "light" );
+    return ( mesh != NULL && any_material_changes( gltf, (int)json_integer_value( mesh ) ) ) ||
+           ( light != NULL && rf_gltf_light_changes( gltf, (int)json_integer_value( light ) ) );
+}
+
+static bool changes( const RfGltf* gltf, const char* name )
+{
+    if ( gltf->change_count == 0 )
+        return false;
+    for ( int i = 0; i < gltf->order_count; ++i )
+    {
+        if ( strcmp( gltf->scene->nodes[gltf->order[i]].name, name ) == 0 && changes_at( gltf, gltf->order[i] ) )
+            return true;
+    }
+    return false;
+}
+
+// Takes what does not move or change in the file out of the names.
 static RfResult list_unmoved( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
@@ -287,7 +323,7 @@ static RfResult list_unmoved( RfGltf* gltf )
     for ( int i = 0; i < count; ++i )
     {
         char* name = scene->moving[i];
-        if ( is_moving_node( scene, name ) )
+        if ( is_moving_node( scene, name ) || changes( gltf, name ) )
         {
             scene->moving[kept++] = name;
             continue;

@@ -3,6 +3,7 @@
 #include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
+#include "scene/leave_out.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
 #include "scene/textured.h"
@@ -381,6 +382,36 @@ static void test_keys_that_are_equal( void** state )
     rf_destroy_scene( &scene );
 }
 
+// The list of an exporter names nodes: that of a lamp that dims is rendered, another is not.
+static void test_what_is_said_to_change( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_keys();
+    RfScene scene = gltf_load_built(
+        &b, "\"scenes\":[{\"nodes\":[0],\"extras\":{\"reframe\":{\"moving\":[\"a\",\"smoke\"]}}}]," LAMP DIMMER );
+    assert_int_equal( scene.unrendered_count, 1 );
+    assert_string_equal( scene.unrendered[0].what, "object 'smoke'" );
+    rf_destroy_scene( &scene );
+}
+
+static void test_what_is_left_out( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_keys(), c = make_keys();
+    RfScene scene = gltf_load_built( &b, LAMP DIMMER );
+    assert_int_equal( rf_choose_effects( &scene, 0, RF_EFFECT_BIT( RF_EFFECT_PUNCTUAL_LIGHTS ), NULL ), RF_OK );
+    RfPosedScene pose = gltf_pose_at( &scene, 2.0 );
+    assert_int_equal( pose.scene.punctual_count, 0 );
+    rf_destroy_pose( &pose );
+    rf_destroy_scene( &scene );
+    scene = gltf_load_built( &c, TWO_TRIANGLES "\"materials\":[{},{}]," GLOW );
+    assert_int_equal( rf_choose_effects( &scene, 0, RF_EFFECT_BIT( RF_EFFECT_AREA_LIGHTS ), NULL ), RF_OK );
+    pose = gltf_pose_at( &scene, 2.0 );
+    gltf_assert_rgb( pose.scene.materials[1].emission, 0, 0, 0 );
+    rf_destroy_pose( &pose );
+    rf_destroy_scene( &scene );
+}
+
 // ---- Lenses -----------------------------------------------------------------------
 
 #define CAMERA "\"nodes\":[{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]"
@@ -521,6 +552,8 @@ int main( void )
         cmocka_unit_test( test_animations_that_contend ),
         cmocka_unit_test( test_frozen ),
         cmocka_unit_test( test_keys_that_are_equal ),
+        cmocka_unit_test( test_what_is_said_to_change ),
+        cmocka_unit_test( test_what_is_left_out ),
         cmocka_unit_test( test_a_camera_that_zooms ),
         cmocka_unit_test( test_a_camera_that_jumps_to_another_lens ),
         cmocka_unit_test( test_broken_files ),
