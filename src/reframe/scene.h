@@ -41,8 +41,8 @@ void rf_close_scene( RfScene* scene );
 // Something that changes in the file and cannot be rendered so.
 typedef struct RfUnrendered
 {
-    char* what; // such as "light 'Sun'"
-    char* why;  // such as "it moves, which lamps cannot do yet"
+    char* what; // such as "material 'glow'"
+    char* why;  // such as "the file animates /materials/0/alphaCutoff, which is not rendered yet"
 } RfUnrendered;
 
 typedef struct RfSceneInfo
