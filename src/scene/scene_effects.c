@@ -2,6 +2,7 @@
 #include "scene/scene_effects.h"
 
 #include "scene/camera_path/camera_track.h"
+#include "scene/changes.h"
 #include "scene/leave_out.h"
 #include "scene/mirrors.h"
 #include "scene/movement.h"
@@ -160,14 +161,33 @@ static RfEffect camera_effect( const RfScene* scene )
     return effect;
 }
 
+// Names the first that changes and counts the rest.
+static int name_changing( const RfScene* scene, char* text, size_t size )
+{
+    RfChanging* list;
+    int count = rf_list_changing( scene, &list );
+    while ( count > 0 && list[count - 1].kind == RF_CHANGING_LENS ) // of cameras
+        --count;
+    if ( count == 1 )
+        snprintf( text, size, "%s '%.60s' changes", rf_changing_kind( list->kind ), list->name );
+    else if ( count > 1 )
+        snprintf( text, size, "%s '%.60s' and %d more change", rf_changing_kind( list->kind ), list->name, count - 1 );
+    free( list );
+    return count;
+}
+
 static RfEffect moving_effect( const RfScene* scene )
 {
-    RfEffect effect = { .id = RF_EFFECT_MOVING, .on = scene->movement != NULL };
-    if ( effect.on )
-        snprintf( effect.why, sizeof effect.why, "%d mesh%s from %g to %g s", scene->movement->mover_count,
-                  scene->movement->mover_count == 1 ? " moves" : "es move", scene->movement->start, scene->movement->end );
-    else
-        snprintf( effect.why, sizeof effect.why, "nothing but cameras moves" );
+    const RfMovement* movement = scene->movement;
+    RfEffect effect = { .id = RF_EFFECT_MOVING, .on = movement != NULL };
+    char meshes[32] = "", changing[120] = "";
+    snprintf( effect.why, sizeof effect.why, "nothing but cameras moves or changes" );
+    if ( !effect.on )
+        return effect;
+    int movers = movement->mover_count, changes = name_changing( scene, changing, sizeof changing );
+    if ( movers > 0 )
+        snprintf( meshes, sizeof meshes, "%d mesh%s%s", movers, movers == 1 ? " moves" : "es move", changes > 0 ? ", " : "" );
+    snprintf( effect.why, sizeof effect.why, "%s%s from %g to %g s", meshes, changing, movement->start, movement->end );
     return effect;
 }
 

@@ -1,0 +1,200 @@
+// Lists what changes besides the shapes and places of objects.
+#include "scene/changes.h"
+
+#include "scene/movement.h"
+#include "scene/textured.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char* rf_changing_kind( RfChangingKind kind )
+{
+    static const char* const s_names[] = { "light", "material", "sky", "lens" };
+    return s_names[kind];
+}
+
+static const char* word_of( const RfChange* change )
+{
+    static const char* const s_textures[RF_TEXTURE_SLOT_COUNT] = {
+        "base colour texture",       "metallic-roughness texture", "normal texture",
+        "emissive texture",          "specular texture",           "specular colour texture",
+        "transmission texture",      "clear coat texture",         "clear coat roughness texture",
+        "clear coat normal texture",
+    };
+    switch ( change->value ) // so that the compiler tells if a value has none
+    {
+        case RF_CHANGED_INTENSITY: return "intensity";
+        case RF_CHANGED_COLOR: return "colour";
+        case RF_CHANGED_RANGE: return "range";
+        case RF_CHANGED_INNER_CONE:
+        case RF_CHANGED_OUTER_CONE: return "cone";
+        case RF_CHANGED_BASE_COLOR: return "base colour";
+        case RF_CHANGED_METALLIC: return "metallic";
+        case RF_CHANGED_ROUGHNESS: return "roughness";
+        case RF_CHANGED_EMISSIVE:
+        case RF_CHANGED_EMISSIVE_STRENGTH: return "emission";
+        case RF_CHANGED_TEXTURE_OFFSET:
+        case RF_CHANGED_TEXTURE_ROTATION:
+        case RF_CHANGED_TEXTURE_SCALE: return s_textures[change->slot];
+        case RF_CHANGED_SKY_STRENGTH: return "strength";
+        case RF_CHANGED_SKY_ROTATION: return "rotation";
+        case RF_CHANGED_YFOV:
+        case RF_CHANGED_YMAG: return "field of view";
+        case RF_CHANGED_COUNT: break;
+    }
+    return "";
+}
+
+// Once.
+static void add_word( RfChanging* to, const char* word )
+{
+    for ( int i = 0; i < to->what_count; ++i )
+    {
+        if ( strcmp( to->what[i], word ) == 0 )
+            return;
+    }
+    if ( to->what_count < RF_MOST_CHANGES )
+        to->what[to->what_count++] = word;
+}
+
+static bool varies( const RfChannel* channel )
+{
+    size_t n = (size_t)channel->components, all = (size_t)channel->count * ( channel->interpolation == RF_CUBICSPLINE ? 3 : 1 );
+    for ( size_t i = n; i < n * all; ++i )
+    {
+        if ( channel->values[i] != channel->values[i % n] )
+            return true;
+    }
+    return false;
+}
+
+static bool places( const RfScene* scene, int node )
+{
+    for ( int i = 0; i < scene->channel_count; ++i )
+    {
+        if ( scene->channels[i].node == node && scene->channels[i].path <= RF_SCALE && varies( scene->channels + i ) )
+            return true;
+    }
+    return false;
+}
+
+static RfChanging of_lamp( const RfScene* scene, const RfMovingLamp* lamp )
+{
+    const RfMovement* movement = scene->movement;
+    RfChanging out = {
+        .kind = RF_CHANGING_LIGHT, .number = lamp->punctual, .name = scene->punctuals[lamp->punctual].name, .shines = true
+    };
+    bool switched = false;
+    for ( int i = lamp->node; i >= 0; i = movement->nodes[i].parent )
+    {
+        out.moves = out.moves || places( scene, movement->nodes[i].node );
+        switched = switched || movement->nodes[i].shows >= 0;
+    }
+    if ( out.moves )
+        add_word( &out, "place" );
+    if ( switched )
+        add_word( &out, "visibility" );
+    for ( int i = 0; i < RF_CHANGED_LAMP_VALUES; ++i )
+    {
+        if ( lamp->changes[i] >= 0 )
+            add_word( &out, word_of( movement->changes + lamp->changes[i] ) );
+    }
+    return out;
+}
+
+// Marks the materials of what moves.
+static void mark_moving( const RfScene* scene, bool* moving )
+{
+    for ( int i = scene->still_placement_count; i < scene->placement_count; ++i )
+    {
+        const RfTriangles* t = &scene->meshes[scene->placements[i].mesh].triangles;
+        for ( uint32_t k = 0; k < t->count; ++k )
+            moving[t->material[k]] = true;
+    }
+}
+
+static RfChanging of_material( const RfScene* scene, int number, bool moving )
+{
+    const RfMaterial* material = scene->materials + number;
+    RfChanging out = { .kind = RF_CHANGING_MATERIAL,
+                       .number = number,
+                       .name = material->name,
+                       .moves = moving && !material->changes, // whose surfaces count as moving, wherever they are
+                       .shines = rf_max_component( material->emission ) > 0.0f };
+    if ( out.moves && out.shines )
+        add_word( &out, "place" );
+    for ( int i = 0; i < scene->movement->change_count; ++i )
+    {
+        const RfChange* change = scene->movement->changes + i;
+        bool of_it = change->value >= RF_CHANGED_BASE_COLOR && change->value <= RF_CHANGED_TEXTURE_SCALE;
+        if ( of_it && change->of == number )
+            add_word( &out, word_of( change ) );
+    }
+    return out;
+}
+
+static RfChanging of_sky( const RfScene* scene )
+{
+    RfChanging out = { .kind = RF_CHANGING_SKY, .name = "sky", .shines = true };
+    for ( int i = 0; i < scene->movement->change_count; ++i )
+    {
+        RfChangedValue value = scene->movement->changes[i].value;
+        if ( value == RF_CHANGED_SKY_STRENGTH || value == RF_CHANGED_SKY_ROTATION )
+            add_word( &out, word_of( scene->movement->changes + i ) );
+    }
+    return out;
+}
+
+static int list_materials( const RfScene* scene, bool* moving, RfChanging* list )
+{
+    int count = 0;
+    mark_moving( scene, moving );
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+    {
+        const RfMaterial* m = scene->materials + i;
+        bool shines = moving[i] && rf_max_component( m->emission ) > 0.0f;
+        if ( shines || m->changes || m->dims )
+            list[count++] = of_material( scene, (int)i, moving[i] );
+    }
+    return count;
+}
+
+static int list_lenses( const RfScene* scene, RfChanging* list )
+{
+    int count = 0;
+    for ( int i = 0; i < scene->camera_count; ++i )
+    {
+        const RfCamera* camera = scene->cameras + i;
+        if ( camera->zoom == NULL )
+            continue;
+        list[count] = ( RfChanging ){ .kind = RF_CHANGING_LENS, .number = i, .name = camera->name };
+        add_word( list + count++, word_of( camera->zoom ) );
+    }
+    return count;
+}
+
+int rf_list_changing( const RfScene* scene, RfChanging** out )
+{
+    const RfMovement* movement = scene->movement;
+    size_t lamps = movement != NULL ? (size_t)movement->lamp_count : 0;
+    bool* moving = calloc( (size_t)scene->material_count + 1, sizeof *moving );
+    RfChanging* list = calloc( lamps + scene->material_count + (size_t)scene->camera_count + 1, sizeof *list );
+    int count = 0;
+    *out = list;
+    if ( list == NULL || moving == NULL )
+    {
+        free( moving );
+        free( list );
+        *out = NULL;
+        return -1;
+    }
+    for ( size_t i = 0; i < lamps; ++i )
+        list[count++] = of_lamp( scene, movement->lamps + i );
+    if ( movement != NULL )
+        count += list_materials( scene, moving, list + count );
+    if ( movement != NULL && scene->environment.changes )
+        list[count++] = of_sky( scene );
+    count += list_lenses( scene, list + count );
+    free( moving );
+    return count;
+}
