@@ -13,6 +13,19 @@
 
 // EXR from memory, by the reader for files (exr_read.c).
 
+static RfResult measure_exr( const RfEncoded* in, RfExrStream* stream, RfPixels* out, RfError* error )
+{
+    RfExrPart part;
+    RfResult result = rf_open_exr_part( stream, 0, &part, error );
+    if ( result != RF_OK )
+        return result;
+    int width = part.width, height = part.height;
+    rf_close_exr_part( &part );
+    out->type = RF_PIXELS_FLOAT;
+    out->channels = 3;
+    return rf_create_pixels( in, width, height, out, error );
+}
+
 RfResult rf_decode_exr( const RfEncoded* in, RfPixels* out, RfError* error )
 {
     RfExrStream stream = {
@@ -24,6 +37,8 @@ RfResult rf_decode_exr( const RfEncoded* in, RfPixels* out, RfError* error )
         .max_bytes = RF_DECODE_MAX_BYTES,
     };
     RfImage image;
+    if ( in->header_alone )
+        return measure_exr( in, &stream, out, error );
     RfResult result = rf_read_exr_stream( &stream, &image, error );
     if ( result != RF_OK )
         return result;
@@ -63,9 +78,10 @@ void rf_destroy_pixels( RfPixels* pixels )
     memset( pixels, 0, sizeof *pixels );
 }
 
-static size_t sample_size( const RfPixels* pixels )
+size_t rf_pixels_bytes( const RfPixels* pixels )
 {
-    return pixels->type == RF_PIXELS_U8 ? 1 : pixels->type == RF_PIXELS_U16 ? 2 : sizeof( float );
+    size_t sample = pixels->type == RF_PIXELS_U8 ? 1 : pixels->type == RF_PIXELS_U16 ? 2 : sizeof( float );
+    return (size_t)pixels->width * (size_t)pixels->height * (size_t)pixels->channels * sample;
 }
 
 RfResult rf_check_sides( const RfEncoded* in, long long width, long long height, RfError* error )
@@ -84,14 +100,15 @@ RfResult rf_create_pixels( const RfEncoded* in, long long width, long long heigh
     RfResult result = rf_check_sides( in, width, height, error );
     if ( result != RF_OK )
         return result;
-    // at most 2^28 pixels of 16 bytes
-    uint64_t bytes = (uint64_t)width * (uint64_t)height * (uint64_t)out->channels * sample_size( out );
+    out->width = (int)width;
+    out->height = (int)height;
+    uint64_t bytes = rf_pixels_bytes( out ); // at most 2^28 pixels of 16 bytes
     if ( bytes > RF_DECODE_MAX_BYTES )
         return rf_fail( error, RF_ERROR_UNSUPPORTED,
                         "%s: an image of %lldx%lld pixels takes %llu MiB, the limit is %llu: scale it down", in->name, width,
                         height, (unsigned long long)( bytes >> 20 ), (unsigned long long)( RF_DECODE_MAX_BYTES >> 20 ) );
-    out->width = (int)width;
-    out->height = (int)height;
+    if ( in->header_alone )
+        return RF_ERROR_INTERRUPTED;
     out->data = malloc( (size_t)bytes );
     if ( out->data == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %llu MiB left to decode it into", in->name,
@@ -99,24 +116,35 @@ RfResult rf_create_pixels( const RfEncoded* in, long long width, long long heigh
     return RF_OK;
 }
 
-RfResult rf_decode_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error )
+static RfResult decode( RfEncoded in, RfPixels* out, RfError* error )
 {
+    const char* name = in.name;
     memset( out, 0, sizeof *out );
-    RfEncoded in = { bytes, size, name };
     for ( size_t i = 0; i < sizeof s_kinds / sizeof s_kinds[0]; ++i )
     {
         const Kind* kind = s_kinds + i;
-        if ( size < kind->offset + kind->length || memcmp( in.bytes + kind->offset, kind->magic, kind->length ) != 0 )
+        if ( in.size < kind->offset + kind->length || memcmp( in.bytes + kind->offset, kind->magic, kind->length ) != 0 )
             continue;
         if ( kind->decode == NULL )
             return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: %s images are not supported: store it as PNG, JPEG or EXR", name,
                             kind->name );
         RfResult result = kind->decode( &in, out, error );
-        if ( result != RF_OK )
+        if ( result != RF_OK && !in.header_alone )
             rf_destroy_pixels( out );
         return result;
     }
     return rf_fail( error, RF_ERROR_FORMAT, "%s: not a PNG, JPEG, EXR or Radiance HDR image", name );
+}
+
+RfResult rf_decode_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error )
+{
+    return decode( ( RfEncoded ){ bytes, size, name, false }, out, error );
+}
+
+RfResult rf_measure_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error )
+{
+    RfResult result = decode( ( RfEncoded ){ bytes, size, name, true }, out, error );
+    return result == RF_ERROR_INTERRUPTED ? RF_OK : result;
 }
 
 // Loads equirectangular environment maps as linear RGB.

@@ -34,6 +34,12 @@ typedef struct RfPixels
 // KTX2, …) and for images that are too large, or RF_ERROR_MEMORY. Only RGB is read from EXR.
 RfResult rf_decode_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error );
 
+// Finds size and type of an image by its header alone: `out` has no data.
+RfResult rf_measure_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error );
+
+// Bytes of the values of an image.
+size_t rf_pixels_bytes( const RfPixels* pixels );
+
 // Frees the data and clears the struct.
 void rf_destroy_pixels( RfPixels* pixels );
 

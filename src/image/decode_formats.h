@@ -9,7 +9,8 @@ typedef struct RfEncoded
 {
     const unsigned char* bytes;
     size_t size;
-    const char* name; // for messages
+    const char* name;  // for messages
+    bool header_alone; // rf_create_pixels ends the decoding with RF_ERROR_INTERRUPTED
 } RfEncoded;
 
 // Fails if the size of an image is out of bounds.

@@ -24,6 +24,11 @@ static RfPixels decode( const uint8_t* bytes, size_t size )
     RfError error = { 0 };
     if ( rf_decode_image( bytes, size, "picture", &out, &error ) != RF_OK )
         fail_msg( "%s", error.text );
+    RfPixels header;
+    assert_int_equal( rf_measure_image( bytes, size, "picture", &header, &error ), RF_OK );
+    assert_null( header.data );
+    assert_true( header.width == out.width && header.height == out.height && header.channels == out.channels &&
+                 header.type == out.type );
     return out;
 }
 
