@@ -27,7 +27,7 @@ size_t rf_worlds_bytes( const RfScene* scene, int count, int steps )
                    BYTES_PER_TRIANGLE * (size_t)own.triangles + BYTES_PER_MESH * (size_t)own.meshes + BYTES_PER_MOVER * movers +
                    BYTES_PER_PLACEMENT * (size_t)scene->placement_count +
                    sizeof( RfMesh ) * (size_t)( scene->mesh_count + own.meshes );
-    return (size_t)count * world + BYTES_PER_BUILT_TRIANGLE * (size_t)own.most_triangles;
+    return (size_t)count * world + BYTES_PER_BUILT_TRIANGLE * (size_t)own.most_triangles + own.image_bytes;
 }
 
 int rf_worlds_held( const RfScene* scene, int frames, int eyes, bool neighbours, bool ahead )

@@ -13,14 +13,15 @@ const char* rf_changing_kind( RfChangingKind kind )
     return s_names[kind];
 }
 
+static const char* const s_textures[RF_TEXTURE_SLOT_COUNT] = {
+    "base colour texture",       "metallic-roughness texture", "normal texture",
+    "emissive texture",          "specular texture",           "specular colour texture",
+    "transmission texture",      "clear coat texture",         "clear coat roughness texture",
+    "clear coat normal texture",
+};
+
 static const char* word_of( const RfChange* change )
 {
-    static const char* const s_textures[RF_TEXTURE_SLOT_COUNT] = {
-        "base colour texture",       "metallic-roughness texture", "normal texture",
-        "emissive texture",          "specular texture",           "specular colour texture",
-        "transmission texture",      "clear coat texture",         "clear coat roughness texture",
-        "clear coat normal texture",
-    };
     switch ( change->value ) // so that the compiler tells if a value has none
     {
         case RF_CHANGED_INTENSITY: return "intensity";
@@ -129,6 +130,12 @@ static RfChanging of_material( const RfScene* scene, int number, bool moving )
         bool of_it = change->value >= RF_CHANGED_BASE_COLOR && change->value <= RF_CHANGED_TEXTURE_SCALE;
         if ( of_it && change->of == number )
             add_word( &out, word_of( change ) );
+    }
+    for ( int slot = 0; material->textured != NULL && slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+    {
+        int texture = material->textured->refs[slot].texture;
+        if ( texture >= 0 && scene->textures[texture].plays )
+            add_word( &out, s_textures[slot] );
     }
     return out;
 }

@@ -2,6 +2,7 @@
 #include "scene/merge.h"
 
 #include "base/file.h"
+#include "scene/image_sequence.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
@@ -246,6 +247,10 @@ static RfResult move_movement( const Merge* m )
         mover->skin = mover->skin >= 0 ? mover->skin + m->skins : -1;
         mover->weights_moved = mover->weights_moved >= 0 ? mover->weights_moved + m->channels : -1;
     }
+    int sequences = to->sequence_count;
+    MOVE_ITEMS( to->sequences, to->sequence_count, from->sequences, from->sequence_count );
+    for ( int i = sequences; i < to->sequence_count; ++i )
+        to->sequences[i].texture += m->textures;
     to->start = from->start < to->start ? from->start : to->start;
     to->end = from->end > to->end ? from->end : to->end;
     return move_changes( m, to, from );

@@ -2,6 +2,7 @@
 #include "scene/movement.h"
 
 #include "scene/animation.h"
+#include "scene/image_sequence.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -81,13 +82,23 @@ void rf_most_of_change( const RfChange* change, double most[4] )
     }
 }
 
-static bool is_empty( const RfMovement* m ) { return m->mover_count == 0 && m->lamp_count == 0 && m->change_count == 0; }
+static bool is_empty( const RfMovement* m )
+{
+    return m->mover_count == 0 && m->lamp_count == 0 && m->change_count == 0 && m->sequence_count == 0;
+}
 
 RfMovement* rf_open_movement( RfScene* scene )
 {
     if ( scene->movement == NULL )
         scene->movement = calloc( 1, sizeof *scene->movement );
     return scene->movement;
+}
+
+static void widen( RfMovement* movement, double start, double end )
+{
+    bool first = is_empty( movement );
+    movement->start = first ? start : fmin( movement->start, start );
+    movement->end = first ? end : fmax( movement->end, end );
 }
 
 bool rf_add_change( RfScene* scene, RfChange* change )
@@ -102,11 +113,30 @@ bool rf_add_change( RfScene* scene, RfChange* change )
     }
     double start, end;
     rf_channel_span( &change->channel, &start, &end );
-    bool first = is_empty( movement );
-    movement->start = first ? start : fmin( movement->start, start );
-    movement->end = first ? end : fmax( movement->end, end );
+    widen( movement, start, end );
+    bool others = scene->change_end > scene->change_start;
+    scene->change_start = others ? fmin( scene->change_start, start ) : start;
+    scene->change_end = others ? fmax( scene->change_end, end ) : end;
     movement->changes = grown;
     movement->changes[movement->change_count++] = *change;
+    return true;
+}
+
+bool rf_add_sequence( RfScene* scene, RfImageSequence* sequence )
+{
+    RfMovement* movement = rf_open_movement( scene );
+    size_t count = movement != NULL ? (size_t)movement->sequence_count : 0;
+    RfImageSequence* grown = movement != NULL ? realloc( movement->sequences, ( count + 1 ) * sizeof *grown ) : NULL;
+    if ( grown == NULL )
+    {
+        free( sequence->pattern );
+        return false;
+    }
+    double start, end;
+    rf_sequence_span( sequence, &start, &end );
+    widen( movement, start, end );
+    movement->sequences = grown;
+    movement->sequences[movement->sequence_count++] = *sequence;
     return true;
 }
 
@@ -131,6 +161,9 @@ void rf_destroy_movement( RfMovement* movement )
         free( movement->movers[i].weights );
     for ( int i = 0; movement->changes != NULL && i < movement->change_count; ++i )
         rf_destroy_channel( &movement->changes[i].channel );
+    for ( int i = 0; movement->sequences != NULL && i < movement->sequence_count; ++i )
+        free( movement->sequences[i].pattern );
+    free( movement->sequences );
     free( movement->lamps );
     free( movement->materials );
     free( movement->changes );

@@ -123,7 +123,9 @@ typedef struct RfMovement
     RfMovingMaterial* materials;
     int change_count;
     RfChange* changes; // owned; those of a material one after the other
-    double start, end; // seconds: first and last key of all that moves or changes
+    int sequence_count;
+    struct RfImageSequence* sequences; // owned: what textures show one after the other
+    double start, end;                 // seconds: first and last key of all that moves or changes
 } RfMovement;
 
 // The scene's movement, which is made where there is none. NULL: there is no memory.
@@ -131,6 +133,9 @@ RfMovement* rf_open_movement( RfScene* scene );
 
 // Gives the scene a change, with its keys, and widens the span of its movement. False: there is no memory, and the keys are freed.
 bool rf_add_change( RfScene* scene, RfChange* change );
+
+// Likewise a sequence, which the scene then owns.
+bool rf_add_sequence( RfScene* scene, struct RfImageSequence* sequence );
 
 // Destroys the movement where nothing moves or changes.
 void rf_drop_empty_movement( RfScene* scene );

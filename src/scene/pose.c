@@ -7,6 +7,7 @@
 #include "scene/deformation.h"
 #include "scene/movement.h"
 #include "scene/pose_changes.h"
+#include "scene/pose_images.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,6 +24,7 @@ typedef struct Layout
     size_t joints, weights, mirrored; // of one mover at a time
     size_t arrays;                    // of the meshes that deform
     size_t changes;                   // lamps and materials
+    size_t images;                    // of textures
     int own_meshes;
     size_t total;
 } Layout;
@@ -111,6 +113,7 @@ static Layout lay_out( const RfScene* scene )
     layout.mirrored = take( &layout.total, vertices, sizeof( bool ) );
     layout.arrays = take( &layout.total, arrays, 1 );
     layout.changes = take( &layout.total, rf_changes_bytes( scene ), 1 );
+    layout.images = take( &layout.total, rf_images_bytes( scene ), 1 );
     return layout;
 }
 
@@ -128,6 +131,7 @@ RfPoseParts rf_pose_parts( const RfScene* scene )
         parts.triangles += count;
         parts.most_triangles = count > parts.most_triangles ? count : parts.most_triangles;
     }
+    parts.image_bytes = rf_image_scratch( scene );
     return parts;
 }
 
@@ -349,9 +353,11 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
     for ( int i = 0; result == RF_OK && i < p.movement->mover_count; ++i )
         result = pose_mover( &p, i );
     RfNodesAt nodes = { time, p.worlds, p.shown };
-    pose->hash = rf_hash_changes( scene, &nodes, pose->hash );
+    pose->hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, pose->hash ) );
     if ( result == RF_OK )
         result = rf_pose_changes( scene, &nodes, (char*)pose->memory + layout.changes, &pose->scene, error );
+    if ( result == RF_OK )
+        result = rf_pose_images( scene, time, (char*)pose->memory + layout.images, &pose->scene, error );
     return result;
 }
 
@@ -384,7 +390,7 @@ RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfEr
         follow( &p, p.movement->movers + i, &matrix, hash );
     }
     RfNodesAt nodes = { time, p.worlds, p.shown };
-    *hash = rf_hash_changes( scene, &nodes, *hash );
+    *hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, *hash ) );
     free( memory );
     return RF_OK;
 }

@@ -29,6 +29,7 @@ typedef struct RfPoseParts
     int meshes;
     uint64_t triangles;
     uint32_t most_triangles; // of one mesh
+    size_t image_bytes;      // that reading one image takes meanwhile
 } RfPoseParts;
 RfPoseParts rf_pose_parts( const RfScene* scene );
 

@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+#define TURN 6.28318530717958648
+
 static size_t whole_lines( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
 
 static size_t punctual_bytes( const RfScene* scene )
@@ -211,7 +213,7 @@ static void pose_sky( const RfScene* scene, double time, RfScene* posed )
         if ( change->value == RF_CHANGED_SKY_STRENGTH )
             posed->environment.radiance = rf_scale( scene->environment.radiance, (float)v[0] );
         else
-            posed->environment.rotation = (float)v[0];
+            posed->environment.rotation = (float)fmod( v[0], TURN );
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "scene/camera_path/camera_track.h"
 #include "scene/deformation.h"
+#include "scene/image_sequence.h"
 #include "scene/movement.h"
 
 #include <stdlib.h>
@@ -83,10 +84,7 @@ void rf_destroy_scene( RfScene* scene )
         free( scene->materials[i].textured );
     }
     for ( int i = 0; scene->textures != NULL && i < scene->texture_count; ++i )
-    {
-        free( scene->textures[i].bytes );
-        free( scene->textures[i].floats );
-    }
+        rf_destroy_texture( scene->textures + i );
     free( scene->textures );
     for ( int i = 0; scene->nodes != NULL && i < scene->node_count; ++i )
         free( scene->nodes[i].name );

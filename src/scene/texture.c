@@ -102,7 +102,7 @@ float rf_texture_bound( const RfTexture* t, const RfTextureRef* ref, const float
     for ( int k = 0; k < 2; ++k )
     {
         float a = low[k] * (float)size[k], b = high[k] * (float)size[k];
-        if ( !( a >= -MAX_PIXEL && b <= MAX_PIXEL && b - a < (float)MAX_SCANNED ) )
+        if ( t->plays || !( a >= -MAX_PIXEL && b <= MAX_PIXEL && b - a < (float)MAX_SCANNED ) )
             return t->largest;
         // the 2×2 footprint of bilinear filtering, plus one texel for rounding
         first[k] = (int)floorf( a ) - 2;

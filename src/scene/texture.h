@@ -13,6 +13,7 @@ typedef struct RfTexture
     float* floats;               // linear
     float table[256];            // linear value of each byte of colour; alpha is stored linearly
     float largest;               // largest colour value
+    bool plays;                  // other images are seen at other times: a pose has that of its time
 } RfTexture;
 
 typedef enum RfWrap
@@ -47,7 +48,7 @@ void rf_look_up( const RfTexture* texture, const RfTextureRef* ref, const float 
 void rf_prefetch_texels( const RfTexture* texture, const RfTextureRef* ref, const float at[2] );
 
 // An upper bound of the colour values that lookups give between the corners `low` and `high`
-// in u', v'; 0 means that they are all black.
+// in u', v'; 0 means that they are all black, at all times.
 float rf_texture_bound( const RfTexture* texture, const RfTextureRef* ref, const float low[2], const float high[2] );
 
 #endif

@@ -135,7 +135,7 @@ static RfResult complete( RfCameraSampling* sampling, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
     if ( keys.numerator > 0 && (int64_t)keys.numerator * fps.denominator != (int64_t)fps.numerator * keys.denominator )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "%s: objects have keys that count frames, at %g frames per second rather than %g: set \"fps\" of its "
+                        "%s: keys of the scene count frames, at %g frames per second rather than %g: set \"fps\" of its "
                         "\"render\", or give keys times",
                         scene->path, (double)keys.numerator / keys.denominator, (double)fps.numerator / fps.denominator );
     int width = sampling->width, height = sampling->height;

@@ -10,6 +10,7 @@
 #include "scene/gltf/gltf_document.h"
 #include "scene/gltf/gltf_geometry.h"
 #include "scene/gltf/gltf_materials.h"
+#include "scene/json/environment_json.h"
 #include "scene/json/json_document.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
@@ -314,6 +315,8 @@ static RfResult read_document( RfGltf* gltf )
     if ( result == RF_OK )
         result = rf_gltf_load_environment( gltf ); // with the frames per second
     gltf->frozen_at = gltf->options->frozen_at != NULL ? *gltf->options->frozen_at : rf_gltf_first_time( gltf->scene );
+    if ( result == RF_OK && gltf->freeze )
+        result = rf_freeze_environment( gltf->scene, gltf->frozen_at, gltf->error );
     if ( result == RF_OK )
         result = rf_gltf_load_materials( gltf );
     if ( result == RF_OK )
@@ -353,6 +356,7 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
     gltf.animation = options->animation;
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
+    gltf.own_images = (int)json_array_size( json_object_get( gltf.root, "images" ) );
     if ( result == RF_OK && options->edit != NULL )
         result = options->edit->run( options->edit->user, gltf.root, error );
     if ( result == RF_OK && options->animation != NULL )

@@ -19,9 +19,13 @@ typedef struct RfGltfOptions
     int channel_count;
     const RfChannel* channels; // from elsewhere, in the place of those of the file; without keys: in the place of what moves
                                // there, which stands still. Read after the edit; copied
-    const RfClock* clock;      // of the animations of the file, all of whose keys are played: start, speed, loops; or NULL
-    const double* origin;      // that the scene gets; NULL: its own
-    const double* frozen_at;   // seconds; NULL: as in the first frame of its own default camera
+    int change_count;
+    const struct RfChange* changes; // of materials by their numbers, which nothing in the file changes; set by the edit
+    const RfClock* clock;           // of the animations of the file, all of whose keys are played: start, speed, loops; or NULL
+    const double* origin;           // that the scene gets; NULL: its own
+    const char* beside;             // the file that names the image sequences that the edit adds, which lie beside it
+    RfFps fps;                      // of image sequences that do not say; 0/0: the frames per second of the file
+    const double* frozen_at;        // seconds; NULL: as in the first frame of its own default camera
 } RfGltfOptions;
 
 // When the default camera has its first frame, which spans all movement unless it moves itself.

@@ -465,6 +465,22 @@ static RfResult add_given( RfGltf* gltf, Loader* loader )
     return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
 }
 
+// Likewise of materials, after the file's own have got their clock.
+static RfResult add_given_changes( RfGltf* gltf )
+{
+    RfResult result = RF_OK;
+    for ( int i = 0; result == RF_OK && i < gltf->options->change_count; ++i )
+    {
+        RfChange change = gltf->options->changes[i];
+        result = rf_gltf_copy_channel( gltf, &gltf->options->changes[i].channel, &change.channel );
+        if ( result == RF_OK )
+            result = rf_gltf_add_change( gltf, &change );
+        if ( result != RF_OK )
+            rf_destroy_channel( &change.channel );
+    }
+    return result; // NOLINT(clang-analyzer-unix.Malloc): rf_gltf_add_change does not fail with RF_OK
+}
+
 static void find_keys( const RfChannel* channel, RfClock* all )
 {
     all->first = fmin( all->first, channel->times[0] );
@@ -511,7 +527,7 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
         warn_of_left_out( gltf, loader );
     if ( result == RF_OK && gltf->options->clock != NULL )
         set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given );
-    return result;
+    return result == RF_OK ? add_given_changes( gltf ) : result;
 }
 
 static int compare_channels( const void* a, const void* b )

@@ -92,6 +92,8 @@ typedef struct RfGltf
     json_t* root;
     const json_t* lists[RF_GLTF_LIST_COUNT]; // NULL if empty
     int counts[RF_GLTF_LIST_COUNT];
+    int own_images; // of the file, before the edit
+    bool plays;     // a texture of some material is an image sequence
 
     RfGltfBuffer* buffers;
     RfGltfAccessor* accessors;
@@ -309,6 +311,9 @@ RfResult rf_gltf_list_moving( RfGltf* gltf );
 // Reads `render` and `moving` of the scene's extras.reframe.
 struct RfField;
 RfResult rf_gltf_read_shot( RfGltf* gltf, const struct RfField* ours );
+
+// The frames per second that a document asks for, 24 if it does not or is not valid.
+RfFps rf_gltf_document_fps( const json_t* root );
 
 // Reads `export_warnings` of the scene's extras.reframe (gltf_shot.c).
 RfResult rf_gltf_read_warnings( RfGltf* gltf, const struct RfField* ours );

@@ -245,39 +245,54 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
 
 // `extras.reframe` of the scene object: the environment, and what gltf_shot.c reads.
 //
-//     {"environment": {"radiance": [r, g, b], "map": "sky.exr", "rotation": 90, "visible":
-//     false}}
+//     {"environment": {"radiance": [r, g, b], "map": "sky.exr", "rotation": 90, "visible": false}}
 //
 // A map inside the file is a bufferView with the bytes of an EXR or HDR instead: {"bufferView": 7}.
 
-static RfResult load_map( RfGltf* gltf, const RfField* object, const char* uri )
+static RfResult load_map( RfGltf* gltf, const RfField* object, RfEnvironmentText* text )
 {
     char* path;
-    RfEnvironment* environment = &gltf->scene->environment;
-    RfResult result = rf_gltf_resolve_uri( gltf, object->path, uri, &path );
+    RfResult result = rf_gltf_resolve_uri( gltf, object->path, text->map, &path );
     if ( result != RF_OK )
         return result;
-    result = rf_load_environment( object, path, environment );
+    result = rf_load_environment( object, path, text );
     free( path );
     if ( result == RF_OK )
-        gltf->scene->content_hash = rf_hash_environment( gltf->scene->content_hash, environment );
+        gltf->scene->content_hash = rf_hash_environment( gltf->scene->content_hash, &text->environment );
     return result;
 }
 
 // The bytes of the file, and with them those of the view, are in the scene's hash already.
-static RfResult decode_map( const RfGltf* gltf, const RfField* object, int view )
+static RfResult decode_map( const RfGltf* gltf, const RfField* object, RfEnvironmentText* text )
 {
-    RfWhere where = rf_where( "bufferViews[%d]", view );
+    RfWhere where = rf_where( "bufferViews[%d]", text->view );
     int64_t length = 0;
     const uint8_t* bytes = NULL;
     RfField field = rf_field_member( object, "bufferView" );
-    if ( view >= gltf->counts[RF_GLTF_BUFFER_VIEWS] )
-        return rf_field_fail( &field, "names bufferView %d, but there are %d", view, gltf->counts[RF_GLTF_BUFFER_VIEWS] );
-    RfResult result = rf_gltf_get_integer( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ), where.text, "byteLength", 1,
-                                           INT64_MAX, &length );
+    if ( text->view >= gltf->counts[RF_GLTF_BUFFER_VIEWS] )
+        return rf_field_fail( &field, "names bufferView %d, but there are %d", text->view, gltf->counts[RF_GLTF_BUFFER_VIEWS] );
+    RfResult result = rf_gltf_get_integer( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, text->view ), where.text, "byteLength",
+                                           1, INT64_MAX, &length );
     if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, object->path, view, 0, (uint64_t)length, &bytes );
-    return result == RF_OK ? rf_decode_environment( object, bytes, (size_t)length, &gltf->scene->environment ) : result;
+        result = rf_gltf_view_bytes( gltf, object->path, text->view, 0, (uint64_t)length, &bytes );
+    return result == RF_OK ? rf_decode_environment( object, bytes, (size_t)length, text ) : result;
+}
+
+static RfResult load_environment( RfGltf* gltf, const RfField* object )
+{
+    RfScene* scene = gltf->scene;
+    RfEnvironmentText text;
+    RfResult result = rf_read_environment( object, true, rf_scene_fps( scene ), &text );
+    if ( result == RF_OK && text.view >= 0 )
+        result = decode_map( gltf, object, &text );
+    else if ( result == RF_OK && text.map != NULL )
+        result = load_map( gltf, object, &text );
+    if ( result == RF_OK )
+        result = rf_give_environment( object, &text, scene );
+    if ( result == RF_OK && text.in_frames )
+        scene->key_fps = rf_scene_fps( scene );
+    rf_destroy_environment_text( &text );
+    return result;
 }
 
 RfResult rf_gltf_load_environment( RfGltf* gltf )
@@ -303,10 +318,5 @@ RfResult rf_gltf_load_environment( RfGltf* gltf )
     RfField object = rf_field_member( &field, "environment" );
     if ( result != RF_OK || object.json == NULL )
         return result;
-    const char* map;
-    int view = -1;
-    result = rf_read_environment( &object, &gltf->scene->environment, &map, &view );
-    if ( result == RF_OK && view >= 0 )
-        return decode_map( gltf, &object, view );
-    return result == RF_OK && map != NULL ? load_map( gltf, &object, map ) : result;
+    return load_environment( gltf, &object );
 }

@@ -86,12 +86,13 @@ static RfResult is_morphed( const RfGltf* gltf, int node, int mesh, bool* morphe
     return result;
 }
 
+static bool has_changing( const RfGltf* gltf ) { return gltf->moving_material_count > 0 || gltf->plays; }
+
 bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive )
 {
     const json_t* material = json_object_get( primitive, "material" );
     json_int_t index = json_is_integer( material ) ? json_integer_value( material ) : -1;
-    return gltf->moving_material_count > 0 && index >= 0 && index < gltf->counts[RF_GLTF_MATERIALS] &&
-           gltf->scene->materials[index].changes;
+    return has_changing( gltf ) && index >= 0 && index < gltf->counts[RF_GLTF_MATERIALS] && gltf->scene->materials[index].changes;
 }
 
 // How many primitives of a mesh have a material that changes.
@@ -99,7 +100,7 @@ static uint32_t count_changing( const RfGltf* gltf, int mesh )
 {
     const json_t* primitives = json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), "primitives" );
     uint32_t count = 0;
-    for ( size_t i = 0; gltf->moving_material_count > 0 && i < json_array_size( primitives ); ++i )
+    for ( size_t i = 0; has_changing( gltf ) && i < json_array_size( primitives ); ++i )
         count += rf_gltf_primitive_changes( gltf, json_array_get( primitives, i ) );
     return count;
 }

@@ -49,6 +49,17 @@ static RfResult read_fps( const RfField* field, RfFps* fps )
     return result == RF_OK ? read_whole( &denominator, 1e9, &fps->denominator ) : result;
 }
 
+RfFps rf_gltf_document_fps( const json_t* root )
+{
+    json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
+    const json_t* scene = json_array_get( json_object_get( root, "scenes" ), index > 0 ? (size_t)index : 0 );
+    const json_t* ours = json_object_get( json_object_get( scene, "extras" ), "reframe" );
+    const json_t* render = json_object_get( ours, "render" );
+    RfField field = rf_make_field( "", "fps", json_object_get( render, "fps" ), NULL );
+    RfFps fps = { 0 };
+    return read_fps( &field, &fps ) == RF_OK && fps.numerator > 0 ? fps : ( RfFps ){ 24, 1 };
+}
+
 static RfResult read_size( const RfField* field, RfScene* scene )
 {
     if ( field->json == NULL )

@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "image/decode.h"
+#include "scene/image_sequence.h"
 #include "scene/textured.h"
 
 #include <math.h>
@@ -12,9 +13,6 @@
 
 // Images: decodes those that materials of triangles use, once per colour space in which they
 // are used.
-
-// Limit of one image file.
-#define MAX_IMAGE_BYTES ( (uint64_t)1 << 30 )
 
 // An encoded image.
 typedef struct Encoded
@@ -33,7 +31,7 @@ static RfResult read_uri( RfGltf* gltf, const char* where, const char* uri, Enco
     if ( result != RF_OK )
         return result;
     RfError error;
-    result = rf_read_file( path, MAX_IMAGE_BYTES, &out->owned, &out->size, &error );
+    result = rf_read_file( path, RF_MAX_IMAGE_BYTES, &out->owned, &out->size, &error );
     free( path );
     if ( result != RF_OK )
         return rf_gltf_fail( gltf, result, where, "%.560s", error.text );
@@ -70,83 +68,17 @@ static RfResult read_encoded( RfGltf* gltf, int index, const char* where, Encode
     return result;
 }
 
-static size_t value_count( const RfTexture* t ) { return (size_t)t->width * (size_t)t->height * (size_t)t->channels; }
-
-static bool is_alpha( const RfTexture* t, size_t i )
-{
-    size_t channels = (size_t)t->channels;
-    return channels % 2 == 0 && i % channels == channels - 1;
-}
-
-// Converts 16-bit pixels to floats.
-static RfResult widen( const RfGltf* gltf, const char* where, const RfPixels* pixels, bool srgb, RfTexture* out )
-{
-    size_t count = value_count( out );
-    const uint16_t* from = pixels->data;
-    out->floats = malloc( count * sizeof *out->floats );
-    if ( out->floats == NULL )
-        return rf_gltf_no_memory( gltf, where );
-    for ( size_t i = 0; i < count; ++i )
-    {
-        float value = (float)from[i] / 65535.0f;
-        out->floats[i] = srgb && !is_alpha( out, i ) ? rf_srgb_to_linear( value ) : value;
-    }
-    return RF_OK;
-}
-
-static RfResult take_floats( const RfGltf* gltf, const char* where, RfPixels* pixels, RfTexture* out )
-{
-    size_t count = value_count( out ), channels = (size_t)out->channels, width = (size_t)out->width;
-    out->floats = pixels->data;
-    pixels->data = NULL;
-    for ( size_t i = 0; i < count; ++i )
-    {
-        if ( !isfinite( out->floats[i] ) )
-            return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "pixel (%zu, %zu) is not finite: repair the image",
-                                 i / channels % width, i / channels / width );
-        out->floats[i] = fmaxf( out->floats[i], 0.0f );
-    }
-    return RF_OK;
-}
-
-static void find_largest( RfTexture* t )
-{
-    size_t count = value_count( t );
-    for ( size_t i = 0; i < count; ++i )
-    {
-        if ( !is_alpha( t, i ) )
-            t->largest = fmaxf( t->largest, t->bytes != NULL ? t->table[t->bytes[i]] : t->floats[i] );
-    }
-}
-
-static RfResult make_texture( const RfGltf* gltf, const char* where, RfPixels* pixels, bool srgb, RfTexture* out )
-{
-    out->width = pixels->width;
-    out->height = pixels->height;
-    out->channels = pixels->channels;
-    for ( int i = 0; i < 256; ++i )
-        out->table[i] = srgb ? rf_srgb_to_linear( (float)i / 255.0f ) : (float)i / 255.0f;
-    RfResult result = RF_OK;
-    if ( pixels->type == RF_PIXELS_U8 )
-    {
-        out->bytes = pixels->data;
-        pixels->data = NULL;
-    }
-    else
-        result =
-            pixels->type == RF_PIXELS_U16 ? widen( gltf, where, pixels, srgb, out ) : take_floats( gltf, where, pixels, out );
-    if ( result == RF_OK )
-        find_largest( out );
-    return result;
-}
-
 static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
 {
     RfWhere where = rf_where( "images[%d]", index );
     Encoded encoded = { 0 };
     RfPixels pixels = { 0 };
     RfError error;
-    RfResult result = read_encoded( gltf, index, where.text, &encoded );
+    bool plays;
+    RfResult result = rf_gltf_load_sequence( gltf, index, srgb, out, &plays );
+    if ( result != RF_OK || plays )
+        return result;
+    result = read_encoded( gltf, index, where.text, &encoded );
     if ( result == RF_OK )
     {
         result = rf_decode_image( encoded.bytes, encoded.size, where.text, &pixels, &error );
@@ -156,7 +88,7 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
     }
     free( encoded.owned );
     if ( result == RF_OK )
-        result = make_texture( gltf, where.text, &pixels, srgb, out );
+        result = rf_make_texture( rf_where( "%.100s: %s", gltf->path, where.text ).text, &pixels, srgb, out, gltf->error );
     rf_destroy_pixels( &pixels );
     return result;
 }
@@ -184,7 +116,7 @@ static RfResult resolve_textures( RfGltf* gltf, RfMaterial* material, int* numbe
 
 // Float pixels are unbounded: multiplied by the factors they must remain radiance that can be
 // squared.
-static RfResult check_emission( const RfGltf* gltf, uint32_t index )
+static RfResult check_emission( RfGltf* gltf, uint32_t index )
 {
     const RfMaterial* material = gltf->scene->materials + index;
     const RfTextured* t = material->textured;
@@ -195,6 +127,7 @@ static RfResult check_emission( const RfGltf* gltf, uint32_t index )
     double factor = unlit ? fmax( t->factors.base[0], fmax( t->factors.base[1], t->factors.base[2] ) )
                           : (double)rf_max_component( material->emission );
     double most = factor * (double)gltf->scene->textures[texture].largest;
+    rf_gltf_limit_sequence( gltf, texture, RF_GLTF_MAX_EMISSION / factor );
     RfWhere where = rf_where( "materials[%u]", index );
     return rf_gltf_check_limit( gltf, where.text, "emission with its texture", most, RF_GLTF_MAX_EMISSION );
 }
@@ -537,6 +470,21 @@ static double factor_of( const json_t* json, const char* extension, const char* 
     return json_number_value( json_object_get( object, key ) );
 }
 
+// Do its textures show other images at other times?
+static RfResult find_sequences( RfGltf* gltf, RfMaterial* out )
+{
+    RfResult result = RF_OK;
+    for ( int slot = 0; result == RF_OK && slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+    {
+        bool plays = false;
+        if ( out->textured->refs[slot].texture >= 0 )
+            result = rf_gltf_plays( gltf, out->textured->refs[slot].texture / 2, &plays );
+        out->changes = out->changes || plays;
+        gltf->plays = gltf->plays || plays;
+    }
+    return result;
+}
+
 // A metal that is a perfect mirror by its factors is not one if a texture sets its roughness.
 static void undo_mirror( const RfTextured* textured, RfMaterial* out )
 {
@@ -582,5 +530,5 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* wh
     textured->clearcoat_roughness = factor_of( json, "KHR_materials_clearcoat", "clearcoatRoughnessFactor" );
     drop_unused( out, textured );
     textured->optional = !is_needed( textured );
-    return RF_OK;
+    return find_sequences( gltf, out );
 }

@@ -1,13 +1,31 @@
-// Reads and validates an environment: radiance, map, rotation, visibility.
+// Reads and validates an environment: radiance, map, strength and rotation with their keys, visibility.
 #include "scene/json/environment_json.h"
 
 #include "base/file.h"
 #include "image/decode.h"
+#include "scene/animation.h"
+#include "scene/json/keys.h"
+#include "scene/movement.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 // Brighter radiance would overflow when floats are squared.
 #define MAX_RADIANCE 1e15
+
+#define PI 3.14159265358979323846
+
+enum
+{
+    STRENGTH,
+    ROTATION,
+    KEYED_COUNT
+};
+
+static const RfKeyed s_keyed[KEYED_COUNT] = {
+    [STRENGTH] = { "strength", RF_VALUE, 1, 0, MAX_RADIANCE, 1, NULL },
+    [ROTATION] = { "rotation", RF_VALUE, 1, -1e6, 1e6, PI / 180.0, NULL },
+};
 
 // The view in place of the file; −1: none.
 static RfResult read_view( const RfField* object, const RfField* map, int* view )
@@ -26,42 +44,74 @@ static RfResult read_view( const RfField* object, const RfField* map, int* view 
     return result;
 }
 
-RfResult rf_read_environment( const RfField* object, RfEnvironment* environment, const char** map, int* view )
+// The most of the radiance at any time.
+static double most_radiance( const RfEnvironmentText* text )
 {
-    static const char* const s_keys[] = { "radiance", "map", "rotation", "visible", "bufferView", NULL };
-    static const char* const s_file_keys[] = { "radiance", "map", "rotation", "visible", NULL };
-    double radiance[3] = { 1.0, 1.0, 1.0 }, rotation = 0.0;
+    const RfChannel* strength = text->changes + STRENGTH;
+    double most = strength->count > 0 ? 0.0 : 1.0;
+    for ( int i = 0; i < strength->count; ++i )
+        most = fmax( most, strength->values[i] );
+    return most * (double)rf_max_component( text->environment.radiance );
+}
+
+RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, RfEnvironmentText* text )
+{
+    static const char* const s_file_keys[] = {
+        "radiance", "map", "strength", "rotation", "visible", "interpolation", "keys", NULL
+    };
+    static const char* const s_keys[] = { "radiance",      "map",  "strength",   "rotation", "visible",
+                                          "interpolation", "keys", "bufferView", NULL };
+    double radiance[3] = { 1.0, 1.0, 1.0 }, still[KEYED_COUNT] = { 1.0, 0.0 };
     bool visible = true;
-    *map = NULL;
+    *text = ( RfEnvironmentText ){ .view = -1 };
     RfField radiance_field = rf_field_member( object, "radiance" ), map_field = rf_field_member( object, "map" ),
-            rotation_field = rf_field_member( object, "rotation" ), visible_field = rf_field_member( object, "visible" );
-    RfResult result = rf_field_keys( object, view != NULL ? s_keys : s_file_keys );
-    if ( result == RF_OK && view != NULL )
-        result = read_view( object, &map_field, view );
-    bool has_map = map_field.json != NULL || ( view != NULL && *view >= 0 );
+            visible_field = rf_field_member( object, "visible" );
+    RfResult result = rf_field_keys( object, in_gltf ? s_keys : s_file_keys );
+    if ( result == RF_OK && in_gltf )
+        result = read_view( object, &map_field, &text->view );
+    bool has_map = map_field.json != NULL || text->view >= 0;
     if ( result == RF_OK && radiance_field.json == NULL && !has_map )
         return rf_field_fail( object, "gives no light: give radiance, map or both" );
     if ( result == RF_OK )
         result = rf_field_numbers( &radiance_field, rf_range( 0.0, MAX_RADIANCE ), 3, radiance );
     if ( result == RF_OK )
-        result = rf_field_text( &map_field, map );
-    if ( result == RF_OK )
-        result = rf_field_number( &rotation_field, rf_range( -1e6, 1e6 ), &rotation );
+        result = rf_field_text( &map_field, &text->map );
     if ( result == RF_OK )
         result = rf_field_bool( &visible_field, &visible );
+    if ( result == RF_OK )
+        result = rf_read_keys( object, fps, s_keyed, KEYED_COUNT, text->changes, &text->in_frames );
+    if ( result == RF_OK )
+        result = rf_refuse_twice( object, s_keyed, KEYED_COUNT, text->changes );
+    for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
+    {
+        RfField field = rf_field_member( object, s_keyed[i].name );
+        result = rf_read_keyed( &field, s_keyed + i, still + i );
+    }
     if ( result != RF_OK )
         return result;
-    *environment = ( RfEnvironment ){
-        .radiance = rf_vec3( (float)radiance[0], (float)radiance[1], (float)radiance[2] ),
-        .rotation = (float)( fmod( rotation, 360.0 ) * ( 3.14159265358979323846 / 180.0 ) ),
+    text->environment = ( RfEnvironment ){
+        .radiance = rf_vec3( (float)( radiance[0] * still[STRENGTH] ), (float)( radiance[1] * still[STRENGTH] ),
+                             (float)( radiance[2] * still[STRENGTH] ) ),
+        .rotation = (float)fmod( still[ROTATION], 2.0 * PI ),
         .hidden = !visible,
     };
-    return RF_OK;
+    return most_radiance( text ) <= MAX_RADIANCE
+               ? RF_OK
+               : rf_field_fail( object, "radiance times strength is brighter than %g: lower one of them", MAX_RADIANCE );
 }
 
-static bool is_too_bright( const RfEnvironment* e )
+void rf_destroy_environment_text( RfEnvironmentText* text )
 {
-    double most = (double)rf_max_component( e->radiance );
+    free( text->environment.map );
+    for ( int i = 0; i < KEYED_COUNT; ++i )
+        rf_destroy_channel( text->changes + i );
+    *text = ( RfEnvironmentText ){ 0 };
+}
+
+static bool is_too_bright( const RfEnvironmentText* text )
+{
+    const RfEnvironment* e = &text->environment;
+    double most = most_radiance( text );
     size_t count = 3 * (size_t)e->width * (size_t)e->height;
     for ( size_t i = 0; i < count; ++i )
     {
@@ -73,13 +123,11 @@ static bool is_too_bright( const RfEnvironment* e )
 
 // Checks a map that has been loaded with `result`; the decoder's message names the file.
 static RfResult check_map( const RfField* object, const char* key, RfResult result, const RfError* error,
-                           RfEnvironment* environment )
+                           const RfEnvironmentText* text )
 {
     RfField field = rf_field_member( object, key );
-    if ( result == RF_OK && !is_too_bright( environment ) )
+    if ( result == RF_OK && !is_too_bright( text ) )
         return RF_OK;
-    free( environment->map );
-    environment->map = NULL;
     if ( result == RF_OK )
         return rf_field_fail( &field, "times radiance is brighter than %g somewhere: lower radiance", MAX_RADIANCE );
     rf_field_fail( &field, "%.560s", error->text );
@@ -88,19 +136,101 @@ static RfResult check_map( const RfField* object, const char* key, RfResult resu
     return result;
 }
 
-RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironment* environment )
+RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironmentText* text )
 {
     RfError error = { 0 };
-    RfResult result = rf_load_environment_map( path, &environment->width, &environment->height, &environment->map, &error );
-    return check_map( object, "map", result, &error, environment );
+    RfEnvironment* e = &text->environment;
+    RfResult result = rf_load_environment_map( path, &e->width, &e->height, &e->map, &error );
+    return check_map( object, "map", result, &error, text );
 }
 
-RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t size, RfEnvironment* environment )
+RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t size, RfEnvironmentText* text )
 {
     RfError error = { 0 };
-    RfResult result =
-        rf_decode_environment_map( bytes, size, "the map", &environment->width, &environment->height, &environment->map, &error );
-    return check_map( object, "bufferView", result, &error, environment );
+    RfEnvironment* e = &text->environment;
+    RfResult result = rf_decode_environment_map( bytes, size, "the map", &e->width, &e->height, &e->map, &error );
+    return check_map( object, "bufferView", result, &error, text );
+}
+
+static void set_changed( RfEnvironment* environment, RfChangedValue value, double number )
+{
+    if ( value == RF_CHANGED_SKY_STRENGTH )
+        environment->radiance = rf_scale( environment->radiance, (float)number );
+    else
+        environment->rotation = (float)fmod( number, 2.0 * PI );
+}
+
+static bool varies( const RfChannel* channel )
+{
+    for ( int i = 1; i < channel->count; ++i )
+    {
+        if ( channel->values[i] != channel->values[0] )
+            return true;
+    }
+    return false;
+}
+
+RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene )
+{
+    static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_SKY_STRENGTH, RF_CHANGED_SKY_ROTATION };
+    RfResult result = RF_OK;
+    bool constant = text->environment.map == NULL;
+    for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
+    {
+        RfChange change = { .value = s_values[i], .channel = text->changes[i] };
+        if ( change.channel.count == 0 || ( i == ROTATION && constant ) )
+            continue;
+        if ( !varies( &change.channel ) )
+        {
+            set_changed( &text->environment, s_values[i], change.channel.values[0] );
+            continue;
+        }
+        text->environment.changes = true;
+        text->changes[i] = ( RfChannel ){ 0 };
+        if ( !rf_add_change( scene, &change ) )
+            result = rf_fail( object->error, RF_ERROR_MEMORY, "%s: no memory left for %s", object->file, object->path );
+    }
+    free( scene->environment.map ); // it is replaced
+    scene->environment = text->environment;
+    text->environment.map = NULL;
+    return result;
+}
+
+RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error )
+{
+    RfMovement* movement = scene->movement;
+    int kept = 0;
+    if ( !scene->environment.changes )
+        return RF_OK;
+    for ( int i = 0; i < movement->change_count; ++i )
+    {
+        RfChange* change = movement->changes + i;
+        double number = 0.0;
+        if ( change->value != RF_CHANGED_SKY_STRENGTH && change->value != RF_CHANGED_SKY_ROTATION )
+        {
+            movement->changes[kept++] = *change;
+            continue;
+        }
+        rf_sample_channel( &change->channel, time, &number );
+        set_changed( &scene->environment, change->value, number );
+        rf_destroy_channel( &change->channel );
+    }
+    movement->change_count = kept;
+    rf_drop_empty_movement( scene );
+    scene->environment.changes = false;
+    scene->frozen = true;
+    scene->content_hash = rf_hash_bytes( scene->content_hash, &time, sizeof time );
+    return rf_note_unrendered( scene, "environment", "its keys change it" )
+               ? RF_OK
+               : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", scene->path );
+}
+
+bool rf_leave_out_environment( json_t* root )
+{
+    json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
+    json_t* scene = json_array_get( json_object_get( root, "scenes" ), index > 0 ? (size_t)index : 0 );
+    json_t* ours = json_object_get( json_object_get( scene, "extras" ), "reframe" );
+    return json_object_del( ours, "environment" ) == 0;
 }
 
 uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment )

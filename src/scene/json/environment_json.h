@@ -5,16 +5,36 @@
 #include "scene/json/json_document.h"
 #include "scene/scene.h"
 
-// Reads {"radiance": [r, g, b], "map": "file", "rotation": degrees, "visible": true}. Does not
-// load the map: *map is its name as written (owned by the JSON), or NULL.
-// In a glTF it may have a "bufferView" in place of the file, whose index is *view (−1: none); elsewhere `view` is NULL.
-RfResult rf_read_environment( const RfField* object, RfEnvironment* environment, const char** map, int* view );
+// What the JSON says of one.
+typedef struct RfEnvironmentText
+{
+    RfEnvironment environment; // without its map
+    const char* map;           // its name as written (owned by the JSON), or NULL
+    int view;                  // of a glTF: the "bufferView" in its place; −1: none
+    RfChannel changes[2];      // by keys: strength, a factor on the radiance, and rotation, radians
+    bool in_frames;            // keys are numbers of frames
+} RfEnvironmentText;
+
+// Reads {"radiance": [r, g, b], "map": "file", "strength": 1, "rotation": degrees, "visible": true, "keys": […]}, in a glTF with a
+// "bufferView" in place of the file; frames of keys are counted at `fps`. Free with rf_destroy_environment_text, also on failure.
+RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, RfEnvironmentText* text );
+
+void rf_destroy_environment_text( RfEnvironmentText* text );
 
 // Loads the map from `path`; the error also names the field.
-RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironment* environment );
+RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironmentText* text );
 
 // Decodes the map from the bytes of a file.
-RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t size, RfEnvironment* environment );
+RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t size, RfEnvironmentText* text );
+
+// Gives the scene the environment and what changes it, out of the text. A constant one does not turn.
+RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene );
+
+// Lets an environment that changes be as it is at `time`, and lists that in scene->unrendered.
+RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error );
+
+// Takes the environment out of the default scene of a glTF, and returns whether it had one.
+bool rf_leave_out_environment( json_t* root );
 
 // Continues a hash with the pixels of the map.
 uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment );

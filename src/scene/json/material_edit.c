@@ -3,7 +3,10 @@
 
 #include "base/words.h"
 #include "scene/json/item_names.h"
+#include "scene/gltf/gltf_document.h"
 #include "scene/json/json_document.h"
+#include "scene/json/keys.h"
+#include "scene/json/sequence_json.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,6 +125,7 @@ typedef enum Type
     NUMBERS,
     FLAG,
     ALPHA_MODE,
+    SEQUENCE,
     NOT_COPIED, // handled by name
 } Type;
 
@@ -161,7 +165,13 @@ static const Entry s_entries[] = {
     { "doubleSided", FLAG, 0, 0, 0, NULL, NULL, false },
     { "alphaMode", ALPHA_MODE, 0, 0, 0, NULL, NULL, false },
     { "alphaCutoff", NUMBERS, 1, 0, 1e6, NULL, NULL, false },
+    { "baseColorTexture", SEQUENCE, 0, 0, 0, PBR, NULL, false },
+    { "metallicRoughnessTexture", SEQUENCE, 0, 0, 0, PBR, NULL, true },
+    { "normalTexture", SEQUENCE, 0, 0, 0, NULL, NULL, false },
+    { "emissiveTexture", SEQUENCE, 0, 0, 0, NULL, NULL, false },
     { "textures", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "interpolation", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "keys", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
 };
 
 #define ENTRY_COUNT ( sizeof s_entries / sizeof s_entries[0] )
@@ -180,9 +190,45 @@ static RfResult check_value( const RfField* field, const Entry* entry )
     return entry->count == 1 ? rf_field_number( field, range, numbers ) : rf_field_numbers( field, range, entry->count, numbers );
 }
 
-static RfResult copy_value( const RfField* field, const Entry* entry, json_t* material )
+// Appends an object to a list of the document, and gives its number.
+static bool append( json_t* root, const char* list, json_t* object, json_int_t* number )
 {
-    RfResult result = check_value( field, entry );
+    if ( json_object_get( root, list ) == NULL )
+        json_object_set_new( root, list, json_array() );
+    json_t* items = json_object_get( root, list );
+    *number = (json_int_t)json_array_size( items );
+    return json_array_append_new( items, object ) == 0;
+}
+
+// Adds an image that is a sequence and its texture, which takes the place of that which the material has there, with its
+// coordinates and its sampler. The glTF reader finds the files (scene/gltf/gltf_sequence.c).
+static RfResult add_sequence( const RfField* field, const char* key, json_t* home, json_t* root )
+{
+    RfImageSequence sequence;
+    const char* frames;
+    RfResult result = rf_read_sequence( field, &sequence, &frames );
+    if ( result != RF_OK )
+        return result;
+    json_int_t image, texture, old = -1;
+    json_t* info = json_object_get( home, key );
+    if ( json_is_integer( json_object_get( info, "index" ) ) )
+        old = json_integer_value( json_object_get( info, "index" ) );
+    json_t* before = old >= 0 ? json_array_get( json_object_get( root, "textures" ), (size_t)old ) : NULL;
+    json_t* after = json_object();
+    info = json_is_object( info ) ? json_copy( info ) : json_object();
+    bool done =
+        append( root, "images", json_pack( "{s:s, s:{s:O}}", "name", field->path, "extras", "reframe", field->json ), &image );
+    done = done && json_object_set_new( after, "source", json_integer( image ) ) == 0;
+    if ( json_object_get( before, "sampler" ) != NULL )
+        json_object_set( after, "sampler", json_object_get( before, "sampler" ) );
+    done = append( root, "textures", after, &texture ) && done;
+    done = done && json_object_set_new( info, "index", json_integer( texture ) ) == 0;
+    return json_object_set_new( home, key, info ) == 0 && done ? RF_OK : edit_no_memory( field );
+}
+
+static RfResult copy_value( const RfField* field, const Entry* entry, json_t* material, json_t* root )
+{
+    RfResult result = entry->type == SEQUENCE ? RF_OK : check_value( field, entry );
     if ( result != RF_OK )
         return result;
     json_t* home = material;
@@ -193,12 +239,14 @@ static RfResult copy_value( const RfField* field, const Entry* entry, json_t* ma
         home = edit_member( material, "extensions" );
         home = home != NULL ? edit_member( home, entry->extension ) : NULL;
     }
-    if ( home == NULL || json_object_set( home, entry->key, (json_t*)field->json ) != 0 )
+    if ( home == NULL )
         return edit_no_memory( field );
-    return RF_OK;
+    if ( entry->type == SEQUENCE )
+        return add_sequence( field, entry->key, home, root );
+    return json_object_set( home, entry->key, (json_t*)field->json ) == 0 ? RF_OK : edit_no_memory( field );
 }
 
-// Takes the animations of a value out, which stands still then.
+// Takes the animations of a value out, which stands still then, or has keys of its own.
 static void stop_channels( json_t* channels, const char* pointer )
 {
     for ( size_t i = json_array_size( channels ); i-- > 0; )
@@ -248,7 +296,74 @@ static RfResult edit_textures( const RfField* override, json_t* material )
     return result;
 }
 
-static RfResult edit_material( const RfField* override, json_t* root, size_t index )
+// Factors that may have keys.
+static const RfKeyed s_keyed[] = {
+    { "baseColorFactor", RF_VALUE, 4, 0, 1, 1, NULL },     { "metallicFactor", RF_VALUE, 1, 0, 1, 1, NULL },
+    { "roughnessFactor", RF_VALUE, 1, 0, 1, 1, NULL },     { "emissiveFactor", RF_VALUE, 3, 0, 1, 1, NULL },
+    { "emissiveStrength", RF_VALUE, 1, 0, 1e15, 1, NULL },
+};
+#define KEYED_COUNT ( sizeof s_keyed / sizeof s_keyed[0] )
+static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_BASE_COLOR, RF_CHANGED_METALLIC, RF_CHANGED_ROUGHNESS,
+                                                      RF_CHANGED_EMISSIVE, RF_CHANGED_EMISSIVE_STRENGTH };
+#define FIRST_EMISSION 3 // of these, which all models have
+
+static const Entry* find_entry( const char* key )
+{
+    const Entry* entry = s_entries;
+    while ( strcmp( entry->key, key ) != 0 )
+        ++entry;
+    return entry;
+}
+
+static bool add_change( const RfChange* change, RfMaterialKeys* keys )
+{
+    RfChange* grown = realloc( keys->changes, ( (size_t)keys->count + 1 ) * sizeof *grown );
+    if ( grown == NULL )
+        return false;
+    keys->changes = grown;
+    keys->changes[keys->count++] = *change;
+    return true;
+}
+
+// Reads the keys of a material of this number.
+static RfResult read_keys( const RfField* override, json_t* root, size_t material, bool is_gltf, RfMaterialKeys* keys )
+{
+    RfChannel channels[KEYED_COUNT];
+    bool in_frames;
+    RfFps fps = keys->fps.numerator > 0 ? keys->fps : rf_gltf_document_fps( root );
+    RfResult result = rf_read_keys( override, fps, s_keyed, KEYED_COUNT, channels, &in_frames );
+    if ( result == RF_OK )
+        result = rf_refuse_twice( override, s_keyed, KEYED_COUNT, channels );
+    RfField field = rf_field_member( override, "keys" );
+    for ( int i = 0; result == RF_OK && !is_gltf && i < FIRST_EMISSION; ++i )
+    {
+        if ( channels[i].count > 0 )
+            result = rf_field_fail( &field, "%s has no effect on another bsdf: add \"bsdf\": \"gltf\"", s_keyed[i].name );
+    }
+    for ( size_t i = 0; i < KEYED_COUNT; ++i )
+    {
+        RfChange change = { .value = s_values[i], .of = (int)material, .channel = channels[i] };
+        bool added = result == RF_OK && change.channel.count > 0 && add_change( &change, keys );
+        if ( result == RF_OK && change.channel.count > 0 && !added )
+            result = edit_no_memory( &field );
+        if ( added )
+            stop_value( root, material, find_entry( s_keyed[i].name ) );
+        else
+            rf_destroy_channel( channels + i );
+    }
+    keys->in_frames = keys->in_frames || in_frames;
+    return result;
+}
+
+void rf_destroy_material_keys( RfMaterialKeys* keys )
+{
+    for ( int i = 0; i < keys->count; ++i )
+        rf_destroy_channel( &keys->changes[i].channel );
+    free( keys->changes );
+    *keys = ( RfMaterialKeys ){ .fps = keys->fps };
+}
+
+static RfResult edit_material( const RfField* override, json_t* root, size_t index, RfMaterialKeys* keys )
 {
     json_t* material = json_array_get( json_object_get( root, "materials" ), index );
     RfResult result = edit_lobes( override, material );
@@ -263,14 +378,14 @@ static RfResult edit_material( const RfField* override, json_t* root, size_t ind
             continue;
         if ( entry->gltf_only && !is_gltf )
             return rf_field_fail( &field, "has no effect on bsdf \"%.20s\": add \"bsdf\": \"gltf\"", edited_bsdf( material ) );
-        result = copy_value( &field, entry, material );
+        result = copy_value( &field, entry, material, root );
         if ( result == RF_OK )
             stop_value( root, index, entry );
     }
-    return result;
+    return result == RF_OK ? read_keys( override, root, index, is_gltf, keys ) : result;
 }
 
-static RfResult edit_by_name( const RfField* override, const char* name, json_t* root )
+static RfResult edit_by_name( const RfField* override, const char* name, json_t* root, RfMaterialKeys* material_keys )
 {
     const json_t* list = json_object_get( root, "materials" );
     const char* keys[ENTRY_COUNT + 1] = { NULL };
@@ -284,12 +399,12 @@ static RfResult edit_by_name( const RfField* override, const char* name, json_t*
         if ( !json_is_object( json_array_get( list, i ) ) || strcmp( rf_item_name( list, "materials", i, fallback ), name ) != 0 )
             continue;
         found = true;
-        result = edit_material( override, root, i );
+        result = edit_material( override, root, i, material_keys );
     }
     return result == RF_OK && !found ? rf_fail_unknown_item( override, "material", name, list ) : result;
 }
 
-RfResult rf_edit_materials( const RfField* materials, json_t* root )
+RfResult rf_edit_materials( const RfField* materials, json_t* root, RfMaterialKeys* keys )
 {
     if ( materials->json == NULL )
         return RF_OK;
@@ -301,7 +416,7 @@ RfResult rf_edit_materials( const RfField* materials, json_t* root )
     json_object_foreach( (json_t*)materials->json, name, value )
     {
         RfField override = rf_field_member( materials, name );
-        result = edit_by_name( &override, name, root );
+        result = edit_by_name( &override, name, root, keys );
         if ( result != RF_OK )
             break;
     }

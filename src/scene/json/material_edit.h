@@ -5,10 +5,24 @@
 #define REFRAME_SCENE_JSON_MATERIAL_EDIT_H
 
 #include "scene/json/json_document.h"
+#include "scene/movement.h"
+
+// Keys of the factors of materials.
+typedef struct RfMaterialKeys
+{
+    RfFps fps; // by which frames are counted; 0/0: as the glTF asks for
+    int count;
+    RfChange*
+        changes;    // of materials of the glTF, by their numbers there; without keys: of what stands still, whatever the glTF has
+    bool in_frames; // some are numbers of frames
+} RfMaterialKeys;
+
+void rf_destroy_material_keys( RfMaterialKeys* keys );
 
 // Applies `materials`, an object of overrides by name, to the glTF `root`. Validates
 // everything: names that no material has, unknown keys, values out of range, keys without
-// effect on the material's bsdf. An override applies to all materials of that name.
-RfResult rf_edit_materials( const RfField* materials, json_t* root );
+// effect on the material's bsdf. An override applies to all materials of that name. What has keys is added to `keys`, which starts
+// as zeros but for its fps; free it, also on failure.
+RfResult rf_edit_materials( const RfField* materials, json_t* root, RfMaterialKeys* keys );
 
 #endif

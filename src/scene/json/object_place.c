@@ -2,6 +2,7 @@
 #include "scene/json/object_place.h"
 
 #include "scene/gltf/gltf_document.h"
+#include "scene/json/environment_json.h"
 #include "scene/json/item_names.h"
 #include "scene/json/material_edit.h"
 #include "scene/merge.h"
@@ -210,6 +211,8 @@ typedef struct Placing
     const RfObject* object;
     RfChannel channels[RF_OBJECT_PATHS];
     RfGltfOptions options;
+    RfMaterialKeys keys;
+    bool environment; // it has one
 } Placing;
 
 // All nodes that are no children, for a file without scenes, of which everything is shown. NULL: there is no memory.
@@ -283,7 +286,11 @@ static RfResult edit_placed( void* user, json_t* root, RfError* error )
     RfField field = p->object->field;
     field.error = error;
     RfField materials = rf_field_member( &field, "materials" );
-    RfResult result = rf_edit_materials( &materials, root );
+    p->environment = rf_leave_out_environment( root );
+    rf_destroy_material_keys( &p->keys ); // where the file is read again
+    RfResult result = rf_edit_materials( &materials, root, &p->keys );
+    p->options.changes = p->keys.changes;
+    p->options.change_count = p->keys.count;
     if ( result == RF_OK )
         result = put_under( p, &field, root, &index );
     for ( int i = 0; result == RF_OK && i < p->options.channel_count; ++i )
@@ -304,11 +311,6 @@ static RfResult fail( const RfObject* object, RfResult result, const RfError* er
     return result == RF_ERROR_USAGE ? RF_ERROR_SCENE : result;
 }
 
-static bool has_environment( const RfScene* scene )
-{
-    return scene->environment.map != NULL || rf_max_component( scene->environment.radiance ) > 0.0f;
-}
-
 static RfResult check_placed( const Placing* p, const RfScene* placed, RfLog* log )
 {
     const RfObject* object = p->object;
@@ -320,7 +322,7 @@ static RfResult check_placed( const Placing* p, const RfScene* placed, RfLog* lo
         RfField field = rf_field_member( &object->field, object->plays );
         return rf_field_fail( &field, "'%.80s' has no animation: leave it out", object->file );
     }
-    if ( has_environment( placed ) )
+    if ( p->environment )
         rf_warn( log, "%s: %s: the environment of '%s' is left out: the scene has its own", object->field.file,
                  object->field.path, object->file );
     return RF_OK;
@@ -340,11 +342,11 @@ static bool is_repeated( const RfObjects* objects, int index )
     return false;
 }
 
-static RfResult place_file( const RfObject* object, const double* frozen_at, RfScene* scene, RfLog* log )
+static RfResult place_file( const RfObject* object, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log )
 {
     RfScene placed;
     RfError error = { 0 };
-    Placing p = { .object = object };
+    Placing p = { .object = object, .keys.fps = fps };
     RfGltfEdit edit = { edit_placed, &p };
     p.options = ( RfGltfOptions ){
         .freeze = frozen_at != NULL,
@@ -354,6 +356,8 @@ static RfResult place_file( const RfObject* object, const double* frozen_at, RfS
         .channels = p.channels,
         .clock = &object->clock,
         .origin = scene->origin,
+        .beside = object->field.file,
+        .fps = fps,
     };
     append_channels( object, -1, p.channels, &p.options.channel_count );
     char* path = rf_path_beside( object->field.file, object->file );
@@ -361,6 +365,9 @@ static RfResult place_file( const RfObject* object, const double* frozen_at, RfS
         return no_memory( &object->field );
     RfResult result = rf_load_gltf_with( path, &p.options, &placed, log, &error );
     free( path );
+    if ( result == RF_OK && p.keys.in_frames && scene->key_fps.numerator == 0 )
+        scene->key_fps = fps;
+    rf_destroy_material_keys( &p.keys );
     if ( result != RF_OK )
         return fail( object, result, &error );
     result = check_placed( &p, &placed, log );
@@ -369,13 +376,13 @@ static RfResult place_file( const RfObject* object, const double* frozen_at, RfS
     return result == RF_OK ? rf_merge_scene( scene, &placed, name_of( object ), object->field.error ) : result;
 }
 
-RfResult rf_place_files( const RfObjects* objects, const double* frozen_at, RfScene* scene, RfLog* log )
+RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log )
 {
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < objects->count; ++i )
     {
         if ( objects->list[i].file != NULL )
-            result = place_file( objects->list + i, frozen_at, scene, is_repeated( objects, i ) ? NULL : log );
+            result = place_file( objects->list + i, fps, frozen_at, scene, is_repeated( objects, i ) ? NULL : log );
     }
     return result;
 }

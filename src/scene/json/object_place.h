@@ -9,7 +9,8 @@
 // for 5 for each object. Fails where a name is not that of one node.
 RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* channels, int* count );
 
-// Loads the files that objects place and makes them part of the scene: frozen at a time, in seconds, unless that is NULL.
-RfResult rf_place_files( const RfObjects* objects, const double* frozen_at, RfScene* scene, RfLog* log );
+// Loads the files that objects place and makes them part of the scene, of so many frames per second: frozen at a time, in seconds,
+// unless that is NULL.
+RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log );
 
 #endif

@@ -69,19 +69,26 @@ static RfResult fail_in_field( const RfField* field, RfResult result, const RfEr
 // What changes the glTF before it is read.
 typedef struct Changes
 {
+    bool environment; // it is replaced
     RfField materials;
+    RfMaterialKeys keys;
     const RfObjects* objects;
     RfChannel* channels; // that objects give
-    int* channel_count;
+    RfGltfOptions* options;
 } Changes;
 
 static RfResult edit( void* user, json_t* root, RfError* error )
 {
     Changes* changes = user;
+    if ( changes->environment )
+        rf_leave_out_environment( root );
     changes->materials.error = error;
-    RfResult result = rf_edit_materials( &changes->materials, root );
+    rf_destroy_material_keys( &changes->keys ); // where the file is read again
+    RfResult result = rf_edit_materials( &changes->materials, root, &changes->keys );
+    changes->options->changes = changes->keys.changes;
+    changes->options->change_count = changes->keys.count;
     if ( result == RF_OK )
-        result = rf_edit_nodes( changes->objects, root, changes->channels, changes->channel_count );
+        result = rf_edit_nodes( changes->objects, root, changes->channels, &changes->options->channel_count );
     return result;
 }
 
@@ -92,33 +99,6 @@ typedef struct Reading
     const double* frozen_at; // seconds; NULL: as the glTF's own default camera has its first frame
     RfLog* log;
 } Reading;
-
-static RfResult load_gltf( const RfField* root, const Reading* reading, const RfObjects* objects, RfScene* scene )
-{
-    const char* name = NULL;
-    RfField field = rf_field_member( root, "scene" );
-    RfResult result = rf_field_text( &field, &name );
-    if ( result != RF_OK )
-        return result;
-    if ( rf_ends_with( name, ".json" ) )
-        return rf_field_must_be( &field, "a .glb or .gltf file" );
-    char* path = rf_path_beside( root->file, name );
-    if ( path == NULL )
-        return rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
-    RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
-    RfGltfOptions edited = { .freeze = reading->options->freeze,
-                             .animation = reading->options->animation,
-                             .channels = channels,
-                             .frozen_at = reading->frozen_at };
-    Changes changes = { rf_field_member( root, "materials" ), objects, channels, &edited.channel_count };
-    RfGltfEdit change = { edit, &changes };
-    edited.edit = &change;
-    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, reading->log, root->error )
-                              : rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
-    free( channels ); // their keys are the objects'
-    free( path );
-    return result;
-}
 
 // The frames per second that the scene file asks for, or 24; `given`: it does.
 static RfResult read_fps( const RfField* root, bool* given, RfFps* fps )
@@ -141,6 +121,48 @@ static RfResult read_fps( const RfField* root, bool* given, RfFps* fps )
     return sound ? RF_OK : rf_field_must_be( &field, "a whole number, or a fraction such as \"30000/1001\"" );
 }
 
+static RfResult load_gltf( const RfField* root, const Reading* reading, const RfObjects* objects, RfScene* scene )
+{
+    const char* name = NULL;
+    RfField field = rf_field_member( root, "scene" );
+    RfResult result = rf_field_text( &field, &name );
+    if ( result != RF_OK )
+        return result;
+    if ( rf_ends_with( name, ".json" ) )
+        return rf_field_must_be( &field, "a .glb or .gltf file" );
+    RfFps fps;
+    bool given;
+    result = read_fps( root, &given, &fps );
+    char* path = result == RF_OK ? rf_path_beside( root->file, name ) : NULL;
+    if ( path == NULL )
+        return result != RF_OK ? result : rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
+    RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
+    RfGltfOptions edited = { .freeze = reading->options->freeze,
+                             .animation = reading->options->animation,
+                             .channels = channels,
+                             .beside = root->file,
+                             .frozen_at = reading->frozen_at };
+    Changes changes = { .environment = rf_has_member( root, "environment" ),
+                        .materials = rf_field_member( root, "materials" ),
+                        .objects = objects,
+                        .channels = channels,
+                        .options = &edited };
+    if ( given )
+        edited.fps = changes.keys.fps = fps;
+    RfGltfEdit change = { edit, &changes };
+    edited.edit = &change;
+    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, reading->log, root->error )
+                              : rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
+    if ( result == RF_OK && changes.keys.in_frames && given )
+        scene->fps = fps;
+    if ( result == RF_OK && changes.keys.in_frames && scene->key_fps.numerator == 0 ) // else the glTF's environment has some
+        scene->key_fps = rf_scene_fps( scene );
+    rf_destroy_material_keys( &changes.keys );
+    free( channels ); // their keys are the objects'
+    free( path );
+    return result;
+}
+
 // Reads what moves, with keys at `fps`, and the glTF. What objects place is not loaded yet.
 static RfResult load_moving( const RfField* root, const Reading* reading, RfFps fps, RfObjects* objects, RfScene* scene )
 {
@@ -148,7 +170,8 @@ static RfResult load_moving( const RfField* root, const Reading* reading, RfFps 
     RfResult result = rf_read_objects( &list, fps, objects );
     if ( result == RF_OK )
         result = load_gltf( root, reading, objects, scene );
-    scene->key_fps = result == RF_OK && objects->in_frames ? fps : ( RfFps ){ 0 };
+    if ( result == RF_OK && objects->in_frames && scene->key_fps.numerator == 0 )
+        scene->key_fps = fps;
     return result;
 }
 
@@ -175,32 +198,57 @@ static RfResult load_objects( const RfField* root, const Reading* reading, RfSce
     if ( result == RF_OK )
     {
         double first = reading->frozen_at != NULL ? *reading->frozen_at : rf_gltf_first_time( scene );
-        result = rf_place_files( &objects, reading->options->freeze ? &first : NULL, scene, reading->log );
+        result = rf_place_files( &objects, given ? fps : rf_scene_fps( scene ), reading->options->freeze ? &first : NULL, scene,
+                                 reading->log );
     }
     rf_destroy_objects( &objects );
+    return result;
+}
+
+static RfResult read_environment( const RfField* field, RfFps fps, RfEnvironmentText* text )
+{
+    RfResult result = rf_read_environment( field, false, fps, text );
+    if ( result != RF_OK || text->map == NULL )
+        return result;
+    char* path = rf_path_beside( field->file, text->map );
+    result = path != NULL ? rf_load_environment( field, path, text )
+                          : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+    free( path );
     return result;
 }
 
 static RfResult load_environment( const RfField* root, RfScene* scene )
 {
     RfField field = rf_field_member( root, "environment" );
-    if ( field.json == NULL )
-        return RF_OK;
-    const char* map;
-    RfEnvironment environment = { 0 };
-    RfResult result = rf_read_environment( &field, &environment, &map, NULL );
-    char* path = result == RF_OK && map != NULL ? rf_path_beside( root->file, map ) : NULL;
-    if ( result == RF_OK && map != NULL && path == NULL )
-        result = rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
-    if ( result == RF_OK && map != NULL )
-        result = rf_load_environment( &field, path, &environment );
-    free( path );
-    if ( result != RF_OK )
+    RfEnvironmentText text;
+    RfFps fps;
+    bool given;
+    RfResult result = read_fps( root, &given, &fps );
+    if ( result != RF_OK || field.json == NULL )
         return result;
-    free( scene->environment.map ); // the glTF's environment is replaced
-    scene->environment = environment;
-    scene->content_hash = rf_hash_environment( scene->content_hash, &environment );
-    return RF_OK;
+    if ( !given )
+        fps = rf_scene_fps( scene );
+    result = read_environment( &field, fps, &text );
+    if ( result == RF_OK )
+        scene->content_hash = rf_hash_environment( scene->content_hash, &text.environment );
+    if ( result == RF_OK )
+        result = rf_give_environment( &field, &text, scene );
+    if ( result == RF_OK && text.in_frames && scene->key_fps.numerator == 0 )
+        scene->key_fps = fps;
+    if ( result == RF_OK && text.in_frames && given )
+        scene->fps = fps;
+    rf_destroy_environment_text( &text );
+    return result;
+}
+
+// What --freeze still has to freeze: the file's own environment.
+static RfResult freeze_rest( const Reading* reading, RfScene* scene, RfError* error )
+{
+    if ( !reading->options->freeze || !scene->environment.changes )
+        return RF_OK;
+    rf_warn( reading->log, "%s: the environment changes: frozen as in the first frame", scene->path );
+    double first = reading->frozen_at != NULL ? *reading->frozen_at : rf_gltf_first_time( scene );
+    return rf_freeze_environment( scene, first, error );
 }
 
 static bool is_name_taken( const RfScene* scene, const char* name )
@@ -309,6 +357,8 @@ static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfSce
     if ( result == RF_OK )
         *first = rf_gltf_first_time( scene );
     *moved = *first != before;
+    if ( result == RF_OK )
+        result = freeze_rest( reading, scene, error );
     if ( result != RF_OK )
         rf_destroy_scene( scene );
     return result;

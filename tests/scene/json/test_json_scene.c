@@ -3,7 +3,9 @@
 #include "support/cli_run.h"
 #include "support/image_files.h"
 
+#include "scene/animation.h"
 #include "scene/json/material_edit.h"
+#include "scene/movement.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -135,7 +137,8 @@ static void test_textures_can_be_dropped( void** state )
     json_t* edits = json_loads( "{\"a\":{\"textures\":false},\"b\":{\"textures\":true}}", 0, NULL );
     RfError error = { 0 };
     RfField field = rf_make_field( "x.json", "materials", edits, &error );
-    assert_int_equal( rf_edit_materials( &field, root ), RF_OK );
+    RfMaterialKeys keys = { 0 };
+    assert_int_equal( rf_edit_materials( &field, root, &keys ), RF_OK );
     char* text = json_dumps( root, JSON_COMPACT | JSON_SORT_KEYS );
     assert_string_equal( text, "{\"materials\":[{\"extensions\":{\"KHR_x\":{\"xFactor\":1}},\"extras\":{\"aTexture\":1},"
                                "\"name\":\"a\",\"pbrMetallicRoughness\":{\"metallicFactor\":0.5}},"
@@ -200,6 +203,19 @@ static void test_faults_of_files( void** state )
         { "\"environment\":{\"radiance\":[1,1,1],\"rotation\":null}",
           "environment.rotation: must be a number from -1e+06 to 1e+06, got null" },
         { "\"environment\":{\"radiance\":[1,1,1],\"visible\":0}", "environment.visible: must be true or false, got 0" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"interpolation\":\"linear\"}",
+          "environment.interpolation: has no effect without keys" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[]}", "environment.keys: must be an array of 1 to" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":1}]}",
+          "environment.keys[0]: has no strength or rotation: give it one, or leave it out" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"frame\":2,\"strength\":1},{\"time\":1,\"strength\":2}]}",
+          "environment.keys[1].time: unknown key, the keys here are: frame, strength, rotation" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":1,\"strength\":-1}]}",
+          "environment.keys[0].strength: must be a number from 0 to 1e+15, got -1" },
+        { "\"environment\":{\"radiance\":[1,1,1],\"strength\":1,\"keys\":[{\"time\":1,\"strength\":1}]}",
+          "environment.strength: keys have it too: leave one of the two out" },
+        { "\"environment\":{\"radiance\":[1e9,1,1],\"keys\":[{\"time\":1,\"strength\":1e9}]}",
+          "environment: radiance times strength is brighter than 1e+15: lower one of them" },
         { "\"environment\":{\"map\":\"\"}", "environment.map: must be a string that is not empty, got \"\"" },
         { "\"environment\":{\"map\":\"none.exr\"}", "/none.exr: cannot be opened" },
         { "\"environment\":{\"map\":\"room.gltf\"}", "environment.map: " },
@@ -285,6 +301,87 @@ static void test_environment_is_read( void** state )
     rf_destroy_scene( &scene );
 }
 
+// The value of a change of the sky, at a time.
+static double sky_at( const RfScene* scene, RfChangedValue value, double time )
+{
+    double number = -1.0;
+    for ( int i = 0; i < scene->movement->change_count; ++i )
+    {
+        if ( scene->movement->changes[i].value == value )
+            rf_sample_channel( &scene->movement->changes[i].channel, time, &number );
+    }
+    return number;
+}
+
+#define SUNRISE                                                                                                                  \
+    "\"environment\":{\"radiance\":[1,2,3],\"map\":\"sky.hdr\",\"interpolation\":\"linear\",\"keys\":["                          \
+    "{\"time\":1,\"strength\":0,\"rotation\":0},{\"time\":2,\"strength\":4},{\"time\":3,\"rotation\":720}]}"
+
+static void test_environment_has_keys( void** state )
+{
+    (void)state;
+    write_map( "sky.hdr", 128 );
+    RfScene scene = load_members( SUNRISE );
+    assert_rgb( scene.environment.radiance, 1, 2, 3 ); // of which the strength is a factor
+    assert_true( scene.environment.changes );
+    assert_int_equal( scene.movement->change_count, 2 );
+    assert_true( scene.movement->start == 1.0 && scene.movement->end == 3.0 );
+    assert_int_equal( scene.key_fps.numerator, 0 );
+    assert_close( sky_at( &scene, RF_CHANGED_SKY_STRENGTH, 1.25 ), 1.0, 1e-12 );
+    assert_close( sky_at( &scene, RF_CHANGED_SKY_STRENGTH, 9.0 ), 4.0, 0.0 );
+    assert_close( sky_at( &scene, RF_CHANGED_SKY_ROTATION, 2.0 ), 6.283185307179586, 1e-12 ); // twice around
+    rf_destroy_scene( &scene );
+
+    // smooth, without leaving the range of the keys, at the frames of the file; constant radiance does not turn
+    scene = load_members( "\"render\":{\"fps\":10},\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"frame\":1,\"strength\":1},"
+                          "{\"frame\":11,\"strength\":0,\"rotation\":0},{\"frame\":21,\"strength\":0,\"rotation\":90}]}" );
+    assert_int_equal( scene.movement->change_count, 1 );
+    assert_true( scene.movement->end == 2.0 && scene.key_fps.numerator == 10 && scene.fps.numerator == 10 );
+    assert_close( sky_at( &scene, RF_CHANGED_SKY_STRENGTH, 0.5 ), 0.3125, 1e-12 ); // a cubic of slopes -1.5 and 0
+    for ( int k = 10; k <= 20; ++k )
+        assert_true( sky_at( &scene, RF_CHANGED_SKY_STRENGTH, 0.1 * k ) == 0.0 );
+    rf_destroy_scene( &scene );
+
+    // keys that are equal change nothing
+    scene = load_members( "\"environment\":{\"radiance\":[1,2,1],\"strength\":0.5,\"keys\":[{\"time\":1,\"rotation\":1}]}" );
+    assert_null( scene.movement );
+    assert_rgb( scene.environment.radiance, 0.5, 1, 0.5 );
+    rf_destroy_scene( &scene );
+    scene = load_members( "\"environment\":{\"map\":\"sky.hdr\",\"keys\":[{\"time\":1,\"strength\":3,\"rotation\":90},"
+                          "{\"time\":2,\"strength\":3,\"rotation\":90}]}" );
+    assert_null( scene.movement );
+    assert_rgb( scene.environment.radiance, 3, 3, 3 );
+    assert_close( (double)scene.environment.rotation, 1.5707963267948966, 1e-6 );
+    rf_destroy_scene( &scene );
+}
+
+static void test_environment_is_frozen( void** state )
+{
+    (void)state;
+    RfSceneOptions options = { .freeze = true };
+    RfScene scene, moving = load_members( SUNRISE ); // writes the file
+    RfError error = { 0 };
+    char path[256];
+    snprintf( path, sizeof path, "%s/scene.json", cli_folder() );
+    assert_int_equal( rf_load_scene_with( path, &options, &scene, NULL, &error ), RF_OK );
+    assert_null( scene.movement );
+    assert_true( scene.frozen && !scene.environment.changes && scene.content_hash != moving.content_hash );
+    assert_rgb( scene.environment.radiance, 0, 0, 0 );
+    assert_int_equal( scene.unrendered_count, 1 );
+    assert_string_equal( scene.unrendered[0].what, "environment" );
+    assert_int_equal( rf_check_rendered( &scene, &error ), RF_OK );
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &moving );
+    // as the camera begins, which is later
+    moving = load_members( SUNRISE ",\"camera\":{\"kind\":\"keyed\",\"target\":[0,0,0],\"keys\":[{\"time\":1.5,"
+                                   "\"position\":[0,0,5]},{\"time\":2,\"position\":[0,1,5]}]}" );
+    assert_int_equal( rf_load_scene_with( path, &options, &scene, NULL, &error ), RF_OK );
+    assert_rgb( scene.environment.radiance, 2, 4, 6 );
+    assert_close( (double)scene.environment.rotation, 3.141592653589793, 1e-6 );
+    rf_destroy_scene( &scene );
+    rf_destroy_scene( &moving );
+}
+
 static void expect_extras_fault( const char* extras, const char* part )
 {
     RfScene scene;
@@ -314,6 +411,16 @@ static void test_environment_in_gltf( void** state )
     scene = load_members( "" );
     rf_destroy_scene( &scene );
 
+    // keys at the frames of the glTF, which a scene file replaces
+    write_room( ",\"extras\":{\"reframe\":{\"render\":{\"fps\":10},\"environment\":{\"map\":\"sky.hdr\",\"keys\":["
+                "{\"frame\":1,\"rotation\":0},{\"frame\":11,\"rotation\":360}]}}}" );
+    scene = load_members( "" );
+    assert_true( scene.environment.changes && scene.movement->end == 1.0 && scene.key_fps.numerator == 10 );
+    rf_destroy_scene( &scene );
+    scene = load_members( "\"environment\":{\"radiance\":[4,4,4]}" );
+    assert_null( scene.movement );
+    assert_true( !scene.environment.changes && scene.key_fps.numerator == 0 );
+    rf_destroy_scene( &scene );
     expect_extras_fault( ",\"extras\":{\"reframe\":3}", "scenes[0].extras.reframe: must be an object, got 3" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"sky\":3}}", "scenes[0].extras.reframe.sky: unknown key" );
     expect_extras_fault( ",\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1]}}}",
@@ -490,6 +597,8 @@ int main( void )
         cmocka_unit_test( test_faults_of_materials ),
         cmocka_unit_test( test_faults_of_files ),
         cmocka_unit_test( test_environment_is_read ),
+        cmocka_unit_test( test_environment_has_keys ),
+        cmocka_unit_test( test_environment_is_frozen ),
         cmocka_unit_test( test_environment_in_gltf ),
         cmocka_unit_test( test_map_and_warnings_inside_gltf ),
         cmocka_unit_test( test_cameras_are_chosen_and_replaced ),

@@ -583,7 +583,7 @@ static void test_frames_of_keys( void** state )
     assert_true( path.eyes[1].time == scene.movement->end );
     rf_destroy_camera_path( &path );
     assert_int_equal( try_path( &scene, ( RfFps ){ 24, 1 }, NULL, &path, &error ), RF_ERROR_USAGE );
-    assert_non_null( strstr( error.text, "objects have keys that count frames, at 29.97 frames per second rather than 24" ) );
+    assert_non_null( strstr( error.text, "keys of the scene count frames, at 29.97 frames per second rather than 24" ) );
     rf_destroy_scene( &scene );
     // the glTF asks for others than 24
     GltfBuilder b = { 0 };
