@@ -255,13 +255,14 @@ static void test_schemas_match_the_readers( void** state )
         { "\"zzzzzz\":0", "" },
         { "\"environment\":{\"zzzzzz\":0}", "environment" },
         { "\"materials\":{\"lamp\":{\"zzzzzz\":0}}", "materials" },
+        { "\"materials\":{\"lamp\":{\"emissiveTexture\":{\"zzzzzz\":0}}}", "sequence" },
     };
     json_t* schema = load_schema( "scenes/scene.schema.json" );
     RfScene scene;
-    for ( size_t i = 0; i < 3; ++i )
+    for ( size_t i = 0; i < 4; ++i )
     {
         RfError error = { 0 };
-        const json_t* part = json_object_get( schema, "properties" );
+        const json_t* part = json_object_get( schema, i < 3 ? "properties" : "$defs" );
         if ( i > 0 )
             part = json_object_get( part, objects[i][1] );
         if ( i == 2 )
@@ -355,6 +356,46 @@ static void test_schema_has_the_limits_of_the_options( void** state )
     json_decref( schema );
 }
 
+// A number at a limit of the schema is read, one beyond is not.
+static void expect_limit( const char* members, double limit, double beyond )
+{
+    char text[256];
+    RfScene scene;
+    RfError error = { 0 };
+    snprintf( text, sizeof text, members, limit );
+    if ( try_members( text, &scene, &error ) != RF_OK )
+        fail_msg( "%s: %s", text, error.text );
+    rf_destroy_scene( &scene );
+    snprintf( text, sizeof text, members, beyond );
+    if ( try_members( text, &scene, &error ) == RF_OK )
+        fail_msg( "%s is read", text );
+}
+
+static void test_schema_has_the_limits_of_keys( void** state )
+{
+    (void)state;
+    static const char* const keyed[][2] = {
+        { "skyStrength", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":0,\"strength\":%.17g}]}" },
+        { "skyRotation", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":0,\"rotation\":%.17g}]}" },
+        { "metallicFactor", "\"materials\":{\"lamp\":{\"keys\":[{\"time\":0,\"metallicFactor\":%.17g}]}}" },
+        { "roughnessFactor", "\"materials\":{\"lamp\":{\"keys\":[{\"time\":0,\"roughnessFactor\":%.17g}]}}" },
+        { "emissiveStrength", "\"materials\":{\"lamp\":{\"keys\":[{\"time\":0,\"emissiveStrength\":%.17g}]}}" },
+        { "time", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":%.17g,\"strength\":1}]}" },
+        { "frame", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"frame\":%.17g,\"strength\":1}]}" },
+    };
+    json_t* schema = load_schema( "scenes/scene.schema.json" );
+    for ( size_t i = 0; i < sizeof keyed / sizeof keyed[0]; ++i )
+    {
+        const json_t* definition = json_object_get( json_object_get( schema, "$defs" ), keyed[i][0] );
+        double low = json_number_value( json_object_get( definition, "minimum" ) ),
+               high = json_number_value( json_object_get( definition, "maximum" ) );
+        assert_true( low < high );
+        expect_limit( keyed[i][1], low, low - 0.5 );
+        expect_limit( keyed[i][1], high, high * 1.01 );
+    }
+    json_decref( schema );
+}
+
 static int count_examples( const char* folder, const char* command )
 {
     char path[512];
@@ -413,6 +454,7 @@ int main( void )
         cmocka_unit_test( test_too_many_frames_is_the_files_fault ),
         cmocka_unit_test( test_schemas_match_the_readers ),
         cmocka_unit_test( test_schema_has_the_limits_of_the_options ),
+        cmocka_unit_test( test_schema_has_the_limits_of_keys ),
         cmocka_unit_test( test_every_example_renders ),
     };
     return cmocka_run_group_tests_name( "scene file", tests, enter, leave );

@@ -1,9 +1,11 @@
-// JSON scene files: environment, materials, camera, and the defaults of `render`, over a glTF that is whole.
+// JSON scene files: environment, materials, films, objects, camera, and the defaults of `render`, over a glTF that is whole.
 #include "fuzz/fuzz.h"
 
 #include "cli/options/render_options.h"
 #include "reframe/camera.h"
 #include "scene/json/scene_file.h"
+#include "scene/movement.h"
+#include "scene/pose.h"
 
 #include <string.h>
 
@@ -31,11 +33,32 @@ static void sample_camera( const RfScene* scene )
     rf_destroy_camera_path( &path );
 }
 
+// What moves and changes, at its first and last moment and between them.
+static void pose_movement( const RfScene* scene )
+{
+    RfError error = { 0 };
+    for ( int k = 0; scene->movement != NULL && k < 3; ++k )
+    {
+        RfPosedScene pose = { 0 };
+        double start = scene->movement->start, end = scene->movement->end;
+        fuzz_check( rf_pose_scene( scene, start + 0.5 * k * ( end - start ), &pose, &error ), &error );
+        rf_destroy_pose( &pose );
+    }
+}
+
+static void write_files( void )
+{
+    static const char s_pixel[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81";
+    fuzz_file( "room.gltf", fuzz_room, strlen( fuzz_room ) );
+    fuzz_file( "film.00.hdr", s_pixel, sizeof s_pixel - 1 );
+    fuzz_file( "film.01.hdr", s_pixel, sizeof s_pixel - 1 );
+}
+
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
 {
     static bool has_room;
     if ( !has_room )
-        fuzz_file( "room.gltf", fuzz_room, strlen( fuzz_room ) );
+        write_files();
     has_room = true;
     RfError error = { 0 };
     RfSceneFile file;
@@ -49,7 +72,10 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     result = rf_load_scene_file( &file, &( RfSceneOptions ){ 0 }, &scene, &log, &error );
     fuzz_check( result, &error );
     if ( result == RF_OK )
+    {
         sample_camera( &scene );
+        pose_movement( &scene );
+    }
     rf_destroy_scene( &scene );
     rf_close_scene_file( &file );
     return 0;

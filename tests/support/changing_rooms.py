@@ -151,6 +151,55 @@ def surfaces(name="surfaces"):
     return room
 
 
+def stripes(frame):
+    """An image of a film: the first is black, and sizes differ."""
+    def pixel(x, y):
+        return (0.0, 0.0, 0.0) if frame == 0 else (0.9, 0.8, 0.3) if (x + frame) % 4 < 2 else (0.1, 0.15 * frame, 0.6)
+    return png(8 + 4 * (frame % 3), 6, pixel)
+
+
+def holes(frame):
+    return png(8, 8, lambda x, y: (0.8, 0.3, 0.2, 1.0 if (x + frame) % 5 < 3 else 0.0))
+
+
+def poster():
+    """Films are the colour of a board, and the holes in a curtain."""
+    room = lit_room("poster", 9.0)
+    board, curtain = lambert("board", [1.0, 1.0, 1.0]), dict(lambert("curtain", [1.0, 1.0, 1.0]), alphaMode="MASK")
+    for number, look in enumerate((board, curtain)):
+        look["pbrMetallicRoughness"]["baseColorTexture"] = {"index": number}
+    room.still("board", make_quad((0.2, 0.6, -1.9), (1.5, 0.0, 0.0), (0.0, 1.4, 0.0)), board)
+    room.still("curtain", make_quad((-1.2, 0.3, 0.2), (0.9, 0.0, 0.1), (0.0, 1.2, 0.0)), curtain)
+    room.films = {"board": [stripes(f) for f in range(FRAMES)], "curtain": [holes(f) for f in range(FRAMES)]}
+    return room
+
+
+def cinema():
+    """A screen plays a film, beside a faint lamp."""
+    room = lit_room("cinema", 1.0)
+    screen = dict(shining("screen", 6.0), emissiveTexture={"index": 0})
+    room.still("screen", make_quad((-1.9, 0.6, 1.0), (0.0, 0.0, -2.0), (0.0, 1.4, 0.0)), screen)
+    room.films = {"film": [stripes(f) for f in range(FRAMES)]}
+    return room
+
+
+def heavens(name="heavens"):
+    """The sky turns over a room without a ceiling and changes in strength, to nothing."""
+    room = view(name, sky={"radiance": [1.0, 1.0, 1.0]})
+    furnish(room, lamp=False, ceiling=False)
+    room.sky_map = 16, 8, lambda x, y: (4.0, 3.0, 2.0) if x in (2, 3) and y == 1 else (0.2, 0.3, 0.1 * y)
+    room.sky_keys = [{"rotation": 65.0 * f, "strength": (1.0, 0.5, 2.0, 0.0, 1.0, 0.2, 3.0)[f]} for f in range(FRAMES)]
+    return room
+
+
+def dawn():
+    """The same sky everywhere changes in strength, beside a lamp."""
+    room = lit_room("dawn", 3.0, sky={"radiance": [0.3, 0.5, 0.9]})
+    room.things = [t for t in room.things if "ceiling" not in t.name]
+    room.sky_keys = [{"strength": v} for v in DARK]
+    return room
+
+
 def zoom():
     """The lens zooms, while a lamp is dimmed."""
     room = dimmer("zoom")
@@ -212,5 +261,5 @@ def polishes():
     return room
 
 
-CASES = (dimmer, glow, blackout, switches, colors, six, passing, cones, torch, sun, surfaces, zoom, everything, extremes, sinks,
-         horizon, shrinks, polishes)
+CASES = (dimmer, glow, blackout, switches, colors, six, passing, cones, torch, sun, surfaces, poster, cinema, heavens, dawn,
+         zoom, everything, extremes, sinks, horizon, shrinks, polishes)

@@ -16,6 +16,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import glb  # noqa: E402
 from glb import glass, lambert, material  # noqa: E402
+from pictures import write_hdr  # noqa: E402
 from shapes import Mesh, add, make_box, make_quad, make_room, make_sphere, mix  # noqa: E402
 
 FRAMES = 7
@@ -146,12 +147,14 @@ def changed(description, changes, frame):
 
 class Room:
     """A case: what stands still, what moves or changes, and the camera. `changes`: those of materials, by their names, as those of
-    lamps; `yfov`: in degrees, one for each frame."""
+    lamps; `yfov`: in degrees, one for each frame; `films`: bytes of a PNG for each frame, by the names of textures; `sky_keys`: what
+    the sky has in each frame; `sky_map`: width, height and pixels of its map."""
 
     def __init__(self, name, eyes, targets, sky=None, frames=FRAMES):
         self.name, self.eyes, self.targets, self.sky, self.frames = name, eyes, targets, sky, frames
         self.things, self.lamps, self.stills = [], [], range(frames)
         self.changing_lamps, self.changes, self.textures, self.yfov = [], {}, [], None
+        self.films, self.sky_keys, self.sky_map = {}, None, None
 
     def still(self, name, mesh, look, at=(0.0, 0.0, 0.0)):
         self.things.append(Thing(name, mesh, look, [Way(at)]))
@@ -165,14 +168,37 @@ class Room:
     def look(self, thing, frame):
         return changed(thing.look, self.changes.get(thing.look["name"], {}), frame)
 
-    def file(self, frame=0):
+    def film(self, name, folder):
+        """Writes its images, and says where they are."""
+        for number, image in enumerate(self.films[name], 1):
+            with open(os.path.join(folder, "%s-%s.%d.png" % (self.name, name, number)), "wb") as file:
+                file.write(image)
+        return {"frames": "%s-%s.#.png" % (self.name, name), "last": len(self.films[name]), "fps": glb.FPS}
+
+    def sky_at(self, frame, moving, folder):
+        sky = dict(self.sky)
+        if self.sky_map:
+            sky["map"] = self.name + "-sky.hdr"
+            write_hdr(os.path.join(folder, sky["map"]), *self.sky_map)
+        if self.sky_keys and moving:
+            sky.update(interpolation="linear", keys=[dict(k, time=f / glb.FPS) for f, k in enumerate(self.sky_keys)])
+        elif self.sky_keys:
+            sky.update(self.sky_keys[frame])
+        return sky
+
+    def file(self, folder, frame=0, moving=False):
         out = glb.Gltf("moving_rooms.py", self.name)
         for name, image in self.textures:
             out.texture(name, image)
+        for name, images in self.films.items():
+            texture = out.texture(name, images[frame])
+            image = out.json["textures"][texture]["source"]
+            if moving:
+                out.json["images"][image]["extras"] = {"reframe": self.film(name, folder)}
         if any("KHR_texture_transform" in pointer for changes in self.changes.values() for pointer in changes):
             out.extensions.append("KHR_texture_transform")
         if self.sky:
-            out.json["scenes"][0]["extras"] = {"reframe": {"environment": self.sky}}
+            out.json["scenes"][0]["extras"] = {"reframe": {"environment": self.sky_at(frame, moving, folder)}}
         views = [(mix(self.eyes[0], self.eyes[1], f / LAST), mix(self.targets[0], self.targets[1], f / LAST))
                  for f in range(self.frames)]
         out.camera(views, math.radians(self.yfov[frame] if self.yfov else 60.0))
@@ -190,7 +216,7 @@ def add_light(out, description, node):
 
 
 def write_still(room, frame, folder):
-    out = room.file(frame)
+    out = room.file(folder, frame)
     for thing in room.things:
         for way in thing.ways:
             mesh = thing.baked(way, frame)
@@ -289,7 +315,7 @@ def add_bones(out, primitive, thing):
 
 
 def write_moving(room, folder):
-    out = room.file()
+    out = room.file(folder, moving=True)
     animation = Animation(out)
     for thing in room.things:
         mesh = out.add_mesh(thing.name, thing.mesh, room.look(thing, 0))
