@@ -69,6 +69,7 @@ static RfFilmPixel removed_pixel( const RfFilm* films, size_t i )
     RfFilmPixel p = rf_film_pixel( films, i ), removed = rf_film_pixel( films + 1, i );
     for ( int h = 0; h < 2; ++h )
         memcpy( p.half[h], removed.half[h], 3 * sizeof( double ) );
+    memset( p.own, 0, sizeof p.own );
     return p;
 }
 
@@ -106,7 +107,7 @@ void rf_combine_alpha( const RfFilm* film, RfNormalize normalize, const float* s
     for ( size_t i = 0; i < count; ++i )
     {
         // a colour that is 1 where a ray hits something, and 0 where it does not
-        RfFilmPixel p = rf_film_pixel( film, i );
+        RfFilmPixel p = rf_film_sums( film, i );
         for ( size_t h = 0; h < 2; ++h )
             p.half[h][0] = p.half[h][3] - (double)sky[h * count + i];
         alpha[i] = (float)rf_film_value( &p, normalize, 0 );

@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef struct RfFilm
 {
@@ -20,6 +21,7 @@ typedef struct RfFilm
     uint64_t landed;  // samples that landed in the film
     float* extra[2];  // adaptive sampling: weight of extra samples per pixel, which count like passes there; NULL: none
     uint64_t extra_samples;
+    const struct RfFilm* own; // sums of own-frame light, whose B counts own-frame samples alone; NULL: it is in this film
 } RfFilm;
 
 // Additions to a pixel after which a sum in floats is moved to one in doubles.
@@ -83,10 +85,12 @@ void rf_estimate_variance( const RfFilm* film, RfNormalize normalize, float* var
 typedef struct RfFilmPixel
 {
     double half[2][4];
+    double own[2][4]; // of own-frame light that has its own sums
     double weight[2];
 } RfFilmPixel;
 
-static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
+// Without own-frame light that has its own sums.
+static inline RfFilmPixel rf_film_sums( const RfFilm* film, size_t i )
 {
     RfFilmPixel p = { .weight = { film->weight[0], film->weight[1] } };
     for ( int h = 0; h < 2; ++h )
@@ -94,6 +98,17 @@ static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
         p.weight[h] += film->extra[h] != NULL ? (double)film->extra[h][i] : 0.0;
         for ( size_t c = 0; c < 4; ++c )
             p.half[h][c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
+    }
+    return p;
+}
+
+static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
+{
+    RfFilmPixel p = rf_film_sums( film, i );
+    if ( film->own != NULL )
+    {
+        RfFilmPixel own = rf_film_sums( film->own, i );
+        memcpy( p.own, own.half, sizeof p.own );
     }
     return p;
 }

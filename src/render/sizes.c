@@ -32,11 +32,14 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     int total_every = rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) +
                                            ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) + ( glints ? RF_MOST_GLINTS : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
+    int of_picture = settings->estimator->films + rf_keeps_removed( scene, settings );
+    bool own_film = called.moves && plan->eyes > 1;
     int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
         .of_estimator = settings->estimator->sizes( &group ),
-        .film_count = settings->estimator->films + rf_keeps_removed( scene, settings ),
+        .film_count = of_picture + own_film,
+        .own_film = own_film ? of_picture : 0,
         .width = eyes->width,
         .height = eyes->height,
         .eyes = plan->eyes,

@@ -11,6 +11,7 @@ typedef struct RfRenderSizes
     const RfEstimator* estimator;
     RfEstimatorSizes of_estimator; // for a full group
     int film_count;                // of a frame
+    int own_film;                  // that of own-frame light; 0: none
     int width, height;
     int eyes; // of a full group
     int threads;

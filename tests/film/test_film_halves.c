@@ -90,6 +90,33 @@ static void test_combined_halves_by_hand( void** state )
     free_film( &f );
 }
 
+// Radiance 2 that frames share and 3 that is own-frame: the hits of other frames add nothing to the latter.
+static void test_own_light_has_its_own_sums( void** state )
+{
+    (void)state;
+    Film f = make_film( 1, 1, 2, 3 ), own = make_film( 1, 1, 2, 3 );
+    float variance[3];
+    f.film.own = &own.film;
+    set_pixel( &f, 0, 0, 3.0f, 3.0f, 0.0f, 1.5f );
+    set_pixel( &f, 1, 0, 7.0f, 7.0f, 7.0f, 3.5f );
+    set_pixel( &own, 0, 0, 5.4f, 0.0f, 5.4f, 1.8f );
+    set_pixel( &own, 1, 0, 9.3f, 0.0f, 9.3f, 3.1f );
+    rf_combine_film( &f.film, RF_NORMALIZE_CROSSFIT, f.rgb, f.weight );
+    near( f.rgb[0], 5.0 );
+    near( f.rgb[1], 2.0 );
+    near( f.rgb[2], ( 2.0 * 0.5 + 7.0 ) / 5.0 + 3.0 );
+    near( f.weight[0], 1.0 );
+    rf_estimate_variance( &f.film, RF_NORMALIZE_CROSSFIT, variance );
+    assert_true( variance[0] < 1e-12f && variance[1] < 1e-12f && variance[2] > 0.1f );
+    rf_combine_film( &f.film, RF_NORMALIZE_RATIO, f.rgb, NULL );
+    near( f.rgb[0], 5.0 );
+    near( f.rgb[2], 7.0 / 5.0 + 3.0 );
+    rf_combine_film( &f.film, RF_NORMALIZE_NONE, f.rgb, NULL );
+    near( f.rgb[0], ( 3.0 + 7.0 + 5.4 + 9.3 ) / 5.0 );
+    free_film( &f );
+    free_film( &own );
+}
+
 // A million passes of the same value: a sum in floats alone would be off by
 // half a per cent.
 static void test_long_sums_do_not_drift( void** state )
@@ -398,15 +425,11 @@ static void test_difference_estimates_relmse( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_combined_halves_by_hand ),
-        cmocka_unit_test( test_long_sums_do_not_drift ),
-        cmocka_unit_test( test_totals_are_part_of_the_sum ),
-        cmocka_unit_test( test_equal_halves_are_equation_2 ),
-        cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
-        cmocka_unit_test( test_empty_halves_leave_the_other ),
-        cmocka_unit_test( test_a_pass_of_weight_3_counts_three_times ),
-        cmocka_unit_test( test_combination_has_no_bias ),
-        cmocka_unit_test( test_difference_estimates_relmse ),
+        cmocka_unit_test( test_combined_halves_by_hand ),      cmocka_unit_test( test_own_light_has_its_own_sums ),
+        cmocka_unit_test( test_long_sums_do_not_drift ),       cmocka_unit_test( test_totals_are_part_of_the_sum ),
+        cmocka_unit_test( test_equal_halves_are_equation_2 ),  cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
+        cmocka_unit_test( test_empty_halves_leave_the_other ), cmocka_unit_test( test_a_pass_of_weight_3_counts_three_times ),
+        cmocka_unit_test( test_combination_has_no_bias ),      cmocka_unit_test( test_difference_estimates_relmse ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

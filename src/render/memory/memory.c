@@ -82,6 +82,7 @@ static RfResult alloc_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLi
     live->frame = -1;
     for ( int f = 0; f < s->film_count && result == RF_OK; ++f )
         result = alloc_film( s, m, live->films + f, error );
+    live->films[0].own = s->own_film > 0 ? live->films + s->own_film : NULL;
     for ( int h = 0; h < 2 && result == RF_OK && s->adaptive; ++h )
         result = rf_arena_alloc( &m->arena, "adaptive", rf_extra_bytes( s ), (void**)&live->films[0].extra[h], error );
     if ( s->adaptive && result == RF_OK )

@@ -19,6 +19,7 @@ typedef struct PixelRange
     float* film; // 4 per pixel
     int32_t low, end;
     float* sky; // weight of the camera rays that missed, 1 per pixel; NULL: not asked for
+    float* own; // that of own-frame light; NULL: it has none
 } PixelRange;
 
 // film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
@@ -124,8 +125,20 @@ static void splat_glints( const RfHitBatch* batch, float weight, PixelRange rang
     for ( int i = 0; i < batch->glint_count; ++i )
     {
         int32_t pixel = rf_glint_pixel( batch )[i];
+        float* film = range.own != NULL ? range.own : range.film;
         if ( pixel >= range.low && pixel < range.end )
-            add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
+            add_to_pixel( film + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
+    }
+}
+
+// The samples of the frame itself, for the film of own-frame light.
+static void splat_own_samples( const RfHitBatch* batch, float weight, PixelRange range )
+{
+    for ( int i = 0; i < batch->count + batch->miss_count; ++i )
+    {
+        int32_t pixel = batch->pixel[i];
+        if ( pixel >= range.low && pixel < range.end )
+            range.own[4 * (size_t)pixel + 3] += weight;
     }
 }
 
@@ -195,14 +208,14 @@ static bool find_footprint( const Spread* s, int32_t pixel, float u, float v, Fo
 }
 
 // film += weight · (value, 1) in each pixel.
-static void add_to_footprint( const Spread* s, const Footprint* f, float weight, const float* value )
+static void add_to_footprint( const Spread* s, float* to, const Footprint* f, float weight, const float* value )
 {
     Float4 v;
     memcpy( &v, value, sizeof v );
     v *= weight;
     for ( int row = 0; row < f->rows; ++row )
     {
-        float* film = s->range.film + 4 * ( (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left );
+        float* film = to + 4 * ( (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left );
         Float4 of_row = v * f->down[row];
         for ( int k = 0; k < f->columns; ++k )
         {
@@ -242,7 +255,7 @@ static uint64_t spread_hits( const RfHitBatch* batch, const RfAccumulateScratch*
             value[c] = i < first_glossy ? batch->radiance[4 * i + c] : scratch->sum[c][i - first_glossy];
             value[c] *= batch->has_views ? scratch->filter[c][i] : 1.0f;
         }
-        add_to_footprint( &s, &f, scratch->ratio[i], value );
+        add_to_footprint( &s, s.range.film, &f, scratch->ratio[i], value );
         landed += f.in_range;
     }
     return landed;
@@ -261,12 +274,25 @@ static uint64_t spread_own_frame( const RfHitBatch* batch, bool black, float wei
         if ( !find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
             continue;
         bool miss = k < batch->miss_count;
-        add_to_footprint( &s, &f, weight, black && miss ? only_weight : batch->radiance + 4 * (size_t)i );
+        float* film = !miss && s.range.own != NULL ? s.range.own : s.range.film;
+        add_to_footprint( &s, film, &f, weight, black && miss ? only_weight : batch->radiance + 4 * (size_t)i );
         if ( s.range.sky != NULL && k < batch->sky_count )
             add_sky_to_footprint( &s, &f, weight );
         landed += miss && f.in_range;
     }
     return landed;
+}
+
+// As splat_own_samples.
+static void spread_own_samples( const RfHitBatch* batch, float weight, Spread s )
+{
+    static const float only_weight[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
+    Footprint f;
+    for ( int i = 0; i < batch->count + batch->miss_count; ++i )
+    {
+        if ( find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
+            add_to_footprint( &s, s.range.own, &f, weight, only_weight );
+    }
 }
 
 // Pixels of the hits at a camera, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
@@ -448,6 +474,8 @@ static uint64_t spread( const RfAccumulation* a, int eye, const RfHitBatch* batc
 {
     Spread s = { .filter = a->filter, .range = range, .width = a->eyes[eye].width, .height = a->eyes[eye].height };
     uint64_t landed = spread_hits( batch, scratch, s );
+    if ( eye == batch->eye && range.own != NULL )
+        spread_own_samples( batch, a->weight, s );
     return landed + ( eye == batch->eye ? spread_own_frame( batch, !a->shape.own_frame_light, a->weight, s ) : 0 );
 }
 
@@ -462,6 +490,8 @@ static uint64_t splat( const RfAccumulation* a, int eye, const RfHitBatch* batch
         return landed;
     landed += splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
     splat_glints( batch, a->weight, range );
+    if ( range.own != NULL )
+        splat_own_samples( batch, a->weight, range );
     return landed;
 }
 
@@ -478,7 +508,7 @@ static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfH
     removed.radiance = add_dimmed( &light, &removed, scratch );
     removed.directions = batch->removed_directions;
     range.film = job.films[1].half[job.half];
-    range.sky = NULL;
+    range.sky = range.own = NULL;
     if ( rf_glossy_count( batch ) > 0 && clamped )
         light_glossy( a, job.eye, &removed, &light, scratch );
     for ( int c = 0; c < 3 && !clamped; ++c )
@@ -526,9 +556,11 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
         .batch_count = batch_count,
     };
     int width = group->width;
-    PixelRange range = {
-        .film = job.films->half[job.half], .low = job.first_row * width, .end = job.end_row * width, .sky = job.sky
-    };
+    PixelRange range = { .film = job.films->half[job.half],
+                         .low = job.first_row * width,
+                         .end = job.end_row * width,
+                         .sky = job.sky,
+                         .own = job.films->own != NULL ? job.films->own->half[job.half] : NULL };
     if ( a.shape.arrivals > 0 )
         note_landed_eyes( &a, job, range, scratch );
     uint64_t landed = 0;
