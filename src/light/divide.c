@@ -1,6 +1,7 @@
 // Estimates the solid angles of emitters' images in mirrors and glass, at points of a sequence of low discrepancy.
 #include "light/divide.h"
 
+#include "light/changing.h"
 #include "scene/placement.h"
 
 #define POINTS 64     // of mirrors and glass
@@ -57,10 +58,17 @@ static uint32_t stride_of( const RfScene* scene, Kind kind )
     return kind.of_material ? 1 : 1 + rf_triangle_count( scene ) / MOST_TRIANGLES;
 }
 
-// Placements do not emit.
+// Of placements those that move emit, if any do.
 static uint32_t end_of( const RfScene* scene, Kind kind )
 {
-    return kind.of_material ? scene->triangles.count : rf_triangle_count( scene );
+    return kind.of_material && rf_count_moving_emitters( scene ) == 0 ? scene->triangles.count : rf_triangle_count( scene );
+}
+
+static uint64_t after( const RfScene* scene, Kind kind, uint64_t triangle, uint32_t stride )
+{
+    bool skips =
+        kind.of_material && triangle + 1 == scene->triangles.count && scene->still_placement_count < scene->placement_count;
+    return skips ? scene->placements[scene->still_placement_count].first : triangle + stride;
 }
 
 static void spread_points( const RfScene* scene, Kind kind, int most, Points* points )
@@ -69,10 +77,10 @@ static void spread_points( const RfScene* scene, Kind kind, int most, Points* po
     uint32_t stride = stride_of( scene, kind ), end = end_of( scene, kind );
     points->area = 0.0;
     points->count = 0;
-    for ( uint64_t i = 0; i < end; i += stride )
+    for ( uint64_t i = 0; i < end; i = after( scene, kind, i, stride ) )
         points->area += is_of_kind( scene, (uint32_t)i, kind ) ? area_of( scene, (uint32_t)i, 0, &unused ) : 0.0;
     double run = 0.0;
-    for ( uint64_t k = 0; k < end && points->count < POINTS; k += stride )
+    for ( uint64_t k = 0; k < end && points->count < POINTS; k = after( scene, kind, k, stride ) )
     {
         uint32_t i = (uint32_t)k;
         if ( !is_of_kind( scene, i, kind ) )

@@ -1,7 +1,9 @@
-// Collects the lights of a scene with their powers, and builds the alias table (Vose) and the light tree.
+// Collects the lights of a scene with their powers, and builds the alias table (Vose) and the light tree of those that do not
+// change.
 #include "light/light.h"
 
 #include "base/fault.h"
+#include "light/collect.h"
 #include "light/kinds.h"
 #include "scene/leave_out.h"
 #include "scene/placement.h"
@@ -9,10 +11,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static RfVec3 vertex( const RfTriangles* t, uint32_t triangle, int corner )
+void rf_shape_light( RfVec3 a, RfVec3 b, RfVec3 c, RfLight* light )
 {
-    const float* p = t->positions + 3 * (size_t)t->indices[3 * (size_t)triangle + (size_t)corner];
-    return rf_vec3( p[0], p[1], p[2] );
+    light->p0 = a;
+    light->e1 = rf_sub( b, a );
+    light->e2 = rf_sub( c, a );
+    double twice;
+    light->normal = rf_unit_cross( light->e1, light->e2, &twice );
+    light->area = (float)( 0.5 * twice );
+    light->pdf_area = light->area > 0.0f ? 1.0f / light->area : INFINITY;
+    light->offset =
+        rf_ray_offset( rf_maxf( rf_largest_coordinate( a ), rf_maxf( rf_largest_coordinate( b ), rf_largest_coordinate( c ) ) ) );
 }
 
 static RfLight make_light( const RfScene* scene, uint32_t triangle )
@@ -20,19 +29,10 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
     const RfTriangles* t = &scene->triangles;
     const RfMaterial* material = scene->materials + t->material[triangle];
     RfLight light = { .radiance = material->emission, .triangle = triangle, .two_sided = material->double_sided };
-    light.p0 = vertex( t, triangle, 0 );
-    light.e1 = rf_sub( vertex( t, triangle, 1 ), light.p0 );
-    light.e2 = rf_sub( vertex( t, triangle, 2 ), light.p0 );
+    rf_shape_light( rf_corner( t, triangle, 0 ), rf_corner( t, triangle, 1 ), rf_corner( t, triangle, 2 ), &light );
     light.textured = material->textured != NULL;
     if ( light.textured )
         light.radiance = rf_mean_emission( scene, material, triangle );
-    double twice;
-    light.normal = rf_unit_cross( light.e1, light.e2, &twice );
-    light.area = (float)( 0.5 * twice );
-    light.pdf_area = light.area > 0.0f ? 1.0f / light.area : INFINITY;
-    light.offset = rf_ray_offset(
-        rf_maxf( rf_largest_coordinate( light.p0 ), rf_maxf( rf_largest_coordinate( vertex( t, triangle, 1 ) ),
-                                                             rf_largest_coordinate( vertex( t, triangle, 2 ) ) ) ) );
     return light;
 }
 
@@ -41,8 +41,7 @@ static bool emits( const RfScene* scene, uint32_t triangle )
     return rf_max_component( scene->materials[scene->triangles.material[triangle]].emission ) > 0.0f;
 }
 
-// Vose's alias table of `powers`, which sum to `total`.
-static RfResult build_alias( RfLights* lights, const double* powers, double total, RfError* error )
+RfResult rf_build_alias( RfLights* lights, const double* powers, double total, RfError* error )
 {
     uint32_t n = lights->count;
     double* scaled = malloc( n * sizeof *scaled );
@@ -105,6 +104,13 @@ static double fill_triangles( const RfScene* scene, RfLights* lights, double* po
     return total;
 }
 
+// Those that move have no power before they are posed.
+static void append_moving_triangles( uint32_t count, RfLights* lights, double* powers )
+{
+    for ( uint32_t i = 0; i < count; ++i )
+        powers[lights->triangle_count++] = 0.0;
+}
+
 static void find_bounding_ball( const RfScene* scene, RfLights* lights )
 {
     RfVec3 half = rf_scale( rf_sub( scene->bounds_max, scene->bounds_min ), 0.5f );
@@ -124,58 +130,102 @@ static double append_non_area_lights( RfLights* lights, double* powers )
     return total;
 }
 
-// The tree over all lights but the sky, of which there must be one, and sky_scale.
+// The tree over all lights but the sky and those that change, and sky_scale. There is none where all that is left is dark.
 static RfResult create_light_tree( RfLights* lights, RfError* error )
 {
-    uint32_t count = lights->count - rf_has_sky( lights );
-    RfTreeLight* leaves = malloc( (size_t)( count + 1 ) * sizeof *leaves );
+    const RfChangingLights* changing = lights->changing;
+    uint32_t all = lights->count - rf_has_sky( lights ), count = 0, skipped = 0;
+    RfTreeLight* leaves = malloc( (size_t)( all + 1 ) * sizeof *leaves );
     if ( leaves == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for a tree of %u lights", count );
-    double sum = rf_has_sky( lights ) ? 3.14159265358979324 * (double)lights->sky.mean_luminance : 0.0;
-    for ( uint32_t i = 0; i < count; ++i )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for a tree of %u lights", all );
+    double sum = rf_has_sky( lights ) && changing == NULL ? 3.14159265358979324 * (double)lights->sky.mean_luminance : 0.0;
+    for ( uint32_t i = 0; i < all; ++i )
     {
-        leaves[i] = rf_light_model( lights, i )->bound( lights, i );
-        sum += leaves[i].intensity;
+        if ( changing != NULL && skipped < changing->count && changing->light[skipped].number == i )
+        {
+            ++skipped;
+            continue;
+        }
+        leaves[count] = rf_light_model( lights, i )->bound( lights, i );
+        sum += leaves[count++].intensity;
     }
     for ( uint32_t i = 0; i < count; ++i )
         leaves[i].intensity /= sum;
-    lights->sky_scale = rf_has_sky( lights ) ? (float)( 1.0 / sum ) : 0.0f;
-    RfResult result = rf_build_light_tree( leaves, count, lights->count, &lights->tree, error );
+    RfResult result = RF_OK;
+    if ( changing == NULL || sum > 0.0 )
+    {
+        lights->sky_scale = rf_has_sky( lights ) ? (float)( 1.0 / sum ) : 0.0f;
+        result = rf_build_light_tree( leaves, count, lights->count, &lights->tree, error );
+    }
     free( leaves );
+    if ( changing == NULL )
+        return result;
+    // until there is a group: what changes competes with the rest by a tree of its own
+    lights->changing->still_sum = sum;
+    lights->second = &lights->changing->none;
+    lights->tree_scale = 1.0f;
     return result;
 }
 
-static RfResult fill_lights( const RfScene* scene, RfLights* lights, uint32_t capacity, RfError* error )
+static RfResult fill_lights( const RfScene* scene, uint32_t moving, RfLights* lights, uint32_t capacity, RfError* error )
 {
     double* powers = malloc( capacity * sizeof *powers );
     if ( powers == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", capacity );
     double total = lights->of_triangle != NULL ? fill_triangles( scene, lights, powers ) : 0.0;
+    append_moving_triangles( moving, lights, powers );
     total += append_non_area_lights( lights, powers );
-    if ( !( total > 0.0 ) && !RF_FAULT( no_power ) )
+    bool change = rf_lights_change( scene ), dark = !( total > 0.0 ) && !RF_FAULT( no_power );
+    if ( dark && !change )
         lights->count = 0;
+    for ( uint32_t i = 0; i < lights->count && dark; ++i )
+        total += powers[i] = 1.0; // what shines is found out in the lights of a group
     for ( uint32_t i = 0; i < lights->count; ++i )
         lights->power_fraction[i] = (float)( powers[i] / total );
-    RfResult result = lights->count > 0 ? build_alias( lights, powers, total, error ) : RF_OK;
+    RfResult result = lights->count > 0 ? rf_build_alias( lights, powers, total, error ) : RF_OK;
     free( powers );
-    if ( result == RF_OK && rf_runs( scene, lights->count > RF_FEW_LIGHTS, RF_EFFECT_LIGHT_TREE ) )
+    bool by_tree = rf_runs( scene, lights->count > RF_FEW_LIGHTS, RF_EFFECT_LIGHT_TREE );
+    if ( result == RF_OK && change && lights->count > 0 )
+        result = rf_find_changing_lights( scene, lights, error );
+    if ( result == RF_OK && by_tree )
         result = create_light_tree( lights, error );
+    if ( lights->changing != NULL )
+        lights->changing->by_tree = by_tree;
     return result;
 }
 
-static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t emissive, uint32_t capacity, RfError* error )
+static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t emissive, uint32_t moving, uint32_t capacity,
+                              RfError* error )
 {
     bool complete = true;
+    if ( emissive + moving > 0 )
+    {
+        lights->light = malloc( ( (size_t)emissive + moving ) * sizeof *lights->light );
+        complete = lights->light != NULL;
+    }
     if ( emissive > 0 )
     {
-        lights->light = malloc( emissive * sizeof *lights->light );
         lights->of_triangle = malloc( scene->triangles.count * sizeof *lights->of_triangle );
-        complete = lights->light != NULL && lights->of_triangle != NULL;
+        complete = complete && lights->of_triangle != NULL;
     }
     lights->power_fraction = malloc( capacity * sizeof *lights->power_fraction );
     if ( !complete || lights->power_fraction == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", capacity );
     return RF_OK;
+}
+
+// That of a sky which changes is there even if it is dark when loaded.
+static RfResult make_sky( const RfScene* scene, RfLights* lights, RfError* error )
+{
+    const RfEnvironment* e = &scene->environment;
+    if ( rf_max_component( e->radiance ) > 0.0f || !e->changes || !rf_lights_change( scene ) )
+        return rf_make_sky( e, &lights->sky, error );
+    RfEnvironment lit = *e;
+    lit.radiance = rf_sky_reference( e );
+    RfResult result = rf_make_sky( &lit, &lights->sky, error );
+    if ( lights->sky.environment != NULL )
+        lights->sky.environment = e;
+    return result;
 }
 
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error )
@@ -185,13 +235,14 @@ RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* err
     uint32_t emissive = 0;
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
         emissive += emits( scene, i );
-    RfResult result = rf_make_sky( &scene->environment, &lights->sky, error );
-    uint32_t capacity = emissive + (uint32_t)scene->punctual_count + rf_has_sky( lights );
+    RfResult result = make_sky( scene, lights, error );
+    uint32_t moving = rf_count_moving_emitters( scene );
+    uint32_t capacity = emissive + moving + (uint32_t)scene->punctual_count + rf_has_sky( lights );
     if ( result != RF_OK || capacity == 0 )
         return result;
-    result = alloc_lights( scene, lights, emissive, capacity, error );
+    result = alloc_lights( scene, lights, emissive, moving, capacity, error );
     if ( result == RF_OK )
-        result = fill_lights( scene, lights, capacity, error );
+        result = fill_lights( scene, moving, lights, capacity, error );
     if ( result != RF_OK )
         rf_destroy_lights( lights );
     return result;
@@ -206,6 +257,7 @@ void rf_destroy_lights( RfLights* lights )
     free( lights->alias_threshold );
     free( lights->alias );
     free( lights->of_triangle );
+    rf_destroy_changing_lights( lights->changing );
     *lights = ( RfLights ){ 0 };
 }
 

@@ -8,6 +8,7 @@
 #include "light/sky.h"
 #include "light/tree.h"
 #include "reframe/render.h"
+#include "scene/placement.h"
 #include "scene/textured.h"
 
 #include <stddef.h>
@@ -65,7 +66,7 @@ typedef struct RfLight
     bool textured;
 } RfLight;
 
-// Lights are numbered: first the triangles, then the punctual lights, then the sky.
+// Lights are numbered: first the triangles, those that move after all others, then the punctual lights, then the sky.
 typedef struct RfLights
 {
     uint32_t count; // of all
@@ -84,6 +85,9 @@ typedef struct RfLights
     uint32_t* alias_threshold; // alias table, in units of 2⁻³²: below it the column is selected, else its alias
     uint32_t* alias;
     uint32_t* of_triangle;                 // light of each triangle, or RF_NO_LIGHT; NULL without area lights
+    struct RfChangingLights* changing;     // what of them moves or changes (light/changing.h); NULL: nothing does
+    const RfLightTree* second;             // over what does, in the frames at hand; NULL: one tree is over all
+    float tree_scale, second_scale;        // where there are two: times their importances, in a unit common with the sky's
     uint8_t* part;                         // of each light; NULL: all hold
     uint8_t* material_part;                // of the triangles that have each material of the scene; set where `part` is
     bool any_own;                          // some part is RF_PART_OWN
@@ -155,7 +159,7 @@ static inline RfVec3 rf_light_radiance( const RfScene* scene, const RfLight* lig
 {
     if ( !light->textured )
         return light->radiance;
-    const RfMaterial* m = scene->materials + scene->triangles.material[light->triangle];
+    const RfMaterial* m = scene->materials + rf_material_of( scene, light->triangle );
     RfVec3 radiance = rf_emission_at( scene, m, light->triangle, b1, b2 );
     return rf_is_blended( m ) ? rf_scale( radiance, rf_opacity_at( scene, m, light->triangle, b1, b2 ) ) : radiance;
 }

@@ -37,8 +37,9 @@ static inline double find_importances( const RfLightNode* node, RfVec3 x, RfVec3
 // The state of a descent.
 typedef struct Descent
 {
-    double u;           // in [0, 1), uniform within the node
-    double probability; // of reaching the node
+    double u;                 // in [0, 1), uniform within the node
+    double probability;       // of reaching the node
+    const RfLightNode* nodes; // of the tree
     uint32_t node;
 } Descent;
 
@@ -72,19 +73,54 @@ static inline void stop( Descent* d )
     d->probability = 0.0;
 }
 
+static void take_sky( const RfLights* lights, double probability, Descent* d )
+{
+    d->node = RF_LIGHT_LEAF | ( lights->count - 1 );
+    d->probability = probability;
+}
+
+// The importances of the roots of the two trees, in the unit of the sky's.
+static double find_root( const RfLightTree* tree, float scale, RfVec3 x, RfVec3 n, Importances* importances )
+{
+    return tree->node_count > 0 ? (double)scale * find_importances( tree->nodes, x, n, importances ) : 0.0;
+}
+
+// The first step where some lights change: the sky competes with the roots of both trees.
+static void descend_from_roots( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
+{
+    Importances still, changing;
+    double of_still = find_root( &lights->tree, lights->tree_scale, x, n, &still ),
+           of_changing = find_root( lights->second, lights->second_scale, x, n, &changing ),
+           sky = (double)sky_importance( lights, n ), all = of_still + of_changing + sky, position = d->u * all - sky;
+    if ( !( all > 0.0 ) )
+        stop( d );
+    else if ( position < 0.0 || of_still + of_changing == 0.0 )
+        take_sky( lights, sky / all, d );
+    else
+    {
+        bool second = of_changing > 0.0 && position >= of_still;
+        d->u = second ? ( position - of_still ) / of_changing : position / of_still;
+        d->probability = ( second ? of_changing : of_still ) / all;
+        d->nodes = second ? lights->second->nodes : lights->tree.nodes;
+        descend( d, d->nodes, second ? &changing : &still );
+    }
+}
+
 // The first step: the sky competes with the root.
 static inline void descend_from_root( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
 {
+    if ( lights->second != NULL )
+    {
+        descend_from_roots( lights, x, n, d );
+        return;
+    }
     Importances importances;
     double sum = find_importances( lights->tree.nodes, x, n, &importances ), sky = (double)sky_importance( lights, n ),
            all = sum + sky;
     if ( !( all > 0.0 ) )
         stop( d );
     else if ( d->u * all < sky || sum == 0.0 )
-    {
-        d->node = RF_LIGHT_LEAF | ( lights->count - 1 );
-        d->probability = sky / all;
-    }
+        take_sky( lights, sky / all, d );
     else
     {
         d->u = ( d->u * all - sky ) / sum;
@@ -93,9 +129,9 @@ static inline void descend_from_root( const RfLights* lights, RfVec3 x, RfVec3 n
     }
 }
 
-static inline void descend_one_level( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
+static inline void descend_one_level( RfVec3 x, RfVec3 n, Descent* d )
 {
-    const RfLightNode* node = lights->tree.nodes + d->node;
+    const RfLightNode* node = d->nodes + d->node;
     Importances importances;
     if ( find_importances( node, x, n, &importances ) > 0.0 )
         descend( d, node, &importances );
@@ -104,9 +140,9 @@ static inline void descend_one_level( const RfLights* lights, RfVec3 x, RfVec3 n
 }
 
 // 53 random bits: enough to select among millions of lights.
-static inline Descent begin( uint32_t high, uint32_t low )
+static inline Descent begin( const RfLights* lights, uint32_t high, uint32_t low )
 {
-    return ( Descent ){ (double)( (uint64_t)high << 21 | low >> 11 ) * 0x1p-53, 1.0, 0 };
+    return ( Descent ){ (double)( (uint64_t)high << 21 | low >> 11 ) * 0x1p-53, 1.0, lights->tree.nodes, 0 };
 }
 
 static inline RfLightSelection end( const Descent* d )
@@ -117,18 +153,19 @@ static inline RfLightSelection end( const Descent* d )
 
 static bool has_tree( const RfLights* lights, RfLightSampling sampling )
 {
-    return rf_calls_for( sampling != RF_LIGHTS_BY_POWER && lights->tree.node_count > 0, RF_EFFECT_LIGHT_TREE );
+    return rf_calls_for( sampling != RF_LIGHTS_BY_POWER && ( lights->tree.node_count > 0 || lights->second != NULL ),
+                         RF_EFFECT_LIGHT_TREE );
 }
 
 RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling sampling, RfVec3 x, RfVec3 n, const uint32_t bits[2] )
 {
     if ( !has_tree( lights, sampling ) )
         return select_by_power( lights, bits[0], bits[1] );
-    Descent d = begin( bits[0], bits[1] );
+    Descent d = begin( lights, bits[0], bits[1] );
     x = in_ball( lights, x );
     descend_from_root( lights, x, n, &d );
     while ( !( d.node & RF_LIGHT_LEAF ) )
-        descend_one_level( lights, x, n, &d );
+        descend_one_level( x, n, &d );
     return end( &d );
 }
 
@@ -143,7 +180,7 @@ static void select_block( const RfLights* lights, int count, const float* const 
     for ( int i = 0; i < count; ++i )
     {
         int k = first + i;
-        d[i] = begin( bits[0][k], bits[1][k] );
+        d[i] = begin( lights, bits[0][k], bits[1][k] );
         position[i] = in_ball( lights, rf_vec3( x[0][k], x[1][k], x[2][k] ) );
         normal[i] = rf_vec3( n[0][k], n[1][k], n[2][k] );
         descend_from_root( lights, position[i], normal[i], d + i );
@@ -156,7 +193,7 @@ static void select_block( const RfLights* lights, int count, const float* const 
         for ( int k = 0; k < left; ++k )
         {
             int i = active[k];
-            descend_one_level( lights, position[i], normal[i], d + i );
+            descend_one_level( position[i], normal[i], d + i );
             active[kept] = (uint8_t)i;
             kept += !( d[i].node & RF_LIGHT_LEAF );
         }
@@ -179,11 +216,40 @@ void rf_select_lights( const RfLights* lights, RfLightSampling sampling, int cou
         selection[i] = select_by_power( lights, bits[0][i], bits[1][i] );
 }
 
+// By the two trees, from the leaf to the root of its tree.
+static float probability_by_two( const RfLights* lights, uint32_t light, RfVec3 x, RfVec3 n )
+{
+    Importances importances;
+    double sky = (double)sky_importance( lights, n ),
+           of_still = find_root( &lights->tree, lights->tree_scale, x, n, &importances ),
+           of_changing = find_root( lights->second, lights->second_scale, x, n, &importances ),
+           all = sky + of_still + of_changing;
+    if ( rf_has_sky( lights ) && light == lights->count - 1 )
+        return all > 0.0 ? (float)( sky / all ) : 0.0f;
+    bool second = lights->second->node_count > 0 && lights->second->leaf_slot[light] != RF_NO_LIGHT;
+    const RfLightTree* tree = second ? lights->second : &lights->tree;
+    uint32_t position = tree->node_count > 0 ? tree->leaf_slot[light] : RF_NO_LIGHT;
+    double probability = position != RF_NO_LIGHT ? 1.0 : 0.0;
+    while ( probability > 0.0 )
+    {
+        uint32_t number = position / RF_LIGHT_CHILDREN;
+        double sum = find_importances( tree->nodes + number, x, n, &importances );
+        double importance = (double)importances.of[position % RF_LIGHT_CHILDREN];
+        probability *= importance > 0.0 ? importance / sum : 0.0;
+        if ( number == 0 && probability > 0.0 )
+            return (float)( probability * ( ( second ? of_changing : of_still ) / all ) );
+        position = tree->parent_slot[number];
+    }
+    return 0.0f;
+}
+
 float rf_light_probability( const RfLights* lights, RfLightSampling sampling, uint32_t light, RfVec3 x, RfVec3 n )
 {
     const RfLightTree* tree = &lights->tree;
     if ( !has_tree( lights, sampling ) )
         return lights->power_fraction[light];
+    if ( lights->second != NULL )
+        return probability_by_two( lights, light, in_ball( lights, x ), n );
     Importances importances;
     double sky = (double)sky_importance( lights, n );
     bool is_sky = rf_has_sky( lights ) && light == lights->count - 1;

@@ -101,6 +101,18 @@ static void bound_both( RfLightBounds* a, const RfLightBounds* b )
     unite_cones( a, b );
 }
 
+void rf_sweep_tree_light( RfTreeLight* light, const RfTreeLight* other )
+{
+    double most = fmax( light->intensity, other->intensity );
+    if ( !( other->intensity > 0.0 ) )
+        return;
+    if ( light->intensity > 0.0 )
+        bound_both( light, other );
+    else
+        *light = *other;
+    light->intensity = most;
+}
+
 // The solid angle that the cone lights, weighted by the cosine beyond the spread.
 static double measure_of_directions( const RfLightBounds* b )
 {
@@ -386,6 +398,8 @@ RfResult rf_build_light_tree( RfTreeLight* lights, uint32_t count, uint32_t numb
     *tree = ( RfLightTree ){ 0 };
     Builder builder = { lights, tree };
     tree->leaf_slot = malloc( numbers * sizeof *tree->leaf_slot );
+    if ( tree->leaf_slot != NULL )
+        memset( tree->leaf_slot, 0xff, numbers * sizeof *tree->leaf_slot ); // RF_NO_LIGHT
     Range all = make_range( &builder, 0, count );
     uint32_t root;
     if ( tree->leaf_slot == NULL || !build_node( &builder, &all, 0, 0, &root ) )

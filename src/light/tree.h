@@ -1,4 +1,4 @@
-// A tree over all lights but the sky. It selects one in proportion to an estimate
+// A tree over lights other than the sky. It selects one in proportion to an estimate
 // of its contribution at a shading point, in logarithmic time. Conty Estevez,
 // Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting (HPG
 // 2018): bounding ball, intensity and orientation cone per node, built by their
@@ -53,13 +53,16 @@ typedef struct RfLightTree
     uint32_t node_capacity;
     RfLightNode* nodes;
     uint32_t* parent_slot; // of each node: its parent's number times RF_LIGHT_CHILDREN plus its slot there
-    uint32_t* leaf_slot;   // the same for each light
+    uint32_t* leaf_slot;   // the same for each light; RF_NO_LIGHT: it is not in the tree
 } RfLightTree;
 
 // Builds the tree over `count` ≥ 1 lights, which it reorders; their numbers are
 // below `numbers`. Fails with RF_ERROR_MEMORY only.
 RfResult rf_build_light_tree( RfTreeLight* lights, uint32_t count, uint32_t numbers, RfLightTree* tree, RfError* error );
 void rf_destroy_light_tree( RfLightTree* tree );
+
+// Extends the bounds of a light to include those that it has at another time, with the greater of both intensities.
+void rf_sweep_tree_light( RfTreeLight* light, const RfTreeLight* other );
 
 // The importance of each child of a node for the point x with normal n: an estimate
 // of its irradiance in the unit of the tree, above 0 unless nothing can arrive.

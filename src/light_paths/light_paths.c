@@ -331,7 +331,7 @@ static bool is_connected( const RfTracer* tracer, const RfLightPaths* paths, uin
     const RfScene* scene = rf_tracer_scene( tracer );
     switch ( rf_light_kind( lights, light ) )
     {
-        case RF_LIGHT_TRIANGLE: return paths->connected[scene->triangles.material[lights->light[light].triangle]];
+        case RF_LIGHT_TRIANGLE: return paths->connected[rf_material_of( scene, lights->light[light].triangle )];
         case RF_LIGHT_POINT:
         case RF_LIGHT_SPOT:
         case RF_LIGHT_DIRECTIONAL: return true;
@@ -455,7 +455,7 @@ static bool emit( const RfEstimatorGroup* group, const RfLightPaths* paths, RfRa
         RfVec3 way = rf_sub( to, rf_madd( e->position, e->normal, e->offset ) );
         return rf_dot( way, way ) > 0.0f && rf_emit_towards( lights, rf_normalize( way ), e );
     }
-    float back = rf_dot( rf_sub( to, lights->center ), e->direction ) + 1.1f * lights->radius;
+    float back = rf_dot( rf_sub( to, lights->center ), e->direction ) + 1.1f * lights->reach;
     e->position = rf_madd( to, e->direction, -back );
     return true;
 }

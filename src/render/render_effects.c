@@ -2,7 +2,7 @@
 #include "render/render_effects.h"
 
 #include "film/pixel_filter.h"
-#include "light/light.h"
+#include "light/changing.h"
 #include "render/settings.h"
 #include "render/sizes.h"
 #include "scene/scene_effects.h"
@@ -68,6 +68,7 @@ static void set_light_tree( const Source* from )
     uint32_t lights = (uint32_t)scene->punctual_count + from->traits.sky;
     for ( uint32_t i = 0; i < scene->triangles.count && lights <= RF_FEW_LIGHTS; ++i )
         lights += emits( scene, i );
+    lights += rf_count_moving_emitters( scene );
     if ( from->settings->light_sampling == RF_LIGHTS_BY_POWER )
         set( from, RF_EFFECT_LIGHT_TREE, false, "off in the settings: lights are sampled by power" );
     else

@@ -58,10 +58,13 @@ static double samples_of( const RfRenderer* r, const RfLiveFilm* live )
     return film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels;
 }
 
-static Shape make_shape( const RfRenderer* r, const RfLiveFilm* live, int pixels )
+static Shape make_shape( RfRenderer* r, const RfLiveFilm* live, int pixels )
 {
     const RfRenderSettings* settings = &r->setup->settings;
-    const RfTracer* tracer = rf_world_tracer( &r->worlds, live->frame );
+    // in a group, lights may be others than those of the frame
+    bool lights_change = rf_tracer_lights( r->setup->shot.tracer )->changing != NULL;
+    const RfTracer* tracer = lights_change ? rf_frames_as_group( r, live->frame, 1, (int)SPECK_GROUP ).tracer
+                                           : rf_world_tracer( &r->worlds, live->frame );
     tracer = tracer != NULL ? tracer : r->setup->shot.tracer;
     bool lit = rf_tracer_lights( tracer )->count > 0 && settings->max_depth > 1;
     return ( Shape ){
@@ -351,7 +354,7 @@ static RfEstimatorGroup sizes_group( const RfRenderSetup* setup )
                                  .eye_count = setup->plan.eyes };
 }
 
-void rf_find_specks( const RfRenderer* r, const RfLiveFilm* live, const RfSpeckList* list, RfSpecks* specks )
+void rf_find_specks( RfRenderer* r, const RfLiveFilm* live, const RfSpeckList* list, RfSpecks* specks )
 {
     const RfRenderSetup* setup = r->setup;
     *specks = ( RfSpecks ){ .pixels = list->pixels, .share = list->share, .rest = list->rest };

@@ -16,6 +16,6 @@
 
 // The specks of a frame of the group in work, by its films. Without kinds where the estimator's workspace is too small for it:
 // it borrows that of a thread, and lays it out again.
-void rf_find_specks( const RfRenderer* renderer, const RfLiveFilm* live, const RfSpeckList* list, RfSpecks* specks );
+void rf_find_specks( RfRenderer* renderer, const RfLiveFilm* live, const RfSpeckList* list, RfSpecks* specks );
 
 #endif

@@ -2,6 +2,7 @@
 #include "render/traits.h"
 
 #include "base/remedy.h"
+#include "light/changing.h"
 #include "render/estimator.h"
 #include "scene/leave_out.h"
 #include "scene/mirrors.h"
@@ -16,7 +17,7 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
         const RfMaterial* material = scene->materials + number[i];
         traits->chain_triangles += rf_is_chain_surface( material ) ? list.uses : 0;
         traits->plate_triangles += scene->punctual_count > 0 && rf_is_plate( material ) ? list.uses : 0;
-        traits->most_lights += rf_max_component( material->emission ) > 0.0f;
+        traits->most_lights += rf_max_component( material->emission ) > 0.0f ? list.uses : 0;
         if ( i > 0 && number[i] == number[i - 1] )
             continue;
         traits->kinds |= 1u << material->kind;
@@ -42,7 +43,7 @@ bool rf_may_move( const RfScene* scene ) { return rf_calls_for( scene->movement 
 
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
 {
-    RfSceneTraits traits = { .sky = rf_max_component( scene->environment.radiance ) > 0.0f };
+    RfSceneTraits traits = { .sky = rf_may_have_sky( scene ) };
     for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
         add_triangles( scene, rf_triangle_list( scene, k ), &traits );
     traits.without_caustics = traits.without_caustics && rf_is_left_out( scene, RF_EFFECT_CAUSTICS );

@@ -2,6 +2,7 @@
 #include "render/worlds.h"
 
 #include "base/built_in.h"
+#include "light/changing.h"
 #include "scene/movement.h"
 
 #include <stdlib.h>
@@ -27,7 +28,8 @@ size_t rf_worlds_bytes( const RfScene* scene, int count, int steps )
                    BYTES_PER_TRIANGLE * (size_t)own.triangles + BYTES_PER_MESH * (size_t)own.meshes + BYTES_PER_MOVER * movers +
                    BYTES_PER_PLACEMENT * (size_t)scene->placement_count +
                    sizeof( RfMesh ) * (size_t)( scene->mesh_count + own.meshes );
-    return (size_t)count * world + BYTES_PER_BUILT_TRIANGLE * (size_t)own.most_triangles + own.image_bytes;
+    return (size_t)count * world + BYTES_PER_BUILT_TRIANGLE * (size_t)own.most_triangles + own.image_bytes +
+           rf_group_lights_bytes( scene, count );
 }
 
 int rf_worlds_held( const RfScene* scene, int frames, int eyes, bool neighbours, bool ahead )
@@ -38,7 +40,11 @@ int rf_worlds_held( const RfScene* scene, int frames, int eyes, bool neighbours,
 
 RfResult rf_create_worlds( const RfShot* shot, int count, bool neighbours, RfWorlds* worlds, RfError* error )
 {
-    *worlds = ( RfWorlds ){ .still = shot->tracer, .eyes = shot->eyes, .frames = shot->eye_count, .neighbours = neighbours };
+    *worlds = ( RfWorlds ){ .still = shot->tracer,
+                            .eyes = shot->eyes,
+                            .frames = shot->eye_count,
+                            .neighbours = neighbours,
+                            .lights_change = rf_tracer_lights( shot->tracer )->changing != NULL };
     if ( count == 0 )
         return RF_OK;
     worlds->worlds = calloc( (size_t)count, sizeof *worlds->worlds );
@@ -67,6 +73,23 @@ static void drop_ghosts( RfWorlds* worlds )
     worlds->ghost_count = 0;
 }
 
+static void drop_lights( RfWorlds* worlds )
+{
+    for ( int i = 0; i < worlds->count && worlds->lights != NULL; ++i )
+    {
+        if ( worlds->worlds[i].tracer != NULL )
+            rf_set_lights( worlds->worlds[i].tracer, NULL );
+    }
+    rf_destroy_group_lights( worlds->lights );
+    worlds->lights = NULL;
+    worlds->lit_count = 0;
+}
+
+static bool is_lit( const RfWorlds* worlds, int frame )
+{
+    return frame >= worlds->first_lit && frame < worlds->first_lit + worlds->lit_count;
+}
+
 static bool is_ghost( const RfWorlds* worlds, int frame )
 {
     return frame >= worlds->first_ghost && frame < worlds->first_ghost + worlds->ghost_count;
@@ -76,6 +99,8 @@ static void close_world( RfWorlds* worlds, RfWorld* world )
 {
     if ( is_ghost( worlds, world->frame ) )
         drop_ghosts( worlds );
+    if ( is_lit( worlds, world->frame ) )
+        drop_lights( worlds );
     if ( world->frame >= 0 )
         worlds->tracers[world->frame] = NULL;
     rf_destroy_tracer( world->tracer );
@@ -83,12 +108,14 @@ static void close_world( RfWorlds* worlds, RfWorld* world )
         rf_destroy_pose( world->poses + k );
     free( world->poses );
     free( world->joined );
+    free( world->emission );
     *world = ( RfWorld ){ .frame = -1 };
 }
 
 void rf_destroy_worlds( RfWorlds* worlds )
 {
     drop_ghosts( worlds );
+    drop_lights( worlds );
     for ( int i = 0; i < worlds->count; ++i )
         close_world( worlds, worlds->worlds + i );
     free( worlds->worlds );
@@ -133,11 +160,27 @@ static RfResult pose_moments( const RfScene* scene, const RfEye* eye, RfWorld* w
     return result;
 }
 
+static RfPosedScene* middle_of( const RfWorld* world ) { return world->poses + rf_middle_moment( world->moments - 1 ); }
+
+static RfResult note_emission( const RfWorlds* worlds, RfWorld* world, RfError* error )
+{
+    if ( !worlds->lights_change )
+        return RF_OK;
+    const RfLights* still = rf_tracer_lights( worlds->still );
+    world->emission = malloc( ( (size_t)still->changing->dim_count + 1 ) * sizeof *world->emission );
+    if ( world->emission == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for lights that change" );
+    rf_note_emission( still, &middle_of( world )->scene, world->emission );
+    return RF_OK;
+}
+
 static RfResult open_world( RfWorlds* worlds, int frame, RfWorld* world, RfError* error )
 {
     const RfEye* eye = worlds->eyes + frame;
     RfResult result = pose_moments( rf_tracer_scene( worlds->still ), eye, world, error );
     const RfPosedScene* pose = world->poses + rf_middle_moment( (int)eye->blur_steps );
+    if ( result == RF_OK )
+        result = note_emission( worlds, world, error );
     if ( result == RF_OK )
         result = rf_create_posed_tracer( worlds->still, &pose->scene, &world->tracer, error );
     if ( result == RF_OK )
@@ -172,6 +215,40 @@ static void set_ghosts( const RfWorlds* worlds, int first, int count )
     }
 }
 
+static RfWorld* world_of( const RfWorlds* worlds, int frame )
+{
+    for ( int i = 0; i < worlds->count; ++i )
+    {
+        if ( worlds->worlds[i].frame == frame )
+            return worlds->worlds + i;
+    }
+    return NULL;
+}
+
+// Gives the frames of a group the same lights to select from.
+static RfResult light_worlds( RfWorlds* worlds, int first, int count, RfError* error )
+{
+    if ( !worlds->lights_change || ( worlds->first_lit == first && worlds->lit_count == count ) )
+        return RF_OK;
+    drop_lights( worlds );
+    RfLitMoment* moment = malloc( (size_t)count * sizeof *moment );
+    if ( moment == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the lights of a group of frames" );
+    for ( int i = 0; i < count; ++i )
+    {
+        RfWorld* world = world_of( worlds, first + i );
+        moment[i] = ( RfLitMoment ){ &middle_of( world )->scene, world->emission };
+    }
+    RfResult result = rf_create_group_lights( rf_tracer_lights( worlds->still ), rf_tracer_scene( worlds->still ), count, 1,
+                                              moment, &worlds->lights, error );
+    free( moment );
+    for ( int i = 0; i < count && result == RF_OK; ++i )
+        rf_set_lights( world_of( worlds, first + i )->tracer, worlds->lights->lights + i );
+    worlds->first_lit = first;
+    worlds->lit_count = result == RF_OK ? count : 0;
+    return result;
+}
+
 const RfTracer* const* rf_open_worlds( RfWorlds* worlds, int first, int count )
 {
     if ( worlds->count == 0 || worlds->result != RF_OK )
@@ -186,6 +263,8 @@ const RfTracer* const* rf_open_worlds( RfWorlds* worlds, int first, int count )
     }
     if ( worlds->result == RF_OK && count > 1 )
         worlds->result = make_ghosts( worlds, first, count, &worlds->error );
+    if ( worlds->result == RF_OK )
+        worlds->result = light_worlds( worlds, first, count, &worlds->error );
     if ( worlds->result != RF_OK )
         return NULL;
     set_ghosts( worlds, first, count );

@@ -14,6 +14,7 @@ typedef struct RfWorld
     int moments;         // that it is posed at
     RfPosedScene* poses; // of these; where there are several the middle one has them all (scene/moments.h)
     RfMoments* joined;   // NULL: there is a single one
+    RfVec3* emission;    // of materials that dim, in the middle one; NULL: no light changes
     RfTracer* tracer;
 } RfWorld;
 
@@ -28,6 +29,9 @@ typedef struct RfWorlds
     const RfTracer** tracers; // by frame; NULL: it is not open
     RfGhosts* ghosts;         // of ghost_count frames from first_ghost on
     int first_ghost, ghost_count;
+    bool lights_change;
+    struct RfGroupLights* lights; // of the frames opened last; NULL: none changes
+    int first_lit, lit_count;
     RfResult result; // of the first failure, after which all frames have the scene as it was loaded
     RfError error;
 } RfWorlds;
@@ -36,7 +40,8 @@ typedef struct RfWorlds
 // frames before and after a group; `ahead`: with half a group after it, for groups around its last frame.
 int rf_worlds_held( const RfScene* scene, int frames, int eyes, bool neighbours, bool ahead );
 
-// Bytes that so many need, with the ghosts of a group of them. `steps`: the most of the path's eyes (RfEye.blur_steps).
+// Bytes that so many need, with the ghosts and the lights of a group of them. `steps`: the most of the path's eyes
+// (RfEye.blur_steps).
 size_t rf_worlds_bytes( const RfScene* scene, int count, int steps );
 
 // `count`: as rf_worlds_held has it for the groups that will be opened. Fails with RF_ERROR_MEMORY.

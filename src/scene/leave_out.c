@@ -177,7 +177,10 @@ RfResult rf_choose_effects( RfScene* scene, uint64_t forced, uint64_t left_out, 
     if ( leaves( left_out, RF_EFFECT_PUNCTUAL_LIGHTS ) )
         remove_punctual_lights( scene );
     if ( leaves( left_out, RF_EFFECT_ENVIRONMENT ) )
+    {
         scene->environment.radiance = s_black;
+        scene->environment.changes = false;
+    }
     scene->effects_forced |= forced;
     scene->effects_left_out |= left_out;
     return RF_OK;

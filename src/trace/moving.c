@@ -29,6 +29,27 @@ static float find_reach( const RfScene* posed, const RfLights* lights )
     return reach;
 }
 
+// Light samples end as far off a triangle that moves as rays do that leave it.
+static void lift_moving_lights( const RfTracer* posed, RfLights* lights )
+{
+    for ( uint32_t i = lights->changing->still_triangles; i < lights->triangle_count; ++i )
+    {
+        RfTriangleRecord place;
+        RfLight* light = lights->light + i;
+        if ( light->area > 0.0f )
+            light->offset = rf_place_triangle_record( posed, light->triangle, &place )->offset;
+    }
+}
+
+void rf_set_lights( RfTracer* posed, RfLights* lights )
+{
+    float reach = posed->lights.reach;
+    posed->lights = lights != NULL ? *lights : posed->still->lights;
+    posed->lights.reach = reach;
+    if ( lights != NULL )
+        lift_moving_lights( posed, &posed->lights );
+}
+
 static RfResult fail_build( const RfTracer* still, const RfScene* posed, RfError* error )
 {
     return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s", posed->path != NULL ? posed->path : "scene",

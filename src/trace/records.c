@@ -128,7 +128,7 @@ static void make_record( const RfMeshBvh* mesh, const RfTriangleAt* at, const Rf
     *place = r;
 }
 
-void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
+static void make_placed( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
 {
     const RfPlacement* p = at->placement;
     const RfMeshBvh* mesh = tracer->bvh.meshes + p->mesh;
@@ -145,6 +145,12 @@ void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTr
     place->offset = rf_maxf( place->offset, rf_ray_offset( rf_largest_coordinate( between.world ) ) );
 }
 
+void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
+{
+    make_placed( tracer, at, place );
+    place->light = rf_moving_light( &tracer->lights, at->placement->first + at->index );
+}
+
 const RfTriangleRecord* rf_place_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place )
 {
     RfTriangleAt at = rf_locate_placed_triangle( tracer->scene, triangle );
@@ -157,3 +163,5 @@ uint32_t rf_placed_material( const RfTracer* tracer, uint32_t triangle )
     RfTriangleAt at = rf_locate_placed_triangle( tracer->scene, triangle );
     return at.triangles->material[at.index];
 }
+
+uint32_t rf_placed_light( const RfTracer* tracer, uint32_t triangle ) { return rf_moving_light( &tracer->lights, triangle ); }

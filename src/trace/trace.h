@@ -28,7 +28,8 @@ typedef struct RfTracerRuns
 RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** tracer, RfError* error );
 
 // A tracer for a moment of a scene that moves (scene/pose.h). It shares all that stands still with `still`, which was created for
-// the scene as it was loaded, and must outlive it, as must the posed scene. What moves is no light and no flat mirror.
+// the scene as it was loaded, and must outlive it, as must the posed scene. What moves is no flat mirror. Where lights move or
+// change, it has none of them until rf_set_lights.
 RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, RfTracer** tracer, RfError* error );
 
 // A posed tracer at a moment of its frame's shutter, 0 to 1: a copy at `memory`, of rf_tracer_at_bytes and aligned to 64, which goes
@@ -44,6 +45,10 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** g
 void rf_destroy_ghosts( RfGhosts* ghosts );
 // NULL: the tracer has none from now on.
 void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts );
+
+// Gives a posed tracer its lights among those of a group of frames (light/changing.h), which must outlive it or other lights; NULL:
+// those of `still`.
+void rf_set_lights( RfTracer* posed, RfLights* lights );
 
 // Whether paths may hold in some frames of the group only.
 bool rf_tracer_has_ghosts( const RfTracer* tracer );
@@ -80,7 +85,7 @@ static inline bool rf_tracer_is_textured( const RfTracer* tracer )
     return rf_is_built( RF_EFFECT_TEXTURES ) && rf_tracer_runs( tracer ).textured;
 }
 
-// The lights of the scene, collected at creation (light/light.h).
+// The lights of the scene, collected at creation (light/light.h), or as they have been set.
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
 
 // The flat mirrors of the scene.
@@ -127,6 +132,7 @@ static inline bool rf_tracer_has_placements( const RfTracer* tracer ) { return r
 // Makes the record of a placement's triangle.
 const RfTriangleRecord* rf_place_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place );
 uint32_t rf_placed_material( const RfTracer* tracer, uint32_t triangle );
+uint32_t rf_placed_light( const RfTracer* tracer, uint32_t triangle );
 
 // The record of a triangle: among those of the tracer, or made at `place`, which costs about a tenth of a ray.
 static inline const RfTriangleRecord* rf_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place )
@@ -148,13 +154,14 @@ static inline uint32_t rf_triangle_material( const RfTracer* tracer, uint32_t tr
     return triangle < known->count ? known->records[triangle].material : rf_placed_material( tracer, triangle );
 }
 
-// The light that a triangle is, or RF_NO_LIGHT, and the flat mirror that it belongs to, or RF_NO_MIRROR: none for placements.
+// The light that a triangle is, or RF_NO_LIGHT: of those of placements, some that move.
 static inline uint32_t rf_triangle_light( const RfTracer* tracer, uint32_t triangle )
 {
     const RfTracerRecords* known = rf_tracer_records( tracer );
-    return triangle < known->count ? known->records[triangle].light : RF_NO_LIGHT;
+    return triangle < known->count ? known->records[triangle].light : rf_placed_light( tracer, triangle );
 }
 
+// The flat mirror that it belongs to, or RF_NO_MIRROR: none for placements.
 static inline unsigned rf_triangle_mirror( const RfTracer* tracer, uint32_t triangle )
 {
     const RfTracerRecords* known = rf_tracer_records( tracer );

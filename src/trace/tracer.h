@@ -2,6 +2,7 @@
 #ifndef REFRAME_TRACE_TRACER_H
 #define REFRAME_TRACE_TRACER_H
 
+#include "light/changing.h"
 #include "light/light.h"
 #include "scene/chain_bounds.h"
 #include "scene/placement.h"

@@ -1,0 +1,92 @@
+// Lights that move or change: which they are, found once, and the lights of a group of frames, by which all of them select with
+// the same probabilities (src/reuse/estimators.md, section 18).
+#ifndef REFRAME_LIGHT_CHANGING_H
+#define REFRAME_LIGHT_CHANGING_H
+
+#include "light/light.h"
+
+// A light that moves or changes.
+typedef struct RfChangingLight
+{
+    uint32_t number;
+    int32_t dim; // of a triangle: index into RfChangingLights.dim of its material; −1: that does not dim
+    RfVec3 mean; // of a triangle: mean radiance with the emission that its material was loaded with
+} RfChangingLight;
+
+// Those of a scene.
+typedef struct RfChangingLights
+{
+    uint32_t still_triangles;          // lights that are triangles and stand still, which have the first numbers
+    uint32_t first_moving, end_moving; // triangles among which are all that move and may emit
+    uint32_t* of_moving;               // the light of each, or RF_NO_LIGHT
+    uint32_t dim_count;
+    uint32_t* dim;   // materials that emit and dim
+    bool* dim_moves; // whether some triangle of it moves
+    uint32_t count;
+    RfChangingLight* light; // triangles and punctual lights, by their numbers, ascending
+    double still_sum;       // of the intensities in the tree of those that do not change
+    bool by_tree;           // there are so many lights that trees select them
+    RfLightTree none;
+} RfChangingLights;
+
+// Whether lights of the scene move or change.
+bool rf_lights_change( const RfScene* scene );
+
+// Whether there is a sky, at some time at least.
+static inline bool rf_may_have_sky( const RfScene* scene )
+{
+    return rf_max_component( scene->environment.radiance ) > 0.0f || ( scene->environment.changes && scene->movement != NULL );
+}
+
+// The number of triangles that move and may emit.
+uint32_t rf_count_moving_emitters( const RfScene* scene );
+
+// Finds what moves or changes among lights of which all but the tree are collected. Fails with RF_ERROR_MEMORY.
+RfResult rf_find_changing_lights( const RfScene* scene, RfLights* lights, RfError* error );
+void rf_destroy_changing_lights( RfChangingLights* changing );
+
+// The light that a triangle is that moves, or RF_NO_LIGHT.
+static inline uint32_t rf_moving_light( const RfLights* lights, uint32_t triangle )
+{
+    const RfChangingLights* changing = lights->changing;
+    if ( changing == NULL || triangle < changing->first_moving || triangle >= changing->end_moving )
+        return RF_NO_LIGHT;
+    return changing->of_moving[triangle - changing->first_moving];
+}
+
+// A frame of a group at a moment of its shutter.
+typedef struct RfLitMoment
+{
+    RfScene* scene;         // as posed. Its materials that dim are set to what paths of the group look up, where they are its own
+    const RfVec3* emission; // by rf_note_emission
+} RfLitMoment;
+
+// Notes the emission of materials that dim in a scene as it has been posed: lights->changing->dim_count of them.
+void rf_note_emission( const RfLights* still, const RfScene* posed, RfVec3* emission );
+
+// The lights of a group of `frames`, at `moments` each.
+typedef struct RfGroupLights
+{
+    int frames, moments;
+    RfLights* lights; // of moment m of frame f: f · moments + m
+    // what they share, owned
+    RfPunctual* punctual;
+    RfLight* light;
+    RfEnvironment* environment;
+    float* power_fraction;
+    uint32_t *alias, *alias_threshold;
+    uint8_t *part, *material_part;
+    RfLightTree tree;
+} RfGroupLights;
+
+// `still`: lights of the scene as it was loaded, `loaded`, some of which change; both must outlive the group, as must the posed
+// scenes in `moment`, of which there are frames · moments, by frame. Fails with RF_ERROR_MEMORY.
+RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int frames, int moments, const RfLitMoment* moment,
+                                 RfGroupLights** out, RfError* error );
+// NULL is allowed.
+void rf_destroy_group_lights( RfGroupLights* group );
+
+// Bytes that the lights of a group of so many frames need, and the emission noted for each; 0 where none changes.
+size_t rf_group_lights_bytes( const RfScene* scene, int frames );
+
+#endif
