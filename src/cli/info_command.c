@@ -3,6 +3,7 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shared_options.h"
+#include "cli/render/changes_json.h"
 #include "cli/render/render_json.h"
 #include "reframe/scene.h"
 #include "scene/json/scene_file.h"
@@ -15,10 +16,11 @@ static bool s_fps_given;
 static const char* s_json;
 static const char* const s_files[] = { "SCENE" };
 static bool s_quiet;
-static RfRenderOptions s_render; // effects alone
-static bool s_effects_given;
+static RfRenderOptions s_render; // effects, movement and group alone
+static bool s_effects_given, s_group_given;
 
 #define MAX_MOVING 10 // objects named
+#define MUCH_OWN 0.5  // of the light
 
 static const RfOption s_options[] = {
     { .name = "fps",
@@ -41,6 +43,16 @@ static const RfOption s_options[] = {
       .default_text = "none",
       .help = "list the effects as with render --no-effect" },
     RF_MOVEMENT_OPTIONS( s_render ),
+    { .name = "group",
+      .type = RF_OPTION_INT,
+      .value = &s_render.settings.group,
+      .given = &s_group_given,
+      .min = 0,
+      .max = RF_MAX_GROUP,
+      .keyword = "auto",
+      .keyword_value = RF_GROUP_AUTO,
+      .meta = "N|auto",
+      .help = "say how light that changes is shared in groups of 2N+1 frames, as render --group" },
     { .name = "json",
       .writes = ".json",
       .type = RF_OPTION_STRING,
@@ -64,7 +76,52 @@ typedef struct Facts
     RfSceneInfo scene;
     RfCameraInfo* cameras;
     RfRenderOptions render; // the scene file's defaults
+    RfSceneFile file;       // which strings of these point into
+    json_t* changes;        // rf_add_changes
+    RfError unknown;        // why it is not known how light is shared
 } Facts;
+
+// How a render with the file's defaults shares light. Where there is nothing to render, that is not known.
+static RfResult gather_sharing( const RfScene* scene, Facts* facts, RfError* error )
+{
+    RfRenderOptions* options = &facts->render;
+    RfTracer* tracer = NULL;
+    RfLens lens;
+    RfCameraPath path = rf_empty_camera_path();
+    RfResult result = rf_parse_lens_options( options, &lens, error );
+    RfPathOptions asked = { options->camera, &lens, s_fps, options->size.width, options->size.height };
+    if ( result == RF_OK )
+        result = rf_create_camera_path( scene, &asked, &path, error );
+    if ( result == RF_OK )
+        result = rf_create_tracer( scene, &tracer, error );
+    if ( result == RF_OK )
+    {
+        RfRenderSettings settings = options->settings;
+        options->fps = s_fps;
+        options->size = ( RfSize ){ path.eyes[0].width, path.eyes[0].height };
+        RfShot shot = { .tracer = tracer, .eyes = path.runs, .eye_count = path.run_count };
+        result = rf_resolve_settings( &shot, &settings, &options->settings, error );
+        if ( result == RF_OK )
+            result = rf_add_changes( scene, tracer, options, facts->changes, error );
+        options->settings = settings;
+    }
+    rf_destroy_tracer( tracer );
+    rf_destroy_camera_path( &path );
+    return result;
+}
+
+static RfResult gather_changes( const RfScene* scene, Facts* facts, RfError* error )
+{
+    bool renders = facts->scene.unrendered_count == 0 || facts->scene.frozen;
+    facts->changes = json_object();
+    if ( scene->movement != NULL && renders && facts->scene.cameras > 0 )
+    {
+        RfResult result = gather_sharing( scene, facts, &facts->unknown );
+        if ( result == RF_OK )
+            return result;
+    }
+    return rf_add_changes( scene, NULL, &facts->render, facts->changes, error );
+}
 
 static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
 {
@@ -78,7 +135,7 @@ static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its cameras", facts->scene.path );
     for ( int i = 0; i < facts->scene.cameras && result == RF_OK; ++i )
         result = rf_scene_camera( scene, i, s_fps, facts->cameras + i, error );
-    return result;
+    return result == RF_OK ? gather_changes( scene, facts, error ) : result;
 }
 
 // " (101 to 110)", or nothing where they are called 1, 2, 3.
@@ -107,6 +164,33 @@ static void print_moving( const RfSceneInfo* scene )
         rf_print( "  %s\n", scene->moving[i] );
     if ( scene->moving_count > MAX_MOVING )
         rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
+}
+
+// "light 'Desk'"
+static void print_changes( const Facts* facts )
+{
+    const json_t *list = json_object_get( facts->changes, "changing" ), *sharing = json_object_get( facts->changes, "sharing" );
+    const json_t* change;
+    size_t i;
+    char text[RF_CHANGE_TEXT];
+    if ( json_array_size( list ) > 0 )
+        rf_print( "changing   %zu\n", json_array_size( list ) );
+    json_array_foreach( list, i, change )
+    {
+        const char* kind = json_string_value( json_object_get( change, "kind" ) );
+        const char* name = json_string_value( json_object_get( change, "name" ) );
+        rf_format_change( change, sharing, text );
+        if ( strcmp( kind, "sky" ) == 0 )
+            rf_print( "  sky: %s\n", text );
+        else
+            rf_print( "  %s '%s': %s\n", kind, name, text );
+    }
+    bool much = rf_json_number_of( sharing, "group" ) > 0.0 && rf_json_number_of( sharing, "own_frame" ) > MUCH_OWN;
+    rf_format_sharing( sharing, text );
+    if ( text[0] != '\0' )
+        rf_print( "sharing    %s%s\n", text, much ? ": a smaller group may be as fast (reframe tune)" : "" );
+    else if ( facts->unknown.code != RF_OK )
+        rf_print( "sharing    not known: %s\n", facts->unknown.text );
 }
 
 static void print_unrendered( const RfSceneInfo* scene )
@@ -182,6 +266,7 @@ static void print_info( const RfScene* scene, const Facts* facts )
                   s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
     print_film( s );
     print_moving( s );
+    print_changes( facts );
     print_unrendered( s );
     print_cameras( facts );
     print_effects( scene, &facts->render.settings );
@@ -201,9 +286,6 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
             json_object_set_new( camera, "projection", json_string( c->projection ) );
         json_array_append_new( cameras, camera );
     }
-    json_t* moving = json_array();
-    for ( int i = 0; i < s->moving_count; ++i )
-        json_array_append_new( moving, rf_json_text( s->moving[i] ) );
     json_t* unrendered = json_array();
     for ( int i = 0; i < s->unrendered_count; ++i )
         json_array_append_new( unrendered, json_pack( "{s:o, s:o}", "what", rf_json_text( s->unrendered[i].what ), "why",
@@ -212,12 +294,14 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     for ( int i = 0; i < s->export_warning_count; ++i )
         json_array_append_new( warnings, rf_json_text( s->export_warnings[i] ) );
     json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
-    return json_pack( "{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:b, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles,
-                      "stored_triangles", (json_int_t)s->stored_triangles, "instances", (json_int_t)s->instances, "materials",
-                      (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras", cameras, "effects",
-                      rf_effects_json( scene, &facts->render.settings ), "moving", moving, "frozen", s->frozen, "unrendered",
-                      unrendered, "size", size, "fps", (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings",
-                      warnings );
+    json_t* json =
+        json_pack( "{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:b, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles,
+                   "stored_triangles", (json_int_t)s->stored_triangles, "instances", (json_int_t)s->instances, "materials",
+                   (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras", cameras, "effects",
+                   rf_effects_json( scene, &facts->render.settings ), "frozen", s->frozen, "unrendered", unrendered, "size", size,
+                   "fps", (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
+    json_object_update( json, facts->changes );
+    return json;
 }
 
 // The command line goes before the scene file.
@@ -229,35 +313,33 @@ static void take_given( RfRenderOptions* options )
         options->effects = s_render.effects;
     if ( s_render.movement.animation != NULL )
         options->movement.animation = s_render.movement.animation;
+    if ( s_group_given )
+        options->settings.group = s_render.settings.group;
     options->movement.freeze = options->movement.freeze || s_render.movement.freeze;
 }
 
-static RfResult load( const char* name, RfScene* scene, RfRenderOptions* options, RfError* error )
+static RfResult load( const char* name, RfSceneFile* file, RfScene* scene, RfRenderOptions* options, RfError* error )
 {
-    RfSceneFile file;
     RfLog log = rf_stderr_log( "info" );
-    RfResult result = rf_open_scene_file( name, &file, error );
+    RfResult result = rf_open_scene_file( name, file, error );
     if ( result != RF_OK )
         return result;
-    RfField defaults = rf_scene_file_defaults( &file, error );
+    RfField defaults = rf_scene_file_defaults( file, error );
     result = rf_read_render_defaults( &defaults, options );
     rf_settle_filter( options );
     take_given( options );
     if ( !s_fps_given )
         s_fps = options->fps;
     if ( result == RF_OK )
-        result = rf_load_scene_file( &file, &options->movement, scene, &log, error );
-    if ( result == RF_OK )
-        result = rf_take_effect_options( options, scene, &log, error );
-    rf_close_scene_file( &file );
-    return result;
+        result = rf_load_scene_file( file, &options->movement, scene, &log, error );
+    return result == RF_OK ? rf_take_effect_options( options, scene, &log, error ) : result;
 }
 
 static RfResult report_result( const char* name, RfError* error )
 {
     RfScene scene = { 0 };
     Facts facts = { 0 };
-    RfResult result = load( name, &scene, &facts.render, error );
+    RfResult result = load( name, &facts.file, &scene, &facts.render, error );
     if ( result == RF_OK )
         result = gather( &scene, &facts, error );
     if ( result == RF_OK && rf_prints_text( s_json ) )
@@ -268,7 +350,9 @@ static RfResult report_result( const char* name, RfError* error )
     if ( result == RF_OK && s_json != NULL )
         result = rf_write_json( s_json, info_json( &scene, &facts ), error );
     free( facts.cameras );
+    json_decref( facts.changes );
     rf_destroy_scene( &scene );
+    rf_close_scene_file( &facts.file );
     return result;
 }
 
@@ -278,7 +362,7 @@ int rf_command_info( int argc, char** argv )
     bool help;
     RfError error;
     s_fps = ( RfFps ){ 0, 0 };
-    s_fps_given = s_effects_given = false;
+    s_fps_given = s_effects_given = s_group_given = false;
     s_render = rf_default_render_options();
     RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
     if ( result == RF_OK && help )

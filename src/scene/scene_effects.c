@@ -209,8 +209,7 @@ static RfEffect optics_effect( const RfScene* scene, RfEffectId id, bool ( *has 
         bool by_keys = camera->track != NULL && camera->track->fstop.count > 0 && has == has_lens;
         effect.on = by_keys || ( optics != NULL && has( optics ) );
         if ( effect.on )
-            snprintf( effect.why, sizeof effect.why, "camera '%.80s'%s", camera->name,
-                      has == has_shutter && scene->movement != NULL ? " alone: moving objects do not blur" : "" );
+            snprintf( effect.why, sizeof effect.why, "camera '%.80s'", camera->name );
     }
     return effect;
 }

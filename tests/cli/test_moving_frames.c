@@ -69,11 +69,85 @@ static void test_a_failure_leaves_whole_files( void** state )
     cli_expect( cli_run( "for f in b.*.exr; do $R png $f $f.png || exit 1; done" ), 0, NULL );
 }
 
+// Three lamps before a wall: one of them holds, one is dimmed from nothing to its own strength, one moves a little.
+static void write_lamps( const char* name )
+{
+    static const float s_wall[] = { -9, -9, -6, 9, -9, -6, 9, 9, -6, -9, 9, -6 };
+    static const uint16_t s_faces[] = { 0, 1, 2, 0, 2, 3 };
+    const float times[] = { 0, 4 }, places[] = { -0.1f, 0, -4, 0.1f, 0, -4 }, strength[] = { 0, 9 };
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 4, s_wall );
+    add_gltf_u16( &b, 6, s_faces );
+    add_gltf_floats( &b, "SCALAR", 1, 2, times );
+    add_gltf_floats( &b, "VEC3", 3, 2, places );
+    add_gltf_floats( &b, "SCALAR", 1, 2, strength );
+    size_t size;
+#define LAMP( name ) "{\"name\":\"" name "\",\"type\":\"point\",\"intensity\":9}"
+#define AT( x, light )                                                                                                           \
+    "{\"name\":\"node " light "\",\"translation\":[" x ",0,-4],\"extensions\":{\"KHR_lights_punctual\":{\"light\":" light "}}}"
+    uint8_t* bytes = build_glb(
+        &b,
+        "\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_animation_pointer\"],\"extensions\":{\"KHR_lights_punctual\":{"
+        "\"lights\":[" LAMP( "held" ) "," LAMP( "dimmed" ) "," LAMP( "moved" ) "]}},\"nodes\":[{\"mesh\":0},{\"camera\":0}," AT(
+            "-1", "0" ) "," AT( "1", "1" ) "," AT( "0", "2" ) "],\"cameras\":[{\"type\":\"perspective\",\"perspective\":"
+                                                              "{\"yfov\":0.7,\"znear\":0.1}}],\"materials\":[{}],\"meshes\":[{"
+                                                              "\"primitives\":[{\"attributes\":{\"POSITION\":0},"
+                                                              "\"indices\":1,\"material\":0}]}],\"animations\":[{\"samplers\":[{"
+                                                              "\"input\":2,\"output\":3},{\"input\":2,"
+                                                              "\"output\":4}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":"
+                                                              "4,\"path\":\"translation\"}},{\"sampler\":1,"
+                                                              "\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_"
+                                                              "pointer\":{\"pointer\":"
+                                                              "\"/extensions/KHR_lights_punctual/lights/1/intensity\"}}}}]}]",
+        &size );
+    cli_write( name, bytes, size );
+    free( bytes );
+}
+
+static void check_change( const json_t* json, size_t index, const char* name, const char* what, const char* way, double share )
+{
+    const json_t* change = json_array_get( json_object_get( json, "changing" ), index );
+    assert_string_equal( json_string_value( json_object_get( change, "name" ) ), name );
+    assert_string_equal( json_string_value( json_array_get( json_object_get( change, "what" ), 0 ) ), what );
+    assert_int_equal( json_array_size( json_object_get( change, "what" ) ), 1 );
+    assert_int_equal( json_integer_value( json_object_get( json_object_get( change, "frames" ), way ) ), 9 );
+    assert_float_equal( json_number_value( json_object_get( change, "share" ) ), share, 0.05 );
+}
+
+static void test_info_says_how_lamps_are_shared( void** state )
+{
+    (void)state;
+    write_lamps( "lamps.glb" );
+    const CliResult* told = cli_run( "$R info lamps.glb --fps 2 --group 2" );
+    assert_non_null( strstr( told->out, "  light 'dimmed': intensity; scaled; 2" ) );
+    assert_non_null( strstr( told->out, "  light 'moved': place; own-frame; 4" ) );
+    assert_non_null( strstr( told->out, "on   moving                light 'dimmed' and 1 more change from 0 to 4 s" ) );
+    cli_expect( cli_run( "$R info lamps.glb --fps 2 --group 2 --json info.json" ), 0, NULL );
+    json_t *json = cli_read_json( "info.json" ), *sharing = json_object_get( json, "sharing" );
+    assert_int_equal( json_array_size( json_object_get( json, "changing" ) ), 2 );
+    check_change( json, 0, "dimmed", "intensity", "scaled", 0.2 );
+    check_change( json, 1, "moved", "place", "own_frame", 0.4 );
+    assert_float_equal( json_number_value( json_object_get( sharing, "shared" ) ), 0.4, 0.05 );
+    assert_float_equal( json_number_value( json_object_get( sharing, "own_frame" ) ), 0.4, 0.05 );
+    json_decref( json );
+    // alone, frames share nothing; frozen, nothing changes
+    told = cli_run( "$R info lamps.glb --fps 2 --group 0" );
+    assert_non_null( strstr( told->out, "  light 'moved': place; 4" ) );
+    assert_null( strstr( cli_run( "$R info lamps.glb --freeze" )->out, "changing" ) );
+    cli_expect( cli_run( "$R render lamps.glb -o l.####.exr --fps 2 --group 2 --json render.json " OPTIONS ), 0, NULL );
+    json = cli_read_json( "render.json" );
+    check_change( json, 1, "moved", "place", "own_frame", 0.4 );
+    json_decref( json );
+    cli_expect( cli_run( "$R report l.####.exr -o l.html --render-json render.json --quiet" ), 0, NULL );
+    cli_expect( cli_run( "grep -q \"light 'moved'.*place; own-frame; 4\" l.html" ), 0, NULL );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_frames_are_those_of_the_sequence ),
         cmocka_unit_test( test_a_failure_leaves_whole_files ),
+        cmocka_unit_test( test_info_says_how_lamps_are_shared ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

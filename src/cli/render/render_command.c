@@ -7,6 +7,7 @@
 #include "cli/options/frame_lists.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shot.h"
+#include "cli/render/changes_json.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
 #include "cli/render/render_json.h"
@@ -588,7 +589,10 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
                         .effects = job->effects,
                         .effect_count = job->effect_count,
                         .interrupted = interrupted };
-    return rf_write_json( options->json, rf_render_json( options, &run ), error );
+    json_t* json = rf_render_json( options, &run );
+    if ( job->scene.movement != NULL )
+        rf_add_changes( &job->scene, interrupted ? NULL : job->tracer, options, json, NULL );
+    return rf_write_json( options->json, json, error );
 }
 
 static RfResult report( RfRenderJob* job, RfError* error )

@@ -2,6 +2,7 @@
 #include "cli/report/report_facts.h"
 
 #include "cli/messages.h"
+#include "cli/render/changes_json.h"
 #include "cli/render/specks_json.h"
 #include "cli/options/render_options.h"
 #include "cli/report/report_command.h"
@@ -329,6 +330,37 @@ static void add_effects( json_t* facts, const json_t* render )
     }
     if ( text[0] != '\0' )
         add_fact( facts, "Scene", "Effects", text );
+}
+
+#define MOST_MOVING 10 // objects named
+
+// What moves and changes, and how its light is shared.
+static void add_changes( json_t* facts, const json_t* render )
+{
+    const json_t *moving = json_object_get( render, "moving" ), *sharing = json_object_get( render, "sharing" ), *row;
+    char text[RF_CHANGE_TEXT] = "", label[128];
+    size_t i, count = json_array_size( moving );
+    json_array_foreach( moving, i, row )
+    {
+        size_t used = strlen( text );
+        if ( json_is_string( row ) && i < MOST_MOVING )
+            snprintf( text + used, sizeof text - used, "%s%.32s", i > 0 ? ", " : "", json_string_value( row ) );
+    }
+    if ( count > MOST_MOVING )
+        snprintf( text + strlen( text ), 32, " and %zu more", count - MOST_MOVING );
+    if ( count > 0 )
+        add_fact( facts, "Scene", "Moving", text );
+    json_array_foreach( json_object_get( render, "changing" ), i, row )
+    {
+        const char* name = json_string_value( json_object_get( row, "name" ) );
+        const char* kind = json_string_value( json_object_get( row, "kind" ) );
+        snprintf( label, sizeof label, "Changing: %.20s '%.60s'", kind != NULL ? kind : "", name != NULL ? name : "" );
+        rf_format_change( row, sharing, text );
+        add_fact( facts, "Scene", label, text );
+    }
+    rf_format_sharing( sharing, text );
+    if ( text[0] != '\0' )
+        add_fact( facts, "Scene", "Light", text );
 }
 
 typedef void Format( double value, char text[32] );
@@ -664,6 +696,7 @@ json_t* rf_page_facts_json( const RfPageTrack* track )
     add_error( facts, track );
     add_pairs( facts, track );
     add_settings( facts, sequence->first, "Scene" );
+    add_changes( facts, sequence->render );
     add_effects( facts, sequence->render );
     add_samples( facts, track );
     add_settings( facts, sequence->first, "Settings" );
