@@ -56,10 +56,9 @@ static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* w
         return result;
     follow_change( gltf, RF_CHANGED_INNER_CONE, source, cone );
     follow_change( gltf, RF_CHANGED_OUTER_CONE, source, cone + 1 );
-    if ( source->lamp.changes[RF_CHANGED_INNER_CONE] >= 0 || source->lamp.changes[RF_CHANGED_OUTER_CONE] >= 0 )
-        return RF_OK; // the pose finds out
-    // exporters round both to the same float: equal angles give a hard edge
-    if ( !( cone[0] >= 0.0 && cone[0] <= cone[1] && cone[1] > 0.0 && cone[1] <= HALF_PI + 1e-6 ) )
+    // exporters round both to the same float: equal angles give a hard edge. Of what changes the pose finds out
+    bool changes = source->lamp.changes[RF_CHANGED_INNER_CONE] >= 0 || source->lamp.changes[RF_CHANGED_OUTER_CONE] >= 0;
+    if ( !( cone[0] >= 0.0 && ( changes || cone[0] <= cone[1] ) && cone[1] > 0.0 && cone[1] <= HALF_PI + 1e-6 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
                              "cone angles %g and %g must be 0 <= inner <= outer, and outer above 0, at most pi/2", cone[0],
                              cone[1] );
