@@ -292,8 +292,9 @@ static void test_info_tells_cameras_and_materials( void** state )
     result = cli_run( "$R info $VASE --json - --fps 48" );
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
-    expect_keys( json, "triangles stored_triangles instances materials lights cameras effects moving changing sharing frozen unrendered "
-                       "size fps export_warnings" );
+    expect_keys(
+        json, "triangles stored_triangles instances materials lights cameras effects moving changing sharing frozen unrendered "
+              "size fps export_warnings" );
     json_t* camera = json_array_get( json_object_get( json, "cameras" ), 0 );
     expect_keys( camera, "name frames first step animated shots" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );
