@@ -1,4 +1,4 @@
-// reframe info: the content of a scene and the effects it calls for.
+// reframe info: the content of a scene, what moves and changes in it, and the effects it calls for.
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
@@ -63,7 +63,7 @@ static const RfOption s_options[] = {
 };
 static const RfCommandTable s_table = {
     .command = "info",
-    .summary = "Lists what is in a scene (.glb, .gltf or .json scene file) and which effects it uses.",
+    .summary = "Lists what is in a scene (.glb, .gltf or .json scene file), what moves and changes, and which effects it uses.",
     .files = s_files,
     .file_count = 1,
     .options = s_options,

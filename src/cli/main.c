@@ -12,7 +12,7 @@
 
 static const RfCommand s_commands[] = {
     { "render", rf_command_render, "render a camera animation to EXR files" },
-    { "info", rf_command_info, "list what is in a scene, and which effects it uses" },
+    { "info", rf_command_info, "list what is in a scene, what moves and changes, and which effects it uses" },
     { "tune", rf_command_tune, "find group and tile: which fit in memory, and which are fastest" },
     { "cost", rf_command_cost, "measure what accuracy costs in time, with and without reuse" },
     { "compare", rf_command_compare, "measure the error of images against references" },
