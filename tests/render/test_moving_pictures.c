@@ -24,9 +24,9 @@
 #define HEIGHT 16
 #define PIXELS ( WIDTH * HEIGHT )
 
-static const char* const s_rooms[] = { "sweep",   "door",       "mirrors", "figure",   "shown", "panes",
-                                       "sky",     "around-eye", "flat",    "singular", "late",  "no-area",
-                                       "far-out", "short-path", "plate",   "lamps",    "poster" };
+static const char* const s_rooms[] = { "sweep",      "door",  "mirrors",  "figure",  "shown",   "panes",   "sky",
+                                       "around-eye", "flat",  "singular", "late",    "no-area", "far-out", "short-path",
+                                       "plate",      "lamps", "poster",   "heavens", "dawn" };
 
 #define PANES 5 // rays through what is half transparent are hashed: all values may differ
 
