@@ -307,6 +307,8 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put_shot( a, output->path, frame->frame );
     if ( output->path->step > 1 )
         put( a, RF_KEY_STEP, "%d", output->path->step );
+    if ( output->path->eyes[frame->frame].blur_steps > 0 )
+        put( a, RF_KEY_BLUR_STEPS, "%d", (int)output->path->eyes[frame->frame].blur_steps );
     if ( isfinite( frame->relmse_estimate ) )
     {
         put( a, RF_KEY_RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );

@@ -16,6 +16,7 @@
     X( FRAMES, "reframe/frames" )                                                                                                \
     X( SHOT, "reframe/shot" )                                                                                                    \
     X( STEP, "reframe/step" )                                                                                                    \
+    X( BLUR_STEPS, "reframe/blur-steps" )                                                                                        \
     X( GROUP, "reframe/group" )                                                                                                  \
     X( SPP, "reframe/spp" )                                                                                                      \
     X( TILE, "reframe/tile" )                                                                                                    \

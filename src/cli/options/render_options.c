@@ -49,7 +49,10 @@ static bool parse_shutter( const char* text, double shutter[2] )
 
 RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error )
 {
-    *lens = ( RfLens ){ .has_shutter = options->shutter != NULL, .has_fstop = options->fstop_given, .fstop = options->fstop };
+    *lens = ( RfLens ){ .has_shutter = options->shutter != NULL,
+                        .has_fstop = options->fstop_given,
+                        .fstop = options->fstop,
+                        .blur_steps = options->blur_steps };
     if ( options->shutter != NULL && !parse_shutter( options->shutter, lens->shutter ) )
         return rf_fail( error, RF_ERROR_USAGE,
                         "--shutter %.80s: expected frames, 0 to %g, as 0.5, or when it opens and closes, as -0.25,0.25",
@@ -356,6 +359,7 @@ RfRenderOptions rf_default_render_options( void )
     options.light_paths = options.settings.light_paths;
     options.kernel_normalization = options.settings.kernel_normalization;
     options.filter = -1;
+    options.blur_steps = RF_BLUR_STEPS;
     print_default_texts( &options.settings );
     return options;
 }

@@ -24,6 +24,7 @@ typedef struct RfRenderOptions
     RfFps fps;
     RfSize size;
     const char* shutter; // NULL: the camera's
+    int blur_steps;
     double fstop;
     bool fstop_given;
     const char* focus;       // NULL: the camera's

@@ -71,6 +71,15 @@ extern RfDefaultTexts rf_default_texts;
       .meta = "LENGTH|OPEN,CLOSE",                                                                                               \
       .default_text = "the camera's",                                                                                            \
       .help = "shutter time in frames, centred on the frame, or opening and closing time; 0: no motion blur" },                  \
+        { .name = "blur-steps",                                                                                                  \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_INT,                                                                                                 \
+          .value = &( o ).blur_steps,                                                                                            \
+          .min = 1,                                                                                                              \
+          .max = RF_MAX_BLUR_STEPS,                                                                                              \
+          .meta = "N",                                                                                                           \
+          .help = "straight steps in which what moves is blurred while the shutter is open; what turns by 30 degrees in one "    \
+                  "shrinks by 3 % on the way" },                                                                                 \
         { .name = "fstop",                                                                                                       \
           .in_file = true,                                                                                                       \
           .type = RF_OPTION_REAL,                                                                                                \

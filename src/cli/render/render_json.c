@@ -22,6 +22,8 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const 
     if ( result->solved != RF_SOLVED )
         json_object_set_new( json, "reconstruction",
                              json_string( result->solved == RF_SOLVED_NOT ? "failed" : "not converged" ) );
+    if ( path->eyes[result->frame].blur_steps > 0 )
+        json_object_set_new( json, "blur_steps", json_integer( path->eyes[result->frame].blur_steps ) );
     if ( same_as >= 0 )
         json_object_set_new( json, "same_as", json_integer( rf_frame_number( path, same_as ) ) );
     if ( settings->flicker > 0.0 )
