@@ -275,10 +275,169 @@ static void test_hits_between_moments( void** state )
     }
 }
 
+typedef struct OpenWorld
+{
+    MovingRoom room;
+    RfTracer* tracer;
+    RfWorlds worlds;
+    const RfTracer* posed;
+    void* memory;
+} OpenWorld;
+
+// Its first frame, with a shutter.
+static void open_world( OpenWorld* w, const char* name, double opens, double closes, int steps )
+{
+    RfError error;
+    w->room = load_moving_room( name, 16, 16 );
+    RfEye* eye = w->room.eyes;
+    eye->opens = opens;
+    eye->closes = closes;
+    eye->blur_steps = steps;
+    w->tracer = make_tracer( &w->room.scene );
+    assert_int_equal( rf_create_worlds( &( RfShot ){ w->tracer, eye, 1, NULL, 0 }, 1, false, &w->worlds, &error ), RF_OK );
+    const RfTracer* const* tracers = rf_open_worlds( &w->worlds, 0, 1 );
+    assert_non_null( tracers );
+    w->posed = tracers[0];
+    w->memory = aligned_alloc( 64, rf_tracer_at_bytes() );
+}
+
+static void close_world( OpenWorld* w )
+{
+    rf_destroy_worlds( &w->worlds );
+    rf_destroy_tracer( w->tracer );
+    rf_destroy_scene( &w->room.scene );
+    free( w->memory );
+}
+
+static void check_shown( double opens, double closes, int steps, double decides )
+{
+    OpenWorld w;
+    open_world( &w, "shown", opens, closes, steps );
+    RfEye still = { .opens = decides, .closes = decides, .blur_steps = 1 };
+    Truth truth = find_truth( &w.room.scene, &still, 0.0 );
+    int moving = 0, other = 0;
+    for ( int i = 0; i < 3; ++i )
+    {
+        const RfTracer* at = rf_tracer_at( w.posed, 0.49f * (float)i, w.memory );
+        for ( int r = 0; r < RAYS; ++r )
+        {
+            RfVec3 from, way;
+            double distance;
+            uint32_t triangle;
+            float u, v;
+            draw( r, &from, &way );
+            rf_trace_nearest( at, 1, ( const float* const[3] ){ &from.x, &from.y, &from.z },
+                              ( const float* const[3] ){ &way.x, &way.y, &way.z }, false, &triangle, &u, &v );
+            other += triangle != nearest( &truth, 0, from, way, &distance );
+            moving += rf_is_moving( at, triangle );
+        }
+    }
+    assert_true( moving > 0 && other <= RAYS / 100 );
+    free_truth( &truth );
+    close_world( &w );
+}
+
+// A screen and a lid take turns at 1/24 s.
+static void test_what_is_shown_at_times( void** state )
+{
+    (void)state;
+    check_shown( 0.6 / 24, 1.2 / 24, 4, 0.9 / 24 );
+    check_shown( 0.8 / 24, 1.4 / 24, 4, 1.1 / 24 );
+    check_shown( 0.8 / 24, 1.2 / 24, 1, 1.2 / 24 );
+    check_shown( 0.8 / 24, 1.1 / 24, 3, 1.0 / 24 + 1e-9 );
+}
+
+// Scales of 0, joints without an inverse, and triangles that deformation turns over or takes out, on the way.
+static void test_what_flattens( void** state )
+{
+    (void)state;
+    static const char* const rooms[] = { "flat", "singular" };
+    for ( int i = 0; i < 8; ++i )
+    {
+        OpenWorld w;
+        open_world( &w, rooms[i % 2], 0.0, 0.01 + 0.06 * ( i / 2 ), 1 + i );
+        int moving = 0;
+        for ( int r = 0; r < 4 * RAYS; ++r )
+        {
+            const RfTracer* at = rf_tracer_at( w.posed, number( 9, r ), w.memory );
+            RfVec3 from, way;
+            uint32_t triangle;
+            float u, v;
+            draw( r, &from, &way );
+            rf_trace_nearest( at, 1, ( const float* const[3] ){ &from.x, &from.y, &from.z },
+                              ( const float* const[3] ){ &way.x, &way.y, &way.z }, false, &triangle, &u, &v );
+            if ( !rf_is_moving( at, triangle ) )
+                continue;
+            RfTriangleRecord place;
+            const RfTriangleRecord* t = rf_triangle_record( at, triangle, &place );
+            RfHitPoint hit = rf_hit_point( t, u, v, from, way );
+            RfVec3 off = rf_sub( hit.p, from );
+            moving += 1;
+            assert_true( fabsf( rf_length( t->ng ) - 1.0f ) < 1e-5f );
+            assert_true( rf_length( rf_cross( off, way ) ) < 1e-4f );
+        }
+        assert_true( moving > 0 );
+        close_world( &w );
+    }
+}
+
+// ---- Paths ----------------------------------------------------------------------
+
+static RfCameraPath path_of( const RfScene* scene, const char* text, int steps )
+{
+    RfLens lens = { .has_shutter = true, .shutter = { -0.5, 0.5 }, .blur_steps = steps };
+    RfCameraPath path;
+    RfError error;
+    write_text( "path.json", text );
+    if ( rf_create_camera_path( scene, &( RfPathOptions ){ .camera = "path.json", .lens = &lens, .width = 8, .height = 8 }, &path,
+                                &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return path;
+}
+
+#define KEY( frame, cut ) "{\"frame\":" frame cut ",\"position\":[0,1,1],\"target\":[0,1,0]}"
+
+// Frames 1 to 12 at 24 frames/s, of which what moves fills the first 7.
+static void test_moments_of_a_path( void** state )
+{
+    (void)state;
+    MovingRoom room = load_moving_room( "sweep", 8, 8 );
+    RfCameraPath path =
+        path_of( &room.scene,
+                 "{\"kind\":\"keyed\",\"keys\":[" KEY( "1", "" ) "," KEY( "4", ",\"cut\":true" ) "," KEY( "12", "" ) "]}", 3 );
+    assert_int_equal( path.count, 12 );
+    for ( int i = 0; i < 7; ++i )
+    {
+        double cut = 3.0 / 24, opens = ( i - 0.5 ) / 24, closes = ( i + 0.5 ) / 24;
+        const RfEye* e = path.eyes + i;
+        assert_int_equal( e->blur_steps, 3 );
+        assert_true( fabs( e->opens - ( i == 3 ? cut : opens ) ) < 1e-4 &&
+                     fabs( e->closes - ( i == 2 ? fmin( closes, cut ) : closes ) ) < 1e-4 );
+        assert_true( i < 3 ? e->closes < cut : e->opens > cut - 1e-12 );
+        assert_true( fabs( e->time - ( i == 3 ? 0.5 * ( cut + closes ) : i / 24.0 ) ) < 1e-4 );
+        assert_int_equal( path.run_of_frame[i], i );
+    }
+    for ( int i = 7; i < 12; ++i ) // nothing moves any more
+    {
+        assert_int_equal( path.eyes[i].blur_steps, 0 );
+        assert_int_equal( path.run_of_frame[i], 7 );
+    }
+    uint64_t hash = path.hash;
+    rf_destroy_camera_path( &path );
+    path = path_of( &room.scene,
+                    "{\"kind\":\"keyed\",\"keys\":[" KEY( "1", "" ) "," KEY( "4", ",\"cut\":true" ) "," KEY( "12", "" ) "]}", 2 );
+    assert_int_not_equal( hash, path.hash );
+    rf_destroy_camera_path( &path );
+    rf_destroy_scene( &room.scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_hits_between_moments ),
+        cmocka_unit_test( test_what_is_shown_at_times ),
+        cmocka_unit_test( test_what_flattens ),
+        cmocka_unit_test( test_moments_of_a_path ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }
