@@ -159,6 +159,7 @@ static RfResult pose_moments( const RfScene* scene, const RfEye* eye, RfWorld* w
     for ( int k = 0; k <= steps && result == RF_OK; ++k )
     {
         world->poses[k].in_shutter = steps > 0;
+        world->poses[k].places_alone = k != rf_middle_moment( steps );
         result = rf_pose_scene( scene, rf_moment_time( eye, k ), world->poses + k, error );
     }
     if ( result == RF_OK && steps > 0 )

@@ -356,7 +356,7 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
     pose->hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, pose->hash ) );
     if ( result == RF_OK )
         result = rf_pose_changes( scene, &nodes, (char*)pose->memory + layout.changes, &pose->scene, error );
-    if ( result == RF_OK )
+    if ( result == RF_OK && !pose->places_alone )
         result = rf_pose_images( scene, time, (char*)pose->memory + layout.images, &pose->scene, error );
     return result;
 }
@@ -368,7 +368,8 @@ void rf_destroy_pose( RfPosedScene* pose )
     memset( pose, 0, sizeof *pose );
 }
 
-RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfError* error )
+// Of all, or of places and shapes alone.
+static RfResult hash_moment( const RfScene* scene, double time, bool all, uint64_t* hash, RfError* error )
 {
     *hash = RF_HASH_START;
     if ( scene->movement == NULL )
@@ -390,16 +391,26 @@ RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfEr
         follow( &p, p.movement->movers + i, &matrix, hash );
     }
     RfNodesAt nodes = { time, p.worlds, p.shown };
-    *hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, *hash ) );
+    if ( all )
+        *hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, *hash ) );
     free( memory );
     return RF_OK;
 }
 
-bool rf_scene_moves( const RfScene* scene, double t0, double t1 )
+RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfError* error )
+{
+    return hash_moment( scene, time, true, hash, error );
+}
+
+static bool differs( const RfScene* scene, double t0, double t1, bool all )
 {
     uint64_t before, after;
     if ( scene->movement == NULL || t0 == t1 )
         return false;
-    return rf_moment_hash( scene, t0, &before, NULL ) != RF_OK || rf_moment_hash( scene, t1, &after, NULL ) != RF_OK ||
+    return hash_moment( scene, t0, all, &before, NULL ) != RF_OK || hash_moment( scene, t1, all, &after, NULL ) != RF_OK ||
            before != after;
 }
+
+bool rf_scene_moves( const RfScene* scene, double t0, double t1 ) { return differs( scene, t0, t1, true ); }
+
+bool rf_surfaces_move( const RfScene* scene, double t0, double t1 ) { return differs( scene, t0, t1, false ); }

@@ -44,6 +44,8 @@ void rf_destroy_pose( RfPosedScene* pose );
 // shape, light or material.
 // True as well if there is no memory to find out.
 bool rf_scene_moves( const RfScene* scene, double t0, double t1 );
+// The same of surfaces alone: lamps, materials and the sky do not count.
+bool rf_surfaces_move( const RfScene* scene, double t0, double t1 );
 
 // A hash of how all that moves and changes is at a time, for fingerprints; without movement, the same for all times. It
 // is that of a pose, at a fraction of its cost. Fails with RF_ERROR_MEMORY.

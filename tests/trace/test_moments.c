@@ -2,6 +2,7 @@
 // records of what they hit, ghosts, and what is shown at some of the moments alone.
 #include "base/random.h"
 #include "render/worlds.h"
+#include "support/cli_run.h"
 #include "support/moving_rooms.h"
 #include "support/render_support.h"
 #include "support/scene_files.h"
@@ -388,8 +389,10 @@ static RfCameraPath path_of( const RfScene* scene, const char* text, int steps )
     RfLens lens = { .has_shutter = true, .shutter = { -0.5, 0.5 }, .blur_steps = steps };
     RfCameraPath path;
     RfError error;
+    char file[512];
     write_text( "path.json", text );
-    if ( rf_create_camera_path( scene, &( RfPathOptions ){ .camera = "path.json", .lens = &lens, .width = 8, .height = 8 }, &path,
+    snprintf( file, sizeof file, "%s/path.json", cli_folder() );
+    if ( rf_create_camera_path( scene, &( RfPathOptions ){ .camera = file, .lens = &lens, .width = 8, .height = 8 }, &path,
                                 &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return path;

@@ -61,12 +61,12 @@ static bool shows_same( const RfScene* scene, const RfEye* a, const RfEye* b )
     return same;
 }
 
-// Where nothing that moves differs between the moments of a shutter, nothing is blurred.
+// Where no surface that moves differs between the moments of a shutter, nothing is blurred.
 static void drop_still_moments( const RfScene* scene, RfEye* eye )
 {
     for ( int k = 1; k <= eye->blur_steps; ++k )
     {
-        if ( rf_scene_moves( scene, rf_moment_time( eye, k - 1 ), rf_moment_time( eye, k ) ) )
+        if ( rf_surfaces_move( scene, rf_moment_time( eye, k - 1 ), rf_moment_time( eye, k ) ) )
             return;
     }
     eye->opens = eye->closes = 0.0;
