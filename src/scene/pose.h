@@ -15,9 +15,9 @@ typedef struct RfPosedScene
     uint64_t hash; // of what moves: as rf_moment_hash
     void* memory;  // of rf_pose_bytes, aligned to 64 bytes; NULL: rf_pose_scene allocates it, and rf_destroy_pose frees it
     bool owned;
-    bool
-        in_shutter; // before it is posed: it is a moment of a shutter (scene/moments.h). All that deforms, and all that may flatten,
-                    // then stands in the world
+    // Before it is posed. It is a moment of a shutter (scene/moments.h): all that deforms, and all that may flatten, stands in the
+    // world. Of places and shapes alone: images are not read.
+    bool in_shutter, places_alone;
 } RfPosedScene;
 
 // What a pose of the scene needs: all that it has while it lives, and what posing takes meanwhile.

@@ -21,7 +21,7 @@
 #define RAYS 800
 #define TIMES 12
 
-static float number( uint32_t dimension, int i )
+static float draw_number( uint32_t dimension, int i )
 {
     return rf_random( rf_pixel_key( rf_pass_key( 23, 0, 0, 0 ), (uint32_t)i ), dimension );
 }
@@ -120,8 +120,8 @@ static uint32_t nearest( const Truth* truth, uint32_t first, RfVec3 from, RfVec3
 // A ray within the room.
 static void draw( int i, RfVec3* from, RfVec3* way )
 {
-    float z = 2.0f * number( 3, i ) - 1.0f, phi = 2.0f * RF_PI * number( 4, i ), r = sqrtf( 1.0f - z * z );
-    *from = rf_vec3( 3.6f * number( 0, i ) - 1.8f, 2.6f * number( 1, i ) + 0.2f, 3.6f * number( 2, i ) - 1.8f );
+    float z = 2.0f * draw_number( 3, i ) - 1.0f, phi = 2.0f * RF_PI * draw_number( 4, i ), r = sqrtf( 1.0f - z * z );
+    *from = rf_vec3( 3.6f * draw_number( 0, i ) - 1.8f, 2.6f * draw_number( 1, i ) + 0.2f, 3.6f * draw_number( 2, i ) - 1.8f );
     *way = rf_vec3( r * cosf( phi ), z, r * sinf( phi ) );
 }
 
@@ -240,7 +240,7 @@ static void check_room( const char* name, int steps )
     for ( int i = 0; i < TIMES; ++i )
     {
         Truth truths[FRAMES];
-        float moment = i == 0 ? 0.0f : number( 9, i );
+        float moment = i == 0 ? 0.0f : draw_number( 9, i );
         for ( int k = 0; k < FRAMES; ++k )
             truths[k] = find_truth( &room.scene, room.eyes + k, (double)moment );
         const RfTracer* at = rf_tracer_at( tracers[i % FRAMES], moment, memory );
@@ -360,7 +360,7 @@ static void test_what_flattens( void** state )
         int moving = 0;
         for ( int r = 0; r < 4 * RAYS; ++r )
         {
-            const RfTracer* at = rf_tracer_at( w.posed, number( 9, r ), w.memory );
+            const RfTracer* at = rf_tracer_at( w.posed, draw_number( 9, r ), w.memory );
             RfVec3 from, way;
             uint32_t triangle;
             float u, v;
