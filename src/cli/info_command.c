@@ -19,8 +19,9 @@ static bool s_quiet;
 static RfRenderOptions s_render; // effects, movement and group alone
 static bool s_effects_given, s_group_given;
 
-#define MAX_MOVING 10 // objects named
-#define MUCH_OWN 0.5  // of the light
+#define MAX_MOVING 10          // objects named
+#define MUCH_OWN 0.5           // of the light
+#define MOST_TRIANGLES 4000000 // that a BVH is built of in about two seconds
 
 static const RfOption s_options[] = {
     { .name = "fps",
@@ -114,12 +115,11 @@ static RfResult gather_changes( const RfScene* scene, Facts* facts, RfError* err
 {
     bool renders = facts->scene.unrendered_count == 0 || facts->scene.frozen;
     facts->changes = json_object();
-    if ( scene->movement != NULL && renders && facts->scene.cameras > 0 )
-    {
-        RfResult result = gather_sharing( scene, facts, &facts->unknown );
-        if ( result == RF_OK )
-            return result;
-    }
+    bool moves = scene->movement != NULL && renders && facts->scene.cameras > 0;
+    if ( moves && facts->scene.stored_triangles > MOST_TRIANGLES )
+        rf_fail( &facts->unknown, RF_ERROR_UNSUPPORTED, "more than %d triangles: the JSON of a render says it", MOST_TRIANGLES );
+    else if ( moves && gather_sharing( scene, facts, &facts->unknown ) == RF_OK )
+        return RF_OK;
     return rf_add_changes( scene, NULL, &facts->render, facts->changes, error );
 }
 
