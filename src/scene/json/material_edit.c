@@ -197,6 +197,11 @@ static bool append( json_t* root, const char* list, json_t* object, json_int_t* 
         json_object_set_new( root, list, json_array() );
     json_t* items = json_object_get( root, list );
     *number = (json_int_t)json_array_size( items );
+    if ( items != NULL && !json_is_array( items ) ) // which the reader says
+    {
+        json_decref( object );
+        return true;
+    }
     return json_array_append_new( items, object ) == 0;
 }
 

@@ -308,6 +308,12 @@ static void test_faults_of_films( void** state )
         snprintf( members, sizeof members, "\"materials\":{\"Screen\":{\"emissiveTexture\":%s}}", faults[i][0] );
         expect_fault( members, faults[i][1] );
     }
+    write_text( "odd.gltf", "{\"asset\":{\"version\":\"2.0\"},\"images\":{},\"materials\":[{\"name\":\"Screen\"}]}" );
+    write_text( "odd.json", "{\"scene\":\"odd.gltf\"," EMISSIVE( FILM( "" ) ) "}" );
+    RfScene scene;
+    RfError error = { 0 };
+    assert_int_equal( load_named( "odd.json", &scene, &error ), RF_ERROR_FORMAT );
+    assert_non_null( strstr( error.text, "odd.gltf: document: images must be an array, got an object" ) );
     cli_write( "film.5.png", "text", 4 );
     expect_fault( EMISSIVE( "{\"frames\":\"film.#.png\",\"last\":5}" ),
                   "/film.5.png: not a PNG, JPEG, EXR or Radiance HDR image" );
