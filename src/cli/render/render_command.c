@@ -175,23 +175,6 @@ static void warn_of_reconstruction( const RfRenderSettings* s, RfLog* log )
         rf_warn( log, "--reconstruction weighted: is l2 with less than %d samples: raise --spp", s->estimator->usual_passes );
 }
 
-static void warn_of_blur( const RfCameraPath* path, const RfScene* scene, RfLog* log )
-{
-    char more[32] = "";
-    if ( scene->movement == NULL || scene->moving_count == 0 )
-        return;
-    if ( scene->moving_count > 1 )
-        snprintf( more, sizeof more, " and %d more", scene->moving_count - 1 );
-    for ( int i = 0; i < path->run_count; ++i )
-    {
-        if ( !path->runs[i].moves )
-            continue;
-        rf_warn( log, "%s: the camera blurs, but not what moves: '%.60s'%s, as at the time of each frame", scene->path,
-                 scene->moving[0], more );
-        return;
-    }
-}
-
 // Light paths that were asked for and that there are none of, or whose normalisation is biased.
 static void warn_of_light_paths( const RfRenderSettings* s, const RfEffect* effect, RfLog* log )
 {
@@ -400,7 +383,6 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
 static void warn_before_render( RfRenderJob* job )
 {
     warn_of_scene( &job->options, &job->scene, job->tracer, &job->log );
-    warn_of_blur( &job->path, &job->scene, &job->log );
     warn_of_variance( &job->options.settings, &job->path, job->frames, job->frame_count, &job->log );
     warn_of_reconstruction( &job->options.settings, &job->log );
     warn_of_light_paths( &job->options.settings, job->effects + RF_EFFECT_LIGHT_PATHS, &job->log );
