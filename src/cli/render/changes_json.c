@@ -157,7 +157,7 @@ void rf_format_sharing( const json_t* sharing, char text[RF_CHANGE_TEXT] )
         append( text, "in groups of %.0f frames %s of the light is shared, %s scaled, %s own-frame", 2.0 * group + 1.0, share[0],
                 share[1], share[2] );
     else
-        append( text, "frames share no light: --group 0" );
+        append( text, "frames share no light: groups of one frame" );
     if ( moving > 0.0 && group > 0.0 )
         append( text, " (%s on what moves)", share[RF_SHARED_WAYS] );
 }
