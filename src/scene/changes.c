@@ -159,8 +159,8 @@ static int list_materials( const RfScene* scene, bool* moving, RfChanging* list 
     for ( uint32_t i = 0; i < scene->material_count; ++i )
     {
         const RfMaterial* m = scene->materials + i;
-        bool shines = moving[i] && rf_max_component( m->emission ) > 0.0f;
-        if ( shines || m->changes || m->dims )
+        bool shines = rf_max_component( m->emission ) > 0.0f; // else it may have been left out
+        if ( m->changes || ( shines && ( m->dims || moving[i] ) ) )
             list[count++] = of_material( scene, (int)i, moving[i] );
     }
     return count;
