@@ -42,7 +42,7 @@ void rf_close_scene( RfScene* scene );
 typedef struct RfUnrendered
 {
     char* what; // such as "material 'glow'"
-    char* why;  // such as "the file animates /materials/0/alphaCutoff, which is not rendered yet"
+    char* why;  // such as "the file animates /materials/0/alphaCutoff, which is not rendered"
 } RfUnrendered;
 
 typedef struct RfSceneInfo

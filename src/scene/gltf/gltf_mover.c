@@ -358,18 +358,6 @@ static RfResult add_instances( Builder* b, const Common* common )
     return result;
 }
 
-// The first material of the mesh that emits, or NULL.
-static const RfMaterial* find_shining( const RfScene* scene, const RfMesh* mesh )
-{
-    for ( uint32_t i = 0; i < mesh->triangles.count; ++i )
-    {
-        const RfMaterial* material = scene->materials + mesh->triangles.material[i];
-        if ( rf_max_component( material->emission ) > 0.0f )
-            return material;
-    }
-    return NULL;
-}
-
 static RfResult check_joints( const Builder* b, const Common* common )
 {
     const RfDeformation* deformation = b->gltf->scene->meshes[common->mesh].deformation;
@@ -432,14 +420,7 @@ static RfResult place_node( Builder* b, bool* used, int node, bool part )
     RfResult result = describe( b, used, &common );
     if ( result != RF_OK || scene->meshes[common.mesh].triangles.count == 0 )
         return result;
-    const RfMaterial* shining = common.still ? NULL : find_shining( scene, scene->meshes + common.mesh );
-    if ( shining != NULL )
-    {
-        RfWhere what = rf_where( "object '%.80s'", scene->nodes[node].name );
-        result = rf_gltf_note_unrendered(
-            b->gltf, what.text, "it moves and shines by its material '%.80s', which is not rendered yet", shining->name );
-    }
-    return result == RF_OK ? add_instances( b, &common ) : result;
+    return add_instances( b, &common );
 }
 
 // Takes the movers of what stands still out, after appending it as it is posed to the triangles of the scene.

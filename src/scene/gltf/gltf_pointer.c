@@ -199,5 +199,5 @@ RfResult rf_gltf_note_pointer( RfGltf* gltf, const char* pointer )
     if ( result != RF_OK )
         return result;
     RfWhere what = name_target( gltf, pointer, &parts );
-    return rf_gltf_note_unrendered( gltf, what.text, "the file animates %.160s, which is not rendered yet", pointer );
+    return rf_gltf_note_unrendered( gltf, what.text, "the file animates %.160s, which is not rendered", pointer );
 }
