@@ -170,8 +170,11 @@ static void test_motion_of_what_slides( void** state )
     still_eyes( eyes, 5, 0.0 );
     RfScene scene = load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0 } );
     double step = pixels_per_m( eyes );
-    for ( int group = 0; group <= 2; ++group ) // 1: windows that are cut
+    for ( int i = 0; i < 6; ++i )
     {
+        int group = i % 3;                      // 1: windows that are cut
+        for ( int k = 0; k < 5 && i >= 3; ++k ) // motion is that in the middle of the shutter
+            open_eye( eyes + k, 0.25, k );
         RfRenderSettings settings = moving_settings( group, 5 );
         Layers kept = render_motion( &scene, eyes, 5, &settings );
         for ( int k = 0; k < 5; ++k )
@@ -286,7 +289,7 @@ static void test_motion_of_a_skin_that_is_turned_over( void** state )
 
 // ---- Which frames are asked for -------------------------------------------------
 
-static void check_parts( const RfScene* scene, const RfRenderSettings* settings )
+static void check_parts( const RfScene* scene, const RfRenderSettings* settings, int steps )
 {
     RfEye eyes[7];
     Layers all, part;
@@ -295,7 +298,10 @@ static void check_parts( const RfScene* scene, const RfRenderSettings* settings 
         eyes[i] =
             rf_make_eye( rf_vec3( 0.05f * (float)( i / 2 ), 0, 0 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.6, WIDTH, HEIGHT );
     for ( int i = 0; i < 7; ++i )
+    {
         eyes[i].time = 0.7 * i;
+        open_eye( eyes + i, 0.2, steps );
+    }
     if ( render_part( scene, eyes, 7, 0, 7, settings, &all, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     for ( int first = 0; first < 7; first += 2 )
@@ -319,13 +325,13 @@ static void test_a_frame_alone_is_that_of_its_sequence( void** state )
 {
     (void)state;
     RfScene scene = load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0.5f } );
-    for ( int kind = 0; kind < 6; ++kind )
+    for ( int kind = 0; kind < 9; ++kind )
     {
         RfRenderSettings settings = moving_settings( kind % 3, 7 );
         assert_true( rf_parse_tile( kind < 3 ? "1" : "3x3", &settings.tile ) );
         settings.adaptive = kind >= 1 ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
         settings.threads = 1 + kind % 2;
-        check_parts( &scene, &settings );
+        check_parts( &scene, &settings, kind < 6 ? 0 : 2 );
     }
     rf_destroy_scene( &scene );
 }
@@ -345,7 +351,7 @@ static void test_light_paths_by_a_mirror_that_grows( void** state )
                                                    "\"material\":2}]}]," MOVED( "1", "scale", "LINEAR" ) );
     RfRenderSettings settings = moving_settings( 0, 2 );
     settings.light_paths = RF_LIGHT_PATHS_ON;
-    check_parts( &scene, &settings );
+    check_parts( &scene, &settings, 0 );
     RfEye eyes[2];
     still_eyes( eyes, 2, 0.0 );
     RfTracer* tracer = make_tracer( &scene );
@@ -356,6 +362,12 @@ static void test_light_paths_by_a_mirror_that_grows( void** state )
     assert_non_null( strstr( error.text, "light paths" ) );
     shot.eye_count = 1; // a frame alone
     assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_OK );
+    open_eye( eyes, 0.2, 2 );
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "light paths are of one moment" ) );
+    eyes->blur_steps = RF_MAX_BLUR_STEPS + 1;
+    settings.light_paths = RF_LIGHT_PATHS_AUTO;
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
 }
