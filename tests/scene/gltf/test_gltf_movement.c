@@ -2,6 +2,7 @@
 // and files that are broken.
 #include "support/scene_files.h"
 
+#include "scene/changes.h"
 #include "scene/deformation.h"
 #include "scene/gltf/gltf.h"
 #include "scene/movement.h"
@@ -284,6 +285,12 @@ static void test_what_cannot_be_rendered( void** state )
     assert_unrendered( &scene, "object 'smoke'", "where the file was made" );
     assert_int_equal( scene.punctual_count, 0 ); // it is hidden at all times
     assert_int_equal( scene.moving_count, 1 );
+    RfChanging* changing; // the light of the bulb
+    assert_int_equal( rf_list_changing( &scene, &changing ), 1 );
+    assert_true( changing->kind == RF_CHANGING_MATERIAL && changing->shines && changing->what_count == 1 );
+    assert_string_equal( changing->name, "glow" );
+    assert_string_equal( changing->what[0], "place" );
+    free( changing );
     rf_destroy_scene( &scene );
 }
 
