@@ -185,6 +185,27 @@ static void test_a_material_that_dims( void** state )
     rf_destroy_scene( &scene );
 }
 
+// From 1 up and back in 2 s, with slopes of 4: 3 half-way, the most that it is. Downwards it is held at 0.
+static void test_a_spline_between_its_keys( void** state )
+{
+    (void)state;
+    for ( int down = 0; down < 2; ++down )
+    {
+        float slope = down ? -4.0f : 4.0f;
+        GltfBuilder b = make_keys();
+        add_gltf_floats( &b, "SCALAR", 1, 6, ( const float[] ){ 0, 1, slope, -slope, 1, 0 } );
+        RfScene scene = gltf_load_built(
+            &b, TWO_TRIANGLES "\"materials\":[{},{\"emissiveFactor\":[1,1,1]}]," ANIMATE(
+                    "{\"input\":0,\"output\":16,\"interpolation\":\"CUBICSPLINE\"}", CHANGES( "0", STRENGTH ) ) );
+        double most = down ? 1.0 : 3.0, middle = down ? 0.0 : 3.0;
+        gltf_assert_rgb( scene.materials[1].emission, most, most, most );
+        RfPosedScene pose = gltf_pose_at( &scene, 2.0 );
+        gltf_assert_rgb( pose.scene.materials[1].emission, middle, middle, middle );
+        rf_destroy_pose( &pose );
+        rf_destroy_scene( &scene );
+    }
+}
+
 #define PBR "/materials/1/pbrMetallicRoughness/"
 #define SHAPES                                                                                                                   \
     ANIMATE( KEYS( "12" ) "," KEYS( "14" ), CHANGES( "0", PBR "baseColorFactor" ) "," CHANGES(                                   \
@@ -544,6 +565,7 @@ int main( void )
         cmocka_unit_test( test_a_lamp_that_changes ),
         cmocka_unit_test( test_a_lamp_that_is_switched ),
         cmocka_unit_test( test_a_material_that_dims ),
+        cmocka_unit_test( test_a_spline_between_its_keys ),
         cmocka_unit_test( test_a_material_that_changes ),
         cmocka_unit_test( test_metals_that_change ),
         cmocka_unit_test( test_what_changes_without_effect ),
