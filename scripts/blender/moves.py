@@ -59,7 +59,7 @@ def changes_in_renders(o):
     return any(path.startswith("modifiers[") and path.endswith(OF_RENDERS) for path in animated_paths(o))
 
 
-# What moves or changes, and stands still in Reframe: everything but the camera.
+# What moves or changes, and is not exported: everything but the camera.
 
 GEOMETRY = ("MESH", "CURVE", "SURFACE", "META", "FONT")
 LAMP = ("energy", "size", "size_y", "spread", "spot_size", "spot_blend", "shadow_soft_size", "angle")  # each for some kinds
