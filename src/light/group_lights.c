@@ -3,6 +3,7 @@
 
 #include "light/collect.h"
 #include "light/kinds.h"
+#include "scene/moments.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -482,6 +483,42 @@ static RfResult find_powers( const Making* m, RfError* error )
     return result;
 }
 
+// Extends the bounds of a triangle to all that it is while the shutter of a frame is open, where that is posed at moments.
+static void sweep_shutter( const Making* m, int at, uint32_t number, RfTreeLight* out )
+{
+    const RfScene* posed = m->moment[at].scene;
+    const RfLights* lights = m->group->lights + at;
+    const RfLight* light = lights->light + number;
+    if ( posed->moments == NULL || number < m->changing->still_triangles || number >= lights->triangle_count ||
+         !is_lit( light->radiance ) )
+        return;
+    RfTriangleAt of = rf_locate_placed_triangle( posed, light->triangle );
+    bool turns = false;
+    for ( int k = 0; k < rf_moment_count( posed ); ++k )
+    {
+        RfLight shape = *light;
+        rf_shape_light( rf_corner_at( posed, k, &of, 0 ), rf_corner_at( posed, k, &of, 1 ), rf_corner_at( posed, k, &of, 2 ),
+                        &shape );
+        turns = turns || !is_same( shape.e1, light->e1 ) || !is_same( shape.e2, light->e2 );
+        shape.normal = light->normal;
+        RfTreeLight bound = rf_bound_triangle( lights, &shape, number );
+        rf_sweep_tree_light( out, &bound );
+    }
+    out->cos_spread = turns ? -1.0 : out->cos_spread; // between moments it may face any way
+    out->two_sided = out->two_sided && !turns;
+}
+
+// Bounds of what is not straight between moments: deformation within a matrix that moves.
+static void widen( RfTreeLight* bound )
+{
+    for ( int c = 0; c < 3; ++c )
+    {
+        double more = 0.5 * ( bound->high[c] - bound->low[c] );
+        bound->low[c] -= more;
+        bound->high[c] += more;
+    }
+}
+
 // The bounds of a light that hold at all moments.
 static RfTreeLight swept_bound( const Making* m, uint32_t number )
 {
@@ -493,6 +530,14 @@ static RfTreeLight swept_bound( const Making* m, uint32_t number )
         RfTreeLight other = rf_light_model( lights, number )->bound( lights, number );
         rf_sweep_tree_light( &out, &other );
     }
+    bool blurred = false;
+    for ( int i = 0; i < m->count; ++i )
+    {
+        sweep_shutter( m, i, number, &out );
+        blurred = blurred || m->moment[i].scene->moments != NULL;
+    }
+    if ( blurred && number >= m->changing->still_triangles && number < first->triangle_count )
+        widen( &out );
     return out;
 }
 

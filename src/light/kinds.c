@@ -81,9 +81,8 @@ static double triangle_selection_power( const RfLights* lights, uint32_t number 
     return (double)rf_luminance( light->radiance ) * (double)light->area * ( light->two_sided ? 2.0 : 1.0 );
 }
 
-static RfTreeLight triangle_bound( const RfLights* lights, uint32_t number )
+RfTreeLight rf_bound_triangle( const RfLights* lights, const RfLight* light, uint32_t number )
 {
-    const RfLight* light = lights->light + number;
     RfTreeLight out = empty( number );
     extend_box( &out, lights, light->p0 );
     extend_box( &out, lights, rf_add( light->p0, light->e1 ) );
@@ -93,6 +92,11 @@ static RfTreeLight triangle_bound( const RfLights* lights, uint32_t number )
     out.two_sided = light->two_sided;
     out.intensity = (double)rf_luminance( light->radiance ) * (double)light->area * per_ball( lights );
     return out;
+}
+
+static RfTreeLight triangle_bound( const RfLights* lights, uint32_t number )
+{
+    return rf_bound_triangle( lights, lights->light + number, number );
 }
 
 static double triangle_power( const RfLights* lights, uint32_t number )

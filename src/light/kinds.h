@@ -26,6 +26,9 @@ typedef struct RfLightModel
 
 extern const RfLightModel g_rf_light_models[];
 
+// The bounds of a triangle of this number, wherever it is.
+RfTreeLight rf_bound_triangle( const RfLights* lights, const RfLight* light, uint32_t number );
+
 static inline const RfLightModel* rf_light_model( const RfLights* lights, uint32_t light )
 {
     return g_rf_light_models + rf_light_kind( lights, light );

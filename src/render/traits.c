@@ -65,6 +65,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.dimmable = traits.moves ? count_dimmable( scene ) : 0;
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
+    traits.moving_lights = traits.moves && rf_count_moving_emitters( scene ) > 0;
     if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles + traits.plate_triangles > 0 && !traits.blended )
         traits.emitters = rf_divide_emitters( scene, NULL );
     return traits;

@@ -34,6 +34,7 @@ typedef struct RfSceneTraits
     uint32_t plate_triangles; // that those of lamps without size can (rf_is_plate); 0 where there are no such lamps
     uint32_t materials;
     uint32_t most_lights; // triangles that emit, punctual lights, the sky
+    bool moving_lights;   // some triangles that emit move
     RfDivision emitters;  // by light/divide.h
 } RfSceneTraits;
 

@@ -4,6 +4,7 @@
 #include "trace/tracer.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #define ROUNDING 1e-5f
 
@@ -29,15 +30,29 @@ static float find_reach( const RfScene* posed, const RfLights* lights )
     return reach;
 }
 
-// Light samples end as far off a triangle that moves as rays do that leave it.
-static void lift_moving_lights( const RfTracer* posed, RfLights* lights )
+// Lights that move are where hits find them, at the tracer's moment: with the same corners, and as far as rays start off them.
+static void place_moving_lights( const RfTracer* posed, RfLight* light )
 {
+    const RfLights* lights = &posed->lights;
     for ( uint32_t i = lights->changing->still_triangles; i < lights->triangle_count; ++i )
     {
         RfTriangleRecord place;
-        RfLight* light = lights->light + i;
-        if ( light->area > 0.0f )
-            light->offset = rf_place_triangle_record( posed, light->triangle, &place )->offset;
+        double twice;
+        if ( !( light[i].area > 0.0f ) )
+            continue;
+        const RfTriangleRecord* t = rf_place_triangle_record( posed, light[i].triangle, &place );
+        rf_unit_cross( t->e1, t->e2, &twice );
+        light[i].p0 = t->p0;
+        light[i].e1 = t->e1;
+        light[i].e2 = t->e2;
+        light[i].normal = t->ng;
+        light[i].offset = t->offset;
+        light[i].area = (float)( 0.5 * twice );
+        light[i].pdf_area = light[i].area > 0.0f ? 1.0f / light[i].area : 1.0f;
+        if ( light[i].area > 0.0f )
+            continue;
+        light[i].radiance = rf_vec3( 0, 0, 0 );
+        light[i].textured = false;
     }
 }
 
@@ -47,7 +62,7 @@ void rf_set_lights( RfTracer* posed, RfLights* lights )
     posed->lights = lights != NULL ? *lights : posed->still->lights;
     posed->lights.reach = reach;
     if ( lights != NULL )
-        lift_moving_lights( posed, &posed->lights );
+        place_moving_lights( posed, lights->light );
 }
 
 static RfResult fail_build( const RfTracer* still, const RfScene* posed, RfError* error )
@@ -89,7 +104,9 @@ typedef struct TracerAt
     RfScene scene;
 } TracerAt;
 
-size_t rf_tracer_at_bytes( void ) { return ( sizeof( TracerAt ) + 63 ) / 64 * 64; }
+static size_t tracer_at_bytes( void ) { return ( sizeof( TracerAt ) + 63 ) / 64 * 64; }
+
+size_t rf_tracer_at_bytes( uint32_t lights ) { return tracer_at_bytes() + ( lights * sizeof( RfLight ) + 63 ) / 64 * 64; }
 
 const RfTracer* rf_tracer_at( const RfTracer* posed, float moment, void* memory )
 {
@@ -100,6 +117,12 @@ const RfTracer* rf_tracer_at( const RfTracer* posed, float moment, void* memory 
     at->scene = *posed->scene;
     at->scene.moment = at->tracer.moment = moment;
     at->tracer.scene = &at->scene;
+    RfLights* lights = &at->tracer.lights;
+    if ( lights->changing == NULL || lights->changing->still_triangles == lights->triangle_count )
+        return &at->tracer;
+    lights->light = (RfLight*)(void*)( (char*)memory + tracer_at_bytes() );
+    memcpy( lights->light, posed->lights.light, lights->triangle_count * sizeof *lights->light );
+    place_moving_lights( &at->tracer, lights->light );
     return &at->tracer;
 }
 

@@ -34,7 +34,7 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
 
 // A posed tracer at a moment of its frame's shutter, 0 to 1: a copy at `memory`, of rf_tracer_at_bytes and aligned to 64, which goes
 // with the tracer. The tracer itself where the shutter is closed, or nothing moves in it. As it was created it is in the middle.
-size_t rf_tracer_at_bytes( void );
+size_t rf_tracer_at_bytes( uint32_t lights ); // at least the triangles that emit, where some of them move, else 0
 const RfTracer* rf_tracer_at( const RfTracer* posed, float moment, void* memory );
 
 // Ghosts: what moves in a group of frames, at all of them together (src/reuse/estimators.md, section 18).

@@ -231,7 +231,7 @@ static void check_room( const char* name, int steps )
     RfError error;
     Found found = { 0 };
     int ghosts = 0;
-    void* memory = aligned_alloc( 64, rf_tracer_at_bytes() );
+    void* memory = aligned_alloc( 64, rf_tracer_at_bytes( 0 ) );
     open_eyes( room.eyes, FRAMES, steps );
     assert_int_equal( rf_create_worlds( &( RfShot ){ tracer, room.eyes, FRAMES, NULL, 0 }, FRAMES, false, &worlds, &error ),
                       RF_OK );

@@ -39,6 +39,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .params = rf_glossy_params( group->traits.kinds ),
         .blurred = rf_is_blurred( &group->traits ),
         .moments = rf_calls_for( group->traits.moves && group->traits.blur_steps > 0, RF_EFFECT_MOTION_BLUR ),
+        .moving_lights = group->traits.moving_lights ? group->traits.most_lights : 0,
         .blended = group->traits.blended,
         .panes = group->traits.panes,
         .own_frame_light = specular || chains || group->traits.sky,
@@ -101,7 +102,7 @@ static size_t tracer_list_bytes( const RfBatchShape* shape )
 
 static size_t tracers_bytes( const RfBatchShape* shape )
 {
-    return shape->moments ? tracer_list_bytes( shape ) + (size_t)shape->eyes * rf_tracer_at_bytes() : 0;
+    return shape->moments ? tracer_list_bytes( shape ) + (size_t)shape->eyes * rf_tracer_at_bytes( shape->moving_lights ) : 0;
 }
 
 static size_t tile_bytes( const RfBatchShape* shape )
@@ -179,8 +180,8 @@ RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, R
     if ( scratch->tracers == NULL )
         return at;
     for ( int l = 0; l < harvest->shape.eyes; ++l )
-        scratch->tracers[l] =
-            rf_tracer_at( rf_harvest_tracer( harvest, l ), lens.time, scratch->at_moment + (size_t)l * rf_tracer_at_bytes() );
+        scratch->tracers[l] = rf_tracer_at( rf_harvest_tracer( harvest, l ), lens.time,
+                                            scratch->at_moment + (size_t)l * rf_tracer_at_bytes( harvest->shape.moving_lights ) );
     at.tracers = scratch->tracers;
     at.path.tracer = scratch->tracers[eye];
     return at;

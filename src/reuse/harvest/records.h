@@ -68,25 +68,26 @@ typedef struct RfHitBatch
 // Determines the layout of a batch.
 typedef struct RfBatchShape
 {
-    int eyes;             // in a group
-    int light_samples;    // K, at first hits
-    int tile_pixels;      // N, 1 without tiles
-    uint32_t params;      // of the glossy models in the scene (rf_glossy_params); 0: it has none
-    size_t arrivals;      // bytes, usually 0: what arrives by direction, as accumulate/biased_weights.h wants it
-    bool blended;         // visibility may be between 0 and 1
-    bool panes;           // connections and, with chains, the cameras' rays may pass thin panes
-    bool own_frame_light; // misses may be lit: the scene has a sky or specular materials
-    bool blurred;         // batches have their points of the lens and moments of the shutter
-    bool moments;         // what moves in the scene is then as at that moment
-    bool filtered;        // samples need their place in the pixel
-    bool chains;          // camera rays are followed through mirrors and glass
-    int chain_samples;    // per hit behind a chain (path/chain_samples.h); one direction more unless 0
-    bool own_light;       // some light of paths may be kept apart (path/own_light.h)
-    bool caustics;        // all of that is caustics, which are taken out
-    bool surfaces;        // motion follows what moves: which surfaces camera rays hit is kept
-    bool connections;     // hits have connections to light paths: one direction more
-    bool clamped;         // what the clamp takes out of the light is kept
-    int dimmed;           // parts that light of dimmed lamps may have
+    int eyes;               // in a group
+    int light_samples;      // K, at first hits
+    int tile_pixels;        // N, 1 without tiles
+    uint32_t params;        // of the glossy models in the scene (rf_glossy_params); 0: it has none
+    size_t arrivals;        // bytes, usually 0: what arrives by direction, as accumulate/biased_weights.h wants it
+    bool blended;           // visibility may be between 0 and 1
+    bool panes;             // connections and, with chains, the cameras' rays may pass thin panes
+    bool own_frame_light;   // misses may be lit: the scene has a sky or specular materials
+    bool blurred;           // batches have their points of the lens and moments of the shutter
+    bool moments;           // what moves in the scene is then as at that moment
+    uint32_t moving_lights; // lights that go with it; 0: none of them moves
+    bool filtered;          // samples need their place in the pixel
+    bool chains;            // camera rays are followed through mirrors and glass
+    int chain_samples;      // per hit behind a chain (path/chain_samples.h); one direction more unless 0
+    bool own_light;         // some light of paths may be kept apart (path/own_light.h)
+    bool caustics;          // all of that is caustics, which are taken out
+    bool surfaces;          // motion follows what moves: which surfaces camera rays hit is kept
+    bool connections;       // hits have connections to light paths: one direction more
+    bool clamped;           // what the clamp takes out of the light is kept
+    int dimmed;             // parts that light of dimmed lamps may have
 } RfBatchShape;
 
 // How a hit was found.
