@@ -24,31 +24,6 @@ static void stand_in( RfPosedScene* pose, const RfPosedScene* before )
     }
 }
 
-static bool shines( const RfScene* scene, const RfTriangles* t )
-{
-    for ( uint32_t i = 0; i < t->count; ++i )
-    {
-        const RfMaterial* m = scene->materials + t->material[i];
-        if ( ( i == 0 || t->material[i] != t->material[i - 1] ) && ( rf_max_component( m->emission ) > 0.0f || m->dims ) )
-            return true;
-    }
-    return false;
-}
-
-// What shines is as in the middle, like lamps.
-static void hold_lights( RfPosedScene* poses, int steps, const RfScene* middle )
-{
-    for ( int i = middle->still_placement_count; i < middle->placement_count; ++i )
-    {
-        const RfPlacement* p = middle->placements + i;
-        for ( int k = 0; k <= steps && p->shown && shines( middle, &middle->meshes[p->mesh].triangles ); ++k )
-        {
-            poses[k].scene.placements[i] = *p;
-            poses[k].scene.meshes[p->mesh] = middle->meshes[p->mesh];
-        }
-    }
-}
-
 // All moments have the triangles of the middle one, which takes those that it lacks from the others.
 static void gather_triangles( const RfMoments* moments, RfTriangles* t, int mesh )
 {
@@ -88,7 +63,6 @@ void rf_join_moments( RfPosedScene* poses, int steps, RfMoments* moments )
         stand_in( poses + k, poses + k - 1 );
     for ( int k = middle - 1; k >= 0; --k )
         stand_in( poses + k, poses + k + 1 );
-    hold_lights( poses, steps, scene );
     *moments = ( RfMoments ){ .steps = steps };
     for ( int k = 0; k <= steps; ++k )
     {

@@ -26,7 +26,7 @@ static inline double rf_moment_time( const RfEye* eye, int moment )
 
 // Joins poses of a shutter (RfPosedScene.in_shutter), steps + 1 of them, into one scene: that of the middle moment, with `moments`,
 // which like the poses must outlive it. What is shown there is shown at all moments: where it is not, it stands as at the next
-// moment towards the middle that shows it. What shines stands as in the middle at all of them. Triangles that are without area at some moments only are there at all of them.
+// moment towards the middle that shows it. Triangles that are without area at some moments only are there at all of them.
 void rf_join_moments( RfPosedScene* poses, int steps, RfMoments* moments );
 
 static inline int rf_moment_count( const RfScene* scene ) { return scene->moments != NULL ? scene->moments->steps + 1 : 1; }

@@ -1,5 +1,6 @@
 // Frames of rooms in which things and the camera move while the shutter is open have the mean of path tracing of still rooms at
 // moments of it.
+#include "light/changing.h"
 #include "path/lanes.h"
 #include "scene/lens.h"
 #include "scene/moments.h"
@@ -47,6 +48,26 @@ static void open_shutters( MovingRoom* room, double length )
     rf_destroy_camera_path( &path );
 }
 
+// With lights that move and, as in the middle of the shutter, emission.
+static RfGroupLights* light_moment( const RfTracer* still, const RfEye* eye, RfPosedScene* pose, RfTracer* posed )
+{
+    const RfLights* lights = rf_tracer_lights( still );
+    RfGroupLights* group = NULL;
+    RfError error;
+    if ( lights->changing == NULL )
+        return NULL;
+    RfPosedScene middle = gltf_pose_at( rf_tracer_scene( still ), eye->time );
+    RfVec3* emission = malloc( ( (size_t)lights->changing->dim_count + 1 ) * sizeof *emission );
+    rf_note_emission( lights, &middle.scene, emission );
+    RfLitMoment moment = { &pose->scene, emission };
+    if ( rf_create_group_lights( lights, rf_tracer_scene( still ), 1, 1, &moment, &group, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    rf_set_lights( posed, group->lights );
+    rf_destroy_pose( &middle );
+    free( emission );
+    return group;
+}
+
 // One image: a still room at each of some moments, as the camera sees it then.
 static float* mean_of_moments( const RfTracer* tracer, const RfEye* eye, int seed )
 {
@@ -63,6 +84,7 @@ static float* mean_of_moments( const RfTracer* tracer, const RfEye* eye, int see
         RfError error;
         if ( rf_create_posed_tracer( tracer, &pose.scene, &posed, &error ) != RF_OK )
             fail_msg( "%s", error.text );
+        RfGroupLights* lights = light_moment( tracer, eye, &pose, posed );
         ReferenceSettings plain = { .spp = REFERENCE_SPP,
                                     .max_depth = MAX_DEPTH,
                                     .light_samples = 1,
@@ -71,6 +93,7 @@ static float* mean_of_moments( const RfTracer* tracer, const RfEye* eye, int see
         for ( size_t i = 0; i < floats; ++i )
             sum[i] += one[i] / (float)moments;
         rf_destroy_tracer( posed );
+        rf_destroy_group_lights( lights );
         rf_destroy_pose( &pose );
     }
     free( one );
@@ -148,11 +171,18 @@ static void test_panes_that_move( void** state )
     check( "panes", 1.0, 2 );
 }
 
+static void test_what_shines_and_moves( void** state )
+{
+    (void)state;
+    check( "torch", 1.0, 3 );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_passes_by ),    cmocka_unit_test( test_a_fan ),           cmocka_unit_test( test_figures ),
-        cmocka_unit_test( test_mirrors_that_turn ), cmocka_unit_test( test_panes_that_move ),
+        cmocka_unit_test( test_what_passes_by ),  cmocka_unit_test( test_a_fan ),
+        cmocka_unit_test( test_figures ),         cmocka_unit_test( test_mirrors_that_turn ),
+        cmocka_unit_test( test_panes_that_move ), cmocka_unit_test( test_what_shines_and_moves ),
     };
     return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

@@ -299,7 +299,7 @@ static void open_world( OpenWorld* w, const char* name, double opens, double clo
     const RfTracer* const* tracers = rf_open_worlds( &w->worlds, 0, 1 );
     assert_non_null( tracers );
     w->posed = tracers[0];
-    w->memory = aligned_alloc( 64, rf_tracer_at_bytes() );
+    w->memory = aligned_alloc( 64, rf_tracer_at_bytes( 0 ) );
 }
 
 static void close_world( OpenWorld* w )
