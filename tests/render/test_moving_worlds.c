@@ -570,46 +570,6 @@ static void test_embree_holds_no_more_than_counted( void** state )
     }
 }
 
-// ---- Lights ---------------------------------------------------------------------
-
-// Where the first thing that moves is at some of the moments from 1.5 to 2.5 s, of which the middle is at 2 s.
-static void check_places( const char* nodes_and_meshes, bool shines )
-{
-    GltfBuilder b = make_plate();
-    static const float s_places[] = { 0, 0, 0, 1, 0, 0 };
-    add_gltf_floats( &b, "VEC3", 3, 2, s_places );
-    RfScene scene = gltf_load_built( &b, nodes_and_meshes );
-    RfEye eye;
-    RfWorlds worlds;
-    RfError error;
-    still_eyes( &eye, 1, 2.0 );
-    open_eye( &eye, 0.5, 4 );
-    RfTracer* tracer = make_tracer( &scene );
-    assert_int_equal( rf_create_worlds( &( RfShot ){ tracer, &eye, 1, NULL, 0 }, 1, false, &worlds, &error ), RF_OK );
-    const RfTracer* const* posed = rf_open_worlds( &worlds, 0, 1 );
-    assert_non_null( posed );
-    const RfScene* at = rf_tracer_scene( posed[0] );
-    for ( int k = 0; k <= 4; ++k )
-    {
-        double wanted = 0.25 * ( shines ? 2.0 : 1.5 + 0.25 * k );
-        assert_float_equal( rf_placements_at( at, k )[at->still_placement_count].matrix.m[12], wanted, 1e-6 );
-    }
-    rf_destroy_worlds( &worlds );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
-}
-
-static void test_what_shines_is_not_blurred( void** state )
-{
-    (void)state;
-    check_places( "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES( "},\"indices\":1,\"material\":0" )
-                      MOVED( "1", "translation", "LINEAR" ),
-                  false );
-    check_places( "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES( "},\"indices\":1,\"material\":1" )
-                      MOVED( "1", "translation", "LINEAR" ),
-                  true );
-}
-
 // ---- Failures -------------------------------------------------------------------
 
 // Something is further out than floats compute with, for a moment that the reader does not look at.
@@ -656,7 +616,6 @@ int main( void )
         cmocka_unit_test( test_pilots_see_light_that_no_other_frame_has ),
         cmocka_unit_test( test_the_budget_counts_what_moves ),
         cmocka_unit_test( test_embree_holds_no_more_than_counted ),
-        cmocka_unit_test( test_what_shines_is_not_blurred ),
         cmocka_unit_test( test_a_pose_that_fails ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
