@@ -37,9 +37,8 @@ static inline double find_importances( const RfLightNode* node, RfVec3 x, RfVec3
 // The state of a descent.
 typedef struct Descent
 {
-    double u;                 // in [0, 1), uniform within the node
-    double probability;       // of reaching the node
-    const RfLightNode* nodes; // of the tree
+    double u;           // in [0, 1), uniform within the node
+    double probability; // of reaching the node
     uint32_t node;
 } Descent;
 
@@ -85,8 +84,9 @@ static double find_root( const RfLightTree* tree, float scale, RfVec3 x, RfVec3 
     return tree->node_count > 0 ? (double)scale * find_importances( tree->nodes, x, n, importances ) : 0.0;
 }
 
-// The first step where some lights change: the sky competes with the roots of both trees.
-static void descend_from_roots( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
+// The first step where some lights change: the sky competes with the roots of both trees. Returns the nodes of the tree that is
+// gone into.
+static const RfLightNode* descend_from_roots( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
 {
     Importances still, changing;
     double of_still = find_root( &lights->tree, lights->tree_scale, x, n, &still ),
@@ -101,19 +101,16 @@ static void descend_from_roots( const RfLights* lights, RfVec3 x, RfVec3 n, Desc
         bool second = of_changing > 0.0 && position >= of_still;
         d->u = second ? ( position - of_still ) / of_changing : position / of_still;
         d->probability = ( second ? of_changing : of_still ) / all;
-        d->nodes = second ? lights->second->nodes : lights->tree.nodes;
-        descend( d, d->nodes, second ? &changing : &still );
+        const RfLightNode* nodes = second ? lights->second->nodes : lights->tree.nodes;
+        descend( d, nodes, second ? &changing : &still );
+        return nodes;
     }
+    return NULL;
 }
 
 // The first step: the sky competes with the root.
 static inline void descend_from_root( const RfLights* lights, RfVec3 x, RfVec3 n, Descent* d )
 {
-    if ( lights->second != NULL )
-    {
-        descend_from_roots( lights, x, n, d );
-        return;
-    }
     Importances importances;
     double sum = find_importances( lights->tree.nodes, x, n, &importances ), sky = (double)sky_importance( lights, n ),
            all = sum + sky;
@@ -129,9 +126,9 @@ static inline void descend_from_root( const RfLights* lights, RfVec3 x, RfVec3 n
     }
 }
 
-static inline void descend_one_level( RfVec3 x, RfVec3 n, Descent* d )
+static inline void descend_one_level( const RfLightNode* nodes, RfVec3 x, RfVec3 n, Descent* d )
 {
-    const RfLightNode* node = d->nodes + d->node;
+    const RfLightNode* node = nodes + d->node;
     Importances importances;
     if ( find_importances( node, x, n, &importances ) > 0.0 )
         descend( d, node, &importances );
@@ -140,9 +137,9 @@ static inline void descend_one_level( RfVec3 x, RfVec3 n, Descent* d )
 }
 
 // 53 random bits: enough to select among millions of lights.
-static inline Descent begin( const RfLights* lights, uint32_t high, uint32_t low )
+static inline Descent begin( uint32_t high, uint32_t low )
 {
-    return ( Descent ){ (double)( (uint64_t)high << 21 | low >> 11 ) * 0x1p-53, 1.0, lights->tree.nodes, 0 };
+    return ( Descent ){ (double)( (uint64_t)high << 21 | low >> 11 ) * 0x1p-53, 1.0, 0 };
 }
 
 static inline RfLightSelection end( const Descent* d )
@@ -161,29 +158,39 @@ RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling sampli
 {
     if ( !has_tree( lights, sampling ) )
         return select_by_power( lights, bits[0], bits[1] );
-    Descent d = begin( lights, bits[0], bits[1] );
+    Descent d = begin( bits[0], bits[1] );
     x = in_ball( lights, x );
-    descend_from_root( lights, x, n, &d );
+    const RfLightNode* nodes = lights->tree.nodes;
+    if ( lights->second != NULL )
+        nodes = descend_from_roots( lights, x, n, &d );
+    else
+        descend_from_root( lights, x, n, &d );
     while ( !( d.node & RF_LIGHT_LEAF ) )
-        descend_one_level( x, n, &d );
+        descend_one_level( nodes, x, n, &d );
     return end( &d );
 }
 
-// Several descents at a time, level by level, so that the processor overlaps their memory accesses.
-static void select_block( const RfLights* lights, int count, const float* const x[3], const float* const n[3],
-                          const uint32_t* const bits[2], int first, RfLightSelection* selection )
+// Several descents at a time, level by level, so that the processor overlaps their memory accesses. `two`: there are two trees.
+static inline __attribute__( ( always_inline ) ) void select_block( const RfLights* lights, bool two, int count,
+                                                                    const float* const x[3], const float* const n[3],
+                                                                    const uint32_t* const bits[2], int first,
+                                                                    RfLightSelection* selection )
 {
     Descent d[SELECT_BLOCK];
     RfVec3 position[SELECT_BLOCK], normal[SELECT_BLOCK];
+    const RfLightNode* nodes[SELECT_BLOCK]; // where there are two
     uint8_t active[SELECT_BLOCK];
     int left = 0;
     for ( int i = 0; i < count; ++i )
     {
         int k = first + i;
-        d[i] = begin( lights, bits[0][k], bits[1][k] );
+        d[i] = begin( bits[0][k], bits[1][k] );
         position[i] = in_ball( lights, rf_vec3( x[0][k], x[1][k], x[2][k] ) );
         normal[i] = rf_vec3( n[0][k], n[1][k], n[2][k] );
-        descend_from_root( lights, position[i], normal[i], d + i );
+        if ( two )
+            nodes[i] = descend_from_roots( lights, position[i], normal[i], d + i );
+        else
+            descend_from_root( lights, position[i], normal[i], d + i );
         active[left] = (uint8_t)i;
         left += !( d[i].node & RF_LIGHT_LEAF );
     }
@@ -193,7 +200,7 @@ static void select_block( const RfLights* lights, int count, const float* const 
         for ( int k = 0; k < left; ++k )
         {
             int i = active[k];
-            descend_one_level( position[i], normal[i], d + i );
+            descend_one_level( two ? nodes[i] : lights->tree.nodes, position[i], normal[i], d + i );
             active[kept] = (uint8_t)i;
             kept += !( d[i].node & RF_LIGHT_LEAF );
         }
@@ -206,12 +213,16 @@ static void select_block( const RfLights* lights, int count, const float* const 
 void rf_select_lights( const RfLights* lights, RfLightSampling sampling, int count, const float* const x[3],
                        const float* const n[3], const uint32_t* const bits[2], RfLightSelection* selection )
 {
-    if ( has_tree( lights, sampling ) )
+    for ( int first = 0; first < count && has_tree( lights, sampling ); first += SELECT_BLOCK )
     {
-        for ( int first = 0; first < count; first += SELECT_BLOCK )
-            select_block( lights, count - first < SELECT_BLOCK ? count - first : SELECT_BLOCK, x, n, bits, first, selection );
-        return;
+        int in_block = count - first < SELECT_BLOCK ? count - first : SELECT_BLOCK;
+        if ( lights->second != NULL )
+            select_block( lights, true, in_block, x, n, bits, first, selection );
+        else
+            select_block( lights, false, in_block, x, n, bits, first, selection );
     }
+    if ( has_tree( lights, sampling ) )
+        return;
     for ( int i = 0; i < count; ++i )
         selection[i] = select_by_power( lights, bits[0][i], bits[1][i] );
 }

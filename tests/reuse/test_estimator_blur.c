@@ -174,7 +174,7 @@ static void test_panes_that_move( void** state )
 static void test_what_shines_and_moves( void** state )
 {
     (void)state;
-    check( "torch", 1.0, 3 );
+    check( "torch", 1.0, 2 );
 }
 
 int main( void )
