@@ -16,15 +16,14 @@ static RfHitBatch batch_of_part( const RfHitBatch* batch, int part )
 }
 
 // What paths have found at second vertices, shared by their tile.
-static void light_tiles( const RfHarvest* harvest, RfHarvestScratch* scratch )
+static void light_tiles( const RfTileReuseSettings* settings, RfHarvestScratch* scratch )
 {
-    RfTileReuseSettings settings = rf_tile_settings( harvest, scratch );
     scratch->tiles->part = scratch->part;
     if ( scratch->tiles->paired )
-        rf_light_pairings( &settings, &scratch->wavefront, scratch->tiles );
+        rf_light_pairings( settings, &scratch->wavefront, scratch->tiles );
 }
 
-void rf_weight_dimmed( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
+void rf_weight_dimmed( const RfHarvest* harvest, const RfTileReuseSettings* tiles, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     batch->dimmed_count = rf_dimmed_parts( &harvest->path );
     for ( int part = 1; part <= batch->dimmed_count; ++part )
@@ -34,7 +33,7 @@ void rf_weight_dimmed( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScr
         if ( harvest->path.own != NULL ) // what else is kept apart has been added
             rf_clear_arrivals( RF_LANES, &harvest->path.own->arrivals );
         if ( rf_reuses_tiles( scratch ) && harvest->path.max_depth > 1 )
-            light_tiles( harvest, scratch );
+            light_tiles( tiles, scratch );
         if ( of_part.removed != NULL )
             rf_begin_removed( harvest, &of_part );
         rf_weight_batch( harvest, &of_part, scratch );

@@ -554,7 +554,8 @@ static bool shares_chain_light( const RfHarvest* harvest, const RfHarvestScratch
            harvest->path_source == NULL && !harvest->shape.caustics;
 }
 
-RfTileReuseSettings rf_tile_settings( const RfHarvest* harvest, const RfHarvestScratch* scratch )
+// How tiles share paths.
+static RfTileReuseSettings tile_settings( const RfHarvest* harvest, const RfHarvestScratch* scratch )
 {
     return ( RfTileReuseSettings ){
         .path = &harvest->path,
@@ -585,7 +586,7 @@ void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
         wavefront->spent = find_passed_panes( harvest, scratch, wi );
     if ( rf_reuses_tiles( scratch ) )
     {
-        RfTileReuseSettings settings = rf_tile_settings( harvest, scratch );
+        RfTileReuseSettings settings = tile_settings( harvest, scratch );
         rays->tile += rf_trace_tile_tails( &settings, v, wi, wavefront, scratch->tiles );
     }
     else
@@ -778,7 +779,8 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     if ( scratch->clamp != NULL )
         rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );
-    rf_weight_dimmed( harvest, batch, scratch );
+    RfTileReuseSettings tiles = tile_settings( harvest, scratch );
+    rf_weight_dimmed( harvest, &tiles, batch, scratch );
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
     if ( harvest->path.own != NULL )

@@ -190,10 +190,7 @@ void rf_add_clamped_own_light( float ( *const light )[RF_LANES], const float* co
 // The light of the records: batch->radiance, and the glossy hits' directions. Of one part alone: scratch->part.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
-// What the parts of dimmed lamps bring, after part 0.
-void rf_weight_dimmed( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
-
-// How tiles share paths.
-RfTileReuseSettings rf_tile_settings( const RfHarvest* harvest, const RfHarvestScratch* scratch );
+// What the parts of dimmed lamps bring, after part 0. `tiles`: as rf_trace_tile_tails had it.
+void rf_weight_dimmed( const RfHarvest* harvest, const RfTileReuseSettings* tiles, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 #endif
