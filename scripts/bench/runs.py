@@ -131,6 +131,25 @@ def write_glb(path, gltf, rest):
         file.write(struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) + struct.pack("<I4s", len(text), b"JSON") + text + rest)
 
 
+def animate(gltf, rest, target, times, rows):
+    """Adds a channel of linear keys to the first animation; returns the binary part, which its numbers are added to."""
+    accessors = []
+    for values in ([(t,) for t in times], rows):
+        kind = {1: "SCALAR", 3: "VEC3"}[len(values[0])]
+        rest += b"\0" * (-len(rest) % 4)
+        data = struct.pack("<%df" % (len(values) * len(values[0])), *(x for row in values for x in row))
+        gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(rest) - 8, "byteLength": len(data)})
+        rest += data
+        gltf["accessors"].append({"bufferView": len(gltf["bufferViews"]) - 1, "componentType": 5126, "count": len(values), "type": kind,
+                                  "min": [min(column) for column in zip(*values)], "max": [max(column) for column in zip(*values)]})
+        accessors.append(len(gltf["accessors"]) - 1)
+    animation = gltf["animations"][0]
+    animation["samplers"].append({"input": accessors[0], "output": accessors[1]})
+    animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
+    gltf["buffers"][0]["byteLength"] = len(rest) - 8
+    return struct.pack("<I", len(rest) - 8) + rest[4:]
+
+
 def run_quietly(command):
     """Runs a program without its output, which is printed if it fails."""
     # Debian's Blender looks for its Python modules beside the first python3 in PATH
