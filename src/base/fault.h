@@ -54,7 +54,9 @@
     X( normalised_frames, "weights of frames sum to 1", "path-repeats eyes-coincide eyes-1e-6-apart path-stands-still group-beyond-path path-jumps eye-on-surface eyes-in-plane eyes-behind grazing-1e-5 grazing-beside-steep path-through-wall shutter-0 lens-0 lens-1e3 focus-infinite one-pixel lens-1e3-in-a-room focus-1e-6 moves-late" ) \
     X( normalised_tiles, "weights of a tile sum to 1", "depth-edges fan path-turns ggx-1 lambert-1 sheet angle-1 grazing-1e-2" ) \
     X( occlusion, "cameras do not see through walls", "eye-inside dark-room dark-room-1e-6 dark-room-1e6" ) \
+    X( own_lights, "light of lamps that move or change is of its own frame", "changes-jumps" ) \
     X( own_pixel, "a hit counts in the pixel that it was drawn in, whatever rounding does to its projection", "film-16384x1" ) \
+    X( part_scales, "light of dimmed lamps is scaled to the frame", "changes-dimmer changes-blackout changes-extremes" ) \
     X( phong_angle, "1 - cos comes from what is perpendicular, not from a difference", "sharp-lobes" ) \
     X( phong_sample, "directions of sharp lobes are drawn by 1 - cos", "sharp-lobes" ) \
     X( poisson_scale, "reconstructions are scaled to 1", "poisson-scaled" ) \

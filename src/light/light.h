@@ -5,6 +5,7 @@
 #define REFRAME_LIGHT_LIGHT_H
 
 #include "base/built_in.h"
+#include "base/fault.h"
 #include "light/sky.h"
 #include "light/tree.h"
 #include "reframe/render.h"
@@ -102,7 +103,8 @@ void rf_destroy_lights( RfLights* lights );
 
 static inline int rf_light_part( const RfLights* lights, uint32_t light )
 {
-    return lights->part != NULL ? lights->part[light] : 0;
+    int part = lights->part != NULL ? lights->part[light] : 0;
+    return RF_FAULT( own_lights ) && part == RF_PART_OWN ? 0 : part;
 }
 
 static inline int rf_material_part( const RfLights* lights, int32_t material )

@@ -1,4 +1,4 @@
-// Hard cases of what moves: rooms of support/moving_rooms.py, whose pictures are those of the still room of the frame.
+// Hard cases of what moves or changes: rooms of support/moving_rooms.py, whose pictures are those of the still room of the frame.
 #include "hard/hard.h"
 #include "support/moving_rooms.h"
 
@@ -36,6 +36,15 @@ static void short_path( HardScene* h )
     h->group = 1 << 20;
 }
 
+static void dimmer( HardScene* h ) { load( h, "dimmer" ); }
+static void blackout( HardScene* h ) { load( h, "blackout" ); }
+static void jumps( HardScene* h ) { load( h, "jumps" ); }
+static void extremes( HardScene* h ) { load( h, "extremes" ); }
+static void sinks( HardScene* h ) { load( h, "sinks" ); }
+static void horizon( HardScene* h ) { load( h, "horizon" ); }
+static void shrinks( HardScene* h ) { load( h, "shrinks" ); }
+static void polishes( HardScene* h ) { load( h, "polishes" ); }
+
 const HardCase g_hard_moving[] = {
     { "moves-sweep", "a panel passes between lamp, wall and eye", "hits that its frame alone sees", HARD_PLAIN, 3.0, sweep,
       NULL },
@@ -52,5 +61,18 @@ const HardCase g_hard_moving[] = {
       short_path, NULL },
     { "moves-plate", "a plate covers the sun from 9 km above, for a moment", "rays to the sun that end before", HARD_PLAIN, 1.5,
       plate, NULL },
+    { "changes-dimmer", "a lamp is dimmed", "light of other frames", HARD_PLAIN, 1.5, dimmer, NULL },
+    { "changes-blackout", "all light is dimmed to nothing in one frame", "light of other frames, 0/0 in its scale", HARD_BLACK,
+      0.0, blackout, NULL },
+    { "changes-jumps", "a lamp is elsewhere in one frame", "light of other frames", HARD_PLAIN, 3.0, jumps, NULL },
+    { "changes-extremes", "a lamp of 1e-30 to 1e9 W/sr", "scales of 1e-39; lights are selected by the most of the group",
+      HARD_PLAIN, 20.0, extremes, NULL },
+    { "changes-sinks", "a lamp sinks through a surface", "the lamp is 1 mm from it: few samples hold the error", HARD_PLAIN, 0.0,
+      sinks, NULL },
+    { "changes-horizon", "the sun is at the horizon", "cosines of 0", HARD_PLAIN, 3.0, horizon, NULL },
+    { "changes-shrinks", "what shines shrinks to a point and to nothing", "lights without an area", HARD_PLAIN, 3.0, shrinks,
+      NULL },
+    { "changes-polishes", "the roughness of a metal is 0 in one frame", "a mirror in the frame alone", HARD_PLAIN, 3.0, polishes,
+      NULL },
     { 0 },
 };

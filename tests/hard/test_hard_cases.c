@@ -33,6 +33,10 @@ static const char* why_unprotected( const char* name )
         { "phong-100", "an ordinary lobe, between the hard ones" },
         { "moves-singular", "normals of length 0 are replaced twice, where they are posed and where they are hit" },
         { "moves-no-area", "so are these, and the reader drops the triangles" },
+        { "changes-sinks", "as lamp-on-surface, in groups" },
+        { "changes-horizon", "cosines that are not positive bring nothing, as everywhere" },
+        { "changes-shrinks", "triangles without an area are no lights, and have no normal to fail" },
+        { "changes-polishes", "hits on what changes are of their own frame" },
     };
     for ( size_t i = 0; i < sizeof rows / sizeof *rows; ++i )
     {

@@ -112,8 +112,9 @@ def cones():
 
 
 def torch():
-    """A shining quad moves and turns, another swings on an arm and dims."""
+    """A shining quad moves and turns, another swings on an arm and dims; a mirror sees them."""
     room = lit_room("torch", 3.0)
+    room.still("mirror", make_quad((-1.95, 0.5, 1.0), (0.0, 0.0, -2.0), (0.0, 1.6, 0.0)), MIRROR)
     quad = make_quad((-0.3, -0.2, 0.0), (0.6, 0.0, 0.0), (0.0, 0.4, 0.0))
     room.move("torch", quad, shining("torch", 8.0), [Way((-1.0, 1.4, -0.2), (0.8, 1.9, 0.3), "y", -0.8, 1.3)])
     arm = Way((0.2, 2.6, -0.5), None, "z", -0.6, 0.7)
@@ -228,6 +229,14 @@ def extremes():
     return dimmer("extremes", [1e-30, 1e-20, 1e-10, 1.0, 1e3, 1e6, 1e9])
 
 
+def jumps():
+    """A lamp is elsewhere in the frame in the middle."""
+    room = lit_room("jumps", 3.0)
+    left, right = (-1.2, 2.0, 0.7), (1.2, 1.7, -0.2)
+    room.light("lamp", point(), Way([left, left, left, right, left, left, left]))
+    return room
+
+
 def sinks():
     """A lamp sinks through a block into the floor; in the middle it is just above the block."""
     room = lit_room("sinks", 3.0)
@@ -262,4 +271,4 @@ def polishes():
 
 
 CASES = (dimmer, glow, blackout, switches, colors, six, passing, cones, torch, sun, surfaces, poster, cinema, heavens, dawn,
-         zoom, everything, extremes, sinks, horizon, shrinks, polishes)
+         zoom, everything, extremes, jumps, sinks, horizon, shrinks, polishes)

@@ -361,7 +361,7 @@ static FrameLight find_light( const RfAccumulation* a, const RfHitBatch* batch, 
             continue;
         light.radiance[k] = removed ? of->removed : of->radiance;
         light.directions[k] = removed ? of->removed_directions : of->directions;
-        light.scale[k] = a->lights->part_scale[k + 1];
+        light.scale[k] = RF_FAULT( part_scales ) ? rf_vec3( 1, 1, 1 ) : a->lights->part_scale[k + 1];
     }
     return light;
 }
