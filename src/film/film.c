@@ -19,11 +19,16 @@ void rf_clear_film_counts( RfFilm* film )
 
 void rf_clear_film_pixels( RfFilm* film, size_t first, size_t count )
 {
+    size_t own = rf_film_sums( film->width, film->height, false ) + 4 * first;
     for ( int h = 0; h < 2; ++h )
     {
         memset( film->half[h] + 4 * first, 0, 4 * count * sizeof( float ) );
+        if ( film->split )
+            memset( film->half[h] + own, 0, 4 * count * sizeof( float ) );
         if ( film->total[h] != NULL )
             memset( film->total[h] + 4 * first, 0, 4 * count * sizeof( double ) );
+        if ( film->total[h] != NULL && film->split )
+            memset( film->total[h] + own, 0, 4 * count * sizeof( double ) );
         if ( film->extra[h] != NULL )
             memset( film->extra[h] + first, 0, count * sizeof( float ) );
     }
@@ -41,10 +46,10 @@ void rf_end_film_pass( RfFilm* film, int half, double weight )
     film->weight[half] += weight;
     if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 || RF_FAULT( long_sums ) )
         return;
-    size_t count = 4 * (size_t)film->width * (size_t)film->height;
+    size_t count = rf_film_sums( film->width, film->height, film->split );
     for ( size_t i = 0; i < count; ++i )
         film->total[half][i] += (double)film->half[half][i];
-    memset( film->half[half], 0, rf_film_half_bytes( film->width, film->height ) );
+    memset( film->half[half], 0, count * sizeof( float ) );
 }
 
 void rf_combine_film( const RfFilm* film, RfNormalize normalize, float* rgb, float* weight )
@@ -68,8 +73,10 @@ static RfFilmPixel removed_pixel( const RfFilm* films, size_t i )
 {
     RfFilmPixel p = rf_film_pixel( films, i ), removed = rf_film_pixel( films + 1, i );
     for ( int h = 0; h < 2; ++h )
+    {
         memcpy( p.half[h], removed.half[h], 3 * sizeof( double ) );
-    memset( p.own, 0, sizeof p.own );
+        memcpy( p.own[h], removed.own[h], 3 * sizeof( double ) );
+    }
     return p;
 }
 
@@ -107,7 +114,8 @@ void rf_combine_alpha( const RfFilm* film, RfNormalize normalize, const float* s
     for ( size_t i = 0; i < count; ++i )
     {
         // a colour that is 1 where a ray hits something, and 0 where it does not
-        RfFilmPixel p = rf_film_sums( film, i );
+        RfFilmPixel p = rf_film_pixel( film, i );
+        memset( p.own, 0, sizeof p.own );
         for ( size_t h = 0; h < 2; ++h )
             p.half[h][0] = p.half[h][3] - (double)sky[h * count + i];
         alpha[i] = (float)rf_film_value( &p, normalize, 0 );

@@ -1,5 +1,6 @@
 // The film of one frame: two independent halves (src/reuse/estimators.md, section 2),
-// each with the sums of A (contributions, RGB) and B (weights) per pixel.
+// each with the sums of A (contributions, RGB) and B (weights) per pixel, and where something moves with those of own-frame
+// light (section 18).
 #ifndef REFRAME_FILM_FILM_H
 #define REFRAME_FILM_FILM_H
 
@@ -8,11 +9,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 typedef struct RfFilm
 {
     int width, height;
+    bool split;       // own-frame light has sums of its own: Aᵒ and Bᵒ of all pixels follow A and B of all
     float* half[2];   // 4 per pixel: A red, green, blue, B
     double* total[2]; // sums moved out of the halves in doubles; NULL in renders too short to need them
     int total_every;  // passes of a half after which it is emptied
@@ -21,18 +22,30 @@ typedef struct RfFilm
     uint64_t landed;  // samples that landed in the film
     float* extra[2];  // adaptive sampling: weight of extra samples per pixel, which count like passes there; NULL: none
     uint64_t extra_samples;
-    const struct RfFilm* own; // sums of own-frame light, whose B counts own-frame samples alone; NULL: it is in this film
 } RfFilm;
 
 // Additions to a pixel after which a sum in floats is moved to one in doubles.
 // n equal values lose n·2^−25 of their sum at most: 3e-5.
 #define RF_FILM_ADDITIONS ( 1 << 10 )
 
-// Bytes of a half, and of the doubles that it is emptied into.
-static inline size_t rf_film_half_bytes( int width, int height ) { return (size_t)width * (size_t)height * 4 * sizeof( float ); }
-static inline size_t rf_film_total_bytes( int width, int height )
+// Sums in a half; bytes of it, and of the doubles that it is emptied into.
+static inline size_t rf_film_sums( int width, int height, bool split )
 {
-    return (size_t)width * (size_t)height * 4 * sizeof( double );
+    return ( split ? 8 : 4 ) * (size_t)width * (size_t)height;
+}
+static inline size_t rf_film_half_bytes( int width, int height, bool split )
+{
+    return rf_film_sums( width, height, split ) * sizeof( float );
+}
+static inline size_t rf_film_total_bytes( int width, int height, bool split )
+{
+    return rf_film_sums( width, height, split ) * sizeof( double );
+}
+
+// Aᵒ and Bᵒ of a half; NULL where the film has none.
+static inline float* rf_film_own( const RfFilm* film, int half )
+{
+    return film->split ? film->half[half] + rf_film_sums( film->width, film->height, false ) : NULL;
 }
 
 static inline size_t rf_film_extra_bytes( int width, int height ) { return (size_t)width * (size_t)height * sizeof( float ); }
@@ -85,30 +98,27 @@ void rf_estimate_variance( const RfFilm* film, RfNormalize normalize, float* var
 typedef struct RfFilmPixel
 {
     double half[2][4];
-    double own[2][4]; // of own-frame light that has its own sums
     double weight[2];
+    double extra[2];  // of the weight: that of extra samples, which bring all their light to A
+    double own[2][4]; // Aᵒ and Bᵒ; 0 where the film is not split
 } RfFilmPixel;
 
-// Without own-frame light that has its own sums.
-static inline RfFilmPixel rf_film_sums( const RfFilm* film, size_t i )
+static inline void rf_film_sums_at( const RfFilm* film, size_t i, int h, double* sums )
 {
-    RfFilmPixel p = { .weight = { film->weight[0], film->weight[1] } };
-    for ( int h = 0; h < 2; ++h )
-    {
-        p.weight[h] += film->extra[h] != NULL ? (double)film->extra[h][i] : 0.0;
-        for ( size_t c = 0; c < 4; ++c )
-            p.half[h][c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
-    }
-    return p;
+    for ( size_t c = 0; c < 4; ++c )
+        sums[c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
 }
 
 static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )
 {
-    RfFilmPixel p = rf_film_sums( film, i );
-    if ( film->own != NULL )
+    RfFilmPixel p = { .weight = { film->weight[0], film->weight[1] } };
+    for ( int h = 0; h < 2; ++h )
     {
-        RfFilmPixel own = rf_film_sums( film->own, i );
-        memcpy( p.own, own.half, sizeof p.own );
+        p.extra[h] = film->extra[h] != NULL ? (double)film->extra[h][i] : 0.0;
+        p.weight[h] += p.extra[h];
+        rf_film_sums_at( film, i, h, p.half[h] );
+        if ( film->split )
+            rf_film_sums_at( film, i + (size_t)film->width * (size_t)film->height, h, p.own[h] );
     }
     return p;
 }

@@ -7,59 +7,59 @@
 #include "base/fault.h"
 #include "film/film.h"
 
-// c_h = A_h / B_h; 0 where no sample landed.
-static inline double rf_film_quotient( const double* half, int c )
+// cᵒ_h = Aᵒ_h / Bᵒ_h; 0 where there is none.
+static inline double rf_film_own_quotient( const RfFilmPixel* p, int h, int c )
 {
-    return half[3] > 0.0 || RF_FAULT( empty_half ) ? half[c] / half[3] : 0.0;
+    return p->own[h][3] > 0.0 ? p->own[h][c] / p->own[h][3] : 0.0;
 }
 
-// (E2) in sums, n the weights of a half's passes: [ A_e + c_o (n_e − B_e) + A_o + c_e (n_o − B_o) ] / (n_e + n_o).
-// Where B is exactly n, as without reuse, this is the plain mean, bit for bit.
-static inline double rf_film_crossfit( const double half[2][4], const double weight[2], int c )
+// c_h = A_h / B_h, without the own-frame light of extra samples; 0 where no sample landed.
+static inline double rf_film_quotient( const RfFilmPixel* p, int h, int c )
 {
-    double e = half[0][c] + rf_film_quotient( half[1], c ) * ( weight[0] - half[0][3] );
-    double o = half[1][c] + rf_film_quotient( half[0], c ) * ( weight[1] - half[1][3] );
-    return ( e + o ) / ( weight[0] + weight[1] );
+    double a = p->half[h][c] - p->extra[h] * rf_film_own_quotient( p, h, c ), b = p->half[h][3];
+    return b > 0.0 || RF_FAULT( empty_half ) ? a / b : 0.0;
 }
 
-static inline double rf_normalize_sums( const double half[2][4], const double weight[2], RfNormalize normalize, int c )
+// A half of (E2) and (E16) in sums, n the weight of its passes: A_e + c_o (n_e − B_e). Where B is exactly n, as without reuse, this
+// is A, bit for bit.
+static inline double rf_film_crossfit_half( const RfFilmPixel* p, int h, int c )
 {
-    double a = half[0][c] + half[1][c], b = half[0][3] + half[1][3];
-    switch ( normalize )
-    {
-        case RF_NORMALIZE_CROSSFIT: return rf_film_crossfit( half, weight, c );
-        case RF_NORMALIZE_RATIO: return b > 0.0 ? a / b : 0.0;
-        case RF_NORMALIZE_NONE: return a / ( weight[0] + weight[1] );
-    }
-    return 0.0;
+    const double *sums = p->half[h], *own = p->own[h];
+    return sums[c] + rf_film_quotient( p, 1 - h, c ) * ( p->weight[h] - sums[3] ) +
+           ( own[c] + rf_film_own_quotient( p, 1 - h, c ) * ( p->weight[h] - p->extra[h] - own[3] ) );
 }
 
-static inline double rf_normalize_half( const double half[2][4], const double weight[2], RfNormalize normalize, int h, int c )
+// (A − e cᵒ) / B + cᵒ, with the weight e of extra samples.
+static inline double rf_film_ratio( const RfFilmPixel* p, int c )
 {
-    const double* own = half[h];
-    switch ( normalize )
-    {
-        case RF_NORMALIZE_CROSSFIT: return ( own[c] + rf_film_quotient( half[1 - h], c ) * ( weight[h] - own[3] ) ) / weight[h];
-        case RF_NORMALIZE_RATIO: return rf_film_quotient( own, c );
-        case RF_NORMALIZE_NONE: return own[c] / weight[h];
-    }
-    return 0.0;
+    double a = p->half[0][c] + p->half[1][c], b = p->half[0][3] + p->half[1][3], own_b = p->own[0][3] + p->own[1][3];
+    double own = own_b > 0.0 ? ( p->own[0][c] + p->own[1][c] ) / own_b : 0.0;
+    return b > 0.0 ? ( a - ( p->extra[0] + p->extra[1] ) * own ) / b + own : 0.0;
 }
-
-static inline bool rf_has_own( const RfFilmPixel* p, int c ) { return p->own[0][c] + p->own[1][c] > 0.0; }
 
 // The value of a pixel.
 static inline double rf_film_value( const RfFilmPixel* p, RfNormalize normalize, int c )
 {
-    double value = rf_normalize_sums( p->half, p->weight, normalize, c );
-    return rf_has_own( p, c ) ? value + rf_normalize_sums( p->own, p->weight, normalize, c ) : value;
+    double n = p->weight[0] + p->weight[1];
+    switch ( normalize )
+    {
+        case RF_NORMALIZE_CROSSFIT: return ( rf_film_crossfit_half( p, 0, c ) + rf_film_crossfit_half( p, 1, c ) ) / n;
+        case RF_NORMALIZE_RATIO: return rf_film_ratio( p, c );
+        case RF_NORMALIZE_NONE: return ( p->half[0][c] + p->half[1][c] + ( p->own[0][c] + p->own[1][c] ) ) / n;
+    }
+    return 0.0;
 }
 
 // The value from one half alone.
 static inline double rf_film_half_value( const RfFilmPixel* p, RfNormalize normalize, int h, int c )
 {
-    double value = rf_normalize_half( p->half, p->weight, normalize, h, c );
-    return rf_has_own( p, c ) ? value + rf_normalize_half( p->own, p->weight, normalize, h, c ) : value;
+    switch ( normalize )
+    {
+        case RF_NORMALIZE_CROSSFIT: return rf_film_crossfit_half( p, h, c ) / p->weight[h];
+        case RF_NORMALIZE_RATIO: return rf_film_quotient( p, h, c ) + rf_film_own_quotient( p, h, c );
+        case RF_NORMALIZE_NONE: return ( p->half[h][c] + p->own[h][c] ) / p->weight[h];
+    }
+    return 0.0;
 }
 
 #endif

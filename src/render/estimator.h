@@ -69,6 +69,7 @@ typedef struct RfEstimatorSizes
     size_t pass_state;         // per frame, all zero at the start of each pass; 0: none
     size_t shared;             // what all batches of a pass share, all zero at first; 0: nothing
     bool whole_pass;           // `accumulate` needs all batches of a pass at once, and whole films
+    bool splits;               // films have sums of own-frame light (RfFilm.split)
     // for the report of the plan
     size_t diffuse_record, glossy_record; // bytes of one hit
     int directions;                       // that a glossy hit's record holds

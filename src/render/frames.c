@@ -101,8 +101,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     RfRelmse relmse = rf_finish_picture( r, live, &picture );
     RfFlicker flicker = take_flicker( r, live );
     double now = rf_wall_seconds(), pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
-    const RfRenderSizes* sizes = &r->setup->sizes;
-    bool removes = sizes->film_count - ( sizes->own_film > 0 ) > sizes->estimator->films;
+    bool removes = r->setup->sizes.film_count > r->setup->settings.estimator->films;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
         .width = r->setup->sizes.width,

@@ -32,14 +32,11 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     int total_every = rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) +
                                            ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) + ( glints ? RF_MOST_GLINTS : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
-    int of_picture = settings->estimator->films + rf_keeps_removed( scene, settings );
-    bool own_film = called.moves && plan->eyes > 1;
     int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
         .of_estimator = settings->estimator->sizes( &group ),
-        .film_count = of_picture + own_film,
-        .own_film = own_film ? of_picture : 0,
+        .film_count = settings->estimator->films + rf_keeps_removed( scene, settings ),
         .width = eyes->width,
         .height = eyes->height,
         .eyes = plan->eyes,
@@ -78,7 +75,12 @@ RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, cons
     };
 }
 
-size_t rf_totals_bytes( const RfRenderSizes* s ) { return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height ) : 0; }
+size_t rf_half_bytes( const RfRenderSizes* s ) { return rf_film_half_bytes( s->width, s->height, s->of_estimator.splits ); }
+
+size_t rf_totals_bytes( const RfRenderSizes* s )
+{
+    return s->total_every > 0 ? rf_film_total_bytes( s->width, s->height, s->of_estimator.splits ) : 0;
+}
 
 size_t rf_noise_estimates_bytes( const RfRenderSizes* s ) { return s->stopping ? (size_t)s->films * sizeof( RfFrameNoise ) : 0; }
 
@@ -112,7 +114,7 @@ static size_t optional( size_t bytes ) { return bytes > 0 ? rf_arena_size( bytes
 
 size_t rf_films_bytes( const RfRenderSizes* s )
 {
-    size_t film = 2 * rf_arena_size( rf_film_half_bytes( s->width, s->height ) ) + 2 * optional( rf_totals_bytes( s ) );
+    size_t film = 2 * rf_arena_size( rf_half_bytes( s ) ) + 2 * optional( rf_totals_bytes( s ) );
     size_t frame = (size_t)s->film_count * film + optional( rf_need_bytes( s ) ) + optional( rf_glints_bytes( s ) ) +
                    2 * optional( rf_extra_bytes( s ) );
     frame += optional( s->of_estimator.pass_state );

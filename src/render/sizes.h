@@ -11,7 +11,6 @@ typedef struct RfRenderSizes
     const RfEstimator* estimator;
     RfEstimatorSizes of_estimator; // for a full group
     int film_count;                // of a frame
-    int own_film;                  // that of own-frame light; 0: none
     int width, height;
     int eyes; // of a full group
     int threads;
@@ -60,9 +59,10 @@ size_t rf_records_bytes( const RfRenderSizes* sizes, int batches );
 // Bytes of everything but the batches, with one finished frame.
 size_t rf_fixed_bytes( const RfRenderSizes* sizes );
 
-// Bytes of single arrays, 0 where they are not needed: a film's totals in doubles; what is known of the
+// Bytes of single arrays, 0 where they are not needed: a half of a film, and its totals in doubles; what is known of the
 // frames' noise; the errors of a finished frame; wanted samples and weights of extra samples of an adaptive film; the noise of materials; an
 // AOV while it is rendered and when it is finished.
+size_t rf_half_bytes( const RfRenderSizes* sizes );
 size_t rf_totals_bytes( const RfRenderSizes* sizes );
 size_t rf_noise_estimates_bytes( const RfRenderSizes* sizes );
 size_t rf_kept_errors_bytes( const RfRenderSizes* sizes );

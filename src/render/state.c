@@ -47,7 +47,7 @@ static void move_film( Stream* s, RfFilm* film )
     MOVE( s, film->extra_samples );
     for ( int h = 0; h < 2; ++h )
     {
-        move( s, film->half[h], rf_film_half_bytes( film->width, film->height ) );
+        move( s, film->half[h], rf_half_bytes( sizes ) );
         move( s, film->total[h], film->total[h] != NULL ? rf_totals_bytes( sizes ) : 0 );
         move( s, film->extra[h], film->extra[h] != NULL ? rf_extra_bytes( sizes ) : 0 );
     }
@@ -134,7 +134,7 @@ static Shape shape_of( const RfRenderer* r )
         .adaptive = sizes->adaptive,
         .paired = sizes->paired,
         .stopping = sizes->stopping,
-        .film_bytes = rf_film_half_bytes( sizes->width, sizes->height ),
+        .film_bytes = rf_half_bytes( sizes ),
         .total_bytes = sizes->total_every > 0 ? rf_totals_bytes( sizes ) : 0,
         .pass_state = sizes->of_estimator.pass_state,
         .stop = sizeof( RfStop ),

@@ -35,6 +35,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .pass_state = shape.arrivals > 0 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
         .shared = shape.connections ? rf_light_paths_bytes( group ) + rf_connection_share_bytes( group ) : 0,
         .whole_pass = shape.arrivals > 0,
+        .splits = shape.own_light && !shape.caustics,
         .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
         .glossy_record = per_lane( rf_batch_bytes( &shape ) ),
         .directions = rf_direction_count( &shape ),

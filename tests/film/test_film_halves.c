@@ -94,13 +94,14 @@ static void test_combined_halves_by_hand( void** state )
 static void test_own_light_has_its_own_sums( void** state )
 {
     (void)state;
-    Film f = make_film( 1, 1, 2, 3 ), own = make_film( 1, 1, 2, 3 );
+    Film f = make_film( 2, 1, 2, 3 ); // the own-frame light of a film of one pixel is in the second
     float variance[3];
-    f.film.own = &own.film;
+    f.film.width = 1;
+    f.film.split = true;
     set_pixel( &f, 0, 0, 3.0f, 3.0f, 0.0f, 1.5f );
     set_pixel( &f, 1, 0, 7.0f, 7.0f, 7.0f, 3.5f );
-    set_pixel( &own, 0, 0, 5.4f, 0.0f, 5.4f, 1.8f );
-    set_pixel( &own, 1, 0, 9.3f, 0.0f, 9.3f, 3.1f );
+    set_pixel( &f, 0, 1, 5.4f, 0.0f, 5.4f, 1.8f );
+    set_pixel( &f, 1, 1, 9.3f, 0.0f, 9.3f, 3.1f );
     rf_combine_film( &f.film, RF_NORMALIZE_CROSSFIT, f.rgb, f.weight );
     near( f.rgb[0], 5.0 );
     near( f.rgb[1], 2.0 );
@@ -114,7 +115,32 @@ static void test_own_light_has_its_own_sums( void** state )
     rf_combine_film( &f.film, RF_NORMALIZE_NONE, f.rgb, NULL );
     near( f.rgb[0], ( 3.0 + 7.0 + 5.4 + 9.3 ) / 5.0 );
     free_film( &f );
-    free_film( &own );
+}
+
+// Extra samples bring all of their light, 5, to what is shared: neither quotient takes it for its own.
+static void test_extra_samples_bring_own_light( void** state )
+{
+    (void)state;
+    Film f = make_film( 2, 1, 2, 3 );
+    float extra[2] = { 4.0f, 6.0f }, variance[3];
+    f.film.width = 1;
+    f.film.split = true;
+    f.film.extra[0] = extra;
+    f.film.extra[1] = extra + 1;
+    set_pixel( &f, 0, 0, 2.0f * 1.5f + 5.0f * 4.0f, 0.0f, 0.0f, 5.5f );
+    set_pixel( &f, 1, 0, 2.0f * 3.5f + 5.0f * 6.0f, 0.0f, 0.0f, 9.5f );
+    set_pixel( &f, 0, 1, 3.0f * 1.8f, 0.0f, 0.0f, 1.8f );
+    set_pixel( &f, 1, 1, 3.0f * 3.1f, 0.0f, 0.0f, 3.1f );
+    for ( int c = RF_NORMALIZE_CROSSFIT; c < RF_NORMALIZE_NONE; ++c )
+    {
+        rf_combine_film( &f.film, (RfNormalize)c, f.rgb, NULL );
+        near( f.rgb[0], 5.0 );
+        rf_estimate_variance( &f.film, (RfNormalize)c, variance );
+        assert_true( variance[0] < 1e-12f );
+    }
+    rf_combine_film( &f.film, RF_NORMALIZE_NONE, f.rgb, NULL );
+    near( f.rgb[0], ( 2.0 * 5.0 + 5.0 * 10.0 + 3.0 * 4.9 ) / 15.0 );
+    free_film( &f );
 }
 
 // A million passes of the same value: a sum in floats alone would be off by
@@ -425,11 +451,17 @@ static void test_difference_estimates_relmse( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_combined_halves_by_hand ),      cmocka_unit_test( test_own_light_has_its_own_sums ),
-        cmocka_unit_test( test_long_sums_do_not_drift ),       cmocka_unit_test( test_totals_are_part_of_the_sum ),
-        cmocka_unit_test( test_equal_halves_are_equation_2 ),  cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
-        cmocka_unit_test( test_empty_halves_leave_the_other ), cmocka_unit_test( test_a_pass_of_weight_3_counts_three_times ),
-        cmocka_unit_test( test_combination_has_no_bias ),      cmocka_unit_test( test_difference_estimates_relmse ),
+        cmocka_unit_test( test_combined_halves_by_hand ),
+        cmocka_unit_test( test_own_light_has_its_own_sums ),
+        cmocka_unit_test( test_extra_samples_bring_own_light ),
+        cmocka_unit_test( test_long_sums_do_not_drift ),
+        cmocka_unit_test( test_totals_are_part_of_the_sum ),
+        cmocka_unit_test( test_equal_halves_are_equation_2 ),
+        cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
+        cmocka_unit_test( test_empty_halves_leave_the_other ),
+        cmocka_unit_test( test_a_pass_of_weight_3_counts_three_times ),
+        cmocka_unit_test( test_combination_has_no_bias ),
+        cmocka_unit_test( test_difference_estimates_relmse ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,5 +1,6 @@
 // A render that is interrupted again and again, and each time goes on from the films it kept, has the same bits as one that is
 // not: pictures and AOVs, with other threads and another budget in between. So has one that shows previews.
+#include "support/moving_rooms.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
 #include "support/scene_builder.h"
@@ -174,6 +175,8 @@ static void check_case( Case* c )
 {
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    for ( int k = 0; k < EYES; ++k )
+        eyes[k].time = k / 24.0;
     RfTracer* tracer = make_tracer( &c->scene );
     Run *whole = calloc( 1, sizeof *whole ), *parts = calloc( 1, sizeof *parts );
     assert_true( whole != NULL && parts != NULL );
@@ -275,6 +278,17 @@ static void test_clamp( void** state )
     check_case( &c );
 }
 
+// Films have sums of own-frame light, which are emptied, too.
+static void test_what_moves( void** state )
+{
+    (void)state;
+    Case c = { "moving", settings_of( 3, 24, "3x3", AOVS | REMOVED ), load_moving_room( "sweep", WIDTH, HEIGHT ).scene, false };
+    c.settings.adaptive = RF_ADAPTIVE_ON;
+    c.settings.clamp = 1.0;
+    c.settings.filter_width = RF_MAX_FILTER_WIDTH;
+    check_case( &c );
+}
+
 // A long render empties its films into doubles, and one with too little memory goes along the path several times.
 static void test_long_renders_and_sweeps( void** state )
 {
@@ -368,6 +382,7 @@ int main( void )
         cmocka_unit_test( test_gradients_and_biased_weights ),
         cmocka_unit_test( test_light_paths ),
         cmocka_unit_test( test_clamp ),
+        cmocka_unit_test( test_what_moves ),
         cmocka_unit_test( test_long_renders_and_sweeps ),
         cmocka_unit_test( test_other_states_are_refused ),
         cmocka_unit_test( test_preview_comes_early ),

@@ -624,6 +624,15 @@ def lamps():
     return room
 
 
+def shade():
+    """A lid passes close under the only lamp: over the path it is before every part of it."""
+    room = view("shade")
+    furnish(room)
+    room.move("lid", make_quad((-0.2, 2.9, -0.6), (0.4, 0.0, 0.0), (0.0, 0.0, 1.2)), WHITE, [Way((-0.6, 0.0, 0.0), (0.6, 0.0, 0.0))])
+    room.stills = []
+    return room
+
+
 def many():
     """Ten thousand nodes that move."""
     room = view("many")
@@ -639,7 +648,7 @@ def many():
 
 
 CASES = (sweep, door, mirrors, fan, figure, shown, panes, sky, around_eye, flat, singular, late, no_area, far_out,
-         short_path, plate, apart, lamps, many)
+         short_path, plate, apart, lamps, shade, many)
 
 
 def write_rooms(cases, folder):

@@ -68,9 +68,9 @@ static void free_aov_film( const RfRenderSizes* s, RfRenderMemory* m, const RfAo
 static RfResult alloc_film( const RfRenderSizes* s, RfRenderMemory* m, RfFilm* film, RfError* error )
 {
     RfResult result = RF_OK;
-    *film = ( RfFilm ){ .width = s->width, .height = s->height, .total_every = s->total_every };
+    *film = ( RfFilm ){ .width = s->width, .height = s->height, .split = s->of_estimator.splits, .total_every = s->total_every };
     for ( int h = 0; h < 2 && result == RF_OK; ++h )
-        result = rf_arena_alloc( &m->arena, "films", rf_film_half_bytes( s->width, s->height ), (void**)&film->half[h], error );
+        result = rf_arena_alloc( &m->arena, "films", rf_half_bytes( s ), (void**)&film->half[h], error );
     for ( int h = 0; h < 2 && result == RF_OK && s->total_every > 0; ++h )
         result = rf_arena_alloc( &m->arena, "films", rf_totals_bytes( s ), (void**)&film->total[h], error );
     return result;
@@ -82,7 +82,6 @@ static RfResult alloc_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLi
     live->frame = -1;
     for ( int f = 0; f < s->film_count && result == RF_OK; ++f )
         result = alloc_film( s, m, live->films + f, error );
-    live->films[0].own = s->own_film > 0 ? live->films + s->own_film : NULL;
     for ( int h = 0; h < 2 && result == RF_OK && s->adaptive; ++h )
         result = rf_arena_alloc( &m->arena, "adaptive", rf_extra_bytes( s ), (void**)&live->films[0].extra[h], error );
     if ( s->adaptive && result == RF_OK )
@@ -243,7 +242,7 @@ static void free_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFil
     {
         for ( int h = 0; h < 2; ++h )
         {
-            rf_arena_free( &m->arena, "films", live->films[f].half[h], rf_film_half_bytes( s->width, s->height ) );
+            rf_arena_free( &m->arena, "films", live->films[f].half[h], rf_half_bytes( s ) );
             rf_arena_free( &m->arena, "films", live->films[f].total[h], rf_totals_bytes( s ) );
         }
     }

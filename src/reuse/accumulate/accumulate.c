@@ -16,10 +16,11 @@ typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
 // Only pixels [low, end) belong to this job.
 typedef struct PixelRange
 {
-    float* film; // 4 per pixel
+    float* film;    // 4 per pixel, as in the next two
+    float* glints;  // what glints are added to: the film, or its sums of own-frame light
+    float* counted; // whose weights count the samples of the frame itself; NULL: none
     int32_t low, end;
     float* sky; // weight of the camera rays that missed, 1 per pixel; NULL: not asked for
-    float* own; // that of own-frame light; NULL: it has none
 } PixelRange;
 
 // film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
@@ -125,20 +126,19 @@ static void splat_glints( const RfHitBatch* batch, float weight, PixelRange rang
     for ( int i = 0; i < batch->glint_count; ++i )
     {
         int32_t pixel = rf_glint_pixel( batch )[i];
-        float* film = range.own != NULL ? range.own : range.film;
         if ( pixel >= range.low && pixel < range.end )
-            add_to_pixel( film + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
+            add_to_pixel( range.glints + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
     }
 }
 
-// The samples of the frame itself, for the film of own-frame light.
-static void splat_own_samples( const RfHitBatch* batch, float weight, PixelRange range )
+// Bᵒ: hits and misses in their own frame, with weight 1 whatever others see of them.
+static void count_own( const RfHitBatch* batch, float weight, PixelRange range )
 {
     for ( int i = 0; i < batch->count + batch->miss_count; ++i )
     {
         int32_t pixel = batch->pixel[i];
         if ( pixel >= range.low && pixel < range.end )
-            range.own[4 * (size_t)pixel + 3] += weight;
+            range.counted[4 * (size_t)pixel + 3] += weight;
     }
 }
 
@@ -207,15 +207,15 @@ static bool find_footprint( const Spread* s, int32_t pixel, float u, float v, Fo
     return true;
 }
 
-// film += weight · (value, 1) in each pixel.
-static void add_to_footprint( const Spread* s, float* to, const Footprint* f, float weight, const float* value )
+// sums += weight · (value, 1) in each pixel.
+static void add_to_footprint( const Spread* s, const Footprint* f, float weight, const float* value, float* sums )
 {
     Float4 v;
     memcpy( &v, value, sizeof v );
     v *= weight;
     for ( int row = 0; row < f->rows; ++row )
     {
-        float* film = to + 4 * ( (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left );
+        float* film = sums + 4 * ( (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left );
         Float4 of_row = v * f->down[row];
         for ( int k = 0; k < f->columns; ++k )
         {
@@ -255,16 +255,28 @@ static uint64_t spread_hits( const RfHitBatch* batch, const RfAccumulateScratch*
             value[c] = i < first_glossy ? batch->radiance[4 * i + c] : scratch->sum[c][i - first_glossy];
             value[c] *= batch->has_views ? scratch->filter[c][i] : 1.0f;
         }
-        add_to_footprint( &s, s.range.film, &f, scratch->ratio[i], value );
+        add_to_footprint( &s, &f, scratch->ratio[i], value, s.range.film );
         landed += f.in_range;
     }
     return landed;
 }
 
+static const float only_weight[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
+
+// count_own with a pixel filter.
+static void spread_own_count( const RfHitBatch* batch, float weight, Spread s )
+{
+    Footprint f;
+    for ( int i = 0; i < batch->count + batch->miss_count; ++i )
+    {
+        if ( find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
+            add_to_footprint( &s, &f, weight, only_weight, s.range.counted );
+    }
+}
+
 // Misses and specular hits, with weight 1 in their own frame, and glints. Returns how many but glints landed in the range.
 static uint64_t spread_own_frame( const RfHitBatch* batch, bool black, float weight, Spread s )
 {
-    static const float only_weight[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
     uint64_t landed = 0;
     int others = batch->miss_count + batch->glint_count;
     Footprint f;
@@ -274,25 +286,13 @@ static uint64_t spread_own_frame( const RfHitBatch* batch, bool black, float wei
         if ( !find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
             continue;
         bool miss = k < batch->miss_count;
-        float* film = !miss && s.range.own != NULL ? s.range.own : s.range.film;
-        add_to_footprint( &s, film, &f, weight, black && miss ? only_weight : batch->radiance + 4 * (size_t)i );
+        add_to_footprint( &s, &f, weight, black && miss ? only_weight : batch->radiance + 4 * (size_t)i,
+                          miss ? s.range.film : s.range.glints );
         if ( s.range.sky != NULL && k < batch->sky_count )
             add_sky_to_footprint( &s, &f, weight );
         landed += miss && f.in_range;
     }
     return landed;
-}
-
-// As splat_own_samples.
-static void spread_own_samples( const RfHitBatch* batch, float weight, Spread s )
-{
-    static const float only_weight[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
-    Footprint f;
-    for ( int i = 0; i < batch->count + batch->miss_count; ++i )
-    {
-        if ( find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
-            add_to_footprint( &s, s.range.own, &f, weight, only_weight );
-    }
 }
 
 // Pixels of the hits at a camera, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
@@ -474,9 +474,11 @@ static uint64_t spread( const RfAccumulation* a, int eye, const RfHitBatch* batc
 {
     Spread s = { .filter = a->filter, .range = range, .width = a->eyes[eye].width, .height = a->eyes[eye].height };
     uint64_t landed = spread_hits( batch, scratch, s );
-    if ( eye == batch->eye && range.own != NULL )
-        spread_own_samples( batch, a->weight, s );
-    return landed + ( eye == batch->eye ? spread_own_frame( batch, !a->shape.own_frame_light, a->weight, s ) : 0 );
+    if ( eye != batch->eye )
+        return landed;
+    if ( range.counted != NULL )
+        spread_own_count( batch, a->weight, s );
+    return landed + spread_own_frame( batch, !a->shape.own_frame_light, a->weight, s );
 }
 
 // Adds each sample of a batch to its own pixel.
@@ -490,15 +492,30 @@ static uint64_t splat( const RfAccumulation* a, int eye, const RfHitBatch* batch
         return landed;
     landed += splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
     splat_glints( batch, a->weight, range );
-    if ( range.own != NULL )
-        splat_own_samples( batch, a->weight, range );
+    if ( range.counted != NULL )
+        count_own( batch, a->weight, range );
     return landed;
 }
 
-// Adds what is taken out to a film of its own, whose weights do not matter. Caustics count in their own frame alone.
-static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, PixelRange range,
-                         RfAccumulateScratch* scratch )
+// The pixels of a job in one of its films. Where own-frame light has sums of its own, they get the glints of groups and the count of
+// own samples, but not extra ones.
+static PixelRange find_range( const RfAccumulation* a, RfAccumulateJob job, int film, int width )
 {
+    float *half = job.films[film].half[job.half], *own = rf_film_own( job.films + film, job.half );
+    return ( PixelRange ){
+        .film = half,
+        .glints = own != NULL && a->shape.own_light ? own : half,
+        .counted = a->extra ? NULL : own,
+        .low = job.first_row * width,
+        .end = job.end_row * width,
+        .sky = job.sky,
+    };
+}
+
+// Adds what is taken out to a film of its own, whose weights do not matter. Caustics count in their own frame alone.
+static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+{
+    PixelRange range = find_range( a, job, 1, a->eyes[job.eye].width );
     RfHitBatch removed = *batch;
     bool clamped = a->shape.clamped;
     if ( !clamped && job.eye != batch->eye )
@@ -507,8 +524,8 @@ static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfH
     removed.radiance = batch->removed;
     removed.radiance = add_dimmed( &light, &removed, scratch );
     removed.directions = batch->removed_directions;
-    range.film = job.films[1].half[job.half];
-    range.sky = range.own = NULL;
+    range.counted = NULL;
+    range.sky = NULL;
     if ( rf_glossy_count( batch ) > 0 && clamped )
         light_glossy( a, job.eye, &removed, &light, scratch );
     for ( int c = 0; c < 3 && !clamped; ++c )
@@ -533,7 +550,7 @@ static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const R
     uint64_t landed =
         rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
     if ( batch->removed != NULL && batch->any_removed )
-        add_removed( a, job, given, range, scratch );
+        add_removed( a, job, given, scratch );
     if ( job.landed != NULL )
         count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && job.eye == batch->eye )
@@ -550,17 +567,13 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
         .shape = rf_batch_shape( group ),
         .weights = group->settings->weights,
         .filter = group->need == NULL ? group->filter : NULL,
+        .extra = group->need != NULL,
         .weight = job.weight,
         .lights = rf_tracer_lights( group->tracers != NULL ? group->tracers[job.eye] : group->tracer ),
         .batches = batches,
         .batch_count = batch_count,
     };
-    int width = group->width;
-    PixelRange range = { .film = job.films->half[job.half],
-                         .low = job.first_row * width,
-                         .end = job.end_row * width,
-                         .sky = job.sky,
-                         .own = job.films->own != NULL ? job.films->own->half[job.half] : NULL };
+    PixelRange range = find_range( &a, job, 0, group->width );
     if ( a.shape.arrivals > 0 )
         note_landed_eyes( &a, job, range, scratch );
     uint64_t landed = 0;

@@ -40,6 +40,7 @@ typedef struct RfAccumulation
     RfBatchShape shape;
     RfWeights weights;
     const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
+    bool extra;                  // samples are extra ones of adaptive sampling
     float weight;                // of the pass in the film
     const RfLights* lights;      // of the film's frame
     void* const* batches;        // RfHitBatch, in the order in which they add to the film
