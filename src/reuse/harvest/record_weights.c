@@ -343,18 +343,30 @@ static void dim_chains( const RfHarvest* harvest, RfHitBatch* batch, const RfHar
     }
 }
 
-void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
+// Emission of the hits. That of lights that change otherwise than by a scale other cameras must not see; behind chains none does.
+static void add_emission( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = scratch->hits;
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
+    bool splits = harvest->path.own != NULL && !harvest->path.own->caustics;
     for ( int i = 0; i < batch->count; ++i )
     {
-        int part = harvest->path.parts ? rf_material_part( lights, v->material[i] ) : 0;
-        bool shines = ( part == RF_PART_OWN ? 0 : part ) == scratch->part;
+        int part = rf_material_part( lights, v->material[i] );
+        bool own = part == RF_PART_OWN && splits && !( rf_has_views( batch ) && batch->view[i] == RF_VIEW_CHAIN );
+        bool shines = !own && ( !harvest->path.parts || ( part == RF_PART_OWN ? 0 : part ) == scratch->part );
         for ( int c = 0; c < 3; ++c )
+        {
             batch->radiance[4 * i + c] = shines ? v->emission[c][i] : 0.0f;
+            if ( own && scratch->part == 0 )
+                scratch->own->light[c][i] += v->emission[c][i];
+        }
         batch->radiance[4 * i + 3] = scratch->part == 0 ? 1.0f : 0.0f;
     }
+}
+
+void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    add_emission( harvest, batch, scratch );
     if ( scratch->clamp != NULL && rf_follows_chains( scratch ) )
         rf_clamp_seen_emission( batch, scratch );
     if ( harvest->path.max_depth == 1 )
