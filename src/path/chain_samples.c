@@ -115,23 +115,25 @@ static void add_emission( const RfPathSettings* settings, const RfWavefront* wav
     for ( int i = 0; i < v->count; ++i )
     {
         if ( v->light_pdf_solid_angle[i] > 0.0f )
-            put( samples->light, v->slot[i], rf_mul( LANE( rays->throughput, v->ray[i] ), LANE( v->emission, i ) ) );
+            put( samples->light, v->slot[i],
+                 rf_mul( LANE( rays->throughput, v->ray[i] ), rf_emission_in_frame( settings, v, i ) ) );
     }
     for ( int r = 0; r < rays->count && rf_has_sky( lights ); ++r )
     {
         if ( wavefront->scratch.triangle[r] == RF_MISS )
             put( samples->light, rays->slot[r],
-                 rf_mul( LANE( rays->throughput, r ), rf_sky_radiance( &lights->sky, LANE( rays->d, r ) ) ) );
+                 rf_mul( LANE( rays->throughput, r ), rf_sky_in_frame( settings, LANE( rays->d, r ) ) ) );
     }
 }
 
-static bool emits( const RfVertexLanes* v, int i )
+static bool emits( const RfPathSettings* settings, const RfVertexLanes* v, int i )
 {
-    return v->light_pdf_solid_angle[i] > 0.0f && v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f;
+    return v->light_pdf_solid_angle[i] > 0.0f && rf_max_component( rf_emission_in_frame( settings, v, i ) ) > 0.0f;
 }
 
 // Continues the rays at mirrors and smooth glass; all others end.
-static void scatter( const RfRayLanes* rays, int sample, int vertex, RfWavefront* wavefront, RfRayLanes* next )
+static void scatter( const RfPathSettings* settings, const RfRayLanes* rays, int sample, int vertex, RfWavefront* wavefront,
+                     RfRayLanes* next )
 {
     RfVertexLanes* v = &wavefront->vertices;
     RfLaneScratch* s = &wavefront->scratch;
@@ -148,7 +150,8 @@ static void scatter( const RfRayLanes* rays, int sample, int vertex, RfWavefront
         float way[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
         float side = rf_leaving_side( v, i, way );
         RfVec3 t = rf_mul( LANE( rays->throughput, v->ray[i] ), LANE( s->f, i ) );
-        if ( !rf_is_chain_event( v, i, s->pdf[i] ) || emits( v, i ) || side == 0.0f || !( rf_max_component( t ) > 0.0f ) )
+        if ( !rf_is_chain_event( v, i, s->pdf[i] ) || emits( settings, v, i ) || side == 0.0f ||
+             !( rf_max_component( t ) > 0.0f ) )
             continue;
         int at = next->count++;
         put( next->o, at, rf_madd( LANE( v->p, i ), LANE( v->ng, i ), side * v->offset[i] ) );
@@ -175,7 +178,7 @@ static void follow( const RfPathSettings* settings, int sample, RfWavefront* wav
         if ( vertex == most )
             break;
         rf_end_spent_paths( settings, wavefront, vertex, rays );
-        scatter( rays, sample, vertex, wavefront, next );
+        scatter( settings, rays, sample, vertex, wavefront, next );
         RfRayLanes* swap = rays;
         rays = next;
         next = swap;

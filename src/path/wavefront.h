@@ -147,6 +147,21 @@ static inline int rf_dimmed_parts( const RfPathSettings* settings )
     return settings->parts ? rf_tracer_lights( settings->tracer )->dimmed_count : 0;
 }
 
+// Emission of a vertex, and the sky, as they are in the tracer's frame.
+static inline RfVec3 rf_emission_in_frame( const RfPathSettings* settings, const RfVertexLanes* v, int i )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
+    return rf_mul( emission, rf_part_scale( lights, rf_material_part( lights, v->material[i] ) ) );
+}
+
+static inline RfVec3 rf_sky_in_frame( const RfPathSettings* settings, RfVec3 d )
+{
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    RfVec3 scale = rf_part_scale( lights, rf_light_part( lights, rf_sky_number( lights ) ) );
+    return rf_mul( rf_sky_radiance( &lights->sky, d ), scale );
+}
+
 // Light samples per vertex, with that of the connector.
 static inline int rf_light_lanes_count( const RfPathSettings* settings )
 {

@@ -305,13 +305,15 @@ static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, 
         float left[3] = { t.x, t.y, t.z };
         set_throughput( chains, slot, t );
         chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
+        RfVec3 emission = rf_emission_in_frame( path, v, i );
+        const float light[3] = { emission.x, emission.y, emission.z };
         for ( int c = 0; c < 3; ++c )
-            wavefront->arrivals.rest[c][slot] += left[c] * v->emission[c][i];
+            wavefront->arrivals.rest[c][slot] += left[c] * light[c];
     }
 }
 
 // Smooth coats: draws the base or the lobe.
-static void start_at_coats( const RfVertexLanes* first, RfWavefront* wavefront, RfChains* chains )
+static void start_at_coats( const RfPathSettings* path, const RfVertexLanes* first, RfWavefront* wavefront, RfChains* chains )
 {
     RfVertexLanes* at = &chains->at;
     for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
@@ -324,8 +326,10 @@ static void start_at_coats( const RfVertexLanes* first, RfWavefront* wavefront, 
         chains->view[slot] = rf_random( key, RF_DIMENSION_CHAINS ) < base ? RF_VIEW_BASE : RF_VIEW_CHAIN;
         if ( chains->view[slot] == RF_VIEW_BASE )
             continue;
+        RfVec3 emission = rf_emission_in_frame( path, first, i );
+        const float light[3] = { emission.x, emission.y, emission.z };
         for ( int c = 0; c < 3 && base == 0.0f; ++c ) // otherwise the base has it
-            wavefront->arrivals.rest[c][slot] += first->emission[c][i];
+            wavefront->arrivals.rest[c][slot] += light[c];
         chains->lobe_weight[slot] = 1.0f / ( 1.0f - base );
         rf_make_lobe( first, i, at, at->count );
         append( at, 1 );
@@ -351,7 +355,7 @@ static void start_chains( const RfPathSettings* path, const RfVertexLanes* first
     }
     go_to( first, &chains->at );
     start_at_glass( path, camera_rays, wavefront, chains );
-    start_at_coats( first, wavefront, chains );
+    start_at_coats( path, first, wavefront, chains );
     if ( chains->clamped )
         memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
     if ( lit && path->max_depth > 1 )

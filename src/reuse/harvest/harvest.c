@@ -779,10 +779,10 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     if ( scratch->clamp != NULL )
         rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );
-    RfTileReuseSettings tiles = tile_settings( harvest, scratch );
-    rf_weight_dimmed( harvest, &tiles, batch, scratch );
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
+    RfTileReuseSettings tiles = tile_settings( harvest, scratch );
+    rf_weight_dimmed( harvest, &tiles, batch, scratch );
     if ( harvest->path.own != NULL )
         rf_add_own_light( harvest, batch, scratch );
     return count;

@@ -17,7 +17,7 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
         if ( seen )
         {
             int slot = scratch->miss_slot[k];
-            sky = rf_sky_radiance( &lights->sky, rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ) );
+            sky = rf_sky_in_frame( &harvest->path, rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ) );
         }
         float* light = light_of( batch, k );
         light[0] = sky.x;
@@ -34,6 +34,7 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
     RfLaneScratch* s = &scratch->wavefront.scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
     float k = (float)harvest->shape.light_samples;
+    const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
     for ( int j = 0; j < harvest->shape.light_samples; ++j )
     {
         const RfLightLanes* direct = scratch->direct + j;
@@ -43,8 +44,35 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
         {
             float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
             float scale = rf_balance_scale( k * direct->pdf_solid_angle[i], s->pdf[i] );
+            RfVec3 of_part = rf_part_scale( lights, harvest->path.parts ? direct->part[i] : 0 );
+            const float of_frame[3] = { of_part.x, of_part.y, of_part.z };
             for ( int c = 0; c < 3; ++c )
-                light[c] += s->f[c][i] * ( direct->radiance_cos[c][i] * scale );
+                light[c] += s->f[c][i] * ( direct->radiance_cos[c][i] * of_frame[c] * scale );
+        }
+    }
+}
+
+// What paths from specular hits have found of dimmed lamps, as it is in their frame.
+static void gather_dimmed( const RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    const RfVertexLanes* v = &scratch->first;
+    RfArrivals* to = &scratch->wavefront.arrivals;
+    for ( int part = 1; part <= rf_dimmed_parts( &harvest->path ); ++part )
+    {
+        const RfArrivals* from = scratch->dimmed + part - 1;
+        RfVec3 scale = rf_part_scale( rf_tracer_lights( harvest->path.tracer ), part );
+        const float of_frame[3] = { scale.x, scale.y, scale.z };
+        for ( int i = rf_record_count( v ); i < v->count; ++i )
+        {
+            int slot = v->slot[i];
+            bool emitted = from->emitted[0][slot] + from->emitted[1][slot] + from->emitted[2][slot] > 0.0f;
+            for ( int c = 0; c < 3; ++c )
+            {
+                to->rest[c][slot] += from->rest[c][slot] * of_frame[c];
+                to->emitted[c][slot] += from->emitted[c][slot] * of_frame[c];
+            }
+            if ( emitted ) // by one part only: that of what the ray has hit
+                to->light_pdf_solid_angle[slot] = from->light_pdf_solid_angle[slot];
         }
     }
 }
@@ -169,13 +197,16 @@ void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
     for ( int n = 0; n < specular; ++n )
     {
         float* light = light_of( batch, first_miss + n );
-        for ( int c = 0; c < 3; ++c )
-            light[c] = v->emission[c][rf_record_count( v ) + n];
+        RfVec3 emission = rf_emission_in_frame( &harvest->path, v, rf_record_count( v ) + n );
+        light[0] = emission.x;
+        light[1] = emission.y;
+        light[2] = emission.z;
         light[3] = 1.0f;
     }
     if ( specular > 0 && harvest->path.max_depth > 1 )
     {
         add_light_samples( harvest, scratch, batch, first_miss );
+        gather_dimmed( harvest, scratch );
         add_scattered( harvest, scratch, &scratch->wavefront.arrivals, batch, first_miss );
         if ( harvest->path.own != NULL && harvest->path.own->caustics )
             take_out_caustics( scratch, &harvest->path.own->arrivals, batch, first_miss );

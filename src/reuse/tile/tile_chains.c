@@ -146,6 +146,13 @@ static void end( Walk* walk, int follower, RfVec3 light )
         walk->all.probability[follower] = 0.0f;
 }
 
+// Chains have no parts: what they find of lights that change is for their own frame alone.
+static void note_part( Walk* walk, int follower, int part )
+{
+    if ( walk->reuse->split )
+        walk->all.touched[follower] |= part != 0;
+}
+
 // Rays that miss see the sky.
 static void end_misses( Walk* walk, int at, const RfRayLanes* rays )
 {
@@ -157,7 +164,10 @@ static void end_misses( Walk* walk, int at, const RfRayLanes* rays )
         int follower = rays->slot[r];
         RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] ), sky = rf_vec3( 0, 0, 0 );
         if ( rf_has_sky( lights ) && at == walk->reuse->slots.chain_light.length[slot_of( walk, follower )] )
-            sky = rf_sky_radiance( &lights->sky, d );
+        {
+            sky = rf_sky_in_frame( walk->path, d );
+            note_part( walk, follower, rf_light_part( lights, rf_sky_number( lights ) ) );
+        }
         end( walk, follower, rf_mul( sky, rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) ) );
     }
 }
@@ -170,9 +180,11 @@ static void arrive( Walk* walk, int at, int i, const RfRayLanes* rays, RfRayLane
     int follower = v->slot[i], r = v->ray[i];
     RfVec3 t = rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ), light = rf_vec3( 0, 0, 0 );
     if ( v->light_pdf_solid_angle[i] > 0.0f )
-        light = rf_mul( t, rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] ) );
+        light = rf_mul( t, rf_emission_in_frame( walk->path, v, i ) );
     bool lit = rf_max_component( light ) > 0.0f, ends = at == reuse->slots.chain_light.length[slot_of( walk, follower )];
     bool strays = at == 0 && !is_near_chain( reuse, walk->all.hit[follower], v, i );
+    if ( ends && lit )
+        note_part( walk, follower, rf_material_part( rf_tracer_lights( walk->path->tracer ), v->material[i] ) );
     if ( ends )
         end( walk, follower, light );
     else if ( lit || strays )
