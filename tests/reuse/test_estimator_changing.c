@@ -54,6 +54,12 @@ static void test_more_lamps_than_parts( void** state )
     check_room( "six", &g_moving_frames );
 }
 
+static void test_what_is_seen_of_lights( void** state )
+{
+    (void)state;
+    check_room( "seen", &g_moving_frames );
+}
+
 static void test_lamps_that_pass( void** state )
 {
     (void)state;
@@ -167,6 +173,7 @@ int main( void )
         cmocka_unit_test( test_switches ),
         cmocka_unit_test( test_colours ),
         cmocka_unit_test( test_more_lamps_than_parts ),
+        cmocka_unit_test( test_what_is_seen_of_lights ),
         cmocka_unit_test( test_lamps_that_pass ),
         cmocka_unit_test( test_cones_and_ranges ),
         cmocka_unit_test( test_a_sun_that_travels ),

@@ -92,6 +92,24 @@ def six():
     return room
 
 
+def seen():
+    """More light is seen to dim than there are parts: a sky, four panels, one of them by rough glass, and a mirror that shines."""
+    room = lit_room("seen", 3.0, sky={"radiance": [0.3, 0.5, 0.9]})
+    room.things = [t for t in room.things if t.name not in ("ceiling", "back wall")]
+    for k in range(4):
+        name, corner = "panel %d" % k, (-1.5 + 0.8 * k, 0.9, -1.9)
+        room.still(name, make_quad(corner, (0.5, 0.0, 0.0), (0.0, 0.6, 0.0)), shining(name, 3.0))
+        room.changes[name] = {STRENGTH: [0.2 + 3.0 * abs(math.sin(1.3 * k + 0.9 * f)) for f in range(FRAMES)]}
+    glow = dict(copy.deepcopy(MIRROR), name="glow", emissiveFactor=[1.0, 0.8, 0.6])
+    room.still("glow", make_quad((1.9, 0.5, -1.4), (0.0, 0.0, 1.4), (0.0, 1.2, 0.0)), glow)
+    room.changes["glow"] = {"emissiveFactor": [(c, 0.5, 1.0 - c) for c in between(0.1, 0.9)]}
+    glass = dict(pane("glass"), pbrMetallicRoughness={"roughnessFactor": 0.3, "metallicFactor": 0.0})
+    glass["extensions"]["KHR_materials_volume"] = {"thicknessFactor": 1.0}
+    room.still("glass", make_box((0.6, 0.8, 0.1)), glass, (0.3, 0.8, -1.2))
+    room.sky_keys = [{"strength": v} for v in DARK]
+    return room
+
+
 def passing(name="passing"):
     """A lamp passes, and a spot that turns on an arm; the mirror sees them all."""
     room = lit_room(name, 3.0)
@@ -270,5 +288,5 @@ def polishes():
     return room
 
 
-CASES = (dimmer, glow, blackout, switches, colors, six, passing, cones, torch, sun, surfaces, poster, cinema, heavens, dawn,
+CASES = (dimmer, glow, blackout, switches, colors, six, seen, passing, cones, torch, sun, surfaces, poster, cinema, heavens, dawn,
          zoom, everything, extremes, jumps, sinks, horizon, shrinks, polishes)
