@@ -54,21 +54,20 @@ static inline uint32_t rf_moving_light( const RfLights* lights, uint32_t triangl
     return changing->of_moving[triangle - changing->first_moving];
 }
 
-// A frame of a group at a moment of its shutter.
-typedef struct RfLitMoment
+// A frame of a group.
+typedef struct RfLitFrame
 {
     RfScene* scene;         // as posed. Its materials that dim are set to what paths of the group look up, where they are its own
     const RfVec3* emission; // by rf_note_emission
-} RfLitMoment;
+} RfLitFrame;
 
 // Notes the emission of materials that dim in a scene as it has been posed: lights->changing->dim_count of them.
 void rf_note_emission( const RfLights* still, const RfScene* posed, RfVec3* emission );
 
-// The lights of a group of `frames`, at `moments` each.
+// The lights of a group of frames.
 typedef struct RfGroupLights
 {
-    int frames, moments;
-    RfLights* lights; // of moment m of frame f: f · moments + m
+    RfLights* lights; // of each frame
     // what they share, owned
     RfPunctual* punctual;
     RfLight* light;
@@ -80,8 +79,8 @@ typedef struct RfGroupLights
 } RfGroupLights;
 
 // `still`: lights of the scene as it was loaded, `loaded`, some of which change; both must outlive the group, as must the posed
-// scenes in `moment`, of which there are frames · moments, by frame. Fails with RF_ERROR_MEMORY.
-RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int frames, int moments, const RfLitMoment* moment,
+// scenes of its `count` frames. Fails with RF_ERROR_MEMORY.
+RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
                                  RfGroupLights** out, RfError* error );
 // NULL is allowed.
 void rf_destroy_group_lights( RfGroupLights* group );

@@ -1,4 +1,4 @@
-// The lights of a group of frames: what each is at every moment, its part, and how they are selected.
+// The lights of a group of frames: what each is in every frame, its part, and how they are selected.
 #include "light/changing.h"
 
 #include "light/collect.h"
@@ -23,13 +23,13 @@ typedef struct Lamp
 {
     LampKind kind;
     uint32_t index; // of the light, of RfChangingLights.dim
-    RfVec3 most;    // of each channel, at all moments
+    RfVec3 most;    // of each channel, in all frames
     double power;
-    int lit;     // the first moment at which it shines
+    int lit;     // the first frame in which it shines
     bool scaled; // nothing but its strength differs
     int dimmer;  // −1: none
     int part;
-    RfVec3* value; // at each moment
+    RfVec3* value; // in each frame
 } Lamp;
 
 // Lamps with the same scales.
@@ -47,9 +47,9 @@ typedef struct Making
     const RfLights* still;
     const RfChangingLights* changing;
     const RfScene* loaded;
-    const RfLitMoment* moment;
+    const RfLitFrame* frame;
     RfGroupLights* group;
-    int count; // of moments in all frames
+    int count; // of frames
     int lamp_count;
     Lamp* lamp;
     RfVec3* values;
@@ -82,11 +82,11 @@ static bool is_looked_up( const RfMaterial* m )
     return m->textured != NULL && ( m->changes || m->textured->model == RF_TEXTURED_UNLIT );
 }
 
-// ---- What lights are at each moment
+// ---- What lights are in each frame
 
 static void set_emission( const Making* m, int at, uint32_t dim, RfVec3 emission )
 {
-    const RfScene* posed = m->moment[at].scene;
+    const RfScene* posed = m->frame[at].scene;
     if ( posed->materials != m->loaded->materials )
         posed->materials[m->changing->dim[dim]].emission = emission;
 }
@@ -94,7 +94,7 @@ static void set_emission( const Making* m, int at, uint32_t dim, RfVec3 emission
 // `emission`: of the light's material, as far as it dims.
 static RfVec3 radiance_of( const Making* m, int at, const RfChangingLight* light, const RfLight* shape, RfVec3 emission )
 {
-    const RfScene* posed = m->moment[at].scene;
+    const RfScene* posed = m->frame[at].scene;
     const RfMaterial *now = material_of( posed, shape ), *then = material_of( m->loaded, shape );
     if ( is_looked_up( now ) )
         return rf_mean_emission( posed, now, shape->triangle );
@@ -106,7 +106,7 @@ static RfVec3 radiance_of( const Making* m, int at, const RfChangingLight* light
 // One that moves; hidden, without an area or black it brings nothing.
 static void place_light( const Making* m, int at, const RfChangingLight* light, RfLight* out )
 {
-    const RfScene* posed = m->moment[at].scene;
+    const RfScene* posed = m->frame[at].scene;
     RfTriangleAt of = rf_locate_placed_triangle( posed, out->triangle );
     out->radiance = rf_vec3( 0, 0, 0 );
     out->area = 0.0f;
@@ -125,18 +125,17 @@ static void place_light( const Making* m, int at, const RfChangingLight* light, 
     if ( rf_mat4_det3( matrix ) < 0.0 )
         shape.normal = rf_scale( shape.normal, -1.0f ); // the winding is that of the mesh
     *out = shape;
-    out->radiance = radiance_of( m, at, light, out, light->dim >= 0 ? m->moment[at].emission[light->dim] : light->mean );
+    out->radiance = radiance_of( m, at, light, out, light->dim >= 0 ? m->frame[at].emission[light->dim] : light->mean );
 }
 
-// The lights of a moment as they are, but for triangles that stand still.
-static void fill_moment( const Making* m, int at )
+// The lights of a frame as they are, but for triangles that stand still.
+static void fill_frame( const Making* m, int at )
 {
     const RfLights* still = m->still;
     RfLights* lights = m->group->lights + at;
-    const RfScene* posed = m->moment[at].scene;
+    const RfScene* posed = m->frame[at].scene;
     size_t triangles = still->triangle_count, punctuals = (size_t)still->punctual_count;
     *lights = *still;
-    lights->changing = m->still->changing;
     if ( m->group->light != NULL )
     {
         lights->light = m->group->light + (size_t)at * triangles;
@@ -148,7 +147,7 @@ static void fill_moment( const Making* m, int at )
         memcpy( m->group->punctual + (size_t)at * punctuals, posed->punctuals, punctuals * sizeof *lights->punctual );
     }
     for ( uint32_t i = 0; i < m->changing->dim_count; ++i )
-        set_emission( m, at, i, m->moment[at].emission[i] );
+        set_emission( m, at, i, m->frame[at].emission[i] );
     for ( uint32_t i = 0; i < m->changing->count; ++i )
     {
         const RfChangingLight* light = m->changing->light + i;
@@ -164,7 +163,7 @@ static void fill_moment( const Making* m, int at )
     lights->sky.sin_rotation = sinf( e->rotation );
 }
 
-// Triangles of a material that dims, which stand still, at a moment.
+// Triangles of a material that dims, which stand still, in a frame.
 static void fill_dimmed( const Making* m, int at, uint32_t dim, RfVec3 emission )
 {
     RfLights* lights = m->group->lights + at;
@@ -190,13 +189,13 @@ static RfVec3 value_at( const Making* m, int at, const Lamp* lamp )
     switch ( lamp->kind )
     {
         case LAMP_PUNCTUAL: return punctual_at( m, at, lamp->index )->intensity;
-        case LAMP_MATERIAL: return m->moment[at].emission[lamp->index];
+        case LAMP_MATERIAL: return m->frame[at].emission[lamp->index];
         case LAMP_SKY: return m->group->environment[at].radiance;
     }
     return rf_vec3( 0, 0, 0 );
 }
 
-// Whether all but the strength is the same at two moments.
+// Whether all but the strength is the same in two frames.
 static bool is_alike( const Making* m, const Lamp* lamp, int a, int b )
 {
     if ( lamp->kind == LAMP_MATERIAL )
@@ -213,10 +212,9 @@ static bool is_lit( RfVec3 value ) { return rf_max_component( value ) > 0.0f; }
 // The same in all frames.
 static bool holds( const Making* m, const Lamp* lamp )
 {
-    for ( int i = 0; i < m->count; ++i )
+    for ( int i = 1; i < m->count; ++i )
     {
-        int first = i % m->group->moments;
-        if ( !is_same( lamp->value[i], lamp->value[first] ) || ( is_lit( lamp->value[i] ) && !is_alike( m, lamp, i, first ) ) )
+        if ( !is_same( lamp->value[i], lamp->value[0] ) || ( is_lit( lamp->value[i] ) && !is_alike( m, lamp, i, 0 ) ) )
             return false;
     }
     return true;
@@ -343,7 +341,7 @@ static void sort_lamps( Making* m )
         look_at_lamp( m, lamp );
         lamp->power = lamp->lit >= 0 ? power_of( m, lamp ) : 0.0;
     }
-    if ( m->group->frames == 1 )
+    if ( m->count == 1 )
         return;
     qsort( m->lamp, (size_t)m->lamp_count, sizeof *m->lamp, by_power );
     for ( int k = 0; k < m->lamp_count; ++k )
@@ -392,7 +390,7 @@ static void note_parts( const Making* m )
 {
     RfLights* first = m->group->lights;
     uint32_t moving = m->still->triangle_count - m->changing->still_triangles;
-    if ( m->group->frames == 1 )
+    if ( m->count == 1 )
         return;
     first->any_own = moving > 0;
     memset( first->part + m->changing->still_triangles, RF_PART_OWN, moving );
@@ -421,7 +419,7 @@ static RfVec3 turned( RfVec3 v, float angle )
     return rf_vec3( v.x * c + v.z * s, v.y, v.z * c - v.x * s );
 }
 
-// The mean of the sky over all moments, by which it is selected at each; none where it is dark at all of them.
+// The mean of the sky over all frames, by which it is selected in each; none where it is dark in all of them.
 static void average_sky( const Making* m, const Lamp* lamp )
 {
     const RfEnvironment* loaded = &m->loaded->environment;
@@ -486,7 +484,7 @@ static RfResult find_powers( const Making* m, RfError* error )
 // Extends the bounds of a triangle to all that it is while the shutter of a frame is open, where that is posed at moments.
 static void sweep_shutter( const Making* m, int at, uint32_t number, RfTreeLight* out )
 {
-    const RfScene* posed = m->moment[at].scene;
+    const RfScene* posed = m->frame[at].scene;
     const RfLights* lights = m->group->lights + at;
     const RfLight* light = lights->light + number;
     if ( posed->moments == NULL || number < m->changing->still_triangles || number >= lights->triangle_count ||
@@ -519,7 +517,7 @@ static void widen( RfTreeLight* bound )
     }
 }
 
-// The bounds of a light that hold at all moments.
+// The bounds of a light that hold in all frames.
 static RfTreeLight swept_bound( const Making* m, uint32_t number )
 {
     const RfLights* first = m->group->lights;
@@ -534,7 +532,7 @@ static RfTreeLight swept_bound( const Making* m, uint32_t number )
     for ( int i = 0; i < m->count; ++i )
     {
         sweep_shutter( m, i, number, &out );
-        blurred = blurred || m->moment[i].scene->moments != NULL;
+        blurred = blurred || m->frame[i].scene->moments != NULL;
     }
     if ( blurred && number >= m->changing->still_triangles && number < first->triangle_count )
         widen( &out );
@@ -623,7 +621,7 @@ static bool alloc_shared( const Making* m )
     size_t lights = (size_t)first->count + 1, materials = (size_t)m->loaded->material_count + 1;
     first->alias = first->alias_threshold = NULL;
     group->power_fraction = malloc( lights * sizeof *group->power_fraction );
-    if ( group->frames > 1 )
+    if ( m->count > 1 )
     {
         group->part = calloc( lights, sizeof *group->part );
         group->material_part = calloc( materials, sizeof *group->material_part );
@@ -631,7 +629,7 @@ static bool alloc_shared( const Making* m )
     first->power_fraction = group->power_fraction;
     first->part = group->part;
     first->material_part = group->material_part;
-    return group->power_fraction != NULL && ( group->frames == 1 || ( group->part != NULL && group->material_part != NULL ) );
+    return group->power_fraction != NULL && ( m->count == 1 || ( group->part != NULL && group->material_part != NULL ) );
 }
 
 static void list_lamps( Making* m )
@@ -653,7 +651,7 @@ static void list_lamps( Making* m )
 static RfResult make_group( Making* m, RfError* error )
 {
     for ( int i = 0; i < m->count; ++i )
-        fill_moment( m, i );
+        fill_frame( m, i );
     if ( !alloc_shared( m ) )
         return no_memory( error );
     list_lamps( m );
@@ -669,17 +667,13 @@ static RfResult make_group( Making* m, RfError* error )
     return find_selection( m, error );
 }
 
-RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int frames, int moments, const RfLitMoment* moment,
+RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
                                  RfGroupLights** out, RfError* error )
 {
     RfGroupLights* group = *out = calloc( 1, sizeof *group );
     if ( group == NULL )
         return no_memory( error );
-    group->frames = frames;
-    group->moments = moments;
-    Making m = {
-        .still = still, .changing = still->changing, .loaded = loaded, .moment = moment, .group = group, .count = frames * moments
-    };
+    Making m = { .still = still, .changing = still->changing, .loaded = loaded, .frame = frame, .group = group, .count = count };
     RfResult result = alloc_group( &m ) ? make_group( &m, error ) : no_memory( error );
     free( m.lamp );
     free( m.values );

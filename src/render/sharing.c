@@ -131,22 +131,22 @@ static RfResult look_at_group( Look* look, const RfGroupPlan* plan, int run, Pos
     int first, count = 2 * look->settings->group + 1;
     RfResult result = RF_OK;
     RfGroupLights* group = NULL;
-    RfLitMoment* moments = malloc( (size_t)count * sizeof *moments );
-    if ( moments == NULL )
+    RfLitFrame* frames = malloc( (size_t)count * sizeof *frames );
+    if ( frames == NULL )
         return fail_memory( error );
     rf_frames_around( plan, run, &first, &count );
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
         int k = ( first + i ) % poses->held;
         result = pose_run( look, first + i, poses, error );
-        moments[i] = ( RfLitMoment ){ &poses->pose[k].scene, poses->emission + poses->dims * (size_t)k };
+        frames[i] = ( RfLitFrame ){ &poses->pose[k].scene, poses->emission + poses->dims * (size_t)k };
     }
     if ( result == RF_OK )
-        result = rf_create_group_lights( look->lights, look->scene, count, 1, moments, &group, error );
+        result = rf_create_group_lights( look->lights, look->scene, count, frames, &group, error );
     if ( result == RF_OK )
         find_ways( look, group->lights );
     rf_destroy_group_lights( group );
-    free( moments );
+    free( frames );
     return result;
 }
 

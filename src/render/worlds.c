@@ -238,17 +238,17 @@ static RfResult light_worlds( RfWorlds* worlds, int first, int count, RfError* e
     if ( !worlds->lights_change || ( worlds->first_lit == first && worlds->lit_count == count ) )
         return RF_OK;
     drop_lights( worlds );
-    RfLitMoment* moment = malloc( (size_t)count * sizeof *moment );
-    if ( moment == NULL )
+    RfLitFrame* frame = malloc( (size_t)count * sizeof *frame );
+    if ( frame == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory for the lights of a group of frames" );
     for ( int i = 0; i < count; ++i )
     {
         RfWorld* world = world_of( worlds, first + i );
-        moment[i] = ( RfLitMoment ){ &middle_of( world )->scene, world->emission };
+        frame[i] = ( RfLitFrame ){ &middle_of( world )->scene, world->emission };
     }
-    RfResult result = rf_create_group_lights( rf_tracer_lights( worlds->still ), rf_tracer_scene( worlds->still ), count, 1,
-                                              moment, &worlds->lights, error );
-    free( moment );
+    RfResult result = rf_create_group_lights( rf_tracer_lights( worlds->still ), rf_tracer_scene( worlds->still ), count, frame,
+                                              &worlds->lights, error );
+    free( frame );
     for ( int i = 0; i < count && result == RF_OK; ++i )
         rf_set_lights( world_of( worlds, first + i )->tracer, worlds->lights->lights + i );
     worlds->first_lit = first;

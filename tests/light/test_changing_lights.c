@@ -23,9 +23,7 @@
 
 enum
 {
-    FRAMES = 5,
-    MOMENTS = 2,
-    ALL = FRAMES * MOMENTS
+    FRAMES = 5
 };
 
 // Lamps of the scene, by their numbers.
@@ -63,13 +61,13 @@ typedef enum SkyKind
     SKY_STAYS,
 } SkyKind;
 
-// A scene as loaded, and as posed at every moment.
+// A scene as loaded, and as posed for every frame.
 typedef struct World
 {
     RfScene loaded;
-    RfScene posed[ALL];
-    RfVec3 emission[ALL][MATERIALS];
-    RfLitMoment moment[ALL];
+    RfScene posed[FRAMES];
+    RfVec3 emission[FRAMES][MATERIALS];
+    RfLitFrame frame[FRAMES];
     RfLights still;
 } World;
 
@@ -180,10 +178,9 @@ static void pose_lamps( RfScene* posed, int frame, float time )
     p[WEAK].intensity = rf_scale( p[WEAK].intensity, 1.0f - 0.5f * time );
 }
 
-// Of the frame at a moment of its shutter: what moves goes on, and what is dimmed does not.
-static void pose( const RfScene* loaded, SkyKind sky, int frame, int moment, RfScene* posed )
+static void pose( const RfScene* loaded, SkyKind sky, int frame, RfScene* posed )
 {
-    float time = ( (float)frame + 0.3f * (float)moment ) / FRAMES;
+    float time = (float)frame / FRAMES;
     *posed = *loaded;
     posed->materials = malloc( MATERIALS * sizeof *posed->materials );
     memcpy( posed->materials, loaded->materials, MATERIALS * sizeof *posed->materials );
@@ -209,18 +206,18 @@ static World* make_world( SkyKind sky )
     RfError error;
     w->loaded = load( sky );
     assert_int_equal( rf_collect_lights( &w->loaded, &w->still, &error ), RF_OK );
-    for ( int i = 0; i < ALL; ++i )
+    for ( int i = 0; i < FRAMES; ++i )
     {
-        pose( &w->loaded, sky, i / MOMENTS, i % MOMENTS, w->posed + i );
+        pose( &w->loaded, sky, i, w->posed + i );
         rf_note_emission( &w->still, w->posed + i, w->emission[i] );
-        w->moment[i] = ( RfLitMoment ){ w->posed + i, w->emission[i] };
+        w->frame[i] = ( RfLitFrame ){ w->posed + i, w->emission[i] };
     }
     return w;
 }
 
 static void free_world( World* w )
 {
-    for ( int i = 0; i < ALL; ++i )
+    for ( int i = 0; i < FRAMES; ++i )
     {
         free( w->posed[i].materials );
         free( w->posed[i].punctuals );
@@ -231,15 +228,11 @@ static void free_world( World* w )
     free( w );
 }
 
-// Of all frames at all moments, or at the first of each.
-static RfGroupLights* group_of( const World* w, int moments )
+static RfGroupLights* group_of( const World* w )
 {
     RfGroupLights* group;
     RfError error;
-    RfLitMoment moment[ALL];
-    for ( int i = 0; i < FRAMES * moments; ++i )
-        moment[i] = w->moment[i / moments * MOMENTS + i % moments];
-    assert_int_equal( rf_create_group_lights( &w->still, &w->loaded, FRAMES, moments, moment, &group, &error ), RF_OK );
+    assert_int_equal( rf_create_group_lights( &w->still, &w->loaded, FRAMES, w->frame, &group, &error ), RF_OK );
     return group;
 }
 
@@ -253,7 +246,7 @@ static bool is_dimmed( int part ) { return part > 0 && part <= RF_DIMMED_MOST; }
 
 static void check_parts( const World* w, SkyKind sky )
 {
-    RfGroupLights* group = group_of( w, 1 );
+    RfGroupLights* group = group_of( w );
     const RfLights* l = group->lights;
     assert_true( part_of( l, STILL ) == 0 && part_of( l, CONSTANT ) == 0 && part_of( l, DARK ) == 0 );
     assert_true( part_of( l, MOVED ) == RF_PART_OWN && part_of( l, SUN ) == RF_PART_OWN );
@@ -300,11 +293,11 @@ static void test_references_and_scales( void** state )
 {
     (void)state;
     World* w = make_world( SKY_DIMS );
-    RfGroupLights* group = group_of( w, 1 );
+    RfGroupLights* group = group_of( w );
     for ( int f = 0; f < FRAMES; ++f )
     {
         const RfLights* l = group->lights + f;
-        const RfScene* posed = w->posed + (ptrdiff_t)f * MOMENTS;
+        const RfScene* posed = w->posed + f;
         for ( int p = 1; p <= l->dimmed_count; ++p )
             assert_true( rf_max_component( rf_part_scale( l, p ) ) <= 1.0f );
         for ( int k = 0; k < LAMPS; ++k )
@@ -318,7 +311,7 @@ static void test_references_and_scales( void** state )
             RfVec3 scale = rf_part_scale( l, rf_light_part( l, i ) ), own = posed->materials[material].emission;
             assert_near( l->light[i].radiance, own ); // what hits look up
             for ( uint32_t k = 0; k < w->still.changing->dim_count; ++k )
-                own = w->still.changing->dim[k] == (uint32_t)material ? w->emission[f * MOMENTS][k] : own;
+                own = w->still.changing->dim[k] == (uint32_t)material ? w->emission[f][k] : own;
             assert_near( rf_mul( scale, l->light[i].radiance ), own );
         }
         RfVec3 sky = rf_part_scale( l, rf_light_part( l, rf_sky_number( l ) ) );
@@ -328,9 +321,8 @@ static void test_references_and_scales( void** state )
     for ( int f = 0; f < FRAMES; ++f )
     {
         RfError error;
-        const RfScene* posed = w->posed + (ptrdiff_t)f * MOMENTS;
-        assert_int_equal(
-            rf_create_group_lights( &w->still, &w->loaded, 1, 1, w->moment + (ptrdiff_t)f * MOMENTS, &group, &error ), RF_OK );
+        const RfScene* posed = w->posed + f;
+        assert_int_equal( rf_create_group_lights( &w->still, &w->loaded, 1, w->frame + f, &group, &error ), RF_OK );
         const RfLights* l = group->lights;
         assert_true( l->part == NULL && l->dimmed_count == 0 );
         for ( int k = 0; k < LAMPS; ++k )
@@ -378,21 +370,21 @@ enum
     DRAWS = 400
 };
 
-static void check_chances( const RfGroupLights* group, int count, RfLightSampling sampling, uint32_t i )
+static void check_chances( const RfGroupLights* group, RfLightSampling sampling, uint32_t i )
 {
     const RfLights* first = group->lights;
-    RfVec3 x = some_place( group->lights + i % (uint32_t)count, i ), n = direction( 6, i );
+    RfVec3 x = some_place( group->lights + i % FRAMES, i ), n = direction( 6, i );
     double sum = 0.0;
     for ( uint32_t k = 0; k < first->count; ++k )
     {
         float chance = rf_light_probability( first, sampling, k, x, n );
         sum += (double)chance;
-        for ( int f = 0; f < count; ++f )
+        for ( int f = 0; f < FRAMES; ++f )
         {
             const RfLights* l = group->lights + f;
             assert_true( rf_light_probability( l, sampling, k, x, n ) == chance );
             if ( !( chance > 0.0f ) && can_send( l, k, x, n, i * 331 + k ) )
-                fail_msg( "light %u can send light to %g %g %g at moment %d, and is never picked there", k, (double)x.x,
+                fail_msg( "light %u can send light to %g %g %g in frame %d, and is never picked there", k, (double)x.x,
                           (double)x.y, (double)x.z, f );
         }
     }
@@ -402,7 +394,7 @@ static void check_chances( const RfGroupLights* group, int count, RfLightSamplin
     {
         uint32_t bits[2] = { rf_random_bits( rf_pixel_key( 3, i ), k ), rf_random_bits( rf_pixel_key( 4, i ), k ) };
         RfLightSelection pick = rf_select_light( first, sampling, x, n, bits );
-        for ( int f = 1; f < count && k < 10; ++f )
+        for ( int f = 1; f < FRAMES && k < 10; ++f )
         {
             RfLightSelection other = rf_select_light( group->lights + f, sampling, x, n, bits );
             assert_true( other.light == pick.light && other.probability == pick.probability );
@@ -425,16 +417,13 @@ static void test_frames_share_chances( void** state )
     for ( SkyKind sky = NO_SKY; sky <= SKY_STAYS; ++sky )
     {
         World* w = make_world( sky );
-        for ( int moments = 1; moments <= MOMENTS; ++moments )
+        RfGroupLights* group = group_of( w );
+        for ( uint32_t i = 0; i < 400; ++i )
         {
-            RfGroupLights* group = group_of( w, moments );
-            for ( uint32_t i = 0; i < 400; ++i )
-            {
-                check_chances( group, FRAMES * moments, RF_LIGHTS_BY_TREE, i );
-                check_chances( group, FRAMES * moments, RF_LIGHTS_BY_POWER, i );
-            }
-            rf_destroy_group_lights( group );
+            check_chances( group, RF_LIGHTS_BY_TREE, i );
+            check_chances( group, RF_LIGHTS_BY_POWER, i );
         }
+        rf_destroy_group_lights( group );
         free_world( w );
     }
 }
@@ -478,7 +467,7 @@ enum
     SAMPLES = 4000
 };
 
-// The scene of a moment that knows of no movement.
+// The scene of a frame that knows of no movement.
 static RfScene still_scene( const World* w, int at )
 {
     RfScene scene = w->posed[at];
@@ -505,7 +494,7 @@ static RfScene still_scene( const World* w, int at )
     return out;
 }
 
-// Every light on its own, in the still scene of a moment.
+// Every light on its own, in the still scene of a frame.
 static Sample brute_force( const RfLights* lights, const RfScene* scene, RfVec3 x, RfVec3 n, int c, uint32_t stream )
 {
     Sample all = { SAMPLES, 0.0, 0.0 };
@@ -565,7 +554,7 @@ static void test_samples_have_the_mean_of_still_scenes( void** state )
         Sample truth[FRAMES][PLACES];
         for ( int f = 0; f < FRAMES; ++f )
         {
-            RfScene scene = still_scene( w, f * MOMENTS );
+            RfScene scene = still_scene( w, f );
             RfLights lights;
             RfError error;
             assert_int_equal( rf_collect_lights( &scene, &lights, &error ), RF_OK );
@@ -580,13 +569,13 @@ static void test_samples_have_the_mean_of_still_scenes( void** state )
             scene.environment.map = NULL;
             rf_destroy_scene( &scene );
         }
-        RfGroupLights* group = group_of( w, 1 );
+        RfGroupLights* group = group_of( w );
         for ( int f = 0; f < FRAMES; ++f )
         {
             for ( uint32_t i = 0; i < PLACES; ++i )
             {
-                Sample s = by_selection( group->lights + f, w->posed + (ptrdiff_t)f * MOMENTS, in_cube( 11, i, 2.0f ),
-                                         direction( 12, i ), (int)( i % 3 ), i );
+                Sample s = by_selection( group->lights + f, w->posed + f, in_cube( 11, i, 2.0f ), direction( 12, i ),
+                                         (int)( i % 3 ), i );
                 double p = welch_of( s, truth[f][i] );
                 least = fmin( least, p );
                 assert_true( is_likely( p ) && s.variance < 0.01 * s.mean * s.mean );
@@ -620,16 +609,16 @@ static void test_few_lights( void** state )
     assert_int_equal( still.count, 2 ); // it has lights, at some time
     RfPunctual own[2][2];
     RfScene posed[2] = { scene, scene };
-    RfLitMoment moment[2];
+    RfLitFrame frame[2];
     for ( int f = 0; f < 2; ++f )
     {
         memcpy( own[f], scene.punctuals, sizeof own[f] );
         own[f][0].intensity = rf_vec3( (float)f, (float)f, (float)f );
         posed[f].punctuals = own[f];
-        moment[f] = ( RfLitMoment ){ posed + f, NULL };
+        frame[f] = ( RfLitFrame ){ posed + f, NULL };
     }
     RfVec3 x = rf_vec3( 0, -0.5f, 0 ), n = rf_vec3( 0, 1, 0 );
-    assert_int_equal( rf_create_group_lights( &still, &scene, 2, 1, moment, &group, &error ), RF_OK );
+    assert_int_equal( rf_create_group_lights( &still, &scene, 2, frame, &group, &error ), RF_OK );
     for ( int f = 0; f < 2; ++f )
     {
         const RfLights* l = group->lights + f;
@@ -640,11 +629,11 @@ static void test_few_lights( void** state )
     rf_destroy_group_lights( group );
     own[0][0].position.y = -0.1f;
     own[0][0].intensity = rf_vec3( 1, 2, 3 );
-    assert_int_equal( rf_create_group_lights( &still, &scene, 2, 1, moment, &group, &error ), RF_OK );
+    assert_int_equal( rf_create_group_lights( &still, &scene, 2, frame, &group, &error ), RF_OK );
     assert_true( rf_light_part( group->lights, 0 ) == RF_PART_OWN && group->lights->any_own && group->lights->all_own );
     rf_destroy_group_lights( group );
     own[0][0] = scene.punctuals[0];
-    assert_int_equal( rf_create_group_lights( &still, &scene, 1, 1, moment, &group, &error ), RF_OK );
+    assert_int_equal( rf_create_group_lights( &still, &scene, 1, frame, &group, &error ), RF_OK );
     assert_int_equal( group->lights->count, 0 ); // in the dark
     assert_true( rf_light_probability( group->lights, RF_LIGHTS_BY_TREE, 0, x, n ) == 0.0f );
     rf_destroy_group_lights( group );
@@ -659,12 +648,12 @@ static void test_triangles_that_move_are_lights_of_tracers( void** state )
     (void)state;
     World* w = make_world( NO_SKY );
     RfTracer *still = make_tracer( &w->loaded ), *tracer[FRAMES];
-    RfGroupLights* group = group_of( w, 1 );
+    RfGroupLights* group = group_of( w );
     RfError error;
     uint32_t lights = 0;
     for ( int f = 0; f < FRAMES; ++f )
     {
-        assert_int_equal( rf_create_posed_tracer( still, w->posed + (ptrdiff_t)f * MOMENTS, tracer + f, &error ), RF_OK );
+        assert_int_equal( rf_create_posed_tracer( still, w->posed + f, tracer + f, &error ), RF_OK );
         rf_set_lights( tracer[f], group->lights + f );
         const RfLights* l = rf_tracer_lights( tracer[f] );
         for ( uint32_t i = 0; i < rf_triangle_count( &w->loaded ); ++i )

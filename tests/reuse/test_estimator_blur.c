@@ -59,8 +59,8 @@ static RfGroupLights* light_moment( const RfTracer* still, const RfEye* eye, RfP
     RfPosedScene middle = gltf_pose_at( rf_tracer_scene( still ), eye->time );
     RfVec3* emission = malloc( ( (size_t)lights->changing->dim_count + 1 ) * sizeof *emission );
     rf_note_emission( lights, &middle.scene, emission );
-    RfLitMoment moment = { &pose->scene, emission };
-    if ( rf_create_group_lights( lights, rf_tracer_scene( still ), 1, 1, &moment, &group, &error ) != RF_OK )
+    RfLitFrame frame = { &pose->scene, emission };
+    if ( rf_create_group_lights( lights, rf_tracer_scene( still ), 1, &frame, &group, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     rf_set_lights( posed, group->lights );
     rf_destroy_pose( &middle );
