@@ -4,6 +4,7 @@
 #include "base/built_in.h"
 #include "light/changing.h"
 #include "scene/movement.h"
+#include "scene/pose_images.h"
 
 #include <stdlib.h>
 
@@ -34,6 +35,7 @@ size_t rf_worlds_bytes( const RfScene* scene, int count, int steps )
                    sizeof( RfMesh ) * (size_t)( scene->mesh_count + own.meshes );
     world += (size_t)steps * ( BYTES_PER_TRIANGLE_STEP * (size_t)own.triangles + BYTES_PER_MESH_STEP * (size_t)own.meshes +
                                BYTES_PER_MOVER_STEP * movers );
+    world -= (size_t)steps * rf_images_bytes( scene ); // which the middle moment alone has
     return (size_t)count * world + BYTES_PER_BUILT_TRIANGLE * (size_t)own.most_triangles + own.image_bytes +
            rf_group_lights_bytes( scene, count );
 }

@@ -86,7 +86,7 @@ static size_t lay_out_mesh( const RfTriangles* from, char* memory, RfTriangles* 
 
 static size_t larger( size_t a, size_t b ) { return a > b ? a : b; }
 
-static Layout lay_out( const RfScene* scene )
+static Layout lay_out( const RfScene* scene, bool images )
 {
     Layout layout = { 0 };
     const RfMovement* movement = scene->movement;
@@ -113,11 +113,11 @@ static Layout lay_out( const RfScene* scene )
     layout.mirrored = take( &layout.total, vertices, sizeof( bool ) );
     layout.arrays = take( &layout.total, arrays, 1 );
     layout.changes = take( &layout.total, rf_changes_bytes( scene ), 1 );
-    layout.images = take( &layout.total, rf_images_bytes( scene ), 1 );
+    layout.images = take( &layout.total, images ? rf_images_bytes( scene ) : 0, 1 );
     return layout;
 }
 
-size_t rf_pose_bytes( const RfScene* scene ) { return scene->movement != NULL ? lay_out( scene ).total : 0; }
+size_t rf_pose_bytes( const RfScene* scene ) { return scene->movement != NULL ? lay_out( scene, true ).total : 0; }
 
 RfPoseParts rf_pose_parts( const RfScene* scene )
 {
@@ -329,7 +329,7 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
     pose->hash = RF_HASH_START;
     if ( scene->movement == NULL )
         return RF_OK;
-    Layout layout = lay_out( scene );
+    Layout layout = lay_out( scene, !pose->places_alone );
     if ( pose->memory == NULL )
     {
         pose->memory = aligned_alloc( 64, layout.total );
@@ -375,7 +375,7 @@ static RfResult hash_moment( const RfScene* scene, double time, bool all, uint64
     if ( scene->movement == NULL )
         return RF_OK;
     // what is found on the way alone, none of the meshes
-    Layout layout = lay_out( scene );
+    Layout layout = lay_out( scene, false );
     layout.total = layout.mirrored - layout.worlds;
     char* memory = layout.total > 0 ? aligned_alloc( 64, layout.total ) : NULL;
     if ( memory == NULL && layout.total > 0 )
