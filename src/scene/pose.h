@@ -8,10 +8,11 @@
 typedef struct RfPosedScene
 {
     double time;
-    RfScene scene; // placements and meshes are the pose's own, punctual lights and materials where some change; all else is
-        // shared: to be read like any scene, never destroyed. A lamp that is hidden has intensity 0. What deforms has meshes after those of the scene; they stand in the world, relative to its origin, or,
-        // where only morph targets deform them, in the space of the mesh. Triangles have the same numbers at all
-        // times; the bounds are those of the scene
+    // Placements and meshes are the pose's own, punctual lights and materials where some change; all else is shared: to be read like
+    // any scene, never destroyed. A lamp that is hidden has intensity 0. What deforms has meshes after those of the scene; they
+    // stand in the world, relative to its origin, or, where only morph targets deform them, in the space of the mesh. Triangles
+    // have the same numbers at all times; the bounds are those of the scene.
+    RfScene scene;
     uint64_t hash; // of what moves: as rf_moment_hash
     void* memory;  // of rf_pose_bytes, aligned to 64 bytes; NULL: rf_pose_scene allocates it, and rf_destroy_pose frees it
     bool owned;
