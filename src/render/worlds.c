@@ -162,6 +162,7 @@ static RfResult pose_moments( const RfScene* scene, const RfEye* eye, RfWorld* w
     {
         world->poses[k].in_shutter = steps > 0;
         world->poses[k].places_alone = k != rf_middle_moment( steps );
+        world->poses[k].middle = eye->time;
         result = rf_pose_scene( scene, rf_moment_time( eye, k ), world->poses + k, error );
     }
     if ( result == RF_OK && steps > 0 )

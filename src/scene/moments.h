@@ -15,7 +15,7 @@ typedef struct RfMoments
     const RfMesh* meshes[RF_MAX_BLUR_STEPS + 1];
 } RfMoments;
 
-// The moment by which it is decided what is shown, and which has all that does not move: the middle one, or that after the middle.
+// The moment whose pose has all that is not places and shapes (RfPosedScene.middle): the middle one, or that after the middle.
 static inline int rf_middle_moment( int steps ) { return ( steps + 1 ) / 2; }
 
 // Seconds of the scene at one of an eye's moments; its time where nothing is blurred.

@@ -34,7 +34,7 @@ typedef struct Posing
 {
     const RfScene* scene;
     const RfMovement* movement;
-    double time;
+    double time, shown_at;
     RfPosedScene* pose;
     RfPlacement* placements;
     RfMesh* meshes;
@@ -144,7 +144,7 @@ static void find_nodes( const Posing* p )
         double shows = p->scene->nodes[self->node].hidden ? 0.0 : 1.0;
         rf_node_local_matrix( p->scene, self->node, p->time, &local );
         if ( self->shows >= 0 )
-            rf_sample_channel( p->scene->channels + self->shows, p->time, &shows );
+            rf_sample_channel( p->scene->channels + self->shows, p->shown_at, &shows );
         p->worlds[i] = self->parent >= 0 ? rf_mat4_mul( p->worlds + self->parent, &local ) : local;
         p->shown[i] = shows != 0.0 && ( self->parent < 0 || p->shown[self->parent] );
     }
@@ -303,6 +303,7 @@ static Posing begin( const RfScene* scene, double time, const Layout* layout, ch
         .scene = scene,
         .movement = scene->movement,
         .time = time,
+        .shown_at = time,
         .placements = (RfPlacement*)(void*)( memory + layout->placements ),
         .meshes = (RfMesh*)(void*)( memory + layout->meshes ),
         .mesh_count = scene->mesh_count,
@@ -339,6 +340,8 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
         return no_memory( scene, error );
     Posing p = begin( scene, time, &layout, pose->memory, error );
     p.pose = pose;
+    if ( pose->in_shutter && !pose->places_alone )
+        p.shown_at = pose->middle;
     if ( scene->placement_count > 0 )
         memcpy( p.placements, scene->placements, (size_t)scene->placement_count * sizeof *p.placements );
     if ( scene->mesh_count > 0 )
@@ -352,6 +355,11 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < p.movement->mover_count; ++i )
         result = pose_mover( &p, i );
+    if ( p.shown_at != time )
+    {
+        time = p.time = p.shown_at;
+        find_nodes( &p ); // of lamps
+    }
     RfNodesAt nodes = { time, p.worlds, p.shown };
     pose->hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, pose->hash ) );
     if ( result == RF_OK )

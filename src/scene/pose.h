@@ -17,8 +17,10 @@ typedef struct RfPosedScene
     void* memory;  // of rf_pose_bytes, aligned to 64 bytes; NULL: rf_pose_scene allocates it, and rf_destroy_pose frees it
     bool owned;
     // Before it is posed. It is a moment of a shutter (scene/moments.h): all that deforms, and all that may flatten, stands in the
-    // world. Of places and shapes alone: images are not read.
+    // world. Of places and shapes alone: images are not read; else lamps, materials, the sky, images and what is shown are as at
+    // `middle` seconds of the shutter, where no moment may lie.
     bool in_shutter, places_alone;
+    double middle;
 } RfPosedScene;
 
 // What a pose of the scene needs: all that it has while it lives, and what posing takes meanwhile.

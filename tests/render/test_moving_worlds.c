@@ -372,6 +372,39 @@ static void test_light_paths_by_a_mirror_that_grows( void** state )
     rf_destroy_scene( &scene );
 }
 
+// The wall brightens while the plate slides: it is as bright as in the middle of the shutter, in which moment that lies or not.
+static void test_light_of_the_middle_of_a_shutter( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_plate();
+    add_gltf_floats( &b, "VEC3", 3, 2, ( const float[] ){ 0, 0, 0, 0.5f, 0, 0 } );
+    add_gltf_floats( &b, "VEC3", 3, 2, ( const float[] ){ 0, 0, 0, 1, 1, 1 } );
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES(
+                "},\"indices\":1,\"material\":0" ) "\"animations\":[{"
+                                                   "\"samplers\":[{\"input\":3,\"output\":4},{\"input\":3,\"output\":5}],"
+                                                   "\"channels\":["
+                                                   "{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"translation\"}},"
+                                                   "{\"sampler\":1,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_"
+                                                   "animation_pointer\":{"
+                                                   "\"pointer\":\"/materials/1/emissiveFactor\"}}}}]}]" );
+    RfRenderSettings settings = moving_settings( 0, 1 );
+    settings.max_depth = 1;
+    for ( int steps = 0; steps <= 5; ++steps )
+    {
+        RfEye eye;
+        Layers kept;
+        RfError error;
+        still_eyes( &eye, 1, 2.0 );
+        open_eye( &eye, 1.0, steps );
+        if ( render_part( &scene, &eye, 1, 0, 1, &settings, &kept, &error ) != RF_OK )
+            fail_msg( "%s", error.text );
+        assert_float_equal( kept.rgb[0][0], 0.5, 1e-5 );
+        free_layers( &kept );
+    }
+    rf_destroy_scene( &scene );
+}
+
 // ---- Plan and pilot -------------------------------------------------------------
 
 static RfPlan plan_of( const RfScene* scene )
@@ -612,6 +645,7 @@ int main( void )
         cmocka_unit_test( test_motion_of_a_skin_that_is_turned_over ),
         cmocka_unit_test( test_a_frame_alone_is_that_of_its_sequence ),
         cmocka_unit_test( test_light_paths_by_a_mirror_that_grows ),
+        cmocka_unit_test( test_light_of_the_middle_of_a_shutter ),
         cmocka_unit_test( test_groups_that_do_not_pay ),
         cmocka_unit_test( test_pilots_see_light_that_no_other_frame_has ),
         cmocka_unit_test( test_the_budget_counts_what_moves ),

@@ -262,6 +262,10 @@ static void test_what_is_shown_at_times( void** state )
         assert_int_equal( pose.scene.placements[0].shown, i < 3 || i > 4 );
         rf_destroy_pose( &pose );
     }
+    RfPosedScene full = { .in_shutter = true, .middle = 1.9 }; // of a shutter of an odd number of steps
+    assert_int_equal( rf_pose_scene( &scene, 2.0, &full, NULL ), RF_OK );
+    assert_true( full.scene.placements[0].shown );
+    rf_destroy_pose( &full );
     assert_true( rf_scene_moves( &scene, 1.5, 2.5 ) );
     assert_false( rf_scene_moves( &scene, 2.0, 3.5 ) );
     assert_false( rf_scene_moves( &scene, 1.5, 4.5 ) );

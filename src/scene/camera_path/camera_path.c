@@ -55,8 +55,8 @@ static bool shows_same( const RfScene* scene, const RfEye* a, const RfEye* b )
     at.time = b->time;
     at.opens = b->opens;
     at.closes = b->closes;
-    bool same = memcmp( &at, b, sizeof at ) == 0;
-    for ( int k = 0; k <= a->blur_steps && same; ++k )
+    bool same = memcmp( &at, b, sizeof at ) == 0 && !rf_scene_moves( scene, a->time, b->time );
+    for ( int k = 0; same && a->blur_steps > 0 && k <= a->blur_steps; ++k )
         same = !rf_scene_moves( scene, rf_moment_time( a, k ), rf_moment_time( b, k ) );
     return same;
 }

@@ -112,6 +112,11 @@ static void test_a_lamp_that_changes( void** state )
         }
         rf_destroy_pose( &pose );
     }
+    RfPosedScene full = { .in_shutter = true, .middle = 2.0 }; // its place as well
+    assert_int_equal( rf_pose_scene( &scene, 2.5, &full, NULL ), RF_OK );
+    gltf_assert_rgb( full.scene.punctuals[0].intensity, 2, 2, 2 );
+    gltf_assert_rgb( full.scene.punctuals[0].position, 1, 2, 3 );
+    rf_destroy_pose( &full );
     assert_false( rf_scene_moves( &scene, 0.0, 1.0 ) );
     assert_true( rf_scene_moves( &scene, 1.0, 1.5 ) );
     rf_destroy_scene( &scene );
