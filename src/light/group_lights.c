@@ -411,6 +411,28 @@ static void note_parts( const Making* m )
     }
 }
 
+// Light of one frame has parts by frame where nothing moves but lamps without size and the sky.
+static void add_frame_parts( const Making* m )
+{
+    const RfLights* first = m->group->lights;
+    int frames = m->count;
+    bool alone = m->loaded->placement_count > m->loaded->still_placement_count;
+    for ( int k = 0; k < m->lamp_count; ++k )
+        alone = alone || ( m->lamp[k].kind == LAMP_MATERIAL && m->lamp[k].part == RF_PART_OWN );
+    if ( frames > RF_FRAMES_MOST || !first->any_own || alone )
+        return;
+    for ( int i = 0; i < m->count; ++i )
+    {
+        RfLights* lights = m->group->lights + i;
+        lights->frame_count = frames;
+        for ( int l = 0; l < frames; ++l )
+        {
+            float scale = l == i ? 1.0f : 0.0f;
+            lights->part_scale[lights->dimmed_count + 1 + l] = rf_vec3( scale, scale, scale );
+        }
+    }
+}
+
 // ---- How lights are selected
 
 static RfVec3 turned( RfVec3 v, float angle )
@@ -659,6 +681,7 @@ static RfResult make_group( Making* m, RfError* error )
     for ( int k = 0; k < m->lamp_count; ++k )
         settle_lamp( m, m->lamp + k );
     note_parts( m );
+    add_frame_parts( m );
     for ( int k = 0; k < m->lamp_count; ++k )
     {
         if ( m->lamp[k].kind == LAMP_SKY )

@@ -47,7 +47,13 @@ enum
 // Lights of a group of frames, by part. What holds in all its frames is part 0. That of a lamp that is dimmed has a part of its
 // own, as far as there are parts, and a scale in each frame: what it sends is computed as it is at scale 1. All else is light of
 // one frame alone, as it is in that.
+//
+// Where nothing moves but punctual lights and the sky, what paths find of light of one frame is the same in all frames but for the
+// light itself: they look it up as it is in each of them, and that of each frame is a part, too, with the scale 1 there and 0 in
+// the others.
 #define RF_DIMMED_MOST 4
+#define RF_FRAMES_MOST 9 // of a group whose frames have such parts
+#define RF_PARTS_MOST ( RF_DIMMED_MOST + RF_FRAMES_MOST )
 #define RF_PART_OWN 255
 
 // Up to so many lights are selected by power: a lamp of two triangles needs no tree.
@@ -85,16 +91,17 @@ typedef struct RfLights
     float* power_fraction;     // of each light: its power over that of all
     uint32_t* alias_threshold; // alias table, in units of 2⁻³²: below it the column is selected, else its alias
     uint32_t* alias;
-    uint32_t* of_triangle;                 // light of each triangle, or RF_NO_LIGHT; NULL without area lights
-    struct RfChangingLights* changing;     // what of them moves or changes (light/changing.h); NULL: nothing does
-    const RfLightTree* second;             // over what does, in the frames at hand; NULL: one tree is over all
-    float tree_scale, second_scale;        // where there are two: times their importances, in a unit common with the sky's
-    uint8_t* part;                         // of each light; NULL: all hold
-    uint8_t* material_part;                // of the triangles that have each material of the scene; set where `part` is
-    bool any_own;                          // some part is RF_PART_OWN
-    bool all_own;                          // all are, but for lights without power
-    int dimmed_count;                      // parts from 1 on
-    RfVec3 part_scale[RF_DIMMED_MOST + 1]; // of each part, in the frame at hand; [0] is 1
+    uint32_t* of_triangle;                // light of each triangle, or RF_NO_LIGHT; NULL without area lights
+    struct RfChangingLights* changing;    // what of them moves or changes (light/changing.h); NULL: nothing does
+    const RfLightTree* second;            // over what does, in the frames at hand; NULL: one tree is over all
+    float tree_scale, second_scale;       // where there are two: times their importances, in a unit common with the sky's
+    uint8_t* part;                        // of each light; NULL: all hold
+    uint8_t* material_part;               // of the triangles that have each material of the scene; set where `part` is
+    bool any_own;                         // some part is RF_PART_OWN
+    bool all_own;                         // all are, but for lights without power
+    int dimmed_count;                     // parts from 1 on
+    int frame_count;                      // those behind them, by frame of the group; 0: light of one frame has none
+    RfVec3 part_scale[RF_PARTS_MOST + 1]; // of each part, in the frame at hand; [0] is 1
 } RfLights;
 
 // Fails with RF_ERROR_MEMORY only. A scene without emission gives count 0.

@@ -141,7 +141,15 @@ static void select_lights( const RfPathSettings* settings, const RfVertexLanes* 
     const float* x[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* n[3] = { v->n[0], v->n[1], v->n[2] };
     const uint32_t* bits[2] = { scratch->bits[0], scratch->bits[1] };
-    rf_select_lights( rf_tracer_lights( settings->tracer ), settings->light_sampling, v->count, x, n, bits, selection );
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    rf_select_lights( lights, settings->light_sampling, v->count, x, n, bits, selection );
+    if ( settings->frames == NULL || settings->at_frame == settings->frame )
+        return;
+    for ( int i = 0; i < v->count; ++i ) // all other light has been sampled in the paths' own frame
+    {
+        bool taken = selection[i].light != RF_NO_LIGHT && rf_light_part( lights, selection[i].light ) == RF_PART_OWN;
+        selection[i].light = taken ? selection[i].light : RF_NO_LIGHT;
+    }
 }
 
 // Uniform by area: u ↦ (1 − √u₁, u₂ √u₁) in barycentrics. Punctual lights and the
@@ -364,6 +372,8 @@ static void sort_by_part( const RfPathSettings* settings, const LightPoints* poi
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k], part = rf_light_part( lights, points->selection[i].light );
+        if ( settings->parts && settings->frames != NULL && part == RF_PART_OWN )
+            part = rf_frame_part( settings, settings->at_frame );
         if ( settings->own != NULL )
             out->touched[i] |= part == RF_PART_OWN;
         bool apart = settings->parts && part != RF_PART_OWN && !( settings->own != NULL && out->touched[i] );

@@ -121,6 +121,24 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
     }
 }
 
+// The sky where it changes, in each frame as it is there.
+static void add_changing_sky( const RfPathSettings* settings, const RfRayLanes* rays, int r, float probability,
+                              const RfReceiver* to )
+{
+    RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
+    int slot = rays->slot[r], frames = rf_lit_frames( settings );
+    bool alone = ( to->own != NULL && to->own->touched[slot] ) ||
+                 ( to->chain_light != NULL && rf_may_take_chain_light( to->chain_light, slot ) );
+    for ( int l = 0; l < frames; ++l )
+    {
+        if ( alone && l != settings->frame )
+            continue;
+        const RfSky* sky = &rf_tracer_lights( settings->frames[l] )->sky;
+        add_arrival( settings, rays, r, rf_sky_radiance( sky, d ), rf_frame_part( settings, l ),
+                     rf_sky_pdf_solid_angle( sky, d ) * probability, to );
+    }
+}
+
 static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, const uint32_t* triangle,
                      const float* pane_probability, const RfReceiver* to )
 {
@@ -132,10 +150,15 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
         if ( triangle[r] != RF_MISS )
             continue;
         RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
-        RfVec3 sky = rf_sky_radiance( &lights->sky, d );
-        float light_pdf =
-            rf_sky_pdf_solid_angle( &lights->sky, d ) * selection_probability( settings, rays, r, rf_sky_number( lights ) );
-        add_arrival( settings, rays, r, sky, rf_light_part( lights, rf_sky_number( lights ) ),
+        float probability = selection_probability( settings, rays, r, rf_sky_number( lights ) );
+        int part = rf_light_part( lights, rf_sky_number( lights ) );
+        if ( part == RF_PART_OWN && settings->parts && settings->frames != NULL )
+        {
+            add_changing_sky( settings, rays, r, light_pdf_behind( pane_probability, r, probability ), to );
+            continue;
+        }
+        float light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * probability;
+        add_arrival( settings, rays, r, rf_sky_radiance( &lights->sky, d ), part,
                      light_pdf_behind( pane_probability, r, light_pdf ), to );
     }
 }
@@ -321,13 +344,18 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
     const RfVertexLanes* v = &wavefront->vertices;
     RfLightLanes* lights = &wavefront->lights;
     RfLaneScratch* s = &wavefront->scratch;
-    float k = (float)settings->light_samples;
+    int samples = settings->light_samples, count = rf_light_set_count( settings, samples );
+    float k = (float)samples;
     for ( int j = 0; j < rf_light_lanes_count( settings ); ++j )
     {
-        uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
-        if ( j < settings->light_samples )
+        uint32_t dimension = rf_vertex_dimension( vertex, samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)( j % samples );
+        if ( j < count )
         {
-            wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, v, dimension, lights, s );
+            RfPathSettings at = rf_settings_of_sample( settings, samples, j );
+            int lit = rf_sample_lights( &at, wavefront, v, dimension, lights, s );
+            wavefront->shadow_rays += (uint64_t)lit;
+            if ( lit == 0 && j >= samples )
+                continue;
             rf_note_lit( settings, wavefront, lights, j, v->count );
         }
         else

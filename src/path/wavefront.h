@@ -65,6 +65,10 @@ typedef struct RfPathSettings
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
     RfOwnLight* own; // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
     bool parts;      // keeps that of dimmed lamps apart (light/light.h); else it is as in the tracer's frame
+    // with parts: the tracers of the frames, where light of one frame is looked up in each; NULL: it is not
+    const RfTracer* const* frames;
+    int frame;    // of the paths
+    int at_frame; // of the tracer: another one has light of its frame alone
 } RfPathSettings;
 
 // A thread's wavefront.
@@ -141,10 +145,58 @@ struct RfConnector
     float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 };
 
-// How many parts light of dimmed lamps has, from 1 on.
+// The frames in which paths look up light of one frame.
+static inline int rf_lit_frames( const RfPathSettings* settings )
+{
+    return settings->frames != NULL ? rf_tracer_lights( settings->tracer )->frame_count : 1;
+}
+
+// The part of such light in a frame.
+static inline int rf_frame_part( const RfPathSettings* settings, int frame )
+{
+    return rf_tracer_lights( settings->tracer )->dimmed_count + 1 + frame;
+}
+
+// How many parts light has that is kept apart by lamp or frame, from 1 on.
 static inline int rf_dimmed_parts( const RfPathSettings* settings )
 {
-    return settings->parts ? rf_tracer_lights( settings->tracer )->dimmed_count : 0;
+    if ( !settings->parts )
+        return 0;
+    return rf_tracer_lights( settings->tracer )->dimmed_count + ( settings->frames != NULL ? rf_lit_frames( settings ) : 0 );
+}
+
+// Light samples per vertex, `samples` of them for each frame in which light is looked up, the paths' own first, without that of the
+// connector.
+static inline int rf_light_set_count( const RfPathSettings* settings, int samples )
+{
+    return samples * rf_lit_frames( settings );
+}
+
+// The frame that a light sample is of.
+static inline int rf_frame_of_sample( const RfPathSettings* settings, int samples, int sample )
+{
+    int n = sample / samples;
+    return n == 0 ? settings->frame : n <= settings->frame ? n - 1 : n;
+}
+
+// Whether a light sample may have light of a part.
+static inline bool rf_sample_has_part( const RfPathSettings* settings, int samples, int sample, int part )
+{
+    if ( settings->frames == NULL )
+        return true;
+    int of_frame = rf_frame_part( settings, rf_frame_of_sample( settings, samples, sample ) );
+    return part == of_frame || ( sample < samples && part < rf_frame_part( settings, 0 ) );
+}
+
+// The settings by which a light sample is taken.
+static inline RfPathSettings rf_settings_of_sample( const RfPathSettings* settings, int samples, int sample )
+{
+    RfPathSettings out = *settings;
+    if ( settings->frames == NULL )
+        return out;
+    out.at_frame = rf_frame_of_sample( settings, samples, sample );
+    out.tracer = settings->frames[out.at_frame];
+    return out;
 }
 
 // Emission of a vertex, and the sky, as they are in the tracer's frame.
@@ -165,7 +217,7 @@ static inline RfVec3 rf_sky_in_frame( const RfPathSettings* settings, RfVec3 d )
 // Light samples per vertex, with that of the connector.
 static inline int rf_light_lanes_count( const RfPathSettings* settings )
 {
-    return settings->light_samples + ( settings->connector != NULL );
+    return rf_light_set_count( settings, settings->light_samples ) + ( settings->connector != NULL );
 }
 
 // Traces the rays and fills the vertices they hit, sorted by scattering model and

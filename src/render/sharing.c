@@ -85,9 +85,12 @@ static void number_items( Look* look )
         look->item[rf_sky_number( look->lights )] = find_item( look, RF_CHANGING_SKY, 0 );
 }
 
-static RfShared way_of( int part )
+// Light that has parts by frame is shared, whatever it is in each.
+static RfShared way_of( const RfLights* lights, int part )
 {
-    return part == 0 ? RF_SHARED_AS_IT_IS : part == RF_PART_OWN ? RF_SHARED_NOT : RF_SHARED_SCALED;
+    if ( part == 0 || ( part == RF_PART_OWN && lights->frame_count > 0 ) )
+        return RF_SHARED_AS_IT_IS;
+    return part == RF_PART_OWN ? RF_SHARED_NOT : RF_SHARED_SCALED;
 }
 
 // How each that shines is shared in a group, by the light of it that is shared least.
@@ -97,7 +100,7 @@ static void find_ways( Look* look, const RfLights* lights )
         look->way[i] = RF_SHARED_AS_IT_IS;
     for ( uint32_t i = 0; i < lights->count; ++i )
     {
-        RfShared way = way_of( rf_light_part( lights, i ) );
+        RfShared way = way_of( lights, rf_light_part( lights, i ) );
         if ( look->item[i] >= 0 && way > look->way[look->item[i]] )
             look->way[look->item[i]] = way;
     }

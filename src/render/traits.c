@@ -39,6 +39,15 @@ static int count_dimmable( const RfScene* scene )
     return count < RF_DIMMED_MOST ? count : RF_DIMMED_MOST;
 }
 
+// Whether lamps without size or the sky may be other than dimmed, and nothing else moves.
+static bool change_lamps_alone( const RfScene* scene )
+{
+    bool any = scene->environment.changes;
+    for ( int i = 0; i < scene->punctual_count; ++i )
+        any = any || scene->punctuals[i].changes;
+    return any && scene->placement_count == scene->still_placement_count;
+}
+
 bool rf_may_move( const RfScene* scene ) { return rf_calls_for( scene->movement != NULL, RF_EFFECT_MOVING ); }
 
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
@@ -63,6 +72,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.scattered = traits.lens || traits.shutter;
     traits.moves = rf_may_move( scene );
     traits.dimmable = traits.moves ? count_dimmable( scene ) : 0;
+    traits.lamps_alone = traits.moves && change_lamps_alone( scene );
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
     traits.moving_lights = traits.moves && rf_count_moving_emitters( scene ) > 0;

@@ -25,6 +25,7 @@ typedef struct RfSceneTraits
     // what is a matter of the scene alone, whatever is forced
     bool moves;               // something in it moves or changes
     int dimmable;             // lamps that may be dimmed, at most RF_DIMMED_MOST
+    bool lamps_alone;         // some do more, and nothing else does but the sky
     bool sharp;               // some surface may mirror a lamp (rf_may_be_sharp)
     bool grouped_chains;      // other frames can use what chains find
     int blur_steps;           // the most of the cameras' (RfEye.blur_steps); 0: what moves is not blurred

@@ -120,15 +120,15 @@ static void test_info_says_how_lamps_are_shared( void** state )
     write_lamps( "lamps.glb" );
     const CliResult* told = cli_run( "$R info lamps.glb --fps 2 --group 2" );
     assert_non_null( strstr( told->out, "  light 'dimmed': intensity; scaled; 2" ) );
-    assert_non_null( strstr( told->out, "  light 'moved': place; own-frame; 4" ) );
+    assert_non_null( strstr( told->out, "  light 'moved': place; shared; 4" ) );
     assert_non_null( strstr( told->out, "on   moving                light 'dimmed' and 1 more change from 0 to 4 s" ) );
     cli_expect( cli_run( "$R info lamps.glb --fps 2 --group 2 --json info.json" ), 0, NULL );
     json_t *json = cli_read_json( "info.json" ), *sharing = json_object_get( json, "sharing" );
     assert_int_equal( json_array_size( json_object_get( json, "changing" ) ), 2 );
     check_change( json, 0, "dimmed", "intensity", "scaled", 0.2 );
-    check_change( json, 1, "moved", "place", "own_frame", 0.4 );
-    assert_float_equal( json_number_value( json_object_get( sharing, "shared" ) ), 0.4, 0.05 );
-    assert_float_equal( json_number_value( json_object_get( sharing, "own_frame" ) ), 0.4, 0.05 );
+    check_change( json, 1, "moved", "place", "shared", 0.4 );
+    assert_float_equal( json_number_value( json_object_get( sharing, "shared" ) ), 0.8, 0.05 );
+    assert_float_equal( json_number_value( json_object_get( sharing, "own_frame" ) ), 0.0, 0.05 );
     json_decref( json );
     // alone, frames share nothing; frozen, nothing changes
     told = cli_run( "$R info lamps.glb --fps 2 --group 0" );
@@ -136,10 +136,10 @@ static void test_info_says_how_lamps_are_shared( void** state )
     assert_null( strstr( cli_run( "$R info lamps.glb --freeze" )->out, "changing" ) );
     cli_expect( cli_run( "$R render lamps.glb -o l.####.exr --fps 2 --group 2 --json render.json " OPTIONS ), 0, NULL );
     json = cli_read_json( "render.json" );
-    check_change( json, 1, "moved", "place", "own_frame", 0.4 );
+    check_change( json, 1, "moved", "place", "shared", 0.4 );
     json_decref( json );
     cli_expect( cli_run( "$R report l.####.exr -o l.html --render-json render.json --quiet" ), 0, NULL );
-    cli_expect( cli_run( "grep -q \"light 'moved'.*place; own-frame; 4\" l.html" ), 0, NULL );
+    cli_expect( cli_run( "grep -q \"light 'moved'.*place; shared; 4\" l.html" ), 0, NULL );
 }
 
 int main( void )

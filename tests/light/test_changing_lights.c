@@ -257,6 +257,7 @@ static void check_parts( const World* w, SkyKind sky )
     // five lamps or, with the sky, six are dimmed by dimmers of their own; the weakest are not parts
     assert_true( is_dimmed( rf_material_part( l, DIMS ) ) == ( sky != SKY_DIMS ) );
     assert_true( part_of( l, WEAK ) == RF_PART_OWN && l->dimmed_count == RF_DIMMED_MOST && l->any_own && !l->all_own );
+    assert_int_equal( l->frame_count, 0 );
     int of_sky[] = { [SKY_TURNS] = RF_PART_OWN, [SKY_STAYS] = 0 };
     if ( sky == SKY_DIMS )
         assert_true( is_dimmed( rf_light_part( l, rf_sky_number( l ) ) ) );
@@ -631,6 +632,17 @@ static void test_few_lights( void** state )
     own[0][0].intensity = rf_vec3( 1, 2, 3 );
     assert_int_equal( rf_create_group_lights( &still, &scene, 2, frame, &group, &error ), RF_OK );
     assert_true( rf_light_part( group->lights, 0 ) == RF_PART_OWN && group->lights->any_own && group->lights->all_own );
+    for ( int f = 0; f < 2; ++f ) // nothing else moves
+    {
+        const RfLights* l = group->lights + f;
+        assert_true( l->frame_count == 2 && l->dimmed_count == 0 );
+        assert_true( l->part_scale[1].x == ( f == 0 ? 1.0f : 0.0f ) && l->part_scale[2].y == ( f == 1 ? 1.0f : 0.0f ) );
+    }
+    rf_destroy_group_lights( group );
+    scene.placement_count += 1; // something does
+    assert_int_equal( rf_create_group_lights( &still, &scene, 2, frame, &group, &error ), RF_OK );
+    assert_true( group->lights->frame_count == 0 && group->lights->all_own );
+    scene.placement_count -= 1;
     rf_destroy_group_lights( group );
     own[0][0] = scene.punctuals[0];
     assert_int_equal( rf_create_group_lights( &still, &scene, 1, frame, &group, &error ), RF_OK );

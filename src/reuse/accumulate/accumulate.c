@@ -346,9 +346,9 @@ static void reproject( const RfAccumulation* a, int eye, const RfHitBatch* batch
 typedef struct FrameLight
 {
     int parts; // of dimmed lamps; by part from 1 on, NULL: it brings none
-    const float* radiance[RF_DIMMED_MOST];
-    const RfDirectionLanes* directions[RF_DIMMED_MOST];
-    RfVec3 scale[RF_DIMMED_MOST];
+    const float* radiance[RF_PARTS_MOST];
+    const RfDirectionLanes* directions[RF_PARTS_MOST];
+    RfVec3 scale[RF_PARTS_MOST];
 } FrameLight;
 
 static FrameLight find_light( const RfAccumulation* a, const RfHitBatch* batch, bool removed )
@@ -357,11 +357,11 @@ static FrameLight find_light( const RfAccumulation* a, const RfHitBatch* batch, 
     for ( int k = 0; k < light.parts; ++k )
     {
         const RfDimmedLight* of = batch->dimmed + k;
-        if ( removed && !of->any_removed )
+        light.scale[k] = RF_FAULT( part_scales ) ? rf_vec3( 1, 1, 1 ) : a->lights->part_scale[k + 1];
+        if ( ( removed && !of->any_removed ) || !( rf_max_component( light.scale[k] ) > 0.0f ) )
             continue;
         light.radiance[k] = removed ? of->removed : of->radiance;
         light.directions[k] = removed ? of->removed_directions : of->directions;
-        light.scale[k] = RF_FAULT( part_scales ) ? rf_vec3( 1, 1, 1 ) : a->lights->part_scale[k + 1];
     }
     return light;
 }

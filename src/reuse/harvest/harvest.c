@@ -32,6 +32,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     bool exact = settings->weights == RF_WEIGHTS_EXACT && !group->even_light_samples; // not in gradients
     bool caustics = group->traits.without_caustics && exact;
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples && !caustics;
+    bool frames = group->traits.lamps_alone && exact && group->eye_count > 1 && group->eye_count <= RF_FRAMES_MOST;
     RfBatchShape shape = {
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
@@ -51,7 +52,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
         .clamped = settings->clamp != 0.0,
-        .dimmed = group->eye_count > 1 && exact ? group->traits.dimmable : 0,
+        .light_frames = frames ? group->eye_count : 1,
+        .dimmed = group->eye_count > 1 && exact ? group->traits.dimmable + ( frames ? group->eye_count : 0 ) : 0,
     };
     shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
     return shape;
@@ -107,15 +109,15 @@ static size_t tracers_bytes( const RfBatchShape* shape )
 
 static size_t tile_bytes( const RfBatchShape* shape )
 {
-    return rf_tile_reuse_bytes( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes, shape->own_light,
-                                shape->dimmed > 0 );
+    return rf_tile_reuse_bytes( rf_light_directions( shape ) + shape->connections, shape->tile_pixels, shape->panes,
+                                shape->own_light, shape->dimmed );
 }
 
 size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 {
     size_t lanes = RF_LANES * sizeof( float );
     return scratch_struct_bytes() + eyes_bytes( shape ) + tracers_bytes( shape ) +
-           (size_t)shape->light_samples * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
+           (size_t)rf_light_directions( shape ) * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
            (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) + ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) +
            ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
            ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
@@ -133,11 +135,11 @@ RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* m
     scratch->tracers = shape->moments ? (const RfTracer**)(void*)tracers : NULL;
     scratch->at_moment = shape->moments ? tracers + tracer_list_bytes( shape ) : NULL;
     scratch->direct = (RfLightLanes*)( tracers + tracers_bytes( shape ) );
-    scratch->density = (float*)( scratch->direct + shape->light_samples );
+    scratch->density = (float*)( scratch->direct + rf_light_directions( shape ) );
     scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
     char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
-    scratch->tiles = rf_lay_out_tile_reuse( shape->light_samples + shape->connections, shape->tile_pixels, shape->panes,
-                                            shape->own_light, shape->dimmed > 0, rest );
+    scratch->tiles = rf_lay_out_tile_reuse( rf_light_directions( shape ) + shape->connections, shape->tile_pixels, shape->panes,
+                                            shape->own_light, shape->dimmed, rest );
     rest += tile_bytes( shape );
     scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
     rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
@@ -521,14 +523,16 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
 
 void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
-    int k = harvest->path.light_samples;
-    for ( int j = 0; j < harvest->shape.light_samples; ++j )
+    int k = harvest->path.light_samples, samples = harvest->shape.light_samples;
+    for ( int set = 0; set < rf_light_set_count( &harvest->path, samples ); ++set )
     {
+        int j = set % samples;
         uint32_t dimension =
             j < k ? rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j
                   : rf_vertex_dimension( 1, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)( j - k ) + RF_DIMENSION_OPPOSITE;
-        rays->shadow += (uint64_t)rf_sample_lights( &harvest->path, &scratch->wavefront, scratch->hits, dimension,
-                                                    scratch->direct + j, &scratch->wavefront.scratch );
+        RfPathSettings at = rf_settings_of_sample( &harvest->path, samples, set );
+        rays->shadow += (uint64_t)rf_sample_lights( &at, &scratch->wavefront, scratch->hits, dimension, scratch->direct + set,
+                                                    &scratch->wavefront.scratch );
     }
 }
 
@@ -722,9 +726,12 @@ static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratc
 }
 
 // Likewise light of dimmed lamps: what the chains have found of it is as in the frame.
-static void begin_parts( RfHarvest* harvest, int count, RfHarvestScratch* scratch )
+static void begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
 {
-    harvest->path.parts = rf_tracer_lights( harvest->path.tracer )->dimmed_count > 0 && scratch->dimmed != NULL;
+    bool frames = rf_looks_at_frames( harvest );
+    harvest->path.parts = ( rf_tracer_lights( harvest->path.tracer )->dimmed_count > 0 || frames ) && scratch->dimmed != NULL;
+    harvest->path.frames = frames ? harvest->tracers : NULL;
+    harvest->path.frame = harvest->path.at_frame = eye;
     scratch->wavefront.dimmed = scratch->dimmed;
     scratch->part = 0;
     for ( int k = 0; k < rf_dimmed_parts( &harvest->path ); ++k )
@@ -755,7 +762,7 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         memset( scratch->own->part, 0, sizeof scratch->own->part );
     if ( rf_splits_light( harvest ) || harvest->shape.caustics )
         split_light( harvest, count, scratch );
-    begin_parts( harvest, count, scratch );
+    begin_parts( harvest, batch->eye, count, scratch );
     rf_clear_arrivals( count, &wavefront->arrivals );
     wavefront->rays.count = 0;
     rf_scale_roulette( scratch, count );

@@ -66,11 +66,18 @@ static inline bool rf_follows_chains( const RfHarvestScratch* scratch )
 {
     return rf_calls_for( scratch->hits != &scratch->first, RF_EFFECT_CHAINS );
 }
+// Whether light of one frame has parts by frame.
+static inline bool rf_looks_at_frames( const RfHarvest* harvest )
+{
+    return harvest->shape.light_frames > 1 && rf_tracer_lights( harvest->path.tracer )->frame_count > 0;
+}
+
 // Whether no light is the same in two frames of the group: then other cameras need not be asked, and each frame is rendered as in a
 // group of its own.
 static inline bool rf_shares_nothing( const RfHarvest* harvest )
 {
-    return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) && rf_tracer_lights( harvest->path.tracer )->all_own;
+    return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) && rf_tracer_lights( harvest->path.tracer )->all_own &&
+           !rf_looks_at_frames( harvest );
 }
 
 // Whether something moves or changes in the group that hits are harvested for, so that some light holds in one of its frames alone.
@@ -78,8 +85,8 @@ static inline bool rf_splits_light( const RfHarvest* harvest )
 {
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
     return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) && !rf_shares_nothing( harvest ) &&
-           ( rf_tracer_has_ghosts( harvest->path.tracer ) || lights->any_own ||
-             ( lights->dimmed_count > 0 && harvest->shape.chains ) ); // light of chains has no parts
+           ( ( ( rf_tracer_has_ghosts( harvest->path.tracer ) || lights->any_own ) && !rf_looks_at_frames( harvest ) ) ||
+             ( lights->dimmed_count + lights->frame_count > 0 && harvest->shape.chains ) ); // light of chains has no parts
 }
 static inline bool rf_is_adaptive( const RfHarvest* harvest )
 {

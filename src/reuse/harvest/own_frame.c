@@ -62,6 +62,8 @@ static void gather_dimmed( const RfHarvest* harvest, RfHarvestScratch* scratch )
         const RfArrivals* from = scratch->dimmed + part - 1;
         RfVec3 scale = rf_part_scale( rf_tracer_lights( harvest->path.tracer ), part );
         const float of_frame[3] = { scale.x, scale.y, scale.z };
+        if ( !( rf_max_component( scale ) > 0.0f ) ) // of other frames, too
+            continue;
         for ( int i = rf_record_count( v ); i < v->count; ++i )
         {
             int slot = v->slot[i];

@@ -5,14 +5,21 @@
 
 #include <string.h>
 
+// Light samples of other frames are taken only where light has parts by frame.
+static bool is_taken( const RfHarvest* harvest, int direction )
+{
+    return direction >= rf_light_directions( &harvest->shape ) ||
+           direction < rf_light_set_count( &harvest->path, harvest->shape.light_samples );
+}
+
 static void direction_lanes( const RfHarvest* harvest, RfHarvestScratch* scratch, int direction, const float* wi[3] )
 {
     int pairing = direction - rf_first_pairing( &harvest->shape );
-    float( *lanes )[RF_LANES] = pairing == harvest->shape.tile_pixels      ? scratch->connections->wi
-                                : direction < harvest->shape.light_samples ? scratch->direct[direction].wi
-                                : pairing < 0                              ? scratch->chain_samples->found.wi
-                                : pairing == 0                             ? scratch->scattered
-                                                                           : scratch->tiles->pairings[pairing].wi;
+    float( *lanes )[RF_LANES] = pairing == harvest->shape.tile_pixels                ? scratch->connections->wi
+                                : direction < rf_light_directions( &harvest->shape ) ? scratch->direct[direction].wi
+                                : pairing < 0                                        ? scratch->chain_samples->found.wi
+                                : pairing == 0                                       ? scratch->scattered
+                                                                                     : scratch->tiles->pairings[pairing].wi;
     for ( int c = 0; c < 3; ++c )
         wi[c] = lanes[c];
 }
@@ -171,7 +178,10 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
             continue; // sees nothing of the batch
         rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + l, l, batch, wo );
         for ( int d = 0; d < directions; ++d )
-            add_density( harvest, batch, scratch, l, d );
+        {
+            if ( is_taken( harvest, d ) )
+                add_density( harvest, batch, scratch, l, d );
+        }
     }
 }
 
@@ -188,6 +198,8 @@ static void take_own_densities( const RfHarvest* harvest, const RfHitBatch* batc
     rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + eye, eye, batch, wo );
     for ( int d = 0; d < directions; ++d )
     {
+        if ( !is_taken( harvest, d ) )
+            continue;
         direction_lanes( harvest, scratch, d, wi );
         for ( int c = 0; c < 3; ++c )
             wi[c] += first;
@@ -219,7 +231,7 @@ static void gather_direction( const RfHarvest* harvest, RfHarvestScratch* scratc
     int pairing = direction - rf_first_pairing( &harvest->shape );
     const RfVertexLanes* v = scratch->hits;
     float k = (float)harvest->shape.light_samples;
-    if ( direction < harvest->shape.light_samples )
+    if ( direction < rf_light_directions( &harvest->shape ) )
     {
         rf_gather_light_sample( scratch->direct + direction, v->count, k, arrival );
         if ( harvest->path.parts )
@@ -264,9 +276,15 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
 {
     RfArrivalLanes* arrival = &scratch->arrival;
     int pairing = direction - rf_first_pairing( &harvest->shape );
-    bool found = direction >= harvest->shape.light_samples && pairing < 0; // by chain samples
+    bool found = direction >= rf_light_directions( &harvest->shape ) && pairing < 0; // by chain samples
     RfArrivalLanes* own = harvest->path.own != NULL && !found ? &scratch->own->arrival : NULL;
     const float* wi[3];
+    bool taken = is_taken( harvest, direction ), sampled = direction < rf_light_directions( &harvest->shape );
+    if ( !taken || ( sampled && !rf_sample_has_part( &harvest->path, harvest->shape.light_samples, direction, scratch->part ) ) )
+    {
+        batch->directions[direction].dark = true;
+        return;
+    }
     direction_lanes( harvest, scratch, direction, wi );
     gather_direction( harvest, scratch, direction, wi, arrival, own );
     if ( harvest->path.parts && ( ( found && scratch->part > 0 ) || !is_lit( batch, pairing, arrival, own ) ) )

@@ -62,7 +62,7 @@ typedef struct RfHitBatch
     RfDirectionLanes* removed_directions; // like directions, which they share wi with; NULL without a clamp (clamp.h)
     bool any_removed;                     // else neither of the two is set
     int dimmed_count;
-    RfDimmedLight dimmed[RF_DIMMED_MOST]; // parts of the light from 1 on
+    RfDimmedLight dimmed[RF_PARTS_MOST]; // parts of the light from 1 on
 } RfHitBatch;
 
 // Determines the layout of a batch.
@@ -70,6 +70,7 @@ typedef struct RfBatchShape
 {
     int eyes;               // in a group
     int light_samples;      // K, at first hits
+    int light_frames;       // in each of so many frames, where light may have parts by frame; else 1
     int tile_pixels;        // N, 1 without tiles
     uint32_t params;        // of the glossy models in the scene (rf_glossy_params); 0: it has none
     size_t arrivals;        // bytes, usually 0: what arrives by direction, as accumulate/biased_weights.h wants it
@@ -87,7 +88,7 @@ typedef struct RfBatchShape
     bool surfaces;          // motion follows what moves: which surfaces camera rays hit is kept
     bool connections;       // hits have connections to light paths: one direction more
     bool clamped;           // what the clamp takes out of the light is kept
-    int dimmed;             // parts that light of dimmed lamps may have
+    int dimmed;             // parts that light of lamps that are dimmed or move may have
 } RfBatchShape;
 
 // How a hit was found.
@@ -128,7 +129,11 @@ static inline bool rf_has_views( const RfHitBatch* batch ) { return rf_calls_for
 
 // Directions are numbered: the light samples, what chain samples found, the scattered one and those of the neighbour paths of
 // the tile, the connections.
-static inline int rf_first_pairing( const RfBatchShape* shape ) { return shape->light_samples + ( shape->chain_samples > 0 ); }
+static inline int rf_light_directions( const RfBatchShape* shape ) { return shape->light_samples * shape->light_frames; }
+static inline int rf_first_pairing( const RfBatchShape* shape )
+{
+    return rf_light_directions( shape ) + ( shape->chain_samples > 0 );
+}
 static inline int rf_direction_count( const RfBatchShape* shape )
 {
     return rf_first_pairing( shape ) + shape->tile_pixels + shape->connections;

@@ -9,7 +9,7 @@
 // What arrives at second vertices beyond them, of a part.
 static const RfArrivals* arrivals_of_part( const RfTileReuse* reuse )
 {
-    return reuse->part == 0 ? &reuse->slots.at_second : reuse->dimmed->at_second + reuse->part - 1;
+    return reuse->part == 0 ? &reuse->slots.at_second : &reuse->dimmed[reuse->part - 1].at_second;
 }
 
 // One direction at all second vertices: that of a light sample, or the scattered one.
@@ -382,9 +382,11 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     if ( reuse->part > 0 )
         clear_chain_light( tile_pixels, reuse );
     bool reused = all_reused( reuse );
-    int k = path->light_samples;
+    int k = rf_light_set_count( path, path->light_samples );
     for ( int d = 0; d <= k + connected; ++d ) // light samples, what was scattered, connections
     {
+        if ( d < k && !rf_sample_has_part( path, path->light_samples, d, reuse->part ) )
+            continue;
         const RfLightLanes* direct = reuse->second.direct + ( d < k ? d : k );
         bool scattered = d == k, connections = d > k;
         const float* wi[3] = { scattered ? reuse->second.wi[0] : direct->wi[0], scattered ? reuse->second.wi[1] : direct->wi[1],

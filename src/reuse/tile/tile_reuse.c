@@ -15,13 +15,13 @@ static size_t own_bytes( int tile_pixels )
     return ( sizeof( RfTileOwn ) + 63 ) / 64 * 64 + lanes3_bytes( tile_pixels ) + (size_t)tile_pixels * RF_LANES;
 }
 
-static size_t dimmed_bytes( void ) { return sizeof( RfTileDimmed ) + 64; }
+static size_t dimmed_bytes( int dimmed ) { return dimmed > 0 ? (size_t)dimmed * sizeof( RfTileDimmed ) + 64 : 0; }
 
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed )
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed )
 {
     if ( tile_pixels == 1 )
         return 0;
-    return ( dimmed ? dimmed_bytes() : 0 ) + struct_bytes() + (size_t)light_lanes * sizeof( RfLightLanes ) +
+    return dimmed_bytes( dimmed ) + struct_bytes() + (size_t)light_lanes * sizeof( RfLightLanes ) +
            (size_t)tile_pixels * sizeof( RfPairingLanes ) + ( panes ? lanes3_bytes( tile_pixels ) : 0 ) +
            ( own ? own_bytes( tile_pixels ) + 64 : 0 );
 }
@@ -38,7 +38,7 @@ static void lay_out_own( int tile_pixels, char* memory, RfTileReuse* reuse )
     }
 }
 
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed, void* memory )
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, void* memory )
 {
     if ( tile_pixels == 1 )
         return NULL;
@@ -54,9 +54,9 @@ RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes
     reuse->split = false;
     if ( own )
         lay_out_own( tile_pixels, (char*)( pane_weight + ( panes ? 3 * tile_pixels : 0 ) ), reuse );
-    if ( dimmed )
+    if ( dimmed > 0 )
     {
-        char* end = (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, false );
+        char* end = (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, 0 );
         reuse->dimmed = (RfTileDimmed*)(void*)( end + ( 64 - (uintptr_t)end % 64 ) % 64 );
     }
     return reuse;
@@ -155,7 +155,7 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
         int slot = y->slot[a];
         sum[a] = sum_of( arrivals, slot ) + ( reuse->split ? sum_of( &reuse->own->beyond.arrivals, slot ) : 0.0f );
         for ( int part = 0; part < dimmed; ++part )
-            sum[a] += sum_of( reuse->dimmed->at_second + part, slot );
+            sum[a] += sum_of( &reuse->dimmed[part].at_second, slot );
     }
     for ( int j = 0; j < rf_light_lanes_count( path ); ++j )
     {
@@ -237,13 +237,16 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
 {
     RfPathSettings beyond = *path, *settings = &beyond;
     beyond.own = reuse->split ? &reuse->own->beyond : NULL;
-    int k = settings->light_samples;
-    uint32_t dimension = rf_vertex_dimension( 2, k ) + RF_DIMENSION_LIGHTS;
+    int samples = settings->light_samples, k = rf_light_set_count( settings, samples );
+    uint32_t dimension = rf_vertex_dimension( 2, samples ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
+    {
+        RfPathSettings at = rf_settings_of_sample( settings, samples, j );
         wavefront->shadow_rays +=
-            (uint64_t)rf_sample_lights( settings, wavefront, &reuse->second.lanes, dimension + 3u * (uint32_t)j,
+            (uint64_t)rf_sample_lights( &at, wavefront, &reuse->second.lanes, dimension + 3u * (uint32_t)( j % samples ),
                                         reuse->second.direct + j, &wavefront->scratch );
-    for ( int j = 0; j < k; ++j )
+    }
+    for ( int j = 0; j < samples; ++j )
         rf_note_lit( settings, wavefront, reuse->second.direct + j, j, reuse->second.lanes.count );
     if ( settings->connector != NULL )
         settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
@@ -253,7 +256,7 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
     memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
     for ( int part = 0; part < dimmed; ++part )
     {
-        memcpy( reuse->dimmed->at_hits + part, wavefront->dimmed + part, sizeof *wavefront->dimmed );
+        memcpy( &reuse->dimmed[part].at_hits, wavefront->dimmed + part, sizeof *wavefront->dimmed );
         memset( wavefront->dimmed + part, 0, sizeof *wavefront->dimmed );
     }
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
@@ -264,8 +267,8 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
     memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );
     for ( int part = 0; part < dimmed; ++part )
     {
-        memcpy( reuse->dimmed->at_second + part, wavefront->dimmed + part, sizeof *wavefront->dimmed );
-        memcpy( wavefront->dimmed + part, reuse->dimmed->at_hits + part, sizeof *wavefront->dimmed );
+        memcpy( &reuse->dimmed[part].at_second, wavefront->dimmed + part, sizeof *wavefront->dimmed );
+        memcpy( wavefront->dimmed + part, &reuse->dimmed[part].at_hits, sizeof *wavefront->dimmed );
     }
 }
 

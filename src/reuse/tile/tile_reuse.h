@@ -83,11 +83,11 @@ typedef struct RfTileOwn
     uint8_t moving[RF_LANES]; // by slot: the second vertex itself moves
 } RfTileOwn;
 
-// Light of dimmed lamps (light/light.h), by part from 1 on.
+// Of a part of the light (light/light.h).
 typedef struct RfTileDimmed
 {
-    RfArrivals at_hits[RF_DIMMED_MOST]; // as in RfTileSlots
-    RfArrivals at_second[RF_DIMMED_MOST];
+    RfArrivals at_hits; // as in RfTileSlots
+    RfArrivals at_second;
 } RfTileDimmed;
 
 typedef struct RfTileReuse
@@ -98,10 +98,10 @@ typedef struct RfTileReuse
     RfSecondVertices second;
     RfPairingLanes* pairings; // one per pixel of a tile
     RfTileOwn* own;
-    bool split; // light is split into what the frames share and `own`
-    RfTileDimmed* dimmed;
-    int part;    // of the light that pairings bring
-    bool paired; // else no pairing brings any
+    bool split;           // light is split into what the frames share and `own`
+    RfTileDimmed* dimmed; // by part from 1 on
+    int part;             // of the light that pairings bring
+    bool paired;          // else no pairing brings any
 } RfTileReuse;
 
 typedef struct RfTileReuseSettings
@@ -116,9 +116,9 @@ typedef struct RfTileReuseSettings
 } RfTileReuseSettings;
 
 // `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
-// `own`: with room for light that holds in its own frame alone; `dimmed`: for that of dimmed lamps.
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed );
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, bool dimmed, void* memory );
+// `own`: with room for light that holds in its own frame alone; `dimmed`: parts of the light (light/light.h), from 1 on.
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed );
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, void* memory );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are reused inside their tiles.
 // wavefront->arrivals is as returned there, with the weighted light of pairing 0 in `rest`; pairings from 1 on are in
