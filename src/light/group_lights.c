@@ -503,7 +503,8 @@ static RfResult find_powers( const Making* m, RfError* error )
     return result;
 }
 
-// Extends the bounds of a triangle to all that it is while the shutter of a frame is open, where that is posed at moments.
+// Extends the bounds of a triangle to all that it is while the shutter of a frame is open, where that is posed at moments: between
+// them its corners go straight, as what deforms stands in the world.
 static void sweep_shutter( const Making* m, int at, uint32_t number, RfTreeLight* out )
 {
     const RfScene* posed = m->frame[at].scene;
@@ -528,17 +529,6 @@ static void sweep_shutter( const Making* m, int at, uint32_t number, RfTreeLight
     out->two_sided = out->two_sided && !turns;
 }
 
-// Bounds of what is not straight between moments: deformation within a matrix that moves.
-static void widen( RfTreeLight* bound )
-{
-    for ( int c = 0; c < 3; ++c )
-    {
-        double more = 0.5 * ( bound->high[c] - bound->low[c] );
-        bound->low[c] -= more;
-        bound->high[c] += more;
-    }
-}
-
 // The bounds of a light that hold in all frames.
 static RfTreeLight swept_bound( const Making* m, uint32_t number )
 {
@@ -550,14 +540,8 @@ static RfTreeLight swept_bound( const Making* m, uint32_t number )
         RfTreeLight other = rf_light_model( lights, number )->bound( lights, number );
         rf_sweep_tree_light( &out, &other );
     }
-    bool blurred = false;
     for ( int i = 0; i < m->count; ++i )
-    {
         sweep_shutter( m, i, number, &out );
-        blurred = blurred || m->frame[i].scene->moments != NULL;
-    }
-    if ( blurred && number >= m->changing->still_triangles && number < first->triangle_count )
-        widen( &out );
     return out;
 }
 
