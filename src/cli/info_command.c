@@ -20,6 +20,7 @@ static RfRenderOptions s_render; // effects, movement and group alone
 static bool s_effects_given, s_group_given;
 
 #define MAX_MOVING 10          // objects named
+#define MAX_CHANGING 64        // lights and materials named: of more no share is known
 #define MUCH_OWN 0.5           // of the light
 #define MOST_TRIANGLES 4000000 // that a BVH is built of in about two seconds
 
@@ -177,6 +178,8 @@ static void print_changes( const Facts* facts )
         rf_print( "changing   %zu\n", json_array_size( list ) );
     json_array_foreach( list, i, change )
     {
+        if ( i == MAX_CHANGING )
+            break;
         const char* kind = json_string_value( json_object_get( change, "kind" ) );
         const char* name = json_string_value( json_object_get( change, "name" ) );
         rf_format_change( change, sharing, text );
@@ -185,6 +188,8 @@ static void print_changes( const Facts* facts )
         else
             rf_print( "  %s '%s': %s\n", kind, name, text );
     }
+    if ( i < json_array_size( list ) )
+        rf_print( "  and %zu more\n", json_array_size( list ) - i );
     bool much = rf_json_number_of( sharing, "group" ) > 0.0 && rf_json_number_of( sharing, "own_frame" ) > MUCH_OWN;
     rf_format_sharing( sharing, text );
     if ( text[0] != '\0' )

@@ -56,6 +56,10 @@ static void test_frames_are_those_of_the_sequence( void** state )
     json_decref( json );
     write_scene( "a.glb", 1.0f, 2.5f, 0.8f );
     cli_expect( cli_run( "$R render a.glb -o all.####.exr --frames 1-7 --resume " MOVING ), 1, "another scene" );
+    cli_expect( cli_run( "$R render a.glb -o blur.####.exr --frames 3 --shutter 1 --blur-steps 2 " MOVING ), 0, NULL );
+    cli_expect( cli_run( "$R render a.glb -o blur.####.exr --frames 3 --shutter 1 --resume " MOVING ), 1,
+                "another render, of --blur-steps 2 (here 4): " );
+    cli_expect( cli_run( "$R render a.glb -o blur.####.exr --frames 3 --resume " MOVING ), 1, "another scene" );
 }
 
 // What is written before a frame that cannot be posed stays, and is whole.
@@ -67,6 +71,47 @@ static void test_a_failure_leaves_whole_files( void** state )
                 "object 'plate' at 2.14286 s" );
     cli_expect( cli_run( "test -e b.0015.exr && ! test -e b.0016.exr && ls b.*.exr | wc -l | grep -q '^15$'" ), 0, NULL );
     cli_expect( cli_run( "for f in b.*.exr; do $R png $f $f.png || exit 1; done" ), 0, NULL );
+}
+
+// All of them brighten.
+static void write_many_lamps( const char* name, int count )
+{
+    static const float s_wall[] = { -9, -9, -6, 9, -9, -6, 9, 9, -6, -9, 9, -6 };
+    const float times[] = { 0, 4 }, strength[] = { 0, 9 };
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 4, s_wall );
+    add_gltf_u16( &b, 6, ( const uint16_t[] ){ 0, 1, 2, 0, 2, 3 } );
+    add_gltf_floats( &b, "SCALAR", 1, 2, times );
+    add_gltf_floats( &b, "SCALAR", 1, 2, strength );
+    char *text = malloc( 1024 + 512 * (size_t)count ), *end = text;
+    end += sprintf( end, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],\"extensions\":{"
+                         "\"KHR_lights_punctual\":{\"lights\":[" );
+    for ( int i = 0; i < count; ++i )
+        end += sprintf( end, "%s{\"type\":\"point\"}", i > 0 ? "," : "" );
+    end += sprintf( end, "]}},\"nodes\":[{\"mesh\":0}" );
+    for ( int i = 0; i < count; ++i )
+        end += sprintf( end, ",{\"extensions\":{\"KHR_lights_punctual\":{\"light\":%d}}}", i );
+    end += sprintf( end, "],\"animations\":[{\"samplers\":[{\"input\":2,\"output\":3}],\"channels\":[" );
+    for ( int i = 0; i < count; ++i )
+        end += sprintf( end,
+                        "%s{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{"
+                        "\"pointer\":\"/extensions/KHR_lights_punctual/lights/%d/intensity\"}}}}",
+                        i > 0 ? "," : "", i );
+    sprintf( end, "]}]" );
+    size_t size;
+    uint8_t* bytes = build_glb( &b, text, &size );
+    cli_write( name, bytes, size );
+    free( bytes );
+    free( text );
+}
+
+static void test_info_names_so_many( void** state )
+{
+    (void)state;
+    write_many_lamps( "many.glb", 67 );
+    cli_expect( cli_run( "$R info many.glb > many.txt && grep -c 'light .*: intensity' many.txt | grep -qx 64 &&"
+                         "grep -qx '  and 3 more' many.txt && grep -qx 'changing   67' many.txt" ),
+                0, NULL );
 }
 
 // Three lamps before a wall: one of them holds, one is dimmed from nothing to its own strength, one moves a little.
@@ -147,6 +192,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_frames_are_those_of_the_sequence ),
         cmocka_unit_test( test_a_failure_leaves_whole_files ),
+        cmocka_unit_test( test_info_names_so_many ),
         cmocka_unit_test( test_info_says_how_lamps_are_shared ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );

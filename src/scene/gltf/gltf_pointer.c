@@ -61,7 +61,7 @@ static RfResult take_apart( const RfGltf* gltf, const char* pointer, const char*
 static RfWhere name_target( const RfGltf* gltf, const char* pointer, const Pointer* parts )
 {
     if ( parts->list == NULL )
-        return rf_where( "%.100s", pointer );
+        return rf_where( "%.100s", pointer[0] != '\0' ? pointer : "animations" );
     const json_t* item = parts->list->list >= 0 ? rf_gltf_item( gltf, (RfGltfList)parts->list->list, parts->index )
                                                 : json_array_get( lights_of( gltf ), (size_t)parts->index );
     const char* name = json_string_value( json_object_get( item, "name" ) );
@@ -199,5 +199,5 @@ RfResult rf_gltf_note_pointer( RfGltf* gltf, const char* pointer )
     if ( result != RF_OK )
         return result;
     RfWhere what = name_target( gltf, pointer, &parts );
-    return rf_gltf_note_unrendered( gltf, what.text, "the file animates %.160s, which is not rendered", pointer );
+    return rf_gltf_note_unrendered( gltf, what.text, "the file animates '%.160s', which is not rendered", pointer );
 }
