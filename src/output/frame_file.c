@@ -415,7 +415,7 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
         RF_KEY_MAX_DEPTH, RF_KEY_LIGHT_SAMPLES, RF_KEY_ADAPTIVE,       RF_KEY_NOISE,       RF_KEY_TIME,
         RF_KEY_AOV,       RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
         RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
-        RF_KEY_CLAMP
+        RF_KEY_CLAMP,     RF_KEY_BLUR_STEPS
     };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
@@ -428,6 +428,8 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
     {
         const char* here = wanted.values[keys[i]];
         bool is_there = rf_read_exr_string( name, rf_key_name( keys[i] ), there, sizeof there, NULL ) == RF_OK;
+        if ( keys[i] == RF_KEY_BLUR_STEPS && is_there != ( here != NULL ) )
+            continue; // by another shutter, or another scene
         add_difference( list, &count, rf_key_name( keys[i] ) + strlen( "reframe/" ),
                         is_there ? option_value( keys[i], there ) : absent_value( keys[i] ),
                         here != NULL ? option_value( keys[i], here ) : absent_value( keys[i] ) );
