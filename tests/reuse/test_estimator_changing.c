@@ -67,6 +67,7 @@ static void test_lamps_that_pass( void** state )
         "passing", DEPTH, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames, &g_moving_two_lights, &g_moving_connected }
     };
     check_moving( &c );
+    check_room( "matt", &g_moving_frames );
 }
 
 static void test_cones_and_ranges( void** state )

@@ -120,6 +120,14 @@ def passing(name="passing"):
     return room
 
 
+def matt():
+    """A lamp passes over a floor, and nothing is glossy."""
+    room = view("matt")
+    room.still("floor", make_quad((-2.0, 0.0, 2.0), (4.0, 0.0, 0.0), (0.0, 0.0, -4.0)), lambert("matt", [0.7, 0.6, 0.5]))
+    room.light("passing", point(), Way((-1.2, 1.0, 0.2), (1.2, 0.7, -1.2)))
+    return room
+
+
 def cones():
     """The cone of one spot changes, the range of another lamp, and both stand still."""
     room = lit_room("cones", 3.0)
@@ -288,5 +296,5 @@ def polishes():
     return room
 
 
-CASES = (dimmer, glow, blackout, switches, colors, six, seen, passing, cones, torch, sun, surfaces, poster, cinema, heavens, dawn,
+CASES = (dimmer, glow, blackout, switches, colors, six, seen, passing, matt, cones, torch, sun, surfaces, poster, cinema, heavens, dawn,
          zoom, everything, extremes, jumps, sinks, horizon, shrinks, polishes)

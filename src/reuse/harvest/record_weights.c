@@ -282,7 +282,8 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
     bool taken = is_taken( harvest, direction ), sampled = direction < rf_light_directions( &harvest->shape );
     if ( !taken || ( sampled && !rf_sample_has_part( &harvest->path, harvest->shape.light_samples, direction, scratch->part ) ) )
     {
-        batch->directions[direction].dark = true;
+        if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
+            batch->directions[direction].dark = true;
         return;
     }
     direction_lanes( harvest, scratch, direction, wi );
