@@ -1,6 +1,18 @@
 // The light of dimmed lamps, which records keep apart at scale 1: every frame scales it to its own (src/reuse/estimators.md, section 18).
 #include "reuse/harvest/harvest_steps.h"
 
+void rf_begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
+{
+    bool frames = rf_looks_at_frames( harvest );
+    harvest->path.parts = ( rf_tracer_lights( harvest->path.tracer )->dimmed_count > 0 || frames ) && scratch->dimmed != NULL;
+    harvest->path.frames = frames ? harvest->tracers : NULL;
+    harvest->path.frame = harvest->path.at_frame = eye;
+    scratch->wavefront.dimmed = scratch->dimmed;
+    scratch->part = 0;
+    for ( int k = 0; k < rf_dimmed_parts( &harvest->path ); ++k )
+        rf_clear_arrivals( count, scratch->dimmed + k );
+}
+
 // The batch with the light of a part in the place of the rest.
 static RfHitBatch batch_of_part( const RfHitBatch* batch, int part )
 {

@@ -725,19 +725,6 @@ static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratc
         memset( scratch->own->light[c], 0, (size_t)count * sizeof( float ) );
 }
 
-// Likewise light of dimmed lamps: what the chains have found of it is as in the frame.
-static void begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
-{
-    bool frames = rf_looks_at_frames( harvest );
-    harvest->path.parts = ( rf_tracer_lights( harvest->path.tracer )->dimmed_count > 0 || frames ) && scratch->dimmed != NULL;
-    harvest->path.frames = frames ? harvest->tracers : NULL;
-    harvest->path.frame = harvest->path.at_frame = eye;
-    scratch->wavefront.dimmed = scratch->dimmed;
-    scratch->part = 0;
-    for ( int k = 0; k < rf_dimmed_parts( &harvest->path ); ++k )
-        rf_clear_arrivals( count, scratch->dimmed + k );
-}
-
 // Estimates by first hits alone, without paths, how much of their light is own-frame.
 static void look_for_own_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
@@ -762,7 +749,7 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         memset( scratch->own->part, 0, sizeof scratch->own->part );
     if ( rf_splits_light( harvest ) || harvest->shape.caustics )
         split_light( harvest, count, scratch );
-    begin_parts( harvest, batch->eye, count, scratch );
+    rf_begin_parts( harvest, batch->eye, count, scratch );
     rf_clear_arrivals( count, &wavefront->arrivals );
     wavefront->rays.count = 0;
     rf_scale_roulette( scratch, count );

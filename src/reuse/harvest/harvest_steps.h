@@ -197,6 +197,10 @@ void rf_add_clamped_own_light( float ( *const light )[RF_LANES], const float* co
 // The light of the records: batch->radiance, and the glossy hits' directions. Of one part alone: scratch->part.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
+// From here on light of parts is kept apart at slots [0, count) of a frame's hits: what the chains before them have found of it is as
+// in the frame.
+void rf_begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch );
+
 // What the parts of dimmed lamps bring, after part 0. `tiles`: as rf_trace_tile_tails had it.
 void rf_weight_dimmed( const RfHarvest* harvest, const RfTileReuseSettings* tiles, RfHitBatch* batch, RfHarvestScratch* scratch );
 
