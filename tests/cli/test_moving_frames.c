@@ -149,6 +149,17 @@ static void write_lamps( const char* name )
     free( bytes );
 }
 
+// Lamps that move are looked up in each frame of a group of up to 9: of 13, at the ends of the path alone.
+static void test_lamps_at_the_ends_of_a_path( void** state )
+{
+    (void)state;
+    write_lamps( "ends.glb" );
+    cli_expect( cli_run( "$R render ends.glb -o ends.####.exr --fps 4 --group 6 " OPTIONS ), 0, NULL );
+    cli_expect( cli_run( "$R render ends.glb -o alone.####.exr --fps 4 --group 6 --threads 1 --frames 1,9,17 " OPTIONS ), 0,
+                NULL );
+    cli_expect( cli_run( "for k in 01 09 17; do cmp ends.00$k.exr alone.00$k.exr || exit 1; done" ), 0, NULL );
+}
+
 static void check_change( const json_t* json, size_t index, const char* name, const char* what, const char* way, double share )
 {
     const json_t* change = json_array_get( json_object_get( json, "changing" ), index );
@@ -193,6 +204,7 @@ int main( void )
         cmocka_unit_test( test_frames_are_those_of_the_sequence ),
         cmocka_unit_test( test_a_failure_leaves_whole_files ),
         cmocka_unit_test( test_info_names_so_many ),
+        cmocka_unit_test( test_lamps_at_the_ends_of_a_path ),
         cmocka_unit_test( test_info_says_how_lamps_are_shared ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );

@@ -32,7 +32,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     bool exact = settings->weights == RF_WEIGHTS_EXACT && !group->even_light_samples; // not in gradients
     bool caustics = group->traits.without_caustics && exact;
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples && !caustics;
-    bool frames = group->traits.lamps_alone && exact && group->eye_count > 1 && group->eye_count <= RF_FRAMES_MOST;
+    // at the ends of a path, groups of more frames are shorter, and have the memory of those
+    int frames = !group->traits.lamps_alone || !exact ? 1 : group->eye_count < RF_FRAMES_MOST ? group->eye_count : RF_FRAMES_MOST;
     RfBatchShape shape = {
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
@@ -52,8 +53,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
         .clamped = settings->clamp != 0.0,
-        .light_frames = frames ? group->eye_count : 1,
-        .dimmed = group->eye_count > 1 && exact ? group->traits.dimmable + ( frames ? group->eye_count : 0 ) : 0,
+        .light_frames = frames,
+        .dimmed = group->eye_count > 1 && exact ? group->traits.dimmable + ( frames > 1 ? frames : 0 ) : 0,
     };
     shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
     return shape;
