@@ -10,7 +10,7 @@ static void decode( const uint8_t* data, size_t size )
 {
     RfError error = { 0 };
     RfPixels pixels = { 0 };
-    RfEncoded in = { data, size, "input.exr" };
+    RfEncoded in = { data, size, "input.exr", false };
     fuzz_check( rf_decode_exr( &in, &pixels, &error ), &error );
     rf_destroy_pixels( &pixels );
 }

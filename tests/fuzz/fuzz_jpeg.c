@@ -9,7 +9,7 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
 {
     RfError error = { 0 };
     RfPixels pixels = { 0 };
-    RfEncoded in = { data, size, "input.jpeg" };
+    RfEncoded in = { data, size, "input.jpeg", false };
     fuzz_check( rf_decode_jpeg( &in, &pixels, &error ), &error );
     rf_destroy_pixels( &pixels );
     int width, height;

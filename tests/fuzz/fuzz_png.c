@@ -9,7 +9,7 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
 {
     RfError error = { 0 };
     RfPixels pixels = { 0 };
-    RfEncoded in = { data, size, "input.png" };
+    RfEncoded in = { data, size, "input.png", false };
     fuzz_check( rf_decode_png( &in, &pixels, &error ), &error );
     rf_destroy_pixels( &pixels );
     int width, height;
