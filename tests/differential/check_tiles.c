@@ -172,7 +172,7 @@ int check_tiles( long count )
               rf_vec3( 1e6f, 1.001e6f, 1e6f ) );
     RfScene scene = finish_scene( &b );
     RfTracer* tracer = make_tracer( &scene );
-    RfPathSettings path = { tracer, 3, 1, RF_LIGHTS_BY_POWER, NULL, NULL, false };
+    RfPathSettings path = { .tracer = tracer, .max_depth = 3, .light_samples = 1, .light_sampling = RF_LIGHTS_BY_POWER };
     RfTileReuseSettings settings = { .path = &path, .tile_pixels = 2 };
     size_t bytes = ( rf_tile_reuse_bytes( 1, 2, false, false, false ) + 63 ) / 64 * 64;
     RfTileReuse* reuse = rf_lay_out_tile_reuse( 1, 2, false, false, false, aligned_alloc( 64, bytes ) );
