@@ -153,9 +153,10 @@ void rf_format_sharing( const json_t* sharing, char text[RF_CHANGE_TEXT] )
     for ( int k = 0; k < RF_SHARED_WAYS; ++k )
         format_share( rf_json_number_of( sharing, s_keys[k] ), share[k] );
     format_share( moving, share[RF_SHARED_WAYS] );
+    double frames = rf_json_number_of( sharing, "frames" ); // no group has more than the path
     if ( group > 0.0 )
-        append( text, "in groups of %.0f frames %s of the light is shared, %s scaled, %s own-frame", 2.0 * group + 1.0, share[0],
-                share[1], share[2] );
+        append( text, "in groups of %.0f frames %s of the light is shared, %s scaled, %s own-frame",
+                fmin( 2.0 * group + 1.0, frames ), share[0], share[1], share[2] );
     else
         append( text, "frames share no light: groups of one frame" );
     if ( moving > 0.0 && group > 0.0 )
