@@ -443,6 +443,7 @@ static const struct
     { "reframe/clamp-threshold", "Settings", "Clamp, threshold" },
     { "reframe/clamp-threshold-chains", "Settings", "Clamp, threshold of chains" },
     { "reframe/removed-share", "Settings", "Light removed, share (first frame)" },
+    { "reframe/blur-steps", "Settings", "Steps of the shutter" },
     { "reframe/filter", "Settings", "Pixel filter" },
     { "reframe/filter-width", "Settings", "Filter width" },
     { "reframe/light-paths", "Settings", "Light paths" },

@@ -281,7 +281,7 @@ static void test_what_cannot_be_rendered( void** state )
                                                                        MOVE( "0" ) "," MOVE( "1" ) "," POINTER(
                                                                            NORMAL_SCALE ) ) "]" );
     assert_int_equal( scene.unrendered_count, 2 ); // not the bulb, which moves and shines
-    assert_unrendered( &scene, "material 'glow'", "animates " NORMAL_SCALE );
+    assert_unrendered( &scene, "material 'glow'", "animates '" NORMAL_SCALE "'" );
     assert_unrendered( &scene, "object 'smoke'", "where the file was made" );
     assert_int_equal( scene.punctual_count, 0 ); // it is hidden at all times
     assert_int_equal( scene.moving_count, 1 );
