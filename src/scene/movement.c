@@ -51,7 +51,7 @@ static double most_between( double v0, double slope0, double v1, double slope1 )
     if ( !( root >= 0.0 ) )
         return most;
     double q = -( b + copysign( sqrt( root ), b ) );
-    double turns[2] = { q / ( 3.0 * a ), c / q }; // either may be infinite or NaN
+    double turns[2] = { a != 0.0 ? q / ( 3.0 * a ) : 0.0, q != 0.0 ? c / q : 0.0 }; // of degree 2, one; of less, none
     for ( int k = 0; k < 2; ++k )
     {
         double t = turns[k];

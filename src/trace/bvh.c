@@ -416,7 +416,8 @@ RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene
         result = build_meshes( device, posed, still->mesh_count, bvh, error );
     if ( result != RF_OK )
         return result;
-    memcpy( bvh->meshes, still->meshes, (size_t)still->mesh_count * sizeof *bvh->meshes );
+    if ( still->mesh_count > 0 )
+        memcpy( bvh->meshes, still->meshes, (size_t)still->mesh_count * sizeof *bvh->meshes );
     bool any = false;
     for ( int i = posed->still_placement_count; i < posed->placement_count && !any; ++i )
         any = is_attached( posed, i );

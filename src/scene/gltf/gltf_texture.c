@@ -127,7 +127,8 @@ static RfResult check_emission( RfGltf* gltf, uint32_t index )
     double factor = unlit ? fmax( t->factors.base[0], fmax( t->factors.base[1], t->factors.base[2] ) )
                           : (double)rf_max_component( material->emission );
     double most = factor * (double)gltf->scene->textures[texture].largest;
-    rf_gltf_limit_sequence( gltf, texture, RF_GLTF_MAX_EMISSION / factor );
+    if ( factor > 0.0 )
+        rf_gltf_limit_sequence( gltf, texture, RF_GLTF_MAX_EMISSION / factor );
     RfWhere where = rf_where( "materials[%u]", index );
     return rf_gltf_check_limit( gltf, where.text, "emission with its texture", most, RF_GLTF_MAX_EMISSION );
 }
