@@ -8,6 +8,7 @@
 #include "reframe/scene.h"
 #include "scene/json/scene_file.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -190,7 +191,8 @@ static void print_changes( const Facts* facts )
     }
     if ( i < json_array_size( list ) )
         rf_print( "  and %zu more\n", json_array_size( list ) - i );
-    bool much = rf_json_number_of( sharing, "group" ) > 0.0 && rf_json_number_of( sharing, "own_frame" ) > MUCH_OWN;
+    double group = rf_json_number_of( sharing, "group" ), own = rf_json_number_of( sharing, "own_frame" ); // NaN: not known
+    bool much = isfinite( group ) && group > 0.0 && isfinite( own ) && own > MUCH_OWN;
     rf_format_sharing( sharing, text );
     if ( text[0] != '\0' )
         rf_print( "sharing    %s%s\n", text, much ? ": a smaller group may be as fast (reframe tune)" : "" );
