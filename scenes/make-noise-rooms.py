@@ -9,6 +9,7 @@ mirrors    mirrors that face a hidden lamp               coats      clear coats 
 spots      spot lights in the dark                       patio      an open yard under an even sky
 checker    black and white checks, one lamp in view      window     a sky that enters through a pane
 corridor   a lamp in the next room                       neon       thin bright tubes over a black floor
+curtain    a curtain lit from behind, a lamp shade
 
 Uses only Python's standard library; the same arguments give the same bytes (with the same zlib).
 """
@@ -18,7 +19,7 @@ import math
 import glb
 from glb import lambert, material
 from pictures import png
-from shapes import make_box, make_quad, make_room, make_sphere
+from shapes import Mesh, make_box, make_quad, make_room, make_sphere, normalize
 
 LOW, HIGH = (-2.0, 0.0, -2.0), (2.0, 2.6, 2.2)
 WHITE = [1.0, 0.95, 0.85]
@@ -171,8 +172,37 @@ def neon(gltf):
         gltf.mesh("tube %d" % (i + 1), make_box((0.02, 1.6, 0.02)), lamp(40.0), [(-1.6 + i, 0.5, -1.85)])
 
 
+def shade(name, color, through, factor, roughness=0.6):
+    result = material(name, color, 0.0, roughness)
+    result["extensions"] = {"KHR_materials_diffuse_transmission": {
+        "diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": through}}
+    return result
+
+
+def make_folds(x, depth, low, high, z0, z1, folds):
+    """A curtain before the left wall, in smooth folds."""
+    def point(row, column):
+        t = column / (8 * folds)
+        turn = 2.0 * math.pi * folds * t
+        normal = normalize((1.0, 0.0, -depth * 2.0 * math.pi * folds * math.cos(turn) / (z1 - z0)))
+        return (x + depth * math.sin(turn), high + (low - high) * row, z0 + t * (z1 - z0)), normal, (t, row)
+
+    mesh = Mesh()
+    mesh.grid(point, 1, 8 * folds)
+    return mesh
+
+
+def curtain(gltf):
+    add_walls(gltf, without=("left wall",))
+    gltf.mesh("lamp outside", make_quad((-2.9, 0.3, 1.2), (0.0, 0.0, -2.6), (0.0, 1.8, 0.0)), lamp(12.0))
+    gltf.mesh("curtain", make_folds(-1.85, 0.07, 0.0, 2.6, -2.0, 2.2, 14), shade("curtain", [0.8, 0.75, 0.6], [0.9, 0.6, 0.35], 0.5))
+    gltf.mesh("shade", make_sphere(0.3, 48, 24), shade("shade", [0.9, 0.9, 0.9], [0.95, 0.85, 0.6], 0.6, 0.3), [(0.9, 1.35, -1.1)])
+    gltf.mesh("bulb", make_sphere(0.06, 24, 12), lamp(60.0), [(0.9, 1.35, -1.1)])
+    add_things(gltf, lambert("chalk", [0.8, 0.8, 0.8]), material("varnish", [0.3, 0.1, 0.08], 0.0, 0.25))
+
+
 ROOMS = {room.__name__: room for room in (shelf, brushed, mirrors, spots, checker, corridor, crystal, lantern, coats, patio,
-                                          window, neon)}
+                                          window, neon, curtain)}
 
 
 def main():

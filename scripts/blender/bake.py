@@ -3,6 +3,7 @@
 A channel that varies is wired into an emission, so a bake gives its values and not light; the normal is baked as
 such. Objects that share a mesh share the bake, unless their materials depend on the object.
 """
+import contextlib
 import hashlib
 import math
 import os
@@ -13,9 +14,9 @@ import bpy
 import mathutils
 import numpy
 
-from . import shader_tree
-from .channels import LAYER, MEANS, NUMBERS, Ref, WORDS, is_constant, make_textures, means_of
-from .messages import printable, warn
+from . import gloss, shader_tree
+from .channels import ADDED, DIRECTIONS, LAYER, MEANS, NUMBERS, Ref, WORDS, is_constant, make_textures, means_of
+from .messages import note, warn
 from .shader_tree import SKIPPED
 
 SMALLEST = 128  # pixels across
@@ -27,16 +28,31 @@ OWN_PLACE = {"OBJECT_INFO": None, "PARTICLE_INFO": None, "HAIR_INFO": None, "VEC
              "TEX_COORD": ("Camera", "Window", "Reflection")}
 
 
+PASSES_OF = {"alpha": ("base", "numbers"), "roughness": ("numbers",), "metallic": ("numbers",)}  # of others their own
+
+
 class Job:
     """Objects that share a bake: one mesh, and the plans of those of its slots that need one."""
 
-    def __init__(self, plans, own_place):
+    def __init__(self, plans, own_place, only=None):
         self.objects, self.plans, self.own_place = [], plans, own_place
+        self.only = only  # passes; None: all
+
+    def at(self, i):
+        """As it is in an exported frame: those passes that change."""
+        plans = {slot: p if p.changes is None else p.changes.plan_at(i) for slot, p in self.plans.items()}
+        played = set().union(*(p.changes.played for p in self.plans.values() if p.changes is not None))
+        return Job(plans, self.own_place, sorted({kind for n in played for kind in PASSES_OF.get(n, (n,))}))
 
     def passes(self):
+        """The names of all that are baked."""
+        found = self.all_passes()
+        return found if self.only is None else [kind for kind in found if kind in self.only]
+
+    def all_passes(self):
         wanted = set().union(*(p.baked for p in self.plans.values()))
         averaged = set().union(*(p.averaged for p in self.plans.values()))
-        found = [n for n in ("base", "emission", "normal") if n in wanted]
+        found = [n for n in ("base", "emission", "normal", *ADDED) if n in wanted]
         found += ["numbers"] if wanted & set(NUMBERS) else []
         return found + ["means %d" % i for i, group in enumerate(MEANS) if averaged & set(group)]
 
@@ -110,16 +126,58 @@ def bake_job(job, side, cache):
         return mesh, None, False, None
     loops = loops_of(mesh, faces)
     part = part_of(mesh, faces)
-    key = cache_key(first, part, job, side)
-    result = cache.find(key)
-    fresh = result is None or len(result["uv"]) != len(loops)
-    if fresh:
-        result = bake_part(first, part, job, side)
-        cache.keep(key, result)
-    else:
-        bpy.data.meshes.remove(part)
+    result, fresh, key = find_or_bake(first, part, job, side, cache, len(loops))
+    frames, baked = bake_frames(first, part, job, side, cache, result)
+    bpy.data.meshes.remove(part)
     add_layer(mesh, result["uv"], loops)
+    if frames is not None:
+        result, fresh, key = {**frames[0], "frames": frames}, fresh or baked, None
     return mesh, result, fresh, key
+
+
+def find_or_bake(o, part, job, side, cache, corners, uvs=None):
+    """The pixels, whether they were baked, and their key. `uvs`: the coordinates, where they are given."""
+    key = cache_key(o, part, job, side)
+    result = cache.find(key)
+    fresh = result is None or len(result["uv"]) != corners or uvs is not None and not numpy.array_equal(result["uv"], uvs)
+    if fresh:
+        result = bake_part(o, part.copy(), job, side, uvs)
+        cache.keep(key, result)
+    return result, fresh, key
+
+
+MOST_PIXELS = 1 << 26  # of the bakes of all frames of one object
+
+
+def bake_frames(o, part, job, side, cache, result):
+    """The pixels of every exported frame, and whether any were baked; None where no bake changes. Those of passes that stand still are
+    those of `result`."""
+    changing = [p for p in job.plans.values() if p.changes is not None and p.changes.played]
+    if not changing:
+        return None, False
+    known, frames, any_fresh = {}, [], False
+    count = len(set(zip(*(p.changes.states.of_frames for p in changing))))
+    passes = len(job.at(0).passes())
+    if count * passes * side * side > MOST_PIXELS:
+        fits = 16
+        while count * passes * (2 * fits) ** 2 <= MOST_PIXELS:
+            fits *= 2
+        changing[0].lose(None, "changes over %d frames, whose textures of %d pixels across are more than are baked: taken as in one of "
+                         "them: give --bake %d or less" % (count, side, fits))
+        return None, False
+    for i in range(len(changing[0].changes.states.of_frames)):
+        now = job.at(i)
+        state = tuple(id(p) for p in now.plans.values())
+        if state not in known:
+            with contextlib.ExitStack() as shown:
+                for p in job.plans.values():
+                    if p.changes is not None:
+                        shown.enter_context(p.changes.films_at(i))
+                pixels, fresh, _ = find_or_bake(o, part, now, side, cache, len(result["uv"]), result["uv"])
+            any_fresh |= fresh
+            known[state] = {name: v if name == "uv" else v.astype(numpy.float16) for name, v in {**result, **pixels}.items()}
+        frames.append(known[state])
+    return frames, any_fresh
 
 
 def bake_objects(to_bake, views, folder, is_solid, build):
@@ -138,21 +196,23 @@ def bake_objects(to_bake, views, folder, is_solid, build):
         same = (key, tuple(sorted((slot, id(p), solid[slot]) for slot, p in job.plans.items())))
         materials = known.get(same) if key is not None else None
         if materials is None:
-            materials = known[same] = make_materials(job, name, result, solid, made, build)
+            materials = known[same] = make_materials(job, name, result, solid, made, build, mesh)
         for o in job.objects:
             o.data = mesh
             new += [(o, slot, material) for slot, material in materials.items()]
         if result is None:
             continue
-        print("blender-export: baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), printable(name), side, side, job.words(),
-              "%.1f s" % (time.monotonic() - start) if fresh else "from the cache"), flush=True)
+        note("baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), name, side, side, job.words(),
+                                                        "%.1f s" % (time.monotonic() - start) if fresh else "from the cache"))
     cache.tell()
     return new
 
 
-def make_materials(job, name, result, solid, made, build):
+def make_materials(job, name, result, solid, made, build, mesh):
     """The materials of the slots of a job; `made` counts those of each plan. Without pixels they are constant."""
     textures = make_textures(name, result) if result is not None else None
+    if textures is not None:
+        textures["place"] = mesh.uv_layers.find(LAYER)
     materials = {}
     for slot, plan in job.plans.items():
         made[plan] = made.get(plan, 0) + 1
@@ -221,11 +281,17 @@ def add_layer(mesh, uvs=None, loops=None):
         mesh.uv_layers[keep].active_render = True
 
 
-def unwrap(o, size):
-    """Gives every face of a mesh a place of its own."""
+def select_layer(o, uvs=None):
+    """What is baked lies by these coordinates."""
     layer = o.data.uv_layers[LAYER]
     o.data.uv_layers.active = layer
     layer.active_render = True
+    return uvs
+
+
+def unwrap(o, size):
+    """Gives every face of a mesh a place of its own."""
+    select_layer(o)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.reveal()
     bpy.ops.mesh.select_all(action="SELECT")
@@ -236,11 +302,25 @@ def unwrap(o, size):
     return uvs.reshape(-1, 2)
 
 
-def wire(plan, kind, image, pin):
-    """A copy of the material that emits the values of a pass, and bakes into the image."""
+def depends_on_view(plan, kind):
+    """Does a pass show what changes with the direction of view?"""
+    tree, values = plan.copy.node_tree, [getattr(plan.surface, n) for n in names_of(kind)]
+    starts = [tree.nodes[v.node] for v in values if isinstance(v, Ref)]
+    behind = shader_tree.nodes_behind(tree, [i for n in starts for i in n.inputs]) + starts
+    return any(shader_tree.is_by_angle(n) for n in shader_tree.view_nodes(behind))
+
+
+def names_of(kind):
+    """The channels of a pass."""
+    return NUMBERS if kind == "numbers" else MEANS[int(kind.split()[1])] if " " in kind else (kind,)
+
+
+def wire(plan, kind, image, pin, cosine):
+    """A copy of the material that emits the values of a pass, seen at an angle, and bakes into the image."""
     material = plan.copy.copy()
     tree = material.node_tree
     shader_tree.pin_coordinates(tree, pin)
+    shader_tree.see_at(tree, cosine)
     for node in list(tree.nodes):
         if node.type == "OUTPUT_MATERIAL":
             tree.nodes.remove(node)
@@ -260,18 +340,17 @@ def wire(plan, kind, image, pin):
         elif value is not None:
             socket.default_value = value
 
-    if kind == "normal":
+    if "normal" in kind:
         shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
-        feed(plan.surface.normal, shader.inputs["Normal"])
+        feed(getattr(plan.surface, kind), shader.inputs["Normal"])
     else:
         shader = tree.nodes.new("ShaderNodeEmission")
-        if kind in ("base", "emission"):
+        if kind in ("base", "emission", *ADDED):
             value = getattr(plan.surface, kind)
             feed(value, shader.inputs["Color"])
         else:
-            three = NUMBERS if kind == "numbers" else MEANS[int(kind.split()[1])]
             join = tree.nodes.new("ShaderNodeCombineXYZ")
-            for name, socket in zip(three, join.inputs):
+            for name, socket in zip(names_of(kind), join.inputs):
                 value = getattr(plan.surface, name)
                 feed(sum(value) / 3.0 if isinstance(value, tuple) and is_constant(value) else value, socket)
             tree.links.new(join.outputs[0], shader.inputs["Color"])
@@ -280,14 +359,20 @@ def wire(plan, kind, image, pin):
 
 
 def bake_pass(o, plans, kind, size, pin):
+    """What depends on the direction of view is the mean of some."""
+    cosines = gloss.COSINES if kind not in DIRECTIONS and any(depends_on_view(p, kind) for p in plans.values()) else (1.0,)
+    return numpy.mean([bake_seen(o, plans, kind, size, pin, c) for c in cosines], axis=0)
+
+
+def bake_seen(o, plans, kind, size, pin, cosine):
     image = bpy.data.images.new("reframe " + kind, size, size, alpha=True, float_buffer=True, is_data=True)
     image.pixels.foreach_set(numpy.full(size * size * 4, NOTHING, numpy.float32))
     made = {}
     for i, slot in enumerate(o.material_slots):
         plan = plans.get(i) or next(iter(plans.values()))
-        made.setdefault(id(plan), wire(plan, kind, image, pin))
+        made.setdefault(id(plan), wire(plan, kind, image, pin, cosine))
         slot.material = made[id(plan)]
-    if kind == "normal":
+    if "normal" in kind:
         bpy.ops.object.bake(type="NORMAL", normal_space="TANGENT", margin=MARGIN, use_clear=False, uv_layer=LAYER)
     else:
         bpy.ops.object.bake(type="EMIT", margin=MARGIN, use_clear=False, uv_layer=LAYER)
@@ -342,13 +427,13 @@ class Stage:
         self.original.name = self.name
 
 
-def bake_part(o, part, job, size):
-    """The coordinates and the pixels of all passes."""
+def bake_part(o, part, job, size, uvs=None):
+    """The coordinates, unless they are given, and the pixels of all passes."""
     pin = default_layer(part)
-    add_layer(part)
+    add_layer(part, uvs, slice(None))
     stage = Stage(o, part)
     try:
-        result = {"uv": unwrap(stage.o, size)}
+        result = {"uv": unwrap(stage.o, size) if uvs is None else select_layer(stage.o, uvs)}
         for kind in job.passes():
             result[kind] = bake_pass(stage.o, job.plans, kind, size, pin)
     finally:
@@ -358,7 +443,7 @@ def bake_part(o, part, job, size):
 
 # Bakes kept on disk, by a hash of what they were made from.
 
-VERSION = b"reframe bake 2"
+VERSION = b"reframe bake 3"
 
 
 class Cache:
@@ -400,7 +485,7 @@ class Cache:
 
     def tell(self):
         if self.hits > 0:
-            print("blender-export: %d from the cache %s" % (self.hits, self.folder), flush=True)
+            note("%d from the cache %s" % (self.hits, self.folder))
 
 
 def of_image(image):
@@ -442,11 +527,17 @@ def values(thing):
 
 
 def of_tree(tree):
-    found = []
-    for node in sorted(tree.nodes, key=lambda n: n.name):
+    return of_nodes(tree, tree.nodes)
+
+
+def of_nodes(tree, nodes):
+    """Some nodes of a tree and their links, as text."""
+    found, names = [], {n.name for n in nodes}
+    for node in sorted(nodes, key=lambda n: n.name):
         sockets = [(s.identifier, value_text(s)) for s in list(node.inputs) + list(node.outputs)]
         found.append((node.name, node.bl_idname, sockets, values(node)))
-    links = sorted((k.from_node.name, k.from_socket.identifier, k.to_node.name, k.to_socket.identifier) for k in tree.links)
+    links = sorted((k.from_node.name, k.from_socket.identifier, k.to_node.name, k.to_socket.identifier) for k in tree.links
+                   if k.to_node.name in names)
     return repr((found, links))
 
 
@@ -486,6 +577,8 @@ def cache_key(o, part, job, size):
             return None
         digest.update(repr((slot, plan.surface, sorted(plan.baked), sorted(plan.averaged))).encode())
         digest.update(of_tree(plan.copy.node_tree).encode())
+    if job.only is not None:
+        digest.update(repr(job.only).encode())
     if job.own_place:
         digest.update(repr((o.name, [tuple(row) for row in o.matrix_world], tuple(o.color), o.pass_index)).encode())
     return digest.hexdigest()

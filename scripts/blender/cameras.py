@@ -4,10 +4,11 @@ import math
 import bpy
 import mathutils
 
-from .messages import fail, list_names, note, warn
+from .messages import fail, list_names, list_some, note, warn
 from .versions import motion_blur_of, panorama_of
 
 SHARP = 1e6  # f-number
+CUT = 1e-4  # frames between the last key before a cut and the first one behind it
 Y_UP = mathutils.Quaternion((math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))  # from Blender's axes to glTF's
 
 
@@ -18,7 +19,9 @@ def find_camera(scene, name):
     for camera in cameras:
         if name in (None, camera.name):
             return camera
-    fail("no camera%s in the scene: it has %s" % (" '%s'" % name if name else "", ", ".join(c.name for c in cameras) or "none"))
+    if not cameras:
+        fail("no camera in the scene: add one")
+    fail("no camera '%s' in the scene: it has %s" % (name, ", ".join(c.name for c in cameras)))
 
 
 def tell_others(scene, name):
@@ -26,7 +29,7 @@ def tell_others(scene, name):
     used = {name, *(marker.camera.name for marker in scene.timeline_markers if marker.camera is not None)}
     others = sorted(o.name for o in scene.objects if o.type == "CAMERA" and o.name not in used)
     if others:
-        note("%s: left out: --camera exports another one" % list_names(others))
+        note("%s: left out: --camera exports another one" % list_some(others))
 
 
 def rounded(values):
@@ -74,30 +77,40 @@ class Recorder:
 
     def __init__(self, scene, camera, follow):
         self.scene, self.camera, self.follow = scene, camera, follow
-        self.keys, self.before, self.camera_now = [], None, None
-        self.active, self.cuts = None, set()  # the camera of the last key; keys with which another one begins
+        self.keys, self.before, self.camera_now = [], {}, None
+        self.active = None  # the camera of the last key
+        self.cuts = {}  # by the number of the frame that another camera begins with: where the one before is then, and the other was
+        self.bound = [m.camera for m in scene.timeline_markers if m.camera is not None] if follow else []
+        self.last = {}  # the keys of these in the frame before
         self.projection = None  # of all frames
         self.focus = []  # of each key: f-number and distance, or None
 
     def note(self, number, depsgraph):
         # markers in the timeline may change the active camera
         active = self.scene.camera if self.follow and self.scene.camera else self.camera
-        if self.active not in (None, active):
-            self.cuts.add(number)
-        self.active = active
         camera = active.evaluated_get(depsgraph)
         self.camera_now = camera
-        place, turn, _ = camera.matrix_world.decompose()
-        if self.before is not None and self.before.dot(turn) < 0.0:
-            turn.negate()  # interpolate along the shorter arc
-        self.before = turn.copy()
         projection = projection_of(self.scene, camera)
         if self.projection not in (None, projection):
             fail("frame %d is %s, those before it are %s: export them one by one by --frames" % (number, projection, self.projection))
         self.projection = projection
-        extent, shift = lens_of(self.scene, camera, depsgraph)
-        self.keys.append((number, place.copy(), turn.copy(), extent, shift))
+        key = self.key_of(number, camera, depsgraph)
+        if self.active not in (None, active):
+            self.cuts[number] = self.key_of(number, self.active.evaluated_get(depsgraph), depsgraph), self.last.get(active.name_full, key)
+        self.active = active
+        self.keys.append(key)
         self.focus.append(focus_of(camera, projection))
+        self.last = {o.name_full: self.key_of(number, o.evaluated_get(depsgraph), depsgraph) for o in self.bound
+                     if projection_of(self.scene, o) == projection}
+
+    def key_of(self, number, camera, depsgraph):
+        place, turn, _ = camera.matrix_world.decompose()
+        before = self.before.get(camera.name_full)
+        if before is not None and before.dot(turn) < 0.0:
+            turn.negate()  # interpolate along the shorter arc
+        self.before[camera.name_full] = turn.copy()
+        extent, shift = lens_of(self.scene, camera, depsgraph)
+        return number, place.copy(), turn.copy(), extent, shift
 
     def extents(self):
         """By which name a camera path has them."""
@@ -114,16 +127,18 @@ class Recorder:
             path["projection"] = self.projection
         if self.projection != "panoramic" and render.pixel_aspect_x != render.pixel_aspect_y:
             path["pixelAspect"] = float("%.9g" % (render.pixel_aspect_x / render.pixel_aspect_y))
-        below = min(self.keys[0][0], 0)
+        below = min(self.keys[0][0], 1) - 1
         is_focused = any(focus is not None for focus in self.focus)
         lens = lens_of_path(self.scene, self.camera, self.keys[0][3] if self.projection == "perspective" else None, is_focused)
         if lens is not None:
             path["lens"] = lens
-        for (number, place, turn, extent, shift), focus in zip(self.keys, self.focus):
+        for (number, place, turn, extent, shift), focus, is_cut in self.keys_with_cuts():
             turn = Y_UP @ turn
-            key = {"frame": number - below, "position": rounded((place.x, place.z, -place.y)),
+            key = {"frame": float("%.9g" % (number - below)), "position": rounded((place.x, place.z, -place.y)),
                    "rotation": rounded((turn.x, turn.y, turn.z, turn.w))}
-            if number in self.cuts:
+            if key["frame"] == int(key["frame"]):
+                key["frame"] = int(key["frame"])
+            if is_cut:
                 key["cut"] = True
             if extent is not None:
                 key[self.extents()] = float("%.9g" % extent)
@@ -134,6 +149,31 @@ class Recorder:
                 key["fstop"], key["focus"] = rounded(focus or (SHARP, 10.0))
             path["keys"].append(key)
         return path
+
+    def keys_with_cuts(self):
+        """The keys with their focus, and whether a cut is there. With motion blur, both cameras go on until half-way between what the
+        shutter sees of the frames on either side, as in Blender."""
+        blurs = shutter_of(self.scene) is not None
+        for i, (key, focus) in enumerate(zip(self.keys, self.focus)):
+            number = key[0]
+            at = number + min(middle_of_shutter(self.scene), 0.49) - 0.5
+            if number not in self.cuts or not blurs:
+                yield key, focus, number in self.cuts
+                continue
+            before, (ends, begins) = self.keys[i - 1], self.cuts[number]
+            at = max(at, before[0] + 0.01)
+            yield between(before, ends, at - CUT), self.focus[i - 1], False
+            yield between(begins, key, at), focus, True
+            yield key, focus, False
+
+
+def between(a, b, number):
+    """The key at a time between two others."""
+    if a[0] == b[0]:
+        return number, *b[1:]
+    t = (number - a[0]) / (b[0] - a[0])
+    extent = a[3] + t * (b[3] - a[3]) if a[3] is not None else None
+    return number, a[1].lerp(b[1], t), a[2].slerp(b[2], t), extent, [x + t * (y - x) for x, y in zip(a[4], b[4])]
 
 
 def bake_camera(scene, name, recorder):
@@ -172,7 +212,7 @@ def warn_of_pictures(scene):
     """What Blender does to whole pictures."""
     render, cycles = scene.render, scene.render.engine == "CYCLES"
     if cycles and abs(scene.cycles.film_exposure - 1.0) > 1e-6:
-        warn("the film's exposure of %g is ignored: pictures have the scene's own light" % scene.cycles.film_exposure)
+        warn("the film's exposure of %g is taken as one of the view: files have the scene's own light" % scene.cycles.film_exposure)
     if scene.use_nodes and render.use_compositing and any(n.type not in ("R_LAYERS", "COMPOSITE", "VIEWER") for n in scene.node_tree.nodes):
         warn("the compositor's nodes are left out: pictures are those of the camera")
     if render.use_sequencer and scene.sequence_editor is not None and scene.sequence_editor.sequences:
@@ -195,13 +235,18 @@ def warn_of_pictures(scene):
 
 
 def warn_of_view(scene):
-    """Pictures are scene-linear; the view transform, which every scene has, is not named."""
+    if scene.view_settings.use_curve_mapping:
+        warn("the view's curves are left out")
+    if scene.display_settings.display_device != "sRGB":
+        warn("the display '%s': pictures are shown as for sRGB" % scene.display_settings.display_device)
+
+
+def view_of(scene):
+    """How pictures are shown (extras that src/scene/json/view_json.c reads); files are scene-linear."""
     view = scene.view_settings
-    changes = [("exposure of %g" % view.exposure, view.exposure != 0.0), ("gamma of %g" % view.gamma, view.gamma != 1.0),
-               ("look '%s'" % view.look, view.look != "None"), ("curves", view.use_curve_mapping)]
-    names = [name for name, is_set in changes if is_set]
-    if names:
-        warn("the view's %s: left out: pictures have the scene's own light" % ", ".join(names))
+    film = math.log2(scene.cycles.film_exposure) if scene.render.engine == "CYCLES" and scene.cycles.film_exposure > 0.0 else 0.0
+    return {"transform": view.view_transform, "look": view.look, "exposure": float("%.6g" % (view.exposure + film)),
+            "gamma": float("%.6g" % view.gamma)}
 
 
 def warn_of_light(scene):
@@ -271,6 +316,12 @@ def shutter_of(scene):
         return None
     start = {"START": 0.0, "CENTER": -0.5, "END": -1.0}[position]
     return start * length, (start + 1.0) * length
+
+
+def middle_of_shutter(scene):
+    """Of the time that the shutter is open, in frames from the frame itself."""
+    shutter = shutter_of(scene)
+    return 0.0 if shutter is None else 0.5 * (shutter[0] + shutter[1])
 
 
 def lens_of_path(scene, camera, fov, is_focused):

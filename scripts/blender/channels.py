@@ -6,6 +6,7 @@ from collections import namedtuple
 import bpy
 import numpy
 
+from . import films
 from .versions import socket
 
 Ref = namedtuple("Ref", "node output")  # a channel that varies: name of the node, number of its output
@@ -16,7 +17,12 @@ NUMBERS = ("alpha", "roughness", "metallic")  # baked together, in R, G and B
 MEANS = (("specular", "f0", "transmission"), ("ior", "clearcoat", "clearcoat_roughness"))
 WORDS = {"base": "colour", "metallic": "metallic", "roughness": "roughness", "emission": "emission", "alpha": "alpha",
          "normal": "normal", "specular": "specular", "f0": "specular", "transmission": "transmission", "ior": "IOR",
-         "clearcoat": "clearcoat", "clearcoat_roughness": "roughness of the clearcoat"}
+         "clearcoat": "clearcoat", "clearcoat_roughness": "roughness of the clearcoat",
+         "through_colour": "colour of what shines through", "coat_normal": "normal of the clearcoat", "grain": "direction of anisotropy"}
+ADDED = {  # textures that Blender's exporter does not write: extension and key
+    "through_colour": ("KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture"),
+    "coat_normal": ("KHR_materials_clearcoat", "clearcoatNormalTexture"), "grain": ("KHR_materials_anisotropy", "anisotropyTexture")}
+DIRECTIONS = ("normal", "coat_normal", "grain")
 
 
 @dataclasses.dataclass
@@ -34,6 +40,8 @@ class Surface:
     alpha: object = 1.0
     emission: object = (0.0, 0.0, 0.0)
     normal: object = None  # a Ref, or None
+    through: float = 0.0  # share of the base that shines through, in another colour
+    through_colour: object = (1.0, 1.0, 1.0)
     one_sided: bool = False
     thin: bool = False  # what it transmits is not refracted, also on a closed mesh
     principled: bool = False  # Blender's own model, or a mixture with it
@@ -43,6 +51,16 @@ class Surface:
     is_flat: bool = False  # metal whose colour is the same at all angles
     gain: tuple = (1.0, 1.0, 1.0)  # of gloss whose facets lose no light to each other
     covered: float = 1.0  # of the base, on average, what the coat leaves: it is divided by this
+    aspect: float = 1.0  # gloss is wider along its tangent by this, and narrower across it (grain.py)
+    turn: object = 0.0  # of the tangent, in turns
+    is_across: bool = False
+    tangent: object = None  # a Ref; None: around the z axis
+    grain: object = None  # a Ref to the pixels of the texture of directions
+    coat_normal: object = None  # a Ref, or None
+    film: object = None  # its thickness in nanometres and its index
+    sheen: tuple = (0.0, 0.0, 0.0)
+    sheen_roughness: float = 0.0
+    left: float = 1.0  # of the base of Blender 3's Principled, by sheen, which takes nothing there
 
 
 WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
@@ -256,36 +274,62 @@ def is_flat(pixels):
 
 
 def make_textures(name, result):
-    """The images of a job by channel."""
-    textures = {}
-    numbers = result.get("numbers")
-    alpha = numbers[:, :, 0] if numbers is not None else None
-    if "base" in result:
-        varies = alpha is not None and alpha.min() < 1.0 - STEP
-        textures["base"] = picture(name + " base", srgb(result["base"]), alpha if varies else None, data=False)
-    if "emission" in result:
-        strength = max(float(result["emission"].max()), 1e-6)
-        textures["emission"] = (picture(name + " emission", srgb(result["emission"] / strength), data=False), strength)
-    if "normal" in result:
-        textures["normal"] = picture(name + " normal", result["normal"])
-    if numbers is not None:
-        both = numbers.copy()
-        both[:, :, 0] = 1.0
-        textures["numbers"] = picture(name + " roughness, metallic", both)
+    """The images of a job by channel, with the files of those that change."""
+    frames = result.get("frames", [result])
+    varies = any("numbers" in r and r["numbers"][:, :, 0].min() < 1.0 - STEP for r in frames)
+    strength = max(max(float(r["emission"].max()) for r in frames), 1e-6) if "emission" in result else 1.0
+    textures = {kind: show() for kind, show in pictures_of(name, result, varies, strength).items()}
+    for kind, image in textures.items():
+        parts = (kind, "numbers") if kind == "base" and varies else (kind,)
+        if any(not numpy.array_equal(r[part], result[part]) for r in frames for part in parts):
+            films.add_baked(image, (pictures_of(name, r, varies, strength)[kind]() for r in frames))
+    if "emission" in textures:
+        textures["emission"] = textures["emission"], strength
     return textures
+
+
+def pictures_of(name, result, has_alpha, strength):
+    """By channel what makes the image."""
+    found = {}
+    numbers = result.get("numbers")
+    if "base" in result:
+        alpha = numbers[:, :, 0] if has_alpha else None
+        found["base"] = lambda: picture(name + " base", srgb(result["base"]), alpha, data=False)
+    if "emission" in result:
+        found["emission"] = lambda: picture(name + " emission", srgb(result["emission"] / strength), data=False)
+    if "normal" in result:
+        found["normal"] = lambda: picture(name + " normal", result["normal"])
+    for n in ("coat_normal", "grain"):
+        if n in result:
+            found[n] = lambda n=n: picture("%s %s" % (name, n.replace("_", " ")), result[n])
+    if "through_colour" in result:
+        found["through_colour"] = lambda: picture(name + " through", srgb(result["through_colour"]), data=False)
+    if numbers is not None:
+        found["numbers"] = lambda: picture(name + " roughness, metallic", numpy.concatenate((numpy.ones_like(numbers[:, :, :1]), numbers[:, :, 1:]), 2))
+    return found
+
+
+def over_time(result, kind):
+    """The pixels of a pass; where it changes, the least and the most of those of each frame."""
+    if kind not in result:
+        return None
+    frames = {id(r[kind]): r[kind] for r in result.get("frames", [result])}.values()
+    if len(frames) == 1:
+        return result[kind]
+    return numpy.stack([[f(pixels, axis=(0, 1)) for f in (numpy.min, numpy.max)] for pixels in frames]).astype(numpy.float32)
 
 
 def means_of(plan, result):
     """Constants for the channels of a plan that do not vary after all, or whose mean is taken."""
     means = {}
-    numbers = result.get("numbers")
+    numbers = over_time(result, "numbers")
     alpha_varies = "alpha" in plan.baked and not is_flat(numbers[:, :, 0:1])
     for n in plan.baked:
         if n in NUMBERS:
             pixels = numbers[:, :, NUMBERS.index(n)][:, :, None]
         else:
-            pixels = result[n]
-        if is_flat(pixels) and n != "normal" and not (n == "base" and alpha_varies):
+            pixels = over_time(result, n)
+        if is_flat(pixels) and n not in DIRECTIONS and not (n == "base" and alpha_varies):
             mean = pixels.mean(axis=(0, 1))
             means[n] = tuple(float(max(v, 0.0)) for v in mean) if len(mean) == 3 else float(min(max(mean[0], 0.0), 1.0))
     for i, group in enumerate(MEANS):

@@ -101,7 +101,7 @@ def cut_lamps(emitters):
 
 
 def set_world(scene, job, gltf):
-    """Black, or the environment map of the glTF. The centre of Reframe's map is at Blender's +y, of Blender's at +x."""
+    """Black, or the environment of the glTF. The centre of Reframe's map is at Blender's +y, of Blender's at +x."""
     scene.world = bpy.data.worlds.new("world")
     scene.world.use_nodes = True
     nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
@@ -109,6 +109,9 @@ def set_world(scene, job, gltf):
     color.default_value = (0.0, 0.0, 0.0, 1.0)
     environment = gltf["scenes"][0].get("extras", {}).get("reframe", {}).get("environment")
     if environment is None:
+        return
+    if "map" not in environment:
+        color.default_value = (*environment["radiance"], 1.0)
         return
     at, turn, sky = (nodes.new("ShaderNode" + name) for name in ("TexCoord", "Mapping", "TexEnvironment"))
     turn.inputs["Rotation"].default_value = (0.0, 0.0, -0.5 * math.pi)

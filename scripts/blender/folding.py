@@ -1,14 +1,16 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
+from . import cloth, grain
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, f0_of, is_constant
-from .gloss import (Layers, Shell, as_coat, as_gloss, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, of_sheen, reflected,
+from .gloss import (Layers, Shell, as_gloss, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, reflected,
                     schlick, tell_multiple, views)
+from .mixtures import as_curtain, as_glass, as_one
 from .shader_tree import Values
 from .versions import IS_4, is_principled_2, socket
 
+SUBSURFACE = ("subsurface scattering: taken as diffuse: 2 % darker where its radius is a 50th of the body's, 4 % where it is a fifth, "
+              "15 % where it is as large")
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
-    "BSDF_TRANSLUCENT": "light that shines through: taken as diffuse",
-    "SUBSURFACE_SCATTERING": "subsurface scattering: taken as diffuse",
-    "BSDF_VELVET": "velvet: taken as diffuse",
+    "SUBSURFACE_SCATTERING": SUBSURFACE,
     "BSDF_TOON": "toon shading: taken as diffuse",
     "BSDF_HAIR": "hair: taken as diffuse",
     "BSDF_HAIR_PRINCIPLED": "hair: taken as diffuse",
@@ -42,14 +44,29 @@ class Folder(Values):
         return Surface(base=self.read(colour) if colour is not None and node.type != "HOLDOUT" else BLACK, specular=0.0,
                        normal=self.normal_of(node))
 
-    def normal_of(self, node):
-        socket = node.inputs.get("Normal")
+    def normal_of(self, node, name="Normal"):
+        socket = node.inputs.get(name)
         value = self.read(socket) if socket is not None and socket.is_linked else None
         return value if isinstance(value, Ref) else None
 
+    def of_bsdf_translucent(self, node):
+        colour = self.read(node.inputs["Color"])
+        colour = tuple(min(max(c, 0.0), 1.0) for c in colour) if is_constant(colour) else colour
+        return Surface(base=colour, specular=0.0, through=1.0, through_colour=colour, normal=self.normal_of(node))
+
+    def make_opaque(self, s, node):
+        """For mixtures in which nothing shines through in glTF."""
+        if s.through == 0.0:
+            return
+        self.warn(node, "light that shines through: taken as diffuse")
+        s.base = self.blend(s.base, s.through_colour, s.through, True)
+        s.through, s.through_colour = 0.0, WHITE
+
     def of_bsdf_sheen(self, node):
-        self.warn(node, "sheen: taken as diffuse")
-        return sheen(self, node)
+        return sheen(self, node, "Roughness", node.distribution)
+
+    def of_bsdf_velvet(self, node):
+        return sheen(self, node, "Sigma", "ASHIKHMIN")
 
     def of_bsdf_diffuse(self, node):
         roughness, colour = (self.read(node.inputs[name]) for name in ("Roughness", "Color"))
@@ -67,15 +84,16 @@ class Folder(Values):
         else:
             roughness = self.read(node.inputs["Roughness"])
             tell_multiple(self, node)
-        return Surface(base=self.read(node.inputs["Color"]), metallic=1.0, roughness=roughness, normal=self.normal_of(node),
-                       scale=gloss_of_3(roughness) if node.distribution == "GGX" else 1.0)
+        out = Surface(base=self.read(node.inputs["Color"]), metallic=1.0, roughness=roughness, normal=self.normal_of(node),
+                      scale=gloss_of_3(roughness) if node.distribution == "GGX" else 1.0)
+        if "Anisotropy" in node.inputs:
+            grain.put_on(self, out, node, self.read(node.inputs["Anisotropy"]), False)
+        return out
 
     def of_bsdf_metallic(self, node):
         return metallic(self, node)
 
     def of_bsdf_anisotropic(self, node):
-        if self.read(node.inputs["Anisotropy"]) != 0.0:
-            self.warn(node, "anisotropy: taken as equally rough in all directions")
         return self.of_bsdf_glossy(node)
 
     def of_bsdf_glass(self, node):
@@ -116,10 +134,8 @@ class Folder(Values):
         if is_principled_2(node):
             return principled(self, node)
         get = lambda name: self.read(node.inputs[name])  # noqa: E731
-        for name, what in (("Subsurface", "subsurface scattering: taken as diffuse"), ("Sheen", "sheen: left out"),
-                           ("Anisotropic", "anisotropy: taken as equally rough in all directions")):
-            if get(name) != 0.0:
-                self.warn(node, what)
+        if get("Subsurface") != 0.0:
+            self.warn(node, SUBSURFACE)
         tell_multiple(self, node, get("Metallic"))
         if get("Transmission") != 0.0 and (not is_constant(get("Roughness")) or get("Roughness") > 0.25):
             self.warn(node, "rough glass: up to 7 % brighter or darker than in Blender, with a roughness above 0.7 up to a third brighter")
@@ -128,10 +144,29 @@ class Folder(Values):
         alpha = get("Alpha")
         light = self.times(get("Emission"), self.times(get("Emission Strength"), alpha), True)
         coat = 0.0 if specular == 0.0 else 1.0  # without it Cycles leaves the lobe out, also at grazing angles
-        return Surface(base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=coat,
+        out = Surface(base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=coat,
                        f0=self.times(specular, 0.08 / F0_OF_GLTF), transmission=get("Transmission"), ior=ior,
                        clearcoat=get("Clearcoat"), clearcoat_roughness=get("Clearcoat Roughness"), alpha=alpha, emission=light,
                        normal=self.normal_of(node), principled=True)
+        grain.put_on(self, out, node, get("Anisotropic"), True)
+        put_coat_normal(self, out, node, "Clearcoat Normal")
+        self.put_sheen(out, node, get("Sheen"), get("Sheen Tint"), get("Base Color"))
+        return out
+
+    def put_sheen(self, out, node, weight, tint, base):
+        """Of Blender 3, where it is a part of what is diffuse."""
+        values = (weight, tint, out.metallic, out.transmission)
+        if weight == 0.0:
+            return
+        if not all(is_constant(v) for v in values):
+            self.warn(node, "sheen that varies: left out")
+            return
+        weight *= (1.0 - out.metallic) * (1.0 - out.transmission)
+        if not is_constant(base) and tint > 0.0:
+            self.warn(node, "the tint of its sheen: taken as white")
+        cloth.tell(self, node)
+        cloth.put_on_principled(out, max(weight, 0.0), tint, base)
+        out.left = cloth.left(out.sheen, out.sheen_roughness)
 
     # mixtures
 
@@ -147,10 +182,9 @@ class Folder(Values):
             elif b != a:
                 self.warn(node, "its back looks different: taken as the front")
             return a
-        if source is not None and source.node.type in ("FRESNEL", "LAYER_WEIGHT"):
-            one = as_one(self, a, b, source, node)
-            if one is not None:
-                return one
+        one = as_one(self, a, b, source, node) if source is not None else None
+        if one is not None:
+            return one
         t = self.read(factor)
         if is_constant(t):
             t = min(max(t, 0.0), 1.0)
@@ -165,9 +199,12 @@ class Folder(Values):
             return b
         self.settle_base(a)
         self.settle_base(b)
-        one = as_gloss(self, a, b, (self.rest(t), t), node)
+        one = as_gloss(self, a, b, (self.rest(t), t), node) or as_curtain(self, a, b, t)
         if one is not None:
             return one
+        for one, other in ((a, b), (b, a)):
+            if other.alpha != 0.0:
+                self.make_opaque(one, node)
         if a.normal != b.normal and a.normal is not None and b.normal is not None:
             self.warn(node, "its shaders have different normals: that of the first is taken")
         light = self.blend(a.emission, b.emission, t, True)
@@ -186,6 +223,14 @@ class Folder(Values):
             mine, other = self.alike(name, a, b)
             colours = name == "base" or any(isinstance(v, tuple) and is_constant(v) for v in (mine, other))
             setattr(out, name, self.blend(mine, other, share, colours))
+        out.sheen, out.sheen_roughness = mixed_sheen(a, b, share)
+        self.put_under_sheen(out)
+        glossy = a if a.aspect < b.aspect else b
+        out.aspect, out.turn, out.is_across, out.tangent = glossy.aspect, glossy.turn, glossy.is_across, glossy.tangent
+        out.coat_normal = a.coat_normal if a.coat_normal is not None else b.coat_normal
+        out.film = a.film if a.film is not None else b.film
+        seen = a if b.alpha == 0.0 else b
+        out.through, out.through_colour = seen.through, seen.through_colour
         out.one_sided, out.thin = a.one_sided or b.one_sided, a.thin or b.thin
         out.principled, out.added = a.principled or b.principled, a.added or b.added
         self.share_of_glass(a, b, share, out, node)
@@ -206,7 +251,10 @@ class Folder(Values):
             self.warn(node, "a mixture of glass with a surface of another colour: both have the mean of the two")
 
     def settle_base(self, s):
-        """In a mixture the base itself is scaled, and no coat takes from it."""
+        """In a mixture the base itself is scaled, and neither coat nor sheen take from it."""
+        if s.sheen != BLACK and s.left == 1.0:
+            s.base = self.times(s.base, (cloth.left(s.sheen, s.sheen_roughness),) * 3, True)
+        s.left = 1.0
         if (s.scale, s.lift) != (1.0, BLACK):
             base = self.plus(self.times(s.base, (s.scale,) * 3, True), s.lift, True)
             s.base = tuple(min(max(c, 0.0), 1.0) for c in base) if is_constant(base) else base
@@ -227,7 +275,7 @@ class Folder(Values):
 
     def fold_sum(self, a, b, node):
         for one, other in ((a, b), (b, a)):
-            if one.base == BLACK and one.alpha == 1.0 and one.specular == 0.0 and one.transmission in (None, 0.0):
+            if one.base == BLACK and one.alpha == 1.0 and one.specular == 0.0 and one.transmission in (None, 0.0) and one.sheen == BLACK:
                 other.emission = self.plus(other.emission, one.emission, True)
                 if other.alpha == 0.0:
                     self.warn(node, "light of a surface that is not there otherwise: it hides half of what is behind")
@@ -236,6 +284,8 @@ class Folder(Values):
         if a.alpha == 0.0 or b.alpha == 0.0:
             self.warn(node, "a sum with what passes straight through: taken as half of each")
             return self.mixed(a, b, 0.5, node)
+        self.make_opaque(a, node)
+        self.make_opaque(b, node)
         self.settle_base(a)
         self.settle_base(b)
         one = as_gloss(self, a, b, (1.0, 1.0), node)
@@ -248,7 +298,25 @@ class Folder(Values):
         out = self.mixed(a, b, t, node)
         out.base = tuple(min(c, 1.0) for c in base) if is_constant(base) else self.vector("MINIMUM", base, WHITE)
         out.emission = light
+        out.sheen, out.sheen_roughness = tuple(min(x + y, 1.0) for x, y in zip(a.sheen, b.sheen)), max(a.sheen_roughness, b.sheen_roughness)
+        self.put_under_sheen(out)
         return out
+
+    def put_under_sheen(self, s):
+        """Makes up for what sheen takes from a base that has its own brightness."""
+        if s.sheen != BLACK and s.base is not None:
+            base = self.times(s.base, (1.0 / cloth.left(s.sheen, s.sheen_roughness),) * 3, True)
+            s.base = tuple(min(c, 1.0) for c in base) if is_constant(base) else base
+
+
+def mixed_sheen(a, b, share):
+    """Colour and roughness."""
+    weights = [w * max(s.sheen) for w, s in ((1.0 - known(share, BETWEEN), a), (known(share, BETWEEN), b))]
+    if max(weights) == 0.0:
+        return BLACK, 0.0
+    share = known(share, BETWEEN)
+    return (tuple(x + (y - x) * share for x, y in zip(a.sheen, b.sheen)),
+            (weights[0] * a.sheen_roughness + weights[1] * b.sheen_roughness) / sum(weights))
 
 
 # Principled of Blender 4 as a surface of glTF that reflects as much (gloss.py).
@@ -256,8 +324,7 @@ class Folder(Values):
 REPORTED = 0.015  # differences are named from here on
 BETWEEN = 0.5  # what is taken for a roughness that varies
 FEW = 0.25, 0.85  # roughnesses for which that is checked
-PRINCIPLED_LEFT_OUT = (("Subsurface", "subsurface scattering: taken as diffuse"), ("Anisotropic", "anisotropy: taken as equally rough in all directions"),
-            ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
+PRINCIPLED_LEFT_OUT = (("Subsurface", SUBSURFACE), ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
 WHITER = 1.01  # than white: from here on metal becomes a coat
 
 
@@ -296,10 +363,8 @@ def tell_lost(folder, node):
             folder.warn(node, what)
     film = node.inputs.get("Thin Film Thickness")
     thickness = folder.read(film) if film is not None else 0.0
-    if not is_constant(thickness) or thickness > 0.1:  # nanometres
-        folder.warn(node, "a thin film: left out")
-    if folder.read(socket(node, "Clearcoat")) != 0.0 and node.inputs["Coat Normal"].is_linked:
-        folder.warn(node, "the normal of the clear coat: taken as that of the shape")
+    if not is_constant(thickness):
+        folder.warn(node, "a thin film that varies: left out")
 
 
 class Principled:
@@ -322,16 +387,18 @@ class Principled:
         self.is_multiple = node.distribution == "MULTI_GGX"
 
     def sheen_of(self, weight, roughness):
-        """What it reflects on average, in each colour."""
+        """What it reflects on average, in each colour; and the layer and the diffuse rest that are glTF's."""
+        self.layer, self.rest = Surface(), BLACK
         if weight == 0.0:
             return BLACK
         tint = tint_of(self.folder, self.node, "Sheen Tint")
-        values = (weight, roughness, self.base, self.metallic)
-        if self.transmission != 0.0 or not all(is_constant(v) for v in values):
-            self.folder.warn(self.node, "sheen: left out")
+        if self.transmission != 0.0 or not is_constant(weight) or not is_constant(roughness):
+            self.folder.warn(self.node, "sheen of glass: left out" if self.transmission != 0.0 else "sheen that varies: left out")
             return BLACK
-        self.folder.warn(self.node, "sheen: its light is taken as diffuse")
-        return tuple(min(max(weight, 0.0) * t * of_sheen(roughness), 1.0) for t in tint)
+        cloth.tell(self.folder, self.node)
+        colour = tuple(min(max(weight, 0.0), 1.0) * min(t, 1.0) for t in tint)
+        self.rest = cloth.put_on(self.layer, colour, roughness, "MICROFIBER")
+        return tuple(c * cloth.mean_of_cycles(roughness, "MICROFIBER") for c in colour)
 
     def layers(self, roughness=None, metallic=None):
         within = lambda v: min(max(v, 0.0), 1.0)  # noqa: E731
@@ -341,9 +408,13 @@ class Principled:
                       known(self.coat_ior, 1.5), self.is_multiple)
 
     def wanted(self, layers, base):
+        """What is to be reflected below glTF's sheen."""
         below = [layers.parts(b, t, c, max(self.tint), of_rough_diffuse(min(b, 1.0), self.diffuse_roughness) if self.diffuse_roughness > 0.0 else b)
                  for b, t, c in zip(base, self.tint, self.coat_tint)]
-        return [s + (1.0 - max(self.sheen)) * b for s, b in zip(self.sheen, below)]
+        if self.sheen == BLACK:
+            return below
+        kept = (1.0 - max(self.sheen)) / cloth.left(self.layer.sheen, self.layer.sheen_roughness)
+        return [rest + kept * b for rest, b in zip(self.rest, below)]
 
     def f0_of(self, layers):
         return [min(layers.f0 * t, 1.0) for t in self.tint]
@@ -352,7 +423,7 @@ class Principled:
         layers = self.layers()
         out = Surface(base=self.base, metallic=self.metallic, roughness=self.roughness, specular=1.0 if layers.f0 > 0.0 else 0.0,
                       transmission=0.0, ior=1.5, clearcoat=self.coat, clearcoat_roughness=self.coat_roughness,
-                      normal=self.folder.normal_of(self.node))
+                      normal=self.folder.normal_of(self.node), sheen=self.layer.sheen, sheen_roughness=self.layer.sheen_roughness)
         f0 = self.f0_of(layers)
         f0 = self.fit(out, layers, f0) if is_constant(self.base) and is_constant(self.metallic) else self.fit_image(out, layers, f0)
         out.f0 = f0[0] / F0_OF_GLTF if len(set(f0)) == 1 else tuple(f / F0_OF_GLTF for f in f0)
@@ -446,6 +517,29 @@ class Principled:
                        clearcoat=self.coat, clearcoat_roughness=self.coat_roughness, normal=self.folder.normal_of(self.node))
 
 
+def put_coat_normal(folder, out, node, name):
+    if out.clearcoat == 0.0:
+        return
+    out.coat_normal = folder.normal_of(node, name)
+    if out.coat_normal is not None:
+        folder.warn(node, "a clear coat with a normal of its own: up to 10 % darker where it is steep")
+
+
+FILM = 0.1  # nanometres: thinner films are none to Cycles
+
+
+def put_film(folder, out, node, metallic):
+    """Cycles has films over what is not metal."""
+    film = node.inputs.get("Thin Film Thickness")
+    thickness, index = (folder.read(i) if i is not None else 0.0 for i in (film, node.inputs.get("Thin Film IOR")))
+    if not is_constant(thickness) or not is_constant(index) or thickness <= FILM or metallic == 1.0:
+        return
+    if metallic != 0.0:
+        folder.warn(node, "a thin film over metal in part: over all of it")
+    folder.warn(node, "a thin film: up to 12 % darker than in Blender, of colours that differ a little")
+    out.film = (thickness, max(index, 1.0))
+
+
 def principled(folder, node):
     tell_lost(folder, node)
     values = Principled(folder, node)
@@ -462,6 +556,14 @@ def principled(folder, node):
         out = values.glass()
     else:
         out = folder.mixed(values.dull(), values.glass(), share, node)
+    if share == 0.0:
+        grain.put_on(folder, out, node, folder.read(node.inputs["Anisotropic"]), True)
+        if out.aspect < 1.0 and values.is_multiple and values.metallic != 0.0:
+            folder.warn(node, "anisotropic metal of multiple scattering: up to 4 % darker")
+    elif folder.read(node.inputs["Anisotropic"]) != 0.0:
+        folder.warn(node, "anisotropy of glass: taken as equally rough in all directions")
+    put_coat_normal(folder, out, node, "Coat Normal")
+    put_film(folder, out, node, values.metallic)
     out.alpha = folder.read(node.inputs["Alpha"])
     light = folder.times(folder.read(socket(node, "Emission")), folder.times(folder.read(node.inputs["Emission Strength"]), out.alpha), True)
     layers = values.layers()
@@ -485,10 +587,9 @@ def tell_facets(folder, node, roughness):
 def glossy(folder, node):
     """Gloss whose colour is the same from everywhere; its energy is kept by a brighter colour."""
     roughness, colour = folder.read(node.inputs["Roughness"]), folder.read(node.inputs["Color"])
-    if folder.read(node.inputs["Anisotropy"]) != 0.0:
-        folder.warn(node, "anisotropy: taken as equally rough in all directions")
     tell_facets(folder, node, roughness)
     out = Surface(base=colour, metallic=1.0, roughness=roughness, normal=folder.normal_of(node), is_flat=True)
+    grain.put_on(folder, out, node, folder.read(node.inputs["Anisotropy"]), False)
     rough = known(roughness, BETWEEN)
     straight = mean(rough, views(rough)[1])
     is_multiple = node.distribution == "MULTI_GGX"
@@ -526,12 +627,11 @@ def cover(s, f0, most, wanted):
 def metallic(folder, node):
     """A metal by its colours or by its index."""
     roughness = folder.read(node.inputs["Roughness"])
-    if folder.read(node.inputs["Anisotropy"]) != 0.0:
-        folder.warn(node, "anisotropy: taken as equally rough in all directions")
     tell_facets(folder, node, roughness)
     names, make = (("IOR", "Extinction"), of_conductor) if node.fresnel_type == "PHYSICAL_CONDUCTOR" else (("Base Color", "Edge Tint"), of_metal)
     values = [folder.read(node.inputs[name]) for name in names]
     out = Surface(base=values[0], metallic=1.0, roughness=roughness, normal=folder.normal_of(node))
+    grain.put_on(folder, out, node, folder.read(node.inputs["Anisotropy"]), True)
     if not all(is_constant(v) for v in values):
         folder.warn(node, "its %s varies: taken as of metal that is white at its edges" % " or ".join(n.lower() for n in names))
         if make is of_conductor:
@@ -565,64 +665,15 @@ def rough_diffuse(colour, roughness):
     return tuple(of_rough_diffuse(min(max(c, 0.0), 1.0), min(max(roughness, 0.0), 1.0)) for c in colour)
 
 
-def sheen(folder, node):
-    """Diffuse of the same brightness."""
-    colour, roughness = (folder.read(node.inputs[name]) for name in ("Color", "Roughness"))
-    share = of_sheen(known(roughness, BETWEEN), node.distribution)
-    return Surface(base=folder.times(colour, (share,) * 3, True), specular=0.0, normal=folder.normal_of(node))
-
-
-# Two shaders mixed by Fresnel's factor, where glTF has that as one surface.
-
-SHARP = 0.1  # reflections of a pane are taken as sharp up to this roughness
-
-
-def ior_of(folder, source):
-    """The index of a Fresnel or Layer Weight node's output; None if it is not constant or no Fresnel factor."""
-    node = source.node
-    if node.type == "FRESNEL":
-        ior = folder.read(node.inputs["IOR"])
-    elif node.type == "LAYER_WEIGHT" and source.name == "Fresnel":
-        blend = folder.read(node.inputs["Blend"])
-        ior = 1.0 / (1.0 - min(blend, 0.99999)) if is_constant(blend) else None
-    else:
-        ior = None
-    return ior if ior is not None and is_constant(ior) else None
-
-
-def as_pane(a, b, ior):
-    """What is transparent under sharp gloss is a thin pane; None if these are not the two."""
-    clear = a.alpha == 0.0
-    tinted = a.alpha == 1.0 and a.transmission == 1.0 and a.ior == 1.0
-    if not (clear or tinted) or not is_constant(b.roughness) or b.roughness > SHARP:
-        return None
-    return Surface(base=WHITE if clear else a.base, metallic=0.0, roughness=0.0, specular=1.0, transmission=1.0, ior=max(ior, 1.0),
-                   thin=True)
-
-
-def as_glass(folder, node, source):
-    """Refraction and reflection mixed by Fresnel's factor are glass; None if these are not the two."""
-    below, above = (i.links[0].from_node if i.is_linked else None for i in node.inputs[1:3])
-    if below is None or above is None or below.type != "BSDF_REFRACTION" or above.type != "BSDF_GLOSSY":
-        return None
-    if source is None or ior_of(folder, source) is None:
-        return None
-    glass, gloss = folder.of_bsdf_glass(below), folder.of_bsdf_glossy(above)
-    if gloss.base != WHITE:
-        folder.warn(node, "the colour of its reflection: taken as white")
-    if gloss.roughness != glass.roughness:
-        folder.warn(node, "the roughness of its reflection: taken as that of its refraction")
-    return glass
-
-
-def as_one(folder, a, b, source, node):
-    """The surface that is `a` under `b` by a factor; None where there is none."""
-    ior = ior_of(folder, source)
-    if ior is None or b.metallic != 1.0 or b.alpha != 1.0:
-        return None
-    pane = as_pane(a, b, ior)
-    if pane is None and is_constant(b.base) and min(b.base) < 0.9 * max(b.base):
-        folder.warn(node, "the colour of its reflection: at grazing angles as bright in all colours as in the brightest")
-    if pane is not None and b.base != WHITE:
-        folder.warn(node, "the colour of its reflection: taken as white")
-    return pane if pane is not None else as_coat(a, b, ior)
+def sheen(folder, node, rough, kind):
+    """Sheen alone, and a diffuse surface that reflects the rest of what Cycles' does."""
+    colour, roughness = (folder.read(node.inputs[name]) for name in ("Color", rough))
+    out = Surface(specular=0.0, normal=folder.normal_of(node))
+    if is_constant(colour) and is_constant(roughness):
+        cloth.tell(folder, node, roughness, kind)
+        out.base = cloth.put_on(out, colour, min(max(roughness, 0.0), 1.0), kind)
+        return out
+    folder.warn(node, "sheen that varies: taken as diffuse")
+    share = cloth.mean_of_cycles(known(roughness, BETWEEN), kind)
+    out.base = folder.times(colour, (share,) * 3, True)
+    return out

@@ -1,17 +1,21 @@
 """Geometry as Blender renders it: modifiers at render level, instances realised, hidden objects left out.
 
-Every object becomes one without parents, constraints, modifiers and animation: only the
-camera moves in Reframe. Instances share one mesh, which `glb` places by
-EXT_mesh_gpu_instancing.
+Every object becomes one without parents, constraints, modifiers and animation; how it moves was recorded frame by frame
+(`movement`), and is written by `tracks`. Instances share one mesh: those that stand still are placed by
+EXT_mesh_gpu_instancing, the others by a node each.
 """
 import bpy
 import mathutils
+import numpy
 
-from .messages import list_names, note, warn
-from .moves import GEOMETRY
+from . import shapes
+from .messages import list_names, list_some, note, warn
+from .movement import maker_of, shown_by
+from .moves import GEOMETRY, animated_paths
 from .versions import children_of, throws_shadow
 
 ADAPTIVE_LEVELS, ADAPTIVE_FACES = 5, 250000  # at most, in the place of adaptive subdivision
+COARSE = 0.87  # the cosine of 30 degrees
 FEW_INSTANCES = 4  # of which each becomes an object
 RENDER_LEVELS = (("levels", "render_levels"), ("steps", "render_steps"), ("viewport_resolution", "resolution"),
                  ("show_viewport", "show_render"))
@@ -80,9 +84,10 @@ def settle(scene):
     for o in view_layer.objects:
         o.hide_set(False)
     view_layer.update()
-    left = sorted(n for n in visible if not bpy.data.objects[n].visible_get() and bpy.data.objects[n].type in GEOMETRY + ("LIGHT",))
+    left = sorted(n for n in visible if not bpy.data.objects[n].visible_get() and bpy.data.objects[n].type in GEOMETRY + ("LIGHT",) and
+                  "hide_render" not in animated_paths(bpy.data.objects[n]))
     if left:
-        note("%s: left out, as hidden in renders" % list_names(left))
+        note("%s: left out, as hidden in renders" % list_some(left))
 
 
 def has_shear(matrix):
@@ -100,64 +105,16 @@ def is_pattern(o):
     return parent is not None
 
 
-def is_plain(o):
-    """Is its mesh in the file what is rendered?"""
-    return o.type == "MESH" and not o.modifiers and o.data.shape_keys is None and not o.particle_systems
-
-
-class Source:
-    """What instances show: an object's evaluated shape, or a mesh of geometry nodes alone."""
-
-    def __init__(self, instance):
-        o = instance.object
-        self.original = (instance.instance_object if instance.is_instance else o).original
-        self.is_lamp = o.type == "LIGHT"
-        own = self.original.data
-        self.is_own = o.data is None or o.data.original == own or not isinstance(o.data, bpy.types.Mesh)
-        self.mesh = None if self.is_lamp or self.is_own else o.data.copy()
-        self.matrices, self.instance_matrices = [], []
-
-
-def read_sources(depsgraph, holes):
-    """Reads the depsgraph, during which nothing may be added that it knows."""
-    sources = {}
-    for instance in depsgraph.object_instances:
-        o = instance.object
-        # text, curves and metaballs come twice: as themselves, and as the mesh that they become
-        if o.type not in ("LIGHT", "MESH") or is_left_out(instance, holes):
-            continue
-        if not instance.is_instance and (not instance.show_self or is_pattern(o.original)):
-            continue
-        key = (o.original.name, o.data.as_pointer())
-        if key not in sources:
-            sources[key] = Source(instance)
-        which = sources[key].instance_matrices if instance.is_instance else sources[key].matrices
-        which.append(instance.matrix_world.copy())
-    return sources.values()
-
-
-def mesh_of(source, depsgraph):
-    """The mesh that is rendered: that of the file where nothing changes it."""
-    original = source.original
-    if source.mesh is not None or is_plain(original):
-        return source.mesh or original.data
-    mesh = bpy.data.meshes.new_from_object(original.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph)
-    if mesh is not None and isinstance(original.data, bpy.types.Mesh):
-        mesh.use_auto_texspace = False  # generated coordinates stay those of the mesh as modelled
-        mesh.texspace_location = original.data.texspace_location
-        mesh.texspace_size = original.data.texspace_size
-    return mesh
-
-
 class Builder:
-    """Makes the new objects, beside the old ones, which it replaces in the end."""
+    """Makes the new objects, beside the old ones, which it replaces in the end. `world`: what was recorded."""
 
-    def __init__(self):
+    def __init__(self, world):
+        self.world = world
         self.old = list(bpy.data.objects)
-        self.objects = []  # (new object, name, matrix)
-        self.placed = []  # (new object, matrices of its instances)
+        self.objects = []  # (new object, name, matrix, how it moves, when it is there)
+        self.placed = []  # (new object, numbers of its instances that stand still, of those that do not)
 
-    def place(self, original, name, data, matrix):
+    def place(self, original, name, data, matrix, path=None, flags=None):
         new = bpy.data.objects.new(name, data)
         for key in original.keys():
             new[key] = original[key]
@@ -166,70 +123,80 @@ class Builder:
         for to, slot in zip(new.material_slots, original.material_slots):
             if slot.link == "OBJECT" and data == original.data:
                 to.link, to.material = "OBJECT", slot.material
-        self.objects.append((new, name, matrix))
+        self.objects.append((new, name, matrix, path, flags))
         return new
 
-    def place_shape(self, original, mesh, matrix):
-        if has_shear(matrix):
-            mesh, sheared = mesh.copy(), matrix
-            mesh.transform(sheared)
-            matrix = mathutils.Matrix()
-        self.place(original, original.name, mesh, matrix)
+    def place_shape(self, original, mesh, number, within):
+        """`within`: the frames in which it has this mesh, or None for all."""
+        matrix, path = self.world.matrix(number), self.world.path(number)
+        flags = self.world.flags.get(number)
+        if within is not None:
+            flags = within if flags is None else flags & within
+            if not flags.any():
+                return
+        if path is None and has_shear(matrix):
+            mesh, matrix = shapes.transformed(mesh, matrix), mathutils.Matrix()
+        self.place(original, original.name, mesh, matrix, path, flags)
 
-    def add(self, source, depsgraph):
-        original = source.original
-        if source.is_lamp:
-            for matrix in source.matrices + source.instance_matrices:
-                self.place(original, original.name, original.data, matrix)
+    def add(self, shape):
+        """All things of a shape, in the order in which they were first seen."""
+        if shape.is_lamp:
+            for number in sorted(shape.things, key=lambda n: self.world.instanced[n]):
+                path = self.world.path(number)
+                self.place(shape.original, shape.original.name, shape.original.data, self.world.matrix(number),
+                           path.unsheared() if path is not None else None, self.world.flags.get(number))
             return
-        mesh = mesh_of(source, depsgraph)
-        if mesh is None or not mesh.polygons:
-            return
-        sheared = [m for m in source.instance_matrices if has_shear(m)]
-        straight = [m for m in source.instance_matrices if not has_shear(m)]
-        few = len(straight) <= FEW_INSTANCES
-        for matrix in source.matrices + sheared + (straight if few else []):
-            self.place_shape(original, mesh, matrix)
+        for mesh, within in self.world.meshes(shape):
+            if mesh is not None and mesh.polygons:
+                self.add_mesh(shape, mesh, within)
+
+    def add_mesh(self, shape, mesh, within):
+        world = self.world
+        single = [n for n in shape.things if not world.instanced[n]]
+        instances = [n for n in shape.things if world.instanced[n]]
+        sheared = [n for n in instances if world.path(n) is None and has_shear(world.matrix(n))]
+        straight = [n for n in instances if n not in set(sheared)]
+        few = len(straight) <= FEW_INSTANCES or within is not None
+        for number in single + sheared + (straight if few else []):
+            self.place_shape(shape.original, mesh, number, within)
         if not few:
-            new = self.place(original, original.name + " instances", mesh, mathutils.Matrix())
-            self.placed.append((new, straight))
+            new = self.place(shape.original, shape.original.name + " instances", mesh, mathutils.Matrix())
+            still = [n for n in straight if world.is_still(n)]
+            self.placed.append((new, still, [n for n in straight if not world.is_still(n)]))
 
-    def finish(self, scene):
-        """Replaces all objects; returns the matrices of instances by the name of their object."""
+    def finish(self, scene, tracks):
+        """Replaces all objects; returns the matrices of instances by the name of their object, those that stand still first."""
         bpy.data.batch_remove(self.old)
-        for new, name, matrix in self.objects:
+        for new, name, matrix, path, flags in self.objects:
             scene.collection.objects.link(new)
-            new.name = name
+            new.name = name  # which Blender 3 may take from another one
             new.matrix_world = matrix
-        return {new.name: matrices for new, matrices in self.placed}
+        for new, _, _, path, flags in self.objects:
+            if path is not None:
+                tracks.place(new.name, path)
+            if flags is not None:
+                tracks.visible(new.name, flags)
+        world, placed = self.world, {}
+        for new, still, moving in self.placed:
+            placed[new.name] = [world.matrix(n) for n in still + moving]
+            if moving:
+                tracks.flock(new.name, [(world.path(n) or world.rest(n), world.flags.get(n)) for n in moving])
+        return placed
 
 
-def realise(scene):
-    """Makes plain objects of what is rendered in this frame; returns the matrices of instances by object name."""
-    view_layer = bpy.context.view_layer
-    holes = held_out(view_layer)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    tell_what_differs(scene, depsgraph, holes)
-    builder = Builder()
-    for source in list(read_sources(depsgraph, holes)):
-        builder.add(source, depsgraph)
-    return builder.finish(scene)
+def realise(scene, world, tracks):
+    """Makes plain objects of all that was recorded; returns the matrices of instances by object name."""
+    tell_what_differs(scene, world.seen.rendered)
+    builder = Builder(world)
+    for shape in world.shapes.values():
+        builder.add(shape)
+    return builder.finish(scene, tracks)
 
 
 # What is hidden from some kinds of rays in Blender, lights without shadows, or is not read at all: named, object by object.
 
 WAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 UNREAD = {"VOLUME": "a volume", "CURVES": "hair curves", "GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil", "POINTCLOUD": "a point cloud"}
-
-
-def maker_of(instance):
-    """The object that makes an instance, or what is no instance itself."""
-    return (instance.parent if instance.is_instance else instance.object).original
-
-
-def shown_by(instance):
-    """The object whose shape is seen."""
-    return (instance.instance_object if instance.is_instance else instance.object).original
 
 
 def hidden_ways(instance):
@@ -268,7 +235,7 @@ def tell(chosen, text):
 
 
 def tell_lamps(lamps, engine):
-    """`lamps`: with the rays that do not see them. Cycles' camera sees none unless that is asked for: lights.InView tells of those."""
+    """`lamps`: with the rays that do not see them. Cycles' camera sees none unless that is asked for."""
     lamps = [(o, ways) for o, ways in lamps if not (o.data.type == "AREA" and o.data.cycles.is_portal)]
     tell([o for o, _ in lamps if not throws_shadow(o.data, engine)], "lights through everything in Blender: throws shadows here")
     tell([o for o, ways in lamps if ways - {"camera", "shadow"}], "hidden from some kinds of rays in Blender: lights all surfaces here")
@@ -287,6 +254,25 @@ def tell_shapes(shapes):
          "hair: left out")
 
 
+def is_coarse(o, depsgraph):
+    """Are corners on a quarter of its surface shaded by normals far from those of their faces?"""
+    evaluated = o.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh()
+    count = shapes.array_of(mesh.polygons, "loop_total", 1, numpy.int32)
+    face = shapes.array_of(mesh.polygons, "normal", 3, numpy.float32).reshape(-1, 3).repeat(count, axis=0)
+    area = (shapes.array_of(mesh.polygons, "area", 1, numpy.float32) / count).repeat(count)
+    is_off = (shapes.normals_of(mesh) * face).sum(axis=1) < COARSE
+    evaluated.to_mesh_clear()
+    return area[is_off].sum() > 0.25 * area.sum()
+
+
+def tell_coarse(shapes_seen):
+    """Cycles moves the origins of shadow rays off coarse faces towards the smooth surface that their normals mean."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    tell([o for o in shapes_seen if o.cycles.shadow_terminator_geometry_offset > 0.0 and is_coarse(o, depsgraph)],
+         "large smooth faces: darker than in Blender where they turn from the light")
+
+
 def tell_linking(lamps):
     """Objects with light linking, which Blender 4 has."""
     linked = [(o, o.light_linking) for o in lamps if hasattr(o, "light_linking")]
@@ -295,16 +281,28 @@ def tell_linking(lamps):
          "only some objects throw its shadows in Blender (shadow linking): all do here")
 
 
+class Seen:
+    """Decides what is rendered, and keeps what is reported of."""
+
+    def __init__(self, holes):
+        self.holes, self.rendered = holes, Rendered()
+
+    def __call__(self, instance):
+        if instance.is_instance or instance.show_self:
+            self.rendered.note(instance, self.holes)
+        # text, curves and metaballs come twice: as themselves, and as the mesh that they become
+        if instance.object.type not in ("LIGHT", "MESH") or is_left_out(instance, self.holes):
+            return False
+        return instance.is_instance or instance.show_self and not is_pattern(instance.object.original)
+
+
 class Rendered:
     """All that is rendered, also as instances: which objects are reported of."""
 
-    def __init__(self, depsgraph, holes):
+    def __init__(self):
         self.objects = {}  # by full name: the original, and the rays for which it is hidden in one of its places
         self.kinds = {}  # by what becomes of them, originals by full name
         self.holes, self.catchers = {}, {}
-        for instance in depsgraph.object_instances:
-            if instance.is_instance or instance.show_self:
-                self.note(instance, holes)
 
     def note(self, instance, holes):
         shown, maker = shown_by(instance), maker_of(instance)
@@ -321,13 +319,14 @@ class Rendered:
         return [pair for pair in self.objects.values() if pair[0].type in types]
 
 
-def tell_what_differs(scene, depsgraph, holes):
-    """Called before the objects are replaced; they are shown as rendered."""
-    found = Rendered(depsgraph, holes)
+def tell_what_differs(scene, found):
+    """Called before the objects are replaced."""
     tell_lamps(found.of_types("LIGHT"), scene.render.engine)
     tell_linking([o for o, _ in found.of_types("LIGHT", *GEOMETRY)])
     tell(found.holes.values(), "left out: holdouts do not exist in Reframe")
     tell_shapes(found.of_types(*GEOMETRY))
+    if scene.render.engine == "CYCLES":
+        tell_coarse([o for o, _ in found.of_types(*GEOMETRY)])
     tell(found.catchers.values(), "a shadow catcher in Blender: an ordinary surface here")
     for kind, what in UNREAD.items():
         tell(found.kinds.get(kind, {}).values(), "%s: left out" % what)

@@ -9,11 +9,12 @@ import math
 import bpy
 import numpy
 
-from .channels import BLACK, F0_OF_GLTF, Surface, f0_of, is_constant
+from .channels import BLACK, F0_OF_GLTF, Surface, is_constant
 
 # of the cosine, which weighs directions of view: of uniform light 1, which surfaces of rooms, that see each other more from the
 # front, exceed. Bases are as bright as in Cycles in the mean of these directions: in uniform light up to 2 % darker.
 FRONT = 1.25
+COSINES = tuple(((i + 0.5) / 6.0) ** (1.0 / (FRONT + 1.0)) for i in range(6))  # that stand for all directions, each for a sixth
 VIEWS, STEPS = 48, 24  # steps of the cosine of the direction of view, and of each of two random numbers
 
 
@@ -52,14 +53,13 @@ def lobe(roughness, steps=STEPS):
     return cosine, seen, (FRONT + 1.0) * cosine**FRONT, numpy.where(out > 0.0, near / (near + smith(up, alpha)), 0.0)
 
 
-@functools.lru_cache(maxsize=None)
-def means_of_lobe(roughness, ior):
-    """Means over directions of view of what GGX reflects of uniform light times Fresnel's factor of the direction of view, and times 1
-    and Schlick's (1 - cos)^5 of the half vector."""
+def means_of_lobe(roughness, curve):
+    """Means over directions of view of what GGX reflects of uniform light times a factor of the cosine of the direction of view, and
+    times 1 and Schlick's (1 - cos)^5 of the half vector."""
     cosine, seen, front, gain = lobe(roughness)
     weight = front * gain
     mean = lambda f: float((weight * f).mean())  # noqa: E731
-    return mean(fresnel(cosine, ior)), mean(1.0), mean((1.0 - seen) ** 5)
+    return mean(curve(cosine)), mean(1.0), mean((1.0 - seen) ** 5)
 
 
 def mean_of(function):
@@ -79,6 +79,8 @@ def under(base, gloss, kept, share, reflected, most, grazing):
     angles. Cycles keeps `kept` of the base, and reflects `reflected` by gloss that is white. `grazing`: as means_of_lobe() has them."""
     out = Surface(base=base.base, metallic=0.0, roughness=gloss.roughness, normal=base.normal, alpha=base.alpha, emission=base.emission,
                   clearcoat=base.clearcoat, clearcoat_roughness=base.clearcoat_roughness, one_sided=base.one_sided)
+    out.coat_normal, out.aspect, out.turn = base.coat_normal, gloss.aspect, gloss.turn
+    out.is_across, out.tangent = gloss.is_across, gloss.tangent
     brightest = max(gloss.base)
     out.specular = min(most * brightest, 1.0)
     straight, steep = grazing
@@ -105,7 +107,7 @@ def cover(s):
 
 
 def is_diffuse(s):
-    return s.base is not None and s.specular == 0.0 and s.metallic in (None, 0.0) and s.transmission in (None, 0.0)
+    return s.base is not None and s.specular == 0.0 and s.metallic in (None, 0.0) and s.transmission in (None, 0.0) and s.sheen == BLACK
 
 
 def is_gloss(s):
@@ -113,18 +115,20 @@ def is_gloss(s):
             s.emission == BLACK)
 
 
-def lobe_of(gloss, ior):
-    return means_of_lobe(gloss.roughness if is_constant(gloss.roughness) else 0.0, ior)
+def lobe_of(gloss, curve):
+    return means_of_lobe(gloss.roughness if is_constant(gloss.roughness) else 0.0, curve)
 
 
-def as_coat(a, b, ior):
-    """Diffuse under gloss by Fresnel's factor; None if these are not the two."""
+def as_coat(a, b, curve, is_fresnel):
+    """Diffuse under gloss by a factor of the cosine of the direction of view; None if these are not the two."""
     if not (is_diffuse(a) and is_gloss(b)) or a.normal != b.normal or not is_constant(b.base) or max(b.base) <= 0.0:
         return None
-    reflected, straight, steep = lobe_of(b, ior)
-    kept = 1.0 - mean_of(lambda c: fresnel(c, ior))
-    reflected *= b.scale
-    return cover(under(a, b, kept, min(F0_OF_GLTF * f0_of(ior), 1.0), reflected, 1.0, (straight, steep)))
+    reflected, straight, steep = lobe_of(b, curve)
+    share, most = float(curve(1.0)), 1.0
+    if not is_fresnel:  # the share at grazing angles that makes Schlick's as bright
+        share = min(share, reflected / straight)
+        most = min(max((reflected - share * (straight - steep)) / steep, share, 1e-6), 1.0)
+    return cover(under(a, b, 1.0 - mean_of(curve), share, reflected * b.scale, most, (straight, steep)))
 
 
 def as_gloss(folder, a, b, weights, node):
@@ -139,7 +143,7 @@ def as_gloss(folder, a, b, weights, node):
         if not is_constant(gloss.base):
             folder.warn(node, "a mixture of gloss with a surface of another colour: both have the mean of the two")
         elif gloss.normal == base.normal and max(gloss.base) > 0.0:
-            _, straight, steep = lobe_of(gloss, 1.5)
+            _, straight, steep = lobe_of(gloss, lambda c: c)
             return under(base, gloss, kept, share, share * straight, share, (straight, steep))
     return None
 
@@ -225,15 +229,6 @@ def gloss_of(roughness, reflectance, is_multiple):
 def ior_of(f0):
     root = min(f0, 0.99) ** 0.5
     return (1.0 + root) / (1.0 - root)
-
-
-# What Cycles' sheen reflects on average for roughnesses from 0 to 1, measured with 4.3.2: spheres in even light, weighed by FRONT
-SHEEN = {"MICROFIBER": (0.0, 0.0003, 0.0043, 0.0199, 0.0506, 0.0962, 0.1545, 0.2216, 0.2931, 0.3645, 0.4319),
-         "ASHIKHMIN": (0.0, 0.0020, 0.0183, 0.0521, 0.0987, 0.1532, 0.2115, 0.2699, 0.3262, 0.3789, 0.4274)}
-
-
-def of_sheen(roughness, kind="MICROFIBER"):
-    return float(numpy.interp(roughness, numpy.linspace(0.0, 1.0, 11), SHEEN[kind]))
 
 
 def of_rough_diffuse(colour, roughness):
@@ -379,7 +374,7 @@ def base_of_principled(surface):
         return gloss_of_3(s.roughness), BLACK
     coated = is_constant(s.f0) and not isinstance(s.f0, tuple) and s.specular != 0.0
     f0 = F0_OF_GLTF * s.f0 if coated else 0.0
-    factor, lack = diffuse_of_3(s.roughness), lack_of_coat(f0, s.roughness) if coated else 0.0
+    factor, lack = diffuse_of_3(s.roughness) / s.left, lack_of_coat(f0, s.roughness) if coated else 0.0
     if is_constant(s.clearcoat) and is_constant(s.clearcoat_roughness) and s.clearcoat > 0.0:
         share = CLEARCOAT * s.clearcoat
         below = (1.0 - share * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) * SCHLICK)) ** 2  # what the clear coat leaves, where Cycles' adds to it

@@ -7,8 +7,8 @@ import numpy
 from mathutils import Vector, geometry
 from mathutils.bvhtree import BVHTree
 
-from . import bake, shader_tree
-from .channels import BLACK, COLOURS, Ref, WHITE, is_constant, link_textures, strength_of
+from . import bake, displacement, grain, keyed, shader_tree
+from .channels import ADDED, BLACK, COLOURS, Ref, WHITE, is_constant, link_textures, strength_of
 from .gloss import base_of_principled
 from .messages import warn
 from .plans import VARYING, channels_tell, is_ours, make_plan
@@ -108,7 +108,7 @@ def is_solid(plan, o):
 
 
 def all_trees():
-    return [m.node_tree for m in bpy.data.materials if m.node_tree is not None] + [g for g in bpy.data.node_groups if g.type == "SHADER"]
+    return [m.node_tree for m in [*bpy.data.materials, *bpy.data.worlds] if m.node_tree is not None] + [g for g in bpy.data.node_groups if g.type == "SHADER"]
 
 
 def coordinate_objects():
@@ -124,9 +124,9 @@ def restore_coordinate_objects(targets):
         tree.nodes[name].object = empty
 
 
-def carry(scene, args, placed, recorder):
+def carry(scene, args, placed, recorder, recorded, tracks):
     """Replaces materials, in memory only, by what the exporter carries unchanged. `placed` names objects that stand
-    for many instances; `recorder` has the camera's frames."""
+    for many instances; `recorder` has the camera's frames, `recorded` the states of what changes, whose keys go to `tracks`."""
     tell_missing_libraries()
     bpy.context.view_layer.update()
     objects = [o for o in scene.objects if o.type == "MESH"]
@@ -141,11 +141,13 @@ def carry(scene, args, placed, recorder):
         if is_ours(material):
             continue
         try:
-            plans[material] = make_plan(material, places)
+            states = recorded.materials.get(material.name_full)
+            plans[material] = keyed.plan_of(make_plan, material, places, states) if states is not None else make_plan(material, places)
         except Exception as e:  # a tree that nobody thought of must not cost the scene
             warn("'%s': material '%s': not understood, left to Blender's exporter: %s" % (places[0][0].name, material.name, line_of(e)))
     views = bake.Views(recorder, scene.render.resolution_y * scene.render.resolution_percentage / 100.0, args.bake, placed)
     tell_instances(plans.values(), placed)
+    ways = displacement.ways_of(plans.values())
     to_bake = {}
     new = []  # slots are set at the end: plans compare with the originals
     for material, plan in plans.items():
@@ -159,6 +161,8 @@ def carry(scene, args, placed, recorder):
     new += bake.bake_objects(to_bake, views, args.bake_cache, is_solid, build) if to_bake else []
     for o, i, material in new:
         o.material_slots[i].material = material
+    displacement.displace(ways)
+    keyed.finish([plan for plan in plans.values() if plan.changes is not None], tracks, patches)
 
 
 def line_of(error):
@@ -212,7 +216,8 @@ patches = {}  # what Blender's exporter cannot write: for glb.finish, by the nam
 def guess(name):
     """What a channel is taken for if it can be neither carried nor baked."""
     return {"base": (GREY,) * 3, "emission": BLACK, "normal": None, "metallic": 0.0, "roughness": 0.5, "alpha": 1.0,
-            "specular": 1.0, "f0": 1.0, "transmission": 0.0, "ior": 1.5, "clearcoat": 0.0, "clearcoat_roughness": 0.0}[name]
+            "specular": 1.0, "f0": 1.0, "transmission": 0.0, "ior": 1.5, "clearcoat": 0.0, "clearcoat_roughness": 0.0,
+            "through_colour": (GREY,) * 3}[name]
 
 
 def new_material(like, name):
@@ -294,7 +299,10 @@ def build(plan, name, textures=None, means=None, solid=False):
     alpha = value("alpha")
     varies = principled.inputs["Alpha"].is_linked
     material.blend_method = "BLEND" if varies or alpha < 1.0 else "OPAQUE"
-    patches[material.name] = {**patch_of(plan, value, solid), "name": name}  # Blender counts up names that a library has
+    added = [(*ADDED[n], textures[n], textures["place"]) for n in sorted(plan.baked & set(ADDED) - set(means))] if textures is not None else []
+    patches[material.name] = {**patch_of(plan, value, solid), "name": name, "added": added}  # Blender counts up names that a library has
+    if plan.changes is not None:
+        plan.changes.made.append((material.name, means, strength))
     return material
 
 
@@ -320,12 +328,24 @@ def patch_of(plan, value, solid):
         if f0 != WHITE:
             extensions["KHR_materials_specular"]["specularColorFactor"] = list(f0)
     s = plan.surface
+    if s.aspect < 1.0 and transmission == 0.0:
+        extensions["KHR_materials_anisotropy"] = grain.extension_of(s)
+    if s.film is not None:
+        extensions["KHR_materials_iridescence"] = {"iridescenceFactor": 1.0, "iridescenceIor": s.film[1],
+                                                   "iridescenceThicknessMinimum": s.film[0], "iridescenceThicknessMaximum": s.film[0]}
+    is_like_base = isinstance(s.base, Ref) and s.through_colour == s.base
+    if s.through > 0.0:
+        extensions["KHR_materials_diffuse_transmission"] = {"diffuseTransmissionFactor": s.through,
+                                                            "diffuseTransmissionColorFactor": list(value("through_colour"))}
+    if max(s.sheen) > 0.0:
+        extensions["KHR_materials_sheen"] = {"sheenColorFactor": list(s.sheen), "sheenRoughnessFactor": s.sheen_roughness}
     scaled = (s.scale / s.covered, s.lift) if (s.scale, s.lift) != (1.0, BLACK) else None
-    patch = {"extensions": extensions, "base": base_of_principled(s) or scaled}
+    patch = {"extensions": extensions, "base": base_of_principled(s) or scaled, "is_through_like_base": s.through > 0.0 and is_like_base,
+             "roughness": grain.strength_of(s)[1] if s.aspect < 1.0 and transmission == 0.0 else 1.0}
     if (s.principled or s.added) and specular > 0.0 and transmission == 0.0:
         patch["extras"] = ADDED_COAT
     if plan.copy is not None and value("metallic") == 1.0 and value("roughness") < MIRROR and is_constant(s.base):
-        if transmission == 0.0 and s.emission == BLACK and s.alpha == 1.0 and s.normal is None and s.specular == 0.0:
+        if transmission == 0.0 and s.emission == BLACK and s.alpha == 1.0 and s.normal is None and s.specular == 0.0 and s.aspect == 1.0:
             patch["extras"] = {"reframe": {"bsdf": "mirror", "specular": list(s.base)}}
     return patch
 

@@ -1,10 +1,35 @@
-"""Warnings and errors. Warnings are printed at once and repeated at the end, where they are read."""
+"""Losses, warnings and errors: told together at the end, once, losses first. Blender's own output is hushed."""
 import argparse
 import os
 import re
+import shutil
+import signal
 import sys
+import tempfile
 
-_warnings = []
+_losses, _warnings, _folders = [], [], []
+_hushed = None  # the file that takes what Blender prints
+_out, _err = sys.stdout, sys.stderr
+
+
+def hush():
+    """From now on only what is said here is seen: Blender, its exporter and Cycles print to a file that is deleted."""
+    global _hushed, _out, _err
+    sys.stdout.flush()
+    sys.stderr.flush()
+    _out, _err = (open(os.dup(n), "w", encoding="utf-8", errors="replace", buffering=1) for n in (1, 2))
+    signal.signal(signal.SIGTERM, lambda number, frame: fail("stopped"))  # which leaves nothing
+    _hushed = tempfile.TemporaryFile()
+    for n in (1, 2):
+        os.dup2(_hushed.fileno(), n)
+
+
+def blenders_error():
+    """What Blender said last that looks like an error, for messages."""
+    sys.stdout.flush()
+    _hushed.seek(max(os.fstat(_hushed.fileno()).st_size - 65536, 0))
+    lines = [line.strip() for line in _hushed.read().decode("utf-8", "replace").splitlines() if "rror" in line]
+    return lines[-1] if lines else "Blender does not say why"
 
 
 def printable(text):
@@ -12,36 +37,83 @@ def printable(text):
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
-def warn(text):
+def add(texts, text):
     text = printable(text)
-    _warnings.append(text)
-    print("blender-export: warning: " + text, file=sys.stderr)
+    if text not in texts:
+        texts.append(text)
+
+
+def lose(text):
+    """For what would freeze a movement or change the light of the whole picture: an error, unless --accept-losses is given."""
+    add(_losses, text)
+
+
+def warn(text):
+    """For smaller losses."""
+    add(_warnings, text)
 
 
 def note(text):
-    print("blender-export: " + text)
+    print("blender-export: " + printable(text), file=_out, flush=True)
+
+
+def note_frame(count, every):
+    """The frames that were gone through, of all: ten times, where it takes long."""
+    if every >= 100 and count * 10 // every > (count - 1) * 10 // every:
+        note("frame %d/%d" % (count, every))
 
 
 def list_names(names):
-    more = " and %d more" % (len(names) - 5) if len(names) > 5 else ""
-    return ", ".join("'%s'" % n for n in names[:5]) + more
+    """All of them: what is lost is named in full."""
+    return ", ".join("'%s'" % n for n in names)
+
+
+def list_some(names):
+    return list_names(names[:5]) + (" and %d more" % (len(names) - 5) if len(names) > 5 else "")
+
+
+def losses():
+    return list(_losses)
 
 
 def warnings():
     return list(_warnings)
 
 
-def repeat_warnings():
-    """Prints all warnings again; called last, after Blender's own pages of output."""
-    sys.stdout.flush()
-    for text in _warnings:
-        print("blender-export: warning: " + text, file=sys.stderr)
-    sys.stderr.flush()
+def tell(kind, texts):
+    for text in texts:
+        print("blender-export: %s: %s" % (kind, text), file=_err)
+
+
+def refuse_losses(args):
+    """Ends the export if something is lost that should not be; called when everything is known, before files are put into place."""
+    if _losses and not args.accept_losses:
+        tell("loss", _losses)
+        fail("nothing is written for what would be lost: change it in Blender, or export without it by --accept-losses")
+
+
+def tell_all():
+    """Called last."""
+    tell("loss", _losses)
+    tell("warning", _warnings)
+    _err.flush()
+
+
+def folder_beside(path):
+    """A folder for files that are moved to where `path` is when they are whole, and vanish if the export fails."""
+    _folders.append(tempfile.mkdtemp(prefix=".reframe-", dir=os.path.dirname(os.path.abspath(path))))
+    return _folders[-1]
+
+
+def remove_folders():
+    while _folders:
+        shutil.rmtree(_folders.pop(), ignore_errors=True)
 
 
 def fail(text):
-    print("blender-export: " + printable(text), file=sys.stderr)
-    sys.stderr.flush()
+    remove_folders()
+    print("blender-export: " + printable(text), file=_err)
+    _err.flush()
     os._exit(1)  # after an exception Blender would exit with status 0
 
 
@@ -71,6 +143,8 @@ def parse(about):
     p.add_argument("--bake-cache", metavar="FOLDER", default=default_bake_cache(),
                    help="where bakes are kept for the next time; default: reframe/bake in $XDG_CACHE_HOME or ~/.cache")
     p.add_argument("--embed", action="store_true", help="put the map of the sky into the .glb, not into a file beside it")
+    p.add_argument("--accept-losses", action="store_true",
+                   help="export also if a movement is frozen, or the light of the whole picture is not Blender's: a warning, not an error")
     p.add_argument("--overwrite", action="store_true", help="replace files that are there already")
     try:
         args = p.parse_args(own)
@@ -82,6 +156,8 @@ def parse(about):
     if not os.path.isdir(folder):
         fail("%s: cannot be written: there is no folder %s" % (args.out, folder))
     refuse(args, args.out)
+    if not os.access(folder, os.W_OK | os.X_OK):
+        fail("%s: cannot be written: there is no permission to write in %s" % (args.out, folder))
     return args
 
 

@@ -4,10 +4,10 @@ import hashlib
 import bpy
 import numpy
 
-from .messages import list_names, warn
 
 SWITCHES = ("hide_render", "hide_viewport")
-OF_RENDERS = ("show_render", "render_levels", "render_steps")  # of modifiers, whose viewport's values are set once
+OF_RENDERS = ("show_render", "render_levels", "render_steps")  # of modifiers
+OF_VIEWPORT = ("show_viewport", "levels", "steps")  # of them in the same order
 
 
 def actions_of(o):
@@ -38,39 +38,89 @@ def follow(o):
     variable.targets[0].id, variable.targets[0].data_path = o, "hide_render"
 
 
+def follow_modifiers(o):
+    """The viewport's keys of what renders have of modifiers, which are not those of renders."""
+    for action in actions_of(o):
+        for curve in [c for c in action.fcurves if c.data_path.startswith("modifiers[") and c.data_path.endswith(OF_VIEWPORT)]:
+            action.fcurves.remove(curve)
+
+
 class Frames:
-    """Sets frames, with all objects hidden that are hidden in renders of them."""
+    """Sets frames, in which the viewport shows what renders do: objects hidden, modifiers switched. Simulations go through all frames
+    from their start on, as they do in an animation that is rendered."""
 
     def __init__(self, scene):
-        self.scene = scene
+        self.scene, self.start = scene, simulation_start(scene)
         self.switched = [o for o in bpy.data.objects if animated_paths(o) & set(SWITCHES)]
+        self.modified = [o for o in bpy.data.objects if changes_in_renders(o)]
         for o in self.switched:
             follow(o)
+        for o in self.modified:
+            follow_modifiers(o)
+        self.last = None
+
+    def go(self, number):
+        """Sets a frame, by way of those between it and the last one where simulations need them."""
+        if self.start is not None:
+            is_next = self.last is not None and self.last < number
+            for between in range(self.last + 1 if is_next else min(self.start, number), number):
+                self.set(between)
+        self.set(number)
 
     def set(self, number):
         before = [o.hide_viewport for o in self.switched]
         self.scene.frame_set(number)
-        if before != [o.hide_viewport for o in self.switched]:
+        if any([settle_renders(o) for o in self.modified]) or before != [o.hide_viewport for o in self.switched]:
             self.scene.frame_set(number)  # Blender hides by the drivers' values one evaluation late
+        self.last = number
+
+
+def settle_renders(o):
+    """Gives the viewport what renders have of modifiers in this frame; says whether that is another thing than before."""
+    changed = False
+    for modifier in o.modifiers:
+        for viewport, render in zip(OF_VIEWPORT, OF_RENDERS):
+            if hasattr(modifier, viewport) and hasattr(modifier, render) and getattr(modifier, viewport) != getattr(modifier, render):
+                setattr(modifier, viewport, getattr(modifier, render))
+                changed = True
+    return changed
 
 
 def changes_in_renders(o):
-    """Is a modifier switched in renders? In the viewport it is as in the first frame."""
+    """Is a modifier switched in renders?"""
     return any(path.startswith("modifiers[") and path.endswith(OF_RENDERS) for path in animated_paths(o))
 
 
-# What moves or changes, and is not exported: everything but the camera.
+def simulates(tree):
+    return any(node.type == "SIMULATION_OUTPUT" for part in trees_within(tree) for node in part.nodes)
+
+
+def caches_of(scene):
+    """Of simulations: the first frame of each."""
+    world = scene.rigidbody_world
+    if world is not None and world.enabled and world.collection is not None:
+        yield world.point_cache.frame_start
+    for o in scene.objects:
+        for modifier in o.modifiers:
+            if modifier.type in ("CLOTH", "SOFT_BODY"):
+                yield modifier.point_cache.frame_start
+            elif modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN":
+                yield modifier.domain_settings.cache_frame_start
+            elif modifier.type == "DYNAMIC_PAINT" and modifier.canvas_settings is not None:
+                yield from (surface.frame_start for surface in modifier.canvas_settings.canvas_surfaces)
+            elif modifier.type == "NODES" and simulates(modifier.node_group):
+                yield scene.simulation_frame_start if getattr(scene, "use_custom_simulation_range", False) else scene.frame_start
+        for system in o.particle_systems:
+            if system.settings.physics_type != "NO" or system.settings.type == "HAIR" and system.use_hair_dynamics:
+                yield min(system.point_cache.frame_start, int(system.settings.frame_start))
+
+
+def simulation_start(scene):
+    """The first frame of simulations; None without any."""
+    return min(caches_of(scene), default=None)
+
 
 GEOMETRY = ("MESH", "CURVE", "SURFACE", "META", "FONT")
-LAMP = ("energy", "size", "size_y", "spread", "spot_size", "spot_blend", "shadow_soft_size", "angle")  # each for some kinds
-
-
-def state_of(o):
-    """The transform of an object that is visible or emits, and the settings of a lamp."""
-    numbers = [v for row in o.matrix_world for v in row]
-    if o.type == "LIGHT":
-        numbers += [*o.data.color, *(getattr(o.data, name, 0.0) for name in LAMP)]
-    return numbers
 
 
 def carried_by(mesh):
@@ -95,76 +145,6 @@ def shape_of(o):
     return digest.digest()
 
 
-def instances_of(depsgraph):
-    """Number and mean place of the instances by the object that makes them."""
-    found = {}
-    for instance in depsgraph.object_instances:
-        if instance.is_instance and instance.parent is not None:
-            count, total = found.get(instance.parent.name, (0, numpy.zeros(16)))
-            found[instance.parent.name] = count + 1, total + numpy.array(instance.matrix_world).ravel()
-    return found
-
-
-def is_shown(o):
-    """Is it an object that is seen, emits, or makes instances?"""
-    return o.type in ("LIGHT", *GEOMETRY) or o.instance_type != "NONE"
-
-
-class Watcher:
-    """Compares the frames with the first one; `view_layer` shows what is rendered."""
-
-    def __init__(self, scene, view_layer):
-        self.scene, self.first, self.moving = scene, None, set()
-        # what is hidden by its collection is so in all frames
-        self.objects = [o for o in view_layer.objects if is_shown(o) and (o.visible_get() or o.hide_render)]
-        self.hidden = set()  # names of those that are hidden in some frames
-        self.shapes = {}  # by name, of objects whose geometry Blender has updated
-        self.instances = None
-        self.updated = set()  # names of objects that Blender has made anew for this frame
-        bpy.app.handlers.frame_change_post.append(self.collect)
-
-    def collect(self, scene, depsgraph):
-        """The list of updates is there only during this call."""
-        self.updated |= {u.id.name for u in depsgraph.updates if u.is_updated_geometry and isinstance(u.id, bpy.types.Object)}
-
-    def note(self, depsgraph, with_instances):
-        now = {o.name: state_of(o.evaluated_get(depsgraph)) for o in self.objects if not o.hide_render}
-        if self.first is None:
-            self.first = now
-            self.moving = {o.name for o in self.objects if o.name in now and changes_in_renders(o)}
-        self.hidden |= set(now) ^ set(self.first)
-        self.moving.update(n for n in now
-                           if n in self.first and max(abs(a - b) for a, b in zip(now[n], self.first[n])) > 1e-6)
-        for name in self.updated & set(now) - self.moving:
-            o = self.scene.objects[name]
-            if o.type in GEOMETRY:
-                self.shapes.setdefault(o.name, set()).add(shape_of(o.evaluated_get(depsgraph)))
-        self.updated.clear()
-        if with_instances:
-            found = instances_of(depsgraph)
-            self.instances = found if self.instances is None else self.instances
-            for name in set(found) | set(self.instances):
-                a, b = found.get(name), self.instances.get(name)
-                if a is None or b is None or a[0] != b[0] or not numpy.allclose(a[1], b[1], rtol=1e-6, atol=1e-5):
-                    self.moving.add(name)
-
-    def finish(self, depsgraph):
-        """Called in the first frame again; returns the names, sorted."""
-        bpy.app.handlers.frame_change_post.remove(self.collect)
-        for name, shapes in self.shapes.items():
-            if shapes - {shape_of(self.scene.objects[name].evaluated_get(depsgraph))}:
-                self.moving.add(name)
-        for names, what in ((self.moving - self.hidden, "moves or changes"), (self.hidden, "hidden in some of the frames")):
-            if names:
-                warn("%s: %s: not exported; as in the first frame, by `reframe render --freeze` alone" % (list_names(sorted(names)), what))
-        return sorted(self.moving | self.hidden)
-
-
-# What changes by keys, drivers or frames of a film within a tree of nodes, all of which is taken as in the first frame.
-
-FILMS = ("SEQUENCE", "MOVIE")
-
-
 def trees_within(tree):
     """A tree and those of its groups."""
     found, left = [], [tree]
@@ -174,21 +154,3 @@ def trees_within(tree):
             found.append(tree)
             left += [n.node_tree for n in tree.nodes if n.type == "GROUP"]
     return found
-
-
-def is_film(node):
-    """Does an image node show another picture in another frame?"""
-    if getattr(node, "image", None) is None or node.image.source not in FILMS:
-        return False
-    user = getattr(node, "image_user", None)
-    return user is not None and user.use_auto_refresh and user.frame_duration > 1
-
-
-def tell_animation(tree, tell):
-    """Calls tell(node, text) for each node that changes; the node is None for what is not of one node."""
-    for part in trees_within(tree):
-        for path in sorted(animated_paths(part)):
-            tell(part.nodes.get(path.split('"')[1]) if path.startswith('nodes["') else None, "animated or driven: taken as in the first frame")
-        for node in part.nodes:
-            if is_film(node):
-                tell(node, "shows the frames of a film: taken as in the first frame")

@@ -1,12 +1,11 @@
 """What is to be done about a material: left as it is, replaced, or baked."""
 import bpy
 
-from . import shader_tree
-from .channels import BLACK, Ref, Surface, WORDS, carried, finish, is_constant, is_read, number_source
+from . import displacement, grain, shader_tree
+from .channels import ADDED, BLACK, Ref, Surface, WORDS, carried, finish, is_constant, is_read, number_source
 from .folding import Folder, settle_flat
 from .gloss import tell_held
-from .messages import warn
-from .moves import animated_paths, tell_animation
+from .messages import lose, warn
 from .shader_tree import view_nodes
 from .versions import has_transparent_shadow, is_principled_2
 
@@ -22,9 +21,11 @@ class Plan:
         self.material, self.users = material, users
         self.copy = self.folder = self.surface = None
         self.carried, self.baked, self.averaged = set(), set(), set()
-        self.plain = False
+        self.plain = self.displaces = False
         self.absorption = None  # colour and density of what is inside
-        self.said = set()
+        self.lines = []  # that were told
+        self.is_quiet = False
+        self.changes = None  # keyed.Changes
         self.name = None  # once it is freed
 
     def who(self):
@@ -40,11 +41,21 @@ class Plan:
                 self.material.name = self.name + " (before export)"
         return self.name
 
+    def line(self, node, text):
+        return "%s%s: %s" % (self.who(), ", node '%s'" % node.name if node is not None else "", text)
+
     def tell(self, node, text):
-        line = "%s%s: %s" % (self.who(), ", node '%s'" % node.name if node is not None else "", text)
-        if line not in self.said:
-            self.said.add(line)
-            warn(line)
+        line = self.line(node, text)
+        self.say(line, warn)
+
+    def lose(self, node, text):
+        self.say(self.line(node, text), lose)
+
+    def say(self, line, how):
+        if line not in self.lines:
+            self.lines.append(line)
+            if not self.is_quiet:
+                how(line)
 
 
 def copy_of(material):
@@ -55,10 +66,7 @@ def copy_of(material):
 
 
 def tell_inside(plan, out):
-    """Remembers an absorbing inside; says what else is lost with volume and displacement."""
-    socket = out.inputs["Displacement"]
-    if socket.is_linked:
-        plan.tell(socket.links[0].from_node, "displacement: left out")
+    """Remembers an absorbing inside; says what else is lost with a volume."""
     socket = out.inputs["Volume"]
     if not socket.is_linked:
         return
@@ -77,15 +85,14 @@ def is_ours(material):
     return hasattr(own, "keys") and "bsdf" in own.keys()
 
 
-def make_plan(material, users):
+def make_plan(material, users, still=None):
+    """`still`: a copy of a material that changes, as it is in some of the frames; what is lost is not told yet."""
     plan = Plan(material, users)
+    plan.is_quiet = still is not None
     if not material.use_nodes or material.node_tree is None:
-        if animated_paths(material):
-            plan.tell(None, "animated or driven: taken as in the first frame")
-        plan.surface = finish(Surface(base=tuple(material.diffuse_color)[:3], specular=0.0))
+        plan.surface = finish(Surface(base=tuple((still or material).diffuse_color)[:3], specular=0.0))
         return plan
-    tell_animation(material.node_tree, plan.tell)
-    plan.copy = copy_of(material)
+    plan.copy = still or copy_of(material)
     tree = plan.copy.node_tree
     for node in tree.nodes:
         if node.type == "GROUP" and node.node_tree is None:
@@ -98,9 +105,14 @@ def make_plan(material, users):
         plan.tell(None, "no output: taken as black")
         plan.surface = finish(Surface(base=BLACK, specular=0.0))
         return plan
+    if out.inputs["Displacement"].is_linked:
+        method = displacement.method_of(material)
+        plan.displaces = method != "BUMP"
+        if method != "DISPLACEMENT":
+            displacement.make_bump(tree, out, displacement.scale_of(tree, out, users))
     behind = shader_tree.nodes_behind(tree, [out.inputs["Surface"]])
     asks = bool(nodes_that_ask(behind))
-    ray, thin = choose(material, behind, plan.tell)
+    ray, thin = choose(plan.copy, behind, plan.tell)
     give_constants(tree, ray)
     only_volume = out.inputs["Volume"].is_linked and not out.inputs["Surface"].is_linked
     plan.surface = folder.fold(out.inputs["Surface"]) if not only_volume else Surface(alpha=0.0)
@@ -115,12 +127,14 @@ def make_plan(material, users):
     tell_images(plan, behind)
     sort_channels(plan)
     first = out.inputs["Surface"].links[0].from_node if out.inputs["Surface"].is_linked else None
-    if first is None or first.type != "BSDF_PRINCIPLED" or grouped or is_principled_2(first):
+    if still is not None or first is None or first.type != "BSDF_PRINCIPLED" or grouped or is_principled_2(first):
         return plan
     plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
     plan.plain = (not asks and not plan.baked and not plan.averaged and
-                  is_only_output(material) and not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
-                  first.inputs["Subsurface"].default_value == 0.0 and not is_odd)
+                  not out.inputs["Displacement"].is_linked and is_only_output(material) and
+                  not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
+                  first.inputs["Subsurface"].default_value == 0.0 and max(plan.surface.sheen) == 0.0 and plan.surface.aspect == 1.0 and
+                  not is_odd)
     return plan
 
 
@@ -177,8 +191,11 @@ def tell_images(plan, nodes):
 def sort_channels(plan):
     """What varies is carried, baked, or replaced by its mean."""
     s = plan.surface
-    varying = {n for n in VARYING if isinstance(getattr(s, n), Ref)}
-    plan.carried = carried(plan.folder, s) & varying
+    plan.carried = carried(plan.folder, s) & {n for n in VARYING if isinstance(getattr(s, n), Ref)}
+    grain.settle(plan)
+    varying = {n for n in (*VARYING, *ADDED) if isinstance(getattr(s, n), Ref)}
+    if isinstance(s.base, Ref) and s.through_colour == s.base:
+        varying.discard("through_colour")  # the same texture
     plan.baked = varying - plan.carried
     if "alpha" in plan.baked:
         plan.baked.add("base")  # they share a texture
@@ -196,13 +213,16 @@ def channels_tell(plan, bakes):
             continue
         node = plan.folder.nodes[ref.node]
         named = named_node(plan, node)
+        if name == "grain" and named is node:
+            named = None  # it was made here
         if not bakes:
             plan.tell(named, "%s varies and is not baked (--no-bake): taken as constant" % WORDS[name])
         elif name in plan.averaged:
             plan.tell(named, "%s varies: its mean is taken" % WORDS[name])
         behind = shader_tree.nodes_behind(tree, list(node.inputs)) + [node]
         for seen in view_nodes(behind) if bakes else []:
-            plan.tell(seen, "depends on where it is seen from: taken as seen straight on")
+            plan.tell(seen, "depends on where it is seen from: its mean is taken" if shader_tree.is_by_angle(seen) else
+                      "depends on where it is seen from: taken as seen straight on")
 
 
 def named_node(plan, node):

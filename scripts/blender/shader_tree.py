@@ -216,6 +216,26 @@ def view_nodes(nodes):
     return found
 
 
+def is_by_angle(node):
+    """Does it depend on the angle between the normal and the direction of view alone?"""
+    return node.type in ("FRESNEL", "LAYER_WEIGHT", "NEW_GEOMETRY")
+
+
+def see_at(tree, cosine):
+    """Lets a bake, which sees everything straight on, show it at an angle: by shorter normals, of which nodes take the cosine."""
+    nodes = [n for n in view_nodes(list(tree.nodes)) if is_by_angle(n)]
+    if cosine == 1.0 or not nodes:
+        return
+    geometry, short = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorMath")
+    short.operation = "SCALE"
+    short.inputs["Scale"].default_value = cosine
+    tree.links.new(geometry.outputs["Normal"], short.inputs[0])
+    for node in nodes:
+        targets = [link.to_socket for link in node.outputs["Incoming"].links] if node.type == "NEW_GEOMETRY" else [node.inputs["Normal"]]
+        for target in targets:
+            tree.links.new(short.outputs[0], target)
+
+
 # What the inputs of shaders get: constants, or outputs of nodes, and what is calculated of the two.
 
 CALCULATE = {

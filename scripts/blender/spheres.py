@@ -2,9 +2,9 @@
 
   blender -b --factory-startup --python-exit-code 1 -P spheres.py -- JOB.json
 
-In the scene "even" the spheres hang far apart in a uniform white world, in "room" in a closed grey
-room under one lamp. The camera looks at sphere N in frame N. The job's "made" lists the materials in
-this order, and those that this version of Blender lacks. Written for Blender 3.4 and 4.3.
+In the scene "even" the spheres hang far apart in a uniform white world, in "sun" under a sun from above the
+camera's left, in "room" in a closed grey room under one lamp. The camera looks at sphere N in frame N. The job's
+"made" lists the materials in this order, and those that this version of Blender lacks. Written for Blender 3.4 and 4.3.
 """
 
 import json
@@ -21,7 +21,7 @@ from blender.cycles import set_cycles  # noqa: E402
 RADIUS = 0.5
 DISTANCE = 5.0  # of the camera from a sphere
 COLUMNS = 7
-SPACING = {"even": 6.0, "room": 2.5}  # so far apart that what one lacks is little to the others
+SPACING = {"even": 6.0, "sun": 6.0, "room": 2.5}  # so far apart that what one lacks is little to the others
 
 RED, BLUE, GOLD = (0.6, 0.05, 0.03), (0.1, 0.3, 0.7), (1.0, 0.77, 0.34)
 
@@ -29,6 +29,7 @@ SOCKETS = {  # of the Principled BSDF, in 3.4 and in 4.3, where the names differ
     "specular": ("Specular", "Specular IOR Level"), "transmission": ("Transmission", "Transmission Weight"),
     "coat": ("Clearcoat", "Coat Weight"), "coat_roughness": ("Clearcoat Roughness", "Coat Roughness"),
     "sheen": ("Sheen", "Sheen Weight"), "subsurface": ("Subsurface", "Subsurface Weight"), "film": ("Thin Film Thickness",),
+    "coat_normal": ("Clearcoat Normal", "Coat Normal"), "film_ior": ("Thin Film IOR",),
 }
 
 
@@ -42,7 +43,7 @@ class Shader:
     def __init__(self, name):
         self.material = bpy.data.materials.new(name)
         self.material.use_nodes = True
-        self.tree = self.material.node_tree
+        self.tree, self.height = self.material.node_tree, None
         self.tree.nodes.clear()
 
     def add(self, kind, **inputs):
@@ -58,10 +59,12 @@ class Shader:
         socket = next((node.inputs[n] for n in names if n in node.inputs), None)
         if socket is None:
             raise Absent
-        if isinstance(value, bpy.types.Node):
-            self.tree.links.new(value.outputs[0], socket)
+        if isinstance(value, (bpy.types.Node, bpy.types.NodeSocket)):
+            self.tree.links.new(value.outputs[0] if isinstance(value, bpy.types.Node) else value, socket)
+        elif isinstance(value, tuple):
+            socket.default_value = (*value, 1.0)[:len(socket.default_value)]
         else:
-            socket.default_value = (*value, 1.0) if isinstance(value, tuple) else value
+            socket.default_value = value
 
     def of_two(self, kind, a, b, factor=None):
         node = self.tree.nodes.new("ShaderNode" + kind)
@@ -69,9 +72,18 @@ class Shader:
             self.tree.links.new(value.outputs[0], socket)
         return node
 
+    def ramp(self, factor, *colours):
+        node = self.tree.nodes.new("ShaderNodeValToRGB")
+        for element, (position, value) in zip(node.color_ramp.elements, colours):
+            element.position, element.color = position, (*value, 1.0)
+        self.tree.links.new(factor, node.inputs[0])
+        return node
+
     def done(self, shader):
         out = self.tree.nodes.new("ShaderNodeOutputMaterial")
         self.tree.links.new(shader.outputs[0], out.inputs["Surface"])
+        if self.height is not None:
+            self.tree.links.new(self.height.outputs[0], out.inputs["Displacement"])
         return self.material
 
 
@@ -104,13 +116,76 @@ def gloss_by_fresnel(s):
     return s.of_two("MixShader", s.add("BsdfDiffuse", color=BLUE), s.add("BsdfGlossy", color=(1.0, 1.0, 1.0), roughness=0.3), s.add("Fresnel", ior=1.5))
 
 
+def curtain(s):
+    share = s.add("Value")
+    share.outputs[0].default_value = 0.6
+    return s.of_two("MixShader", s.add("BsdfDiffuse", color=BLUE), s.add("BsdfTranslucent", color=(0.9, 0.6, 0.4)), share)
+
+
 def glowing(s):
     return s.of_two("AddShader", s.add("BsdfDiffuse", color=BLUE), s.add("Emission", color=(1.0, 0.5, 0.2), strength=0.5))
 
 
-def velvet(s):
+def velvet(roughness, distribution="ASHIKHMIN"):
     """Velvet became Sheen in 4.0."""
-    return s.add("BsdfVelvet" if hasattr(bpy.types, "ShaderNodeBsdfVelvet") else "BsdfSheen", color=(0.8, 0.8, 0.8))
+    def make(s):
+        if hasattr(bpy.types, "ShaderNodeBsdfVelvet"):
+            if distribution != "ASHIKHMIN":
+                raise Absent
+            return s.add("BsdfVelvet", color=(0.8, 0.8, 0.8), sigma=roughness)
+        node = s.add("BsdfSheen", color=(0.8, 0.8, 0.8), roughness=roughness)
+        node.distribution = distribution
+        return node
+    return make
+
+
+def facing_colour(s):
+    return s.add("BsdfDiffuse", color=s.ramp(s.add("LayerWeight", blend=0.4).outputs["Facing"], (0.25, (1.0, 1.0, 1.0)), (0.8, (0.1, 0.1, 0.5))))
+
+
+def facing_gloss(s):
+    factor = s.ramp(s.add("LayerWeight", blend=0.3).outputs["Facing"], (0.1, (0.05,) * 3), (0.9, (0.9,) * 3))
+    return s.of_two("MixShader", s.add("BsdfDiffuse", color=BLUE), s.add("BsdfGlossy", color=(1.0, 1.0, 1.0), roughness=0.25), factor)
+
+
+def rim_light(s):
+    factor = s.ramp(s.add("Fresnel", ior=1.3).outputs[0], (0.05, (0.0,) * 3), (0.4, (1.0, 0.6, 0.2)))
+    return s.of_two("AddShader", s.add("BsdfDiffuse", color=BLUE), s.add("Emission", color=factor, strength=0.5))
+
+
+def noise(s):
+    return s.tree.nodes.new("ShaderNodeTexNoise").outputs["Fac"]
+
+
+def bump_only(s):
+    s.height = s.add("Displacement", height=noise(s), scale=0.2)
+    return s.add("BsdfDiffuse", color=(0.8, 0.8, 0.8))
+
+
+def bumpy_coat(s):
+    return s.add("BsdfPrincipled", base_color=RED, coat=1.0, coat_normal=s.add("Bump", height=noise(s), distance=0.1), roughness=0.6)
+
+
+def brushed(**inputs):
+    """Along the coordinates of the mesh."""
+    def make(s):
+        tangent = s.tree.nodes.new("ShaderNodeTangent")
+        tangent.direction_type, tangent.uv_map = "UV_MAP", "UVMap"
+        return s.add("BsdfPrincipled", base_color=GOLD, metallic=1.0, tangent=tangent, **inputs)
+    return make
+
+
+def leaf(s):
+    """Half of it shines through; both by a texture."""
+    stripes = s.ramp(noise(s), (0.4, (0.1, 0.5, 0.05)), (0.6, (0.4, 0.6, 0.1)))
+    share = s.add("Value")
+    share.outputs[0].default_value = 0.5
+    return s.of_two("MixShader", s.add("BsdfDiffuse", color=stripes), s.add("BsdfTranslucent", color=stripes), share)
+
+
+def subsurface(radius):
+    """The BSDF of that name; radii in metres, of spheres of half a metre."""
+    return lambda s: s.add("SubsurfaceScattering", color=(0.8, 0.5, 0.4), scale=radius, radius=(1.0, 0.6, 0.4))
 
 
 MATERIALS = {
@@ -146,8 +221,28 @@ MATERIALS = {
     "rough glass BSDF": bsdf("Glass", ior=1.45, roughness=0.3),
     "gloss by Fresnel": gloss_by_fresnel,
     "translucent": bsdf("Translucent", color=(0.8, 0.8, 0.8)),
+    "curtain": curtain,
     "glowing": glowing,
-    "velvet": velvet,
+    "velvet": velvet(1.0),
+    "velvet .3": velvet(0.3),
+    "microfibres": velvet(0.7, "MICROFIBER"),
+    "microfibres .3": velvet(0.3, "MICROFIBER"),
+    "cloth": principled(RED, sheen=0.7, sheen_roughness=0.4),
+    "tinted sheen": principled(RED, sheen=1.0, sheen_tint=1.0),
+    "facing colour": facing_colour,
+    "facing gloss": facing_gloss,
+    "rim light": rim_light,
+    "bump only": bump_only,
+    "bumpy coat": bumpy_coat,
+    "brushed": brushed(roughness=0.3, anisotropic=0.7),
+    "brushed round": brushed(roughness=0.3, anisotropic=1.0, anisotropic_rotation=0.25),
+    "brushed plastic": principled(BLUE, roughness=0.4, anisotropic=0.9),
+    "leaf": leaf,
+    "subsurface .01": subsurface(0.01),
+    "subsurface .1": subsurface(0.1),
+    "subsurface .5": subsurface(0.5),
+    "film": principled((0.02, 0.02, 0.02), roughness=0.2, film=400.0, film_ior=1.8),
+    "film on glass": principled((1.0, 1.0, 1.0), transmission=1.0, roughness=0.0, film=300.0),
     "rough Principled": principled(diffuse_roughness=1.0, specular=0.0),
     "coat tint": principled(coat=1.0, coat_tint=(0.9, 0.5, 0.2)),
     "thin film": principled(GOLD, metallic=1.0, roughness=0.3, film=400.0),
@@ -206,6 +301,12 @@ def put_room(places, spacing):
     last_added("lamp", lamp.done(lamp.add("Emission", strength=1.5))).scale = (0.7 * size[0], 0.7 * size[1], 1.0)
 
 
+def put_sun(scene):
+    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.energy, sun.data.angle, sun.rotation_euler = 3.0, 0.0, (0.7, -0.5, 0.0)
+    scene.collection.objects.link(sun)
+
+
 def put_camera(scene, places, fill):
     """Looks at each sphere in a frame of its own; `fill` of the picture's width is the silhouette's."""
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
@@ -236,6 +337,8 @@ def make(job):
     put_world(scene, 1.0 if job["light"] == "even" else 0.0)
     if job["light"] == "room":
         put_room(places, spacing)
+    if job["light"] == "sun":
+        put_sun(scene)
     put_camera(scene, places, job["fill"])
     bpy.ops.wm.save_as_mainfile(filepath=job["blend"])
     with open(job["made"], "w", encoding="utf-8") as file:

@@ -27,8 +27,21 @@ add_custom_target(reframe_completion ALL DEPENDS ${PROJECT_BINARY_DIR}/reframe.b
 install(FILES ${PROJECT_BINARY_DIR}/reframe.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME reframe)
 install(FILES ${PROJECT_BINARY_DIR}/reframe.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions RENAME _reframe)
 
+# The add-on of Blender, where there is a Python to pack it.
+find_program(REFRAME_PYTHON python3)
+set(addon)
+if(REFRAME_PYTHON)
+  set(addon ${PROJECT_BINARY_DIR}/reframe-blender.zip)
+  file(GLOB addon_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/scripts/blender/*)
+  list(FILTER addon_files EXCLUDE REGEX "__pycache__")
+  add_custom_command(OUTPUT ${addon} COMMAND ${REFRAME_PYTHON} -B ${PROJECT_SOURCE_DIR}/scripts/blender/pack --output ${addon}
+    DEPENDS ${addon_files} ${PROJECT_SOURCE_DIR}/CMakeLists.txt COMMENT "Packing the add-on of Blender" VERBATIM)
+  install(FILES ${addon} DESTINATION ${CMAKE_INSTALL_DATADIR}/reframe)
+endif()
+add_custom_target(reframe_addon ALL DEPENDS ${addon})
+
 # All that is installed and nothing else, for a build without the tests.
-add_custom_target(reframe_installed DEPENDS reframe reframe_import libreframe reframe_manual reframe_completion)
+add_custom_target(reframe_installed DEPENDS reframe reframe_import libreframe reframe_manual reframe_completion reframe_addon)
 
 # A program of the program: `reframe convert` looks for it relative to itself.
 install(TARGETS reframe_import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/reframe)
@@ -48,6 +61,9 @@ install(FILES ${PROJECT_BINARY_DIR}/reframeConfig.cmake ${PROJECT_BINARY_DIR}/re
 # pkg-config reframe: the libraries that ours needs, which with a static one
 # are the user's to link.
 set(pc_requires "libpng libjpeg jansson fftw3f")
+if("WebP" IN_LIST REFRAME_WITH)
+  string(APPEND pc_requires " libwebp")
+endif()
 set(pc_libs "-lembree${embree_VERSION_MAJOR} -lOpenEXRCore")
 foreach(name ${OpenMP_C_LIB_NAMES})
   get_filename_component(openmp_folder "${OpenMP_${name}_LIBRARY}" DIRECTORY)
@@ -56,6 +72,15 @@ foreach(name ${OpenMP_C_LIB_NAMES})
   endif()
   string(APPEND pc_libs " -l${name}")
 endforeach()
+if("Draco" IN_LIST REFRAME_WITH)
+  string(APPEND pc_libs " -ldraco -lstdc++")
+endif()
+if("DWA" IN_LIST REFRAME_WITH)
+  string(APPEND pc_libs " -lOpenEXR -lstdc++")
+endif()
+if("meshoptimizer" IN_LIST REFRAME_WITH)
+  string(APPEND pc_libs " -lmeshoptimizer")
+endif()
 string(APPEND pc_libs " ${CMAKE_THREAD_LIBS_INIT} -lm")
 if(BUILD_SHARED_LIBS)
   set(pc_needs "Requires.private: ${pc_requires}\nLibs: -L\${libdir} -lreframe\nLibs.private: ${pc_libs}")
@@ -91,5 +116,14 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS ${BUILD_SHARED_LIBS})
 if(NOT BUILD_SHARED_LIBS)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libembree-dev, libopenexr-dev, libjansson-dev, libfftw3-dev, libpng-dev, libjpeg-dev, pkg-config | pkgconf")
+  if("WebP" IN_LIST REFRAME_WITH)
+    string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libwebp-dev")
+  endif()
+  if("Draco" IN_LIST REFRAME_WITH)
+    string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libdraco-dev")
+  endif()
+  if("meshoptimizer" IN_LIST REFRAME_WITH)
+    string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libmeshoptimizer-dev")
+  endif()
 endif()
 include(CPack)

@@ -42,9 +42,13 @@
     X( largest_density, "densities are at most 1e30: no inf/inf where a camera touches a surface", "density-range" ) \
     X( least_alpha, "the roughness of files is at least that of the least alpha", "ggx-0 ggx-0-stage" ) \
     X( least_density, "densities are at least 1e-24, also where they are NaN: their quotients stay finite", "grazing-tilted density-range" ) \
+    X( least_sheen, "the roughness of sheen in files is at least that of the least alpha", "sheen-0 sheen-0-grazing" ) \
     X( lens_sharp, "a focus of 0 matters only to a lens with a radius", "lens-0" ) \
+    X( light_group, "light without a part of its own counts in its light group", "changes-primaries" ) \
     X( light_offset, "shadow rays end off the light", "lights-1e-12-1e6 lights-without-area coincident" ) \
+    X( light_rounding, "shadow rays end off the light by the rounding of both ends", "lamp-at-origin" ) \
     X( long_sums, "sums of many passes are moved to doubles", "long-sums" ) \
+    X( mirrored_eye, "a coat that light comes through sees the mirror image of the eye", "sheet-between-eyes" ) \
     X( mixture, "directions that nobody could have drawn bring no light", "phong-1e7 phong-1e4" ) \
     X( near_0, "rays find what is at any distance: there is no near limit", "eyes-touch-surface corner-1e-12 touching-plates" ) \
     X( neighbour_world, "cameras see hits in the world of their own frame", "moves-sweep moves-around-eye moves-far-out" ) \

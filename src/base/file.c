@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -69,12 +70,20 @@ static RfResult read_open( const char* path, int file, uint64_t limit, uint8_t**
     return result;
 }
 
+bool rf_is_web_address( const char* path )
+{
+    return strncasecmp( path, "http://", 7 ) == 0 || strncasecmp( path, "https://", 8 ) == 0;
+}
+
 RfResult rf_read_file( const char* path, uint64_t limit, uint8_t** bytes, size_t* size, RfError* error )
 {
     *bytes = NULL;
     *size = 0;
     // without O_NONBLOCK, opening a pipe would block until it has a writer
     int file = open( path, O_RDONLY | O_NONBLOCK | O_CLOEXEC );
+    if ( file < 0 && rf_is_web_address( path ) )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED,
+                        "%s: is not fetched: download it and the files that it names, and name it where it is then", path );
     if ( file < 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: cannot be opened: %s", path, strerror( errno ) );
     RfResult result = read_open( path, file, limit, bytes, size, error );

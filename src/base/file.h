@@ -4,12 +4,16 @@
 
 #include "reframe/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+// True for an address of http: or https:, which is not fetched.
+bool rf_is_web_address( const char* path );
+
 // Reads a regular file of at most `limit` bytes; the caller frees `*bytes`, which is never
 // NULL on success. Folders, devices and pipes are rejected, so that no path can block the call
-// or make it read forever.
+// or make it read forever. Addresses of the web are refused with what to do.
 RfResult rf_read_file( const char* path, uint64_t limit, uint8_t** bytes, size_t* size, RfError* error );
 
 #define RF_HASH_START 0xcbf29ce484222325ull

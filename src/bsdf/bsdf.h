@@ -31,6 +31,15 @@ static inline bool rf_is_model_built( RfBsdfKind kind )
         case RF_BSDF_PHONG: return rf_is_built( RF_EFFECT_PHONG );
         case RF_BSDF_GGX: return rf_is_built( RF_EFFECT_GGX );
         case RF_BSDF_COATED: return rf_is_built( RF_EFFECT_CLEARCOAT ) && rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_SHEEN: return rf_is_built( RF_EFFECT_SHEEN ) && rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_ANISOTROPIC: return rf_is_built( RF_EFFECT_ANISOTROPY ) && rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_IRIDESCENT: return rf_is_built( RF_EFFECT_IRIDESCENCE ) && rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_LAYERED: return rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_TRANSLUCENT: return rf_is_built( RF_EFFECT_DIFFUSE_TRANSMISSION ) && rf_is_built( RF_EFFECT_GGX );
+        case RF_BSDF_SPECTRAL:
+            if ( !rf_is_built( RF_EFFECT_DISPERSION ) && !rf_is_built( RF_EFFECT_IRIDESCENCE ) )
+                return false;
+            return rf_is_built( RF_EFFECT_MIRRORS ) || rf_is_built( RF_EFFECT_TRANSMISSION );
         case RF_BSDF_GLASS: return rf_is_built( RF_EFFECT_MIRRORS ) || rf_is_built( RF_EFFECT_TRANSMISSION );
         case RF_BSDF_LAMBERT:
         case RF_BSDF_KIND_COUNT: break;
@@ -59,7 +68,31 @@ void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const
 void rf_bsdf_sample_weighted( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
                               const float* const u[3], float* const wi[3], float* const weight[3], float* pdf_solid_angle );
 
-// A thin pane: a smooth thin wall of GLASS, which rays pass without refraction.
+// The probability that light is drawn to arrive at a point of TRANSLUCENT on the side that is not seen: the share of `through` in
+// what the surface scatters. A function of the point alone, the same for all cameras and frames.
+static inline float rf_through_probability( RfVec3 through, RfVec3 diffuse, RfVec3 specular, float f90 )
+{
+    float f0 = ( specular.x + specular.y + specular.z ) * ( 1.0f / 3.0f );
+    float there = ( through.x + through.y + through.z ) * ( 1.0f / 3.0f );
+    float here = ( diffuse.x + diffuse.y + diffuse.z ) * ( 1.0f / 3.0f ) + f0 + ( f90 - f0 ) * ( 1.0f / 21.0f );
+    return there > 0.0f ? there / ( there + here ) : 0.0f;
+}
+
+// RF_PARAM_CHOICE of SPECTRAL: how much of the largest channel each has in the light of a path, in steps of 1/255, upwards, so that
+// none that carries light is taken for dead.
+static inline float rf_pack_channels( RfVec3 throughput )
+{
+    float most = rf_max_component( throughput );
+    if ( !( most > 0.0f ) )
+        return 0.0f; // nothing is carried on: as if all were alike
+    const float t[3] = { throughput.x, throughput.y, throughput.z };
+    float code = 0.0f;
+    for ( int c = 2; c >= 0; --c )
+        code = code * 256.0f + rf_minf( ceilf( 255.0f * ( rf_maxf( t[c], 0.0f ) / most ) ), 255.0f );
+    return code;
+}
+
+// A thin pane: a smooth thin wall of glass, which rays pass without refraction.
 typedef struct RfPane
 {
     float probability; // q, with which sampling takes a ray straight through; 0: not a pane here
@@ -69,12 +102,12 @@ typedef struct RfPane
 // The pane that a material is at a point, for rays at this angle to the shading normal. The same from both sides.
 RfPane rf_pane_of_material( const RfMaterial* material, float cos_o );
 
-// The same for a lane of GLASS seen from wo.
-RfPane rf_pane_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo );
+// The same for a lane of GLASS or SPECTRAL seen from wo.
+RfPane rf_pane_of_lane( RfBsdfKind kind, const RfBsdfLanes* lanes, int lane, RfVec3 wo );
 
-// The probability that sampling at a lane of GLASS without a base, seen from wo, reflects rather than transmits: that of a
+// The probability that sampling at a lane of GLASS or SPECTRAL without a base, seen from wo, reflects rather than transmits: that of a
 // facet along the shading normal.
-float rf_reflection_probability_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo );
+float rf_reflection_probability_of_lane( RfBsdfKind kind, const RfBsdfLanes* lanes, int lane, RfVec3 wo );
 
 // The probability with which sampling reflects at a smooth (alpha 0), untextured surface of
 // RF_BSDF_GLASS that is seen from its front at this cosine, and the weight of the reflection.
@@ -89,6 +122,16 @@ typedef struct RfDeltaEvent
 
 // Reflection or transmission at a lane of GLASS seen from wo, as sampling does it. Never at rough lanes.
 RfDeltaEvent rf_glass_event( const RfBsdfLanes* lanes, int lane, RfVec3 wo, bool transmits );
+
+// What a lane of GLASS or SPECTRAL shows seen from wo, as if it were smooth: its base, what it reflects and what it lets through,
+// without the scale of radiance. Where channels refract differently the way is that of green.
+typedef struct RfSmoothLobes
+{
+    RfVec3 base, reflected, transmitted; // their sum is at most 1
+    RfVec3 reflected_wi, transmitted_wi;
+} RfSmoothLobes;
+
+RfSmoothLobes rf_smooth_lobes_of_lane( RfBsdfKind kind, const RfBsdfLanes* lanes, int lane, RfVec3 wo );
 
 // What a smooth, untextured surface of RF_BSDF_GLASS reflects and lets through as deltas, seen at this cosine from a side
 // on which `ior` is the index of the far side over the near one (RF_PARAM_IOR). Without the scale of radiance.

@@ -9,6 +9,7 @@
 // factor, 1 where the two normals agree, cancels the cosine of the surface that
 // callers multiply f by.
 #include "base/fault.h"
+#include "bsdf/coat.h"
 #include "bsdf/lane.h"
 
 #define COAT_F0 0.04f
@@ -111,10 +112,9 @@ static void lift_to_coat( int first, int count, const RfBsdfLanes* lanes, const 
     rf_lift_block( first, count, &coat, wo, eyes );
 }
 
-void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                         float* const f[3], float* pdf_solid_angle )
+void rf_lay_coat( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3], float* const f[3],
+                  float* pdf_solid_angle )
 {
-    rf_ggx_evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
     for ( int first = 0; first < count; first += RF_BLOCK )
     {
         RfEyeBlock eyes;
@@ -129,15 +129,14 @@ void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const
     }
 }
 
-// The lobe of each lane, and the random number rescaled for the lobes below.
-typedef struct LobeChoice
+void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                         float* const f[3], float* pdf_solid_angle )
 {
-    bool is_coat[RF_BLOCK];
-    float u[RF_BLOCK];
-} LobeChoice;
+    rf_ggx_evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
+    rf_lay_coat( count, lanes, wo, wi, f, pdf_solid_angle );
+}
 
-static void choose_lobes( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* u,
-                          LobeChoice* choice )
+static void choose_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* u, float* u_below )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -147,19 +146,30 @@ static void choose_lobes( int first, int count, const RfBsdfLanes* lanes, const 
         RfVec3 specular = rf_vec3( lanes->param[RF_PARAM_SPECULAR][k], lanes->param[RF_PARAM_SPECULAR + 1][k],
                                    lanes->param[RF_PARAM_SPECULAR + 2][k] );
         float probability = coat_probability( lanes->param[RF_PARAM_CLEARCOAT][k], eyes->cos_o[i], diffuse, specular );
-        choice->is_coat[i] = u[k] < probability;
-        choice->u[i] = choice->is_coat[i] ? 0.0f : rf_minf( ( u[k] - probability ) / ( 1.0f - probability ), 0x1.fffffep-1f );
+        float below = rf_minf( ( u[k] - probability ) / ( 1.0f - probability ), 0x1.fffffep-1f );
+        u_below[k] = u[k] < probability ? -1.0f : below;
     }
 }
 
-// Samples both the lobes below and the coat, and keeps one of them.
+void rf_choose_coat( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* u, float* u_below )
+{
+    for ( int first = 0; first < count; first += RF_BLOCK )
+    {
+        RfEyeBlock eyes;
+        int size = rf_block_size( first, count );
+        lift_to_coat( first, size, lanes, wo, &eyes );
+        choose_block( first, size, lanes, &eyes, u, u_below );
+    }
+}
+
+// Samples all lanes, and keeps those of the coat.
 static void sample_block( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                          const LobeChoice* choice, float* const wi[3] )
+                          const float* u_below, float* const wi[3] )
 {
     float black[RF_BLOCK] = { 0 }, one[RF_BLOCK], x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK];
     for ( int i = 0; i < RF_BLOCK; ++i )
         one[i] = 1.0f;
-    RfBsdfLanes below = rf_bsdf_lanes( RF_BSDF_GGX, lanes->n, lanes->param, first ), coat = below;
+    RfBsdfLanes coat = rf_bsdf_lanes( RF_BSDF_GGX, lanes->n, lanes->param, first );
     coat.param[RF_PARAM_SHAPE] = lanes->param[RF_PARAM_CLEARCOAT_ALPHA] + first;
     for ( int c = 0; c < 3; ++c ) // a white metal: the specular lobe alone
     {
@@ -168,16 +178,21 @@ static void sample_block( int first, int count, const RfBsdfLanes* lanes, const 
         coat.param[RF_PARAM_SPECULAR + c] = one;
     }
     const float* o[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
-    const float* random[3] = { u[0] + first, u[1] + first, choice->u };
-    float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
-    float* coat_out[3] = { x, y, z };
-    rf_ggx_sample( count, &below, o, random, out );
+    const float* random[3] = { u[0] + first, u[1] + first, black };
+    float* const coat_out[3] = { x, y, z };
     rf_ggx_sample( count, &coat, o, random, coat_out );
     for ( int c = 0; c < 3; ++c )
     {
         for ( int i = 0; i < count; ++i )
-            out[c][i] = choice->is_coat[i] ? coat_out[c][i] : out[c][i];
+            wi[c][first + i] = u_below[first + i] < 0.0f ? coat_out[c][i] : wi[c][first + i];
     }
+}
+
+void rf_sample_coat( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], const float* u_below,
+                     float* const wi[3] )
+{
+    for ( int first = 0; first < count; first += RF_BLOCK )
+        sample_block( first, rf_block_size( first, count ), lanes, wo, u, u_below, wi );
 }
 
 void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
@@ -185,11 +200,16 @@ void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const w
 {
     for ( int first = 0; first < count; first += RF_BLOCK )
     {
-        RfEyeBlock eyes;
-        LobeChoice choice;
+        float u_below[RF_BLOCK], u_base[RF_BLOCK];
         int size = rf_block_size( first, count );
-        lift_to_coat( first, size, lanes, wo, &eyes );
-        choose_lobes( first, size, lanes, &eyes, u[2], &choice );
-        sample_block( first, size, lanes, wo, u, &choice, wi );
+        RfBsdfLanes block = rf_bsdf_lanes( RF_BSDF_COATED, lanes->n, lanes->param, first );
+        const float* o[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
+        float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
+        rf_choose_coat( size, &block, o, u[2] + first, u_below );
+        for ( int i = 0; i < size; ++i )
+            u_base[i] = rf_maxf( u_below[i], 0.0f );
+        const float* random[3] = { u[0] + first, u[1] + first, u_base };
+        rf_ggx_sample( size, &block, o, random, out );
+        rf_sample_coat( size, &block, o, random, u_below, out );
     }
 }

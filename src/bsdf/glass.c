@@ -1,7 +1,10 @@
 // Mirrors and glass, smooth or rough: reflection and transmission of facets, over a base that may show through.
 #include "base/fault.h"
 #include "bsdf/lane.h"
+#include "bsdf/spectrum.h"
 
+// Whether a lane is spectral is a constant wherever a Glass is made: all that takes one is inlined, so that glass without a spectrum
+// pays nothing for it.
 typedef struct Glass
 {
     RfVec3 n, base, specular, tint;
@@ -11,11 +14,13 @@ typedef struct Glass
     float metal;            // fraction that is metal with F0 `specular`; base and tint are scaled by the rest
     float base_share, bare; // fraction of the rest that is base, and the fraction of that which no coat covers
     bool thin;
+    bool spectral;
+    RfSpectrum spectrum; // if spectral
 } Glass;
 
-static inline Glass glass_of( const RfBsdfLanes* lanes, int i )
+RF_KERNEL Glass glass_of( const RfBsdfLanes* lanes, int i, bool spectral )
 {
-    return ( Glass ){
+    Glass g = {
         .n = rf_vec3( lanes->n[0][i], lanes->n[1][i], lanes->n[2][i] ),
         .base = rf_vec3( lanes->param[RF_PARAM_DIFFUSE][i], lanes->param[RF_PARAM_DIFFUSE + 1][i],
                          lanes->param[RF_PARAM_DIFFUSE + 2][i] ),
@@ -28,8 +33,17 @@ static inline Glass glass_of( const RfBsdfLanes* lanes, int i )
         .base_share = lanes->param[RF_PARAM_COAT_F0][i],
         .bare = lanes->param[RF_PARAM_COAT_F90][i],
         .thin = lanes->param[RF_PARAM_IOR][i] < 0.0f,
+        .spectral = spectral,
     };
+    if ( spectral )
+        g.spectrum = rf_make_spectrum( lanes->param[RF_PARAM_IOR][i], lanes->param[RF_PARAM_DISPERSION][i],
+                                       lanes->param[RF_PARAM_FILM][i], lanes->param[RF_PARAM_FILM_IOR][i],
+                                       lanes->param[RF_PARAM_FILM_THICKNESS][i], lanes->param[RF_PARAM_CHOICE][i] );
+    return g;
 }
+
+// The mean of a colour over the channels of the path.
+RF_KERNEL float mean_of( const Glass* g, RfVec3 c ) { return g->spectral ? rf_mean_carried( &g->spectrum, c ) : rf_mean( c ); }
 
 // The square of ior cosθt by Snell's law, at most 0 where all is reflected. 1 − sin²θ would lose the digits of grazing angles,
 // where an index of 1 must give cosθo itself.
@@ -51,6 +65,38 @@ static inline float dielectric( float cos_o, float ior )
     return 0.5f * ( s * s + p * p );
 }
 
+static RfVec3 film_reflectance( const RfSpectrum* s, float cos_o, RfVec3 f0 )
+{
+    return rf_film_fresnel( f0, cos_o, s->film_ior, s->film_thickness );
+}
+
+// By channel, with a thin film. The film lies on the outside; light from inside meets the reflectance that light has outside on the
+// same way, since what passes a film that does not absorb is the same from both sides.
+static RfVec3 spectral_dielectric( const RfSpectrum* s, float cos_o )
+{
+    float f[3];
+    for ( int c = 0; c < 3; ++c )
+    {
+        f[c] = dielectric( cos_o, s->ior[c] );
+        if ( !( s->film > 0.0f ) || f[c] >= 1.0f )
+            continue;
+        bool inside = s->ior[c] < 1.0f;
+        float n = inside ? 1.0f / s->ior[c] : s->ior[c], r = ( n - 1.0f ) / ( n + 1.0f ), f0 = r * r;
+        float cosine = inside ? rf_minf( n * sqrtf( rf_maxf( refracted2( cos_o, s->ior[c] ), 0.0f ) ), 1.0f ) : cos_o;
+        RfVec3 film = film_reflectance( s, cosine, rf_vec3( f0, f0, f0 ) );
+        f[c] += s->film * ( ( c == 0 ? film.x : c == 1 ? film.y : film.z ) - f[c] );
+    }
+    return rf_vec3( f[0], f[1], f[2] );
+}
+
+RF_KERNEL RfVec3 dielectric_of( const Glass* g, float cos_o )
+{
+    if ( g->spectral )
+        return spectral_dielectric( &g->spectrum, cos_o );
+    float f = dielectric( cos_o, g->ior );
+    return rf_vec3( f, f, f );
+}
+
 static inline float schlick_weight( float cos_o )
 {
     float m = 1.0f - rf_minf( cos_o, 1.0f ), m2 = m * m;
@@ -66,42 +112,80 @@ static inline float glass_share( const Glass* g )
     return 1.0f - g->base_share * ( is_inside( g ) ? 1.0f : g->bare ) * ( 1.0f - g->metal );
 }
 
+// What a metal reflects by Schlick, and `grazing` by its weight.
+static inline RfVec3 metallic( const Glass* g, float w, float grazing )
+{
+    float white = w * grazing;
+    return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( white, white, white ) );
+}
+
+// The same of a fraction that is metal, under a film.
+static RfVec3 metallic_under_film( const Glass* g, float cos_o, RfVec3 bare, float fraction )
+{
+    if ( !( g->spectrum.film > 0.0f ) || !( fraction > 0.0f ) )
+        return bare;
+    RfVec3 film = rf_scale( film_reflectance( &g->spectrum, cos_o, rf_scale( g->specular, 1.0f / fraction ) ), fraction );
+    return rf_madd( bare, rf_sub( film, bare ), g->spectrum.film );
+}
+
 // Reflectance: of mirrors and metals by Schlick, coloured.
-static inline RfVec3 reflectance( const Glass* g, float cos_o )
+RF_KERNEL RfVec3 reflectance( const Glass* g, float cos_o )
 {
     float w = schlick_weight( cos_o );
     if ( g->ior == 0.0f )
     {
-        float grazing = w * ( 1.0f - g->base.x );
-        return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( grazing, grazing, grazing ) );
+        RfVec3 bare = metallic( g, w, 1.0f - g->base.x );
+        return g->spectral ? metallic_under_film( g, cos_o, bare, 1.0f ) : bare;
     }
     float share = 1.0f - g->base_share * ( is_inside( g ) ? 1.0f : g->bare );
+    if ( g->spectral )
+    {
+        RfVec3 metal = metallic_under_film( g, cos_o, metallic( g, w, g->metal ), g->metal );
+        return rf_madd( metal, spectral_dielectric( &g->spectrum, cos_o ), share * ( 1.0f - g->metal ) );
+    }
     float f = dielectric( cos_o, g->ior ) * share * ( 1.0f - g->metal ) + w * g->metal;
     return rf_add( rf_vec3( f, f, f ), rf_scale( g->specular, 1.0f - w ) );
 }
 
-// Transmission of the coat over the base, one way. Inside there is no coat: the base has its share of the surface, and the
-// rest reflects and transmits.
-static inline float base_transmission( const Glass* g, float cos_theta )
+// Transmission of the coat over the base, one way; under a film by the largest channel (KHR_materials_iridescence). Inside there
+// is no coat: the base has its share of the surface, and the rest reflects and transmits.
+RF_KERNEL RfVec3 base_transmission( const Glass* g, float cos_theta )
 {
     if ( g->ior <= 0.0f )
-        return 0.0f;
-    return is_inside( g ) ? 1.0f : 1.0f - ( 1.0f - g->bare ) * dielectric( cos_theta, g->ior );
+        return rf_vec3( 0, 0, 0 );
+    if ( is_inside( g ) )
+        return rf_vec3( 1, 1, 1 );
+    RfVec3 f = dielectric_of( g, cos_theta );
+    if ( g->spectral && g->spectrum.film > 0.0f )
+        f.x = f.y = f.z = rf_max_component( f );
+    float coat = 1.0f - g->bare;
+    return rf_vec3( 1.0f - coat * f.x, 1.0f - coat * f.y, 1.0f - coat * f.z );
 }
 
 // The probability of sampling the base, from the camera's cosine alone.
-static inline float base_probability( const Glass* g, float cos_o )
+RF_KERNEL float base_probability( const Glass* g, float cos_o )
 {
-    float base = rf_mean( g->base ) * base_transmission( g, cos_o );
-    float f = rf_mean( reflectance( g, cos_o ) );
-    float specular = f + ( 1.0f - f ) * rf_mean( g->tint );
+    RfVec3 through = base_transmission( g, cos_o );
+    float base = g->spectral ? mean_of( g, rf_mul( g->base, through ) ) : rf_mean( g->base ) * through.x;
+    float f = mean_of( g, reflectance( g, cos_o ) );
+    float specular = f + ( 1.0f - f ) * mean_of( g, g->tint );
     return base > 0.0f ? base / ( base + specular ) : 0.0f;
 }
 
-// The probability of reflection rather than transmission, given the facet.
-static inline float reflection_probability( const Glass* g, RfVec3 f )
+// What a facet that reflects f transmits, at most.
+RF_KERNEL RfVec3 transmitted_by_channel( const Glass* g, RfVec3 f )
 {
-    float reflected = rf_mean( f ), transmitted = rf_maxf( glass_share( g ) - reflected, 0.0f ) * rf_mean( g->tint );
+    float share = glass_share( g );
+    RfVec3 rest = rf_vec3( rf_maxf( share - f.x, 0.0f ), rf_maxf( share - f.y, 0.0f ), rf_maxf( share - f.z, 0.0f ) );
+    return rf_mul( g->tint, rest );
+}
+
+// The probability of reflection rather than transmission, given the facet.
+RF_KERNEL float reflection_probability( const Glass* g, RfVec3 f )
+{
+    float reflected = mean_of( g, f ), transmitted = rf_maxf( glass_share( g ) - reflected, 0.0f ) * mean_of( g, g->tint );
+    if ( g->spectral ) // by channel: a path that carries one alone has its chances
+        transmitted = mean_of( g, transmitted_by_channel( g, f ) );
     return reflected + transmitted > 0.0f || RF_FAULT( no_reflection ) ? reflected / ( reflected + transmitted ) : 1.0f;
 }
 
@@ -113,17 +197,17 @@ static inline float smith( float alpha, float cos_theta ) // 1 + 2 Λ
 
 static inline RfVec3 mirrored( RfVec3 wo, RfVec3 h ) { return rf_sub( rf_scale( h, 2.0f * rf_dot( wo, h ) ), wo ); }
 
-// The transmitted direction: refracted by the facet, or in a thin wall straight on,
+// The transmitted direction: refracted by the facet by this index, or in a thin wall straight on,
 // spread like the reflection.
-static inline RfVec3 transmitted( const Glass* g, RfVec3 wo, RfVec3 h )
+RF_KERNEL RfVec3 transmitted( const Glass* g, float ior, RfVec3 wo, RfVec3 h )
 {
     if ( g->thin )
     {
         RfVec3 r = mirrored( wo, h );
         return rf_madd( r, g->n, -2.0f * rf_dot( r, g->n ) );
     }
-    float cos_o = rf_dot( wo, h ), inverse = 1.0f / g->ior;
-    float t = sqrtf( rf_maxf( refracted2( cos_o, g->ior ), 0.0f ) );
+    float cos_o = rf_dot( wo, h ), inverse = 1.0f / ior;
+    float t = sqrtf( rf_maxf( refracted2( cos_o, ior ), 0.0f ) );
     return rf_normalize( rf_madd( rf_scale( wo, -inverse ), h, inverse * ( cos_o - t ) ) );
 }
 
@@ -134,18 +218,33 @@ typedef struct GlassSample
     float pdf_solid_angle;
 } GlassSample;
 
-static inline GlassSample sample_transmission( const Glass* g, RfEyeLane eye, RfVec3 h, float probability )
+// Of the colour by an index of refraction, drawn with `probability`.
+RF_KERNEL GlassSample transmit( const Glass* g, float ior, RfEyeLane eye, RfVec3 h, RfVec3 colour, float probability )
 {
-    GlassSample out = { transmitted( g, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
+    GlassSample out = { transmitted( g, ior, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
     float cos_i = -rf_dot( g->n, out.wi );
     if ( cos_i <= 0.0f )
         return out;
     // radiance scales with the squared index
-    float radiance_scale = g->thin && !RF_FAULT( radiance_scale ) ? 1.0f : 1.0f / ( g->ior * g->ior );
+    float radiance_scale = g->thin && !RF_FAULT( radiance_scale ) ? 1.0f : 1.0f / ( ior * ior );
     float shadow = g->alpha > 0.0f ? 2.0f / ( 1.0f + smith( g->alpha, cos_i ) ) : 1.0f;
-    float rest = 1.0f - dielectric( rf_dot( eye.wo, h ), g->ior ); // the metallic fraction is not in the tint
-    out.weight = rf_scale( rf_scale( g->tint, rest ), radiance_scale * shadow / probability );
+    out.weight = rf_scale( colour, radiance_scale * shadow / probability );
     return out;
+}
+
+// Where channels refract differently, one goes on, for `u` in [0, 1).
+RF_KERNEL GlassSample sample_transmission( const Glass* g, RfEyeLane eye, RfVec3 h, float probability, float u )
+{
+    RfVec3 reflected = dielectric_of( g, rf_dot( eye.wo, h ) ); // the metallic fraction is not in the tint
+    RfVec3 colour = rf_mul( g->tint, rf_vec3( 1.0f - reflected.x, 1.0f - reflected.y, 1.0f - reflected.z ) );
+    if ( !g->spectral || !g->spectrum.splits )
+        return transmit( g, g->ior, eye, h, colour, probability );
+    float chance;
+    int drawn = rf_draw_channel( &g->spectrum, colour, u, &chance );
+    if ( !( chance > 0.0f ) )
+        return ( GlassSample ){ transmitted( g, g->ior, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
+    RfVec3 one = rf_vec3( drawn == 0 ? colour.x : 0.0f, drawn == 1 ? colour.y : 0.0f, drawn == 2 ? colour.z : 0.0f );
+    return transmit( g, g->spectrum.ior[drawn], eye, h, one, probability * chance );
 }
 
 // Events at a point of a mirror or of glass.
@@ -161,7 +260,7 @@ static inline GlassSample sample_transmission( const Glass* g, RfEyeLane eye, Rf
 // sampling finds.
 
 // The lobes that are no deltas: the base, and rough reflection.
-static RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
+RF_KERNEL RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
 {
     RfScattering s = { { 0, 0, 0 }, 0.0f };
     float cos_i = rf_dot( g->n, wi ), cos_o = eye.cos_o;
@@ -170,7 +269,8 @@ static RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
     float probability = base_probability( g, cos_o );
     if ( probability > 0.0f )
     {
-        s.f = rf_scale( g->base, RF_INV_PI * base_transmission( g, cos_o ) * base_transmission( g, cos_i ) );
+        RfVec3 in = rf_scale( base_transmission( g, cos_o ), RF_INV_PI ), out = base_transmission( g, cos_i );
+        s.f = rf_mul( g->base, rf_mul( in, out ) );
         s.pdf_solid_angle = probability * cos_i * RF_INV_PI;
     }
     if ( g->alpha == 0.0f )
@@ -202,7 +302,7 @@ static RfVec3 sample_facet( const Glass* g, RfEyeLane eye, float u, float v )
 }
 
 // A non-delta lobe was sampled: weight and density are those of all such lobes.
-static GlassSample finish_non_delta( const Glass* g, RfEyeLane eye, RfVec3 wi )
+RF_KERNEL GlassSample finish_non_delta( const Glass* g, RfEyeLane eye, RfVec3 wi )
 {
     RfScattering s = evaluate( g, eye, wi );
     GlassSample out = { wi, { 0, 0, 0 }, s.pdf_solid_angle };
@@ -211,7 +311,7 @@ static GlassSample finish_non_delta( const Glass* g, RfEyeLane eye, RfVec3 wi )
     return out;
 }
 
-static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
+RF_KERNEL GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
 {
     float base = base_probability( g, eye.cos_o );
     if ( u[2] < base )
@@ -224,7 +324,7 @@ static GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     RfVec3 f = reflectance( g, rf_dot( eye.wo, h ) );
     float reflect = reflection_probability( g, f );
     if ( u_facet >= reflect && reflect < 1.0f ) // the quotient may be 1
-        return sample_transmission( g, eye, h, ( 1.0f - base ) * ( 1.0f - reflect ) );
+        return sample_transmission( g, eye, h, ( 1.0f - base ) * ( 1.0f - reflect ), ( u_facet - reflect ) / ( 1.0f - reflect ) );
     RfVec3 wi = mirrored( eye.wo, h );
     if ( g->alpha > 0.0f )
         return finish_non_delta( g, eye, wi );
@@ -238,12 +338,12 @@ static void put( float* const out[3], int i, RfVec3 v )
     out[2][i] = v.z;
 }
 
-void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3],
-                      float* const weight[3], float* pdf_solid_angle )
+RF_KERNEL void sample_lanes( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                             float* const wi[3], float* const weight[3], float* pdf_solid_angle, bool spectral )
 {
     for ( int i = 0; i < count; ++i )
     {
-        Glass g = glass_of( lanes, i );
+        Glass g = glass_of( lanes, i, spectral );
         float random[3] = { u[0][i], u[1][i], u[2][i] };
         RfEyeLane eye = rf_lift_to_horizon( g.n, rf_vec3( wo[0][i], wo[1][i], wo[2][i] ) );
         GlassSample s = sample( &g, eye, random );
@@ -253,12 +353,24 @@ void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo
     }
 }
 
-void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                        float* const f[3], float* pdf_solid_angle )
+void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3],
+                      float* const weight[3], float* pdf_solid_angle )
+{
+    sample_lanes( count, lanes, wo, u, wi, weight, pdf_solid_angle, false );
+}
+
+void rf_spectral_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                         float* const wi[3], float* const weight[3], float* pdf_solid_angle )
+{
+    sample_lanes( count, lanes, wo, u, wi, weight, pdf_solid_angle, true );
+}
+
+RF_KERNEL void evaluate_lanes( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                               float* const f[3], float* pdf_solid_angle, bool spectral )
 {
     for ( int i = 0; i < count; ++i )
     {
-        Glass g = glass_of( lanes, i );
+        Glass g = glass_of( lanes, i, spectral );
         RfEyeLane eye = rf_lift_to_horizon( g.n, rf_vec3( wo[0][i], wo[1][i], wo[2][i] ) );
         RfScattering s = evaluate( &g, eye, rf_vec3( wi[0][i], wi[1][i], wi[2][i] ) );
         if ( f != NULL )
@@ -268,18 +380,30 @@ void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const 
     }
 }
 
+void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                        float* const f[3], float* pdf_solid_angle )
+{
+    evaluate_lanes( count, lanes, wo, wi, f, pdf_solid_angle, false );
+}
+
+void rf_spectral_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                           float* const f[3], float* pdf_solid_angle )
+{
+    evaluate_lanes( count, lanes, wo, wi, f, pdf_solid_angle, true );
+}
+
 // What single lobes of mirrors and glass are: panes, and delta lobes that are asked for by name.
 
 // Rays from below the shading horizon do not go straight: they are lifted to it, so the wall is no pane for them.
-static RfPane pane( const Glass* g, float cos_o )
+RF_KERNEL RfPane pane( const Glass* g, float cos_o )
 {
     if ( !g->thin || g->alpha > 0.0f || cos_o < RF_MIN_COS || !( rf_max_component( g->tint ) > 0.0f ) )
         return ( RfPane ){ 0.0f, { 0, 0, 0 } };
     float base = base_probability( g, cos_o ), reflect = reflection_probability( g, reflectance( g, cos_o ) );
-    float rest = 1.0f - dielectric( cos_o, g->ior );
+    RfVec3 reflected = dielectric_of( g, cos_o );
     // below 1, so that it shows whether there was a pane
     float probability = rf_minf( ( 1.0f - base ) * ( 1.0f - reflect ), 1.0f - 0x1p-24f );
-    return ( RfPane ){ probability, rf_scale( g->tint, rest ) };
+    return ( RfPane ){ probability, rf_mul( g->tint, rf_vec3( 1.0f - reflected.x, 1.0f - reflected.y, 1.0f - reflected.z ) ) };
 }
 
 RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
@@ -295,18 +419,27 @@ RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
         .bare = m->coat_f90,
         .thin = m->thin && m->ior > 0.0f,
     };
+    if ( m->kind != RF_BSDF_SPECTRAL )
+        return pane( &g, cos_o );
+    g.spectral = true;
+    g.spectrum = rf_make_spectrum( -m->ior, m->dispersion, m->film, m->film_ior, m->film_thickness, 0.0f );
     return pane( &g, cos_o );
 }
 
-RfPane rf_pane_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo )
+RfPane rf_pane_of_lane( RfBsdfKind kind, const RfBsdfLanes* lanes, int lane, RfVec3 wo )
 {
-    Glass g = glass_of( lanes, lane );
+    if ( kind == RF_BSDF_SPECTRAL )
+    {
+        Glass spectral = glass_of( lanes, lane, true );
+        return pane( &spectral, rf_dot( spectral.n, wo ) );
+    }
+    Glass g = glass_of( lanes, lane, false );
     return pane( &g, rf_dot( g.n, wo ) );
 }
 
 RfDeltaEvent rf_glass_event( const RfBsdfLanes* lanes, int lane, RfVec3 wo, bool transmits )
 {
-    Glass g = glass_of( lanes, lane );
+    Glass g = glass_of( lanes, lane, false );
     RfEyeLane eye = rf_lift_to_horizon( g.n, wo );
     float base = base_probability( &g, eye.cos_o );
     RfVec3 f = reflectance( &g, rf_dot( eye.wo, g.n ) );
@@ -316,7 +449,7 @@ RfDeltaEvent rf_glass_event( const RfBsdfLanes* lanes, int lane, RfVec3 wo, bool
         return ( RfDeltaEvent ){ wo, { 0, 0, 0 }, 0.0f };
     if ( !transmits )
         return ( RfDeltaEvent ){ mirrored( eye.wo, g.n ), rf_scale( f, 1.0f / probability ), probability };
-    GlassSample s = sample_transmission( &g, eye, g.n, probability );
+    GlassSample s = sample_transmission( &g, eye, g.n, probability, 0.0f );
     return ( RfDeltaEvent ){ s.wi, s.weight, probability };
 }
 
@@ -350,8 +483,29 @@ void rf_glass_delta_lobes( const RfMaterial* m, float ior, float cos_o, RfVec3* 
     *transmitted = ior > 0.0f ? rf_scale( m->tint, 1.0f - dielectric( cos_o, ior ) ) : rf_vec3( 0, 0, 0 );
 }
 
-float rf_reflection_probability_of_lane( const RfBsdfLanes* lanes, int lane, RfVec3 wo )
+float rf_reflection_probability_of_lane( RfBsdfKind kind, const RfBsdfLanes* lanes, int lane, RfVec3 wo )
 {
-    Glass g = glass_of( lanes, lane );
+    if ( kind == RF_BSDF_SPECTRAL )
+    {
+        Glass spectral = glass_of( lanes, lane, true );
+        return reflection_probability( &spectral, reflectance( &spectral, rf_lift_to_horizon( spectral.n, wo ).cos_o ) );
+    }
+    Glass g = glass_of( lanes, lane, false );
     return reflection_probability( &g, reflectance( &g, rf_lift_to_horizon( g.n, wo ).cos_o ) );
+}
+
+RfSmoothLobes rf_smooth_lobes_of_lane( RfBsdfKind kind, const RfBsdfLanes* lanes, int lane, RfVec3 wo )
+{
+    Glass g = glass_of( lanes, lane, kind == RF_BSDF_SPECTRAL );
+    RfEyeLane eye = rf_lift_to_horizon( g.n, wo );
+    RfVec3 through = dielectric_of( &g, eye.cos_o );
+    float ior = g.spectral && g.spectrum.splits ? g.spectrum.ior[1] : g.ior;
+    RfSmoothLobes lobes = {
+        .base = rf_mul( g.base, base_transmission( &g, eye.cos_o ) ), // of mirrors: 0
+        .reflected = reflectance( &g, eye.cos_o ),
+        .transmitted = rf_mul( g.tint, rf_vec3( 1.0f - through.x, 1.0f - through.y, 1.0f - through.z ) ),
+        .reflected_wi = mirrored( eye.wo, g.n ),
+    };
+    lobes.transmitted_wi = ior > 0.0f ? transmitted( &g, ior, eye.wo, g.n ) : rf_scale( eye.wo, -1.0f );
+    return lobes;
 }

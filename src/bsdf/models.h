@@ -14,11 +14,17 @@
 // glossy models, then the specular ones.
 typedef enum RfBsdfKind
 {
-    RF_BSDF_LAMBERT, // diffuse only: looks the same to every camera
-    RF_BSDF_PHONG,   // Lambert + modified Phong lobe (Lafortune, Willems 1994)
-    RF_BSDF_GGX,     // dielectric GGX coat over a Lambert base, or metal
-    RF_BSDF_COATED,  // GGX under a clear coat (KHR_materials_clearcoat)
-    RF_BSDF_GLASS,   // perfect mirrors; glass, smooth or rough
+    RF_BSDF_LAMBERT,     // diffuse only: looks the same to every camera
+    RF_BSDF_PHONG,       // Lambert + modified Phong lobe (Lafortune, Willems 1994)
+    RF_BSDF_GGX,         // dielectric GGX coat over a Lambert base, or metal
+    RF_BSDF_COATED,      // GGX under a clear coat (KHR_materials_clearcoat)
+    RF_BSDF_SHEEN,       // GGX under sheen (KHR_materials_sheen)
+    RF_BSDF_ANISOTROPIC, // GGX with two roughnesses (KHR_materials_anisotropy)
+    RF_BSDF_IRIDESCENT,  // GGX with a thin film (KHR_materials_iridescence)
+    RF_BSDF_LAYERED,     // any of coat, sheen, anisotropy and film together
+    RF_BSDF_TRANSLUCENT, // GGX whose base also scatters to the other side (KHR_materials_diffuse_transmission)
+    RF_BSDF_GLASS,       // perfect mirrors; glass, smooth or rough
+    RF_BSDF_SPECTRAL,    // glass with dispersion or a thin film (KHR_materials_dispersion, _iridescence)
     RF_BSDF_KIND_COUNT
 } RfBsdfKind;
 
@@ -47,15 +53,31 @@ typedef struct RfMaterial
                            // GLASS: the share of the surface that is base, and of that what has no coat
     float clearcoat;       // COATED: strength, 0 to 1
     float clearcoat_alpha; // COATED: roughness² of the coat, in [RF_MIN_ALPHA, 1]
-    RfVec3 tint;           // GLASS: transmittance of the surface, times 1 − F; 0 for mirrors
-    float ior;             // GLASS: of the inside, outside 1; 0: a mirror, Schlick's Fresnel from `specular`
-    bool thin;             // GLASS: a wall without an inside: no refraction, no absorption
-    RfVec3 absorption;     // GLASS: absorption coefficient of the inside, 1/m
-    RfVec3 emission;       // radiance, W/(m² sr), on the front (on both sides if double_sided)
+    union
+    {
+        RfVec3 tint;    // GLASS: transmittance of the surface, times 1 − F; 0 for mirrors
+        RfVec3 through; // TRANSLUCENT: reflectance of the base to the other side; `diffuse` has what is left for this side
+    };
+    float ior; // GLASS: of the inside, outside 1; 0: a mirror, Schlick's Fresnel from `specular`
+    bool thin; // GLASS: a wall without an inside: no refraction, no absorption
     bool double_sided;
-    bool dims;                   // its emission changes: `emission` is the most of each channel, a pose has that of its time
-    bool changes;                // something else of it does: only what moves (scene/movement.h) has it
-    struct RfTextured* textured; // what varies over the surface (scene/textured.h); NULL: nothing
+    uint16_t light_group; // of what it emits: 1 + its number in the scene's list; 0: none
+    RfVec3 absorption;    // GLASS: absorption coefficient of the inside, 1/m
+    RfVec3 sheen;         // SHEEN, LAYERED: colour; 0: none
+    float sheen_alpha;    // SHEEN, LAYERED: roughness² of the sheen, in [RF_MIN_SHEEN_ALPHA, 1]
+    float anisotropy;     // ANISOTROPIC, LAYERED: strength, 0 to 1: alpha along the tangent is alpha + (1 − alpha) strength²
+    float stretch_x;      // ANISOTROPIC, LAYERED: the direction along which highlights are stretched, across the scratches:
+    float stretch_y;      //      unit vector by tangent and bitangent
+    float film;           // IRIDESCENT, LAYERED, SPECTRAL: strength of the thin film, 0 to 1
+    float film_ior;       // likewise: its index of refraction
+    float film_thickness; // likewise: nm
+    float dispersion;     // SPECTRAL: 20 over the Abbe number; 0: none
+    RfVec3 emission;      // radiance, W/(m² sr), on the front (on both sides if double_sided)
+    // in 32 bits: the size of a material is a factor of few instructions wherever one is looked up
+    bool dims : 1;                // its emission changes: `emission` is the most of each channel, a pose has that of its time
+    bool changes : 1;             // something else of it does: only what moves (scene/movement.h) has it
+    unsigned int pass_index : 24; // a number for compositors; 0: none
+    struct RfTextured* textured;  // what varies over the surface (scene/textured.h); NULL: nothing
 } RfMaterial;
 
 // True of the surfaces that light paths follow: perfect mirrors and smooth glass with an inside, without textures.
@@ -74,16 +96,33 @@ static inline bool rf_is_plate( const RfMaterial* m )
            m->diffuse.y == 0.0f && m->diffuse.z == 0.0f;
 }
 
+// True of opaque models with a lobe of GGX over a Lambert base.
+static inline bool rf_is_ggx( RfBsdfKind kind ) { return kind >= RF_BSDF_GGX && kind <= RF_BSDF_TRANSLUCENT; }
+
 // True of non-specular surfaces that scatter so widely that a direction drawn by the cosine serves as well as one drawn by the
-// model. `shape`: Phong's exponent, or alpha.
+// model, by parameters of the material alone. `shape`: Phong's exponent, or alpha.
 static inline bool rf_is_matte( RfBsdfKind kind, float shape )
 {
-    return kind == RF_BSDF_LAMBERT || ( kind == RF_BSDF_GGX && shape >= 0.25f ) || ( kind == RF_BSDF_PHONG && shape <= 8.0f );
+    bool ggx = kind == RF_BSDF_GGX || kind == RF_BSDF_IRIDESCENT;
+    return kind == RF_BSDF_LAMBERT || ( ggx && shape >= 0.25f ) || ( kind == RF_BSDF_PHONG && shape <= 8.0f );
+}
+
+// The model of an opaque surface of GGX with these on top of it or in its lobe.
+static inline RfBsdfKind rf_layered_kind( bool coat, bool sheen, bool anisotropy, bool film )
+{
+    if ( coat + sheen + anisotropy + film > 1 )
+        return RF_BSDF_LAYERED;
+    return coat         ? RF_BSDF_COATED
+           : sheen      ? RF_BSDF_SHEEN
+           : anisotropy ? RF_BSDF_ANISOTROPIC
+           : film       ? RF_BSDF_IRIDESCENT
+                        : RF_BSDF_GGX;
 }
 
 #define RF_MAX_CHAIN 8 // vertices of a chain that light paths follow
 
 #define RF_MIN_ALPHA 1e-3f
+#define RF_MIN_SHEEN_ALPHA 0.0049f // roughness 0.07
 
 // GGX lobes with a smaller alpha (roughness 0.1) are so narrow that directions of other paths do not fall into them.
 #define RF_SMOOTH_ALPHA 0.01f
@@ -93,6 +132,21 @@ static inline bool rf_is_matte( RfBsdfKind kind, float shape )
 
 // Lobes with a smaller alpha (roughness 0.25) may mirror a lamp in few of a pixel's points.
 #define RF_SHARP_ALPHA 0.0625f
+
+// Chooses the model of an opaque surface of GGX by what the material has of layers. What it lacks gets parameters that models of
+// several layers can read.
+static inline void rf_choose_layers( RfMaterial* m )
+{
+    bool coat = m->clearcoat > 0.0f, sheen = m->sheen.x > 0.0f || m->sheen.y > 0.0f || m->sheen.z > 0.0f;
+    bool anisotropy = m->anisotropy > 0.0f, film = m->film > 0.0f;
+    m->kind = rf_layered_kind( coat, sheen, anisotropy, film );
+    m->clearcoat_alpha = coat ? m->clearcoat_alpha : 1.0f;
+    m->sheen_alpha = sheen ? m->sheen_alpha : 1.0f;
+    m->stretch_x = anisotropy ? m->stretch_x : 1.0f;
+    m->stretch_y = anisotropy ? m->stretch_y : 0.0f;
+    m->film_ior = film ? m->film_ior : 1.0f;
+    m->film_thickness = film ? m->film_thickness : 0.0f;
+}
 
 // Parameters of a hit, one per float; colours and vectors take three in a row.
 typedef enum RfBsdfParam
@@ -107,7 +161,18 @@ typedef enum RfBsdfParam
     RF_PARAM_CLEARCOAT_ALPHA,
     RF_PARAM_CLEARCOAT_N, // unit shading normal of the coat, on the side of n
     RF_PARAM_TINT = RF_PARAM_CLEARCOAT_N + 3,
+    RF_PARAM_THROUGH = RF_PARAM_TINT, // of TRANSLUCENT
     RF_PARAM_IOR = RF_PARAM_TINT + 3, // of the far side over the near one; negative: thin wall; 0: mirror
+    RF_PARAM_SHEEN,                   // this and those after it: of no model up to COATED, nor of GLASS
+    RF_PARAM_SHEEN_ALPHA = RF_PARAM_SHEEN + 3,
+    RF_PARAM_ANISOTROPY,
+    RF_PARAM_TANGENT, // unit vector along which highlights are stretched, at right angles to n
+    RF_PARAM_FILM = RF_PARAM_TANGENT + 3,
+    RF_PARAM_FILM_IOR,
+    RF_PARAM_FILM_THICKNESS,
+    RF_PARAM_DISPERSION,
+    RF_PARAM_CHOICE, // what was drawn with the hit: TRANSLUCENT: 1, light arrives on the side that is seen, or −1, on the
+                     // other, where n is then; SPECTRAL: the channel
     RF_PARAM_COUNT
 } RfBsdfParam;
 
@@ -118,7 +183,9 @@ _Static_assert( RF_PARAM_COUNT <= 32, "a mask of parameters has 32 bits" );
 #define RF_PARAM_BITS3( param ) ( 7u << ( param ) )
 
 // Not copied from the material but set by path/surface.c from the hit.
-#define RF_PARAMS_OF_HIT ( RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ) | RF_PARAM_BIT( RF_PARAM_IOR ) )
+#define RF_PARAMS_OF_HIT                                                                                                         \
+    ( RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ) | RF_PARAM_BIT( RF_PARAM_IOR ) | RF_PARAM_BITS3( RF_PARAM_TANGENT ) |               \
+      RF_PARAM_BIT( RF_PARAM_CHOICE ) )
 
 // A parameter as the material has it; not of those above.
 static inline const float* rf_material_param( const RfMaterial* material, RfBsdfParam param )
@@ -135,6 +202,13 @@ static inline const float* rf_material_param( const RfMaterial* material, RfBsdf
         FLOAT( RF_PARAM_CLEARCOAT, clearcoat ),
         FLOAT( RF_PARAM_CLEARCOAT_ALPHA, clearcoat_alpha ),
         COLOUR( RF_PARAM_TINT, tint ),
+        COLOUR( RF_PARAM_SHEEN, sheen ),
+        FLOAT( RF_PARAM_SHEEN_ALPHA, sheen_alpha ),
+        FLOAT( RF_PARAM_ANISOTROPY, anisotropy ),
+        FLOAT( RF_PARAM_FILM, film ),
+        FLOAT( RF_PARAM_FILM_IOR, film_ior ),
+        FLOAT( RF_PARAM_FILM_THICKNESS, film_thickness ),
+        FLOAT( RF_PARAM_DISPERSION, dispersion ),
     };
 #undef FLOAT
 #undef COLOUR
@@ -157,9 +231,12 @@ typedef void RfBsdfSample( int count, const RfBsdfLanes* lanes, const float* con
 typedef void RfBsdfSampleWeighted( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                                    float* const wi[3], float* const weight[3], float* pdf_solid_angle );
 
-RfBsdfEvaluate rf_lambert_evaluate, rf_phong_evaluate, rf_ggx_evaluate, rf_coated_evaluate, rf_glass_evaluate;
-RfBsdfSample rf_lambert_sample, rf_phong_sample, rf_ggx_sample, rf_coated_sample;
-RfBsdfSampleWeighted rf_glass_sample;
+RfBsdfEvaluate rf_lambert_evaluate, rf_phong_evaluate, rf_ggx_evaluate, rf_coated_evaluate, rf_sheen_evaluate,
+    rf_anisotropic_evaluate, rf_iridescent_evaluate, rf_layered_evaluate, rf_translucent_evaluate, rf_glass_evaluate,
+    rf_spectral_evaluate;
+RfBsdfSample rf_lambert_sample, rf_phong_sample, rf_ggx_sample, rf_coated_sample, rf_sheen_sample, rf_anisotropic_sample,
+    rf_iridescent_sample, rf_layered_sample, rf_translucent_sample;
+RfBsdfSampleWeighted rf_glass_sample, rf_spectral_sample;
 
 typedef struct RfBsdfModel
 {
@@ -170,23 +247,39 @@ typedef struct RfBsdfModel
     RfBsdfSampleWeighted* sample_weighted; // which have this instead
 } RfBsdfModel;
 
+// The parameters of each model. Enumerators have no room for bit 31.
+#define RF_PARAMS_LAMBERT RF_PARAM_BITS3( RF_PARAM_DIFFUSE )
+#define RF_PARAMS_PHONG ( RF_PARAMS_LAMBERT | RF_PARAM_BITS3( RF_PARAM_SPECULAR ) | RF_PARAM_BIT( RF_PARAM_SHAPE ) )
+#define RF_PARAMS_GGX                                                                                                            \
+    ( RF_PARAMS_PHONG | RF_PARAM_BIT( RF_PARAM_F90 ) | RF_PARAM_BIT( RF_PARAM_COAT_F0 ) | RF_PARAM_BIT( RF_PARAM_COAT_F90 ) )
+#define RF_PARAMS_COAT                                                                                                           \
+    ( RF_PARAM_BIT( RF_PARAM_CLEARCOAT ) | RF_PARAM_BIT( RF_PARAM_CLEARCOAT_ALPHA ) | RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ) )
+#define RF_PARAMS_SHEEN ( RF_PARAM_BITS3( RF_PARAM_SHEEN ) | RF_PARAM_BIT( RF_PARAM_SHEEN_ALPHA ) )
+#define RF_PARAMS_STRETCH ( RF_PARAM_BIT( RF_PARAM_ANISOTROPY ) | RF_PARAM_BITS3( RF_PARAM_TANGENT ) )
+#define RF_PARAMS_FILM                                                                                                           \
+    ( RF_PARAM_BIT( RF_PARAM_FILM ) | RF_PARAM_BIT( RF_PARAM_FILM_IOR ) | RF_PARAM_BIT( RF_PARAM_FILM_THICKNESS ) )
+#define RF_PARAMS_LAYERED ( RF_PARAMS_GGX | RF_PARAMS_COAT | RF_PARAMS_SHEEN | RF_PARAMS_STRETCH | RF_PARAMS_FILM )
+#define RF_PARAMS_TRANSLUCENT ( RF_PARAMS_GGX | RF_PARAM_BITS3( RF_PARAM_THROUGH ) | RF_PARAM_BIT( RF_PARAM_CHOICE ) )
+#define RF_PARAMS_GLASS ( RF_PARAMS_GGX | RF_PARAM_BITS3( RF_PARAM_TINT ) | RF_PARAM_BIT( RF_PARAM_IOR ) )
+#define RF_PARAMS_SPECTRAL                                                                                                       \
+    ( RF_PARAMS_GLASS | RF_PARAMS_FILM | RF_PARAM_BIT( RF_PARAM_DISPERSION ) | RF_PARAM_BIT( RF_PARAM_CHOICE ) )
+
 static inline const RfBsdfModel* rf_bsdf_model( RfBsdfKind kind )
 {
-    enum
-    {
-        LAMBERT = RF_PARAM_BITS3( RF_PARAM_DIFFUSE ),
-        PHONG = LAMBERT | RF_PARAM_BITS3( RF_PARAM_SPECULAR ) | RF_PARAM_BIT( RF_PARAM_SHAPE ),
-        GGX = PHONG | RF_PARAM_BIT( RF_PARAM_F90 ) | RF_PARAM_BIT( RF_PARAM_COAT_F0 ) | RF_PARAM_BIT( RF_PARAM_COAT_F90 ),
-        COATED = GGX | RF_PARAM_BIT( RF_PARAM_CLEARCOAT ) | RF_PARAM_BIT( RF_PARAM_CLEARCOAT_ALPHA ) |
-                 RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ),
-        GLASS = GGX | RF_PARAM_BITS3( RF_PARAM_TINT ) | RF_PARAM_BIT( RF_PARAM_IOR ),
-    };
     static const RfBsdfModel s_models[RF_BSDF_KIND_COUNT] = {
-        [RF_BSDF_LAMBERT] = { "lambert", LAMBERT, rf_lambert_evaluate, rf_lambert_sample, NULL },
-        [RF_BSDF_PHONG] = { "phong", PHONG, rf_phong_evaluate, rf_phong_sample, NULL },
-        [RF_BSDF_GGX] = { "ggx", GGX, rf_ggx_evaluate, rf_ggx_sample, NULL },
-        [RF_BSDF_COATED] = { "coated", COATED, rf_coated_evaluate, rf_coated_sample, NULL },
-        [RF_BSDF_GLASS] = { "glass", GLASS, rf_glass_evaluate, NULL, rf_glass_sample },
+        [RF_BSDF_LAMBERT] = { "lambert", RF_PARAMS_LAMBERT, rf_lambert_evaluate, rf_lambert_sample, NULL },
+        [RF_BSDF_PHONG] = { "phong", RF_PARAMS_PHONG, rf_phong_evaluate, rf_phong_sample, NULL },
+        [RF_BSDF_GGX] = { "ggx", RF_PARAMS_GGX, rf_ggx_evaluate, rf_ggx_sample, NULL },
+        [RF_BSDF_COATED] = { "coated", RF_PARAMS_GGX | RF_PARAMS_COAT, rf_coated_evaluate, rf_coated_sample, NULL },
+        [RF_BSDF_SHEEN] = { "sheen", RF_PARAMS_GGX | RF_PARAMS_SHEEN, rf_sheen_evaluate, rf_sheen_sample, NULL },
+        [RF_BSDF_ANISOTROPIC] = { "anisotropic", RF_PARAMS_GGX | RF_PARAMS_STRETCH, rf_anisotropic_evaluate,
+                                  rf_anisotropic_sample, NULL },
+        [RF_BSDF_IRIDESCENT] = { "iridescent", RF_PARAMS_GGX | RF_PARAMS_FILM, rf_iridescent_evaluate, rf_iridescent_sample,
+                                 NULL },
+        [RF_BSDF_LAYERED] = { "layered", RF_PARAMS_LAYERED, rf_layered_evaluate, rf_layered_sample, NULL },
+        [RF_BSDF_TRANSLUCENT] = { "translucent", RF_PARAMS_TRANSLUCENT, rf_translucent_evaluate, rf_translucent_sample, NULL },
+        [RF_BSDF_GLASS] = { "glass", RF_PARAMS_GLASS, rf_glass_evaluate, NULL, rf_glass_sample },
+        [RF_BSDF_SPECTRAL] = { "spectral", RF_PARAMS_SPECTRAL, rf_spectral_evaluate, NULL, rf_spectral_sample },
     };
     return s_models + kind;
 }
@@ -199,8 +292,11 @@ static inline RfBsdfLanes rf_bsdf_lanes( RfBsdfKind kind, const float* const n[3
 {
     RfBsdfLanes lanes = { .n = { n[0] + first, n[1] + first, n[2] + first } };
     uint32_t params = rf_bsdf_model( kind )->params;
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-        lanes.param[p] = rf_has_param( params, (RfBsdfParam)p ) ? param[p] + first : NULL;
+    for ( uint32_t left = params; left != 0; left &= left - 1 )
+    {
+        int p = __builtin_ctz( left );
+        lanes.param[p] = param[p] + first;
+    }
     return lanes;
 }
 

@@ -173,6 +173,7 @@ void rf_print_manual_tail( FILE* file )
            "reframe flicker out/shot.####.exr \\-\\-reference reference.####.exr \\-\\-png slit.png\n"
            "reframe report out \\-\\-reference reference \\-o report.html\n"
            "reframe png out/shot.0012.exr shot.png \\-\\-exposure 1\n"
+           "reframe png out png \\-\\-view agx \\-\\-look punchy\n"
            "reframe png out png/shot.####.png \\-\\-layer depth.Z\n"
            ".EE\n",
            file );

@@ -20,8 +20,9 @@ static bool s_quiet;
 static RfRenderOptions s_render; // effects, movement and group alone
 static bool s_effects_given, s_group_given;
 
-#define MAX_MOVING 10          // objects named
-#define MAX_CHANGING 64        // lights and materials named: of more no share is known
+#define MAX_MOVING 30          // that are listed
+#define MAX_LIGHTS 12          // that are listed of a light group
+#define MAX_CHANGING 64        // lights and materials named: of more no share is known, and materials are not named
 #define MUCH_OWN 0.5           // of the light
 #define MOST_TRIANGLES 4000000 // that a BVH is built of in about two seconds
 
@@ -91,8 +92,9 @@ static RfResult gather_sharing( const RfScene* scene, Facts* facts, RfError* err
     RfTracer* tracer = NULL;
     RfLens lens;
     RfCameraPath path = rf_empty_camera_path();
-    RfResult result = rf_parse_lens_options( options, &lens, error );
-    RfPathOptions asked = { options->camera, &lens, s_fps, options->size.width, options->size.height };
+    RfPathOptions asked;
+    RfResult result = rf_parse_path_options( options, &lens, &asked, error );
+    asked.fps = s_fps;
     if ( result == RF_OK )
         result = rf_create_camera_path( scene, &asked, &path, error );
     if ( result == RF_OK )
@@ -154,7 +156,7 @@ static void name_frames( const RfCameraInfo* camera, char* text, size_t size )
 static void print_film( const RfSceneInfo* scene )
 {
     if ( scene->width > 0 )
-        rf_print( "size       %dx%d\n", scene->width, scene->height );
+        rf_print( "size       %dx%d%s\n", scene->width, scene->height, scene->alpha ? ", with alpha" : "" );
 }
 
 static void print_moving( const RfSceneInfo* scene )
@@ -179,9 +181,9 @@ static void print_changes( const Facts* facts )
         rf_print( "changing   %zu\n", json_array_size( list ) );
     json_array_foreach( list, i, change )
     {
-        if ( i == MAX_CHANGING )
-            break;
         const char* kind = json_string_value( json_object_get( change, "kind" ) );
+        if ( i >= MAX_CHANGING && strcmp( kind, "light" ) != 0 ) // lights come first, and all of them
+            break;
         const char* name = json_string_value( json_object_get( change, "name" ) );
         rf_format_change( change, sharing, text );
         if ( strcmp( kind, "sky" ) == 0 )
@@ -206,6 +208,73 @@ static void print_unrendered( const RfSceneInfo* scene )
         rf_print( "%s\n", scene->frozen ? "frozen as well" : "not rendered: an error, unless --freeze is given" );
     for ( int i = 0; i < scene->unrendered_count; ++i )
         rf_print( "  %s: %s\n", scene->unrendered[i].what, scene->unrendered[i].why );
+}
+
+static void print_variants( const RfSceneInfo* scene )
+{
+    if ( scene->variant_count > 0 )
+        rf_print( "variants   %d\n", scene->variant_count );
+    for ( int i = 0; i < scene->variant_count; ++i )
+        rf_print( "  %s\n", scene->variants[i] );
+}
+
+// "  key: lamp 'Desk', material 'bulb'": what shines in a light group; −1: in none, the layer of which is "rest".
+static void print_light_group( const RfScene* scene, const char* name, int group )
+{
+    RfLightInfo light;
+    int count = 0;
+    for ( int i = 0; rf_scene_light( scene, i, &light ); ++i )
+    {
+        bool listed = light.shines && light.group == group;
+        if ( listed && count < MAX_LIGHTS )
+            rf_print( "%s%s%s %s '%s'", count > 0 ? "" : "  ", count > 0 ? "" : name, count > 0 ? "," : ":", light.kind,
+                      light.name );
+        count += listed;
+    }
+    if ( count > MAX_LIGHTS )
+        rf_print( " and %d more", count - MAX_LIGHTS );
+    if ( count == 0 && group >= 0 )
+        rf_print( "  %s: nothing shines", name );
+    if ( count > 0 || group >= 0 )
+        rf_print( "\n" );
+}
+
+static void print_light_groups( const RfScene* scene, const RfSceneInfo* info )
+{
+    if ( info->light_group_count == 0 )
+        return;
+    rf_print( "light groups %d\n", info->light_group_count );
+    for ( int i = 0; i < info->light_group_count; ++i )
+        print_light_group( scene, info->light_groups[i], i );
+    print_light_group( scene, "rest, in none", -1 );
+}
+
+static json_t* light_groups_json( const RfScene* scene, const RfSceneInfo* info )
+{
+    json_t* groups = json_array();
+    for ( int g = 0; g < info->light_group_count; ++g )
+    {
+        json_t* lights = json_array();
+        RfLightInfo light;
+        for ( int i = 0; rf_scene_light( scene, i, &light ); ++i )
+        {
+            if ( light.shines && light.group == g )
+                json_array_append_new( lights,
+                                       json_pack( "{s:s, s:o}", "kind", light.kind, "name", rf_json_text( light.name ) ) );
+        }
+        json_array_append_new( groups,
+                               json_pack( "{s:o, s:o}", "name", rf_json_text( info->light_groups[g] ), "lights", lights ) );
+    }
+    return groups;
+}
+
+static void print_losses( const RfSceneInfo* scene )
+{
+    if ( scene->export_loss_count > 0 )
+        rf_print( "LOST       by the export, %d: movements stand still, or the light of the picture is another\n",
+                  scene->export_loss_count );
+    for ( int i = 0; i < scene->export_loss_count; ++i )
+        rf_print( "  %s\n", scene->export_losses[i] );
 }
 
 static void print_warnings( const RfSceneInfo* scene )
@@ -257,6 +326,7 @@ static void print_info( const RfScene* scene, const Facts* facts )
 {
     const RfSceneInfo* s = &facts->scene;
     rf_print( "%s\n", s->path );
+    print_losses( s );
     rf_print( "triangles  %u", s->triangles );
     if ( s->stored_triangles < s->triangles )
         rf_print( " (%u in memory: instances share them)", s->stored_triangles );
@@ -271,7 +341,9 @@ static void print_info( const RfScene* scene, const Facts* facts )
     if ( s->triangles > 0 )
         rf_print( "bounds     %.4g %.4g %.4g to %.4g %.4g %.4g\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z,
                   s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
+    print_light_groups( scene, s );
     print_film( s );
+    print_variants( s );
     print_moving( s );
     print_changes( facts );
     print_unrendered( s );
@@ -297,16 +369,17 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     for ( int i = 0; i < s->unrendered_count; ++i )
         json_array_append_new( unrendered, json_pack( "{s:o, s:o}", "what", rf_json_text( s->unrendered[i].what ), "why",
                                                       rf_json_text( s->unrendered[i].why ) ) );
-    json_t* warnings = json_array();
-    for ( int i = 0; i < s->export_warning_count; ++i )
-        json_array_append_new( warnings, rf_json_text( s->export_warnings[i] ) );
     json_t* size = s->width > 0 ? json_pack( "[i, i]", s->width, s->height ) : json_null();
-    json_t* json =
-        json_pack( "{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:b, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles,
-                   "stored_triangles", (json_int_t)s->stored_triangles, "instances", (json_int_t)s->instances, "materials",
-                   (json_int_t)s->materials, "lights", (json_int_t)s->lights, "cameras", cameras, "effects",
-                   rf_effects_json( scene, &facts->render.settings ), "frozen", s->frozen, "unrendered", unrendered, "size", size,
-                   "fps", (double)s_fps.numerator / (double)s_fps.denominator, "export_warnings", warnings );
+    json_t* json = json_pack(
+        "{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:b, s:o, s:o, s:f, s:o}", "triangles", (json_int_t)s->triangles, "stored_triangles",
+        (json_int_t)s->stored_triangles, "instances", (json_int_t)s->instances, "materials", (json_int_t)s->materials, "lights",
+        (json_int_t)s->lights, "cameras", cameras, "effects", rf_effects_json( scene, &facts->render.settings ), "frozen",
+        s->frozen, "unrendered", unrendered, "size", size, "fps", (double)s_fps.numerator / (double)s_fps.denominator,
+        "export_warnings", rf_json_texts( s->export_warnings, s->export_warning_count ) );
+    json_object_set_new( json, "alpha", json_boolean( s->alpha ) );
+    json_object_set_new( json, "export_losses", rf_json_texts( s->export_losses, s->export_loss_count ) );
+    json_object_set_new( json, "variants", rf_json_texts( s->variants, s->variant_count ) );
+    json_object_set_new( json, "light_groups", light_groups_json( scene, s ) );
     json_object_update( json, facts->changes );
     return json;
 }
@@ -320,6 +393,8 @@ static void take_given( RfRenderOptions* options )
         options->effects = s_render.effects;
     if ( s_render.movement.animation != NULL )
         options->movement.animation = s_render.movement.animation;
+    if ( s_render.movement.variant != NULL )
+        options->movement.variant = s_render.movement.variant;
     if ( s_group_given )
         options->settings.group = s_render.settings.group;
     options->movement.freeze = options->movement.freeze || s_render.movement.freeze;
@@ -339,6 +414,8 @@ static RfResult load( const char* name, RfSceneFile* file, RfScene* scene, RfRen
         s_fps = options->fps;
     if ( result == RF_OK )
         result = rf_load_scene_file( file, &options->movement, scene, &log, error );
+    if ( result == RF_OK )
+        result = rf_check_file_light_groups( options, file, scene, error );
     return result == RF_OK ? rf_take_effect_options( options, scene, &log, error ) : result;
 }
 

@@ -118,6 +118,14 @@ json_t* rf_json_text( const char* text )
     return json;
 }
 
+json_t* rf_json_texts( const char* const* texts, int count )
+{
+    json_t* list = json_array();
+    for ( int i = 0; i < count; ++i )
+        json_array_append_new( list, rf_json_text( texts[i] ) );
+    return list;
+}
+
 json_t* rf_json_number( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
 
 double rf_json_number_of( const json_t* object, const char* key )

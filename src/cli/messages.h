@@ -43,6 +43,9 @@ RfLog rf_keeping_log( RfReportedWarnings* reported );
 // A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
 json_t* rf_json_text( const char* text );
 
+// An array of texts.
+json_t* rf_json_texts( const char* const* texts, int count );
+
 // An array of frame numbers.
 json_t* rf_json_frames( const int* frames, int count );
 

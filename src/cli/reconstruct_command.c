@@ -7,6 +7,7 @@
 #include "cli/render/progress.h"
 #include "image/exr.h"
 #include "image/sequence.h"
+#include "output/pass_names.h"
 #include "reframe/image.h"
 #include "reframe/reconstruct.h"
 
@@ -27,7 +28,7 @@ typedef struct ReconstructFiles
 // The data of one frame. Images of a half that is not there are empty.
 typedef struct ReconstructFrame
 {
-    RfExrWindow window;
+    RfExrWindow window, display;
     int fps_numerator; // of the first file; 0: it has none
     unsigned int fps_denominator;
     int half_count;    // 1 or 2
@@ -199,6 +200,14 @@ static RfResult read_half( const ReconstructFiles* files, const Paths* paths, co
     return result;
 }
 
+// What the layers of a half begin with that were not named: Blender's layer in files of its names.
+static const char* usual_prefix( const ReconstructFiles* files, const RfExrHeader* header )
+{
+    static const char blender[] = RF_BLENDER_LAYER ".";
+    bool named = files->primal != NULL || files->dx != NULL || files->dy != NULL || files->variance != NULL;
+    return !named && has_channel( header, blender, "primal.R" ) ? blender : "";
+}
+
 // The half that a file is, or the two that it holds.
 static RfResult read_file( const ReconstructFiles* files, const Paths* paths, int file, ReconstructFrame* frame, RfError* error )
 {
@@ -208,12 +217,15 @@ static RfResult read_file( const ReconstructFiles* files, const Paths* paths, in
     if ( result != RF_OK )
         return result;
     if ( file == 0 )
+    {
         frame->fps_numerator = header.fps_numerator, frame->fps_denominator = header.fps_denominator;
+        frame->display = ( RfExrWindow ){ header.display_x, header.display_y, header.display_width, header.display_height };
+    }
     snprintf( channel, sizeof channel, "%.500s.R", files->primal != NULL ? files->primal : "primal" );
     bool both = files->image_count == 1 && files->dx_from == NULL && files->dy_from == NULL &&
                 has_channel( &header, s_prefixes[0], channel );
     if ( !both )
-        result = read_half( files, paths, &header, file, "", file, frame, error );
+        result = read_half( files, paths, &header, file, usual_prefix( files, &header ), file, frame, error );
     for ( int k = 0; k < 2 && both && result == RF_OK; ++k )
         result = read_half( files, paths, &header, file, s_prefixes[k], k, frame, error );
     rf_destroy_exr_header( &header );
@@ -378,6 +390,7 @@ static RfResult write_image( const Job* job, int number, const ReconstructFrame*
     options.half = job->half;
     options.x = frame->window.x;
     options.y = frame->window.y;
+    options.display = frame->display;
     options.fps_numerator = frame->fps_numerator;
     options.fps_denominator = frame->fps_denominator;
     options.strings = &said;

@@ -2,6 +2,7 @@
 #include "film/aov.h"
 
 #include "base/words.h"
+#include "path/features.h"
 #include "scene/moments.h"
 #include "scene/projection.h"
 
@@ -125,10 +126,19 @@ int rf_aov_film_floats( RfAov aov, bool filtered )
     {
         case RF_AOV_ALBEDO:
         case RF_AOV_NORMAL:
+        case RF_AOV_DENOISE_ALBEDO:
+        case RF_AOV_DENOISE_NORMAL:
         case RF_AOV_MOTION: return filtered && is_filtered( aov ) ? filtered_floats( channels ) : channels;
         case RF_AOV_DEPTH: return channels + 1;
         case RF_AOV_SAMPLES: return channels;
+        case RF_AOV_OBJECT_INDEX: // film/covering.h
+        case RF_AOV_MATERIAL_INDEX:
         case RF_AOV_REMOVED: // made from the films of the colour
+        case RF_AOV_EMISSION:
+        case RF_AOV_DIRECT:
+        case RF_AOV_INDIRECT:
+        case RF_AOV_REFLECTION:
+        case RF_AOV_TRANSMISSION:
         case RF_AOV_VARIANCE:
         case RF_AOV_PRIMAL:
         case RF_AOV_DX:
@@ -222,27 +232,6 @@ static void motion_of( const RfAovJob* job, Seen seen, float* value )
     }
 }
 
-static RfVec3 colour_param( const RfVertexLanes* v, uint32_t params, RfBsdfParam param, int i )
-{
-    return rf_has_param( params, param ) ? rf_vec3( v->param[param][i], v->param[param + 1][i], v->param[param + 2][i] )
-                                         : rf_vec3( 0, 0, 0 );
-}
-
-// Reflectance at normal incidence: the coat of a dielectric reflects before its
-// base does. Transmission counts as well: glass is as bright as what is behind it.
-static RfVec3 albedo_of( const RfVertexLanes* v, int i )
-{
-    int kind = 0;
-    while ( i >= v->first[kind + 1] )
-        ++kind;
-    uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
-    RfVec3 diffuse = colour_param( v, params, RF_PARAM_DIFFUSE, i );
-    RfVec3 specular = colour_param( v, params, RF_PARAM_SPECULAR, i );
-    RfVec3 tint = colour_param( v, params, RF_PARAM_TINT, i );
-    float to_base = rf_has_param( params, RF_PARAM_COAT_F0 ) ? 1.0f - v->param[RF_PARAM_COAT_F0][i] : 1.0f;
-    return rf_add( rf_madd( specular, diffuse, to_base ), tint );
-}
-
 static void store( float* value, RfVec3 v )
 {
     value[0] = v.x;
@@ -283,11 +272,20 @@ static void value_at_hit( const RfAovJob* job, RfAov aov, RfFirstHits first, int
     RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
     switch ( aov )
     {
-        case RF_AOV_ALBEDO: store( value, albedo_of( v, i ) ); break;
-        case RF_AOV_NORMAL: store( value, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) ); break;
+        case RF_AOV_ALBEDO: store( value, rf_albedo_of_lane( v, i ) ); break;
+        case RF_AOV_NORMAL: store( value, rf_seen_normal( v, i ) ); break;
         case RF_AOV_DEPTH: value[0] = rf_eye_depth( job->eye, p ); break;
         case RF_AOV_MOTION: motion_of( job, seen_at( job, first, i ), value ); break;
-        case RF_AOV_REMOVED: // not of hits
+        case RF_AOV_DENOISE_ALBEDO: // of camera rays, whatever they hit
+        case RF_AOV_DENOISE_NORMAL:
+        case RF_AOV_OBJECT_INDEX: // not of hits
+        case RF_AOV_MATERIAL_INDEX:
+        case RF_AOV_REMOVED:
+        case RF_AOV_EMISSION:
+        case RF_AOV_DIRECT:
+        case RF_AOV_INDIRECT:
+        case RF_AOV_REFLECTION:
+        case RF_AOV_TRANSMISSION:
         case RF_AOV_VARIANCE:
         case RF_AOV_SAMPLES:
         case RF_AOV_PRIMAL:
@@ -319,7 +317,14 @@ typedef struct Batch
 
 static void value_of( const Batch* b, RfAov aov, int slot, float value[MOST_CHANNELS] )
 {
-    if ( b->hit[slot] >= 0 )
+    const RfFeatures* features = b->first.features;
+    if ( aov == RF_AOV_DENOISE_ALBEDO || aov == RF_AOV_DENOISE_NORMAL )
+    {
+        const float( *of )[RF_LANES] = aov == RF_AOV_DENOISE_ALBEDO ? features->albedo : features->normal;
+        for ( int c = 0; c < 3; ++c )
+            value[c] = of[c][slot];
+    }
+    else if ( b->hit[slot] >= 0 )
         value_at_hit( b->job, aov, b->first, b->hit[slot], value );
     else
         value_at_miss( b->job, aov, b->first.rays, slot, value );
@@ -472,7 +477,16 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNo
             break;
         case RF_AOV_ALBEDO:
         case RF_AOV_NORMAL:
+        case RF_AOV_DENOISE_ALBEDO:
+        case RF_AOV_DENOISE_NORMAL:
         case RF_AOV_MOTION: memcpy( image, mean, pixels * (size_t)rf_aov_channels( aov ) * sizeof( float ) ); break;
+        case RF_AOV_OBJECT_INDEX: // rf_finish_index
+        case RF_AOV_MATERIAL_INDEX:
+        case RF_AOV_EMISSION: // rf_combine_part makes them
+        case RF_AOV_DIRECT:
+        case RF_AOV_INDIRECT:
+        case RF_AOV_REFLECTION:
+        case RF_AOV_TRANSMISSION:
         case RF_AOV_COUNT: break;
     }
 }

@@ -5,7 +5,7 @@
 
 #include "film/film.h"
 #include "film/pixel_filter.h"
-#include "path/lanes.h"
+#include "path/features.h"
 #include "reframe/aov.h"
 #include "scene/eye.h"
 #include "scene/scene.h"
@@ -18,6 +18,9 @@ static inline bool rf_follows_motion( const RfRenderSettings* settings )
 {
     return ( settings->aovs & RF_AOV_BIT( RF_AOV_MOTION ) ) != 0;
 }
+
+// Whether camera rays are to be followed to what denoisers want to know.
+static inline bool rf_finds_features( const RfRenderSettings* settings ) { return ( settings->aovs & RF_DENOISE_AOVS ) != 0; }
 
 // Of the films of gradients, what differences lack (src/gradient/films.h).
 #define RF_UNSHARED_FILM 4
@@ -56,6 +59,7 @@ typedef struct RfFirstHits
     const RfSurfaceLanes* surfaces; // that the rays hit; NULL unless RF_AOV_MOTION is to follow what moves
     const int32_t* pixel;           // of each ray, by slot: y·width + x; −1: another ray of the pass has the AOVs of its pixel
     const float* place[2];          // in it, to the right and down, 0 to 1; NULL with the plain pixel filter
+    const RfFeatures* features;     // NULL unless RF_DENOISE_AOVS are asked for
     const uint16_t* path_rays;      // traced so far beyond the camera ray, by slot; NULL: not counted
 } RfFirstHits;
 

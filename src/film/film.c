@@ -69,23 +69,28 @@ void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t f
     }
 }
 
-static RfFilmPixel removed_pixel( const RfFilm* films, size_t i )
+static RfFilmPixel part_pixel( const RfFilm* film, const RfFilm* part, size_t i )
 {
-    RfFilmPixel p = rf_film_pixel( films, i ), removed = rf_film_pixel( films + 1, i );
+    RfFilmPixel p = rf_film_pixel( film, i ), of_part = rf_film_pixel( part, i );
     for ( int h = 0; h < 2; ++h )
     {
-        memcpy( p.half[h], removed.half[h], 3 * sizeof( double ) );
-        memcpy( p.own[h], removed.own[h], 3 * sizeof( double ) );
+        memcpy( p.half[h], of_part.half[h], 3 * sizeof( double ) );
+        memcpy( p.own[h], of_part.own[h], 3 * sizeof( double ) );
     }
     return p;
 }
 
 void rf_combine_removed( const RfFilm* films, RfNormalize normalize, float* rgb )
 {
-    size_t count = (size_t)films->width * (size_t)films->height;
+    rf_combine_part( films, films + 1, normalize, rgb );
+}
+
+void rf_combine_part( const RfFilm* film, const RfFilm* part, RfNormalize normalize, float* rgb )
+{
+    size_t count = (size_t)film->width * (size_t)film->height;
     for ( size_t i = 0; i < count; ++i )
     {
-        RfFilmPixel p = removed_pixel( films, i );
+        RfFilmPixel p = part_pixel( film, part, i );
         for ( int c = 0; c < 3; ++c )
             rgb[3 * i + (size_t)c] = (float)rf_film_value( &p, normalize, c );
     }
@@ -98,7 +103,7 @@ double rf_removed_share( const RfFilm* films, RfNormalize normalize, const float
     double removed = 0.0, kept = 0.0;
     for ( size_t i = 0; i < count; ++i )
     {
-        RfFilmPixel p = removed_pixel( films, i );
+        RfFilmPixel p = part_pixel( films, films + 1, i );
         for ( int c = 0; c < 3; ++c )
         {
             removed += luminance[c] * rf_film_value( &p, normalize, c );

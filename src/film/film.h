@@ -78,6 +78,10 @@ void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t f
 // (src/reuse/estimators.md, E15): image and rgb together are the image without a clamp.
 void rf_combine_removed( const RfFilm* films, RfNormalize normalize, float* rgb );
 
+// The same for `part`, a film with the sums of some of the light of `film`, whose weights are those of `film`: the images of parts
+// add up to that of the film if their sums do (src/reuse/estimators.md, E20).
+void rf_combine_part( const RfFilm* film, const RfFilm* part, RfNormalize normalize, float* rgb );
+
 // The share of the light that it is, by luminance, 0 to 1. `rgb`: the image of films[0].
 double rf_removed_share( const RfFilm* films, RfNormalize normalize, const float* rgb );
 

@@ -67,6 +67,7 @@ const RfEstimator rf_gradient_estimator = {
     .draws_by_filter = true,
     .has_gradients = true,
     .has_alpha = true,
+    .has_features = true,
     .has_variance = true,
     .usual_passes = 4, // two in each half: their variances are known
     .tile = { RF_TILE_BLOCK, 4, 4 },

@@ -231,7 +231,8 @@ static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, in
     rf_find_first_hits( harvest, h );
     rays->primary += (uint64_t)count;
     rf_follow_camera_rays( harvest, h );
-    rf_list_hits( count, h, &scratch->hits );
+    rf_draw_sides( wavefront, 1, h->hits ); // alike in all pixels of a tile
+    rf_list_hits( harvest, count, h, &scratch->hits );
     if ( harvest->path.max_depth > 1 )
         rf_sample_direct( harvest, h, rays );
 }
@@ -364,5 +365,7 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
 RfFirstHits rf_first_hits_of_patch( const RfGradientScratch* scratch )
 {
     const RfHarvestScratch* h = scratch->harvest;
-    return ( RfFirstHits ){ .hits = &h->first, .rays = &h->camera_rays, .surfaces = h->surfaces, .pixel = scratch->own_pixel };
+    return ( RfFirstHits ){
+        .hits = &h->first, .rays = &h->camera_rays, .surfaces = h->surfaces, .pixel = scratch->own_pixel, .features = h->features
+    };
 }

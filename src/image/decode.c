@@ -61,7 +61,7 @@ static const Kind s_kinds[] = {
     { "\x76\x2f\x31\x01", 4, 0, rf_decode_exr, "EXR" },
     { "#?RADIANCE", 10, 0, rf_decode_hdr, "Radiance HDR" },
     { "#?RGBE", 6, 0, rf_decode_hdr, "Radiance HDR" },
-    { "WEBP", 4, 8, NULL, "WebP" },
+    { "WEBP", 4, 8, rf_decode_webp, "WebP" },
     { "\xabKTX 20", 7, 0, NULL, "KTX2" },
     { "\xabKTX 11", 7, 0, NULL, "KTX" },
     { "DDS ", 4, 0, NULL, "DDS" },
@@ -133,7 +133,7 @@ static RfResult decode( RfEncoded in, RfPixels* out, RfError* error )
             rf_destroy_pixels( out );
         return result;
     }
-    return rf_fail( error, RF_ERROR_FORMAT, "%s: not a PNG, JPEG, EXR or Radiance HDR image", name );
+    return rf_fail( error, RF_ERROR_FORMAT, "%s: not a PNG, JPEG, WebP, EXR or Radiance HDR image", name );
 }
 
 RfResult rf_decode_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error )

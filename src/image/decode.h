@@ -1,5 +1,5 @@
 // Decodes images from memory: textures and environment maps. PNG by libpng, JPEG by libjpeg,
-// EXR by OpenEXRCore, Radiance HDR by stb_image. The format is recognised by the first bytes,
+// WebP by libwebp where the build has it, EXR by OpenEXRCore, Radiance HDR by stb_image. The format is recognised by the first bytes,
 // never by the file name.
 #ifndef REFRAME_IMAGE_DECODE_H
 #define REFRAME_IMAGE_DECODE_H
@@ -30,12 +30,15 @@ typedef struct RfPixels
 } RfPixels;
 
 // Decodes a whole image. `name` begins the error message. Fails with RF_ERROR_FORMAT if the
-// data is truncated or damaged, RF_ERROR_UNSUPPORTED for formats that are not supported (WebP,
-// KTX2, …) and for images that are too large, or RF_ERROR_MEMORY. Only RGB is read from EXR.
+// data is truncated or damaged, RF_ERROR_UNSUPPORTED for formats that are not supported (KTX2,
+// …) and for images that are too large, or RF_ERROR_MEMORY. Only RGB is read from EXR.
 RfResult rf_decode_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error );
 
 // Finds size and type of an image by its header alone: `out` has no data.
 RfResult rf_measure_image( const void* bytes, size_t size, const char* name, RfPixels* out, RfError* error );
+
+// Was this build made with libwebp?
+bool rf_decodes_webp( void );
 
 // Bytes of the values of an image.
 size_t rf_pixels_bytes( const RfPixels* pixels );
@@ -47,7 +50,7 @@ void rf_destroy_pixels( RfPixels* pixels );
 float rf_srgb_to_linear( float encoded );
 
 // Loads an equirectangular environment map as linear RGB, 3 floats per pixel, which the caller
-// frees with free(). EXR and HDR are linear, PNG and JPEG are decoded from sRGB. Negative,
+// frees with free(). EXR and HDR are linear, all else is decoded from sRGB. Negative,
 // infinite or NaN values are rejected; the message gives the pixel.
 RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, RfError* error );
 

@@ -26,6 +26,9 @@ RfResult rf_decode_png( const RfEncoded* in, RfPixels* out, RfError* error );
 // Decodes a JPEG.
 RfResult rf_decode_jpeg( const RfEncoded* in, RfPixels* out, RfError* error );
 
+// Decodes a WebP that is not animated.
+RfResult rf_decode_webp( const RfEncoded* in, RfPixels* out, RfError* error );
+
 // Decodes the colour of an EXR.
 RfResult rf_decode_exr( const RfEncoded* in, RfPixels* out, RfError* error );
 

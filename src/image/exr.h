@@ -15,7 +15,7 @@ size_t rf_exr_work_bytes( int width, int height, RfExrCompression compression, i
 // A channel of a file.
 typedef struct RfExrName
 {
-    char* text;      // full name; in a multi-part file prefixed with the part: "beauty.depth.Z"
+    char* text;      // full name; in a multi-part file prefixed with the part, "beauty.depth.Z", unless that is its layer
     const char* own; // name within its part: "depth.Z"
     int part;
     RfExrWindow window; // data window of the part

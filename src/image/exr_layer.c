@@ -80,11 +80,17 @@ static void find_layers( const exr_attr_chlist_t* list, RfExrChannels* channels,
     }
 }
 
-// Lists the names of all channels, separated by commas.
-static void list_exr_channels( const exr_attr_chlist_t* list, char* text, size_t size )
+// Lists the names of all layers, and of channels that are in none, separated by commas.
+static void list_layers( const exr_attr_chlist_t* list, char* text, size_t size )
 {
-    for ( int i = 0; i < list->num_channels; ++i )
-        append_name( text, size, list->entries[i].name.str, strlen( list->entries[i].name.str ) );
+    for ( int i = 0; i < list->num_channels; ++i ) // sorted: those of a layer follow each other
+    {
+        const char *name = list->entries[i].name.str, *dot = strrchr( name, '.' );
+        size_t length = dot != NULL ? (size_t)( dot - name ) : strlen( name );
+        if ( dot == NULL || i == 0 || strncmp( list->entries[i - 1].name.str, name, length + 1 ) != 0 ||
+             strchr( list->entries[i - 1].name.str + length + 1, '.' ) != NULL )
+            append_name( text, size, name, length );
+    }
 }
 
 static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist_t* list, RfExrChannels* channels,
@@ -100,7 +106,7 @@ static RfResult find_luminance( const RfExrStream* stream, const exr_attr_chlist
         return RF_OK;
     }
     char text[512] = "";
-    list_exr_channels( list, text, sizeof text );
+    list_layers( list, text, sizeof text );
     return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has no channels R, G, B and no Y; it has %s", stream->path,
                     text[0] != 0 ? text : "none" );
 }
@@ -243,7 +249,7 @@ static RfResult find_layer( RfExrStream* stream, const char* layer, RfExrPart* p
             continue;
         if ( find_exr_layer( part, layer, channels ) )
             return RF_OK;
-        list_exr_channels( part->channels, text, sizeof text );
+        list_layers( part->channels, text, sizeof text );
         rf_close_exr_part( part );
     }
     return rf_fail( error, RF_ERROR_FORMAT, "%s: has no layer %s; it has %s", stream->path, layer, text[0] != 0 ? text : "none" );

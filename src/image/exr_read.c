@@ -2,6 +2,7 @@
 #include "image/exr.h"
 
 #include "image/atomic_file.h"
+#include "image/exr_dwa.h"
 #include "image/exr_layer.h"
 #include "image/half.h"
 
@@ -55,8 +56,13 @@ static RfResult check_part( RfExrPart* part, RfError* error )
         return rf_fail_exr( part->stream, code, "its header cannot be read", error );
     if ( storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: holds deep pixels: flatten it first", path );
-    // OpenEXRCore 3.1.5 does not support DWA and would fail at the first chunk.
-    if ( (unsigned int)compression >= EXR_COMPRESSION_DWAA )
+    part->dwa = compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB;
+    if ( part->dwa && !rf_has_dwa() )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED,
+                        "%s: its compression is DWA, which this build of reframe lacks: store it with "
+                        "ZIP or PIZ",
+                        path );
+    if ( (unsigned int)compression > EXR_COMPRESSION_DWAB )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: its compression is %s: store it with ZIP or PIZ", path,
                         compression_name( compression ) );
     part->tiled = storage == EXR_STORAGE_TILED;
@@ -168,6 +174,12 @@ static exr_result_t unpack_channels( exr_decode_pipeline_t* pipeline )
     return EXR_ERR_SUCCESS;
 }
 
+static exr_result_t decompress_dwa( exr_decode_pipeline_t* pipeline )
+{
+    const Reader* reader = pipeline->decoding_user_data;
+    return rf_decompress_dwa_chunk( pipeline, reader->part->stream );
+}
+
 // Reads the chunk at (x, y) relative to the data window.
 static RfResult read_chunk( Reader* reader, const exr_chunk_info_t* chunk, int64_t x, int64_t y, RfError* error )
 {
@@ -183,6 +195,8 @@ static RfResult read_chunk( Reader* reader, const exr_chunk_info_t* chunk, int64
     reader->y = y;
     reader->pipeline.decoding_user_data = reader;
     reader->pipeline.unpack_and_convert_fn = unpack_channels;
+    if ( reader->part->dwa )
+        reader->pipeline.decompress_fn = decompress_dwa;
     if ( code == EXR_ERR_SUCCESS )
         code = exr_decoding_run( reader->part->context, reader->part->index, &reader->pipeline );
     if ( code != EXR_ERR_SUCCESS )
@@ -408,6 +422,9 @@ static bool copy_name( const RfExrPart* part, const char* own, RfExrName* name )
     const char* before = NULL;
     if ( part->count < 2 || exr_get_name( part->context, part->index, &before ) != EXR_ERR_SUCCESS )
         before = NULL;
+    size_t length = before != NULL ? strlen( before ) : 0;
+    if ( before != NULL && strncmp( own, before, length ) == 0 && own[length] == '.' )
+        before = NULL; // the layer is the part: it is there already
     size_t begin = before != NULL ? strlen( before ) + 1 : 0, size = begin + strlen( own ) + 1;
     *name = ( RfExrName ){ .text = malloc( size ), .part = part->index, .window = window_of( part ) };
     if ( name->text == NULL )

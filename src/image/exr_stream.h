@@ -59,7 +59,7 @@ typedef struct RfExrPart
     exr_context_t context;
     exr_attr_box2i_t window; // data window
     int width, height;       // of the data window
-    bool tiled;
+    bool tiled, dwa;
     const exr_attr_chlist_t* channels;
 } RfExrPart;
 

@@ -25,6 +25,10 @@ typedef struct Writer
     png_structp png;
     png_infop info;
     png_bytep row;
+    float exposure; // a factor
+    RfShowFn* show; // NULL: by the sRGB curve
+    const void* view;
+    float* shown; // a row; NULL where `show` is
     jmp_buf out;
 } Writer;
 
@@ -86,25 +90,50 @@ static png_byte encode_srgb( float linear )
     return (png_byte)( 255.0f * curve + 0.5f );
 }
 
-// `alpha`: NULL for rows without.
-static void encode_row( const float* rgb, const float* alpha, int width, float exposure, png_bytep row )
+static float opacity( const float* alpha, int x )
 {
+    return alpha != NULL && !isnan( alpha[x] ) ? fminf( fmaxf( alpha[x], 0.0f ), 1.0f ) : 1.0f;
+}
+
+// A row by `show`, of colours that alpha divides.
+static void show_row( Writer* writer, const float* rgb, const float* alpha, int width )
+{
+    for ( int i = 0; i < 3 * width; ++i )
+    {
+        float opaque = opacity( alpha, i / 3 );
+        writer->shown[i] = opaque > 0.0f && !isnan( rgb[i] ) ? rgb[i] / opaque : 0.0f;
+    }
+    writer->show( writer->view, writer->shown, width );
+}
+
+// `alpha`: NULL for rows without.
+static void encode_row( Writer* writer, const float* rgb, const float* alpha, int width )
+{
+    if ( writer->show != NULL )
+        show_row( writer, rgb, alpha, width );
     for ( int x = 0; x < width; ++x )
     {
         const float* pixel = rgb + 3 * x;
-        png_bytep out = row + ( alpha != NULL ? 4 : 3 ) * x;
+        png_bytep out = writer->row + ( alpha != NULL ? 4 : 3 ) * x;
         bool is_nan = isnan( pixel[0] ) || isnan( pixel[1] ) || isnan( pixel[2] ) || ( alpha != NULL && isnan( alpha[x] ) );
-        float opaque = alpha != NULL && !is_nan ? fminf( fmaxf( alpha[x], 0.0f ), 1.0f ) : 1.0f;
-        float scale = opaque > 0.0f ? exposure / opaque : 0.0f;
+        float opaque = is_nan ? 1.0f : opacity( alpha, x );
+        float scale = opaque > 0.0f ? writer->exposure / opaque : 0.0f;
         for ( int c = 0; c < 3; ++c )
-            out[c] = is_nan ? ( c == 1 ? 0 : 255 ) : encode_srgb( scale * pixel[c] );
+        {
+            if ( is_nan )
+                out[c] = c == 1 ? 0 : 255;
+            else if ( writer->show != NULL )
+                out[c] = (png_byte)( 255.0f * writer->shown[3 * x + c] + 0.5f );
+            else
+                out[c] = encode_srgb( scale * pixel[c] );
+        }
         if ( alpha != NULL )
             out[3] = (png_byte)( 255.0f * opaque + 0.5f );
     }
 }
 
 // Runs under the setjmp of its caller; keeps no state in local variables across the longjmp.
-static void write_rows( Writer* writer, const RfImage* image, const float* alpha, float exposure )
+static void write_rows( Writer* writer, const RfImage* image, const float* alpha )
 {
     png_set_write_fn( writer->png, writer, write_bytes, flush_bytes );
     // libpng's default limit is a million pixels per side
@@ -122,16 +151,18 @@ static void write_rows( Writer* writer, const RfImage* image, const float* alpha
     for ( int y = 0; y < image->height; ++y )
     {
         size_t first = (size_t)image->width * (size_t)y;
-        encode_row( image->rgb + 3 * first, alpha != NULL ? alpha + first : NULL, image->width, exposure, writer->row );
+        encode_row( writer, image->rgb + 3 * first, alpha != NULL ? alpha + first : NULL, image->width );
         png_write_row( writer->png, writer->row );
     }
     png_write_end( writer->png, NULL );
 }
 
-static RfResult write_image( Writer* writer, const RfImage* image, const float* alpha, float exposure )
+static RfResult write_image( Writer* writer, const RfImage* image, const float* alpha )
 {
     writer->row = malloc( 4 * (size_t)image->width );
-    if ( writer->row == NULL )
+    if ( writer->show != NULL )
+        writer->shown = malloc( 3 * (size_t)image->width * sizeof *writer->shown );
+    if ( writer->row == NULL || ( writer->show != NULL && writer->shown == NULL ) )
         return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for a row", writer->name );
     // libpng reports failures of these two by NULL or through keep_write_error
     if ( setjmp( writer->out ) != 0 )
@@ -140,7 +171,7 @@ static RfResult write_image( Writer* writer, const RfImage* image, const float* 
     writer->info = writer->png != NULL ? png_create_info_struct( writer->png ) : NULL;
     if ( writer->info == NULL )
         return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", writer->name );
-    write_rows( writer, image, alpha, exposure );
+    write_rows( writer, image, alpha );
     return RF_OK;
 }
 
@@ -149,31 +180,50 @@ RfResult rf_write_png( const char* path, const RfImage* image, float exposure_st
     return rf_write_png_alpha( path, image, NULL, exposure_stops, error );
 }
 
-RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float* alpha, float exposure_stops, RfError* error )
+static void destroy_writer( Writer* writer )
 {
+    free( writer->row );
+    free( writer->shown );
+    free( writer );
+}
+
+static RfResult write_file( const Writer* settings, const RfImage* image, const float* alpha )
+{
+    const char* path = settings->name;
+    RfError* error = settings->error;
     if ( image->rgb == NULL || image->width < 1 || image->height < 1 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: an image without pixels cannot be written", path );
-    float exposure = exp2f( exposure_stops );
-    if ( !isfinite( exposure ) )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: an exposure of %g stops is not possible", path, (double)exposure_stops );
-    Writer* writer = calloc( 1, sizeof *writer );
+    Writer* writer = malloc( sizeof *writer );
     if ( writer == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to write it", path );
-    writer->name = path;
-    writer->error = error;
+    *writer = *settings;
     RfResult result = rf_open_atomic_file( path, &writer->file, error );
     if ( result == RF_OK )
     {
-        result = write_image( writer, image, alpha, exposure );
+        result = write_image( writer, image, alpha );
         png_destroy_write_struct( &writer->png, &writer->info );
-        free( writer->row );
         if ( result == RF_OK )
             result = rf_commit_atomic_file( &writer->file, error );
         else
             rf_discard_atomic_file( &writer->file );
     }
-    free( writer );
+    destroy_writer( writer );
     return result;
+}
+
+RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float* alpha, float exposure_stops, RfError* error )
+{
+    Writer settings = { .name = path, .error = error, .exposure = exp2f( exposure_stops ) };
+    if ( !isfinite( settings.exposure ) )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: an exposure of %g stops is not possible", path, (double)exposure_stops );
+    return write_file( &settings, image, alpha );
+}
+
+RfResult rf_write_png_shown( const char* path, const RfImage* image, const float* alpha, RfShowFn* show, const void* view,
+                             RfError* error )
+{
+    Writer settings = { .name = path, .error = error, .exposure = 1.0f, .show = show, .view = view };
+    return write_file( &settings, image, alpha );
 }
 
 RfResult rf_encode_png( const char* name, const RfImage* image, unsigned char** bytes, size_t* size, RfError* error )
@@ -184,14 +234,14 @@ RfResult rf_encode_png( const char* name, const RfImage* image, unsigned char** 
     writer->name = name;
     writer->fast = true;
     writer->error = error;
-    RfResult result = write_image( writer, image, NULL, 1.0f );
+    writer->exposure = 1.0f;
+    RfResult result = write_image( writer, image, NULL );
     png_destroy_write_struct( &writer->png, &writer->info );
-    free( writer->row );
     if ( result != RF_OK )
         free( writer->bytes );
     *bytes = result == RF_OK ? writer->bytes : NULL;
     *size = writer->size;
-    free( writer );
+    destroy_writer( writer );
     return result;
 }
 

@@ -1,4 +1,4 @@
-// PNG in memory, for pictures that are made again and again.
+// PNG in memory, for pictures that are made again and again, and by the curves of view transforms.
 #ifndef REFRAME_IMAGE_PNG_H
 #define REFRAME_IMAGE_PNG_H
 
@@ -9,5 +9,12 @@
 // What rf_write_png writes at exposure 0, compressed less and in a small part of the time. The caller frees *bytes, NULL on
 // failure; `name` begins the message. Fails with RF_ERROR_MEMORY.
 RfResult rf_encode_png( const char* name, const RfImage* image, unsigned char** bytes, size_t* size, RfError* error );
+
+// Replaces `count` colours of scene-linear light by what is displayed, encoded, 0 to 1.
+typedef void RfShowFn( const void* view, float* rgb, int count );
+
+// rf_write_png_alpha with another curve than sRGB's.
+RfResult rf_write_png_shown( const char* path, const RfImage* image, const float* alpha, RfShowFn* show, const void* view,
+                             RfError* error );
 
 #endif

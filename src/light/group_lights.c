@@ -32,13 +32,14 @@ typedef struct Lamp
     RfVec3* value; // in each frame
 } Lamp;
 
-// Lamps with the same scales.
+// Lamps of a light group with the same scales.
 typedef struct Dimmer
 {
     RfVec3 known; // 1 for channels of which some lamp has light
     RfVec3* scale;
     double power;
     int part;
+    int base; // part of the lamps' light group
 } Dimmer;
 
 // A group in the making.
@@ -203,8 +204,8 @@ static bool is_alike( const Making* m, const Lamp* lamp, int a, int b )
     if ( lamp->kind == LAMP_SKY )
         return m->loaded->environment.map == NULL || m->group->environment[a].rotation == m->group->environment[b].rotation;
     const RfPunctual *p = punctual_at( m, a, lamp->index ), *q = punctual_at( m, b, lamp->index );
-    return is_same( p->position, q->position ) && is_same( p->direction, q->direction ) && p->cos_inner == q->cos_inner &&
-           p->cos_outer == q->cos_outer && p->range == q->range;
+    return is_same( p->position, q->position ) && is_same( p->direction, q->direction ) && is_same( p->across, q->across ) &&
+           p->cos_inner == q->cos_inner && p->cos_outer == q->cos_outer && p->range == q->range;
 }
 
 static bool is_lit( RfVec3 value ) { return rf_max_component( value ) > 0.0f; }
@@ -218,6 +219,17 @@ static bool holds( const Making* m, const Lamp* lamp )
             return false;
     }
     return true;
+}
+
+// The base part of a lamp's light group.
+static int base_of( const Making* m, const Lamp* lamp )
+{
+    const RfLights* still = m->still;
+    if ( still->part == NULL )
+        return 0;
+    if ( lamp->kind == LAMP_MATERIAL )
+        return still->material_part[m->changing->dim[lamp->index]];
+    return still->part[lamp->kind == LAMP_SKY ? still->count - 1 : lamp->index];
 }
 
 static void look_at_lamp( const Making* m, Lamp* lamp )
@@ -239,7 +251,8 @@ static void look_at_lamp( const Making* m, Lamp* lamp )
         looked_up = m->changing->dim_moves[lamp->index] || is_looked_up( m->loaded->materials + m->changing->dim[lamp->index] );
     lamp->scaled = lamp->scaled && !looked_up;
     lamp->dimmer = -1;
-    lamp->part = holds( m, lamp ) ? 0 : RF_PART_OWN;
+    int base = base_of( m, lamp );
+    lamp->part = holds( m, lamp ) ? base : RF_PART_OWN - base;
 }
 
 // Of the light of a lamp if it shone with `value`: only quotients count.
@@ -278,6 +291,8 @@ static bool agrees( float scale, float of_lamp, float known, float most )
 
 static bool is_dimmed_by( const Making* m, const Lamp* lamp, const Dimmer* dimmer )
 {
+    if ( dimmer->base != base_of( m, lamp ) )
+        return false;
     for ( int i = 0; i < m->count; ++i )
     {
         RfVec3 a = dimmer->scale[i], b = quotient( lamp->value[i], lamp->most ), known = dimmer->known, most = lamp->most;
@@ -298,7 +313,7 @@ static int find_dimmer( Making* m, const Lamp* lamp )
         return -1;
     Dimmer* dimmer = m->dimmer + at;
     if ( at == m->dimmer_count )
-        *dimmer = ( Dimmer ){ .scale = m->scales + (size_t)at * (size_t)m->count };
+        *dimmer = ( Dimmer ){ .scale = m->scales + (size_t)at * (size_t)m->count, .base = base_of( m, lamp ) };
     m->dimmer_count = at == m->dimmer_count ? at + 1 : m->dimmer_count;
     for ( int i = 0; i < m->count; ++i )
     {
@@ -311,10 +326,13 @@ static int find_dimmer( Making* m, const Lamp* lamp )
     return at;
 }
 
+// The parts that the base parts of light groups take from 1 on.
+static int base_parts( const Making* m ) { return m->still->part != NULL ? m->still->group_count - 1 : 0; }
+
 // The strongest dimmers become parts.
 static void number_dimmers( Making* m )
 {
-    for ( int part = 1; part <= RF_DIMMED_MOST; ++part )
+    for ( int part = base_parts( m ) + 1; part <= base_parts( m ) + RF_DIMMED_MOST; ++part )
     {
         int best = -1;
         for ( int k = 0; k < m->dimmer_count; ++k )
@@ -328,6 +346,7 @@ static void number_dimmers( Making* m )
         for ( int i = 0; i < m->count; ++i )
         {
             m->group->lights[i].dimmed_count = part;
+            m->group->lights[i].base_part[part] = (uint8_t)m->dimmer[best].base;
             m->group->lights[i].part_scale[part] = m->dimmer[best].scale[i];
         }
     }
@@ -347,7 +366,7 @@ static void sort_lamps( Making* m )
     for ( int k = 0; k < m->lamp_count; ++k )
     {
         Lamp* lamp = m->lamp + k;
-        if ( lamp->part == RF_PART_OWN && lamp->scaled )
+        if ( rf_is_own_part( lamp->part ) && lamp->scaled )
             lamp->dimmer = find_dimmer( m, lamp );
     }
     number_dimmers( m );
@@ -362,7 +381,7 @@ static void sort_lamps( Making* m )
 // Sets the lights of a lamp to what they are in its part.
 static void settle_lamp( const Making* m, const Lamp* lamp )
 {
-    bool dimmed = lamp->part != 0 && lamp->part != RF_PART_OWN;
+    bool dimmed = lamp->part > base_parts( m ) && !rf_is_own_part( lamp->part );
     for ( int i = 0; i < m->count; ++i )
     {
         if ( lamp->kind == LAMP_MATERIAL )
@@ -390,14 +409,20 @@ static void note_parts( const Making* m )
 {
     RfLights* first = m->group->lights;
     uint32_t moving = m->still->triangle_count - m->changing->still_triangles;
+    if ( m->still->part != NULL )
+    {
+        memcpy( first->part, m->still->part, m->still->count * sizeof *first->part );
+        memcpy( first->material_part, m->still->material_part, m->loaded->material_count * sizeof *first->material_part );
+    }
     if ( m->count == 1 )
         return;
     first->any_own = moving > 0;
-    memset( first->part + m->changing->still_triangles, RF_PART_OWN, moving );
+    for ( uint32_t i = m->changing->still_triangles; i < m->still->triangle_count; ++i )
+        first->part[i] = (uint8_t)( RF_PART_OWN - first->part[i] );
     for ( int k = 0; k < m->lamp_count; ++k )
     {
         const Lamp* lamp = m->lamp + k;
-        first->any_own = first->any_own || lamp->part == RF_PART_OWN;
+        first->any_own = first->any_own || rf_is_own_part( lamp->part );
         if ( lamp->kind == LAMP_MATERIAL )
             first->material_part[m->changing->dim[lamp->index]] = (uint8_t)lamp->part;
         else
@@ -416,9 +441,9 @@ static void add_frame_parts( const Making* m )
 {
     const RfLights* first = m->group->lights;
     int frames = m->count;
-    bool alone = m->loaded->placement_count > m->loaded->still_placement_count;
+    bool alone = m->loaded->placement_count > m->loaded->still_placement_count || m->still->part != NULL;
     for ( int k = 0; k < m->lamp_count; ++k )
-        alone = alone || ( m->lamp[k].kind == LAMP_MATERIAL && m->lamp[k].part == RF_PART_OWN );
+        alone = alone || ( m->lamp[k].kind == LAMP_MATERIAL && rf_is_own_part( m->lamp[k].part ) );
     if ( frames > RF_FRAMES_MOST || !first->any_own || alone )
         return;
     for ( int i = 0; i < m->count; ++i )
@@ -481,14 +506,14 @@ static RfResult find_powers( const Making* m, RfError* error )
         return no_memory( error );
     double total = 0.0;
     uint32_t next = 0;
-    first->all_own = first->part != NULL;
+    first->all_own = m->count > 1;
     for ( uint32_t i = 0; i < first->count; ++i )
     {
         bool changes = next < m->changing->count && m->changing->light[next].number == i;
         powers[i] = changes ? most_power( m, i ) : rf_light_model( first, i )->selection_power( first, i );
         total += powers[i];
         next += changes;
-        first->all_own = first->all_own && ( powers[i] == 0.0 || first->part[i] == RF_PART_OWN );
+        first->all_own = first->all_own && ( powers[i] == 0.0 || rf_is_own_part( first->part[i] ) );
     }
     for ( uint32_t i = 0; i < first->count; ++i )
         first->power_fraction[i] = total > 0.0 ? (float)( powers[i] / total ) : 0.0f;
@@ -619,7 +644,7 @@ static bool alloc_group( Making* m )
            m->values != NULL && m->scales != NULL && ( moving + m->changing->dim_count == 0 || group->light != NULL );
 }
 
-// Arrays that the frames share. A frame alone has no parts: all holds.
+// Arrays that the frames share. A frame alone has no parts but those of light groups: all holds.
 static bool alloc_shared( const Making* m )
 {
     RfGroupLights* group = m->group;
@@ -627,7 +652,8 @@ static bool alloc_shared( const Making* m )
     size_t lights = (size_t)first->count + 1, materials = (size_t)m->loaded->material_count + 1;
     first->alias = first->alias_threshold = NULL;
     group->power_fraction = malloc( lights * sizeof *group->power_fraction );
-    if ( m->count > 1 )
+    bool parts = m->count > 1 || m->still->part != NULL;
+    if ( parts )
     {
         group->part = calloc( lights, sizeof *group->part );
         group->material_part = calloc( materials, sizeof *group->material_part );
@@ -635,7 +661,7 @@ static bool alloc_shared( const Making* m )
     first->power_fraction = group->power_fraction;
     first->part = group->part;
     first->material_part = group->material_part;
-    return group->power_fraction != NULL && ( m->count == 1 || ( group->part != NULL && group->material_part != NULL ) );
+    return group->power_fraction != NULL && ( !parts || ( group->part != NULL && group->material_part != NULL ) );
 }
 
 static void list_lamps( Making* m )

@@ -2,6 +2,7 @@
 #include "light/kinds.h"
 
 #include "base/random.h"
+#include "light/extent.h"
 #include "light/punctual.h"
 
 #include <math.h>
@@ -151,13 +152,59 @@ static void triangle_find_pdf( const RfLights* lights, RfEmission* e )
     e->pdf_solid_angle = rf_maxf( cosine, 0.0f ) * RF_INV_PI;
 }
 
+// Balls and intensity profiles, of point and spot lights.
+
+// Times the intensity, it is that of the point of a ball which has been drawn, for any ball a part of its mean. 1 of a point.
+static float facing( const RfPunctual* lamp, RfEmission* e )
+{
+    if ( lamp->radius > 0.0f )
+        return 4.0f * rf_maxf( rf_dot( e->normal, e->direction ), 0.0f );
+    e->normal = e->direction;
+    return 1.0f;
+}
+
+static double mean_of( const RfPunctual* lamp ) { return lamp->profile == NULL ? 1.0 : lamp->profile->mean; }
+
+static double most_of( const RfPunctual* lamp ) { return lamp->profile == NULL ? 1.0 : (double)lamp->profile->most; }
+
+static float profile_pdf( const RfPunctual* lamp, RfVec3 direction )
+{
+    return rf_profile_pdf_solid_angle( lamp->profile, rf_into_lamp( lamp, direction ) );
+}
+
+static bool emit_by_profile( const RfPunctual* lamp, RfEmission* e )
+{
+    float part = rf_lamp_falloff( lamp, e->direction ) * facing( lamp, e );
+    e->radiance = rf_scale( lamp->intensity, part );
+    e->pdf_solid_angle = profile_pdf( lamp, e->direction );
+    return e->pdf_solid_angle > 0.0f && part > 0.0f && set_throughput( e, 1.0 );
+}
+
+static bool steer_by_profile( const RfPunctual* lamp, const float u[2], RfEmission* e )
+{
+    e->direction = rf_normalize( rf_out_of_lamp( lamp, rf_sample_profile( lamp->profile, u ) ) );
+    return emit_by_profile( lamp, e );
+}
+
+// Its cone: as bright as the most up to the angle where it is half of that.
+static void bound_profile( const RfPunctual* lamp, RfTreeLight* out )
+{
+    const RfProfile* profile = lamp->profile;
+    double reach = acos( profile->cos_reach ), spread = fmax( acos( profile->cos_half ), reach - 0.5 * PI );
+    set_axis( out, profile->up ? rf_scale( lamp->direction, -1.0f ) : lamp->direction );
+    out->cos_spread = cos( spread );
+    out->cos_emission = cos( reach - spread );
+    out->intensity *= (double)profile->most;
+}
+
 // Point lights.
 
 static double luminance_of( const RfPunctual* lamp ) { return (double)rf_luminance( lamp->intensity ); }
 
 static double point_selection_power( const RfLights* lights, uint32_t light )
 {
-    return 4.0 * luminance_of( rf_punctual_light( lights, light ) );
+    const RfPunctual* lamp = rf_punctual_light( lights, light );
+    return 4.0 * luminance_of( lamp ) * mean_of( lamp );
 }
 
 static RfTreeLight point_bound( const RfLights* lights, uint32_t light )
@@ -165,42 +212,63 @@ static RfTreeLight point_bound( const RfLights* lights, uint32_t light )
     const RfPunctual* lamp = rf_punctual_light( lights, light );
     RfTreeLight out = empty( light );
     out.intensity = luminance_of( lamp ) * per_ball( lights );
+    RfVec3 r = rf_vec3( lamp->radius, lamp->radius, lamp->radius );
     extend_box( &out, lights, lamp->position );
+    if ( lamp->radius > 0.0f )
+    {
+        extend_box( &out, lights, rf_sub( lamp->position, r ) );
+        extend_box( &out, lights, rf_add( lamp->position, r ) );
+    }
+    if ( lamp->profile != NULL )
+        bound_profile( lamp, &out );
     return out;
 }
 
 static double point_power( const RfLights* lights, uint32_t light )
 {
-    return 4.0 * PI * luminance_of( rf_punctual_light( lights, light ) );
+    const RfPunctual* lamp = rf_punctual_light( lights, light );
+    return 4.0 * PI * luminance_of( lamp ) * mean_of( lamp );
 }
 
 static bool point_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
 {
-    (void)scene, (void)side, (void)u;
+    (void)scene, (void)side;
     const RfPunctual* lamp = rf_punctual_light( lights, e->light );
     e->delta_position = true;
     e->position = lamp->position;
     e->pdf_area = 1.0f;
     e->range = lamp->range;
+    if ( lamp->radius > 0.0f )
+    {
+        e->normal = around( rf_vec3( 0, 0, 1 ), 1.0 - 2.0 * (double)u[0], u[1] );
+        e->position = rf_madd( lamp->position, e->normal, lamp->radius );
+        e->soft = lamp->soft ? lamp : NULL;
+    }
     return shines( lamp->intensity );
 }
 
 static void point_find_pdf( const RfLights* lights, RfEmission* e )
 {
-    (void)lights;
-    e->pdf_solid_angle = 0.25f * RF_INV_PI;
+    const RfPunctual* lamp = rf_punctual_light( lights, e->light );
+    e->pdf_solid_angle = lamp->profile == NULL ? 0.25f * RF_INV_PI : profile_pdf( lamp, e->direction );
 }
 
 static bool point_emit( const RfLights* lights, RfEmission* e )
 {
-    e->normal = e->direction;
-    e->radiance = rf_punctual_light( lights, e->light )->intensity;
+    const RfPunctual* lamp = rf_punctual_light( lights, e->light );
+    if ( lamp->profile != NULL )
+        return emit_by_profile( lamp, e );
+    float part = facing( lamp, e );
+    e->radiance = rf_scale( lamp->intensity, part );
     e->pdf_solid_angle = 0.25f * RF_INV_PI;
-    return set_throughput( e, 1.0 );
+    return part > 0.0f && set_throughput( e, 1.0 );
 }
 
 static bool point_steer( const RfLights* lights, const float u[2], RfEmission* e )
 {
+    const RfPunctual* lamp = rf_punctual_light( lights, e->light );
+    if ( lamp->profile != NULL )
+        return steer_by_profile( lamp, u, e );
     e->direction = around( rf_vec3( 0, 0, 1 ), 1.0 - 2.0 * (double)u[0], u[1] );
     return point_emit( lights, e );
 }
@@ -218,13 +286,13 @@ static double spot_integral( const RfPunctual* spot )
 static double spot_selection_power( const RfLights* lights, uint32_t light )
 {
     const RfPunctual* spot = rf_punctual_light( lights, light );
-    return 2.0 * ( 1.0 - 0.5 * (double)( spot->cos_inner + spot->cos_outer ) ) * luminance_of( spot );
+    return 2.0 * ( 1.0 - 0.5 * (double)( spot->cos_inner + spot->cos_outer ) ) * luminance_of( spot ) * most_of( spot );
 }
 
 static RfTreeLight spot_bound( const RfLights* lights, uint32_t light )
 {
     const RfPunctual* spot = rf_punctual_light( lights, light );
-    RfTreeLight out = point_bound( lights, light );
+    RfTreeLight out = point_bound( lights, light ); // with the most of a profile
     set_axis( &out, spot->direction );
     out.cos_spread = (double)spot->cos_inner;
     out.cos_emission = cos( acos( (double)spot->cos_outer ) - acos( (double)spot->cos_inner ) );
@@ -234,7 +302,7 @@ static RfTreeLight spot_bound( const RfLights* lights, uint32_t light )
 static double spot_power( const RfLights* lights, uint32_t light )
 {
     const RfPunctual* spot = rf_punctual_light( lights, light );
-    return 2.0 * PI * spot_integral( spot ) * luminance_of( spot );
+    return fmin( 2.0 * PI * spot_integral( spot ) * most_of( spot ), 4.0 * PI * mean_of( spot ) ) * luminance_of( spot );
 }
 
 static bool spot_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
@@ -245,17 +313,20 @@ static bool spot_sample_emitter( const RfLights* lights, const RfScene* scene, f
 static bool spot_emit( const RfLights* lights, RfEmission* e )
 {
     const RfPunctual* spot = rf_punctual_light( lights, e->light );
-    e->normal = e->direction;
-    float falloff = rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) );
-    e->radiance = rf_scale( spot->intensity, falloff );
+    if ( spot->profile != NULL )
+        return emit_by_profile( spot, e );
+    float falloff = rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) ), part = falloff * facing( spot, e );
+    e->radiance = rf_scale( spot->intensity, part );
     e->pdf_solid_angle = (float)( (double)falloff / ( 2.0 * PI * spot_integral( spot ) ) );
-    return falloff > 0.0f && set_throughput( e, 1.0 );
+    return part > 0.0f && set_throughput( e, 1.0 );
 }
 
 // In proportion to the falloff, whose integral is a cubic and then a line.
 static bool spot_steer( const RfLights* lights, const float u[2], RfEmission* e )
 {
     const RfPunctual* spot = rf_punctual_light( lights, e->light );
+    if ( spot->profile != NULL )
+        return steer_by_profile( spot, u, e );
     double blend = (double)rf_spot_blend( spot ), at = (double)u[0] * spot_integral( spot ), flat = at - blend / 3.0;
     double cosine = (double)spot->cos_outer + ( flat < 0.0 ? blend * cbrt( 3.0 * at / blend ) : blend + flat );
     e->direction = around( spot->direction, fmin( cosine, 1.0 ), u[1] );
@@ -265,8 +336,77 @@ static bool spot_steer( const RfLights* lights, const float u[2], RfEmission* e 
 static void spot_find_pdf( const RfLights* lights, RfEmission* e )
 {
     const RfPunctual* spot = rf_punctual_light( lights, e->light );
-    e->pdf_solid_angle = (float)( (double)rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) ) /
-                                  ( 2.0 * PI * spot_integral( spot ) ) );
+    if ( spot->profile != NULL )
+        e->pdf_solid_angle = profile_pdf( spot, e->direction );
+    else
+        e->pdf_solid_angle = (float)( (double)rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) ) /
+                                      ( 2.0 * PI * spot_integral( spot ) ) );
+}
+
+// Planes: rectangles and ellipses. Each of their points is a light of its own.
+
+static double plane_selection_power( const RfLights* lights, uint32_t light )
+{
+    return luminance_of( rf_punctual_light( lights, light ) );
+}
+
+static RfTreeLight plane_bound( const RfLights* lights, uint32_t light )
+{
+    const RfPunctual* plane = rf_punctual_light( lights, light );
+    RfTreeLight out = empty( light );
+    RfVec3 x = rf_scale( plane->across, plane->half[0] ), y = rf_scale( rf_plane_up( plane ), plane->half[1] );
+    for ( int k = 0; k < 4; ++k )
+    {
+        RfVec3 side = rf_madd( plane->position, x, k & 1 ? 1.0f : -1.0f );
+        extend_box( &out, lights, rf_madd( side, y, k & 2 ? 1.0f : -1.0f ) );
+    }
+    set_axis( &out, plane->direction );
+    out.cos_spread = 1.0;
+    if ( plane->tan_spread > 0.0f )
+        out.cos_emission = 1.0 / sqrt( 1.0 + (double)plane->tan_spread * (double)plane->tan_spread );
+    out.intensity = luminance_of( plane ) * (double)rf_spread_falloff( plane, 1.0f ) * per_ball( lights );
+    return out;
+}
+
+static double plane_power( const RfLights* lights, uint32_t light )
+{
+    return PI * luminance_of( rf_punctual_light( lights, light ) );
+}
+
+static bool plane_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
+{
+    (void)scene, (void)side;
+    const RfPunctual* plane = rf_punctual_light( lights, e->light );
+    float root = sqrtf( u[0] ), phi = 2.0f * RF_PI * u[1];
+    float x = plane->ellipse ? root * cosf( phi ) : 2.0f * u[0] - 1.0f,
+          y = plane->ellipse ? root * sinf( phi ) : 2.0f * u[1] - 1.0f;
+    e->delta_position = true;
+    e->position =
+        rf_madd( rf_madd( plane->position, plane->across, x * plane->half[0] ), rf_plane_up( plane ), y * plane->half[1] );
+    e->pdf_area = 1.0f;
+    e->range = plane->range;
+    return shines( plane->intensity );
+}
+
+static bool plane_emit( const RfLights* lights, RfEmission* e )
+{
+    const RfPunctual* plane = rf_punctual_light( lights, e->light );
+    float cosine = rf_dot( plane->direction, e->direction ), part = cosine * rf_spread_falloff( plane, cosine );
+    e->normal = e->direction;
+    e->radiance = rf_scale( plane->intensity, part );
+    e->pdf_solid_angle = cosine * RF_INV_PI;
+    return part > 0.0f && set_throughput( e, 1.0 );
+}
+
+static bool plane_steer( const RfLights* lights, const float u[2], RfEmission* e )
+{
+    e->direction = around( rf_punctual_light( lights, e->light )->direction, sqrt( 1.0 - (double)u[0] ), u[1] );
+    return plane_emit( lights, e );
+}
+
+static void plane_find_pdf( const RfLights* lights, RfEmission* e )
+{
+    e->pdf_solid_angle = rf_maxf( rf_dot( rf_punctual_light( lights, e->light )->direction, e->direction ), 0.0f ) * RF_INV_PI;
 }
 
 // Directional lights. Like those of the sky, their rays start on the disc that covers the scene's bounding ball.
@@ -303,6 +443,16 @@ static RfTreeLight directional_bound( const RfLights* lights, uint32_t light )
     set_axis( &out, sun->direction );
     for ( int i = 0; i < 3; ++i )
         out.low[i] = out.high[i] = -DISTANT * out.axis[i];
+    if ( sun->versine > 0.0f )
+    {
+        double cosine = 1.0 - (double)sun->versine, sine = sqrt( fmax( 1.0 - cosine * cosine, 0.0 ) );
+        for ( int i = 0; i < 3; ++i )
+        {
+            double reach = DISTANT * sine / fmax( cosine, 1e-3 ) * sqrt( fmax( 1.0 - out.axis[i] * out.axis[i], 0.0 ) );
+            out.low[i] -= reach;
+            out.high[i] += reach;
+        }
+    }
     out.intensity = luminance_of( sun ) * DISTANT * DISTANT;
     return out;
 }
@@ -315,13 +465,19 @@ static double directional_power( const RfLights* lights, uint32_t light )
 static bool directional_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2],
                                         RfEmission* e )
 {
-    (void)scene, (void)side, (void)u;
+    (void)scene, (void)side;
     const RfPunctual* sun = rf_punctual_light( lights, e->light );
     e->infinite = true;
     e->delta_direction = true;
     e->pdf_solid_angle = 1.0f;
     e->direction = e->normal = sun->direction;
     e->radiance = sun->intensity;
+    if ( sun->versine > 0.0f )
+    {
+        RfExtentSample s = rf_sample_sun( sun, u );
+        e->direction = e->normal = rf_scale( s.wi, -1.0f );
+        e->radiance = rf_scale( sun->intensity, s.weight );
+    }
     return shines( e->radiance );
 }
 

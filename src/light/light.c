@@ -248,6 +248,41 @@ RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* err
     return result;
 }
 
+RfResult rf_split_lights( const RfScene* scene, const RfLightGroups* groups, RfLights* lights, RfError* error )
+{
+    lights->part = calloc( (size_t)lights->count + 1, sizeof *lights->part );
+    lights->material_part = calloc( (size_t)scene->material_count + 1, sizeof *lights->material_part );
+    if ( lights->part == NULL || lights->material_part == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the groups of %u lights", lights->count );
+    lights->group_count = groups->count;
+    lights->dimmed_count = groups->count - 1;
+    for ( int part = 0; part < groups->count; ++part )
+    {
+        lights->base_part[part] = (uint8_t)part;
+        lights->part_scale[part] = rf_vec3( 1, 1, 1 );
+    }
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+        lights->material_part[i] = (uint8_t)rf_part_of_group( groups->material[i], groups->count );
+    for ( uint32_t i = 0; i < lights->count; ++i )
+    {
+        uint32_t punctual = i - lights->triangle_count;
+        if ( i < lights->triangle_count )
+            lights->part[i] = lights->material_part[rf_material_of( scene, lights->light[i].triangle )];
+        else if ( punctual < (uint32_t)lights->punctual_count )
+            lights->part[i] = (uint8_t)rf_part_of_group( groups->punctual[punctual], groups->count );
+        else
+            lights->part[i] = (uint8_t)rf_part_of_group( groups->sky, groups->count );
+    }
+    return RF_OK;
+}
+
+void rf_join_lights( RfLights* lights )
+{
+    free( lights->part );
+    free( lights->material_part );
+    lights->part = lights->material_part = NULL;
+}
+
 void rf_destroy_lights( RfLights* lights )
 {
     rf_destroy_sky( &lights->sky );
@@ -300,11 +335,18 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .fps = scene->fps,
                              .width = scene->film_width,
                              .height = scene->film_height,
+                             .alpha = scene->film_alpha,
                              .moving = (const char* const*)scene->moving,
                              .moving_count = scene->moving_count,
                              .frozen = scene->frozen,
                              .unrendered = scene->unrendered,
                              .unrendered_count = scene->unrendered_count,
+                             .variant_count = scene->variant_count,
+                             .variants = (const char* const*)scene->variants,
+                             .light_group_count = scene->light_group_count,
+                             .light_groups = (const char* const*)scene->light_groups,
+                             .export_losses = (const char* const*)scene->export_losses,
+                             .export_loss_count = scene->export_loss_count,
                              .export_warnings = (const char* const*)scene->export_warnings,
                              .export_warning_count = scene->export_warning_count };
     for ( uint32_t i = 0; i < lights.triangle_count; ++i )

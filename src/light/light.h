@@ -9,6 +9,7 @@
 #include "light/sky.h"
 #include "light/tree.h"
 #include "reframe/render.h"
+#include "scene/light_groups.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
 
@@ -19,7 +20,7 @@
 // path/direct.c and light_paths/light_paths.c. A punctual one is a value of RfPunctualKind (scene/scene.h) too, and read by
 // scene/gltf/gltf_light.c.
 //
-// A light needs light paths if little else finds its caustics: no ray hits what has no size, and of the sky light paths carry
+// A light needs light paths if little else finds its caustics: no ray hits a punctual one, and of the sky light paths carry
 // small bright spots alone, such as the sun.
 // clang-format off
 #define RF_LIGHT_KINDS( X ) \
@@ -27,6 +28,7 @@
     X( POINT, point, true ) \
     X( SPOT, spot, true ) \
     X( DIRECTIONAL, directional, true ) \
+    X( PLANE, plane, true ) \
     X( SKY, sky, true )
 // clang-format on
 
@@ -44,17 +46,19 @@ enum
 };
 #undef RF_ONE_MORE
 
-// Lights of a group of frames, by part. What holds in all its frames is part 0. That of a lamp that is dimmed has a part of its
-// own, as far as there are parts, and a scale in each frame: what it sends is computed as it is at scale 1. All else is light of
-// one frame alone, as it is in that.
+// Lights of a group of frames, by part. What holds in all its frames is part 0, or with light groups (scene/light_groups.h) one
+// *base part* for each of them: part 0 is the last group's, parts 1, 2 … those of the others. Then come lamps that are dimmed: each
+// has a part of its own, as far as there are parts, and a scale in each frame: what it sends is computed as it is at scale 1.
+// All else is light of one frame alone, as it is in that, and of the base part RF_PART_OWN − part.
 //
 // Where nothing moves but punctual lights and the sky, what paths find of light of one frame is the same in all frames but for the
 // light itself: they look it up as it is in each of them, and that of each frame is a part, too, with the scale 1 there and 0 in
-// the others.
+// the others. With light groups there are no such parts.
 #define RF_DIMMED_MOST 4
 #define RF_FRAMES_MOST 9 // of a group whose frames have such parts
-#define RF_PARTS_MOST ( RF_DIMMED_MOST + RF_FRAMES_MOST )
+#define RF_PARTS_MOST ( RF_LIGHT_GROUPS_MOST - 1 + RF_DIMMED_MOST )
 #define RF_PART_OWN 255
+_Static_assert( RF_PARTS_MOST >= RF_DIMMED_MOST + RF_FRAMES_MOST, "parts by frame" );
 
 // Up to so many lights are selected by power: a lamp of two triangles needs no tree.
 #define RF_FEW_LIGHTS 2
@@ -97,21 +101,41 @@ typedef struct RfLights
     float tree_scale, second_scale;       // where there are two: times their importances, in a unit common with the sky's
     uint8_t* part;                        // of each light; NULL: all hold
     uint8_t* material_part;               // of the triangles that have each material of the scene; set where `part` is
-    bool any_own;                         // some part is RF_PART_OWN
-    bool all_own;                         // all are, but for lights without power
+    bool any_own;                         // some light is of one frame alone
+    bool all_own;                         // all is, but for lights without power
+    int group_count;                      // of light groups: base parts are those below it; 0 or 1: part 0 alone
     int dimmed_count;                     // parts from 1 on
     int frame_count;                      // those behind them, by frame of the group; 0: light of one frame has none
-    RfVec3 part_scale[RF_PARTS_MOST + 1]; // of each part, in the frame at hand; [0] is 1
+    uint8_t base_part[RF_PARTS_MOST + 1]; // of the light group that each part belongs to
+    RfVec3 part_scale[RF_PARTS_MOST + 1]; // of each part, in the frame at hand; those of base parts are 1
 } RfLights;
 
 // Fails with RF_ERROR_MEMORY only. A scene without emission gives count 0.
 RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error );
 void rf_destroy_lights( RfLights* lights );
 
+// Splits lights that hold by light groups, which `groups` may have none of: sets their base parts. Fails with RF_ERROR_MEMORY.
+RfResult rf_split_lights( const RfScene* scene, const RfLightGroups* groups, RfLights* lights, RfError* error );
+// Frees what it has allocated.
+void rf_join_lights( RfLights* lights );
+
+// The base part of a light group, and the other way round.
+static inline int rf_part_of_group( int group, int count ) { return ( group + 1 ) % count; }
+static inline int rf_group_of_part( int base, int count ) { return ( base + count - 1 ) % count; }
+
+// Whether a part is light of one frame alone.
+static inline bool rf_is_own_part( int part ) { return part > RF_PART_OWN - RF_LIGHT_GROUPS_MOST; }
+
+// The base part of its light group.
+static inline int rf_base_part( const RfLights* lights, int part )
+{
+    return rf_is_own_part( part ) ? RF_PART_OWN - part : lights->base_part[part];
+}
+
 static inline int rf_light_part( const RfLights* lights, uint32_t light )
 {
     int part = lights->part != NULL ? lights->part[light] : 0;
-    return RF_FAULT( own_lights ) && part == RF_PART_OWN ? 0 : part;
+    return RF_FAULT( own_lights ) && rf_is_own_part( part ) ? RF_PART_OWN - part : part;
 }
 
 static inline int rf_material_part( const RfLights* lights, int32_t material )
@@ -122,7 +146,7 @@ static inline int rf_material_part( const RfLights* lights, int32_t material )
 // What the light of a part is multiplied by in the frame at hand.
 static inline RfVec3 rf_part_scale( const RfLights* lights, int part )
 {
-    return part == 0 || part == RF_PART_OWN ? rf_vec3( 1, 1, 1 ) : lights->part_scale[part];
+    return part == 0 || rf_is_own_part( part ) ? rf_vec3( 1, 1, 1 ) : lights->part_scale[part];
 }
 
 static inline bool rf_has_sky( const RfLights* lights )
@@ -146,7 +170,7 @@ static inline bool rf_needs_light_paths( RfLightKind kind )
 
 static inline RfLightKind rf_light_kind( const RfLights* lights, uint32_t light )
 {
-    _Static_assert( RF_LIGHT_KIND_COUNT == 5, "numbers of lights: what is neither a triangle nor punctual counts as the sky" );
+    _Static_assert( RF_LIGHT_KIND_COUNT == 6, "numbers of lights: what is neither a triangle nor punctual counts as the sky" );
     if ( light < lights->triangle_count )
         return RF_LIGHT_TRIANGLE;
     if ( rf_calls_for( light - lights->triangle_count < (uint32_t)lights->punctual_count, RF_EFFECT_PUNCTUAL_LIGHTS ) )
@@ -156,6 +180,7 @@ static inline RfLightKind rf_light_kind( const RfLights* lights, uint32_t light 
             case RF_PUNCTUAL_POINT: return RF_LIGHT_POINT;
             case RF_PUNCTUAL_SPOT: return RF_LIGHT_SPOT;
             case RF_PUNCTUAL_DIRECTIONAL: return RF_LIGHT_DIRECTIONAL;
+            case RF_PUNCTUAL_PLANE: return RF_LIGHT_PLANE;
         }
     }
     return RF_LIGHT_SKY;

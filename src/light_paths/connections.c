@@ -186,10 +186,10 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
         rf_material_at( scene, m, vpl->triangle, vpl->u, vpl->v, &here );
     RfVec3 wi = rf_scale( path->end.d, -1.0f ), f;
     RfBsdfLanes lanes = { .n = { &vpl->n.x, &vpl->n.y, &vpl->n.z } };
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+    for ( uint32_t left = rf_bsdf_model( m->kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
     {
-        bool has = rf_has_param( rf_bsdf_model( m->kind )->params & ~RF_PARAMS_OF_HIT, (RfBsdfParam)p );
-        lanes.param[p] = has ? rf_material_param( &here, (RfBsdfParam)p ) : NULL;
+        RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
+        lanes.param[p] = rf_material_param( &here, p );
     }
     const float *wo_in[3] = { &d.x, &d.y, &d.z }, *wi_in[3] = { &wi.x, &wi.y, &wi.z };
     float* out[3] = { &f.x, &f.y, &f.z };
@@ -427,7 +427,7 @@ static RfVec3 light_of( const RfConnectionWork* w, const RfConnection* connectio
     float cos_light = e->infinite || e->delta_position ? 1.0f : rf_dot( e->normal, e->direction );
     float fixed_pdf = e->pdf_light * ( e->infinite ? e->pdf_solid_angle : e->pdf_area );
     float last = rf_length( rf_sub( chain->vertex[chain->length - 1].p, y ) );
-    float falloff = rf_emission_falloff( e, chain->way + last );
+    float falloff = rf_emission_falloff( e, chain->vertex[0].p, chain->way + last );
     float scale = cos_x * cos_light * falloff * connection->scale * connection->path->weight / ( spread * fixed_pdf );
     RfVec3 absorbed = rf_vec3( expf( -chain->end_absorption.x * last ), expf( -chain->end_absorption.y * last ),
                                expf( -chain->end_absorption.z * last ) );

@@ -160,8 +160,8 @@ static void set_vpl( const RfTracer* tracer, const RfLightPaths* paths, const Rf
     bool reached = rf_newton_step( &path->end, path->at.p, vpl->ng, step, &miss, &spread );
     vpl->area = rf_reach_area( &path->reach ) * spread / paths->connections;
     vpl->share = rf_connection_weight( paths, path->chance, -rf_dot( vpl->n, path->end.d ), 2 );
-    vpl->falloff =
-        rf_emission_falloff( &path->start, chain->way + rf_length( rf_sub( path->at.p, chain->vertex[chain->length - 1].p ) ) );
+    float last = rf_length( rf_sub( path->at.p, chain->vertex[chain->length - 1].p ) );
+    vpl->falloff = rf_emission_falloff( &path->start, chain->vertex[0].p, chain->way + last );
     vpl->scatters = reached && rf_may_scatter( chain ) && vpl->falloff > 0.0f && path->length > 0 &&
                     rf_is_matte( m->kind, shape ) && rf_dot( vpl->n, wi ) > 0.0f;
 }
@@ -334,7 +334,8 @@ static bool is_connected( const RfTracer* tracer, const RfLightPaths* paths, uin
         case RF_LIGHT_TRIANGLE: return paths->connected[rf_material_of( scene, lights->light[light].triangle )];
         case RF_LIGHT_POINT:
         case RF_LIGHT_SPOT:
-        case RF_LIGHT_DIRECTIONAL: return true;
+        case RF_LIGHT_DIRECTIONAL:
+        case RF_LIGHT_PLANE: return true;
         case RF_LIGHT_SKY: return paths->connected[scene->material_count];
     }
     return true;
@@ -346,7 +347,7 @@ static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
     const RfScene* scene = rf_tracer_scene( group->tracer );
     rf_divide_emitters( scene, paths->connected );
     for ( uint32_t m = 0; m <= scene->material_count && group->settings->light_paths == RF_LIGHT_PATHS_ON; ++m )
-        paths->connected[m] = group->traits.chain_triangles > 0; // plates serve lamps without size alone
+        paths->connected[m] = group->traits.chain_triangles > 0; // plates serve punctual lights alone
     double sum = 0.0;
     uint32_t count = 0;
     for ( uint32_t i = 0; i < lights->count; ++i )

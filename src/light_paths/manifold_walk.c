@@ -12,7 +12,8 @@
 
 static RfPaneLanes lanes_of( RfPassedPanes* panes )
 {
-    return ( RfPaneLanes ){ panes->probability, { panes->weight[0], panes->weight[1], panes->weight[2] } };
+    return ( RfPaneLanes ){ .probability = panes->probability,
+                            .weight = { panes->weight[0], panes->weight[1], panes->weight[2] } };
 }
 
 void rf_trace_light( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], uint32_t* triangle,

@@ -272,7 +272,8 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
     asked.clamp = 0.0;
-    asked.aovs &= ~RF_AOV_BIT( RF_AOV_REMOVED );
+    asked.aovs &= ~( RF_AOV_BIT( RF_AOV_REMOVED ) | RF_PASS_AOVS );
+    asked.light_groups = NULL;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
     RfResult result = rf_resolve_settings( &job->shot, &asked, reuse, error );
     if ( result != RF_OK )
@@ -382,6 +383,7 @@ static void find_clamp( CostStudy* s )
     settings.flicker = settings.time = 0.0;
     settings.adaptive = RF_ADAPTIVE_OFF;
     settings.aovs = 0;
+    settings.light_groups = NULL;
     settings.queue = 0;
     int frame = region->frames / 2;
     RfShot shot = { s->job->shot.tracer, region->eyes, region->frames, &frame, 1 };

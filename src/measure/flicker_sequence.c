@@ -84,16 +84,17 @@ static RfResult name_motion( const char* path, const RfExrHeader* header, const 
 
 static RfResult find_motion( const char* path, const RfExrHeader* header, RfFlickerLayers* layers, RfError* error )
 {
-    static const char* const x[] = { "motion.X", "Vector.X", NULL };
+    static const char* const x[] = { "motion.X", "Vector.X", "backward.u", NULL };
     RfResult result = find_one( path, header, x, RF_REMEDY_MOTION, layers->motion, error );
     if ( result != RF_OK || layers->motion[0] == NULL )
         return result;
-    // Y of the same layer
+    // Y, Nuke's v, of the same layer
     size_t length = strlen( layers->motion[0] );
+    char second = layers->motion[0][length - 1] == 'u' ? 'v' : 'Y';
     for ( int c = 0; c < header->channel_count; ++c )
     {
         const char* name = header->channels[c].text;
-        if ( strlen( name ) == length && memcmp( name, layers->motion[0], length - 1 ) == 0 && name[length - 1] == 'Y' )
+        if ( strlen( name ) == length && memcmp( name, layers->motion[0], length - 1 ) == 0 && name[length - 1] == second )
             layers->motion[1] = name;
     }
     if ( layers->motion[1] == NULL )

@@ -396,6 +396,7 @@ static RfResult render_pilot( RfTestRegion* region, const RfRenderSettings* sett
     s.weights = RF_WEIGHTS_EXACT;
     s.normalize = RF_NORMALIZE_CROSSFIT;
     s.aovs = 0;
+    s.light_groups = NULL;
     s.clamp = 0.0;
     s.queue = 0;
     s.adaptive = RF_ADAPTIVE_OFF;
@@ -525,7 +526,7 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
     int count = clamp( groups, 1, region->frames / eyes ), first = ( region->frames - count * eyes ) / 2;
     RfRenderSettings s = *settings;
     s.spp = passes; // of a single group
-    s.aovs = s.clamp != 0.0 ? RF_AOV_BIT( RF_AOV_REMOVED ) : 0;
+    s.aovs = ( s.aovs & RF_PASS_AOVS ) | ( s.clamp != 0.0 ? RF_AOV_BIT( RF_AOV_REMOVED ) : 0u );
     s.queue = 0;
     TrialPair pair = {
         .eyes = eyes, .whole = region->whole && eyes == region->frames, .pieces = &region->pieces, .weight = region->weight

@@ -169,7 +169,7 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         RfRenderSettings settings = rf_tune_settings( tune->rows + i, common );
         RfMemoryFit fit;
         settings.threads = 1;
-        settings.aovs = 0;
+        settings.aovs &= RF_PASS_AOVS;
         RfShot group = { job->shot.tracer, job->shot.eyes, tune->rows[i].eyes, NULL, tune->rows[i].eyes };
         RfResult result = rf_fit_memory( &group, &settings, &fit, NULL );
         size_t bytes = fit.bytes_films + fit.bytes_hits + fit.bytes_lists;

@@ -4,6 +4,10 @@
 #include "base/file.h"
 #include "film/aov.h"
 #include "image/atomic_file.h"
+#include "output/matte_strings.h"
+#include "output/names.h"
+#include "output/passes.h"
+#include "output/time_code.h"
 #include "reframe/output.h"
 #include "reframe/render.h"
 #include "render/groups.h"
@@ -27,19 +31,9 @@ typedef struct Attributes
 {
     const char* values[RF_KEY_COUNT]; // NULL: not there
     char texts[RF_KEY_COUNT][ATTRIBUTE_SIZE];
-    RfExrString strings[RF_KEY_COUNT]; // those that are there
+    RfExrString strings[RF_KEY_COUNT + RF_MATTE_STRINGS]; // those that are there
     int count;
 } Attributes;
-
-#define AOV_CHANNEL_NAME_SIZE 24 // "variance.R"
-
-// The channels of a frame's AOVs, whose values stay the frame's. `names` holds their names.
-typedef struct AovChannels
-{
-    RfExrChannel channels[RF_MAX_AOV_CHANNELS];
-    char names[RF_MAX_AOV_CHANNELS][AOV_CHANNEL_NAME_SIZE];
-    int count;
-} AovChannels;
 
 // The folder that the frames go to.
 
@@ -102,39 +96,6 @@ void rf_clean_output_folder( const char* pattern )
         rf_remove_leftovers( folder );
 }
 
-#define NAME_FITS( constant, name, letters, half, source, what )                                                                 \
-    _Static_assert( sizeof( name ) + 2 <= AOV_CHANNEL_NAME_SIZE, "the names of its channels fit" );
-RF_AOV_LIST( NAME_FITS )
-#undef NAME_FITS
-
-static const float s_zero = 0.0f;
-
-// Lists them; those for which 16 bits are enough are written so where `half`. Motion to the frame before
-// and to the frame after is 0 where `still`.
-static void list_aov_channels( const RfFrameResult* frame, bool half, const bool still[2], AovChannels* list )
-{
-    list->count = 0;
-    for ( int i = 0; i < RF_AOV_COUNT; ++i )
-    {
-        const char* letters = rf_aov_letters( (RfAov)i );
-        int channels = frame->aovs[i] != NULL ? rf_aov_channels( (RfAov)i ) : 0;
-        for ( int c = 0; c < channels; ++c )
-        {
-            char* name = list->names[list->count];
-            // motion is x and y to the frame before, then to the frame after
-            bool zero = i == RF_AOV_MOTION && still[c / 2];
-            const char* layer = i == RF_AOV_ALPHA ? "" : rf_aov_name( (RfAov)i );
-            snprintf( name, sizeof list->names[0], "%s%s%c", layer, layer[0] != '\0' ? "." : "", letters[c] );
-            list->channels[list->count++] = ( RfExrChannel ){
-                .name = name,
-                .values = zero ? &s_zero : frame->aovs[i] + c,
-                .stride = zero ? 0 : channels,
-                .half = half && rf_aov_is_half( (RfAov)i ),
-            };
-        }
-    }
-}
-
 // Which render a frame is of.
 
 static uint64_t hash_text( uint64_t hash, const char* text ) { return rf_hash_bytes( hash, text, strlen( text ) + 1 ); }
@@ -175,6 +136,12 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
         hash = hash_text( hash, settings );
     if ( s->aovs != 0 )
         hash = hash_text( hash, aovs );
+    char kinds[RF_CRYPTOMATTE_TEXT_SIZE];
+    rf_format_cryptomatte( s->cryptomatte, kinds );
+    if ( s->cryptomatte != 0 )
+        hash = hash_text( hash_text( hash, "cryptomatte" ), kinds );
+    if ( s->light_groups != NULL )
+        hash = hash_text( hash_text( hash, "light groups" ), s->light_groups );
     if ( s->estimator != rf_default_render_settings().estimator )
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
@@ -182,6 +149,13 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     if ( s->light_paths != RF_LIGHT_PATHS_OFF )
         hash = hash_text( hash_text( hash, rf_light_paths_name( s->light_paths ) ),
                           rf_kernel_normalization_name( s->kernel_normalization ) );
+    snprintf( settings, sizeof settings, "overscan %dx%d", path->overscan[0], path->overscan[1] );
+    if ( ( path->overscan[0] | path->overscan[1] ) != 0 )
+        hash = hash_text( hash, settings );
+    if ( s->files.names != RF_NAMES_REFRAME ) // one sequence, one naming and one time code
+        hash = hash_text( hash, rf_pass_names_words[s->files.names] );
+    if ( s->files.time_code != NULL )
+        hash = hash_text( hash, s->files.time_code );
     const RfScene* scene = rf_tracer_scene( output->tracer );
     snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
               (unsigned long long)scene->effects_left_out );
@@ -261,6 +235,11 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put( a, RF_KEY_TIME, "%.9g", s->time );
     if ( s->aovs != 0 )
         put( a, RF_KEY_AOV, "%s", aovs );
+    char kinds[RF_CRYPTOMATTE_TEXT_SIZE];
+    rf_format_cryptomatte( s->cryptomatte, kinds );
+    if ( s->cryptomatte != 0 )
+        put( a, RF_KEY_CRYPTOMATTE, "%s", kinds );
+    put_text( a, RF_KEY_LIGHT_GROUPS, s->light_groups );
     if ( s->estimator != rf_default_render_settings().estimator )
         put_text( a, RF_KEY_ESTIMATOR, rf_estimator_name( s->estimator ) );
     if ( s->light_paths != RF_LIGHT_PATHS_OFF )
@@ -269,6 +248,9 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put_text( a, RF_KEY_KERNEL_NORMALIZATION, rf_kernel_normalization_name( s->kernel_normalization ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         put_text( a, RF_KEY_RECONSTRUCTION, rf_reconstruction_name( s->reconstruction ) );
+    if ( s->files.names != RF_NAMES_REFRAME )
+        put_text( a, RF_KEY_NAMES, rf_pass_names_words[s->files.names] );
+    put_text( a, RF_KEY_TIMECODE, s->files.time_code );
 }
 
 // Of options: nothing where none was given.
@@ -295,6 +277,17 @@ static void put_shot( Attributes* a, const RfCameraPath* path, int frame )
         put( a, RF_KEY_SHOT, "%d-%d", rf_frame_number( path, first ), rf_frame_number( path, end - 1 ) );
 }
 
+// How the scene wants its pictures to be shown.
+static void put_view( Attributes* a, const RfViewText* view )
+{
+    if ( view->transform[0] == '\0' )
+        return;
+    put_text( a, RF_KEY_VIEW, view->transform );
+    put_text( a, RF_KEY_LOOK, view->look[0] != '\0' ? view->look : NULL );
+    put( a, RF_KEY_EXPOSURE, "%.9g", view->exposure );
+    put( a, RF_KEY_GAMMA, "%.9g", view->gamma );
+}
+
 static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
 {
     char fingerprint[RF_FINGERPRINT_SIZE];
@@ -305,6 +298,9 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put( a, RF_KEY_FRAME, "%d", rf_frame_number( output->path, frame->frame ) );
     put( a, RF_KEY_FRAMES, "%d", output->path->count );
     put_shot( a, output->path, frame->frame );
+    const int* overscan = output->path->overscan;
+    if ( ( overscan[0] | overscan[1] ) != 0 )
+        put( a, RF_KEY_OVERSCAN, "%dx%d", overscan[0], overscan[1] );
     if ( output->path->step > 1 )
         put( a, RF_KEY_STEP, "%d", output->path->step );
     if ( output->path->eyes[frame->frame].blur_steps > 0 )
@@ -336,6 +332,7 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put_text( a, RF_KEY_CALLS_FOR, output->calls_for );
     put( a, RF_KEY_NATIVE_SPP, "%.9g", frame->native_spp );
     put( a, RF_KEY_EFFECTIVE_SPP, "%.6g", frame->effective_spp );
+    put_view( a, &rf_tracer_scene( output->tracer )->view );
     put_text( a, RF_KEY_DEVICE, rf_tracer_device( output->tracer ) );
     put( a, RF_KEY_FINGERPRINT, "%s", fingerprint );
 }
@@ -375,7 +372,12 @@ static const char* absent_value( RfKey key )
         case RF_KEY_LIGHT_PATHS: return rf_light_paths_name( RF_LIGHT_PATHS_OFF );
         case RF_KEY_KERNEL_NORMALIZATION: return rf_kernel_normalization_name( RF_KERNEL_EXACT );
         case RF_KEY_AOV:
+        case RF_KEY_CRYPTOMATTE:
+        case RF_KEY_LIGHT_GROUPS:
+        case RF_KEY_OVERSCAN:
         case RF_KEY_NO_EFFECT: return "none";
+        case RF_KEY_NAMES: return rf_pass_names_words[RF_NAMES_REFRAME];
+        case RF_KEY_TIMECODE: return "none";
         case RF_KEY_EFFECTS: return "auto";
         case RF_KEY_FILTER: return rf_filter_name( RF_FILTER_BOX );
         case RF_KEY_FILTER_WIDTH: return "1";
@@ -415,7 +417,8 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
         RF_KEY_MAX_DEPTH, RF_KEY_LIGHT_SAMPLES, RF_KEY_ADAPTIVE,       RF_KEY_NOISE,       RF_KEY_TIME,
         RF_KEY_AOV,       RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
         RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
-        RF_KEY_CLAMP,     RF_KEY_BLUR_STEPS
+        RF_KEY_CLAMP,     RF_KEY_BLUR_STEPS,    RF_KEY_LIGHT_GROUPS,   RF_KEY_CRYPTOMATTE, RF_KEY_OVERSCAN,
+        RF_KEY_NAMES,     RF_KEY_TIMECODE
     };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
@@ -440,7 +443,7 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
 
 RfFrameFiles rf_default_frame_files( void )
 {
-    return ( RfFrameFiles ){ .written = true, .half = true, .compression = RF_EXR_ZIP };
+    return ( RfFrameFiles ){ .written = true, .half = true, .compression = RF_EXR_ZIP, .dwa_level = RF_EXR_DWA_LEVEL };
 }
 
 RfOutput rf_default_output( void ) { return ( RfOutput ){ .settings = rf_default_render_settings() }; }
@@ -452,6 +455,35 @@ static bool has_same_eye( const RfCameraPath* path, int frame, int other )
            path->run_of_frame[frame] == path->run_of_frame[other];
 }
 
+RfResult rf_check_time_code( const RfOutput* output, RfError* error )
+{
+    RfTimeCodeRate rate;
+    int64_t first;
+    const char* text = output->settings.files.time_code;
+    return text != NULL ? rf_parse_time_code( text, output->path->fps, &rate, &first, error ) : RF_OK;
+}
+
+#define MAX_ATTRIBUTES 2
+
+// The time code; and where the lens is focused, as OpenEXR has it: metres.
+static int list_standard_attributes( const RfOutput* output, int frame, RfExrAttribute list[MAX_ATTRIBUTES] )
+{
+    const RfCameraPath* path = output->path;
+    const RfEye* eye = path->eyes + frame;
+    RfTimeCodeRate rate = rf_time_code_rate( path->fps );
+    int64_t number = rf_frame_number( path, frame ), first = 0;
+    int count = 0;
+    if ( output->settings.files.time_code != NULL &&
+         rf_parse_time_code( output->settings.files.time_code, path->fps, &rate, &first, NULL ) == RF_OK )
+        number += first - rf_frame_number( path, 0 );
+    if ( rate.frames > 0 )
+        list[count++] =
+            ( RfExrAttribute ){ .name = "timeCode", .type = RF_EXR_TIMECODE, .timecode = { rf_pack_time_code( rate, number ) } };
+    if ( eye->lens_radius > 0.0f )
+        list[count++] = ( RfExrAttribute ){ .name = "focus", .type = RF_EXR_FLOAT, .values = { eye->focus } };
+    return count;
+}
+
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error )
 {
     char name[MAX_NAME];
@@ -459,28 +491,51 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
         return rf_fail( error, RF_ERROR_USAGE, "settings.files is not set: start from rf_default_frame_files" );
     RfResult result =
         rf_sequence_name( output->pattern, rf_frame_number( output->path, frame->frame ), name, sizeof name, error );
+    if ( result == RF_OK )
+        result = rf_check_time_code( output, error );
     if ( result != RF_OK )
         return result;
     Attributes attributes;
-    AovChannels aovs;
+    RfPassChannels passes;
     list_attributes( output, frame, &attributes );
     const bool still[2] = { has_same_eye( output->path, frame->frame, frame->frame - 1 ),
                             has_same_eye( output->path, frame->frame, frame->frame + 1 ) };
-    list_aov_channels( frame, output->settings.files.half, still, &aovs );
+    result = rf_list_pass_channels( frame, &output->settings.files, still, &passes, error );
+    if ( result != RF_OK )
+        return result;
+    RfMatteStrings mattes;
+    result = rf_make_matte_strings( output, &mattes, error );
+    if ( result != RF_OK )
+        return result;
+    for ( int i = 0; i < mattes.count; ++i )
+        attributes.strings[attributes.count++] = mattes.strings[i];
     RfExrOptions exr = rf_default_exr_options();
     exr.compression = output->settings.files.compression;
+    exr.dwa_level = output->settings.files.dwa_level;
     exr.half = output->settings.files.half;
     exr.fps_numerator = output->path->fps.numerator;
     exr.fps_denominator = (unsigned int)output->path->fps.denominator;
     exr.has_camera = true;
-    const RfEye* eye = output->path->eyes + frame->frame;
-    exr.pixel_aspect = eye->focal / eye->focal_x;
-    rf_eye_matrices_around( eye, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
+    const int* overscan = output->path->overscan;
+    RfEye eye = output->path->eyes[frame->frame]; // NDC are those of the display window
+    rf_widen_eye( &eye, -overscan[0], -overscan[1] );
+    exr.pixel_aspect = eye.focal / eye.focal_x;
+    exr.x = -overscan[0];
+    exr.y = -overscan[1];
+    exr.display = ( RfExrWindow ){ 0, 0, eye.width, eye.height };
+    RfExrAttribute standard[MAX_ATTRIBUTES];
+    exr.attributes = standard;
+    exr.attribute_count = list_standard_attributes( output, frame->frame, standard );
+    rf_eye_matrices_around( &eye, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
-    exr.channels = aovs.channels;
-    exr.channel_count = aovs.count;
+    if ( output->settings.files.names == RF_NAMES_BLENDER ) // a layer of no name would be none
+        exr.layer = exr.part = RF_BLENDER_LAYER ".Combined";
+    exr.channels = passes.channels;
+    exr.channel_count = passes.count;
     // The writer only reads the pixels; RfImage has no const flavour.
     RfImage image = { .width = frame->width, .height = frame->height, .rgb = (float*)frame->rgb };
-    return rf_write_exr( name, &image, &exr, error );
+    result = rf_write_exr( name, &image, &exr, error );
+    rf_free_matte_strings( &mattes );
+    return result;
 }

@@ -16,6 +16,9 @@
     X( FRAMES, "reframe/frames" )                                                                                                \
     X( SHOT, "reframe/shot" )                                                                                                    \
     X( STEP, "reframe/step" )                                                                                                    \
+    X( OVERSCAN, "reframe/overscan" )                                                                                            \
+    X( NAMES, "reframe/names" )                                                                                                  \
+    X( TIMECODE, "reframe/timecode" )                                                                                            \
     X( BLUR_STEPS, "reframe/blur-steps" )                                                                                        \
     X( GROUP, "reframe/group" )                                                                                                  \
     X( SPP, "reframe/spp" )                                                                                                      \
@@ -47,6 +50,8 @@
     X( NATIVE_SPP, "reframe/native-spp" )                                                                                        \
     X( EFFECTIVE_SPP, "reframe/effective-spp" )                                                                                  \
     X( AOV, "reframe/aov" )                                                                                                      \
+    X( CRYPTOMATTE, "reframe/cryptomatte" )                                                                                      \
+    X( LIGHT_GROUPS, "reframe/light-groups" )                                                                                    \
     X( ESTIMATOR, "reframe/estimator" )                                                                                          \
     X( RECONSTRUCTION, "reframe/reconstruction" )                                                                                \
     X( LIGHT_PATHS, "reframe/light-paths" )                                                                                      \
@@ -54,6 +59,10 @@
     X( EFFECTS, "reframe/effects" )                                                                                              \
     X( NO_EFFECT, "reframe/no-effect" )                                                                                          \
     X( CALLS_FOR, "reframe/calls-for" )                                                                                          \
+    X( VIEW, "reframe/view" )                                                                                                    \
+    X( LOOK, "reframe/look" )                                                                                                    \
+    X( EXPOSURE, "reframe/exposure" )                                                                                            \
+    X( GAMMA, "reframe/gamma" )                                                                                                  \
     X( DEVICE, "reframe/device" )                                                                                                \
     X( FINGERPRINT, "reframe/fingerprint" )
 
@@ -69,18 +78,9 @@ typedef enum RfKey
 // The name of an attribute, such as "reframe/spp".
 const char* rf_key_name( RfKey key );
 
-// The AOVs of a frame as channels of its file.
-
-enum
-{
-#define RF_COUNT_LETTERS( constant, name, letters, half, source, what ) +(int)sizeof( letters ) - 1
-    RF_MAX_AOV_CHANNELS = 1 RF_AOV_LIST( RF_COUNT_LETTERS ) // and A
-#undef RF_COUNT_LETTERS
-};
-
 // What a frame that is there was rendered with, where that is not what is asked for.
 
-#define RF_MAX_DIFFERENCES 28
+#define RF_MAX_DIFFERENCES 33
 #define RF_DIFFERENCE_SIZE 256
 
 typedef struct RfFrameDifference

@@ -29,6 +29,10 @@ const char* const rf_reconstruction_words[] = {
     NULL,
 };
 const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPTIVE_ON] = "on", [RF_ADAPTIVE_OFF] = "off", NULL };
+const char* const rf_pass_names_words[] = {
+    [RF_NAMES_REFRAME] = "reframe", [RF_NAMES_BLENDER] = "blender", [RF_NAMES_NUKE] = "nuke", NULL
+};
+const char* const rf_parts_words[] = { [RF_PARTS_ONE] = "one", [RF_PARTS_EACH] = "each", NULL };
 
 const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
 

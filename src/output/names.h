@@ -11,5 +11,7 @@ extern const char* const rf_light_paths_words[];
 extern const char* const rf_kernel_normalization_words[];
 extern const char* const rf_reconstruction_words[];
 extern const char* const rf_adaptive_words[];
+extern const char* const rf_pass_names_words[];
+extern const char* const rf_parts_words[];
 
 #endif

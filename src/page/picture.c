@@ -15,7 +15,8 @@
 
 int rf_look_channels( RfLook look )
 {
-    return look == RF_LOOK_DEPTH || look == RF_LOOK_SHARE ? 1 : look == RF_LOOK_MOTION ? 2 : 3;
+    bool one = look == RF_LOOK_DEPTH || look == RF_LOOK_SHARE || look == RF_LOOK_INDEX;
+    return one ? 1 : look == RF_LOOK_MOTION || look == RF_LOOK_MATTES ? 2 : 3;
 }
 
 static void include( RfLookRange* range, float value )
@@ -27,6 +28,8 @@ static void include( RfLookRange* range, float value )
 RfLookRange rf_look_range( RfLook look, const float* values, size_t stride, size_t pixels )
 {
     RfLookRange range = { INFINITY, look == RF_LOOK_DEPTH ? 0.0f : 1e-6f };
+    double squares = 0.0;
+    size_t count = 0;
     for ( size_t i = 0; i < pixels; ++i )
     {
         const float* v = values + stride * i;
@@ -36,7 +39,14 @@ RfLookRange rf_look_range( RfLook look, const float* values, size_t stride, size
             include( &range, fmaxf( fabsf( v[0] ), fabsf( v[1] ) ) );
         else if ( look == RF_LOOK_SHARE && isfinite( v[0] ) )
             include( &range, v[0] );
+        for ( int c = 0; look == RF_LOOK_SIGNED && c < 3; ++c )
+        {
+            squares += isfinite( v[c] ) ? (double)v[c] * (double)v[c] : 0.0;
+            count += isfinite( v[c] ) && v[c] != 0.0f;
+        }
     }
+    if ( count > 0 ) // a few large values shall not make all others grey
+        include( &range, (float)( 3.0 * sqrt( squares / (double)count ) ) );
     if ( !( range.low < range.high ) )
         range.low = 0.5f * range.high;
     return range;
@@ -56,6 +66,42 @@ static void fill_light( float light[LEVELS + 1] )
 static float display( const float light[LEVELS + 1], float level )
 {
     return isnan( level ) ? level : light[(int)( LEVELS * fminf( fmaxf( level, 0.0f ), 1.0f ) + 0.5f )];
+}
+
+// Spreads small numbers over all bits, 0 to 0: the last steps of MurmurHash3 (Appleby, public domain).
+static uint32_t mix_bits( uint32_t bits )
+{
+    bits = ( bits ^ bits >> 16 ) * 0x85ebca6bu;
+    bits = ( bits ^ bits >> 13 ) * 0xc2b2ae35u;
+    return bits ^ bits >> 16;
+}
+
+// A colour that tells ids apart: hue, saturation and brightness by different bits; 0 is black. It must fit page/assets/15-values.js.
+static void color_of( uint32_t bits, const float* light, float out[3] )
+{
+    float hue = (float)( bits >> 16 ) / 65536.0f * 6.0f,
+          value = bits != 0 ? 0.55f + 0.45f * (float)( bits & 255u ) / 255.0f : 0.0f;
+    float pale = 0.5f * (float)( bits >> 8 & 255u ) / 255.0f;
+    for ( int c = 0; c < 3; ++c )
+    {
+        float away = fabsf( fmodf( hue + ( c == 0 ? 0.0f : c == 1 ? 4.0f : 2.0f ), 6.0f ) - 3.0f ); // from the opposite hue
+        float pure = fminf( fmaxf( away - 1.0f, 0.0f ), 1.0f );
+        out[c] = display( light, value * ( pale + ( 1.0f - pale ) * pure ) );
+    }
+}
+
+static void draw_mattes( const float* v, int pairs, const float* light, float out[3] )
+{
+    out[0] = out[1] = out[2] = 0.0f;
+    for ( int i = 0; i < pairs; ++i )
+    {
+        uint32_t bits;
+        float color[3];
+        memcpy( &bits, v + 2 * i, sizeof bits );
+        color_of( bits, light, color );
+        for ( int c = 0; c < 3; ++c )
+            out[c] += v[2 * i + 1] != 0.0f ? color[c] * v[2 * i + 1] : 0.0f;
+    }
 }
 
 static void draw_pixel( RfLook look, RfLookRange range, const float* v, const float* light, float out[3] )
@@ -85,6 +131,12 @@ static void draw_pixel( RfLook look, RfLookRange range, const float* v, const fl
                 level = 0.1f + 0.9f * ( 1.0f - logf( v[0] / range.low ) / logf( range.high / range.low ) );
             break;
         case RF_LOOK_SHARE: level = v[0] / range.high; break;
+        case RF_LOOK_SIGNED:
+            for ( int c = 0; c < 3; ++c )
+                out[c] = display( light, 0.5f + scale * v[c] );
+            return;
+        case RF_LOOK_INDEX: color_of( fabsf( v[0] ) < 1e9f ? mix_bits( (uint32_t)llrintf( v[0] ) ) : 0, light, out ); return;
+        case RF_LOOK_MATTES: draw_mattes( v, 1, light, out ); return;
     }
     out[0] = out[1] = out[2] = display( light, level );
 }
@@ -95,6 +147,14 @@ void rf_draw_look( RfLook look, RfLookRange range, const float* values, size_t s
     fill_light( light );
     for ( size_t i = 0; i < pixels; ++i )
         draw_pixel( look, range, values + stride * i, light, rgb + 3 * i );
+}
+
+void rf_draw_mattes( const float* values, int pairs, size_t stride, size_t pixels, float* rgb )
+{
+    float light[LEVELS + 1];
+    fill_light( light );
+    for ( size_t i = 0; i < pixels; ++i )
+        draw_mattes( values + stride * i, pairs, light, rgb + 3 * i );
 }
 
 #define FLOOR ( 1.0f / 512.0f )

@@ -51,15 +51,18 @@ typedef enum RfLook
     RF_LOOK_DEPTH,     // one channel: near is white, far dark, by the logarithm; nothing is black
     RF_LOOK_MOTION,    // two channels: red to the right, green up, grey at rest
     RF_LOOK_SHARE,     // one channel: the part of `high`
+    RF_LOOK_SIGNED,    // three channels: 0 is grey, black and white are -high and high
+    RF_LOOK_INDEX,     // one channel of whole numbers, each a colour; 0 is black
+    RF_LOOK_MATTES,    // any number of pairs, id and coverage: the ids' colours by their coverage (rf_draw_mattes)
 } RfLook;
 
-// What black and white stand for: depth from low to high, motion and shares up to high.
+// What black and white stand for: depth from low to high, the others up to high.
 typedef struct RfLookRange
 {
     float low, high;
 } RfLookRange;
 
-// Channels that a look takes: 1, 2 or 3.
+// Channels that a look takes: 1, 2 or 3; of mattes the least, 2.
 int rf_look_channels( RfLook look );
 
 // The range of `pixels` pixels of interleaved values, `stride` floats apart.
@@ -67,5 +70,8 @@ RfLookRange rf_look_range( RfLook look, const float* values, size_t stride, size
 
 // Draws them; three floats for each pixel.
 void rf_draw_look( RfLook look, RfLookRange range, const float* values, size_t stride, size_t pixels, float* rgb );
+
+// The same of mattes: `pairs` of id and coverage a pixel. The bits of an id are its number, 0 is nothing: black.
+void rf_draw_mattes( const float* values, int pairs, size_t stride, size_t pixels, float* rgb );
 
 #endif

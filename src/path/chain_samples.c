@@ -4,6 +4,7 @@
 #include "math/fastmath.h"
 
 #include <math.h>
+#include <string.h>
 
 // A sequence of low discrepancy (Roberts, R2).
 #define STEP_U 0.75487766624669276f
@@ -106,6 +107,13 @@ static void keep_chains( const RfPathSettings* settings, RfWavefront* wavefront 
     compact( s->visible, rays );
 }
 
+static void note_light( const RfPathSettings* settings, int slot, RfVec3 light, int part, RfChainSamples* samples )
+{
+    put( samples->light, slot, light );
+    if ( settings->grouped )
+        samples->part[slot] = (uint8_t)rf_counts_in( settings, part );
+}
+
 // The emission that rays have met behind a chain.
 static void add_emission( const RfPathSettings* settings, const RfWavefront* wavefront, const RfRayLanes* rays,
                           RfChainSamples* samples )
@@ -115,14 +123,16 @@ static void add_emission( const RfPathSettings* settings, const RfWavefront* wav
     for ( int i = 0; i < v->count; ++i )
     {
         if ( v->light_pdf_solid_angle[i] > 0.0f )
-            put( samples->light, v->slot[i],
-                 rf_mul( LANE( rays->throughput, v->ray[i] ), rf_emission_in_frame( settings, v, i ) ) );
+            note_light( settings, v->slot[i],
+                        rf_mul( LANE( rays->throughput, v->ray[i] ), rf_emission_in_frame( settings, v, i ) ),
+                        rf_material_part( lights, v->material[i] ), samples );
     }
     for ( int r = 0; r < rays->count && rf_has_sky( lights ); ++r )
     {
         if ( wavefront->scratch.triangle[r] == RF_MISS )
-            put( samples->light, rays->slot[r],
-                 rf_mul( LANE( rays->throughput, r ), rf_sky_in_frame( settings, LANE( rays->d, r ) ) ) );
+            note_light( settings, rays->slot[r],
+                        rf_mul( LANE( rays->throughput, r ), rf_sky_in_frame( settings, LANE( rays->d, r ) ) ),
+                        rf_light_part( lights, rf_sky_number( lights ) ), samples );
     }
 }
 
@@ -186,7 +196,7 @@ static void follow( const RfPathSettings* settings, int sample, RfWavefront* wav
 }
 
 // Glossy hits keep one of the directions, drawn by the luminance found there.
-static void keep_one( const RfVertexLanes* v, int i, float random, RfChainSamples* samples )
+static void keep_one( const RfVertexLanes* v, int i, float random, int base_parts, RfChainSamples* samples )
 {
     RfLightLanes* found = &samples->found;
     int slot = v->slot[i];
@@ -196,25 +206,32 @@ static void keep_one( const RfVertexLanes* v, int i, float random, RfChainSample
     if ( !( luminance > 0.0f && random * samples->sum[slot] < luminance ) )
         return;
     put( found->wi, i, LANE( samples->way, slot ) );
-    put( found->radiance_cos, i, rf_scale( light, 1.0f / luminance ) );
+    for ( int part = 1; part < base_parts; ++part )
+        put( rf_chain_samples_of( samples, part ), i, rf_vec3( 0, 0, 0 ) );
+    put( found->radiance_cos, i, rf_vec3( 0, 0, 0 ) );
+    put( rf_chain_samples_of( samples, base_parts > 1 ? samples->part[slot] : 0 ), i, rf_scale( light, 1.0f / luminance ) );
 }
 
-static void keep( const RfVertexLanes* v, int sample, RfWavefront* wavefront, RfChainSamples* samples )
+static void keep( const RfVertexLanes* v, int sample, int base_parts, RfWavefront* wavefront, RfChainSamples* samples )
 {
-    RfLightLanes* found = &samples->found;
     draw( v, sample, 2, 1, wavefront, samples );
     for ( int k = 0; k < samples->count; ++k )
     {
         int i = samples->hit[k];
         if ( i >= v->first[RF_BSDF_FIRST_GLOSSY] )
-            keep_one( v, i, wavefront->scratch.random[0][k], samples );
+            keep_one( v, i, wavefront->scratch.random[0][k], base_parts, samples );
+        float( *sum )[RF_LANES] = rf_chain_samples_of( samples, base_parts > 1 ? samples->part[v->slot[i]] : 0 );
         for ( int c = 0; c < 3 && i < v->first[RF_BSDF_FIRST_GLOSSY]; ++c )
-            found->radiance_cos[c][i] += samples->light[c][v->slot[i]];
+            sum[c][i] += samples->light[c][v->slot[i]];
     }
 }
 
-static void clear( const RfVertexLanes* v, RfChainSamples* samples )
+static void clear( const RfVertexLanes* v, int base_parts, RfChainSamples* samples )
 {
+    for ( int part = 1; part < base_parts; ++part )
+        memset( samples->of_groups[part - 1], 0, sizeof *samples->of_groups );
+    if ( base_parts > 1 )
+        memset( samples->part, 0, RF_LANES );
     for ( int i = 0; i < v->count; ++i )
     {
         put( samples->found.wi, i, LANE( v->n, i ) );
@@ -228,21 +245,22 @@ void rf_trace_chain_samples( const RfPathSettings* settings, RfChainSampling sam
                              RfWavefront* wavefront, RfChainSamples* samples )
 {
     RfLightLanes* found = &samples->found;
-    clear( v, samples );
+    int base_parts = rf_base_parts( settings );
+    clear( v, base_parts, samples );
     for ( int k = 0; k < sampling.count && samples->count > 0; ++k )
     {
         leave( v, k, wavefront, samples );
         keep_chains( settings, wavefront );
         follow( settings, k, wavefront, samples );
-        keep( v, k, wavefront, samples );
+        keep( v, k, base_parts, wavefront, samples );
     }
     for ( int k = 0; k < samples->count; ++k )
     {
         int i = samples->hit[k];
         float cosine = rf_maxf( rf_dot( LANE( v->n, i ), LANE( found->wi, i ) ), 0.0f );
         float scale = ( i < v->first[RF_BSDF_FIRST_GLOSSY] ? 1.0f : samples->sum[v->slot[i]] ) * cosine / sampling.worth;
-        for ( int c = 0; c < 3; ++c )
-            found->radiance_cos[c][i] *= scale;
+        for ( int c = 0; c < 3 * base_parts; ++c )
+            rf_chain_samples_of( samples, c / 3 )[c % 3][i] *= scale;
         found->pdf_solid_angle[i] = rf_chain_sample_pdf( sampling, cosine );
     }
 }

@@ -19,10 +19,12 @@ typedef struct RfChainSamples
 {
     int count; // hits that have chain samples
     int32_t hit[RF_LANES];
-    bool taken[RF_LANES]; // by hit
-    RfLightLanes found;
+    bool taken[RF_LANES];              // by hit
+    RfLightLanes found;                // without groups `part` is not set
+    float ( *of_groups )[3][RF_LANES]; // with RfPathSettings.grouped: radiance_cos by base part from 1 on
     // inside, by slot
     RF_ALIGN float way[3][RF_LANES], light[3][RF_LANES]; // of one sample
+    uint8_t* part;                                       // with RfPathSettings.grouped: of that light
     RF_ALIGN float sum[RF_LANES];                        // luminance of all so far
 } RfChainSamples;
 
@@ -30,6 +32,12 @@ typedef struct RfChainSamples
 static inline float rf_chain_sample_pdf( RfChainSampling sampling, float cosine )
 {
     return (float)sampling.count / sampling.worth * RF_INV_PI * cosine;
+}
+
+// Their light of a base part of light groups.
+static inline float ( *rf_chain_samples_of( RfChainSamples* samples, int part ) )[RF_LANES]
+{
+    return part == 0 ? samples->found.radiance_cos : samples->of_groups[part - 1];
 }
 
 // Traces chain samples for the first hits listed in `samples`; the others get none. Uses the wavefront except its

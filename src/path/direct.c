@@ -3,6 +3,7 @@
 #include "path/wavefront.h"
 
 #include "base/fault.h"
+#include "light/extent.h"
 #include "light/punctual.h"
 
 #include <float.h>
@@ -34,19 +35,54 @@ static void set_bright( const RfPunctual* p, double scale, float probability, No
     sample->pdf_solid_angle = probability * (float)delta;
 }
 
-static NonAreaSample sample_directional( const RfLights* lights, const RfPunctual* p, float probability, RfVec3 from )
+static NonAreaSample sample_directional( const RfLights* lights, const RfPunctual* p, float probability, const float u[2],
+                                         RfVec3 from )
 {
-    return ( NonAreaSample ){
+    NonAreaSample sample = {
         .wi = rf_scale( p->direction, -1.0f ),
         .radiance = rf_scale( p->intensity, RF_DELTA_PDF ),
         .pdf_solid_angle = probability * RF_DELTA_PDF,
         .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->reach ),
     };
+    if ( p->versine > 0.0f )
+    {
+        RfExtentSample s = rf_sample_sun( p, u );
+        sample.wi = s.wi;
+        sample.radiance = rf_scale( sample.radiance, s.weight );
+    }
+    return sample;
+}
+
+// Where the lamp would be brighter than the bound, as bright as that.
+static void set_lamp( const RfPunctual* p, float scale, float probability, NonAreaSample* sample )
+{
+    if ( rf_max_component( p->intensity ) * ( scale * RF_DELTA_PDF ) < MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_bright ) ||
+         RF_FAULT( lamp_infinite ) )
+        sample->radiance = rf_scale( p->intensity, scale * RF_DELTA_PDF );
+    else
+        set_bright( p, (double)scale, probability, sample );
+}
+
+// One of the points of a lamp with size.
+static NonAreaSample sample_extent( const RfPunctual* p, float probability, const float u[2], RfVec3 from )
+{
+    NonAreaSample sample = { .pdf_solid_angle = probability * RF_DELTA_PDF };
+    RfExtentSample s = p->kind == RF_PUNCTUAL_PLANE ? rf_sample_plane( p, from, u ) : rf_sample_ball( p, from, u );
+    sample.wi = s.wi;
+    sample.distance = s.distance;
+    float falloff = rf_lamp_falloff( p, rf_scale( s.wi, -1.0f ) ) * rf_range_falloff( s.distance * s.distance, p->range );
+    if ( s.weight * falloff > 0.0f )
+        set_lamp( p, s.weight * falloff, probability, &sample );
+    else
+        sample.pdf_solid_angle = 0.0f;
+    return sample;
 }
 
 // Of point and spot lights.
-static NonAreaSample sample_lamp( const RfLights* lights, const RfPunctual* p, float probability, RfVec3 from )
+static NonAreaSample sample_lamp( const RfLights* lights, const RfPunctual* p, float probability, const float u[2], RfVec3 from )
 {
+    if ( p->radius > 0.0f )
+        return sample_extent( p, probability, u, from );
     NonAreaSample sample = { .pdf_solid_angle = probability * RF_DELTA_PDF };
     RfVec3 to_light = rf_sub( p->position, from );
     float d2 = rf_dot( to_light, to_light );
@@ -60,7 +96,7 @@ static NonAreaSample sample_lamp( const RfLights* lights, const RfPunctual* p, f
     // bounds the radiance next to the light
     float least = 1e-5f * lights->radius;
     d2 = rf_maxf( d2, least * least );
-    float falloff = rf_spot_falloff( p, -rf_dot( p->direction, sample.wi ) ) * rf_range_falloff( d2, p->range ),
+    float falloff = rf_lamp_falloff( p, rf_scale( sample.wi, -1.0f ) ) * rf_range_falloff( d2, p->range ),
           scale = falloff / d2 * RF_DELTA_PDF;
     if ( rf_max_component( p->intensity ) * scale < MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_bright ) ||
          RF_FAULT( lamp_infinite ) )
@@ -96,9 +132,10 @@ static NonAreaSample sample_non_area( const RfLights* lights, RfLightSelection s
     {
         case RF_LIGHT_TRIANGLE: break; // sampled in the vector loop
         case RF_LIGHT_POINT:
-        case RF_LIGHT_SPOT: return sample_lamp( lights, rf_punctual_light( lights, selection.light ), probability, from );
+        case RF_LIGHT_SPOT: return sample_lamp( lights, rf_punctual_light( lights, selection.light ), probability, u, from );
+        case RF_LIGHT_PLANE: return sample_extent( rf_punctual_light( lights, selection.light ), probability, u, from );
         case RF_LIGHT_DIRECTIONAL:
-            return sample_directional( lights, rf_punctual_light( lights, selection.light ), probability, from );
+            return sample_directional( lights, rf_punctual_light( lights, selection.light ), probability, u, from );
         case RF_LIGHT_SKY: return sample_sky( lights, key, dimension, u, probability, from );
     }
     return ( NonAreaSample ){ 0 };
@@ -147,7 +184,7 @@ static void select_lights( const RfPathSettings* settings, const RfVertexLanes* 
         return;
     for ( int i = 0; i < v->count; ++i ) // all other light has been sampled in the paths' own frame
     {
-        bool taken = selection[i].light != RF_NO_LIGHT && rf_light_part( lights, selection[i].light ) == RF_PART_OWN;
+        bool taken = selection[i].light != RF_NO_LIGHT && rf_is_own_part( rf_light_part( lights, selection[i].light ) );
         selection[i].light = taken ? selection[i].light : RF_NO_LIGHT;
     }
 }
@@ -233,8 +270,10 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         out->radiance_cos[0][i] = points->radiance[0][i] * scale;
         out->radiance_cos[1][i] = points->radiance[1][i] * scale;
         out->radiance_cos[2][i] = points->radiance[2][i] * scale;
-        // the far end is lifted off the light, on the side facing the vertex
-        RfVec3 to = rf_madd( z, nz, RF_FAULT( light_offset ) ? 0.0f : points->offset[i] * side );
+        // the far end is lifted off the light, on the side facing the vertex, by what covers the rounding of both ends
+        float rounding = RF_FAULT( light_rounding ) ? 0.0f : rf_ray_offset( rf_largest_coordinate( from ) );
+        float lift = rf_maxf( points->offset[i], rounding );
+        RfVec3 to = rf_madd( z, nz, RF_FAULT( light_offset ) ? 0.0f : lift * side );
         scratch->o[0][i] = from.x;
         scratch->o[1][i] = from.y;
         scratch->o[2][i] = from.z;
@@ -244,7 +283,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
     }
 }
 
-// Whether connections bring what a plate throws of a lamp without size to the path's previous vertex (src/light_paths).
+// Whether connections bring what a plate throws of a punctual light to the path's previous vertex (src/light_paths).
 static bool leaves_to_connections( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v, int i,
                                    float cos_x )
 {
@@ -364,7 +403,7 @@ static void touch_lights( const RfPathSettings* settings, const RfVertexLanes* v
         out->touched[scratch->index[k]] |= touched[k];
 }
 
-// Tells the light of dimmed lamps, and of lamps that change otherwise.
+// Tells the light of groups, of dimmed lamps, and of lamps that change otherwise.
 static void sort_by_part( const RfPathSettings* settings, const LightPoints* points, int kept, RfLightLanes* out,
                           const RfLaneScratch* scratch )
 {
@@ -372,16 +411,19 @@ static void sort_by_part( const RfPathSettings* settings, const LightPoints* poi
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k], part = rf_light_part( lights, points->selection[i].light );
-        if ( settings->parts && settings->frames != NULL && part == RF_PART_OWN )
+        if ( settings->parts && settings->frames != NULL && rf_is_own_part( part ) )
             part = rf_frame_part( settings, settings->at_frame );
+        bool of_frame = rf_is_own_part( part );
         if ( settings->own != NULL )
-            out->touched[i] |= part == RF_PART_OWN;
-        bool apart = settings->parts && part != RF_PART_OWN && !( settings->own != NULL && out->touched[i] );
+            out->touched[i] |= of_frame;
+        bool apart = settings->parts && !of_frame && !( settings->own != NULL && out->touched[i] );
         if ( apart )
         {
             out->part[i] = (uint8_t)part;
             continue;
         }
+        if ( settings->grouped )
+            out->part[i] = (uint8_t)rf_counts_in( settings, part );
         RfVec3 scale = rf_part_scale( lights, part );
         out->radiance_cos[0][i] *= scale.x;
         out->radiance_cos[1][i] *= scale.y;
@@ -420,7 +462,7 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
-    RfPaneLanes panes = { scratch->pdf, { scratch->f[0], scratch->f[1], scratch->f[2] } };
+    RfPaneLanes panes = { .probability = scratch->pdf, .weight = { scratch->f[0], scratch->f[1], scratch->f[2] } };
     if ( rf_tracer_has_panes( settings->tracer ) )
         rf_trace_segments_past_panes( settings->tracer, kept, o, d, scratch->visible, &panes );
     else
@@ -433,7 +475,7 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         rf_find_lit_caustics( settings->own, vertices, out->touched );
     else if ( settings->own != NULL )
         touch_lights( settings, vertices, &points, kept, out, scratch );
-    if ( settings->parts )
+    if ( settings->parts || settings->grouped )
         memset( out->part, 0, (size_t)count );
     if ( lights->part != NULL )
         sort_by_part( settings, &points, kept, out, scratch );

@@ -38,7 +38,7 @@ typedef struct RfVertexLanes
     float wo[3][RF_LANES];                 // unit, back along the ray
     float offset[RF_LANES];                // along ng: rays start and end off the surface
     float param[RF_PARAM_COUNT][RF_LANES]; // those in the mask of the lane's model; the others are not set
-    float absorption[3][RF_LANES];         // GLASS only: of the medium that wo runs through, 1/m
+    float absorption[3][RF_LANES];         // specular lanes only: of the medium that wo runs through, 1/m
     float emission[3][RF_LANES];           // towards wo
     float light_pdf_solid_angle[RF_LANES]; // of a light sample at the ray's origin for this point, given its
                                            // light; 0: light sampling cannot find it
@@ -57,6 +57,26 @@ typedef struct RfSurfaceLanes
 // Number of lanes that become records; the specular ones follow them.
 static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_SPECULAR]; }
 
+// The model of a specular lane.
+static inline RfBsdfKind rf_specular_kind( const RfVertexLanes* v, int i )
+{
+    return i < v->first[RF_BSDF_SPECTRAL] ? RF_BSDF_GLASS : RF_BSDF_SPECTRAL;
+}
+
+// What model `kind` reads of the lanes from `first` on.
+static inline RfBsdfLanes rf_vertex_bsdf_lanes( const RfVertexLanes* v, RfBsdfKind kind, int first )
+{
+    RfBsdfLanes lanes; // set without asking for each parameter, and none of it twice
+    for ( int c = 0; c < 3; ++c )
+        lanes.n[c] = v->n[c] + first;
+    for ( int p = 0; p < RF_PARAM_SHEEN; ++p )
+        lanes.param[p] = v->param[p] + first;
+    bool layered = rf_bsdf_model( kind )->params >= RF_PARAM_BIT( RF_PARAM_SHEEN );
+    for ( int p = RF_PARAM_SHEEN; p < RF_PARAM_COUNT; ++p )
+        lanes.param[p] = layered ? v->param[p] + first : NULL;
+    return lanes;
+}
+
 // Copies `count` lanes from `first` on to the lanes from `at` on of another set of vertices,
 // with the parameters in the mask `params`. first[] and count are left alone.
 void rf_copy_vertices( const RfVertexLanes* from, int first, int count, uint32_t params, RfVertexLanes* to, int at );
@@ -68,7 +88,7 @@ typedef struct RfLightLanes
     float radiance_cos[3][RF_LANES]; // incident radiance times n·wi; 0: unlit
     float pdf_solid_angle[RF_LANES];
     uint8_t touched[RF_LANES]; // 1: kept apart, with RfPathSettings.own (path/own_light.h)
-    uint8_t part[RF_LANES];    // with RfPathSettings.parts: of the light (light/light.h), 0 where touched
+    uint8_t part[RF_LANES];    // with RfPathSettings.parts or grouped: of the light (light/light.h), where touched its base part
 } RfLightLanes;
 
 // Workspace; its contents are not kept between calls.
@@ -104,6 +124,8 @@ enum
 };
 // A light sample with the random numbers of another, each half an interval further: an antithetic sample.
 #define RF_DIMENSION_OPPOSITE 0x10000000u
+// The sides of translucent vertices: one for each vertex (rf_draw_sides).
+#define RF_DIMENSION_SIDES 0x02000000u
 // Chain samples (path/chain_samples.h).
 #define RF_DIMENSION_CHAIN_SAMPLES 0x08000000u
 // The vertices of camera rays' chains, before the vertex numbered 1.

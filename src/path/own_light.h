@@ -10,12 +10,18 @@
 typedef struct RfOwnLight
 {
     RfArrivals arrivals;
+    RfArrivals* of_groups;     // with RfPathSettings.grouped: of light groups, by base part (light/light.h) from 1 on
     uint8_t touched[RF_LANES]; // 1: what moves touches the path as far as it is traced. Its first vertex does not count
     // Caustics are kept apart, and nothing moves. `touched` is 1 then where the path has thrown caustics at all vertices since it
     // came by one that does not; emission that its ray hits is a caustic.
     bool caustics;
     uint8_t seen[RF_LANES]; // 1: all vertices throw caustics or are of glass: what the path finds, the camera sees by them
 } RfOwnLight;
+
+static inline RfArrivals* rf_own_arrivals( RfOwnLight* own, int base )
+{
+    return base == 0 ? &own->arrivals : own->of_groups + base - 1;
+}
 
 // Whether what lane i of a model sends on falls on other surfaces as a caustic: of mirrors, of glass without a base, and of metals
 // up to RF_CAUSTIC_ALPHA. A function of the vertex alone.
@@ -25,8 +31,14 @@ static inline bool rf_throws_caustics( const RfVertexLanes* v, RfBsdfKind kind, 
     switch ( kind )
     {
         case RF_BSDF_GGX:
+        case RF_BSDF_SHEEN:
+        case RF_BSDF_ANISOTROPIC:
+        case RF_BSDF_IRIDESCENT:
+        case RF_BSDF_LAYERED:
         case RF_BSDF_COATED: return base == 0.0f && v->param[RF_PARAM_SHAPE][i] <= RF_CAUSTIC_ALPHA;
+        case RF_BSDF_SPECTRAL:
         case RF_BSDF_GLASS: return base == 0.0f || v->param[RF_PARAM_IOR][i] == 0.0f; // mirrors have no base
+        case RF_BSDF_TRANSLUCENT:
         case RF_BSDF_LAMBERT:
         case RF_BSDF_PHONG:
         case RF_BSDF_KIND_COUNT: break;

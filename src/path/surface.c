@@ -89,15 +89,22 @@ static void gather_params( const RfMaterial* materials, const int32_t* restrict 
     }
 }
 
-// Sets the parameters of a lane that depend on the hit. v->n is still the
+static RfVec3 throughput_of( const RfRayLanes* rays, int r )
+{
+    return rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] );
+}
+
+// Sets the parameters of a lane that depend on the hit and its ray. v->n is still the
 // interpolated normal, which a coat keeps.
-static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial* m, float facing )
+static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial* m, float facing, const RfRayLanes* rays, int r )
 {
     uint32_t params = rf_bsdf_model( m->kind )->params & RF_PARAMS_OF_HIT;
     if ( params == 0 )
         return;
     if ( rf_has_param( params, RF_PARAM_CLEARCOAT_N ) )
         put( v->param + RF_PARAM_CLEARCOAT_N, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
+    if ( rf_has_param( params, RF_PARAM_CHOICE ) )
+        v->param[RF_PARAM_CHOICE][i] = m->kind == RF_BSDF_SPECTRAL ? rf_pack_channels( throughput_of( rays, r ) ) : 1.0f;
     if ( rf_has_param( params, RF_PARAM_IOR ) )
     {
         v->param[RF_PARAM_IOR][i] = relative_ior( m, facing );
@@ -169,7 +176,7 @@ static inline __attribute__( ( always_inline ) ) void fill_lane( const Source* f
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
     v->material[i] = (int32_t)t->material;
-    fill_params_of_hit( v, i, from->materials + t->material, facing );
+    fill_params_of_hit( v, i, from->materials + t->material, facing, rays, r );
     fill_emission( v, i, from->lights, t->light, facing, rf_sub( hit.p, o ) );
 }
 
@@ -205,12 +212,31 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
     const RfTriangleRecord* t = rf_triangle_record( from->tracer, triangle, &place );
     float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
     rf_material_at( scene, m, triangle, bu, bv, here );
-    fill_params_of_hit( v, i, here, facing );
+    fill_params_of_hit( v, i, here, facing, from->rays, r );
     Hit hit = { .triangle = triangle, .u = bu, .v = bv, .side = facing < 0.0f ? -1.0f : 1.0f };
     look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
         put( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
 }
+
+// The tangents of lanes [first, end), which have their normals. Lane first + k has material number[k].
+static void fill_tangents( const RfScene* scene, const Source* from, const RfMaterial* materials, const int32_t* number,
+                           int first, int end, RfVertexLanes* v )
+{
+    for ( int i = first; i < end; ++i )
+    {
+        int r = from->scratch->index[i];
+        uint32_t triangle = from->scratch->triangle[r];
+        RfTriangleRecord place;
+        const RfTriangleRecord* t = rf_triangle_record( from->tracer, triangle, &place );
+        float side = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ) < 0.0f ? -1.0f : 1.0f;
+        RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), side );
+        put( v->param + RF_PARAM_TANGENT, i,
+             rf_stretch_at( scene, materials + number[i - first], triangle, from->scratch->u[r], from->scratch->v[r], n ) );
+    }
+}
+
+static inline bool has_tangents( RfBsdfKind kind ) { return rf_has_param( rf_bsdf_model( kind )->params, RF_PARAM_TANGENT ); }
 
 #define BLOCK 32 // lanes whose materials are looked up before their parameters are gathered
 
@@ -244,6 +270,8 @@ static void look_up_block( const RfScene* scene, const Source* from, RfVertexLan
             here[i - first] = *m;
     }
     gather_params( here, number, kind, first, end, v );
+    if ( has_tangents( kind ) )
+        fill_tangents( scene, from, here, number, first, end, v );
 }
 
 static void look_up_textures( const RfScene* scene, const Source* from, RfBsdfKind kind, RfVertexLanes* v )
@@ -275,9 +303,13 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVer
         if ( !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
         if ( rf_tracer_is_textured( tracer ) )
+        {
             look_up_textures( rf_tracer_scene( tracer ), &from, (RfBsdfKind)kind, vertices );
-        else
-            gather_params( materials, vertices->material + first, (RfBsdfKind)kind, first, end, vertices );
+            continue;
+        }
+        gather_params( materials, vertices->material + first, (RfBsdfKind)kind, first, end, vertices );
+        if ( has_tangents( (RfBsdfKind)kind ) )
+            fill_tangents( rf_tracer_scene( tracer ), &from, materials, vertices->material + first, first, end, vertices );
     }
 }
 
@@ -292,16 +324,12 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
 
 // Panes that rays from `first_past` on did not pass, which has the probability 1 − q: what is left of them is
 // their base and their reflection.
-static void stop_at_panes( const RfVertexLanes* v, RfRayLanes* rays, int first_past, float* const tint[3] )
+static void stop_at_panes_of( RfBsdfKind kind, const RfVertexLanes* v, RfRayLanes* rays, int first_past, float* const tint[3] )
 {
-    const float* n[3] = { v->n[0], v->n[1], v->n[2] };
-    const float* param[RF_PARAM_COUNT];
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-        param[p] = v->param[p];
-    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
-    for ( int i = v->first[RF_BSDF_GLASS]; i < v->first[RF_BSDF_GLASS + 1]; ++i )
+    RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, kind, 0 );
+    for ( int i = v->first[kind]; i < v->first[kind + 1]; ++i )
     {
-        RfPane pane = rf_pane_of_lane( &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
+        RfPane pane = rf_pane_of_lane( kind, &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
         if ( v->ray[i] < first_past || !( pane.probability > 0.0f ) )
             continue;
         float stopped = rf_maxf( 1.0f - pane.probability, 0x1p-24f );
@@ -311,6 +339,12 @@ static void stop_at_panes( const RfVertexLanes* v, RfRayLanes* rays, int first_p
             tint[c][i] = 0.0f;
         }
     }
+}
+
+static void stop_at_panes( const RfVertexLanes* v, RfRayLanes* rays, int first_past, float* const tint[3] )
+{
+    for ( int kind = RF_BSDF_FIRST_SPECULAR; kind < RF_BSDF_KIND_COUNT; ++kind )
+        stop_at_panes_of( (RfBsdfKind)kind, v, rays, first_past, tint );
 }
 
 // Rays [0, first_past), for which panes are surfaces like any others.
@@ -328,7 +362,8 @@ static void trace_past_panes( const RfPathSettings* settings, RfRayLanes* rays, 
     int at = first_past, count = rays->count - first_past;
     const float* o[3] = { rays->o[0] + at, rays->o[1] + at, rays->o[2] + at };
     const float* d[3] = { rays->d[0] + at, rays->d[1] + at, rays->d[2] + at };
-    RfPaneLanes panes = { scratch->visible + at, { scratch->f[0] + at, scratch->f[1] + at, scratch->f[2] + at } };
+    RfPaneLanes panes = { .probability = scratch->visible + at,
+                          .weight = { scratch->f[0] + at, scratch->f[1] + at, scratch->f[2] + at } };
     rf_trace_nearest_past_panes( settings->tracer, count, o, d, scratch->triangle + at, scratch->u + at, scratch->v + at,
                                  &panes );
     for ( int c = 0; c < 3; ++c )

@@ -53,11 +53,15 @@ static void note_caustics( const RfPathSettings* settings, const RfVertexLanes* 
 static inline RfArrivals* take_part( const RfPathSettings* settings, int part, const RfReceiver* to, bool* touched,
                                      RfVec3* light )
 {
-    *touched = *touched || ( part == RF_PART_OWN && to->own != NULL );
-    bool apart = settings->parts && part != RF_PART_OWN && !*touched;
+    bool of_frame = rf_is_own_part( part );
+    *touched = *touched || ( of_frame && to->own != NULL );
+    bool apart = settings->parts && !of_frame && !*touched;
     if ( part != 0 && !apart )
         *light = rf_mul( *light, rf_part_scale( rf_tracer_lights( settings->tracer ), part ) );
-    return *touched ? &to->own->arrivals : apart && part != 0 ? to->dimmed + part - 1 : to->arrivals;
+    int counts_in = apart ? part : rf_counts_in( settings, part );
+    if ( *touched )
+        return rf_own_arrivals( to->own, counts_in );
+    return counts_in != 0 ? to->dimmed + counts_in - 1 : to->arrivals;
 }
 
 static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes* rays, int r, RfVec3 light, int part,
@@ -65,14 +69,17 @@ static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes
 {
     int slot = rays->slot[r];
     bool touched = to->own != NULL && to->own->touched[slot];
-    // chains have no parts
-    bool by_chain = part != 0 && to->chain_light != NULL && rf_may_take_chain_light( to->chain_light, slot );
+    // chains have no parts but those of groups
+    bool by_chain =
+        part >= rf_base_parts( settings ) && to->chain_light != NULL && rf_may_take_chain_light( to->chain_light, slot );
     touched = touched || ( by_chain && to->own != NULL );
     RfArrivals* arrivals = take_part( settings, part, to, &touched, &light );
     float l[3] = { light.x * rays->throughput[0][r], light.y * rays->throughput[1][r], light.z * rays->throughput[2][r] };
     if ( to->chain_light != NULL && rf_take_chain_light( to->chain_light, slot, l ) )
     {
         to->chain_light->touched[slot] = touched;
+        if ( settings->grouped && to->chain_light->part != NULL )
+            to->chain_light->part[slot] = (uint8_t)rf_counts_in( settings, part );
         return;
     }
     rf_close_chain( to->chain_light, slot, l );
@@ -87,6 +94,8 @@ static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes
     float weight = rf_balance_weight( pdf, (float)settings->light_samples * light_pdf );
     for ( int c = 0; c < 3; ++c )
         arrivals->rest[c][slot] += l[c] * weight;
+    for ( int c = 0; c < 3 && to->met != NULL; ++c )
+        to->met[c][slot] += l[c] * weight;
 }
 
 // The probability that a light sample at the ray's origin selects this light.
@@ -152,7 +161,7 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
         RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
         float probability = selection_probability( settings, rays, r, rf_sky_number( lights ) );
         int part = rf_light_part( lights, rf_sky_number( lights ) );
-        if ( part == RF_PART_OWN && settings->parts && settings->frames != NULL )
+        if ( rf_is_own_part( part ) && settings->parts && settings->frames != NULL )
         {
             add_changing_sky( settings, rays, r, light_pdf_behind( pane_probability, r, probability ), to );
             continue;
@@ -253,21 +262,13 @@ static void leave_to_connections( const RfPathSettings* settings, const RfWavefr
     }
 }
 
-static RfBsdfLanes bsdf_lanes( const RfVertexLanes* v, int first )
-{
-    RfBsdfLanes lanes = { .n = { v->n[0] + first, v->n[1] + first, v->n[2] + first } };
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-        lanes.param[p] = v->param[p] + first;
-    return lanes;
-}
-
 void rf_evaluate_seen_from( const RfVertexLanes* v, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
                             float* const f[3], float* pdf_solid_angle )
 {
     int first = v->first[kind], count = v->first[kind + 1] - first;
     if ( count == 0 )
         return;
-    RfBsdfLanes lanes = bsdf_lanes( v, first );
+    RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, kind, first );
     const float* seen_from[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
     const float* in[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
     float* pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
@@ -304,7 +305,7 @@ static void sample_nonspecular_lanes( const RfVertexLanes* v, const RfLaneScratc
         int first = v->first[kind], count = v->first[kind + 1] - first;
         if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
-        RfBsdfLanes lanes = bsdf_lanes( v, first );
+        RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, (RfBsdfKind)kind, first );
         const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
         const float* u[3] = { scratch->random[0] + first, scratch->random[1] + first, scratch->random[2] + first };
         float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
@@ -319,7 +320,7 @@ static void sample_specular_lanes( const RfVertexLanes* v, RfLaneScratch* s, flo
         int first = v->first[kind], count = v->first[kind + 1] - first;
         if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
-        RfBsdfLanes lanes = bsdf_lanes( v, first );
+        RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, (RfBsdfKind)kind, first );
         const float* wo[3] = { v->wo[0] + first, v->wo[1] + first, v->wo[2] + first };
         const float* u[3] = { s->random[0] + first, s->random[1] + first, s->random[2] + first };
         float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
@@ -345,6 +346,7 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
     RfLightLanes* lights = &wavefront->lights;
     RfLaneScratch* s = &wavefront->scratch;
     int samples = settings->light_samples, count = rf_light_set_count( settings, samples );
+    bool apart = settings->parts || settings->grouped;
     float k = (float)samples;
     for ( int j = 0; j < rf_light_lanes_count( settings ); ++j )
     {
@@ -367,9 +369,9 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
         {
             int slot = v->slot[i], r = v->ray[i];
             float scale = rf_balance_scale( k * lights->pdf_solid_angle[i], s->pdf[i] );
-            RfArrivals* to = settings->own != NULL && lights->touched[i] ? &settings->own->arrivals
-                             : settings->parts && lights->part[i] != 0   ? wavefront->dimmed + lights->part[i] - 1
-                                                                         : &wavefront->arrivals;
+            int part = apart ? lights->part[i] : 0;
+            RfArrivals* to = settings->own != NULL && lights->touched[i] ? rf_own_arrivals( settings->own, part )
+                                                                         : rf_arrivals_of_part( wavefront, part );
             for ( int c = 0; c < 3; ++c )
                 to->rest[c][slot] += rays->throughput[c][r] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
         }
@@ -451,7 +453,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
 
 void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
 {
-    for ( int i = v->first[RF_BSDF_GLASS]; rf_is_built( RF_EFFECT_ABSORPTION ) && i < v->first[RF_BSDF_GLASS + 1]; ++i )
+    for ( int i = rf_record_count( v ); rf_is_built( RF_EFFECT_ABSORPTION ) && i < v->count; ++i )
     {
         int r = v->ray[i];
         RfVec3 transmittance = rf_transmittance_from( v, i, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
@@ -502,6 +504,7 @@ void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int
         rf_find_lit_vertices( settings, wavefront, rays, vertex == first_vertex, &wavefront->vertices );
         if ( vertex == most )
             break;
+        rf_draw_sides( wavefront, vertex, &wavefront->vertices );
         rf_end_spent_paths( settings, wavefront, vertex, rays );
         add_light_samples( settings, wavefront, rays, vertex );
         scatter( settings, wavefront, rays, vertex, next );

@@ -19,15 +19,16 @@ typedef struct RfChainLight
     uint16_t transmitted[RF_LANES];    // bit v: transmission at vertex v of the chain, from 0; else reflection
     uint8_t length[RF_LANES];          // its vertices
     uint8_t touched[RF_LANES];         // with RfPathSettings.own: 1 where what moves touches the way to the light
+    uint8_t* part;                     // with RfPathSettings.grouped: the base part of the light; NULL: has no groups
     bool open[RF_LANES];               // the path has only seen such vertices since its hit, and no emission yet
 } RfChainLight;
 
 // Whether a lane scattered, with density `pdf`, as a mirror or smooth glass does. Thin panes do not count: rays
-// pass them without stopping.
+// pass them without stopping; nor does SPECTRAL, which draws the channel that it refracts.
 static inline bool rf_is_chain_event( const RfVertexLanes* v, int i, float pdf )
 {
-    return i >= rf_record_count( v ) && pdf == RF_DELTA_PDF && v->param[RF_PARAM_SHAPE][i] == 0.0f &&
-           v->param[RF_PARAM_IOR][i] >= 0.0f;
+    return i >= rf_record_count( v ) && i < v->first[RF_BSDF_SPECTRAL] && pdf == RF_DELTA_PDF &&
+           v->param[RF_PARAM_SHAPE][i] == 0.0f && v->param[RF_PARAM_IOR][i] >= 0.0f;
 }
 
 // Whether emission that a slot's path hits now has come by a chain.
@@ -64,7 +65,8 @@ typedef struct RfPathSettings
     RfLightSampling light_sampling;
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
     RfOwnLight* own; // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
-    bool parts;      // keeps that of dimmed lamps apart (light/light.h); else it is as in the tracer's frame
+    bool parts;      // keeps that of each part apart (light/light.h); else it is as in the tracer's frame
+    bool grouped;    // keeps light groups apart: what has no part of its own counts in the base part of its group
     // with parts: the tracers of the frames, where light of one frame is looked up in each; NULL: it is not
     const RfTracer* const* frames;
     int frame;    // of the paths
@@ -84,7 +86,7 @@ typedef struct RfWavefront
     RfRayLanes rays;                // the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
-    RfArrivals* dimmed;              // of dimmed lamps, by part from 1 on, with RfPathSettings.parts
+    RfArrivals* dimmed;              // by part from 1 on, with RfPathSettings.parts or grouped
     uint64_t path_rays, shadow_rays; // counted up
     uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
     uint8_t deltas[RF_LANES];        // with a connector, by slot: 1 + the specular vertices since the last non-specular one;
@@ -145,6 +147,18 @@ struct RfConnector
     float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 };
 
+// The base parts of light groups, of which part 0 is one.
+static inline int rf_base_parts( const RfPathSettings* settings )
+{
+    return settings->grouped ? rf_tracer_lights( settings->tracer )->group_count : 1;
+}
+
+// The base part that light of a part counts in where it has none of its own.
+static inline int rf_counts_in( const RfPathSettings* settings, int part )
+{
+    return settings->grouped && !RF_FAULT( light_group ) ? rf_base_part( rf_tracer_lights( settings->tracer ), part ) : 0;
+}
+
 // The frames in which paths look up light of one frame.
 static inline int rf_lit_frames( const RfPathSettings* settings )
 {
@@ -157,7 +171,7 @@ static inline int rf_frame_part( const RfPathSettings* settings, int frame )
     return rf_tracer_lights( settings->tracer )->dimmed_count + 1 + frame;
 }
 
-// How many parts light has that is kept apart by lamp or frame, from 1 on.
+// How many parts light has that is kept apart by group, lamp or frame, from 1 on.
 static inline int rf_dimmed_parts( const RfPathSettings* settings )
 {
     if ( !settings->parts )
@@ -241,6 +255,13 @@ void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uin
 // it. With RF_DIMENSION_OPPOSITE in `dimension` they are half an interval from those without it.
 void rf_draw_light_numbers( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, RfLaneScratch* scratch );
 
+// Draws the sides on which light arrives at TRANSLUCENT lanes, the paths' `vertex`-th (src/reuse/estimators.md, section 20): where
+// it is not the side that is seen, n and ng are turned over. rf_turn_sides does it by numbers in [0, 1), by lane from the first
+// of them. After rf_face_rays ng is on the side of wo again.
+void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* vertices );
+void rf_turn_sides( const float* u, RfVertexLanes* vertices );
+void rf_face_rays( RfVertexLanes* vertices );
+
 // Takes one light sample per vertex lane and tests its visibility. Random numbers:
 // `dimension` and the two after it. Returns the number of shadow rays.
 int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
@@ -266,8 +287,9 @@ typedef struct RfReceiver
     bool defer_mis;            // to `emitted` of the arrivals, unweighted; else to `rest`, weighted by the balance heuristic
     RfChainLight* chain_light; // takes what it waits for instead; NULL: nothing
     RfArrivals* arrivals;
-    RfOwnLight* own;    // takes that of touched paths; NULL: there are none
-    RfArrivals* dimmed; // take that of dimmed lamps; not set without RfPathSettings.parts
+    RfOwnLight* own;          // takes that of touched paths; NULL: there are none
+    RfArrivals* dimmed;       // take that of parts from 1 on; not set without RfPathSettings.parts or grouped
+    float ( *met )[RF_LANES]; // without defer_mis, gets all of it as well, by slot; NULL: nothing does
 } RfReceiver;
 
 // Adds emission hit by the rays, of surfaces (the vertices) and of the sky. The rays have passed panes with these probabilities

@@ -4,7 +4,7 @@
 //     unsigned aovs;
 //     RfResult result = rf_parse_aovs( "albedo,normal,depth", &aovs, &error );
 //
-// Albedo, normal, depth and motion are means over the samples that a frame traced itself,
+// Albedo, normal, those of denoisers, depth and motion are means over the samples that a frame traced itself,
 // uniform in the pixel. They hardly have noise, so no other frame's samples are needed.
 #ifndef REFRAME_AOV_H
 #define REFRAME_AOV_H
@@ -22,12 +22,17 @@ RF_API_BEGIN
 //     FILMS          the films of the colour, or counts of samples
 //
 // To add one: a row here, what it is in film/aov.c: at a hit and a miss (value_at_hit, value_at_miss), or as made from films
-// (rf_aov_film_floats, rf_finish_aov), and how a page shows it (look_of in cli/report/report_frames.c). The compiler warns of
+// (rf_aov_film_floats, rf_finish_aov), and how it is shown (look_of in page/passes.c). The compiler warns of
 // each that lacks the row. Options, files, attributes, the budget and the manual follow from it.
 #define RF_AOV_LIST( X )                                                                                                         \
     X( ALBEDO, "albedo", "RGB", true, FILTERED_HITS, "reflectance for light along the normal; 0 where nothing is hit" )          \
     X( NORMAL, "normal", "XYZ", true, FILTERED_HITS,                                                                             \
        "shading normal in world space, on the side that is seen; 0 where nothing is hit" )                                       \
+    X( DENOISE_ALBEDO, "denoise_albedo", "RGB", true, FILTERED_HITS,                                                             \
+       "albedo for denoisers, 0 to 1: of the first surfaces that are no mirror and no clear glass, with what they and the "      \
+       "sky emit" )                                                                                                              \
+    X( DENOISE_NORMAL, "denoise_normal", "XYZ", true, FILTERED_HITS,                                                             \
+       "normal for denoisers, in world space: of the same surfaces, by what mirrors and glass show of each; 0 for the sky" )     \
     X( DEPTH, "depth", "Z", false, HITS,                                                                                         \
        "metres along the viewing direction (not distance to the camera), mean over the hits; 1e10 where no "                     \
        "sample hits anything" )                                                                                                  \
@@ -39,8 +44,20 @@ RF_API_BEGIN
     X( VARIANCE, "variance", "RGB", false, FILMS, "estimated variance of the colour; 0 where a frame has a single pass" )        \
     X( SAMPLES, "samples", "Y", false, FILMS,                                                                                    \
        "effective samples: all that landed in the pixel, reused ones too, each counted once" )                                   \
+    X( OBJECT_INDEX, "object_index", "X", false, FILMS,                                                                          \
+       "pass index of the object that covers most of the pixel: extras.reframe.pass_index of its node; where no node has one, "  \
+       "1 + "                                                                                                                    \
+       "the number of the node; 0 where nothing covers most" )                                                                   \
+    X( MATERIAL_INDEX, "material_index", "X", false, FILMS, "the same of the material" )                                         \
     X( REMOVED, "removed", "RGB", true, FILMS,                                                                                   \
        "with a clamp: the light that it has taken out; colour and this together are the picture without bias" )                  \
+    X( EMISSION, "emission", "RGB", true, FILMS,                                                                                 \
+       "what camera rays see shine, straight or through panes: emitters and, without alpha, the sky" )                           \
+    X( DIRECT, "direct", "RGB", true, FILMS, "light that comes to the first surface from lights straight" )                      \
+    X( INDIRECT, "indirect", "RGB", true, FILMS, "all other light of first surfaces that are seen straight" )                    \
+    X( REFLECTION, "reflection", "RGB", true, FILMS,                                                                             \
+       "all light that camera rays see by mirrors, glass and smooth coats, where the first of them reflects" )                   \
+    X( TRANSMISSION, "transmission", "RGB", true, FILMS, "and where it transmits; these five add up to the colour" )             \
     X( PRIMAL, "primal", "RGB", false, FILMS,                                                                                    \
        "of the estimator gradient alone: the pixels that the picture is reconstructed from" )                                    \
     X( DX, "dx", "RGB", false, FILMS, "and their differences, the pixel on the right minus the pixel" )                          \
@@ -58,6 +75,11 @@ typedef enum RfAov
 
 #define RF_AOV_BIT( aov ) ( 1u << ( aov ) )
 #define RF_ALL_AOVS ( RF_AOV_BIT( RF_AOV_ALPHA ) - 1u ) // of the list
+#define RF_DENOISE_AOVS ( RF_AOV_BIT( RF_AOV_DENOISE_ALBEDO ) | RF_AOV_BIT( RF_AOV_DENOISE_NORMAL ) )
+// The colour split by how light comes to the camera. They are reused and combined as the colour is, so each is unbiased.
+#define RF_PASS_AOVS                                                                                                             \
+    ( RF_AOV_BIT( RF_AOV_EMISSION ) | RF_AOV_BIT( RF_AOV_DIRECT ) | RF_AOV_BIT( RF_AOV_INDIRECT ) |                              \
+      RF_AOV_BIT( RF_AOV_REFLECTION ) | RF_AOV_BIT( RF_AOV_TRANSMISSION ) )
 #define RF_GRADIENT_AOVS                                                                                                         \
     ( RF_AOV_BIT( RF_AOV_PRIMAL ) | RF_AOV_BIT( RF_AOV_DX ) | RF_AOV_BIT( RF_AOV_DY ) ) // of "gradient" alone
 #define RF_GRADIENT_AOVS_NAME "gradients"                                               // all three
@@ -85,7 +107,24 @@ RfResult rf_parse_aovs( const char* text, unsigned* aovs, RfError* error );
 // A set of RF_AOV_BITs to "albedo,depth", in the order of the list. RF_AOVS_TEXT_SIZE bytes are always enough.
 void rf_format_aovs( unsigned aovs, char* text, size_t size );
 
-#define RF_AOVS_TEXT_SIZE 128
+#define RF_AOVS_TEXT_SIZE 320
+
+// Cryptomatte: mattes of all objects, materials and assets of a frame by their names, as coverage of the pixels by the first
+// surfaces that camera rays hit, by the pixel filter of the colour, reused as the colour is. RfRenderSettings.cryptomatte asks
+// for kinds; RfFrameResult.layers has each as CryptoObject00 to 02 and so on, of six ranks, and rf_write_frame adds the names.
+// An object is a node of the scene's file, or what extras.reframe.object of the node names; an asset the object that is above all
+// others, or what extras.reframe.asset names.
+#define RF_CRYPTOMATTE_OBJECT 1u
+#define RF_CRYPTOMATTE_MATERIAL 2u
+#define RF_CRYPTOMATTE_ASSET 4u
+
+// "object,material" to a set of them; NULL is none. Fails with RF_ERROR_USAGE for a word that is none of "object", "material" and
+// "asset", or comes twice.
+RfResult rf_parse_cryptomatte( const char* text, unsigned* kinds, RfError* error );
+
+// And back, in this order.
+#define RF_CRYPTOMATTE_TEXT_SIZE 32
+void rf_format_cryptomatte( unsigned kinds, char text[RF_CRYPTOMATTE_TEXT_SIZE] );
 
 RF_API_END
 

@@ -103,6 +103,7 @@ typedef struct RfCameraPath
     int step;         // from the number of a frame to that of the next
     RfFps fps;        // that it was sampled at
     double origin[3]; // of the scene (RfSceneInfo): the cameras are relative to it
+    int overscan[2];  // pixels that films have beyond the picture, on the left and the right, above and below
     uint64_t hash;    // of all cameras: a frame is made of its neighbours' samples too
 
     // Frames in a row with the same camera are a run, which needs to be rendered only once.
@@ -136,19 +137,27 @@ typedef struct RfLens
     int blur_steps;         // straight steps that what moves in the scene takes while the shutter is open; 0: RF_BLUR_STEPS
 } RfLens;
 
+// A margin around the picture, which the same camera sees, for what a compositor shakes, warps or blurs.
+typedef struct RfOverscan
+{
+    double size;   // pixels on each side, or of 1: of the width on the left and the right, of the height above and below
+    bool relative; // the latter; pixels are rounded up
+} RfOverscan;
+
 // Which camera's path is sampled, and how; all zero: as the scene has it.
 typedef struct RfPathOptions
 {
-    const char* camera; // of the scene; a name that ends in ".json" is a camera-path file; NULL: the camera that a scene file
-                        // asks for, else the first animated one, else the first
-    const RfLens* lens; // NULL: the camera's own
-    RfFps fps;          // 0/0: the scene's own (RfSceneInfo), else 24
-    int width, height;  // of the film, pixels; 0 × 0: likewise, else 960 × 540
+    const char* camera;  // of the scene; a name that ends in ".json" is a camera-path file; NULL: the camera that a scene file
+                         // asks for, else the first animated one, else the first
+    const RfLens* lens;  // NULL: the camera's own
+    RfFps fps;           // 0/0: the scene's own (RfSceneInfo), else 24
+    int width, height;   // of the picture, pixels; 0 × 0: likewise, else 960 × 540
+    RfOverscan overscan; // makes films larger than the picture
 } RfPathOptions;
 
 // Samples the path of a camera. On failure the path is empty: RF_ERROR_USAGE where there is no such camera (the line names
-// those there are) and for a lens beyond the limits, RF_ERROR_SCENE for a path that cannot be followed, RF_ERROR_MEMORY, or as
-// reading the file fails.
+// those there are), for a lens beyond the limits and for a panorama with overscan, RF_ERROR_SCENE for a path that cannot be
+// followed, RF_ERROR_MEMORY, or as reading the file fails.
 RfResult rf_create_camera_path( const RfScene* scene, const RfPathOptions* options, RfCameraPath* path, RfError* error );
 
 // Frees what a path holds and empties it.
@@ -158,6 +167,7 @@ void rf_destroy_camera_path( RfCameraPath* path );
 // (p' = p · M), 16 floats row by row. Camera space: metres, the camera at the origin, +x right, +y up,
 // looking along −z. NDC: after the division by w the film is x and y in [−1, 1], +y up; z is −1 at
 // 1 cm in front of the camera and 1 infinitely far away, of orthographic cameras 1 at 1 km. A panorama has no NDC: zeros.
+// Of a film with overscan it is that of the whole film.
 void rf_eye_matrices( const RfEye* eye, float world_to_camera[16], float world_to_ndc[16] );
 
 RF_API_END

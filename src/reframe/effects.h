@@ -38,9 +38,15 @@ typedef enum RfWithout
     X( DEPTH_OF_FIELD, "depth-of-field", OTHER_PICTURE, true, "the camera is a pinhole" )                                        \
     X( MOTION_BLUR, "motion-blur", OTHER_PICTURE, true, "the shutter time is zero" )                                             \
     X( CLEARCOAT, "clearcoat", OTHER_PICTURE, true, "materials keep what is under their clear coat" )                            \
+    X( SHEEN, "sheen", OTHER_PICTURE, true, "materials keep what is under their sheen" )                                         \
+    X( DIFFUSE_TRANSMISSION, "diffuse-transmission", OTHER_PICTURE, true,                                                        \
+       "materials keep what their base scatters on the side that light comes from" )                                             \
+    X( ANISOTROPY, "anisotropy", OTHER_PICTURE, true, "highlights are not stretched" )                                           \
+    X( IRIDESCENCE, "iridescence", OTHER_PICTURE, true, "surfaces are without their thin films" )                                \
     X( MIRRORS, "mirrors", OTHER_PICTURE, true, "perfect mirrors are black" )                                                    \
     X( FLAT_MIRRORS, "flat-mirrors", OTHER_NOISE, true, "what is seen in flat mirrors is not reused in other frames" )           \
     X( TRANSMISSION, "transmission", OTHER_PICTURE, true, "glass is opaque, of its own colour, and reflects" )                   \
+    X( DISPERSION, "dispersion", OTHER_PICTURE, false, "glass refracts all colours as green" )                                   \
     X( PANES, "panes", OTHER_PICTURE, true,                                                                                      \
        "light finds its way through thin glass by chance alone: that of punctual lights does not, and each pane counts in the "  \
        "depth of paths" )                                                                                                        \

@@ -32,8 +32,11 @@ void rf_destroy_image( RfImage* image );
 typedef enum RfExrCompression
 {
     RF_EXR_NONE,
-    RF_EXR_ZIP,
+    RF_EXR_ZIP, // 16 lines at a time
     RF_EXR_PIZ,
+    RF_EXR_ZIPS, // line by line
+    RF_EXR_DWAA, // 32 lines at a time; changes channels that are `lossy`, all others are kept
+    RF_EXR_DWAB, // 256 lines at a time
 } RfExrCompression;
 
 // A string attribute, such as { "owner", "me" }.
@@ -43,23 +46,55 @@ typedef struct RfExrString
     const char* value;
 } RfExrString;
 
-// A channel in addition to R, G and B, such as { "depth.Z", values, 1, false }.
-typedef struct RfExrChannel
+typedef enum RfExrAttributeType
+{
+    RF_EXR_FLOAT,
+    RF_EXR_M44F,
+    RF_EXR_TIMECODE,
+} RfExrAttributeType;
+
+// An attribute that is no string.
+typedef struct RfExrAttribute
 {
     const char* name;
+    RfExrAttributeType type;
+    float values[16];     // of a float the first, of a matrix all, row-major
+    uint32_t timecode[2]; // time and flags, user data, packed as in SMPTE 12M for television at 60 fields
+} RfExrAttribute;
+
+// A channel in addition to R, G and B, such as { .name = "depth.Z", .values = values, .stride = 1 }.
+typedef struct RfExrChannel
+{
+    const char* name;    // at most 255 bytes
     const float* values; // pixel (x, y) is values[stride (y·width + x)]
     int stride;
-    bool half; // 16-bit half float, clamped to ±65504; else 32-bit float
+    bool half;        // 16-bit half float, clamped to ±65504; else 32-bit float
+    bool negated;     // the file has the values with the opposite sign
+    bool lossy;       // a colour, which DWA may change: R, G or B of a layer of which all three may
+    const char* part; // the part of the file that it is in; NULL: the first, with R, G and B
 } RfExrChannel;
 
-#define RF_EXR_MAX_CHANNELS 64 // R, G and B included
+#define RF_EXR_DWA_LEVEL 45.0f // by default
+#define RF_EXR_MAX_DWA_LEVEL 250.0f
+
+#define RF_EXR_MAX_CHANNELS 256 // R, G and B included
+
+// A window of pixels, such as the data window: where the pixels of a file lie.
+typedef struct RfExrWindow
+{
+    int x, y, width, height;
+} RfExrWindow;
 
 typedef struct RfExrOptions
 {
     RfExrCompression compression;
-    bool half;         // R, G, B as half floats, clamped to ±65504; else 32-bit floats
-    int x, y;          // origin of the data window and the display window
-    int fps_numerator; // framesPerSecond; numerator 0: not written
+    float dwa_level;     // 0 to RF_EXR_MAX_DWA_LEVEL: the more, the smaller the file and the larger the error
+    bool half;           // R, G, B as half floats, clamped to ±65504; else 32-bit floats
+    const char* layer;   // whose channels R, G, B are, such as "ViewLayer.Combined"; NULL: of none
+    const char* part;    // the name of the part with R, G, B where there are several; NULL: "rgba"
+    int x, y;            // origin of the data window
+    RfExrWindow display; // window; without pixels: the data window
+    int fps_numerator;   // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
     float pixel_aspect;         // width of a pixel over its height; 0 stands for 1
     bool has_camera;            // write the two matrices (rf_eye_matrices)
@@ -67,22 +102,27 @@ typedef struct RfExrOptions
     float world_to_ndc[16];     // all zeros: not written
     const RfExrString* strings; // string_count of them
     int string_count;
-    const RfExrChannel* channels; // additional channels in any order, with distinct names
+    const RfExrAttribute* attributes; // attribute_count of them
+    int attribute_count;
+    const RfExrChannel* channels; // additional channels in any order, with distinct names within a part
     int channel_count;
 } RfExrOptions;
 
 // ZIP compression, half floats, no attributes and no additional channels.
 RfExrOptions rf_default_exr_options( void );
 
-// Writes R, G, B and the additional channels of `options`. A failure (RF_ERROR_IO, RF_ERROR_MEMORY,
+// Whether this build can read and write DWA: it needs OpenEXR's C++ library.
+bool rf_has_dwa( void );
+
+// With DWA, R, G, B and `lossy` channels are changed by errors whose root mean square is at most 16.6e-5 dwa_level, in the
+// scale of v^(1/2.2) up to 1 and 1 + ln v / 2.2 beyond, and by roundings to half floats; they are clamped to ±30000. A part
+// without such channels is compressed by ZIP.
+//
+// Writes R, G, B and the additional channels of `options`. A file of several parts begins with that of R, G and B, then come the
+// others in the order of their first channels; the strings, the camera, the frames per second and the attributes are in the
+// first, a time code in all. A failure (RF_ERROR_IO, RF_ERROR_MEMORY,
 // RF_ERROR_USAGE) neither creates nor changes a file of that name and leaves no temporary file.
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error );
-
-// A data window: where the pixels of a file lie.
-typedef struct RfExrWindow
-{
-    int x, y, width, height;
-} RfExrWindow;
 
 // Reads the data window of the first part: R, G, B, or Y copied to all three. The file may be
 // scan-line or tiled, of half, float or uint channels. If all channels share one layer prefix, such as

@@ -43,12 +43,16 @@ RfOutput rf_default_output( void );
 // RF_ERROR_IO, or RF_ERROR_USAGE for a pattern that is none.
 RfResult rf_prepare_output_folder( const char* pattern, RfError* error );
 
+// Whether a path has a time code that starts with files.time_code. NULL is right at all rates; where these have no time code,
+// files have none. Fails with RF_ERROR_USAGE for what is none, or none at the path's frames per second.
+RfResult rf_check_time_code( const RfOutput* output, RfError* error );
+
 // Removes temporary files from the folder of the pattern's files that renders which were killed have left
 // there; those that another process is writing stay.
 void rf_clean_output_folder( const char* pattern );
 
 // Writes a finished frame, for RfRenderCallbacks.frame: it may be called from the thread of the queue.
-// Fails as rf_write_exr does, and with RF_ERROR_USAGE where settings.files was not set.
+// Fails as rf_write_exr and rf_check_time_code do, and with RF_ERROR_USAGE where settings.files was not set.
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error );
 
 #define RF_FINGERPRINT_SIZE 17

@@ -105,6 +105,15 @@ typedef struct RfSpecks
     RfSpeckPart parts[RF_MAX_SPECK_PARTS]; // by share, descending
 } RfSpecks;
 
+// A pass of a frame that only this render has, such as a light group: channels of their own in a file, NAME.LETTER.
+typedef struct RfLayer
+{
+    const char* name;    // "light_key"
+    const char* letters; // of its channels, such as "RGB"
+    const float* values; // as many floats as letters × width × height
+    bool half;           // 16 bits are enough in a file
+} RfLayer;
+
 // A finished frame. The pixels are valid during the callback only.
 typedef struct RfFrameResult
 {
@@ -114,11 +123,14 @@ typedef struct RfFrameResult
     const float* weight;             // width × height: the mean of the summed weights B; E[B] = 1 with exact
                                      // weights, else hits per pass
     const float* aovs[RF_AOV_COUNT]; // rf_aov_channels × width × height; NULL: not asked for
-    double seconds;                  // wall time since the frames before it; those that a group finishes together share it
-    double relmse_estimate;          // from two halves of the samples; NaN with a single pass
-    bool relmse_is_lower_bound;      // the estimate is what the relMSE is at least: more is not known
-    double relmse_likely;            // the best guess: the estimate, or above it where that is a lower bound
-    double worst_ten_share;          // part of relmse_likely that its ten worst pixels carry, 0 to 1
+    const RfLayer* layers; // what else was asked for: "light_NAME" with settings.light_groups, which add up to the picture;
+                           // "CryptoObject00" and so on with settings.cryptomatte
+    int layer_count;
+    double seconds;             // wall time since the frames before it; those that a group finishes together share it
+    double relmse_estimate;     // from two halves of the samples; NaN with a single pass
+    bool relmse_is_lower_bound; // the estimate is what the relMSE is at least: more is not known
+    double relmse_likely;       // the best guess: the estimate, or above it where that is a lower bound
+    double worst_ten_share;     // part of relmse_likely that its ten worst pixels carry, 0 to 1
     RfSpecks specks;
     RfSolved solved;
     double clamp;         // what a path could bring to this frame's hits, luminance; 0: any light

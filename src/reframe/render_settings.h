@@ -125,6 +125,20 @@ bool rf_parse_tile( const char* text, RfTile* tile );
 // The name that parses to it.
 void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] );
 
+// What the channels of a file are called, and the conventions that go with it (src/output/pass_names.h).
+typedef enum RfPassNames
+{
+    RF_NAMES_REFRAME, // R, depth.Z, motion.X
+    RF_NAMES_BLENDER, // ViewLayer.Combined.R, ViewLayer.Depth.Z, ViewLayer.Vector.X
+    RF_NAMES_NUKE,    // R, depth.Z, backward.u
+} RfPassNames;
+
+typedef enum RfFileParts
+{
+    RF_PARTS_ONE,  // all channels in one part
+    RF_PARTS_EACH, // a part for each pass, that of the colour first
+} RfFileParts;
+
 // The files that callbacks->frame writes: their format. The memory for writing one is part of the
 // budget.
 typedef struct RfFrameFiles
@@ -132,6 +146,10 @@ typedef struct RfFrameFiles
     bool written; // else the rest does not matter
     bool half;    // 16-bit floats for colour, albedo and normal; else 32 bits for all
     RfExrCompression compression;
+    float dwa_level; // of DWAA and DWAB
+    RfPassNames names;
+    RfFileParts parts;
+    const char* time_code; // of the path's first frame, "01:00:00:00" (rf_check_time_code); NULL: 0 is that of number 0
 } RfFrameFiles;
 
 // Files of 16-bit floats, ZIP, as rf_write_frame writes them for the settings' `files`.
@@ -183,11 +201,16 @@ typedef struct RfRenderSettings
     RfLightPathsUse light_paths; // RF_WEIGHTS_EXACT only
     RfKernelNormalization kernel_normalization;
     uint64_t seed;
-    int threads;            // 0: all cores
-    size_t memory;          // budget in bytes, beyond scene and BVH; 0: half of what is free
-    int queue;              // finished frames, at most, that callbacks->frame is given in a thread of its own
-                            // while rendering goes on; fewer where memory is short. 0: it is called in between
-    unsigned aovs;          // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change
+    int threads;          // 0: all cores
+    size_t memory;        // budget in bytes, beyond scene and BVH; 0: half of what is free
+    int queue;            // finished frames, at most, that callbacks->frame is given in a thread of its own
+                          // while rendering goes on; fewer where memory is short. 0: it is called in between
+    unsigned aovs;        // RF_AOV_BIT of the AOVs that are wanted besides the colour, which they do not change; with
+                          // tiles of one pixel RF_PASS_AOVS change its noise
+    unsigned cryptomatte; // a set of RF_CRYPTOMATTE_OBJECT and so on (reframe/aov.h); 0: none
+    // By which the picture is split as well, each a layer of the frame: "all" that the scene names, "lamps": each lamp and each
+    // material that emits, or names by comma; NULL: it is not split. Kept by the caller
+    const char* light_groups;
     RfFrameFiles files;     // rf_default_frame_files where callbacks->frame writes files
     const RfPieces* pieces; // NULL: whole frames; else not with noise, flicker, time or extra samples
 } RfRenderSettings;

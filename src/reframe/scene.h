@@ -30,9 +30,10 @@ typedef struct RfSceneOptions
 {
     bool freeze;           // all but cameras stands still, as in the first frame of the default camera
     const char* animation; // of the glTF: those of this name go before the others where several move the same; NULL: the first
+    const char* variant;   // of the glTF (KHR_materials_variants), which gives its meshes other materials; NULL: their own
 } RfSceneOptions;
 
-// Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.
+// Fails with RF_ERROR_USAGE, naming those there are, if no animation or variant has the name asked for.
 RfResult rf_open_scene_with( const char* path, const RfSceneOptions* options, RfScene** scene, RfLog* log, RfError* error );
 
 // Frees a scene; NULL is allowed. No tracer may be using it.
@@ -63,17 +64,35 @@ typedef struct RfSceneInfo
     double origin[3];          // cameras are relative to it, metres; 0 unless the scene lies so far out that floats would not do
     RfFps fps;                 // that the scene asks for; 0/0: it does not say
     int width, height;         // of the picture, likewise
+    bool alpha;                // the file asks for RGBA
     int moving_count;          // objects that move, or would if they were not frozen
     const char* const* moving; // their names
     bool frozen;               // they stand still, as RfSceneOptions.freeze asked for
     int unrendered_count;      // what changes in the file and cannot be rendered: unless it is frozen, no tracer can be made
     const RfUnrendered* unrendered;
-    int export_warning_count; // of the program that wrote the file
+    int variant_count;               // of materials (KHR_materials_variants), whichever is chosen
+    const char* const* variants;     // their names
+    int light_group_count;           // tags of lights, as a render may split its picture by (RfRenderSettings.light_groups)
+    const char* const* light_groups; // their names
+    int export_loss_count; // of the program that wrote the file: what freezes a movement or changes the light of the picture
+    const char* const* export_losses;
+    int export_warning_count; // its smaller losses
     const char* const* export_warnings;
 } RfSceneInfo;
 
 // Counts what is in a scene. Fails with RF_ERROR_MEMORY only.
 RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error );
+
+typedef struct RfLightInfo
+{
+    const char* kind; // "lamp", "material" that may emit, or "sky"
+    const char* name; // the scene's; "environment" of the sky
+    int group;        // of RfSceneInfo.light_groups; −1: none
+    bool shines;      // else it is a lamp without power, a material that emits nothing, or there is no sky
+} RfLightInfo;
+
+// Describes what may shine in a scene by number, from 0 on: its lamps, its materials, the sky. False beyond the last.
+bool rf_scene_light( const RfScene* scene, int index, RfLightInfo* info );
 
 typedef struct RfCameraInfo
 {

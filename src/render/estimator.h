@@ -18,6 +18,7 @@
 #define REFRAME_RENDER_ESTIMATOR_H
 
 #include "film/aov.h"
+#include "film/covering.h"
 #include "film/film.h"
 #include "film/film_error.h"
 #include "film/pixel_filter.h"
@@ -37,8 +38,9 @@ typedef struct RfEstimatorGroup
     const RfPixelFilter* filter; // that samples are added by, and those of `need` drawn by; NULL: each counts in its own pixel
     const RfEye* eyes;           // of the group's frames
     int eye_count;
-    int first_frame; // of the path, from 0: the frame of eyes[0]
-    int number;      // of the group; with the seed it selects the random numbers
+    int first_frame;       // of the path, from 0: the frame of eyes[0]
+    int number;            // of the group; with the seed it selects the random numbers
+    int64_t passes_before; // of the groups before it; −1: these are no passes of the path, and go to either half
     // adaptive sampling: own-frame samples wanted per pixel, NULL where every pixel is sampled once.
     // Of them this is the part between `round` and `round` + 1.
     const float* need;
@@ -88,12 +90,15 @@ typedef struct RfAccumulateJob
 {
     int eye; // index in the group
     int first_row, end_row;
-    RfFilm* films;    // as many as the estimator asks for
-    int half;         // of the films, which the pass goes to
-    float weight;     // of the pass in the film
-    uint32_t* landed; // samples that landed, per pixel, counted up (RF_AOV_SAMPLES); or NULL
-    float* sky;       // weight of the camera rays that missed, per pixel, counted up (RF_AOV_ALPHA); or NULL
-    void* pass_state; // of the frame, sizes.pass_state bytes; or NULL
+    RfFilm* films;        // as many as the estimator asks for
+    RfFilm* groups;       // of light groups, in the order of RfLightGroups; NULL: none
+    RfFilm* passes;       // of RF_PASS_AOVS that are asked for, in their order; NULL: none
+    int half;             // of the films, which the pass goes to
+    float weight;         // of the pass in the film
+    uint32_t* landed;     // samples that landed, per pixel, counted up (RF_AOV_SAMPLES); or NULL
+    float* sky;           // weight of the camera rays that missed, per pixel, counted up (RF_AOV_ALPHA); or NULL
+    RfCovering* covering; // of the pixels by surfaces, counted up; or NULL
+    void* pass_state;     // of the frame, sizes.pass_state bytes; or NULL
 } RfAccumulateJob;
 
 // How well other frames of a group see the hits of a batch, for the plan.
@@ -122,8 +127,12 @@ struct RfEstimator
     bool draws_by_filter; // and draws its samples by it, so that each counts in its own pixel alone, in AOVs as well
     bool has_gradients;   // films 0 to 2 are values and differences: RF_GRADIENT_AOVS
     bool has_alpha;       // it counts RfAccumulateJob.sky
+    bool has_features;    // `first_hits` has what RF_DENOISE_AOVS are made of
+    bool has_covering;    // and RfAccumulateJob.covering
     bool clamps;       // with settings.clamp, or without caustics (RfSceneTraits), it adds the light taken out to one film more,
                        // whose weights do not matter
+    bool splits_light; // it adds each light group (RfSceneTraits.light_groups) to a film of its own, whose weights do not matter,
+                       // and each of RF_PASS_AOVS
     bool has_variance; // `finish` fills RfPicture.variance
     int usual_passes;  // from which on `finish` works as with many passes; 0: always
     RfTile tile;       // that it has where none is asked for (rf_default_tile)

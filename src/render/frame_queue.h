@@ -5,7 +5,9 @@
 #ifndef REFRAME_RENDER_FRAME_QUEUE_H
 #define REFRAME_RENDER_FRAME_QUEUE_H
 
+#include "film/cryptomatte.h"
 #include "reframe/render.h"
+#include "scene/light_groups.h"
 
 #include <pthread.h>
 
@@ -14,8 +16,11 @@ typedef struct RfFrameBuffer
 {
     float* rgb;
     float* weight;
-    float* layers[RF_AOV_COUNT]; // those asked for
-    RfFrameResult result;        // points into them
+    float* layers[RF_AOV_COUNT];                                 // those asked for
+    float* mattes[RF_CRYPTOMATTE_KINDS * RF_CRYPTOMATTE_LAYERS]; // likewise
+    float* groups[RF_LIGHT_GROUPS_MOST];                         // of light groups, 3 per pixel
+    RfLayer* list;                                               // of the frame; NULL: it has none
+    RfFrameResult result;                                        // points into them
 } RfFrameBuffer;
 
 typedef struct RfFrameQueue

@@ -8,6 +8,7 @@
 #include "render/specks.h"
 
 #include <math.h>
+#include <string.h>
 
 // The frames are in ascending order.
 bool rf_is_asked( const RfRenderer* r, int frame )
@@ -46,6 +47,8 @@ void rf_open_films( RfRenderer* r, int number )
                 rf_clear_film( live->films + f );
         live->aovs.filter = r->setup->sizes.filtered ? &r->setup->filter : NULL;
         rf_clear_aov_film( &live->aovs, r->setup->sizes.width, r->setup->sizes.height );
+        if ( live->covering != NULL )
+            memset( live->covering, 0, rf_covering_bytes( &r->setup->sizes ) );
         if ( r->setup->sizes.adaptive )
             rf_run_pilot( r, live );
     }
@@ -84,12 +87,31 @@ static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuf
     // what several films make up is divided by counts
     bool made = r->setup->settings.estimator->finish != NULL;
     RfNormalize normalize = made ? RF_NORMALIZE_RATIO : r->setup->settings.normalize;
+    const RfFilm* pass = live->films + rf_first_pass_film( &r->setup->sizes );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
         buffer->result.aovs[a] = buffer->layers[a];
-        if ( buffer->layers[a] != NULL && !( made && a == RF_AOV_VARIANCE ) )
+        if ( buffer->layers[a] != NULL && ( RF_PASS_AOVS & RF_AOV_BIT( a ) ) != 0 )
+            rf_combine_part( live->films, pass++, normalize, buffer->layers[a] );
+        else if ( buffer->layers[a] != NULL && !( made && a == RF_AOV_VARIANCE ) )
             rf_finish_aov( &live->aovs, (RfAov)a, live->films, normalize, buffer->layers[a] );
     }
+}
+
+// Images of light groups. Of pieces, the rest of the picture is not known.
+static void finish_groups( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
+{
+    int count = r->setup->sizes.group_films, first = r->setup->sizes.film_count - count;
+    buffer->result.layers = buffer->list;
+    if ( r->setup->settings.pieces != NULL )
+        return;
+    for ( int g = 0; g < count; ++g )
+    {
+        rf_combine_part( live->films, live->films + first + g, r->setup->settings.normalize, buffer->groups[g] );
+        buffer->list[g] =
+            ( RfLayer ){ .name = r->setup->group_names[g], .letters = "RGB", .values = buffer->groups[g], .half = true };
+    }
+    buffer->result.layer_count = count;
 }
 
 // `shared` are the seconds that the frame has of those which its group took.
@@ -101,7 +123,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     RfRelmse relmse = rf_finish_picture( r, live, &picture );
     RfFlicker flicker = take_flicker( r, live );
     double now = rf_wall_seconds(), pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
-    bool removes = r->setup->sizes.film_count > r->setup->settings.estimator->films;
+    bool removes = rf_first_pass_film( &r->setup->sizes ) > r->setup->settings.estimator->films;
     buffer->result = ( RfFrameResult ){
         .frame = live->frame,
         .width = r->setup->sizes.width,
@@ -140,6 +162,8 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     r->last_relmse = buffer->result.relmse_estimate;
     r->last_is_lower_bound = relmse.is_lower_bound;
     finish_aovs( r, live, buffer );
+    finish_groups( r, live, buffer );
+    rf_finish_surfaces( r, live, buffer );
     r->last_frame = now;
     live->frame = -1;
     r->frames_done += 1;

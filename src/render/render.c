@@ -7,11 +7,15 @@
 #include "render/settings.h"
 #include "render/state.h"
 #include "render/stop/until.h"
+#include "trace/relit.h"
 
 #include <math.h>
 #include <omp.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define GROUP_LAYER "light_" // begins the names of the groups' layers
 
 // Never a matter of which frames are asked for.
 static RfResult choose_group( const RfShot* shot, RfRenderSettings* settings, RfError* error )
@@ -161,11 +165,44 @@ static RfResult set_up_render( RfRenderSetup* setup, RfError* error )
     return result;
 }
 
+// Splits the light by the groups that are asked for.
+static RfResult split_light( RfRenderSetup* setup, RfError* error )
+{
+    const RfShot* shot = &setup->shot;
+    if ( setup->settings.light_groups == NULL )
+        return RF_OK;
+    RfResult result =
+        rf_find_light_groups( rf_tracer_scene( shot->tracer ), setup->settings.light_groups, &setup->groups, error );
+    for ( int g = 0; g < setup->groups.count && result == RF_OK; ++g )
+    {
+        size_t size = sizeof GROUP_LAYER + strlen( setup->groups.names[g] );
+        setup->group_names[g] = malloc( size );
+        if ( setup->group_names[g] == NULL )
+            result = rf_fail( error, RF_ERROR_MEMORY, "no memory for the names of light groups" );
+        else
+            snprintf( setup->group_names[g], size, GROUP_LAYER "%s", setup->groups.names[g] );
+    }
+    if ( result == RF_OK && setup->groups.count > 0 )
+        result = rf_create_split_tracer( shot->tracer, &setup->groups, &setup->split, error );
+    setup->shot.tracer = setup->split != NULL ? setup->split : shot->tracer;
+    return result;
+}
+
+static void join_light( RfRenderSetup* setup )
+{
+    rf_destroy_split_tracer( setup->split );
+    for ( int g = 0; g < RF_LIGHT_GROUPS_MOST; ++g )
+        free( setup->group_names[g] );
+    rf_destroy_light_groups( &setup->groups );
+}
+
 // The memory of a render that is set up; what was allocated before a failure is freed as after a render.
 static RfResult alloc_render( RfRenderer* r, RfError* error )
 {
     RfEstimatorGroup group = rf_frames_as_group( r, 0, r->setup->plan.eyes, 0 );
     RfResult result = rf_alloc_render_memory( &group, &r->setup->sizes, &r->memory, error );
+    if ( result == RF_OK )
+        result = rf_make_surface_tables( rf_tracer_scene( r->setup->shot.tracer ), &r->setup->settings, &r->surfaces, error );
     return result == RF_OK ? rf_alloc_traced_jobs( r, error ) : result;
 }
 
@@ -238,7 +275,9 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         return result;
     if ( callbacks != NULL )
         setup.callbacks = *callbacks;
-    result = set_up_render( &setup, error );
+    result = split_light( &setup, error );
+    if ( result == RF_OK )
+        result = set_up_render( &setup, error );
     RfRenderer r = make_renderer( &setup );
     if ( result == RF_OK )
     {
@@ -246,7 +285,7 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         omp_set_num_threads( setup.settings.threads ); // of loops that do not say so themselves, as in a reconstruction
         result = alloc_render( &r, error );
         if ( result == RF_OK )
-            result = rf_create_worlds( shot, setup.sizes.worlds, rf_follows_motion( &setup.settings ), &r.worlds, error );
+            result = rf_create_worlds( &setup.shot, setup.sizes.worlds, rf_follows_motion( &setup.settings ), &r.worlds, error );
         if ( result == RF_OK )
             result = rf_find_clamps( &r, error );
         if ( result == RF_OK )
@@ -254,10 +293,12 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         rf_destroy_worlds( &r.worlds );
         omp_set_num_threads( before );
         free( r.traced_jobs );
+        rf_destroy_surface_tables( &r.surfaces );
     }
     if ( stats != NULL )
         fill_stats( &r, stats );
     free( r.clamps );
     rf_free_render_memory( &setup.sizes, &r.memory );
+    join_light( &setup );
     return result;
 }

@@ -135,6 +135,7 @@ static void set_light_paths( const Source* from )
              t->chain_triangles + t->plate_triangles == 0
                  ? "no perfect mirror, no smooth solid glass, no smooth metal under lamps without size"
              : t->without_caustics            ? "caustics are left out"
+             : t->light_groups > 0            ? "light is split by groups"
              : t->blended                     ? "surfaces are partly transparent, which light paths do not pass"
              : s->weights != RF_WEIGHTS_EXACT ? "they need exact weights"
              : t->moves && s->group != 0      ? "where something moves they want groups of one frame"

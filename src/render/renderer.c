@@ -26,10 +26,13 @@ RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const 
         .first_row = (int)( (long)r->setup->sizes.height * band / bands ),
         .end_row = (int)( (long)r->setup->sizes.height * ( band + 1 ) / bands ),
         .films = live->films,
+        .groups = r->setup->sizes.group_films > 0 ? live->films + r->setup->sizes.film_count - r->setup->sizes.group_films : NULL,
+        .passes = r->setup->sizes.pass_films > 0 ? live->films + rf_first_pass_film( &r->setup->sizes ) : NULL,
         .half = pass->half,
         .weight = (float)pass->weight,
         .landed = live->aovs.landed,
         .sky = sky_of_half( r, live, pass->half ),
+        .covering = live->covering,
         .pass_state = live->pass_state,
     };
 }
@@ -57,13 +60,16 @@ RfEstimatorGroup rf_frames_as_group( RfRenderer* r, int first_frame, int eye_cou
         .first_frame = first_frame,
         .clamp = r->clamps != NULL ? r->clamps + first_frame : NULL,
         .number = number,
+        .passes_before = -1,
     };
 }
 
 RfEstimatorGroup rf_estimator_group( RfRenderer* r, int number )
 {
     RfGroup group = rf_group( &r->setup->plan, number );
-    return rf_frames_as_group( r, group.first, group.eyes, number );
+    RfEstimatorGroup out = rf_frames_as_group( r, group.first, group.eyes, number );
+    out.passes_before = group.passes_before;
+    return out;
 }
 
 void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )

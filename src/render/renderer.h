@@ -3,7 +3,9 @@
 #define REFRAME_RENDER_RENDERER_H
 
 #include "render/memory/memory.h"
+#include "render/surface_layers.h"
 #include "render/worlds.h"
+#include "scene/light_groups.h"
 
 #define RF_NO_FRAME ( -2 ) // not even the one before the first
 
@@ -17,7 +19,10 @@ typedef struct RfRenderSetup
     RfMemoryFit fit;
     RfRenderSizes sizes;
     RfSceneTraits traits;
-    RfPixelFilter filter; // made unless the settings have the plain one
+    RfPixelFilter filter;                    // made unless the settings have the plain one
+    RfLightGroups groups;                    // that light is split by
+    char* group_names[RF_LIGHT_GROUPS_MOST]; // of their layers
+    RfTracer* split;                         // the shot's tracer then; NULL: the caller's own
 } RfRenderSetup;
 
 // Frames asked for whose films are held at once, or follow each other through the films of a group.
@@ -54,6 +59,7 @@ struct RfRenderer
     RfFrameQueue queue;
     RfWorlds worlds;
     RfClampThresholds* clamps; // by frame of the path: thresholds; NULL without a clamp
+    RfSurfaceTables surfaces;  // what they are called
     int* traced_jobs;          // of a pass, with settings.pieces; NULL: all jobs
     RfRayCounts rays;
     double start, last_frame; // seconds

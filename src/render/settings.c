@@ -18,6 +18,22 @@ static bool can_adapt( const RfRenderSettings* s )
     return e->add_own_shares != NULL && e->count_samples != NULL && e->films == 1 && s->weights == RF_WEIGHTS_EXACT;
 }
 
+static RfResult check_dwa( const RfFrameFiles* files, RfError* error )
+{
+    if ( files->compression != RF_EXR_DWAA && files->compression != RF_EXR_DWAB )
+        return RF_OK;
+    if ( !rf_has_dwa() )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "this build of reframe lacks DWA: choose another compression" );
+    if ( !( files->dwa_level >= 0.0f && files->dwa_level <= RF_EXR_MAX_DWA_LEVEL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "a level of DWA is 0 to %g, not %g", (double)RF_EXR_MAX_DWA_LEVEL,
+                        (double)files->dwa_level );
+    if ( !files->half && files->parts == RF_PARTS_ONE )
+        return rf_fail(
+            error, RF_ERROR_USAGE, // else it would take all channels of 32 bits for colours
+            "DWA compresses colours of 32 bits in parts of their own only: ask for 16 bits, or for a part for each pass" );
+    return RF_OK;
+}
+
 static RfResult check_choices( const RfRenderSettings* s, RfError* error )
 {
     if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
@@ -37,9 +53,9 @@ static RfResult check_choices( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "there is no reconstruction %d", (int)s->reconstruction );
     if ( (unsigned)s->adaptive > RF_ADAPTIVE_OFF )
         return rf_fail( error, RF_ERROR_USAGE, "there is no adaptive sampling %d", (int)s->adaptive );
-    if ( (unsigned)s->files.compression > RF_EXR_PIZ )
+    if ( (unsigned)s->files.compression > RF_EXR_DWAB )
         return rf_fail( error, RF_ERROR_USAGE, "there is no compression %d", (int)s->files.compression );
-    return RF_OK;
+    return check_dwa( &s->files, error );
 }
 
 static RfResult check_settings( const RfRenderSettings* s, RfError* error )
@@ -62,6 +78,8 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
     if ( ( s->aovs & ~( RF_ALL_AOVS | RF_AOV_BIT( RF_AOV_ALPHA ) ) ) != 0 )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such AOVs: %#x", s->aovs );
+    if ( ( s->cryptomatte & ~( RF_CRYPTOMATTE_OBJECT | RF_CRYPTOMATTE_MATERIAL | RF_CRYPTOMATTE_ASSET ) ) != 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "there are no such kinds of Cryptomatte: %#x", s->cryptomatte );
     if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
         return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
     if ( s->threads > RF_MAX_THREADS )
@@ -97,14 +115,20 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         return lacks( estimator, "adaptive sampling", error );
     if ( ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
         return lacks( estimator, "AOVs of first hits", error );
+    if ( ( s->aovs & RF_DENOISE_AOVS ) != 0 && !estimator->has_features )
+        return lacks( estimator, "AOVs for denoisers", error );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL && !estimator->has_variance )
         return lacks( estimator, "variance AOV", error );
     if ( s->flicker > 0.0 && estimator->finish != NULL ) // the halves of its pictures are not in the films
         return lacks( estimator, "estimate of flicker to stop at", error );
     if ( ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !estimator->has_gradients )
         return lacks( estimator, "gradients", error );
+    if ( ( s->aovs & RF_PASS_AOVS ) != 0 && !estimator->splits_light )
+        return lacks( estimator, "passes of its light", error );
     if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !estimator->has_alpha )
         return lacks( estimator, "alpha", error );
+    if ( rf_wants_covering( s ) && !estimator->has_covering )
+        return lacks( estimator, "Cryptomatte and no index AOVs", error );
     if ( s->clamp != 0.0 && !estimator->clamps )
         return lacks( estimator, "clamp", error );
     if ( s->pieces != NULL && !rf_can_render_pieces( s ) )
@@ -189,6 +213,14 @@ static RfResult check_removed( const RfShot* shot, const RfRenderSettings* s, Rf
     return rf_check_caustics( &traits, s, error );
 }
 
+static RfResult check_passes( const RfShot* shot, const RfRenderSettings* s, RfError* error )
+{
+    if ( ( s->aovs & RF_PASS_AOVS ) == 0 || !rf_is_left_out( rf_tracer_scene( shot->tracer ), RF_EFFECT_CHAINS ) )
+        return RF_OK;
+    return rf_fail( error, RF_ERROR_USAGE,
+                    "chains are left out, which tell passes what mirrors and glass show: keep chains, or leave out the passes" );
+}
+
 RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
     RfResult result = check_settings( settings, error );
@@ -214,7 +246,13 @@ RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings
         resolved->normalize = RF_NORMALIZE_RATIO;
     if ( resolved->adaptive == RF_ADAPTIVE_AUTO && !can_adapt( resolved ) )
         resolved->adaptive = RF_ADAPTIVE_OFF;
-    result = check_removed( shot, resolved, error );
+    result = rf_check_surface_numbers( rf_tracer_scene( shot->tracer ), rf_surface_kinds( resolved ), error );
+    if ( result == RF_OK )
+        result = check_removed( shot, resolved, error );
+    if ( result == RF_OK )
+        result = check_passes( shot, resolved, error );
+    if ( result == RF_OK )
+        result = rf_check_light_groups( rf_tracer_scene( shot->tracer ), resolved, error );
     return result == RF_OK ? check_moving( shot, resolved, error ) : result;
 }
 

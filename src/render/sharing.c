@@ -88,9 +88,9 @@ static void number_items( Look* look )
 // Light that has parts by frame is shared, whatever it is in each.
 static RfShared way_of( const RfLights* lights, int part )
 {
-    if ( part == 0 || ( part == RF_PART_OWN && lights->frame_count > 0 ) )
+    if ( part == 0 || ( rf_is_own_part( part ) && lights->frame_count > 0 ) )
         return RF_SHARED_AS_IT_IS;
-    return part == RF_PART_OWN ? RF_SHARED_NOT : RF_SHARED_SCALED;
+    return rf_is_own_part( part ) ? RF_SHARED_NOT : RF_SHARED_SCALED;
 }
 
 // How each that shines is shared in a group, by the light of it that is shared least.

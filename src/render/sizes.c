@@ -32,11 +32,14 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     int total_every = rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) +
                                            ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) + ( glints ? RF_MOST_GLINTS : 0 ) );
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
+    int passes = __builtin_popcount( settings->aovs & RF_PASS_AOVS );
     int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
         .of_estimator = settings->estimator->sizes( &group ),
-        .film_count = settings->estimator->films + rf_keeps_removed( scene, settings ),
+        .film_count = settings->estimator->films + rf_keeps_removed( scene, settings ) + passes + called.light_groups,
+        .pass_films = passes,
+        .group_films = called.light_groups,
         .width = eyes->width,
         .height = eyes->height,
         .eyes = plan->eyes,
@@ -48,6 +51,8 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         // of any number of frames: the least budget must not depend on it
         .ring = settings->queue > 1 ? settings->queue : 1,
         .aovs = settings->aovs,
+        .cryptomatte = settings->cryptomatte,
+        .covering = rf_wants_covering( settings ),
         .filtered = !rf_is_plain_filter( settings ) && !settings->estimator->draws_by_filter,
         .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
         .stopping = rf_is_stopping( settings ),
@@ -98,6 +103,8 @@ size_t rf_material_noise_bytes( const RfRenderSizes* s )
     return s->materials > 0 ? ( (size_t)s->materials + 1 ) * sizeof( RfMaterialNoise ) : 0;
 }
 
+size_t rf_covering_bytes( const RfRenderSizes* s ) { return s->covering ? film_pixels( s ) * sizeof( RfCovering ) : 0; }
+
 size_t rf_aov_film_bytes( const RfRenderSizes* s, int aov )
 {
     bool asked = ( s->aovs & RF_AOV_BIT( aov ) ) != 0;
@@ -110,6 +117,24 @@ size_t rf_aov_image_bytes( const RfRenderSizes* s, int aov )
     return asked ? film_pixels( s ) * (size_t)rf_aov_channels( (RfAov)aov ) * sizeof( float ) : 0;
 }
 
+size_t rf_matte_bytes( const RfRenderSizes* s, int kind )
+{
+    return ( s->cryptomatte & 1u << kind ) != 0 ? film_pixels( s ) * 4 * sizeof( float ) : 0;
+}
+
+static int matte_kinds( const RfRenderSizes* s )
+{
+    int kinds = 0;
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+        kinds += ( s->cryptomatte & 1u << k ) != 0;
+    return kinds;
+}
+
+size_t rf_layer_list_bytes( const RfRenderSizes* s )
+{
+    return (size_t)( matte_kinds( s ) * RF_CRYPTOMATTE_LAYERS + s->group_films ) * sizeof( RfLayer );
+}
+
 static size_t optional( size_t bytes ) { return bytes > 0 ? rf_arena_size( bytes ) : 0; }
 
 size_t rf_films_bytes( const RfRenderSizes* s )
@@ -117,9 +142,10 @@ size_t rf_films_bytes( const RfRenderSizes* s )
     size_t film = 2 * rf_arena_size( rf_half_bytes( s ) ) + 2 * optional( rf_totals_bytes( s ) );
     size_t frame = (size_t)s->film_count * film + optional( rf_need_bytes( s ) ) + optional( rf_glints_bytes( s ) ) +
                    2 * optional( rf_extra_bytes( s ) );
-    frame += optional( s->of_estimator.pass_state );
+    frame += optional( s->of_estimator.pass_state ) + optional( rf_covering_bytes( s ) );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         frame += optional( rf_aov_film_bytes( s, a ) );
+    frame += rf_arena_size( (size_t)s->film_count * sizeof( RfFilm ) );
     return rf_arena_size( (size_t)s->films * sizeof( RfLiveFilm ) ) + optional( rf_noise_estimates_bytes( s ) ) +
            optional( rf_kept_errors_bytes( s ) ) + optional( rf_material_noise_bytes( s ) ) + (size_t)s->films * frame;
 }
@@ -129,7 +155,10 @@ size_t rf_image_bytes( const RfRenderSizes* s )
     size_t bytes = rf_arena_size( film_pixels( s ) * 3 * sizeof( float ) ) + rf_arena_size( film_pixels( s ) * sizeof( float ) );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         bytes += optional( rf_aov_image_bytes( s, a ) );
-    return bytes;
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+        bytes += RF_CRYPTOMATTE_LAYERS * optional( rf_matte_bytes( s, k ) );
+    bytes += (size_t)s->group_films * rf_arena_size( film_pixels( s ) * 3 * sizeof( float ) );
+    return bytes + optional( rf_layer_list_bytes( s ) );
 }
 
 size_t rf_scratch_bytes( const RfRenderSizes* s )
@@ -142,7 +171,8 @@ size_t rf_scratch_bytes( const RfRenderSizes* s )
 
 size_t rf_writer_bytes( const RfRenderSizes* s )
 {
-    int pixel_bytes = s->files.half ? 3 * 2 : 3 * 4;
+    int pixel_bytes =
+        ( 1 + s->group_films ) * ( s->files.half ? 3 * 2 : 3 * 4 ) + matte_kinds( s ) * RF_CRYPTOMATTE_LAYERS * 4 * 4;
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
         if ( ( s->aovs & RF_AOV_BIT( a ) ) != 0 )

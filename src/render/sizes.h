@@ -10,25 +10,30 @@ typedef struct RfRenderSizes
 {
     const RfEstimator* estimator;
     RfEstimatorSizes of_estimator; // for a full group
-    int film_count;                // of a frame
+    int film_count; // of a frame: the estimator's, that of removed light, those of passes (RF_PASS_AOVS), those of light groups
+    int pass_films, group_films;
     int width, height;
     int eyes; // of a full group
     int threads;
-    int films;       // frames whose films are held at once
-    int buffers;     // finished frames held at once, if there is room
-    int ring;        // and the size of the table of them
-    unsigned aovs;   // RF_AOV_BIT of the AOVs asked for
-    bool filtered;   // by another than the plain pixel filter
-    int total_every; // passes of a half of a film before it is emptied; 0: never
-    bool stopping;   // by noise, flicker or time
-    bool paired;     // by flicker: the films of a group are held at once, and the errors of one more frame
-    bool adaptive;   // films may get extra samples
-    bool glints;     // likewise for glints
-    int materials;   // whose noise is measured for these; 0: all are alike
-    int worlds;      // frames whose moving things are held at once (render/worlds.h)
-    size_t moving;   // bytes of these: counted, not allocated by memory.h
+    int films;            // frames whose films are held at once
+    int buffers;          // finished frames held at once, if there is room
+    int ring;             // and the size of the table of them
+    unsigned aovs;        // RF_AOV_BIT of the AOVs asked for
+    unsigned cryptomatte; // kinds asked for
+    bool covering;        // surfaces of pixels are counted, for these or index AOVs
+    bool filtered;        // by another than the plain pixel filter
+    int total_every;      // passes of a half of a film before it is emptied; 0: never
+    bool stopping;        // by noise, flicker or time
+    bool paired;          // by flicker: the films of a group are held at once, and the errors of one more frame
+    bool adaptive;        // films may get extra samples
+    bool glints;          // likewise for glints
+    int materials;        // whose noise is measured for these; 0: all are alike
+    int worlds;           // frames whose moving things are held at once (render/worlds.h)
+    size_t moving;        // bytes of these: counted, not allocated by memory.h
     RfFrameFiles files;
 } RfRenderSizes;
+
+static inline int rf_first_pass_film( const RfRenderSizes* s ) { return s->film_count - s->group_films - s->pass_films; }
 
 // A group of `eye_count` cameras for asking an estimator for its sizes.
 RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
@@ -70,6 +75,9 @@ size_t rf_need_bytes( const RfRenderSizes* sizes );
 size_t rf_glints_bytes( const RfRenderSizes* sizes );
 size_t rf_extra_bytes( const RfRenderSizes* sizes );
 size_t rf_material_noise_bytes( const RfRenderSizes* sizes );
+size_t rf_matte_bytes( const RfRenderSizes* sizes, int kind ); // a layer of Cryptomatte
+size_t rf_layer_list_bytes( const RfRenderSizes* sizes );
+size_t rf_covering_bytes( const RfRenderSizes* sizes ); // surfaces of a film
 size_t rf_aov_film_bytes( const RfRenderSizes* sizes, int aov );
 size_t rf_aov_image_bytes( const RfRenderSizes* sizes, int aov );
 

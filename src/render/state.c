@@ -9,7 +9,7 @@
 typedef struct Shape
 {
     int32_t width, height, films, live, frames, of_sweep;
-    uint32_t aovs, adaptive, paired, stopping;
+    uint32_t aovs, adaptive, paired, stopping, cryptomatte, covering;
     uint64_t film_bytes, total_bytes, pass_state, stop;
 } Shape;
 
@@ -66,6 +66,7 @@ static void move_live_film( Stream* s, RfLiveFilm* live )
     MOVE( s, live->most_glints );
     move( s, live->glints, rf_glints_bytes( sizes ) );
     move( s, live->pass_state, sizes->of_estimator.pass_state );
+    move( s, live->covering, rf_covering_bytes( sizes ) );
     for ( int f = 0; f < sizes->film_count; ++f )
         move_film( s, live->films + f );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
@@ -134,6 +135,8 @@ static Shape shape_of( const RfRenderer* r )
         .adaptive = sizes->adaptive,
         .paired = sizes->paired,
         .stopping = sizes->stopping,
+        .cryptomatte = sizes->cryptomatte,
+        .covering = sizes->covering,
         .film_bytes = rf_half_bytes( sizes ),
         .total_bytes = sizes->total_every > 0 ? rf_totals_bytes( sizes ) : 0,
         .pass_state = sizes->of_estimator.pass_state,

@@ -5,6 +5,7 @@
 #include "light/changing.h"
 #include "render/estimator.h"
 #include "scene/leave_out.h"
+#include "scene/light_groups.h"
 #include "scene/mirrors.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
@@ -48,6 +49,38 @@ static bool change_lamps_alone( const RfScene* scene )
     return any && scene->placement_count == scene->still_placement_count;
 }
 
+// Settings that ask for none that there are have been refused.
+static int count_light_groups( const RfScene* scene, const RfRenderSettings* settings )
+{
+    RfLightGroups groups;
+    if ( settings->light_groups == NULL || rf_find_light_groups( scene, settings->light_groups, &groups, NULL ) != RF_OK )
+        return 0;
+    int count = groups.count;
+    rf_destroy_light_groups( &groups );
+    return count;
+}
+
+RfResult rf_check_light_groups( const RfScene* scene, const RfRenderSettings* settings, RfError* error )
+{
+    RfLightGroups groups;
+    if ( settings->light_groups == NULL )
+        return RF_OK;
+    RfResult result = rf_find_light_groups( scene, settings->light_groups, &groups, error );
+    if ( result != RF_OK )
+        return result;
+    rf_destroy_light_groups( &groups );
+    if ( !settings->estimator->splits_light )
+        return rf_advise(
+            rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot split light by groups", settings->estimator->name ),
+            RF_REMEDY_ESTIMATOR, 0, error );
+    if ( settings->light_paths == RF_LIGHT_PATHS_ON )
+        return rf_fail( error, RF_ERROR_USAGE, "light paths cannot split light by groups: --light-paths off or auto" );
+    if ( rf_is_left_out( scene, RF_EFFECT_CAUSTICS ) )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "caustics cannot be left out of light groups: keep them, or render without light groups" );
+    return RF_OK;
+}
+
 bool rf_may_move( const RfScene* scene ) { return rf_calls_for( scene->movement != NULL, RF_EFFECT_MOVING ); }
 
 RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings )
@@ -73,6 +106,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.moves = rf_may_move( scene );
     traits.dimmable = traits.moves ? count_dimmable( scene ) : 0;
     traits.lamps_alone = traits.moves && change_lamps_alone( scene );
+    traits.light_groups = count_light_groups( scene, settings );
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
     traits.moving_lights = traits.moves && rf_count_moving_emitters( scene ) > 0;
@@ -86,7 +120,7 @@ bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* 
     return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
                              settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles + traits->plate_triangles > 0 &&
                              !traits->blended && !( traits->moves && settings->group != 0 ) && traits->blur_steps == 0 &&
-                             !traits->without_caustics &&
+                             !traits->without_caustics && traits->light_groups == 0 &&
                              ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
                          RF_EFFECT_LIGHT_PATHS );
 }
@@ -130,7 +164,8 @@ bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* setti
 {
     bool grouped = settings->group != 0 && traits->grouped_chains;
     return traits->chains && settings->weights == RF_WEIGHTS_EXACT &&
-           ( tile_pixels > 1 || grouped || rf_wants_light_paths( traits, settings ) );
+           ( tile_pixels > 1 || grouped || rf_wants_light_paths( traits, settings ) ||
+             ( settings->aovs & RF_PASS_AOVS ) != 0 ); // which tell what is seen by them
 }
 
 // The effect of which materials scatter by the model. Mirrors are GLASS as well.
@@ -142,7 +177,13 @@ static RfEffectId effect_of( RfBsdfKind kind )
         case RF_BSDF_PHONG: return RF_EFFECT_PHONG;
         case RF_BSDF_GGX: return RF_EFFECT_GGX;
         case RF_BSDF_COATED: return RF_EFFECT_CLEARCOAT;
+        case RF_BSDF_SHEEN: return RF_EFFECT_SHEEN;
+        case RF_BSDF_ANISOTROPIC: return RF_EFFECT_ANISOTROPY;
+        case RF_BSDF_IRIDESCENT: return RF_EFFECT_IRIDESCENCE;
+        case RF_BSDF_LAYERED: return RF_EFFECT_COUNT;
+        case RF_BSDF_TRANSLUCENT: return RF_EFFECT_DIFFUSE_TRANSMISSION;
         case RF_BSDF_GLASS: return RF_EFFECT_TRANSMISSION;
+        case RF_BSDF_SPECTRAL: return RF_EFFECT_DISPERSION;
         case RF_BSDF_KIND_COUNT: break;
     }
     return RF_EFFECT_COUNT;

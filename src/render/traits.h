@@ -25,6 +25,7 @@ typedef struct RfSceneTraits
     // what is a matter of the scene alone, whatever is forced
     bool moves;               // something in it moves or changes
     int dimmable;             // lamps that may be dimmed, at most RF_DIMMED_MOST
+    int light_groups;         // that light is split by; 0: it is not
     bool lamps_alone;         // some do more, and nothing else does but the sky
     bool sharp;               // some surface may mirror a lamp (rf_may_be_sharp)
     bool grouped_chains;      // other frames can use what chains find
@@ -55,6 +56,9 @@ bool rf_may_move( const RfScene* scene );
 // Where something moves, groups of several frames share only what holds in all of them, which some settings cannot tell: fails for
 // those with RF_ERROR_USAGE.
 RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error );
+
+// Fails likewise for settings that cannot split light by groups.
+RfResult rf_check_light_groups( const RfScene* scene, const RfRenderSettings* settings, RfError* error );
 
 // Fails likewise for settings that cannot leave caustics out, where they are.
 RfResult rf_check_caustics( const RfSceneTraits* traits, const RfRenderSettings* settings, RfError* error );

@@ -17,6 +17,11 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
     if ( s->clamp != 0.0 && s->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "a clamp needs exact weights: --weights exact, or --clamp off" );
+    if ( ( s->aovs & RF_PASS_AOVS ) != 0 && s->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE, "the biased weights cannot split light into passes: exact weights, or no passes" );
+    if ( s->light_groups != NULL && s->weights != RF_WEIGHTS_EXACT )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "the biased weights cannot split light by groups: exact weights, or no light groups" );
     return RF_OK;
 }
 
@@ -82,12 +87,13 @@ static bool is_traced( const RfEstimatorGroup* group, RfTraceJob job )
 static RfFirstHits first_hits( const void* memory )
 {
     const RfHarvestScratch* scratch = memory;
-    return ( RfFirstHits ){ &scratch->first,
-                            &scratch->camera_rays,
-                            scratch->surfaces,
-                            scratch->pixel,
-                            { scratch->place[0], scratch->place[1] },
-                            scratch->wavefront.rays_of };
+    return ( RfFirstHits ){ .hits = &scratch->first,
+                            .rays = &scratch->camera_rays,
+                            .surfaces = scratch->surfaces,
+                            .pixel = scratch->pixel,
+                            .place = { scratch->place[0], scratch->place[1] },
+                            .features = scratch->features,
+                            .path_rays = scratch->wavefront.rays_of };
 }
 
 static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
@@ -161,7 +167,10 @@ const RfEstimator rf_reuse_estimator = {
     .tile = { RF_TILE_BLOCK, 3, 3 },
     .filters = true,
     .has_alpha = true,
+    .has_features = true,
+    .has_covering = true,
     .clamps = true,
+    .splits_light = true,
     .check = check,
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,

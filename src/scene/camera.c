@@ -129,7 +129,8 @@ RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfE
     const char* path = scene->path != NULL ? scene->path : "scene";
     *index = -1;
     if ( scene->camera_count == 0 )
-        return rf_fail( error, RF_ERROR_SCENE, "%s: has no camera: add one in the modelling program and export cameras", path );
+        return rf_fail( error, RF_ERROR_SCENE,
+                        "%s: has no camera: export one from the modelling program, or give it one in a scene file", path );
     if ( name == NULL )
     {
         *index = default_camera( scene );

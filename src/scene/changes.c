@@ -14,10 +14,23 @@ const char* rf_changing_kind( RfChangingKind kind )
 }
 
 static const char* const s_textures[RF_TEXTURE_SLOT_COUNT] = {
-    "base colour texture",       "metallic-roughness texture", "normal texture",
-    "emissive texture",          "specular texture",           "specular colour texture",
-    "transmission texture",      "clear coat texture",         "clear coat roughness texture",
+    "base colour texture",
+    "metallic-roughness texture",
+    "normal texture",
+    "emissive texture",
+    "specular texture",
+    "specular colour texture",
+    "transmission texture",
+    "clear coat texture",
+    "clear coat roughness texture",
     "clear coat normal texture",
+    "sheen colour texture",
+    "sheen roughness texture",
+    "anisotropy texture",
+    "film texture",
+    "film thickness texture",
+    "through texture",
+    "through colour texture",
 };
 
 static const char* word_of( const RfChange* change )
@@ -38,6 +51,7 @@ static const char* word_of( const RfChange* change )
         case RF_CHANGED_TEXTURE_ROTATION:
         case RF_CHANGED_TEXTURE_SCALE: return s_textures[change->slot];
         case RF_CHANGED_SKY_STRENGTH: return "strength";
+        case RF_CHANGED_SKY_RADIANCE: return "radiance";
         case RF_CHANGED_SKY_ROTATION: return "rotation";
         case RF_CHANGED_YFOV:
         case RF_CHANGED_YMAG: return "field of view";
@@ -145,8 +159,7 @@ static RfChanging of_sky( const RfScene* scene )
     RfChanging out = { .kind = RF_CHANGING_SKY, .name = "sky", .shines = true };
     for ( int i = 0; i < scene->movement->change_count; ++i )
     {
-        RfChangedValue value = scene->movement->changes[i].value;
-        if ( value == RF_CHANGED_SKY_STRENGTH || value == RF_CHANGED_SKY_ROTATION )
+        if ( rf_is_of_sky( scene->movement->changes[i].value ) )
             add_word( &out, word_of( scene->movement->changes + i ) );
     }
     return out;

@@ -23,6 +23,10 @@ static inline void rf_unit3( double v[3] )
 // rf_eye_matrices of an eye that is relative to an origin.
 void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float world_to_camera[16], float world_to_ndc[16] );
 
+// Adds pixels to the film, x on the left and the right and y above and below: the same camera sees more. Below 0 they are
+// taken off.
+void rf_widen_eye( RfEye* eye, int x, int y );
+
 // What rf_cross3 would be in floats, for a fault of base/fault.h.
 static inline void rf_cross3_in_floats( const double a[3], const double b[3], double out[3] )
 {

@@ -93,16 +93,44 @@ static void leave_out_of_glass( uint64_t set, RfMaterial* m )
     }
     if ( leaves( set, RF_EFFECT_ABSORPTION ) )
         m->absorption = s_black;
+    if ( leaves( set, RF_EFFECT_DISPERSION ) )
+        m->dispersion = 0.0f;
+    if ( leaves( set, RF_EFFECT_IRIDESCENCE ) )
+        m->film = 0.0f;
+    if ( m->kind == RF_BSDF_SPECTRAL && !( m->dispersion > 0.0f ) && !( m->film > 0.0f ) )
+        m->kind = RF_BSDF_GLASS;
+}
+
+// GGX without some of what lies over it or changes its lobe.
+static void leave_out_layers( uint64_t set, RfMaterial* m )
+{
+    const uint64_t layers = RF_EFFECT_BIT( RF_EFFECT_CLEARCOAT ) | RF_EFFECT_BIT( RF_EFFECT_SHEEN ) |
+                            RF_EFFECT_BIT( RF_EFFECT_ANISOTROPY ) | RF_EFFECT_BIT( RF_EFFECT_IRIDESCENCE );
+    if ( ( set & layers ) == 0 )
+        return;
+    if ( leaves( set, RF_EFFECT_CLEARCOAT ) )
+        m->clearcoat = 0.0f;
+    if ( leaves( set, RF_EFFECT_CLEARCOAT ) && m->textured != NULL )
+        m->textured->clearcoat = 0.0;
+    if ( leaves( set, RF_EFFECT_SHEEN ) )
+        m->sheen = s_black;
+    if ( leaves( set, RF_EFFECT_ANISOTROPY ) )
+        m->anisotropy = 0.0f;
+    if ( leaves( set, RF_EFFECT_IRIDESCENCE ) )
+        m->film = 0.0f;
+    rf_choose_layers( m );
 }
 
 static void leave_out_of_material( uint64_t set, RfMaterial* m )
 {
-    if ( m->kind == RF_BSDF_COATED && leaves( set, RF_EFFECT_CLEARCOAT ) )
+    if ( m->kind > RF_BSDF_GGX && m->kind <= RF_BSDF_LAYERED )
+        leave_out_layers( set, m );
+    if ( m->kind == RF_BSDF_TRANSLUCENT && ( leaves( set, RF_EFFECT_DIFFUSE_TRANSMISSION ) || leaves( set, RF_EFFECT_GGX ) ) )
         m->kind = RF_BSDF_GGX;
-    bool ggx = m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED;
-    if ( ( m->kind == RF_BSDF_PHONG && leaves( set, RF_EFFECT_PHONG ) ) || ( ggx && leaves( set, RF_EFFECT_GGX ) ) )
+    if ( ( m->kind == RF_BSDF_PHONG && leaves( set, RF_EFFECT_PHONG ) ) ||
+         ( rf_is_ggx( m->kind ) && leaves( set, RF_EFFECT_GGX ) ) )
         make_lambert( m );
-    if ( m->kind == RF_BSDF_GLASS )
+    if ( m->kind >= RF_BSDF_FIRST_SPECULAR )
         leave_out_of_glass( set, m );
     if ( leaves( set, RF_EFFECT_AREA_LIGHTS ) )
         m->emission = s_black;
@@ -115,7 +143,7 @@ static void leave_out_of_material( uint64_t set, RfMaterial* m )
 static void remove_punctual_lights( RfScene* scene )
 {
     for ( int i = 0; i < scene->punctual_count; ++i )
-        free( scene->punctuals[i].name );
+        rf_destroy_punctual( scene->punctuals + i );
     scene->punctual_count = 0;
     if ( scene->movement != NULL )
         scene->movement->lamp_count = 0;

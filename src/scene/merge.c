@@ -3,8 +3,10 @@
 
 #include "base/file.h"
 #include "scene/image_sequence.h"
+#include "scene/light_groups.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
+#include "scene/surfaces.h"
 #include "scene/textured.h"
 
 #include <math.h>
@@ -126,6 +128,22 @@ static RfResult move_nodes( const Merge* m )
     return RF_OK;
 }
 
+// Whose the triangles are that come after those of the scene.
+static RfResult move_node_runs( const Merge* m )
+{
+    RfScene *scene = m->scene, *placed = m->placed;
+    if ( placed->triangles.count > 0 && !rf_begin_node_run( scene, -1 ) )
+        return no_memory( m );
+    uint32_t before = scene->node_run_count;
+    MOVE_ITEMS( scene->node_runs, scene->node_run_count, placed->node_runs, placed->node_run_count );
+    for ( uint32_t i = before; i < scene->node_run_count; ++i )
+    {
+        scene->node_runs[i].first += scene->triangles.count;
+        scene->node_runs[i].node += scene->node_runs[i].node > 0 ? m->nodes : 0;
+    }
+    return RF_OK;
+}
+
 static RfResult move_triangles( const Merge* m )
 {
     RfTriangles *to = &m->scene->triangles, *from = &m->placed->triangles;
@@ -133,6 +151,9 @@ static RfResult move_triangles( const Merge* m )
          (uint64_t)to->vertex_count + from->vertex_count > 3 * (uint64_t)MOST_TRIANGLES )
         return rf_fail( m->error, RF_ERROR_UNSUPPORTED, "%s: more than %u triangles in all: split the scene", m->scene->path,
                         MOST_TRIANGLES );
+    RfResult result = move_node_runs( m );
+    if ( result != RF_OK )
+        return result;
     if ( from->count > 0 && !rf_append_triangles( to, from, m->materials ) )
         return no_memory( m );
     rf_destroy_triangles( from );
@@ -162,6 +183,7 @@ static RfResult move_placements( const Merge* m )
         RfPlacement* p = placed->placements + i;
         p->mesh += m->meshes;
         p->mover = p->mover >= 0 ? p->mover + m->movers : -1;
+        p->node += p->node > 0 ? m->nodes : 0;
     }
     MOVE_ITEMS( scene->placements, scene->placement_count, placed->placements, placed->placement_count );
     RfPlacement* after = scene->placements + scene->still_placement_count;
@@ -175,8 +197,7 @@ static RfResult move_placements( const Merge* m )
 static int drop_sky( RfMovement* from )
 {
     int dropped = 0;
-    while ( dropped < from->change_count && ( from->changes[dropped].value == RF_CHANGED_SKY_STRENGTH ||
-                                              from->changes[dropped].value == RF_CHANGED_SKY_ROTATION ) )
+    while ( dropped < from->change_count && rf_is_of_sky( from->changes[dropped].value ) )
         rf_destroy_channel( &from->changes[dropped++].channel );
     from->change_count -= dropped;
     if ( dropped > 0 )
@@ -277,12 +298,15 @@ static RfResult move_notes( const Merge* m, const char* name )
         named = named && put_before( name, &placed->unrendered[i].what );
     for ( int i = 0; i < placed->moving_count; ++i )
         named = named && put_before( name, placed->moving + i );
+    for ( int i = 0; i < placed->export_loss_count; ++i )
+        named = named && put_before( name, placed->export_losses + i );
     for ( int i = 0; i < placed->export_warning_count; ++i )
         named = named && put_before( name, placed->export_warnings + i );
     if ( !named )
         return no_memory( m );
     MOVE_ITEMS( scene->unrendered, scene->unrendered_count, placed->unrendered, placed->unrendered_count );
     MOVE_ITEMS( scene->moving, scene->moving_count, placed->moving, placed->moving_count );
+    MOVE_ITEMS( scene->export_losses, scene->export_loss_count, placed->export_losses, placed->export_loss_count );
     MOVE_ITEMS( scene->export_warnings, scene->export_warning_count, placed->export_warnings, placed->export_warning_count );
     MOVE_ITEMS( scene->punctuals, scene->punctual_count, placed->punctuals, placed->punctual_count );
     return RF_OK;
@@ -297,6 +321,23 @@ static void join_bounds( RfScene* scene, const RfScene* placed, bool first )
     scene->bounds_max = first ? *high
                               : rf_vec3( rf_maxf( scene->bounds_max.x, high->x ), rf_maxf( scene->bounds_max.y, high->y ),
                                          rf_maxf( scene->bounds_max.z, high->z ) );
+}
+
+// Tags are numbered anew, by their names.
+static bool move_tag( const Merge* m, uint16_t* tag )
+{
+    return *tag == 0 || rf_tag_light( m->scene, m->placed->light_groups[*tag - 1], tag );
+}
+
+static RfResult move_light_groups( const Merge* m )
+{
+    RfScene* scene = m->scene;
+    bool moved = true;
+    for ( int i = m->punctuals; i < scene->punctual_count; ++i )
+        moved = moved && move_tag( m, &scene->punctuals[i].light_group );
+    for ( uint32_t i = m->materials; i < scene->material_count; ++i )
+        moved = moved && move_tag( m, &scene->materials[i].light_group );
+    return moved ? RF_OK : no_memory( m );
 }
 
 static RfResult merge( const Merge* m, const char* name )
@@ -317,6 +358,8 @@ static RfResult merge( const Merge* m, const char* name )
         result = move_movement( m );
     if ( result == RF_OK )
         result = move_notes( m, name );
+    if ( result == RF_OK )
+        result = move_light_groups( m );
     scene->frozen = scene->frozen || placed->frozen;
     if ( placed->change_end > placed->change_start )
     {

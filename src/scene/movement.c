@@ -26,6 +26,7 @@ const RfChangedTraits* rf_changed_traits( RfChangedValue value )
         [RF_CHANGED_TEXTURE_ROTATION] = { "rotation", 1, -HUGE_VAL, HUGE_VAL, false, false },
         [RF_CHANGED_TEXTURE_SCALE] = { "scale", 2, -1e6, 1e6, false, true },
         [RF_CHANGED_SKY_STRENGTH] = { "strength", 1, 0, HUGE_VAL, false, false },
+        [RF_CHANGED_SKY_RADIANCE] = { "radiance", 3, 0, HUGE_VAL, false, false },
         [RF_CHANGED_SKY_ROTATION] = { "rotation", 1, -HUGE_VAL, HUGE_VAL, false, false },
         [RF_CHANGED_YFOV] = { "yfov", 1, 0, PI, true, false },
         [RF_CHANGED_YMAG] = { "ymag", 1, 0, 1e12, true, false },

@@ -53,6 +53,7 @@ typedef enum RfChangedValue
     RF_CHANGED_TEXTURE_SCALE, // 2
     // of the sky
     RF_CHANGED_SKY_STRENGTH, // a factor on its radiance
+    RF_CHANGED_SKY_RADIANCE, // 3 numbers: likewise
     RF_CHANGED_SKY_ROTATION, // radians
     // of the lens of a camera that moves with its node, which has the keys itself (scene/scene.h)
     RF_CHANGED_YFOV,
@@ -61,6 +62,16 @@ typedef enum RfChangedValue
 } RfChangedValue;
 
 #define RF_CHANGED_LAMP_VALUES ( RF_CHANGED_OUTER_CONE + 1 )
+
+static inline bool rf_is_of_sky( RfChangedValue value )
+{
+    return value >= RF_CHANGED_SKY_STRENGTH && value <= RF_CHANGED_SKY_ROTATION;
+}
+
+static inline bool rf_is_of_material( RfChangedValue value )
+{
+    return value >= RF_CHANGED_LAMP_VALUES && value < RF_CHANGED_SKY_STRENGTH;
+}
 
 // What may be its values: from `low` to `high`, both included, and above `low` where that is 0 and `positive`.
 typedef struct RfChangedTraits

@@ -50,7 +50,7 @@ static void sample_lamp_value( const RfMovement* movement, const RfMovingLamp* l
 static const char* place_lamp( const RfScene* scene, const RfMat4* world, RfPunctual* out )
 {
     const double *m = world->m, *origin = scene->origin;
-    double length = sqrt( m[8] * m[8] + m[9] * m[9] + m[10] * m[10] ), at[3];
+    double at[3];
     for ( int c = 0; c < 3; ++c )
     {
         at[c] = m[12 + c] - origin[c];
@@ -59,13 +59,9 @@ static const char* place_lamp( const RfScene* scene, const RfMat4* world, RfPunc
             return "it lies too far out: scale the scene down";
     }
     out->position = rf_vec3( (float)at[0], (float)at[1], (float)at[2] );
-    if ( out->kind == RF_PUNCTUAL_POINT )
+    if ( out->kind == RF_PUNCTUAL_POINT && !out->turned )
         return NULL;
-    if ( !( length > 0.0 && length < HUGE_VAL ) )
-        return "it has no direction: remove zero scales from its node and from its parents";
-    double scale = -1.0 / length;
-    out->direction = rf_vec3( (float)( m[8] * scale ), (float)( m[9] * scale ), (float)( m[10] * scale ) );
-    return NULL;
+    return rf_turn_lamp( m, out ) ? NULL : "it has no direction: remove zero scales from its node and from its parents";
 }
 
 // Returns what is wrong, or NULL. One that is hidden is where it was loaded.
@@ -121,8 +117,9 @@ static uint64_t hash_lamp( const RfScene* scene, const RfMovingLamp* lamp, const
     hash = rf_hash_bytes( hash, &posed.intensity, sizeof posed.intensity );
     if ( !( rf_max_component( posed.intensity ) > 0.0f ) )
         return hash;
-    float rest[9] = { posed.position.x,  posed.position.y, posed.position.z, posed.direction.x, posed.direction.y,
-                      posed.direction.z, posed.cos_inner,  posed.cos_outer,  posed.range };
+    float rest[12] = { posed.position.x,  posed.position.y,  posed.position.z, posed.direction.x,
+                       posed.direction.y, posed.direction.z, posed.cos_inner,  posed.cos_outer,
+                       posed.range,       posed.across.x,    posed.across.y,   posed.across.z };
     return rf_hash_bytes( hash, rest, sizeof rest );
 }
 
@@ -203,15 +200,19 @@ static void pose_materials( const RfScene* scene, double time, char* memory, RfS
 static void pose_sky( const RfScene* scene, double time, RfScene* posed )
 {
     const RfMovement* movement = scene->movement;
+    RfVec3* radiance = &posed->environment.radiance;
+    *radiance = scene->environment.radiance;
     for ( int i = 0; scene->environment.changes && i < movement->change_count; ++i )
     {
         const RfChange* change = movement->changes + i;
         double v[4];
-        if ( change->value != RF_CHANGED_SKY_STRENGTH && change->value != RF_CHANGED_SKY_ROTATION )
+        if ( !rf_is_of_sky( change->value ) )
             continue;
         rf_sample_change( change, time, v );
         if ( change->value == RF_CHANGED_SKY_STRENGTH )
-            posed->environment.radiance = rf_scale( scene->environment.radiance, (float)v[0] );
+            *radiance = rf_scale( *radiance, (float)v[0] );
+        else if ( change->value == RF_CHANGED_SKY_RADIANCE )
+            *radiance = rf_mul( *radiance, rf_vec3( (float)v[0], (float)v[1], (float)v[2] ) );
         else
             posed->environment.rotation = (float)fmod( v[0], TURN );
     }

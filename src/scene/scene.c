@@ -9,6 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+void rf_destroy_punctual( RfPunctual* punctual )
+{
+    free( punctual->name );
+    rf_release_profile( punctual->profile );
+    memset( punctual, 0, sizeof *punctual );
+}
+
 RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }
 
 bool rf_note_unrendered( RfScene* scene, const char* what, const char* why )
@@ -87,13 +94,18 @@ void rf_destroy_scene( RfScene* scene )
         rf_destroy_texture( scene->textures + i );
     free( scene->textures );
     for ( int i = 0; scene->nodes != NULL && i < scene->node_count; ++i )
+    {
         free( scene->nodes[i].name );
+        free( scene->nodes[i].object );
+        free( scene->nodes[i].asset );
+    }
+    free( scene->node_runs );
     for ( int i = 0; scene->channels != NULL && i < scene->channel_count; ++i )
         rf_destroy_channel( scene->channels + i );
     for ( int i = 0; scene->cameras != NULL && i < scene->camera_count; ++i )
         rf_destroy_camera( scene->cameras + i );
     for ( int i = 0; scene->punctuals != NULL && i < scene->punctual_count; ++i )
-        free( scene->punctuals[i].name );
+        rf_destroy_punctual( scene->punctuals + i );
     free( scene->punctuals );
     free( scene->environment.map );
     free( scene->materials );
@@ -103,9 +115,18 @@ void rf_destroy_scene( RfScene* scene )
     for ( int i = 0; i < scene->moving_count; ++i )
         free( scene->moving[i] );
     free( scene->moving );
+    for ( int i = 0; i < scene->variant_count; ++i )
+        free( scene->variants[i] );
+    free( scene->variants );
+    for ( int i = 0; i < scene->export_loss_count; ++i )
+        free( scene->export_losses[i] );
+    free( scene->export_losses );
     for ( int i = 0; i < scene->export_warning_count; ++i )
         free( scene->export_warnings[i] );
     free( scene->export_warnings );
+    for ( int i = 0; i < scene->light_group_count; ++i )
+        free( scene->light_groups[i] );
+    free( scene->light_groups );
     free( scene->path );
     memset( scene, 0, sizeof *scene );
 }

@@ -8,6 +8,7 @@
 #include "reframe/scene.h"
 #include "math/mat4.h"
 #include "math/vec3.h"
+#include "scene/profile.h"
 #include "scene/texture.h"
 
 #include <stdbool.h>
@@ -53,7 +54,15 @@ typedef struct RfPlacement
     RfMat4 matrix; // affine, from the mesh's space into the world relative to the scene's origin; invertible where shown
     bool shown;    // false: it is not there
     int mover;     // of the scene's movement (scene/movement.h), in their order; −1: it stands still
+    int node;      // 1 + the node that has the mesh (scene/surfaces.h); 0: none
 } RfPlacement;
+
+// From where on triangles in world space are of a node.
+typedef struct RfNodeRun
+{
+    uint32_t first; // triangle; the run ends where the next begins
+    int node;       // 1 + its number; 0: none
+} RfNodeRun;
 
 struct RfMovement;
 
@@ -61,6 +70,9 @@ struct RfMovement;
 typedef struct RfNode
 {
     char* name;
+    char* object;    // what its surfaces are called instead; NULL: as the node
+    char* asset;     // what they and those below it belong to, rather than to the topmost node; NULL: not given
+    int pass_index;  // a number for compositors; 0: none
     int parent;      // −1: a root
     bool hidden;     // with all below it, unless a channel shows it
     bool has_matrix; // else translation, rotation, scale
@@ -154,13 +166,14 @@ typedef struct RfCamera
 // Light from infinity, for every direction that hits no surface.
 typedef struct RfEnvironment
 {
-    RfVec3 radiance;   // W/(m² sr): constant radiance, or a factor on the map; 0: no environment
-    int width, height; // of the map
-    float* map;        // RGB, equirectangular, rows from +y (up) to −y; NULL: constant
-    float rotation;    // of the map about +y, radians, counter-clockwise seen from above;
-                       // at 0 the centre of the map is at −z, with +x to its right
-    bool hidden;       // black to camera rays, but still illuminates the scene
-    bool changes;      // its radiance or its rotation do: a pose has them as they are
+    RfVec3 radiance;      // W/(m² sr): constant radiance, or a factor on the map; 0: no environment
+    int width, height;    // of the map
+    float* map;           // RGB, equirectangular, rows from +y (up) to −y; NULL: constant
+    float rotation;       // of the map about +y, radians, counter-clockwise seen from above;
+                          // at 0 the centre of the map is at −z, with +x to its right
+    bool hidden;          // black to camera rays, but still illuminates the scene
+    bool changes;         // its radiance or its rotation do: a pose has them as they are
+    uint16_t light_group; // 1 + that in the scene's list; 0: none
 } RfEnvironment;
 
 typedef enum RfPunctualKind
@@ -168,6 +181,7 @@ typedef enum RfPunctualKind
     RF_PUNCTUAL_POINT,
     RF_PUNCTUAL_SPOT,
     RF_PUNCTUAL_DIRECTIONAL,
+    RF_PUNCTUAL_PLANE, // a rectangle or an ellipse
 } RfPunctualKind;
 
 // A punctual light (KHR_lights_punctual), in world space. Of one that changes, the intensity of a loaded scene is the most that it
@@ -178,11 +192,42 @@ typedef struct RfPunctual
     RfPunctualKind kind;
     RfVec3 position;
     RfVec3 direction;           // unit, the way the light travels: the axis of a spot
-    RfVec3 intensity;           // W/sr; directional lights: irradiance, W/m²
+    RfVec3 across;              // unit, perpendicular to it: the x axis of its node, where that is `turned`
+    bool turned;                // its light depends on `across`, and of a point on `direction`; set before it is placed
+    RfVec3 intensity;           // W/sr; directional lights: irradiance, W/m²; planes: along the axis, without a spread
+    RfProfile* profile;         // by which it is multiplied in each direction, of one that is `turned`; NULL: none. Owned in part
     float cos_inner, cos_outer; // spot cone: full intensity inside inner, none outside outer
     float range;                // m, no light beyond it; infinity: unlimited
-    bool changes;               // it moves, is dimmed or is switched, or else is another at some time: a pose has it as it is
+    float radius;               // m, of a point or a spot that is a ball (light/extent.h); 0: it has no size
+    bool soft;                  // it is a disc that turns to what it lights instead
+    float versine;        // of a directional light that is a disc in the sky: 1 − the cosine of its radius; 0: it has no size
+    float half[2];        // of a plane, m: half its size along `across` and perpendicular to it
+    bool ellipse;         // a plane, within that
+    float tan_spread;     // of a plane: no light beyond this tangent to the axis; 0: to all of its side
+    float spread_scale;   // keeps its flux
+    bool changes;         // it moves, is dimmed or is switched, or else is another at some time: a pose has it as it is
+    uint16_t light_group; // 1 + that in the scene's list; 0: none
 } RfPunctual;
+
+// The way it points in world space, from the columns of its node's matrix: along −z. False if that is of no length.
+static inline bool rf_turn_lamp( const double m[16], RfPunctual* lamp )
+{
+    double length = sqrt( m[8] * m[8] + m[9] * m[9] + m[10] * m[10] );
+    if ( !( length > 0.0 && length < HUGE_VAL ) )
+        return false;
+    double scale = -1.0 / length;
+    lamp->direction = rf_vec3( (float)( m[8] * scale ), (float)( m[9] * scale ), (float)( m[10] * scale ) );
+    if ( !lamp->turned )
+        return true;
+    RfVec3 y;
+    double z[3] = { m[8] / length, m[9] / length, m[10] / length }, along = m[0] * z[0] + m[1] * z[1] + m[2] * z[2];
+    double x[3] = { m[0] - along * z[0], m[1] - along * z[1], m[2] - along * z[2] };
+    double most = sqrt( x[0] * x[0] + x[1] * x[1] + x[2] * x[2] );
+    rf_basis( lamp->direction, &lamp->across, &y ); // where the scale is 0
+    if ( most > 0.0 && most < HUGE_VAL )
+        lamp->across = rf_vec3( (float)( x[0] / most ), (float)( x[1] / most ), (float)( x[2] / most ) );
+    return true;
+}
 
 // The cone of a spot, radians.
 static inline void rf_set_cone( RfPunctual* spot, double inner, double outer )
@@ -190,6 +235,17 @@ static inline void rf_set_cone( RfPunctual* spot, double inner, double outer )
     spot->cos_inner = (float)cos( inner );
     spot->cos_outer = (float)fmax( cos( outer ), 0.0 );
 }
+
+#define RF_VIEW_NAME_SIZE 64
+
+// A view transform as Blender's scenes and OpenColorIO name it. Names are compared without case.
+typedef struct RfViewText
+{
+    char transform[RF_VIEW_NAME_SIZE]; // "Standard", "Filmic", "AgX", or one of a configuration; "": none is named
+    char look[RF_VIEW_NAME_SIZE];      // "High Contrast", "AgX - Punchy" or "Punchy"; "" and "None": none
+    double exposure;                   // stops
+    double gamma;                      // of what is displayed; 0 stands for 1
+} RfViewText;
 
 struct RfScene
 {
@@ -208,6 +264,8 @@ struct RfScene
     RfPlacement* placements;    // by their first triangles, ascending; those that move are placed by rf_pose_scene
     uint32_t* placement_blocks; // the placement of every 2^placement_shift-th of their triangles, and the last one
     int placement_shift;
+    uint32_t node_run_count;
+    RfNodeRun* node_runs;        // whose the triangles in world space are, ascending; none: of no node
     struct RfMovement* movement; // owned: what moves, and how; NULL: nothing does
     const struct RfMoments*
         moments;  // of poses: where what moves is while the shutter is open (scene/moments.h); NULL: it is closed
@@ -225,17 +283,23 @@ struct RfScene
     RfEnvironment environment;
     int punctual_count;
     RfPunctual* punctuals;
+    int light_group_count;
+    char** light_groups; // names by which the file tags lamps, materials and the environment, in the order in which it is read
     int node_count;
     RfNode* nodes;
     int channel_count;
     RfChannel* channels; // sorted by node, then path
     int camera_count;
+    RfViewText view;             // how the file wants its pictures to be shown
     RfFps fps;                   // that the file asks for; 0/0: it does not say
     int film_width, film_height; // likewise, pixels
+    bool film_alpha;             // it asks for RGBA
     int moving_count;            // objects that move
     char** moving;               // their names
-    int export_warning_count;
-    char** export_warnings; // what the program that wrote the file warned of; printable
+    int variant_count;           // of materials, in the file
+    char** variants;             // their names
+    int export_loss_count, export_warning_count;
+    char **export_losses, **export_warnings; // of the program that wrote the file; printable
     RfCamera* cameras;
     RfFps key_fps;                             // at which its keys count frames; 0/0: none do
     int chosen_camera;                         // 1 + index of the camera that the scene file selects; 0: none
@@ -259,6 +323,7 @@ void rf_destroy_channel( RfChannel* channel );
 
 // Frees the camera's name and track and clears the struct.
 void rf_destroy_camera( RfCamera* camera );
+void rf_destroy_punctual( RfPunctual* punctual );
 
 // The frames per second that the file asks for, else 24.
 RfFps rf_scene_fps( const RfScene* scene );

@@ -66,13 +66,31 @@ static bool has_diffuse( const RfMaterial* m ) { return is_nonzero( m->diffuse )
 
 static bool has_phong( const RfMaterial* m ) { return m->kind == RF_BSDF_PHONG && is_nonzero( m->specular ); }
 
-static bool has_ggx( const RfMaterial* m ) { return m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED; }
+static bool is_translucent( const RfMaterial* m ) { return m->kind == RF_BSDF_TRANSLUCENT; }
 
-static bool has_clearcoat( const RfMaterial* m ) { return m->kind == RF_BSDF_COATED; }
+static bool has_ggx( const RfMaterial* m ) { return rf_is_ggx( m->kind ); }
 
-static bool has_mirror( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && m->ior == 0.0f; }
+static bool reads( const RfMaterial* m, RfBsdfParam param ) { return rf_has_param( rf_bsdf_model( m->kind )->params, param ); }
 
-static bool has_transmission( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && m->ior > 0.0f; }
+static bool has_clearcoat( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_COATED || ( m->kind == RF_BSDF_LAYERED && m->clearcoat > 0.0f );
+}
+
+static bool has_sheen( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_SHEEN || ( m->kind == RF_BSDF_LAYERED && is_nonzero( m->sheen ) );
+}
+
+static bool has_anisotropy( const RfMaterial* m ) { return reads( m, RF_PARAM_ANISOTROPY ) && m->anisotropy > 0.0f; }
+
+static bool has_film( const RfMaterial* m ) { return reads( m, RF_PARAM_FILM ) && m->film > 0.0f; }
+
+static bool has_mirror( const RfMaterial* m ) { return m->kind >= RF_BSDF_FIRST_SPECULAR && m->ior == 0.0f; }
+
+static bool has_transmission( const RfMaterial* m ) { return m->kind >= RF_BSDF_FIRST_SPECULAR && m->ior > 0.0f; }
+
+static bool has_dispersion( const RfMaterial* m ) { return m->kind == RF_BSDF_SPECTRAL && m->dispersion > 0.0f; }
 
 static bool has_absorption( const RfMaterial* m ) { return has_transmission( m ) && is_nonzero( m->absorption ); }
 
@@ -301,9 +319,15 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = optics_effect( scene, RF_EFFECT_DEPTH_OF_FIELD, has_lens, "no camera of the scene has a lens" );
     effects[count++] = optics_effect( scene, RF_EFFECT_MOTION_BLUR, has_shutter, "no camera of the scene has a shutter" );
     effects[count++] = material_effect( &census, RF_EFFECT_CLEARCOAT, has_clearcoat, "no material has a clear coat" );
+    effects[count++] = material_effect( &census, RF_EFFECT_SHEEN, has_sheen, "no material has a sheen" );
+    effects[count++] = material_effect( &census, RF_EFFECT_DIFFUSE_TRANSMISSION, is_translucent,
+                                        "no material scatters light to its other side" );
+    effects[count++] = material_effect( &census, RF_EFFECT_ANISOTROPY, has_anisotropy, "no material stretches highlights" );
+    effects[count++] = material_effect( &census, RF_EFFECT_IRIDESCENCE, has_film, "no material has a thin film" );
     effects[count++] = material_effect( &census, RF_EFFECT_MIRRORS, has_mirror, "no material is a perfect mirror" );
     effects[count++] = flat_mirror_effect( scene );
     effects[count++] = material_effect( &census, RF_EFFECT_TRANSMISSION, has_transmission, "no material transmits light" );
+    effects[count++] = material_effect( &census, RF_EFFECT_DISPERSION, has_dispersion, "no glass refracts colours differently" );
     effects[count++] = material_effect( &census, RF_EFFECT_PANES, rf_may_be_pane, "no smooth thin wall transmits light" );
     effects[count++] = material_effect( &census, RF_EFFECT_ABSORPTION, has_absorption, "no glass absorbs light" );
     effects[count++] = punctual_effect( scene );

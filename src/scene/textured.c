@@ -60,6 +60,11 @@ static inline double greater( double a, double b ) { return a > b ? a : b; }
 
 static double unit( double x ) { return x > 0.0 ? ( x < 1.0 ? x : 1.0 ) : 0.0; }
 
+static RfVec3 scaled( const double rgb[3], double s )
+{
+    return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
+}
+
 // What a GGX lobe of white facets reflects of uniform light, the rest being lost among them: a fit, 0.005 off at most.
 static double white_albedo( double alpha ) { return 1.0 / ( 1.0 + alpha * ( 0.156 + alpha * ( 1.536 - 0.262 * alpha ) ) ); }
 
@@ -74,26 +79,41 @@ static double covered_share( const double base[3], double f0, double f90, double
     return lesser( ( 1.0 - sqrt( ( 1.0 - coat ) / brightest ) ) / mean, 1.0 );
 }
 
-void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
+static inline __attribute__( ( always_inline ) ) void derive_lobes( const RfFactors* in, bool translucent, RfMaterial* out )
 {
     double m = in->metallic;
     double root = ( in->ior - 1.0 ) / ( in->ior + 1.0 );
-    double diffuse[3], f0[3], coat = 0.0;
+    double here[3], diffuse[3], f0[3], coat = 0.0;
     for ( int i = 0; i < 3; ++i )
     {
         // the Fresnel reflectance of the dielectric reduces the diffuse base
         double dielectric = lesser( root * root * in->specular_color[i], 1.0 ) * in->specular;
         coat = greater( coat, dielectric );
-        diffuse[i] = ( 1.0 - m ) * in->base[i];
+        here[i] = translucent ? ( 1.0 - in->through ) * in->base[i] : in->base[i];
+        diffuse[i] = ( 1.0 - m ) * here[i];
         f0[i] = ( 1.0 - m ) * dielectric + m * in->base[i];
     }
     out->diffuse = rf_vec3( (float)diffuse[0], (float)diffuse[1], (float)diffuse[2] );
     out->specular = rf_vec3( (float)f0[0], (float)f0[1], (float)f0[2] );
     out->f90 = (float)( ( 1.0 - m ) * in->specular + m );
-    double covered = in->coat_is_added ? covered_share( in->base, coat, in->specular, in->roughness * in->roughness ) : 1.0;
+    if ( translucent )
+    {
+        out->through = scaled( in->through_color, in->through * ( 1.0 - m ) );
+        for ( int i = 0; i < 3; ++i )
+            here[i] += in->through * in->through_color[i];
+    }
+    double covered = in->coat_is_added ? covered_share( here, coat, in->specular, in->roughness * in->roughness ) : 1.0;
     out->coat_f0 = (float)( covered * coat );
     out->coat_f90 = (float)( covered * in->specular );
     out->alpha = rf_maxf( (float)( in->roughness * in->roughness ), RF_FAULT( least_alpha ) ? 0.0f : RF_MIN_ALPHA );
+}
+
+void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
+{
+    if ( in->through > 0.0 || out->kind == RF_BSDF_TRANSLUCENT )
+        derive_lobes( in, true, out );
+    else
+        derive_lobes( in, false, out );
 }
 
 static void base_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
@@ -118,14 +138,25 @@ static void base_at( const RfScene* scene, const RfMaterial* m, const RfTriangle
         base[i] = unit( base[i] );
 }
 
-static RfVec3 scaled( const double rgb[3], double s )
+static void through_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
+                        RfFactors* f )
 {
-    return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
+    float rgba[4];
+    if ( look_up_slot( scene, m, RF_TEXTURE_THROUGH, t, index, u, v, rgba ) )
+        f->through *= unit( (double)rgba[3] );
+    if ( look_up_slot( scene, m, RF_TEXTURE_THROUGH_COLOR, t, index, u, v, rgba ) )
+    {
+        for ( int i = 0; i < 3; ++i )
+            f->through_color[i] *= unit( (double)rgba[i] );
+    }
 }
 
-static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
+// What rf_derive_lobes and rf_derive_glass read.
+static inline RfFactors factors_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u,
+                                    float v )
 {
-    RfFactors f = m->textured->factors;
+    RfFactors f;
+    memcpy( &f, &m->textured->factors, offsetof( RfFactors, sheen_color ) );
     float rgba[4];
     base_at( scene, m, t, index, u, v, f.base );
     if ( look_up_slot( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, t, index, u, v, rgba ) )
@@ -139,7 +170,11 @@ static RfFactors factors_at( const RfScene* scene, const RfMaterial* m, const Rf
     {
         for ( int i = 0; i < 3; ++i )
             f.specular_color[i] *= (double)rgba[i];
+        if ( m->textured->glossy )
+            f.roughness = unit( 1.0 - ( 1.0 - f.roughness ) * (double)rgba[3] );
     }
+    if ( f.through > 0.0 )
+        through_at( scene, m, t, index, u, v, &f );
     return f;
 }
 
@@ -176,6 +211,38 @@ static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors
     rf_derive_glass( f, transmission, out );
 }
 
+static float sheen_alpha( double roughness )
+{
+    return rf_maxf( (float)( roughness * roughness ), RF_FAULT( least_sheen ) ? 0.0f : RF_MIN_SHEEN_ALPHA );
+}
+
+static void derive_sheen( const RfFactors* f, RfMaterial* out )
+{
+    out->sheen = scaled( f->sheen_color, 1.0 );
+    out->sheen_alpha = sheen_alpha( f->sheen_roughness );
+}
+
+static void derive_stretch( const RfFactors* f, RfMaterial* out )
+{
+    out->anisotropy = (float)f->anisotropy;
+    out->stretch_x = (float)cos( f->anisotropy_rotation );
+    out->stretch_y = (float)sin( f->anisotropy_rotation );
+}
+
+static void derive_film( const RfFactors* f, double thickness, RfMaterial* out )
+{
+    out->film = (float)f->film;
+    out->film_ior = (float)f->film_ior;
+    out->film_thickness = (float)thickness;
+}
+
+void rf_derive_layers( const RfFactors* f, RfMaterial* out )
+{
+    derive_sheen( f, out );
+    derive_stretch( f, out );
+    derive_film( f, f->film_most, out );
+}
+
 static void clearcoat_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
                           RfMaterial* out )
 {
@@ -186,6 +253,60 @@ static void clearcoat_at( const RfScene* scene, const RfMaterial* m, const RfTri
     if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, t, index, u, v, rgba ) )
         roughness = unit( roughness * (double)rgba[1] );
     rf_derive_clearcoat( clearcoat, roughness, out );
+}
+
+static void sheen_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
+                      RfMaterial* out )
+{
+    float rgba[4];
+    if ( look_up_slot( scene, m, RF_TEXTURE_SHEEN_COLOR, t, index, u, v, rgba ) )
+        out->sheen = rf_mul(
+            m->sheen, rf_vec3( (float)unit( (double)rgba[0] ), (float)unit( (double)rgba[1] ), (float)unit( (double)rgba[2] ) ) );
+    if ( look_up_slot( scene, m, RF_TEXTURE_SHEEN_ROUGHNESS, t, index, u, v, rgba ) )
+        out->sheen_alpha = sheen_alpha( unit( m->textured->factors.sheen_roughness * (double)rgba[3] ) );
+}
+
+// The texture has the direction, which the factor turns further, and a share of the strength.
+static void stretch_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
+                        RfMaterial* out )
+{
+    float rgba[4];
+    if ( !look_up_slot( scene, m, RF_TEXTURE_ANISOTROPY, t, index, u, v, rgba ) )
+        return;
+    out->anisotropy = m->anisotropy * (float)unit( (double)rgba[2] );
+    float x = 2.0f * (float)unit( (double)rgba[0] ) - 1.0f, y = 2.0f * (float)unit( (double)rgba[1] ) - 1.0f;
+    float length2 = x * x + y * y;
+    if ( !( length2 > 1e-4f ) ) // between texels of opposite directions: none
+        return;
+    float scale = 1.0f / sqrtf( length2 );
+    out->stretch_x = scale * ( m->stretch_x * x - m->stretch_y * y );
+    out->stretch_y = scale * ( m->stretch_y * x + m->stretch_x * y );
+}
+
+static void film_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
+                     RfMaterial* out )
+{
+    const RfFactors* f = &m->textured->factors;
+    float rgba[4];
+    if ( look_up_slot( scene, m, RF_TEXTURE_FILM, t, index, u, v, rgba ) )
+        out->film = m->film * (float)unit( (double)rgba[0] );
+    if ( look_up_slot( scene, m, RF_TEXTURE_FILM_THICKNESS, t, index, u, v, rgba ) )
+        out->film_thickness = (float)( f->film_least + ( f->film_most - f->film_least ) * unit( (double)rgba[1] ) );
+}
+
+// What lies over GGX or changes its lobe.
+static void layers_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
+                       RfMaterial* out )
+{
+    uint32_t params = rf_bsdf_model( m->kind )->params;
+    if ( rf_has_param( params, RF_PARAM_CLEARCOAT ) )
+        clearcoat_at( scene, m, t, index, u, v, out );
+    if ( rf_has_param( params, RF_PARAM_SHEEN ) )
+        sheen_at( scene, m, t, index, u, v, out );
+    if ( rf_has_param( params, RF_PARAM_ANISOTROPY ) )
+        stretch_at( scene, m, t, index, u, v, out );
+    if ( rf_has_param( params, RF_PARAM_FILM ) )
+        film_at( scene, m, t, index, u, v, out );
 }
 
 void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
@@ -202,8 +323,8 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
         case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, scaled( f.base, 1.0 ) ); break;
         case RF_TEXTURED_UNLIT: break;
     }
-    if ( m->kind == RF_BSDF_COATED )
-        clearcoat_at( scene, m, at.triangles, at.index, u, v, out );
+    if ( m->kind > RF_BSDF_GGX && m->kind != RF_BSDF_GLASS )
+        layers_at( scene, m, at.triangles, at.index, u, v, out );
 }
 
 void rf_derive_material( RfMaterial* m )
@@ -393,13 +514,13 @@ static bool face_tangent( const RfTextureRef* ref, const RfTriangleAt* on, RfVec
     return true;
 }
 
-// Tangent and bitangent, from the vertex tangents or else from the texture coordinates.
-static bool find_tangents( const RfTextured* textured, const RfTextureRef* ref, const RfTriangleAt* on, float u, float v,
-                           RfVec3 n, RfVec3* tangent, RfVec3* bitangent )
+// Tangent and bitangent, from the vertex tangents (`of_vertices`) or else from the texture coordinates.
+static bool find_tangents( bool of_vertices, const RfTextureRef* ref, const RfTriangleAt* on, float u, float v, RfVec3 n,
+                           RfVec3* tangent, RfVec3* bitangent )
 {
     RfVec3 along;
     float sign = 0.0f;
-    if ( has_vertex_tangents( on->triangles, textured, ref ) )
+    if ( of_vertices )
     {
         float given[4];
         vertex_tangent( on, u, v, given );
@@ -417,17 +538,23 @@ static bool find_tangents( const RfTextured* textured, const RfTextureRef* ref, 
     return true;
 }
 
+// Where a triangle is at the moment that the scene is looked at.
+static RfTriangleAt locate_now( const RfScene* scene, uint32_t triangle, RfBetween* between )
+{
+    RfTriangleAt on = rf_locate_triangle( scene, triangle );
+    return rf_is_between( scene, on.placement ) ? rf_triangle_between( scene, &on, between ) : on;
+}
+
 static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, float scale, uint32_t triangle,
                              float u, float v, RfVec3 n, RfVec3 ng )
 {
     float rgba[4];
     RfVec3 tangent, bitangent;
-    RfTriangleAt on = rf_locate_triangle( scene, triangle );
     RfBetween between;
-    if ( rf_is_between( scene, on.placement ) )
-        on = rf_triangle_between( scene, &on, &between );
+    RfTriangleAt on = locate_now( scene, triangle, &between );
+    const RfTextureRef* ref = m->textured->refs + slot;
     if ( !look_up_slot( scene, m, slot, on.triangles, on.index, u, v, rgba ) ||
-         !find_tangents( m->textured, m->textured->refs + slot, &on, u, v, n, &tangent, &bitangent ) )
+         !find_tangents( has_vertex_tangents( on.triangles, m->textured, ref ), ref, &on, u, v, n, &tangent, &bitangent ) )
         return n;
     float x = ( 2.0f * rgba[0] - 1.0f ) * scale, y = ( 2.0f * rgba[1] - 1.0f ) * scale;
     RfVec3 mapped = rf_madd( rf_madd( rf_scale( n, 2.0f * rgba[2] - 1.0f ), tangent, x ), bitangent, y );
@@ -450,9 +577,38 @@ RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* m, uint32_t tr
     return mapped_normal( scene, m, RF_TEXTURE_CLEARCOAT_NORMAL, m->textured->clearcoat_normal_scale, triangle, u, v, n, ng );
 }
 
+// The texture whose coordinates say where the tangent is if no vertices do.
+static const RfTextureRef* find_stretch_texture( const RfTextured* textured )
+{
+    static const RfTextureRef s_plain = { .texture = -1, .transform = { 1, 0, 0, 0, 1, 0 } };
+    if ( textured == NULL )
+        return &s_plain;
+    const RfTextureRef *own = textured->refs + RF_TEXTURE_ANISOTROPY, *of_normals = textured->refs + RF_TEXTURE_NORMAL;
+    return own->texture >= 0 ? own : of_normals->texture >= 0 ? of_normals : &s_plain;
+}
+
+RfVec3 rf_stretch_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfVec3 n )
+{
+    RfVec3 tangent, bitangent;
+    RfBetween between;
+    RfTriangleAt on = locate_now( scene, triangle, &between );
+    const RfTextureRef* ref = find_stretch_texture( m->textured );
+    if ( !find_tangents( on.triangles->tangents != NULL, ref, &on, u, v, n, &tangent, &bitangent ) )
+        rf_basis( n, &tangent, &bitangent );
+    return rf_normalize( rf_madd( rf_scale( tangent, m->stretch_x ), bitangent, m->stretch_y ) );
+}
+
 static inline RfTriangleAt locate( const RfScene* scene, uint32_t triangle, bool placed )
 {
     return placed ? rf_locate_triangle( scene, triangle ) : ( RfTriangleAt ){ &scene->triangles, triangle, NULL };
+}
+
+// The slots of a model's textures are those before this one.
+static inline int slots_end( RfBsdfKind kind )
+{
+    if ( kind <= RF_BSDF_GGX )
+        return RF_TEXTURE_TRANSMISSION;
+    return kind == RF_BSDF_GLASS ? RF_TEXTURE_CLEARCOAT : kind == RF_BSDF_COATED ? RF_TEXTURE_SHEEN_COLOR : RF_TEXTURE_SLOT_COUNT;
 }
 
 // Fetches the corners' indices, which say where their texture coordinates are; then these; then the texels. `placed`: triangles may
@@ -476,7 +632,8 @@ static inline __attribute__( ( always_inline ) ) void fetch_all( const RfScene* 
     {
         const RfTextureRef* refs = points[i].material->textured->refs;
         RfTriangleAt on = locate( scene, points[i].triangle, placed );
-        for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+        int end = slots_end( points[i].material->kind );
+        for ( int slot = 0; slot < end; ++slot )
         {
             if ( refs[slot].texture < 0 )
                 continue;

@@ -17,7 +17,13 @@ typedef struct RfFactors
     double specular;
     double specular_color[3];
     double ior;
-    bool coat_is_added; // to the base, as Blender's Principled does, as far as no energy is gained
+    bool coat_is_added;               // to the base, as Blender's Principled does, as far as no energy is gained
+    double through, through_color[3]; // diffuse transmission
+    // rf_derive_lobes and rf_derive_glass do not read what follows
+    double sheen_color[3], sheen_roughness;
+    double anisotropy, anisotropy_rotation;       // strength, 0 to 1; radians, counter-clockwise from the tangent
+    double film, film_ior, film_least, film_most; // strength of the thin film; thickness in nm where its texture is 0 and 1
+    double dispersion;                            // 20 over the Abbe number
 } RfFactors;
 
 typedef enum RfTextureSlot
@@ -32,6 +38,13 @@ typedef enum RfTextureSlot
     RF_TEXTURE_CLEARCOAT,           // in R; this and the next two for RF_BSDF_COATED
     RF_TEXTURE_CLEARCOAT_ROUGHNESS, // in G
     RF_TEXTURE_CLEARCOAT_NORMAL,
+    RF_TEXTURE_SHEEN_COLOR,     // sRGB
+    RF_TEXTURE_SHEEN_ROUGHNESS, // in A
+    RF_TEXTURE_ANISOTROPY,      // direction in RG, strength in B
+    RF_TEXTURE_FILM,            // in R
+    RF_TEXTURE_FILM_THICKNESS,  // in G
+    RF_TEXTURE_THROUGH,         // in A
+    RF_TEXTURE_THROUGH_COLOR,   // sRGB
     RF_TEXTURE_SLOT_COUNT
 } RfTextureSlot;
 
@@ -39,7 +52,7 @@ typedef enum RfTextureSlot
 typedef enum RfTexturedModel
 {
     RF_TEXTURED_COATED,  // Lambert and GGX, from glTF's factors
-    RF_TEXTURED_GLASS,   // tint and base of RF_BSDF_GLASS
+    RF_TEXTURED_GLASS,   // tint and base of RF_BSDF_GLASS and RF_BSDF_SPECTRAL
     RF_TEXTURED_UNLIT,   // the emission
     RF_TEXTURED_DIFFUSE, // a factor on the diffuse reflectance
 } RfTexturedModel;
@@ -58,6 +71,7 @@ struct RfTextured
     float alpha_cutoff;
     bool blended;  // alpha is the opacity of the surface
     bool reshapes; // roughness or metallic factor change
+    bool glossy;   // A of the texture of the specular colour is a factor of 1 - roughness
     bool turns;    // a normal texture is rotated or scaled, which vertex tangents do not follow
 };
 
@@ -77,6 +91,9 @@ void rf_derive_material( RfMaterial* m );
 
 // Sets clearcoat and clearcoat_alpha of `out`.
 void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out );
+
+// Sets what the layers over the metallic-roughness model and the changes of its lobe have of `out`, except for clear coats.
+void rf_derive_layers( const RfFactors* factors, RfMaterial* out );
 
 // A copy of `material` (which must have `textured`) with everything looked up at the
 // barycentrics (u, v) of a triangle.
@@ -98,6 +115,11 @@ RfVec3 rf_normal_at( const RfScene* scene, const RfMaterial* material, uint32_t 
 RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfVec3 n,
                           RfVec3 ng );
 
+// The unit vector along which the highlights of an anisotropic material are stretched, at right angles to `n`, the unit shading
+// normal of the front side: by `stretch_x` and `stretch_y` of the vertex tangents, else of the texture coordinates, else of an
+// arbitrary direction. `material`: with everything looked up (rf_material_at).
+RfVec3 rf_stretch_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfVec3 n );
+
 // True if the surface is cut out at this point.
 bool rf_is_cut_out( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
 
@@ -113,7 +135,7 @@ float rf_opacity_on( const RfScene* scene, const RfMaterial* material, const RfT
 static inline bool rf_roughness_varies( const RfMaterial* m )
 {
     const RfTextured* t = m->textured;
-    return t != NULL && ( t->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 || t->reshapes );
+    return t != NULL && ( t->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 || t->reshapes || t->glossy );
 }
 
 // True if the GGX lobe of a material may be narrower than those of roughness 0.1.
@@ -127,9 +149,9 @@ static inline bool rf_may_be_smooth( const RfMaterial* m )
 static inline bool rf_may_throw_caustics( const RfMaterial* m )
 {
     bool varies = rf_roughness_varies( m );
-    bool metal = ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) && m->alpha <= RF_CAUSTIC_ALPHA &&
-                 !( rf_max_component( m->diffuse ) > 0.0f );
-    return m->kind == RF_BSDF_GLASS || metal || ( varies && ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) );
+    bool ggx = m->kind >= RF_BSDF_GGX && m->kind <= RF_BSDF_LAYERED;
+    bool metal = ggx && m->alpha <= RF_CAUSTIC_ALPHA && !( rf_max_component( m->diffuse ) > 0.0f );
+    return m->kind >= RF_BSDF_FIRST_SPECULAR || metal || ( varies && ggx );
 }
 
 // True if some lobe of a material may mirror a lamp: its alpha, or what is like it, below RF_SHARP_ALPHA.
@@ -140,8 +162,14 @@ static inline bool rf_may_be_sharp( const RfMaterial* m )
     {
         case RF_BSDF_LAMBERT: return false;
         case RF_BSDF_PHONG: return 2.0f < ( m->exponent + 2.0f ) * RF_SHARP_ALPHA * RF_SHARP_ALPHA;
+        case RF_BSDF_LAYERED:
         case RF_BSDF_COATED: return varies || m->alpha < RF_SHARP_ALPHA || m->clearcoat_alpha < RF_SHARP_ALPHA;
         case RF_BSDF_GGX:
+        case RF_BSDF_SHEEN:
+        case RF_BSDF_ANISOTROPIC:
+        case RF_BSDF_IRIDESCENT:
+        case RF_BSDF_TRANSLUCENT:
+        case RF_BSDF_SPECTRAL:
         case RF_BSDF_GLASS: return varies || m->alpha < RF_SHARP_ALPHA;
         case RF_BSDF_KIND_COUNT: break;
     }
@@ -158,7 +186,7 @@ bool rf_is_clear_somewhere( const RfMaterial* material );
 // True if the material is a thin pane (bsdf/bsdf.h), at least where its textures allow.
 static inline bool rf_may_be_pane( const RfMaterial* m )
 {
-    return m->kind == RF_BSDF_GLASS && m->thin && rf_is_clear_somewhere( m );
+    return m->kind >= RF_BSDF_FIRST_SPECULAR && m->thin && rf_is_clear_somewhere( m );
 }
 
 // A point on a triangle, by barycentrics, with a material that has `textured`.

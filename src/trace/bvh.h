@@ -101,6 +101,10 @@ typedef struct RfQuery
     float transmittance[RF_PACKET];
     float pane_probability[RF_PACKET];
     float pane_weight[3][RF_PACKET];
+    // and, where it is asked for, the pane that comes first and where along the segment
+    bool notes_first;
+    uint32_t first_pane[RF_PACKET];
+    float first_at[RF_PACKET];
     uint32_t hit[RF_PACKET]; // RF_QUERY_PANES: the triangle hit, which was not passed
     // where there are placements: origins and directions, which Embree takes into the spaces of meshes
     float world[6][RF_PACKET];

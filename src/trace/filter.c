@@ -16,6 +16,7 @@ enum
 {
     RAY_ORIGIN = 0,
     RAY_DIRECTION = 4,
+    RAY_FAR = 8, // of the hit
     RAY_ID = 10,
     HIT_U = 3,
     HIT_V = 4,
@@ -118,6 +119,16 @@ static RfPane pane_at( const RfTracer* tracer, const Crossing* x, float opacity 
     };
 }
 
+// Panes come in any order.
+static void note_first( RfQuery* query, uint32_t id, uint32_t triangle, uint32_t bits )
+{
+    float at;
+    memcpy( &at, &bits, sizeof at );
+    bool before = at < query->first_at[id];
+    query->first_pane[id] = before ? triangle : query->first_pane[id];
+    query->first_at[id] = before ? at : query->first_at[id];
+}
+
 static bool hits_pane( const struct RTCFilterFunctionNArguments* args, unsigned int lane, uint32_t triangle, RfPane pane )
 {
     RfQuery* query = (RfQuery*)args->context;
@@ -129,6 +140,8 @@ static bool hits_pane( const struct RTCFilterFunctionNArguments* args, unsigned 
         return hits;
     }
     query->passed = true;
+    if ( query->notes_first )
+        note_first( query, id, triangle, ray_bits( args, RAY_FAR, lane ) );
     query->pane_probability[id] *= pane.probability;
     query->pane_weight[0][id] *= pane.colour.x / pane.probability;
     query->pane_weight[1][id] *= pane.colour.y / pane.probability;

@@ -68,7 +68,7 @@ void rf_set_lights( RfTracer* posed, RfLights* lights )
 static RfResult fail_build( const RfTracer* still, const RfScene* posed, RfError* error )
 {
     return rf_fail( error, RF_ERROR_DEVICE, "%s: building the BVH failed: %s", posed->path != NULL ? posed->path : "scene",
-                    still->message );
+                    rf_tracer_error( still ) );
 }
 
 RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, RfTracer** out, RfError* error )
@@ -87,7 +87,7 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
     RfResult result = rf_bound_chains( posed, &tracer->chain_bounds, error );
     if ( result == RF_OK )
         result = rf_build_posed_bvh( still->device, &still->bvh, posed, &tracer->bvh, error );
-    if ( still->message[0] != 0 )
+    if ( rf_tracer_error( still )[0] != 0 )
         result = fail_build( still, posed, error );
     if ( result != RF_OK )
     {
@@ -148,10 +148,10 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
         rf_add_moving_boxes( posed[i]->scene, 1.0f, &( *out )->boxes );
     }
     rf_finish_boxes( &( *out )->boxes );
-    if ( posed[0]->still->message[0] == 0 )
+    if ( rf_tracer_error( posed[0] )[0] == 0 )
         rf_commit_scene( scene );
     ( *out )->embree_scene = scene;
-    if ( posed[0]->still->message[0] == 0 )
+    if ( rf_tracer_error( posed[0] )[0] == 0 )
         return RF_OK;
     rf_destroy_ghosts( *out );
     *out = NULL;

@@ -90,6 +90,29 @@ static void reset_panes( RfQuery* query )
         query->pane_probability[i] = query->pane_weight[0][i] = query->pane_weight[1][i] = query->pane_weight[2][i] = 1.0f;
 }
 
+static void reset_first( RfQuery* query )
+{
+    for ( int i = 0; i < RF_PACKET; ++i )
+    {
+        query->first_pane[i] = RF_MISS;
+        query->first_at[i] = INFINITY;
+    }
+}
+
+// With panes->first the query notes which panes come first.
+static void begin_first( RfQuery* query, const RfPaneLanes* panes )
+{
+    query->notes_first = panes != NULL && panes->first != NULL;
+    if ( query->notes_first )
+        reset_first( query );
+}
+
+static void take_first( RfQuery* query, int lanes, int first, const RfPaneLanes* panes )
+{
+    memcpy( panes->first + first, query->first_pane, (size_t)lanes * sizeof *panes->first );
+    reset_first( query );
+}
+
 static RfQuery begin_query( const RfTracer* tracer, RfQueryKind kind, bool coherent, bool pass_panes )
 {
     RfQuery query;
@@ -98,6 +121,7 @@ static RfQuery begin_query( const RfTracer* tracer, RfQueryKind kind, bool coher
     query.kind = kind;
     query.pass_panes = pass_panes;
     query.surely = false;
+    query.notes_first = false;
     for ( int i = 0; i < RF_PACKET; ++i )
         query.transmittance[i] = 1.0f;
     if ( pass_panes )
@@ -271,6 +295,7 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
                             const RfPaneLanes* panes )
 {
     RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
+    begin_first( &query, panes );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
     begin_rays( tracer, &ray );
@@ -285,6 +310,8 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
         reset_transmittance( tracer, &query );
         if ( panes != NULL )
             take_panes( &query, lanes, first, panes );
+        if ( query.notes_first )
+            take_first( &query, lanes, first, panes );
     }
 }
 
@@ -321,6 +348,7 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
 {
     // although these rays are coherent, Embree's incoherent packet traversal is faster here
     RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
+    begin_first( &query, panes );
     float scale = tracer->bvh.base.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
@@ -351,6 +379,8 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
         }
         if ( panes != NULL )
             take_panes( &query, lanes, first, panes );
+        if ( query.notes_first )
+            take_first( &query, lanes, first, panes );
     }
     return sum;
 }
@@ -367,7 +397,7 @@ int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int 
 }
 
 void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
-                       float* const hit[3], float* weight )
+                       float* const hit[3], uint32_t* triangle, float* weight )
 {
     RfQuery query = begin_query( tracer, RF_QUERY_NEAREST, true, false );
     float scale = tracer->bvh.base.scale;
@@ -399,7 +429,8 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
                 weight[first + i] = 0.0f;
                 continue;
             }
-            const RfTriangleRecord* t = tracer->triangles + tracer->mirrors.triangle[number];
+            triangle[first + i] = tracer->mirrors.triangle[number];
+            const RfTriangleRecord* t = tracer->triangles + triangle[first + i];
             RfVec3 d = rf_vec3( packet.ray.dir_x[i], packet.ray.dir_y[i], packet.ray.dir_z[i] );
             RfHitPoint at = rf_hit_point( t, packet.hit.u[i], packet.hit.v[i], origin, d );
             float side = rf_dot( t->ng, rf_sub( origin, at.p ) ) < 0.0f ? -1.0f : 1.0f;

@@ -1,4 +1,4 @@
-// Puts lights out.
+// Puts lights out, and splits them by groups.
 #include "trace/relit.h"
 
 #include "trace/tracer.h"
@@ -78,3 +78,26 @@ void rf_destroy_relit_tracer( RfRelitTracer* relit )
 }
 
 const RfTracer* rf_relit_tracer( const RfRelitTracer* relit ) { return &relit->tracer; }
+
+RfResult rf_create_split_tracer( const RfTracer* tracer, const RfLightGroups* groups, RfTracer** out, RfError* error )
+{
+    RfTracer* split = *out = malloc( sizeof *split );
+    if ( split == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the groups of %u lights", tracer->lights.count );
+    *split = *tracer;
+    split->still = tracer;
+    RfResult result = rf_split_lights( tracer->scene, groups, &split->lights, error );
+    if ( result == RF_OK )
+        return RF_OK;
+    rf_destroy_split_tracer( split );
+    *out = NULL;
+    return result;
+}
+
+void rf_destroy_split_tracer( RfTracer* split )
+{
+    if ( split == NULL )
+        return;
+    rf_join_lights( &split->lights );
+    free( split );
+}

@@ -226,6 +226,7 @@ typedef struct RfPaneLanes
 {
     float* probability;
     float* weight[3];
+    uint32_t* first; // of segments from eyes: the triangle of the pane that comes first, RF_MISS without any; NULL: not asked for
 } RfPaneLanes;
 
 void rf_trace_nearest_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
@@ -240,9 +241,10 @@ int rf_trace_from_origin_past_panes( const RfTracer* tracer, RfVec3 origin, int 
 
 // Whether points in the planes of mirrors lie inside of the mirrors' outlines: rays from a common
 // origin to points beyond the first mirror, whatever else is in the way, hit mirror[i] first.
-// Only points with weight > 0 are tested; the others' weight becomes 0. `hit` gets the points on the mirrors.
+// Only points with weight > 0 are tested; the others' weight becomes 0. `hit` gets the points on the mirrors, and
+// `triangle` the triangles of these.
 void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], const uint8_t* mirror,
-                       float* const hit[3], float* weight );
+                       float* const hit[3], uint32_t* triangle, float* weight );
 
 // Enables flush-to-zero and rounding to nearest for the calling thread. Call at the start of main and of every
 // parallel region, so that results do not depend on the thread.

@@ -19,7 +19,7 @@ struct RfGhosts
 struct RfTracer
 {
     RfTracerRecords known; // first member: rf_tracer_records
-    const RfTracer* still; // of the scene as it was loaded, with which all that stands still is shared; NULL: this is one
+    const RfTracer* still; // with which all that stands still is shared, of the scene as it was loaded; NULL: this has it
     float own_reach;       // as lights.reach, without ghosts
     const RfGhosts* ghosts;
     const RfScene* scene;
@@ -36,6 +36,12 @@ struct RfTracer
     char text[64];
     char message[256]; // the first error of Embree
 };
+
+// The first error of Embree, in the tracer that has the device; empty: none.
+static inline const char* rf_tracer_error( const RfTracer* tracer )
+{
+    return tracer->still != NULL ? rf_tracer_error( tracer->still ) : tracer->message;
+}
 
 // Frees what a posed tracer does not share.
 void rf_destroy_posed_tracer( RfTracer* tracer );

@@ -108,6 +108,18 @@ static void run( RfBsdfKind kind, int what, int count )
         [RF_PARAM_CLEARCOAT_N] = s_values[N],
         s_values[N + 1],
         s_values[N + 2],
+        [RF_PARAM_SHEEN] = s_values[DIFFUSE],
+        s_values[DIFFUSE + 1],
+        s_values[DIFFUSE + 2],
+        [RF_PARAM_SHEEN_ALPHA] = s_values[SHAPE],
+        [RF_PARAM_ANISOTROPY] = s_values[F90],
+        [RF_PARAM_TANGENT] = s_values[N], // for time alone
+        s_values[N + 1],
+        s_values[N + 2],
+        [RF_PARAM_FILM] = s_values[F90],
+        [RF_PARAM_FILM_IOR] = s_values[F90],
+        [RF_PARAM_FILM_THICKNESS] = s_values[SHAPE],
+        [RF_PARAM_CHOICE] = s_values[F90],
     };
     const RfBsdfLanes lanes = rf_bsdf_lanes( kind, n, param, 0 );
     const float* const wo[3] = THREE( WO );
@@ -139,7 +151,6 @@ static double nanoseconds_per_lane( RfBsdfKind kind, int what, int count )
 
 int main( int argc, char** argv )
 {
-    static const char* names[RF_BSDF_FIRST_SPECULAR] = { "lambert", "phong", "ggx", "coated" };
     int count = argc > 1 ? atoi( argv[1] ) : 1024;
     if ( count < 1 || count > MAX_LANES )
     {
@@ -150,7 +161,7 @@ int main( int argc, char** argv )
     for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         fill( (RfBsdfKind)kind, count );
-        printf( "%s,%d", names[kind], count );
+        printf( "%s,%d", rf_bsdf_model( (RfBsdfKind)kind )->name, count );
         for ( int what = 0; what < 4; ++what )
             printf( ",%.2f", nanoseconds_per_lane( (RfBsdfKind)kind, what, count ) );
         printf( "\n" );

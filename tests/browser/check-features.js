@@ -52,13 +52,41 @@ async function check_aovs(page, check, look) {
     await page.waitForFunction(() => window.reframePlayer.shown >= 0);
     const picture = await look(page);
     hashes.add(picture.hash);
-    const is_light = name === "albedo" || name === "variance";
+    const is_light = ["light", "deviation"].includes(data.sequences.flatMap(sequence => sequence.layers).find(layer => layer.name === name).look);
     check(picture.frame !== "" && await page.locator("#exposure").isDisabled() === !is_light, `${name} is shown, ${is_light ? "with" : "without"} exposure`);
   }
   check(hashes.size === names.length + 1, "each AOV is a picture of its own");
   await page.locator("#view").selectOption("picture");
   await page.waitForFunction(() => window.reframePlayer.shown >= 0);
   check((await look(page)).hash === before.hash, "and the picture comes back");
+}
+
+// Light groups: their sum looks like the picture, and a slider changes it as the group's own picture is.
+async function check_mix(page, check, look) {
+  const data = await read_data(page), layer = data.sequences[0].layers.find(layer => layer.group);
+  if (!data.sequences[0].mixes) {
+    check(await page.locator("#view option[value=mix]").count() === 0 && await page.locator("#mix").isHidden(), "without light groups there is no mix");
+    return;
+  }
+  const show = async name => {
+    await page.locator("#view").selectOption(name);
+    await page.waitForFunction(() => window.reframePlayer.shown >= 0);
+    return look(page);
+  };
+  const slide = (group, factor) => page.locator("#mix-groups label", { hasText: group.slice(6) }).locator("input").evaluate((slider, factor) => {
+    slider.value = factor;
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+  }, factor);
+  const groups = data.sequences[0].layers.filter(layer => layer.group).map(layer => layer.name), picture = await show("picture"), alone = await show(layer.name), mix = await show("mix");
+  check(Math.abs(mix.mean - picture.mean) < 1 && Math.abs(alone.mean - picture.mean) > 3, `the mix looks like the picture: ${mix.mean.toFixed(1)}, ${picture.mean.toFixed(1)}, one group ${alone.mean.toFixed(1)}`);
+  for (const group of groups.filter(group => group !== layer.name))
+    await slide(group, 0);
+  const dimmed = await look(page), command = await page.locator("#mix-command").innerText();
+  check(Math.abs(dimmed.mean - alone.mean) < 1 && command.includes("--mix ") && command.includes(`${groups.find(group => group !== layer.name).slice(6)}=0`), `without the others it is the group's picture: ${dimmed.mean.toFixed(1)}, ${command}`);
+  await page.locator("#mix-reset").click();
+  check((await look(page)).hash === mix.hash && await page.locator("#mix-command").innerText() === "", "and comes back");
+  await show("picture");
+  check(await page.locator("#mix").isHidden(), "the sliders belong to the mix");
 }
 
 async function check_filmic(page, check, look, mean) {
@@ -167,6 +195,23 @@ async function check_probe(page, check, wanted, is_coarse) {
   await page.mouse.move(2, 2);
 }
 
+// A Cryptomatte: its names at pixels of the files, such as "left@10,20;right@80,20".
+async function check_mattes(page, check, wanted) {
+  if (!wanted)
+    return;
+  await page.evaluate(() => scrollTo(0, 0));
+  await page.locator("#view").selectOption("CryptoObject");
+  await page.waitForFunction(() => window.reframePlayer.shown >= 0);
+  for (const [name, place] of wanted.split(";").map(part => part.split("@"))) {
+    await page.evaluate(([x, y]) => window.reframeProbe.point((x + 0.5) / window.reframeProbe.data.sequences[0].file_width, (y + 0.5) / window.reframeProbe.data.sequences[0].file_height, "hover"), place.split(",").map(Number));
+    const told = await page.locator("#probe .values > div").first().locator("span:last-child").textContent();
+    check(told === `CryptoObject: ${name}`, `the probe names what covers ${place}: ${told}`);
+  }
+  await page.evaluate(() => window.reframeProbe.clear());
+  await page.locator("#view").selectOption("picture");
+  await page.waitForFunction(() => window.reframePlayer.shown >= 0);
+}
+
 async function check_sheet(page, check, count) {
   if (count < 2) {
     check(await page.locator("#sheet").isHidden(), "one frame needs no contact sheet");
@@ -259,4 +304,4 @@ async function check_phone(browser, url, check, picture) {
   await context.close();
 }
 
-module.exports = { check_verdict, check_explanations, check_aovs, check_filmic, check_wipe, check_zoom, check_probe, check_sheet, check_names, check_schemes, check_phone };
+module.exports = { check_verdict, check_explanations, check_aovs, check_mix, check_filmic, check_wipe, check_zoom, check_probe, check_mattes, check_sheet, check_names, check_schemes, check_phone };

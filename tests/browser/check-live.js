@@ -41,6 +41,11 @@ async function use(page) {
   await page.waitForFunction(() => window.reframeLive.status.finished.length > 0, null, { timeout: 60000 });
   if (pictures)
     await page.screenshot({ path: `${pictures}/live.png` });
+  await page.locator("#pass").selectOption({ label: "depth" });
+  await page.waitForFunction(() => window.reframeLive.shown.startsWith("pass"), null, { timeout: 60000 });
+  check(await page.locator("#exposure").isDisabled() && Math.abs(await mean(page) - brighter) > 1, "the depth of a finished frame is shown, without exposure");
+  await page.locator("#pass").selectOption({ label: "Image" });
+  await page.waitForFunction(() => window.reframeLive.shown.startsWith("work"), null, { timeout: 60000 });
   await page.locator("#scrubber").evaluate(slider => {
     slider.value = 0;
     slider.dispatchEvent(new Event("input", { bubbles: true }));

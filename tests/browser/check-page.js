@@ -1,9 +1,9 @@
 // node check-page.js PAGE.html [--pictures FOLDER] [--seconds S] [--mean M] [--filmic M] [--probe X,Y:R,G,B]
-//                    [--coarse] [--error] [--quick]
+//                    [--mattes NAME@X,Y;...] [--coarse] [--error] [--quick]
 // Opens a page of `reframe report` in headless Chromium, from its file, and uses it
 // as a person would. --seconds: it loads faster; --mean: of the bytes of the first
 // picture, --filmic: by the filmic curve; --probe: scene values at a pixel of the first
-// sequence; --coarse: the page has means of pixels; --error: it can show an error;
+// sequence; --mattes: names there by CryptoObject; --coarse: the page has means of pixels; --error: it can show an error;
 // --quick: exposure and playing only; --pictures: leaves screenshots. Needs the npm package
 // playwright-core (where REFRAME_NODE_MODULES says) and Chromium (REFRAME_CHROMIUM, else
 // found). One line for each check; exit status 1 where one failed, 77 where there is no browser.
@@ -169,8 +169,10 @@ async function run(browser) {
   await check_error_view(page);
   if (!quick) {
     await features.check_aovs(page, check, look);
+    await features.check_mix(page, check, look);
     await features.check_zoom(page, check);
     await features.check_probe(page, check, option("--probe"), process.argv.includes("--coarse"));
+    await features.check_mattes(page, check, option("--mattes"));
     await features.check_wipe(page, check);
     await features.check_explanations(page, check);
     await features.check_sheet(page, check, count);

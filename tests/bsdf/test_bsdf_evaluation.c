@@ -28,7 +28,7 @@ static void assert_near( double value, double reference, double relative )
 static void evaluate_one( const Material* m, RfVec3 n, RfVec3 wo, RfVec3 wi )
 {
     put_material( 0, m );
-    put( N, 0, n );
+    put_normal( 0, m, n );
     put( COAT_N, 0, n );
     put( WO, 0, wo );
     put( WI, 0, wi );
@@ -39,17 +39,23 @@ static void test_closed_forms( void** state )
 {
     (void)state;
     RfVec3 n = rf_vec3( 0.0f, 0.6f, 0.8f );
-    Material lambert = { RF_BSDF_LAMBERT, { 0.2f, 0.4f, 0.6f }, { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 };
+    Material lambert = { .kind = RF_BSDF_LAMBERT, .diffuse = { 0.2f, 0.4f, 0.6f } };
     evaluate_one( &lambert, n, n, rf_vec3( 0.0f, 0.0f, 1.0f ) );
     assert_near( s_lanes[F + 1][0], 0.4 / 3.14159265, 1e-6 );
     assert_near( s_lanes[PDF][0], 0.8 / 3.14159265, 1e-6 );
 
-    Material phong = { RF_BSDF_PHONG, { 0.3f, 0.3f, 0.3f }, { 0.5f, 0.5f, 0.5f }, 50.0f, 0, 0, 0, 0, 0 };
+    Material phong = { .kind = RF_BSDF_PHONG, .diffuse = { 0.3f, 0.3f, 0.3f }, .specular = { 0.5f, 0.5f, 0.5f }, .shape = 50.0f };
     evaluate_one( &phong, n, n, n );
     assert_near( s_lanes[F][0], 0.3 / 3.14159265 + 0.5 * 52.0 / 6.2831853, 1e-6 );
     assert_near( s_lanes[PDF][0], 0.375 / 3.14159265 + 0.625 * 51.0 / 6.2831853, 1e-6 );
 
-    Material ggx = { RF_BSDF_GGX, { 0.6f, 0.6f, 0.6f }, { 0.04f, 0.04f, 0.04f }, 0.3f, 1.0f, 0.04f, 1.0f, 0, 0 };
+    Material ggx = { .kind = RF_BSDF_GGX,
+                     .diffuse = { 0.6f, 0.6f, 0.6f },
+                     .specular = { 0.04f, 0.04f, 0.04f },
+                     .shape = 0.3f,
+                     .f90 = 1.0f,
+                     .coat_f0 = 0.04f,
+                     .coat_f90 = 1.0f };
     evaluate_one( &ggx, n, n, n );
     double d = 1.0 / ( 3.14159265 * 0.09 );
     assert_near( s_lanes[F][0], 0.04 * d / 4.0 + 0.6 / 3.14159265 * 0.96 * 0.96, 1e-5 );
@@ -61,10 +67,27 @@ static void test_closed_forms( void** state )
 static void test_nothing_below_the_horizon( void** state )
 {
     (void)state;
-    Material materials[3] = { { RF_BSDF_LAMBERT, { 1, 1, 1 }, { 0, 0, 0 }, 0, 0, 0, 0, 0, 0 },
-                              { RF_BSDF_PHONG, { 0.5f, 0.5f, 0.5f }, { 0.5f, 0.5f, 0.5f }, 3.0f, 0, 0, 0, 0, 0 },
-                              { RF_BSDF_GGX, { 0.5f, 0.5f, 0.5f }, { 0.5f, 0.5f, 0.5f }, 0.5f, 1, 0.04f, 1, 0, 0 } };
-    for ( int k = 0; k < 3; ++k )
+    Material materials[] = {
+        { .kind = RF_BSDF_LAMBERT, .diffuse = { 1, 1, 1 } },
+        { .kind = RF_BSDF_PHONG, .diffuse = { 0.5f, 0.5f, 0.5f }, .specular = { 0.5f, 0.5f, 0.5f }, .shape = 3.0f },
+        { .kind = RF_BSDF_GGX,
+          .diffuse = { 0.5f, 0.5f, 0.5f },
+          .specular = { 0.5f, 0.5f, 0.5f },
+          .shape = 0.5f,
+          .f90 = 1,
+          .coat_f0 = 0.04f,
+          .coat_f90 = 1 },
+        { .kind = RF_BSDF_SHEEN,
+          .diffuse = { 0.5f, 0.5f, 0.5f },
+          .specular = { 0.04f, 0.04f, 0.04f },
+          .shape = 0.5f,
+          .f90 = 1,
+          .coat_f0 = 0.04f,
+          .coat_f90 = 1,
+          .sheen = { 0.9f, 0.8f, 0.7f },
+          .sheen_alpha = 0.2f }
+    };
+    for ( size_t k = 0; k < sizeof materials / sizeof *materials; ++k )
     {
         for ( int i = 0; i < 2000; ++i )
         {
@@ -87,7 +110,7 @@ static void test_nothing_below_the_horizon( void** state )
 static void test_sharp_lobe_is_accurate( void** state )
 {
     (void)state;
-    Material m = { RF_BSDF_GGX, { 0, 0, 0 }, { 1, 1, 1 }, RF_MIN_ALPHA, 1, 0, 0, 0, 0 };
+    Material m = { .kind = RF_BSDF_GGX, .specular = { 1, 1, 1 }, .shape = RF_MIN_ALPHA, .f90 = 1 };
     double a2 = (double)RF_MIN_ALPHA * RF_MIN_ALPHA;
     for ( int i = 0; i < 20000; ++i )
     {
@@ -122,10 +145,21 @@ static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
     float shape = uniform( stream, i, 29 );
     m.clearcoat = uniform( stream, i, 30 ) > 0.3f ? 1.0f : uniform( stream, i, 30 );
     m.clearcoat_alpha = rf_maxf( RF_MIN_ALPHA, uniform( stream, i, 31 ) );
-    if ( kind == RF_BSDF_GGX || kind == RF_BSDF_COATED )
-        m.shape = pick < 0.2f ? RF_MIN_ALPHA : pick > 0.95f ? 1.0f : rf_maxf( RF_MIN_ALPHA, shape * shape );
-    else
+    m.sheen = rf_vec3( uniform( stream, i, 32 ), uniform( stream, i, 33 ), uniform( stream, i, 34 ) );
+    if ( uniform( stream, i, 35 ) > 0.8f )
+        m.sheen = grey( uniform( stream, i, 35 ) > 0.9f ? 1.0f : 0.0f );
+    m.sheen_alpha = uniform( stream, i, 36 ) > 0.9f ? 1.0f : uniform( stream, i, 37 ) * uniform( stream, i, 37 );
+    m.anisotropy = uniform( stream, i, 38 ) > 0.8f ? 1.0f : uniform( stream, i, 39 );
+    m.grain = uniform( stream, i, 44 );
+    m.film = uniform( stream, i, 45 ) > 0.7f ? 1.0f : uniform( stream, i, 45 );
+    m.film_ior = 1.0f + uniform( stream, i, 46 );
+    m.film_thickness = uniform( stream, i, 47 ) < 0.2f ? 0.0f : 1200.0f * uniform( stream, i, 48 );
+    m.through = rf_vec3( uniform( stream, i, 90 ), pick > 0.7f ? 0.0f : uniform( stream, i, 91 ), pick > 0.8f ? 0.0f : 1.0f );
+    m.side = uniform( stream, i, 92 ) < 0.5f ? -1.0f : 1.0f;
+    if ( kind == RF_BSDF_PHONG )
         m.shape = pick < 0.1f ? 0.0f : pick > 0.8f ? 1e6f : exp2f( 14.0f * shape );
+    else
+        m.shape = pick < 0.2f ? RF_MIN_ALPHA : pick > 0.95f ? 1.0f : rf_maxf( RF_MIN_ALPHA, shape * shape );
     return m;
 }
 
@@ -137,6 +171,7 @@ static void test_models_are_reciprocal( void** state )
         for ( int i = 0; i < 20000; ++i )
         {
             Material m = random_material( (RfBsdfKind)kind, 3, i );
+            m.side = 1.0f; // through the surface: test_translucent.c
             RfVec3 n = uniform_direction( 3, i, 0 ), wo = uniform_direction( 3, i, 2 ), wi = uniform_direction( 3, i, 4 );
             if ( i % 2 == 0 ) // near the mirror direction, where sharp lobes are
             {
@@ -208,7 +243,7 @@ static void fill_awkward( RfBsdfKind kind, uint32_t stream, int first )
         put_material( i, &m );
         RfVec3 n = awkward_normal( stream, k ), any = uniform_direction( stream, k, 43 );
         RfVec3 wo = awkward_direction( n, any, stream, k, 50 );
-        put( N, i, n );
+        put_normal( i, &m, n );
         put( COAT_N, i, k % 3 == 0 ? n : awkward_coat_normal( n, stream, k ) );
         put( WO, i, wo );
         put( WI, i, awkward_direction( n, wo, stream, k, 60 ) );
@@ -302,7 +337,7 @@ static void test_kinds_agree_with_the_model_table( void** state )
     {
         const RfBsdfModel* model = rf_bsdf_model( (RfBsdfKind)kind );
         assert_true( model->name != NULL && model->evaluate != NULL );
-        assert_true( rf_has_param( model->params, RF_PARAM_DIFFUSE ) && model->params >> RF_PARAM_COUNT == 0 );
+        assert_true( rf_has_param( model->params, RF_PARAM_DIFFUSE ) && (uint64_t)model->params >> RF_PARAM_COUNT == 0 );
         assert_true( ( model->sample != NULL ) == ( kind < RF_BSDF_FIRST_SPECULAR ) );
         assert_true( ( model->sample_weighted != NULL ) == ( kind >= RF_BSDF_FIRST_SPECULAR ) );
     }
@@ -320,14 +355,21 @@ static void test_parameters_have_places_of_their_own( void** state )
                      .coat_f90 = 10,
                      .clearcoat = 11,
                      .clearcoat_alpha = 12,
-                     .tint = { 13, 14, 15 } };
+                     .tint = { 13, 14, 15 },
+                     .sheen = { 16, 17, 18 },
+                     .sheen_alpha = 19,
+                     .anisotropy = 20,
+                     .film = 21,
+                     .film_ior = 22,
+                     .film_thickness = 23,
+                     .dispersion = 24 };
     float expected = 1.0f;
     for ( int p = 0; p < RF_PARAM_COUNT; ++p )
     {
         if ( !rf_has_param( RF_PARAMS_OF_HIT, (RfBsdfParam)p ) )
             assert_true( *rf_material_param( &m, (RfBsdfParam)p ) == expected++ );
     }
-    assert_true( expected == 16.0f );
+    assert_true( expected == 25.0f );
 }
 
 int main( void )

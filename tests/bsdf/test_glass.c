@@ -1,6 +1,6 @@
 // Mirrors and glass: Fresnel's and Snell's laws by hand, energy, and agreement of
-// sampling, density and evaluation for rough lobes.
-#include "bsdf/bsdf.h"
+// sampling, density and evaluation for rough lobes; channel by channel where glass disperses or has a film.
+#include "bsdf/film.h"
 
 #include "base/random.h"
 
@@ -17,6 +17,8 @@ typedef struct Glass
     RfVec3 base, specular, tint;
     float alpha, ior, metal;
     float base_share, bare;
+    bool spectral;
+    float film, film_ior, film_thickness, dispersion, choice; // if so
 } Glass;
 
 typedef struct Drawn
@@ -44,10 +46,17 @@ static RfBsdfLanes lanes_of( const Glass* g )
         &g->tint.y,
         &g->tint.z,
         [RF_PARAM_IOR] = &g->ior,
+        [RF_PARAM_FILM] = &g->film,
+        [RF_PARAM_FILM_IOR] = &g->film_ior,
+        [RF_PARAM_FILM_THICKNESS] = &g->film_thickness,
+        [RF_PARAM_DISPERSION] = &g->dispersion,
+        [RF_PARAM_CHOICE] = &g->choice,
     };
     const float* n[3] = { &s_n.x, &s_n.y, &s_n.z };
-    return rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
+    return rf_bsdf_lanes( g->spectral ? RF_BSDF_SPECTRAL : RF_BSDF_GLASS, n, param, 0 );
 }
+
+static RfBsdfKind kind_of( const Glass* g ) { return g->spectral ? RF_BSDF_SPECTRAL : RF_BSDF_GLASS; }
 
 static Drawn draw( const Glass* g, RfVec3 wo, const float u[3] )
 {
@@ -57,7 +66,7 @@ static Drawn draw( const Glass* g, RfVec3 wo, const float u[3] )
     const float* random[3] = { u, u + 1, u + 2 };
     float* wi[3] = { &d.wi.x, &d.wi.y, &d.wi.z };
     float* weight[3] = { &d.weight.x, &d.weight.y, &d.weight.z };
-    rf_bsdf_sample_weighted( RF_BSDF_GLASS, 1, &lanes, o, random, wi, weight, &d.pdf );
+    rf_bsdf_sample_weighted( kind_of( g ), 1, &lanes, o, random, wi, weight, &d.pdf );
     return d;
 }
 
@@ -68,7 +77,7 @@ static RfVec3 evaluate( const Glass* g, RfVec3 wo, RfVec3 wi, float* pdf )
     const float* in[3] = { &wi.x, &wi.y, &wi.z };
     RfVec3 f;
     float* out[3] = { &f.x, &f.y, &f.z };
-    rf_bsdf_evaluate( RF_BSDF_GLASS, 1, &lanes, o, in, out, pdf );
+    rf_bsdf_evaluate( kind_of( g ), 1, &lanes, o, in, out, pdf );
     return f;
 }
 
@@ -131,6 +140,14 @@ static void test_thin_walls_and_mirrors( void** state )
 
 static float uniform( int i, uint32_t dimension ) { return rf_random( rf_pixel_key( 5, (uint32_t)i ), dimension ); }
 
+// The channels' indices by KHR_materials_dispersion, on the side from which they are seen.
+static double index_of( const Glass* g, int channel )
+{
+    double central = g->ior < 1.0f ? 1.0 / (double)g->ior : (double)g->ior;
+    double n = central + ( channel - 1 ) * ( central - 1.0 ) * 0.025 * (double)g->dispersion;
+    return g->ior < 1.0f ? 1.0 / fmax( n, 1.0 ) : fmax( n, 1.0 );
+}
+
 // Sampled directions that have a width carry the density that evaluate gives;
 // their share is the integral of that density; and no light is made.
 static void check_rough( Glass g, float degrees )
@@ -147,7 +164,7 @@ static void check_rough( Glass g, float degrees )
         float u[3] = { uniform( i, 0 ), uniform( i, 1 ), uniform( i, 2 ) };
         Drawn d = draw( &g, wo, u );
         assert_true( d.weight.x >= 0.0f && d.weight.x < 20.0f );
-        float squeeze = g.ior > 0.0f && d.wi.z < 0.0f ? g.ior * g.ior : 1.0f; // energy, not radiance
+        float n = g.ior > 0.0f && d.wi.z < 0.0f ? (float)index_of( &g, 0 ) : 1.0f, squeeze = n * n; // energy, not radiance
         albedo += (double)( d.weight.x * squeeze ) / COUNT;
         if ( d.pdf == RF_DELTA_PDF )
             continue;
@@ -259,6 +276,247 @@ static void test_mixed_glass_gains_no_energy( void** state )
     }
 }
 
+static double fresnel_of( double sine, double n )
+{
+    double s = sine / n, co = sqrt( 1.0 - sine * sine ), ct = sqrt( fmax( 1.0 - s * s, 0.0 ) );
+    if ( s >= 1.0 )
+        return 1.0;
+    double across = ( co - n * ct ) / ( co + n * ct ), along = ( n * co - ct ) / ( n * co + ct );
+    return 0.5 * ( across * across + along * along );
+}
+
+static float channel_of( RfVec3 v, int c ) { return c == 0 ? v.x : c == 1 ? v.y : v.z; }
+
+// Each channel is refracted by its own index, alone; all of them are reflected alike; what they carry in the mean is what Fresnel
+// reflects and lets through, also between the critical angles of red and blue.
+static void test_channels_refract_on_their_own( void** state )
+{
+    (void)state;
+    static const float iors[] = { 1.5f, 1.0f / 1.5f, 2.4f, 1.0f / 2.4f, 1.0001f, 1.0f }, dispersions[] = { 0.36f, 2.0f, 50.0f };
+    enum
+    {
+        COUNT = 3000
+    };
+    for ( int k = 0; k < 6 * 3 * 30; ++k )
+    {
+        Glass g = { .tint = { 1, 1, 1 }, .spectral = true, .ior = iors[k % 6], .dispersion = dispersions[k / 6 % 3] };
+        float degrees = 1.5f + 3.0f * (float)( k / 18 );
+        RfVec3 wo = tilted( degrees );
+        double reflected[3] = { 0 }, passed[3] = { 0 };
+        for ( int i = 0; i < COUNT; ++i )
+        {
+            float u[3] = { 0.3f, 0.6f, ( (float)i + 0.5f ) / COUNT };
+            Drawn d = draw( &g, wo, u );
+            assert_true( d.pdf == RF_DELTA_PDF );
+            int carried = 0;
+            for ( int c = 0; c < 3; ++c )
+            {
+                double weight = (double)channel_of( d.weight, c ), n = index_of( &g, c );
+                if ( weight > 0.0 && d.wi.z < 0.0f )
+                    assert_true( near( d.wi.x, -(double)wo.x / n, 4e-6 ) );
+                if ( d.wi.z > 0.0f )
+                    assert_true( near( d.wi.x, -(double)wo.x, 1e-6 ) );
+                ( d.wi.z > 0.0f ? reflected : passed )[c] += weight * ( d.wi.z > 0.0f ? 1.0 : n * n ) / COUNT;
+                carried += weight > 0.0;
+            }
+            assert_true( d.wi.z > 0.0f || carried == 1 );
+        }
+        for ( int c = 0; c < 3; ++c )
+        {
+            double f = fresnel_of( sin( (double)degrees * 3.14159265358979 / 180.0 ), index_of( &g, c ) );
+            assert_true( fabs( reflected[c] - f ) < 2e-3 && fabs( passed[c] - ( 1.0 - f ) ) < 4e-3 );
+        }
+    }
+}
+
+// A path that carries one channel goes on as in glass of that channel's index, with the same random numbers: nothing is drawn.
+static void test_a_path_keeps_its_channel( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < 20000; ++k )
+    {
+        int c = k % 3;
+        RfVec3 carried = rf_vec3( c == 0 ? 1e-20f : 0.0f, c == 1 ? 7.0f : 0.0f, c == 2 ? 0.1f : 0.0f );
+        float outside = 1.0f + 1.5f * uniform( k, 20 );
+        Glass g = { .tint = { 0.8f, 0.8f, 0.8f }, .spectral = true };
+        g.ior = k % 2 == 0 ? outside : 1.0f / outside;
+        g.alpha = k / 2 % 2 == 0 ? 0.0f : 0.4f * uniform( k, 21 ) + RF_MIN_ALPHA;
+        g.dispersion = 3.0f * uniform( k, 22 );
+        g.choice = rf_pack_channels( carried );
+        Glass plain = g;
+        plain.spectral = false;
+        plain.ior = (float)index_of( &g, c );
+        RfVec3 wo = tilted( 89.0f * uniform( k, 23 ) );
+        float u[3] = { uniform( k, 24 ), uniform( k, 25 ), uniform( k, 26 ) };
+        Drawn a = draw( &g, wo, u ), b = draw( &plain, wo, u );
+        RfVec3 apart = rf_sub( a.wi, b.wi );
+        if ( rf_length( apart ) > 1e-3f ) // at the edge between two events, or that of total reflection
+        {
+            u[2] += u[2] < 0.5f ? 1e-3f : -1e-3f;
+            a = draw( &g, wo, u );
+            b = draw( &plain, wo, u );
+            apart = rf_sub( a.wi, b.wi );
+        }
+        assert_true( rf_length( apart ) < 2e-3f );
+        assert_true( fabsf( channel_of( a.weight, c ) - channel_of( b.weight, c ) ) <=
+                     2e-3f * channel_of( b.weight, c ) + 1e-6f );
+        bool delta = a.pdf == RF_DELTA_PDF;
+        assert_true( delta ? b.pdf == RF_DELTA_PDF : fabsf( a.pdf - b.pdf ) <= 3e-3f * b.pdf );
+    }
+    // what is dark to the last bit is dark, what is not is kept
+    float share[3] = { 1.0f, 1e-6f, 0.0f };
+    int code = (int)rf_pack_channels( rf_vec3( share[0], share[1], share[2] ) );
+    assert_int_equal( code, 255 + 256 );
+    assert_int_equal( (int)rf_pack_channels( rf_vec3( 0, 0, 0 ) ), 0 );
+    assert_int_equal( (int)rf_pack_channels( rf_vec3( 3, 3, 3 ) ), 255 + 256 * 255 + 65536 * 255 );
+}
+
+static Glass filmed( float ior, float alpha, float film )
+{
+    return ( Glass ){ .tint = { 1, 1, 1 },
+                      .ior = ior,
+                      .alpha = alpha,
+                      .spectral = true,
+                      .film = film,
+                      .film_ior = 1.33f,
+                      .film_thickness = 380.0f };
+}
+
+// What a film does not reflect it lets through, in each channel and from both sides alike.
+static void test_films_reflect_or_transmit( void** state )
+{
+    (void)state;
+    enum
+    {
+        COUNT = 2000
+    };
+    for ( int k = 0; k < 4 * 2 * 17; ++k )
+    {
+        Glass g = filmed( k % 4 == 0 ? -1.5f : 1.5f, 0.0f, k / 4 % 2 == 0 ? 1.0f : 0.4f );
+        g.dispersion = k % 4 == 3 ? 1.0f : 0.0f;
+        float sine_outside = sinf( ( 1.0f + 5.2f * (float)( k / 8 ) ) * RF_PI / 180.0f );
+        float cosine = sqrtf( 1.0f - sine_outside * sine_outside ), sine = sine_outside;
+        double wanted[3];
+        for ( int c = 0; c < 3; ++c )
+        {
+            double n = index_of( &g, c ), bare = fresnel_of( (double)sine_outside, n );
+            n = g.ior < 0.0f ? 1.5 : n;
+            bare = g.ior < 0.0f ? fresnel_of( (double)sine_outside, n ) : bare;
+            float f0 = (float)( ( n - 1 ) / ( n + 1 ) * ( ( n - 1 ) / ( n + 1 ) ) );
+            float film = channel_of( rf_film_fresnel( rf_vec3( f0, f0, f0 ), cosine, 1.33f, 380.0f ), c );
+            wanted[c] = bare + (double)g.film * ( (double)film - bare );
+        }
+        if ( k % 4 == 2 ) // the same way from inside
+        {
+            g.ior = 1.0f / 1.5f;
+            sine = sine_outside / 1.5f;
+        }
+        RfVec3 wo = rf_vec3( sine, 0, sqrtf( 1.0f - sine * sine ) );
+        double reflected[3] = { 0 }, passed[3] = { 0 }, scale = g.ior > 0.0f ? (double)( g.ior * g.ior ) : 1.0;
+        for ( int i = 0; i < COUNT; ++i )
+        {
+            float u[3] = { 0.3f, 0.6f, ( (float)i + 0.5f ) / COUNT };
+            Drawn d = draw( &g, wo, u );
+            for ( int c = 0; c < 3; ++c )
+            {
+                double n = index_of( &g, c ), squeeze = g.dispersion > 0.0f ? n * n : scale;
+                ( d.wi.z > 0.0f ? reflected : passed )[c] +=
+                    (double)channel_of( d.weight, c ) * ( d.wi.z > 0.0f ? 1.0 : squeeze ) / COUNT;
+            }
+        }
+        for ( int c = 0; c < 3; ++c )
+            assert_true( fabs( reflected[c] - wanted[c] ) < 2e-3 && fabs( passed[c] - ( 1.0 - wanted[c] ) ) < 4e-3 );
+        if ( g.ior > 0.0f )
+            continue;
+        RfMaterial m = { .kind = RF_BSDF_SPECTRAL, .tint = g.tint, .ior = 1.5f, .thin = true, .film = g.film };
+        m.film_ior = g.film_ior;
+        m.film_thickness = g.film_thickness;
+        RfBsdfLanes lanes = lanes_of( &g );
+        RfPane a = rf_pane_of_material( &m, wo.z ), b = rf_pane_of_lane( RF_BSDF_SPECTRAL, &lanes, 0, wo );
+        assert_true( a.probability == b.probability && a.probability > 0.0f && a.colour.x == b.colour.x );
+        for ( int c = 0; c < 3; ++c )
+            assert_true( near( channel_of( a.colour, c ), 1.0 - wanted[c], 1e-5 ) );
+    }
+    // a mirror of metal under a film
+    Glass mirror = {
+        .specular = { 0.9f, 0.5f, 0.1f }, .spectral = true, .film = 1.0f, .film_ior = 1.5f, .film_thickness = 300.0f
+    };
+    for ( int k = 0; k < 9; ++k )
+    {
+        RfVec3 wo = tilted( 10.0f * (float)k ), f = rf_film_fresnel( mirror.specular, wo.z, 1.5f, 300.0f );
+        Drawn d = draw( &mirror, wo, s_pass );
+        assert_true( d.wi.z > 0.0f && near( d.weight.x, (double)f.x, 1e-5 ) && near( d.weight.z, (double)f.z, 1e-5 ) );
+    }
+}
+
+static void test_rough_spectral_lobes_agree_with_themselves( void** state )
+{
+    (void)state;
+    static const float degrees[] = { 0.0f, 35.0f, 70.0f };
+    for ( int k = 0; k < 3; ++k )
+    {
+        Glass disperse = { .tint = { 1, 1, 1 }, .alpha = 0.3f, .ior = 1.5f, .spectral = true, .dispersion = 1.0f };
+        disperse.choice = rf_pack_channels( rf_vec3( 1.0f, 0.7f, 0.4f ) );
+        check_rough( disperse, degrees[k] );
+        disperse.ior = 1.0f / 1.5f;
+        disperse.base = rf_vec3( 0.3f, 0.3f, 0.3f );
+        disperse.tint = rf_vec3( 0.6f, 0.6f, 0.6f );
+        disperse.base_share = 0.3f;
+        check_rough( disperse, degrees[k] );
+        check_rough( filmed( 1.5f, 0.3f, 1.0f ), degrees[k] );
+        check_rough( filmed( 1.0f / 1.5f, 0.3f, 0.5f ), degrees[k] );
+        check_rough( filmed( -1.5f, 0.3f, 1.0f ), degrees[k] );
+    }
+}
+
+// The mean of what is drawn, without the scale of radiance, and where it goes.
+static void check_smooth( Glass g, float degrees )
+{
+    enum
+    {
+        N = 20000
+    };
+    RfBsdfLanes lanes = lanes_of( &g );
+    RfVec3 wo = tilted( degrees );
+    RfSmoothLobes lobes = rf_smooth_lobes_of_lane( kind_of( &g ), &lanes, 0, wo );
+    double sum[2][3] = { { 0 } }, scale = g.ior > 0.0f ? (double)g.ior * (double)g.ior : 1.0;
+    for ( int i = 0; i < N; ++i )
+    {
+        float u[3] = { 0.3f, 0.6f, ( (float)i + 0.5f ) / N };
+        Drawn d = draw( &g, wo, u );
+        bool through = d.wi.z < 0.0f;
+        if ( d.pdf < RF_DELTA_PDF ) // the base
+            continue;
+        RfVec3 way = rf_sub( d.wi, through ? lobes.transmitted_wi : lobes.reflected_wi );
+        assert_true( rf_length( way ) < 1e-5f );
+        for ( int c = 0; c < 3; ++c )
+            sum[through][c] += (double)( &d.weight.x )[c] * ( through ? scale : 1.0 ) / N;
+    }
+    const float *reflected = &lobes.reflected.x, *transmitted = &lobes.transmitted.x, *base = &lobes.base.x;
+    for ( int c = 0; c < 3; ++c )
+    {
+        assert_true( near( reflected[c], sum[0][c], 1e-3 ) && near( transmitted[c], sum[1][c], 1e-3 ) );
+        assert_true( base[c] >= 0.0f && base[c] + reflected[c] + transmitted[c] < 1.0f + 1e-5f );
+    }
+}
+
+static void test_smooth_lobes_are_those_that_are_drawn( void** state )
+{
+    (void)state;
+    static const float degrees[] = { 0.0f, 50.0f, 80.0f };
+    for ( int k = 0; k < 3; ++k )
+    {
+        Glass glass = { .tint = { 0.5f, 0.6f, 0.4f }, .base = { 0.4f, 0.3f, 0.2f }, .ior = 1.5f, .base_share = 0.5f };
+        check_smooth( glass, degrees[k] );
+        glass.ior = -1.5f;
+        check_smooth( glass, degrees[k] );
+        glass.ior = 1.0f / 1.5f; // and total reflection
+        check_smooth( glass, degrees[k] );
+        check_smooth( ( Glass ){ .specular = { 0.9f, 0.5f, 0.1f } }, degrees[k] );
+        check_smooth( filmed( -1.5f, 0.0f, 1.0f ), degrees[k] );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -268,6 +526,11 @@ int main( void )
         cmocka_unit_test( test_half_a_metal_transmits_the_rest ),
         cmocka_unit_test( test_rough_glass_is_reciprocal ),
         cmocka_unit_test( test_mixed_glass_gains_no_energy ),
+        cmocka_unit_test( test_channels_refract_on_their_own ),
+        cmocka_unit_test( test_a_path_keeps_its_channel ),
+        cmocka_unit_test( test_films_reflect_or_transmit ),
+        cmocka_unit_test( test_rough_spectral_lobes_agree_with_themselves ),
+        cmocka_unit_test( test_smooth_lobes_are_those_that_are_drawn ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

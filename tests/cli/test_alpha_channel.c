@@ -125,6 +125,14 @@ static void test_other_commands_read_it( void** state )
     write_text( "asks.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,4]},\"render\":{\"alpha\":true}}" );
     cli_expect( cli_run( "$R render asks.json -o b.exr " SMALL ), 0, NULL );
     check_order( "b.exr", "ABGR" );
+    // and a glTF, whose default goes behind the command line
+    write_room( ",\"extras\":{\"reframe\":{\"render\":{\"alpha\":true}}}" );
+    cli_expect( cli_run( "$R render room.gltf -o d.exr " SMALL " && $R render room.gltf -o e.exr --no-alpha " SMALL ), 0, NULL );
+    check_order( "d.exr", "ABGR" );
+    check_order( "e.exr", "BGR" );
+    write_room( ",\"extras\":{\"reframe\":{\"render\":{\"alpha\":1}}}" );
+    cli_expect( cli_run( "$R render room.gltf -o d.exr " SMALL ), 1, "extras.reframe.render.alpha: must be" );
+    write_room( "" );
     cli_expect( cli_run( "$R render sky.json -o r.exr --aov alpha" ), 2, "'alpha' is no AOV" );
 }
 

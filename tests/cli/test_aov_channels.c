@@ -10,9 +10,13 @@
 
 #include <cmocka.h>
 
+#include "film/cryptomatte.h"
 #include "image/exr.h"
 
-#define ALL "albedo,normal,depth,motion,variance,samples"
+#include <jansson.h>
+
+#define ALL "albedo,normal,denoise_albedo,denoise_normal,depth,motion,variance,samples,object_index,material_index"
+#define PASSES "emission,direct,indirect,reflection,transmission"
 #define SMALL "--size 48x27 --spp 6 --group 1 --frames 10-11 --quiet"
 
 // One channel of a frame, to be freed; NULL where it has none.
@@ -35,10 +39,35 @@ static float* channel_of( const char* name, const char* channel, int width, int 
 static void test_every_channel_is_written( void** state )
 {
     (void)state;
-    static const char* const names[] = { "albedo.R",   "albedo.G",   "albedo.B",  "normal.X", "normal.Y", "normal.Z",
-                                         "depth.Z",    "motion.X",   "motion.Y",  "motion.Z", "motion.W", "variance.R",
-                                         "variance.G", "variance.B", "samples.Y", "R",        "G",        "B" };
-    cli_expect( cli_run( "$R render $VASE -o a/f.####.exr " SMALL " --aov " ALL ), 0, NULL );
+    static const char* const names[] = { "denoise_albedo.R",
+                                         "denoise_albedo.G",
+                                         "denoise_albedo.B",
+                                         "denoise_normal.X",
+                                         "denoise_normal.Y",
+                                         "denoise_normal.Z",
+                                         "albedo.R",
+                                         "albedo.G",
+                                         "albedo.B",
+                                         "normal.X",
+                                         "normal.Y",
+                                         "normal.Z",
+                                         "depth.Z",
+                                         "motion.X",
+                                         "motion.Y",
+                                         "motion.Z",
+                                         "motion.W",
+                                         "direct.G",
+                                         "indirect.B",
+                                         "variance.R",
+                                         "variance.G",
+                                         "variance.B",
+                                         "samples.Y",
+                                         "R",
+                                         "G",
+                                         "B",
+                                         "object_index.X",
+                                         "material_index.X" };
+    cli_expect( cli_run( "$R render $VASE -o a/f.####.exr " SMALL " --aov " ALL "," PASSES ), 0, NULL );
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
     {
         float* values = channel_of( "a/f.0010.exr", names[i], 48, 27 );
@@ -54,6 +83,9 @@ static void test_every_channel_is_written( void** state )
         free( values );
     }
     assert_null( channel_of( "a/f.0010.exr", "alpha.A", 48, 27 ) );
+    float* glass = channel_of( "a/f.0010.exr", "transmission.R", 48, 27 );
+    assert_non_null( glass );
+    free( glass );
     // the colour is what it is without, and other commands find it
     cli_expect( cli_run( "$R render $VASE -o b/f.####.exr " SMALL ), 0, NULL );
     const CliResult* result = cli_run( "$R compare a/f.####.exr b/f.####.exr --json -" );
@@ -62,8 +94,9 @@ static void test_every_channel_is_written( void** state )
     cli_expect( cli_run( "$R png a/f.0010.exr a.png" ), 0, NULL );
     // threads and frames alone make no difference to the bytes
     cli_expect(
-        cli_run( "$R render $VASE -o c/f.####.exr --threads 3 --size 48x27 --spp 6 --group 1 --frames 11 --quiet --aov " ALL ), 0,
-        NULL );
+        cli_run( "$R render $VASE -o c/f.####.exr --threads 3 --size 48x27 --spp 6 --group 1 --frames 11 --quiet --aov " ALL
+                 "," PASSES ),
+        0, NULL );
     cli_expect( cli_run( "cmp a/f.0011.exr c/f.0011.exr" ), 0, NULL );
     // only what was asked for
     cli_expect( cli_run( "$R render $VASE -o d/f.####.exr " SMALL " --aov depth --float" ), 0, NULL );
@@ -76,9 +109,8 @@ static void test_every_channel_is_written( void** state )
 static void test_wrong_names_are_refused( void** state )
 {
     (void)state;
-    cli_expect(
-        cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
-        "reframe render: --aov: 'colour' is no AOV, there are albedo,normal,depth,motion,variance,samples,removed,primal,dx,dy" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
+                "reframe render: --aov: 'colour' is no AOV, there are " ALL ",removed," PASSES ",primal,dx,dy" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normals" ), 2, "did you mean normal?" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,,normal" ), 2, "'' is no AOV" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth," ), 2, "'' is no AOV" );
@@ -95,6 +127,74 @@ static void test_resume_wants_the_same_aovs( void** state )
     cli_expect( cli_run( "$R render $VASE -o s/f.####.exr " SMALL " --resume" ), 1, "--resume: s/f.0010.exr" );
     cli_expect( cli_run( "$R render $VASE -o s/f.####.exr " SMALL " --resume --aov albedo" ), 1, "--resume: s/f.0010.exr" );
     cli_expect( cli_run( "$R render $VASE -o b/f.####.exr " SMALL " --resume --aov depth" ), 1, "--resume: b/f.0010.exr" );
+}
+
+// The mattes of a name in a frame: the sum of the coverages of its id over all ranks.
+static double coverage_of( const char* name, const char* kind, const char* attribute, const char* what )
+{
+    char path[512], manifest[8192], channel[64];
+    float id = 0.0f;
+    double sum = 0.0;
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    assert_int_equal( rf_read_exr_string( path, attribute, manifest, sizeof manifest, NULL ), RF_OK );
+    json_t* json = json_loads( manifest, 0, NULL );
+    const char* digits = json_string_value( json_object_get( json, what ) );
+    assert_non_null( digits );
+    uint32_t bits = (uint32_t)strtoul( digits, NULL, 16 );
+    memcpy( &id, &bits, sizeof id );
+    json_decref( json );
+    for ( int rank = 0; rank < 6; ++rank )
+    {
+        snprintf( channel, sizeof channel, "%s%02d.%c", kind, rank / 2, "rb"[rank % 2] );
+        float* ids = channel_of( name, channel, 48, 27 );
+        snprintf( channel, sizeof channel, "%s%02d.%c", kind, rank / 2, "ga"[rank % 2] );
+        float* coverage = channel_of( name, channel, 48, 27 );
+        assert_true( ids != NULL && coverage != NULL );
+        for ( int i = 0; i < 48 * 27; ++i )
+        {
+            assert_true( coverage[i] >= 0.0f && coverage[i] <= 1.0f );
+            sum += ids[i] == id ? (double)coverage[i] / ( 48 * 27 ) : 0.0;
+        }
+        free( ids );
+        free( coverage );
+    }
+    return sum;
+}
+
+// Every compression leaves the ids as they are, and so do names and parts.
+static void test_mattes_are_found_by_name( void** state )
+{
+    (void)state;
+    static const char* const s_options[] = { "", " --compression dwaa", " --names blender",
+                                             " --parts each --light-groups lamps" };
+    double vase = 0.0;
+    for ( int i = 0; i < 4; ++i )
+    {
+        char command[256], layer[64];
+        snprintf( command, sizeof command, "$R render $VASE -o m/f%d.####.exr " SMALL " --cryptomatte object,asset%s", i,
+                  s_options[i] );
+        cli_expect( cli_run( "%s", command ), 0, NULL );
+        char name[64], attribute[64];
+        snprintf( name, sizeof name, "m/f%d.0010.exr", i );
+        snprintf( layer, sizeof layer, "%sCryptoObject", i == 2 ? "ViewLayer." : "" );
+        snprintf( attribute, sizeof attribute, "cryptomatte/%07x/manifest", rf_murmur3_32( layer ) >> 4 );
+        double here = coverage_of( name, layer, attribute, "vase" );
+        vase = i == 0 ? here : vase;
+        assert_true( here == vase && here > 0.01 && here < 0.9 );
+        assert_null( channel_of( name, "CryptoMaterial00.r", 48, 27 ) );
+        float* group = channel_of( name, "light_light.G", 48, 27 ); // beside mattes
+        assert_true( ( group != NULL ) == ( i == 3 ) );
+        free( group );
+    }
+    cli_expect( cli_run( "$R render $VASE -o m/f0.####.exr " SMALL " --cryptomatte asset,object --resume" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o m/f0.####.exr " SMALL " --resume --cryptomatte object" ), 1,
+                "cryptomatte object,asset" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr --cryptomatte objects" ), 2,
+                "--cryptomatte: 'objects' is no kind of Cryptomatte, did you mean object?" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL " --estimator gradient --cryptomatte object" ), 2,
+                "the estimator 'gradient' has no Cryptomatte" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL " --estimator gradient --aov object_index" ), 2,
+                "the estimator 'gradient' has no Cryptomatte" );
 }
 
 static void test_variance_of_one_pass( void** state )
@@ -116,9 +216,8 @@ static void test_variance_of_one_pass( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_channel_is_written ),
-        cmocka_unit_test( test_wrong_names_are_refused ),
-        cmocka_unit_test( test_resume_wants_the_same_aovs ),
+        cmocka_unit_test( test_every_channel_is_written ),   cmocka_unit_test( test_wrong_names_are_refused ),
+        cmocka_unit_test( test_resume_wants_the_same_aovs ), cmocka_unit_test( test_mattes_are_found_by_name ),
         cmocka_unit_test( test_variance_of_one_pass ),
     };
     return cmocka_run_group_tests_name( "aov", tests, cli_enter_group, cli_leave_group );

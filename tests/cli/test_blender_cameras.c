@@ -77,7 +77,7 @@ static void render_camera( const char* name )
     const CliResult* done = cli_run(
         BLENDER "cameras.blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- %s.glb --camera %s > log", name, name );
     assert_int_equal( done->status, 0 );
-    assert_non_null( strstr( done->err, "warning: the film's exposure of 2 is ignored" ) );
+    assert_non_null( strstr( done->err, "warning: the film's exposure of 2 is taken as one of the view" ) );
     assert_non_null( strstr( done->err, "warning: the compositor's nodes are left out" ) );
     assert_non_null( strstr( done->err, "warning: stereoscopy is left out" ) );
     assert_null( strstr( done->err, "the shutter's curve" ) );

@@ -114,6 +114,17 @@ static void test_help_and_version( void** state )
         assert_string_equal( result->err, "" );
         assert_true( strlen( result->out ) > 5 );
     }
+    const char* with = cli_run( "$R --version" )->out;
+#ifdef REFRAME_WEBP
+    assert_true( strstr( with, " (with " ) != NULL && strstr( with, "WebP" ) != NULL );
+#endif
+#ifdef REFRAME_DRACO
+    assert_true( strstr( with, " (with " ) != NULL && strstr( with, "Draco" ) != NULL );
+#endif
+#ifdef REFRAME_MESHOPT
+    assert_true( strstr( with, " (with " ) != NULL && strstr( with, "meshoptimizer" ) != NULL );
+#endif
+    assert_int_equal( strncmp( with, "reframe ", 8 ), 0 );
     cli_expect( cli_run( "$R --help > /dev/full" ), 1, "standard output cannot be written" );
 }
 
@@ -145,6 +156,8 @@ static void test_bad_scenes_exit_1( void** state )
     cli_expect( cli_run( "head -c 10000 $VASE > cut.glb; $R render cut.glb -o a.exr" ), 1, "cut.glb" );
     cli_expect( cli_run( "head -c 7 $VASE > tiny.glb; $R info tiny.glb" ), 1, "tiny.glb" );
     cli_expect( cli_run( ": > empty.glb; $R info empty.glb" ), 1, "empty.glb" );
+    cli_expect( cli_run( "$R info https://a.org/b.glb" ), 1, "https://a.org/b.glb: is not fetched: download it" );
+    cli_expect( cli_run( "$R info https://a.org/b.json" ), 1, "https://a.org/b.json: is not fetched: download it" );
     write_gltf( "nan.gltf", true, NAN_TRIANGLE, true );
     cli_expect( cli_run( "$R render nan.gltf -o a.exr" ), 1, "nan.gltf" );
     write_gltf( "blind.gltf", false, TRIANGLE, true );
@@ -201,11 +214,12 @@ static void test_existing_frames( void** state )
     // Threads and file format do not change the picture: the three are kept as they are.
     cli_run( "touch -d 2001-01-01 f.*.exr" );
     const CliResult* result =
-        cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --threads 1 --compression piz " SMALL );
+        cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --threads 1 --compression piz --parts each " SMALL );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->out, "2 frames in f.####.exr" ) );
     assert_non_null( strstr( result->out, "3 kept" ) );
     assert_int_equal( atoi( cli_run( "find . -name 'f.*.exr' ! -newermt 2002-01-01 | wc -l" )->out ), 3 );
+    cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --check --compression none " SMALL ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-5 --resume --seed 2 " SMALL ), 1,
                 "f.0001.exr: is of another render, of --seed 1 (here 2): give the same" );
     cli_expect(
@@ -222,6 +236,35 @@ static void test_existing_frames( void** state )
     result = cli_run( "$R render $VASE -o g.####.exr --frames -2--1 --resume " SMALL );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->out, "0 frames" ) );
+}
+
+static void test_words_for_compressions( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char *words, *text;
+    } cases[] = {
+        { "rle", "--compression: expected none, zip, zips, piz, dwaa or dwab, got 'rle'" },
+        { "zip:4", "--compression: only dwaa and dwab have a level, got 'zip:4'" },
+        { "dwaa:", "--compression: expected a level of DWA from 0 to 250, as dwaa:45, got 'dwaa:'" },
+        { "dwab:251", "--compression: expected a level of DWA from 0 to 250, as dwab:45, got 'dwab:251'" },
+        { "none --parts two", "--parts: expected" },
+#ifdef REFRAME_DWA
+        { "dwaa --float", "DWA compresses colours of 32 bits in parts of their own only" },
+#endif
+    };
+    char command[256];
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        snprintf( command, sizeof command, "$R render $VASE -o c.exr --frames 1 --compression %s " SMALL, cases[i].words );
+        cli_expect( cli_run( "%s", command ), 2, cases[i].text );
+        assert_false( cli_exists( "c.exr" ) );
+    }
+#ifndef REFRAME_DWA
+    cli_expect( cli_run( "$R render $VASE -o c.exr --frames 1 --compression dwaa " SMALL ), 1,
+                "this build of reframe lacks DWA" );
+#endif
 }
 
 static void test_header_tells_the_settings( void** state )
@@ -259,7 +302,7 @@ static void test_json_has_every_key( void** state )
     expect_keys( json,
                  "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                  "normalize threads effects effects_left_out effects_forced kept_frames interrupted clamp adaptive adaptive_mode "
-                 "adaptive_frames warnings repeated_frames filter specks" );
+                 "adaptive_frames warnings export_losses export_warnings repeated_frames filter specks" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
@@ -294,7 +337,7 @@ static void test_info_tells_cameras_and_materials( void** state )
     json_t* json = parse_json( result->out );
     expect_keys(
         json, "triangles stored_triangles instances materials lights cameras effects moving changing sharing frozen unrendered "
-              "size fps export_warnings" );
+              "size fps alpha export_losses export_warnings variants light_groups" );
     json_t* camera = json_array_get( json_object_get( json, "cameras" ), 0 );
     expect_keys( camera, "name frames first step animated shots" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );
@@ -372,6 +415,7 @@ int main( void )
         cmocka_unit_test( test_small_paths_and_images ),
         cmocka_unit_test( test_folders_that_cannot_be_written ),
         cmocka_unit_test( test_existing_frames ),
+        cmocka_unit_test( test_words_for_compressions ),
         cmocka_unit_test( test_header_tells_the_settings ),
         cmocka_unit_test( test_json_has_every_key ),
         cmocka_unit_test( test_info_tells_cameras_and_materials ),

@@ -146,9 +146,12 @@ static void test_own_layers_are_found_by_name( void** state )
             const RfExrString strings[] = {
                 { "reframe/group", "1" }, { "reframe/spp", "4" }, { "reframe/frame", number_text }, { "reframe/frames", "9" }
             };
-            const RfExrChannel channels[] = { { names[set][0], motion[0], 1, false }, { names[set][1], motion[1], 1, set == 1 },
-                                              { names[set][2], depth, 1, false },     { names[set][3], variance, 1, true },
-                                              { names[set][4], variance, 1, true },   { names[set][5], variance, 1, true } };
+            const RfExrChannel channels[] = { { .name = names[set][0], .values = motion[0], .stride = 1 },
+                                              { .name = names[set][1], .values = motion[1], .stride = 1, .half = set == 1 },
+                                              { .name = names[set][2], .values = depth, .stride = 1 },
+                                              { .name = names[set][3], .values = variance, .stride = 1, .half = true },
+                                              { .name = names[set][4], .values = variance, .stride = 1, .half = true },
+                                              { .name = names[set][5], .values = variance, .stride = 1, .half = true } };
             RfExrOptions options = rf_default_exr_options();
             options.strings = strings;
             options.string_count = set == 0 ? 4 : 0;
@@ -289,9 +292,9 @@ static void test_motion_from_camera_matrices( void** state )
 {
     (void)state;
     static float depth[PIXELS];
-    const RfExrChannel channels[] = { { "depth.Z", depth, 1, false },
-                                      { "motion.X", depth, 1, false },
-                                      { "motion.Y", depth, 1, false } };
+    const RfExrChannel channels[] = { { .name = "depth.Z", .values = depth, .stride = 1 },
+                                      { .name = "motion.X", .values = depth, .stride = 1 },
+                                      { .name = "motion.Y", .values = depth, .stride = 1 } };
     RfExrOptions options = rf_default_exr_options();
     options.channels = channels;
     options.channel_count = 3;

@@ -59,9 +59,9 @@ static void write_stripes( const char* pattern, int frame, bool has_motion )
     const RfExrString strings[] = {
         { "reframe/group", "1" }, { "reframe/spp", "4" }, { "reframe/frame", "1" }, { "reframe/frames", "9" }
     };
-    const RfExrChannel channels[] = { { "depth.Z", depth, 1, false },
-                                      { "motion.X", motion[0], 1, false },
-                                      { "motion.Y", motion[1], 1, false } };
+    const RfExrChannel channels[] = { { .name = "depth.Z", .values = depth, .stride = 1 },
+                                      { .name = "motion.X", .values = motion[0], .stride = 1 },
+                                      { .name = "motion.Y", .values = motion[1], .stride = 1 } };
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
     options.strings = strings;

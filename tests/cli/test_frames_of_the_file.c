@@ -6,6 +6,7 @@
 #include "reframe/camera.h"
 #include "reframe/image.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -119,6 +120,45 @@ static void test_frames_are_called_as_in_the_file( void** state )
     assert_int_equal( pixels, 32 );
     free( read_channels( "f.0110.exr", red, 1, &pixels ) );
     assert_int_equal( pixels, 32 * 24 );
+}
+
+// What the export lost is said first, with --quiet too; smaller things are for info.
+static void test_losses_of_the_export( void** state )
+{
+    (void)state;
+    write_room( ",\"extras\":{\"reframe\":{" FILM ",\"export_losses\":[\"'door': moves\",\"'sun': dims\"],"
+                "\"export_warnings\":[\"'pot': has no bump\"]}}" );
+    const CliResult* told = cli_run( "$R info room.gltf" );
+    assert_int_equal( told->status, 0 );
+    static const char first[] =
+        "room.gltf\nLOST       by the export, 2: movements stand still, or the light of the picture is another\n"
+        "  'door': moves\n  'sun': dims\n";
+    assert_non_null( strstr( told->out, first ) );
+    assert_non_null( strstr( told->out, "warnings   1 from the export\n  'pot': has no bump\n" ) );
+#define RENDER_LOST "$R render room.gltf -o lost/f.####.exr --spp 1 --size 8x6 --overwrite --json lost/f.json "
+    told = cli_run( "mkdir lost && " RENDER_LOST );
+    static const char lost[] =
+        "reframe render: lost by the export: 'door': moves\nreframe render: lost by the export: 'sun': dims\n";
+    assert_int_equal( strncmp( told->err, lost, sizeof lost - 1 ), 0 );
+    assert_non_null( strstr( told->err, "reframe render: 1 warning of the export: see reframe info\n" ) );
+    told = cli_run( RENDER_LOST "--quiet" );
+    assert_string_equal( told->err, lost );
+    json_t* json = cli_read_json( "lost/f.json" );
+    const json_t* losses = json_object_get( json, "export_losses" );
+    assert_int_equal( json_array_size( losses ), 2 );
+    assert_string_equal( json_string_value( json_array_get( losses, 1 ) ), "'sun': dims" );
+    json_decref( json );
+    json = json_loads( cli_run( "$R report lost -o lost/page.html --json - --quiet" )->out, 0, NULL );
+    const json_t* said = json_object_get( json, "warnings" );
+    assert_int_equal( json_array_size( said ), 3 );
+    for ( size_t i = 0; i < 3; ++i )
+    {
+        static const char* const texts[] = { "'door': moves", "'sun': dims", "'pot': has no bump" };
+        const json_t* item = json_array_get( said, i );
+        assert_string_equal( json_string_value( json_object_get( item, "text" ) ), texts[i] );
+        assert_int_equal( json_is_true( json_object_get( item, "loss" ) ), i < 2 );
+    }
+    json_decref( json );
 }
 
 static void test_frames_in_steps( void** state )
@@ -341,6 +381,20 @@ static void test_moving_objects_are_named( void** state )
                              "not rendered: an error, unless --freeze is given\n  object 'cup': it moves" ) );
 }
 
+static void test_variants_are_listed( void** state )
+{
+    (void)state;
+    write_room( "}],\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"Oak\"},{\"name\":\"Pine\"}]}},"
+                "\"textures\":[{" );
+    assert_non_null( strstr( cli_run( "$R info room.gltf --variant Oak" )->out, "variants   2\n  Oak\n  Pine\n" ) );
+    assert_non_null( strstr( cli_run( "$R info room.gltf --json -" )->out, "\"Pine\"" ) );
+    cli_expect( cli_run( "$R info room.gltf --variant Elm" ), 2, "none is called 'Elm': there are 'Oak', 'Pine'" );
+    const char* render = "$R render room.gltf -o v.####.exr --frames 1 --spp 1 --size 4x4 --variant %s";
+    cli_expect( cli_run( render, "Oak" ), 0, NULL );
+    cli_expect( cli_run( render, "Oak --resume" ), 0, NULL );
+    cli_expect( cli_run( render, "Pine --resume" ), 1, "--variant" );
+}
+
 static void test_wrong_shots_are_errors( void** state )
 {
     (void)state;
@@ -363,6 +417,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown( test_frames_are_called_as_in_the_file, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_losses_of_the_export, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_frames_in_steps, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_lens_of_every_frame, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_cuts_part_a_path, cli_enter_group, cli_leave_group ),
@@ -370,6 +425,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_variants_are_listed, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -109,8 +109,8 @@ static void test_info_names_so_many( void** state )
 {
     (void)state;
     write_many_lamps( "many.glb", 67 );
-    cli_expect( cli_run( "$R info many.glb > many.txt && grep -c 'light .*: intensity' many.txt | grep -qx 64 &&"
-                         "grep -qx '  and 3 more' many.txt && grep -qx 'changing   67' many.txt" ),
+    cli_expect( cli_run( "$R info many.glb > many.txt && grep -c 'light .*: intensity' many.txt | grep -qx 67 &&"
+                         "! grep -q '^  and .* more' many.txt && grep -qx 'changing   67' many.txt" ),
                 0, NULL );
 }
 

@@ -193,9 +193,9 @@ static void test_wrong_words_are_refused( void** state )
                   memories[i] );
         expect_error( line, text );
     }
-    expect_error( "a --fps 24/0", "--fps: expected frames per second, such as 24 or 24000/1001, got '24/0'" );
-    expect_error( "a --fps 0", "--fps: expected frames per second, such as 24 or 24000/1001, got '0'" );
-    expect_error( "a --weights Exact", "--weights: expected one of exact, eq15 or unweighted, got 'Exact'" );
+    expect_error( "a --fps 24/0", "--fps: expected frames per second, such as 24, or 30000/1001 for 29.97, got '24/0'" );
+    expect_error( "a --fps 0", "--fps: expected frames per second, such as 24, or 30000/1001 for 29.97, got '0'" );
+    expect_error( "a --weights Exact", "--weights: expected exact, eq15 or unweighted, got 'Exact'" );
 }
 
 static void test_wrong_shape_is_refused( void** state )
@@ -305,8 +305,8 @@ static void test_value_may_be_left_out( void** state )
     }
     expect_ok( "--no-adaptive off" ); // a file of that name
     assert_string_equal( s_file, "off" );
-    expect_error( "a --adaptive=yes", "--adaptive: expected one of auto, on or off, got 'yes'" );
-    expect_error( "a --adaptive=", "--adaptive: expected one of auto, on or off, got ''" );
+    expect_error( "a --adaptive=yes", "--adaptive: expected auto, on or off, got 'yes'" );
+    expect_error( "a --adaptive=", "--adaptive: expected auto, on or off, got ''" );
     expect_error( "a --no-adaptive=on", "--no-adaptive: takes no value, got 'on'" );
     expect_error( "a --adaptive --no-adaptive", "--adaptive: given twice" );
     expect_error( "a --adaptive on off", "'off' is one file too many, see reframe render --help" );

@@ -171,6 +171,7 @@ static double value_of( int port, const char* key )
 static int start_page( const char* options )
 {
     int port = 0;
+    cli_expect( cli_run( "rm -f said" ), 0, NULL ); // else the port of the render before may be read
     cli_start( "exec $R render $VASE --preview 0 %s 2> said", options );
     for ( int i = 0; i < 12000 && port == 0; ++i )
     {
@@ -196,7 +197,7 @@ static size_t finished_frames( int port )
 static void test_page_shows_what_goes_on( void** state )
 {
     (void)state;
-    int port = start_page( "-o l/f.####.exr --frames 2-4 --size 64x36 --spp " SOME " --group 0" );
+    int port = start_page( "-o l/f.####.exr --frames 2-4 --size 64x36 --spp " SOME " --group 0 --aov depth,albedo" );
     for ( int i = 0; i < 12000 && ( value_of( port, "version" ) < 1.0 || finished_frames( port ) < 1 ); ++i )
         wait_a_moment();
     json_t* json = status_of( port );
@@ -204,11 +205,20 @@ static void test_page_shows_what_goes_on( void** state )
     assert_in_range( json_integer_value( json_object_get( json, "frame" ) ), 2, 4 );
     assert_true( json_number_value( json_object_get( json, "spp" ) ) >= 1.0 );
     assert_string_equal( json_string_value( json_object_get( json, "output" ) ), "l/f.####.exr" );
+    const json_t *passes = json_object_get( json, "passes" ), *albedo = json_array_get( passes, 0 );
+    const json_t* depth = json_array_get( passes, 1 );
+    assert_int_equal( json_array_size( passes ), 2 );
+    assert_string_equal( json_string_value( json_object_get( albedo, "name" ) ), "albedo" );
+    assert_true( json_is_true( json_object_get( albedo, "light" ) ) && json_is_false( json_object_get( depth, "light" ) ) );
     json_decref( json );
     expect_reply( port, "/", "127.0.0.1", "200", "</html>" );
     expect_reply( port, "/?x", "localhost", "200", "decodePicture" );
     expect_reply( port, "/preview", "localhost", "200", "application/octet-stream" );
     expect_reply( port, "/frame/2", "localhost", "200", "max-age" );
+    expect_reply( port, "/frame/2/0", "localhost", "200", "application/octet-stream" ); // a pass
+    expect_reply( port, "/frame/2/2", "localhost", "404", "" );
+    expect_reply( port, "/frame/2/", "localhost", "404", "" );
+    expect_reply( port, "/frame/2/0x", "localhost", "404", "" );
     expect_reply( port, "/frame/1", "localhost", "404", "" ); // not of this render
     expect_reply( port, "/frame/4", "localhost", "404", "" ); // not finished
     expect_reply( port, "/frame/../../said", "localhost", "404", "" );
@@ -268,7 +278,7 @@ static void test_page_in_a_browser( void** state )
 {
     (void)state;
     char line[1024];
-    int port = start_page( "-o v/f.####.exr --frames 1-40 --size 96x54 --spp " SOME " --group 0" );
+    int port = start_page( "-o v/f.####.exr --frames 1-40 --size 96x54 --spp " SOME " --group 0 --aov depth" );
     snprintf( line, sizeof line,
               "REFRAME_NODE_MODULES='" REFRAME_SOURCE_DIR "/out/browser/node_modules' node '" REFRAME_SOURCE_DIR
               "/tests/browser/check-live.js' http://127.0.0.1:%d/",

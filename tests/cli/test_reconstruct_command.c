@@ -63,7 +63,7 @@ static void add( File* file, const char* prefix, const char* layer, const char* 
 {
     char* name = file->names[file->count];
     snprintf( name, sizeof file->names[0], "%s%s.%s", prefix, layer, channel );
-    file->channels[file->count++] = ( RfExrChannel ){ name, values, 3, false };
+    file->channels[file->count++] = ( RfExrChannel ){ .name = name, .values = values, .stride = 3 };
 }
 
 static void add_layers( File* file, const char* prefix, const Names* names, const Layers* l )

@@ -126,18 +126,21 @@ static void test_side_by_side_with_holes_and_names( void** state )
         skip();
 }
 
-// A frame with all AOVs, and one pixel whose values a half float holds.
+// A frame with passes of many kinds, and one pixel whose values a half float holds.
 static void write_full_frame( const char* folder, int frame, float light )
 {
     enum
     {
         WIDTH = 96,
         HEIGHT = 54,
-        COUNT = 14
+        COUNT = 24
     };
-    static const char* const names[COUNT] = { "albedo.R",   "albedo.G",   "albedo.B",   "normal.X", "normal.Y",
-                                              "normal.Z",   "depth.Z",    "motion.X",   "motion.Y", "motion.Z",
-                                              "variance.R", "variance.G", "variance.B", "samples.Y" };
+    static const char* const names[COUNT] = { "albedo.R",         "albedo.G",         "albedo.B",         "normal.X",
+                                              "normal.Y",         "normal.Z",         "depth.Z",          "motion.X",
+                                              "motion.Y",         "motion.Z",         "variance.R",       "variance.G",
+                                              "variance.B",       "samples.Y",        "light_key.R",      "light_key.G",
+                                              "light_key.B",      "light_fill.R",     "light_fill.G",     "light_fill.B",
+                                              "CryptoObject00.R", "CryptoObject00.G", "CryptoObject00.B", "CryptoObject00.A" };
     static float values[WIDTH * HEIGHT][COUNT];
     RfExrChannel channels[COUNT];
     RfImage image;
@@ -152,16 +155,31 @@ static void write_full_frame( const char* folder, int frame, float light )
                                   x - 0.5f, y + t, 0.0f, x * y,    x,        y,    3.0f + x };
         memcpy( values[i], at, sizeof at );
         for ( int c = 0; c < 3; ++c )
-            image.rgb[3 * i + c] = light * ( 0.1f + x * y + 0.2f * t * (float)c );
+        {
+            values[i][14 + c] = light * ( 0.1f + x * y );
+            values[i][17 + c] = light * 0.2f * t * (float)c;
+            image.rgb[3 * i + c] = values[i][14 + c] + values[i][17 + c]; // the picture is the sum of the groups
+        }
     }
+    // "left" and "right" of column 40, the first column is nothing
+    const uint32_t bits[2] = { 0x3f2a91c4u, 0x40b37e05u };
+    for ( int i = 0; i < WIDTH * HEIGHT; ++i )
+    {
+        memcpy( &values[i][20], bits + ( i % WIDTH >= 40 ), i % WIDTH > 0 ? sizeof *bits : 0 );
+        values[i][21] = i % WIDTH > 0 ? 1.0f : 0.0f;
+    }
+    const RfExrString strings[] = { { "cryptomatte/1234567/name", "CryptoObject" },
+                                    { "cryptomatte/1234567/manifest", "{\"left\":\"3f2a91c4\",\"right\":\"40b37e05\"}" } };
     image.rgb[3 * ( 20 * WIDTH + 10 )] = 0.25f;
     image.rgb[3 * ( 20 * WIDTH + 10 ) + 1] = 12.5f;
     image.rgb[3 * ( 20 * WIDTH + 10 ) + 2] = -0.0625f;
     for ( int c = 0; c < COUNT; ++c )
-        channels[c] = ( RfExrChannel ){ names[c], &values[0][c], COUNT, false };
+        channels[c] = ( RfExrChannel ){ .name = names[c], .values = &values[0][c], .stride = COUNT };
     RfExrOptions options = rf_default_exr_options();
     options.channels = channels;
     options.channel_count = COUNT;
+    options.strings = strings;
+    options.string_count = 2;
     if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     rf_destroy_image( &image );
@@ -189,7 +207,9 @@ static void test_everything_that_a_page_has( void** state )
     }
     cli_expect( cli_run( "$R report fast slow --reference true -o full.html --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R report fast slow -o pair.html --quiet" ), 0, NULL ); // the difference of two without a reference
-    if ( !check_page( "full.html", "--probe 10,20:0.25,12.5,-0.0625" ) || !check_page( "pair.html", "--error --quick" ) )
+    if ( !check_page( "full.html",
+                      "--probe 10,20:0.25,12.5,-0.0625 --mattes 'left@39,20;right@40,20;nothing@0,53;right@95,53'" ) ||
+         !check_page( "pair.html", "--error --quick" ) )
         skip();
 }
 

@@ -161,7 +161,7 @@ static void test_layers_are_chosen_by_name( void** state )
     write_parts( "l/r/f.1.exr", &r, 1 );
     cli_expect( cli_run( "$R report l/a -o l.html --quiet" ), 1, "has more than one layer of colour: x, y: name one by --layer" );
     cli_expect( cli_run( "$R report l/a -o l.html --layer x --reference-layer y" ), 2, "--reference-layer: needs --reference" );
-    cli_expect( cli_run( "$R report l/a -o l.html --layer z --quiet" ), 1, "f.1.exr: has no layer z" );
+    cli_expect( cli_run( "$R report l/a -o l.html --layer z --quiet" ), 1, "f.1.exr: has no layer z; it has x, y\n" );
     cli_expect( cli_run( "$R report l/a --reference l/a -o l.html --layer x --reference-layer y --quiet" ), 0, NULL );
     json_t* data = page_read_data( "l.html", 2 );
     page_check_item( page_sequence( data, 0 ), "relmse", 0, 3.0 / 4.001 );
@@ -232,9 +232,66 @@ static void test_aovs_of_the_files( void** state )
     assert_true( json_is_true( page_item( sequence, "has_layers", 0 ) ) &&
                  json_is_false( page_item( sequence, "has_layers", 1 ) ) );
     json_decref( data );
-    cli_expect( cli_run( "$R report q -o q2.html --no-aov --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R report q -o q2.html --passes 0 --quiet" ), 0, NULL );
     data = page_read_data( "q2.html", 3 );
     assert_int_equal( json_array_size( json_object_get( page_sequence( data, 0 ), "layers" ) ), 0 );
+    json_decref( data );
+}
+
+// Passes of any names and parts, as many as have room; the others are named.
+static void test_passes_have_room_or_are_named( void** state )
+{
+    (void)state;
+    page_make_folder( "u" );
+    const Foreign parts[4] = {
+        COLOUR( 2.0f ),
+        { .names = { "light_key.B", "light_key.G", "light_key.R" },
+          .values = { 1, 2, 3 },
+          .width = 20,
+          .height = 10,
+          .part = "k" },
+        { .names = { "CryptoObject00.A", "CryptoObject00.B", "CryptoObject00.G", "CryptoObject00.R", "object_index.Y" },
+          .values = { 0, 0, 1, 5, 3 },
+          .width = 20,
+          .height = 10,
+          .part = "c" },
+        { .names = { "depth.Z" }, .values = { 3 }, .width = 10, .height = 10, .part = "other window" },
+    };
+    write_parts( "u/f.1.exr", parts, 4 );
+    static const char* const lost[2] = { "passes that are not on this page: depth",
+                                         "passes that are not on this page: object_index, depth" };
+    for ( int few = 0; few < 2; ++few )
+    {
+        cli_expect( cli_run( "$R report u -o u.html --overwrite --quiet %s", few ? "--passes 200" : "" ), 0, NULL );
+        json_t* data = page_read_data( "u.html", 1 );
+        const json_t *layers = json_object_get( page_sequence( data, 0 ), "layers" ), *key = json_array_get( layers, 0 );
+        const json_t* crypto = json_array_get( layers, 1 );
+        assert_int_equal( json_array_size( layers ), few ? 2 : 3 );
+        assert_string_equal( json_string_value( json_object_get( key, "name" ) ), "light_key" );
+        assert_true( json_is_true( json_object_get( key, "group" ) ) && json_is_false( json_object_get( crypto, "group" ) ) );
+        assert_string_equal( json_string_value( json_object_get( crypto, "look" ) ), "mattes" );
+        const json_t* warning = json_array_get( json_object_get( data, "warnings" ), 0 );
+        assert_string_equal( json_string_value( json_object_get( warning, "text" ) ), lost[few] );
+        json_decref( data );
+    }
+}
+
+// Of a data window larger than the display window, 64x64, the page shows what is in this.
+static void test_overscan_is_left_out( void** state )
+{
+    (void)state;
+    page_make_folder( "w" );
+    const Foreign part = {
+        .names = { "B", "G", "R", "depth.Z" }, .values = { 1, 2, 3, 4 }, .x = 0, .y = -4, .width = 64, .height = 72
+    };
+    write_parts( "w/f.1.exr", &part, 1 );
+    cli_expect( cli_run( "$R report w -o w.html --quiet" ), 0, NULL );
+    json_t* data = page_read_data( "w.html", 1 );
+    const json_t *sequence = page_sequence( data, 0 ), *layer = json_array_get( json_object_get( sequence, "layers" ), 0 );
+    assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 64 );
+    assert_int_equal( json_integer_value( json_object_get( sequence, "file_height" ) ), 64 );
+    assert_int_equal( json_integer_value( json_object_get( layer, "width" ) ), 64 );
+    assert_string_equal( page_fact( sequence, "Picture", "Size" ), "64 x 64, with overscan 64 x 72" );
     json_decref( data );
 }
 
@@ -254,10 +311,16 @@ static void test_sizes_must_agree( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_missing_frames_are_reported ), cmocka_unit_test( test_holes_by_the_smallest_step ),
-        cmocka_unit_test( test_files_of_other_programs ),     cmocka_unit_test( test_layers_found_across_parts ),
-        cmocka_unit_test( test_values_fit_their_bytes ),      cmocka_unit_test( test_aovs_of_the_files ),
-        cmocka_unit_test( test_layers_are_chosen_by_name ),   cmocka_unit_test( test_sizes_must_agree ),
+        cmocka_unit_test( test_missing_frames_are_reported ),
+        cmocka_unit_test( test_holes_by_the_smallest_step ),
+        cmocka_unit_test( test_files_of_other_programs ),
+        cmocka_unit_test( test_layers_found_across_parts ),
+        cmocka_unit_test( test_values_fit_their_bytes ),
+        cmocka_unit_test( test_aovs_of_the_files ),
+        cmocka_unit_test( test_passes_have_room_or_are_named ),
+        cmocka_unit_test( test_layers_are_chosen_by_name ),
+        cmocka_unit_test( test_sizes_must_agree ),
+        cmocka_unit_test( test_overscan_is_left_out ),
     };
     return cmocka_run_group_tests_name( "report frames", tests, cli_enter_group, cli_leave_group );
 }

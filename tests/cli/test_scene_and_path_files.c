@@ -105,6 +105,13 @@ static void test_render_faults( void** state )
         { "{\"tile\":\"9x9\"}", "scene.json: render.tile: expected 1, WxH such as 3x3, or rooksN" },
         { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht' is no AOV, did you mean depth?" },
         { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: AOV depth is given twice" },
+        { "{\"cryptomatte\":\"objekt\"}",
+          "scene.json: render.cryptomatte: 'objekt' is no kind of Cryptomatte, did you mean object?" },
+        { "{\"cryptomatte\":\"asset,asset\"}", "scene.json: render.cryptomatte: Cryptomatte of kind asset is given twice" },
+        { "{\"cryptomatte\":true}", "scene.json: render.cryptomatte: must be a string that is not empty, got true" },
+        { "{\"light_groups\":\"kye\"}", "scene.json: render.light_groups: no light group or light is called 'kye': there are" },
+        { "{\"light_groups\":\"all\"}", "scene.json: render.light_groups: has no light groups" },
+        { "{\"light_groups\":\"\"}", "scene.json: render.light_groups: must be a string that is not empty, got \"\"" },
     };
     static const char* const frames[][2] = {
         { "\"9\"", "scene.json: render.frames: there is no frame 9, the camera's path has 7 frames" },

@@ -84,6 +84,31 @@ static void test_table_and_json_agree( void** state )
     json_decref( render );
 }
 
+// What layers of light cost is said before it is spent: films of each frame, and hits that keep more of their light apart.
+static void test_split_light_is_priced( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R tune $VASE --budget 0 --size 64x36 --quiet --json tune.json" ), 0, NULL );
+    json_t* plan = cli_read_json( "tune.json" );
+    assert_true( is_null( plan, "split_light" ) );
+    json_decref( plan );
+    cli_expect(
+        cli_run( "$R tune $VASE --budget 0 --size 64x36 --light-groups lamps --aov direct,indirect --quiet --json tune.json" ), 0,
+        NULL );
+    plan = cli_read_json( "tune.json" );
+    const json_t* split = json_object_get( plan, "split_light" );
+    json_int_t films = json_integer_value( json_object_get( split, "films" ) );
+    assert_int_equal( films, 3 ); // one lamp, two passes
+    assert_true( json_integer_value( json_object_get( split, "bytes_films" ) ) >= films * 64 * 36 * 32 );
+    assert_true( json_integer_value( json_object_get( split, "bytes_hits" ) ) > 0 );
+    assert_true( is_null( split, "time_share" ) );
+    json_decref( plan );
+    const CliResult* said = cli_run( "$R tune $VASE --budget 0 --size 64x36 --aov direct,indirect --quiet" );
+    assert_int_equal( said->status, 0 );
+    assert_non_null( strstr( said->out, "\nlight groups and passes: 2 films more of each frame, " ) );
+    cli_expect( cli_run( "$R tune $VASE --budget 0 --light-groups ligt" ), 2, "did you mean 'light'?" );
+}
+
 // The group that plan marks and render takes with these options.
 static int common_group( const char* options )
 {
@@ -108,11 +133,11 @@ static void test_options_change_plan_as_render( void** state )
         const char *plain, *options;
         bool felt;
     } cases[] = {
-        { "--size 64x36 --tile 1 --memory 2500K", "--adaptive", true },
-        { "--size 64x36 --tile 1 --memory 2500K", "--aov albedo,normal,depth,motion,variance,samples", true },
-        { "--size 64x36 --tile 1 --memory 2500K", "--noise 1000", true }, // the samples that it may take need totals
-        { "--size 64x36 --tile 1 --memory 2500K", "--time 0.001", true },
-        { "--size 64x36 --tile 1 --memory 2500K", "--clamp 1 --aov removed", true },
+        { "--size 64x36 --tile 1 --memory 2700K", "--adaptive", true },
+        { "--size 64x36 --tile 1 --memory 2700K", "--aov albedo,normal,depth,motion,variance,samples", true },
+        { "--size 64x36 --tile 1 --memory 2700K", "--noise 1000", true }, // the samples that it may take need totals
+        { "--size 64x36 --tile 1 --memory 2700K", "--time 0.001", true },
+        { "--size 64x36 --tile 1 --memory 2700K", "--clamp 1 --aov removed", true },
         { "--size 64x36 --spp 9 --memory 12M", "--weights eq15", true },
         { "--size 64x36 --spp 9 --memory 12M", "--weights unweighted --normalize none --tile rooks16 --light-samples 2", false },
     };
@@ -232,9 +257,9 @@ static void test_ranges_for_several_machines( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_table_and_json_agree ),          cmocka_unit_test( test_ranges_for_several_machines ),
-        cmocka_unit_test( test_options_change_plan_as_render ), cmocka_unit_test( test_rows_without_room ),
-        cmocka_unit_test( test_command_defaults_and_errors ),
+        cmocka_unit_test( test_split_light_is_priced ),       cmocka_unit_test( test_table_and_json_agree ),
+        cmocka_unit_test( test_ranges_for_several_machines ), cmocka_unit_test( test_options_change_plan_as_render ),
+        cmocka_unit_test( test_rows_without_room ),           cmocka_unit_test( test_command_defaults_and_errors ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

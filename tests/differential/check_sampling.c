@@ -11,6 +11,7 @@ typedef enum Lobe
     PHONG,
     VISIBLE_NORMAL, // of the model's own surface
     COAT_LOBE,
+    SHEEN_LOBE,
 } Lobe;
 
 // x = n, wo, wi, shape of the lobe, lobe, rounding of the facet along two tangents; y = both random numbers.
@@ -52,14 +53,21 @@ static void invert( const double* x, double* y )
         return;
     }
     D3 axis = lobe == PHONG ? d3_sum( ( D3 ){ -o.x, -o.y, -o.z }, 2.0 * d3_dot( n, o ), n ) : n;
-    double half = sin( 0.5 * d3_angle( axis, i ) ), exponent = lobe == PHONG ? x[X_SHAPE] + 1.0 : 2.0;
+    double half = sin( 0.5 * d3_angle( axis, i ) );
+    if ( lobe == SHEEN_LOBE )
+    {
+        y[0] = pow( 2.0 * half * half, sheen_power( x[X_SHAPE] ) );
+        y[1] = azimuth_of( n, i );
+        return;
+    }
+    double exponent = lobe == PHONG ? x[X_SHAPE] + 1.0 : 2.0;
     y[0] = -expm1( exponent * log1p( -fmin( 2.0 * half * half, 1.0 ) ) );
     y[1] = azimuth_of( d3_unit( axis ), i );
 }
 
 static void describe( const double* x, char* text, size_t size )
 {
-    static const char* s_names[] = { "cosine", "Phong", "visible normal", "coat" };
+    static const char* s_names[] = { "cosine", "Phong", "visible normal", "coat", "sheen" };
     D3 n = d3_at( x + X_N );
     snprintf( text, size, "%s, θo %.6g°, θi %.6g°, shape %.4g", s_names[(int)x[X_LOBE]],
               57.29577951308232 * d3_angle( n, d3_at( x + X_WO ) ), 57.29577951308232 * d3_angle( n, d3_at( x + X_WI ) ),
@@ -73,7 +81,7 @@ static int lobe_of( RfBsdfKind kind, const Surface* s, const Inputs* in, double 
     D3 n = d3_unit( d3_at( in->x + X_N ) ), o = lifted_eye( n, d3_at( in->x + X_WO ) );
     const double* param = in->x + X_PARAM;
     mo = d3_dot( n, o );
-    bool is_ggx = kind == RF_BSDF_GGX || kind == RF_BSDF_COATED;
+    bool is_ggx = kind == RF_BSDF_GGX || kind == RF_BSDF_COATED || kind == RF_BSDF_SHEEN;
     if ( is_ggx && schlick( param[1], param[3], mo ) + param[0] * ( 1.0 - schlick( param[4], param[5], mo ) ) < 1e-3 )
         return -1; // black: which lobe has more of nothing
     if ( kind == RF_BSDF_COATED )
@@ -84,6 +92,16 @@ static int lobe_of( RfBsdfKind kind, const Surface* s, const Inputs* in, double 
             return -1;
         if ( u < q )
             return COAT_LOBE;
+        u = ( u - q ) / ( 1.0 - q );
+        margin /= 1.0 - q;
+    }
+    if ( kind == RF_BSDF_SHEEN )
+    {
+        double q = sheen_probability_of( param );
+        if ( fabs( u - q ) < margin )
+            return -1;
+        if ( u < q )
+            return SHEEN_LOBE;
         u = ( u - q ) / ( 1.0 - q );
         margin /= 1.0 - q;
     }
@@ -110,7 +128,7 @@ static void judge_sample( Check* check, RfBsdfKind kind, const Surface* s, int l
     add_direction( &in, is_coat ? s->coat_n : s->n );
     add_direction( &in, s->wo );
     add_direction( &in, wi );
-    add_number( &in, (double)( is_coat ? s->clearcoat_alpha : s->shape ) );
+    add_number( &in, (double)( is_coat ? s->clearcoat_alpha : lobe == SHEEN_LOBE ? s->sheen_alpha : s->shape ) );
     in.x[in.count++] = is_coat ? VISIBLE_NORMAL : lobe;
     double want[2], got[2] = { (double)s_lanes[U][lane], (double)s_lanes[U + 1][lane] };
     for ( int k = 0; k < 2; ++k )
@@ -127,31 +145,43 @@ static void judge_sample( Check* check, RfBsdfKind kind, const Surface* s, int l
 int check_sampling( long count )
 {
     static Surface s_surface[BATCH];
-    static Check s_checks[] = {
-        { SAMPLING_INPUTS,
-          2,
-          invert,
-          describe,
-          { { "lambert: sampling, polar", .scale = 1, .limit = 8 }, { "lambert: sampling, azimuth", .scale = 1, .limit = 8 } } },
-        { SAMPLING_INPUTS,
-          2,
-          invert,
-          describe,
-          { { "phong: sampling, polar", .scale = 1, .limit = 8 }, { "phong: sampling, azimuth", .scale = 1, .limit = 8 } } },
-        { SAMPLING_INPUTS,
-          2,
-          invert,
-          describe,
-          { { "ggx: sampling, polar", .scale = 1, .limit = 32 }, { "ggx: sampling, azimuth", .scale = 1, .limit = 32 } } },
-        { SAMPLING_INPUTS,
-          2,
-          invert,
-          describe,
-          { { "coated: sampling, polar", .scale = 1, .limit = 32 }, { "coated: sampling, azimuth", .scale = 1, .limit = 32 } } },
+    static Check s_checks[RF_BSDF_FIRST_SPECULAR] = {
+        [RF_BSDF_LAMBERT] = { SAMPLING_INPUTS,
+                              2,
+                              invert,
+                              describe,
+                              { { "lambert: sampling, polar", .scale = 1, .limit = 8 },
+                                { "lambert: sampling, azimuth", .scale = 1, .limit = 8 } } },
+        [RF_BSDF_PHONG] = { SAMPLING_INPUTS,
+                            2,
+                            invert,
+                            describe,
+                            { { "phong: sampling, polar", .scale = 1, .limit = 8 },
+                              { "phong: sampling, azimuth", .scale = 1, .limit = 8 } } },
+        [RF_BSDF_GGX] = { SAMPLING_INPUTS,
+                          2,
+                          invert,
+                          describe,
+                          { { "ggx: sampling, polar", .scale = 1, .limit = 32 },
+                            { "ggx: sampling, azimuth", .scale = 1, .limit = 32 } } },
+        [RF_BSDF_COATED] = { SAMPLING_INPUTS,
+                             2,
+                             invert,
+                             describe,
+                             { { "coated: sampling, polar", .scale = 1, .limit = 32 },
+                               { "coated: sampling, azimuth", .scale = 1, .limit = 32 } } },
+        [RF_BSDF_SHEEN] = { SAMPLING_INPUTS,
+                            2,
+                            invert,
+                            describe,
+                            { { "sheen: sampling, polar", .scale = 1, .limit = 32 },
+                              { "sheen: sampling, azimuth", .scale = 1, .limit = 32 } } },
     };
     int bad = 0;
     for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
+        if ( s_checks[kind].reference == NULL )
+            continue;
         uint32_t stream = 11 + (uint32_t)kind;
         for ( long first = 0; first < count; first += BATCH )
         {

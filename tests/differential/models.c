@@ -1,5 +1,7 @@
 #include "differential/models.h"
 
+#include "bsdf/sheen.h"
+
 static float unit( uint32_t stream, long i, uint32_t dimension )
 {
     return (float)random_between( 0.0, 1.0, stream, i, dimension );
@@ -33,6 +35,27 @@ static void make_glass_of( Surface* s, uint32_t stream, long i )
     s->tint = unit( stream, i, 35 ) * ( 1.0f - metal );
 }
 
+static void make_layers_of( Surface* s, uint32_t stream, long i )
+{
+    RfVec3 t, b;
+    float turn = 6.2831853f * unit( stream, i, 46 );
+    rf_basis( s->n, &t, &b );
+    s->tangent = rf_madd( rf_scale( t, cosf( turn ) ), b, sinf( turn ) );
+    s->anisotropy = unit( stream, i, 47 );
+    s->film = unit( stream, i, 48 );
+    s->film_ior = (float)random_wide( 1.0, 100.0, stream, i, 49 );
+    s->film_thickness = random_number( stream, i, 70 ) < 0.1 ? 0.0f : (float)random_wide( 0.1, 1e5, stream, i, 71 );
+}
+
+// The normal is on the side that light was drawn to arrive on.
+static void make_sheet_of( Surface* s, uint32_t stream, long i )
+{
+    s->through = unit( stream, i, 72 );
+    s->side = random_number( stream, i, 73 ) < 0.5 ? -1.0f : 1.0f;
+    if ( s->side < 0.0f )
+        s->wo = random_around( rf_scale( s->n, -1.0f ), stream, i, 4 );
+}
+
 Surface random_surface( RfBsdfKind kind, uint32_t stream, long i )
 {
     Surface s = { .n = random_direction( stream, i, 1 ) };
@@ -53,9 +76,34 @@ Surface random_surface( RfBsdfKind kind, uint32_t stream, long i )
         RfVec3 lean = random_direction( stream, i, 40 );
         s.coat_n = rf_normalize( rf_madd( s.n, lean, (float)random_wide( 1e-6, 0.7, stream, i, 42 ) ) );
     }
+    s.sheen = unit( stream, i, 43 );
+    s.sheen_alpha = (float)random_wide( (double)RF_MIN_SHEEN_ALPHA, 1.0, stream, i, 44 );
+    make_layers_of( &s, stream, i );
     if ( kind == RF_BSDF_GLASS )
         make_glass_of( &s, stream, i );
+    if ( kind == RF_BSDF_TRANSLUCENT )
+        make_sheet_of( &s, stream, i );
     return s;
+}
+
+static void add_layers( Inputs* in, const Surface* s, RfVec3 wi )
+{
+    float missing = RF_MIN_COS - rf_dot( s->n, s->wo );
+    RfVec3 eye = missing > 0.0f ? rf_normalize( rf_madd( s->wo, s->n, missing ) ) : s->wo;
+    add_number( in, (double)s->clearcoat );
+    add_number( in, (double)s->clearcoat_alpha );
+    add_direction( in, s->coat_n );
+    add_number( in, (double)s->sheen );
+    add_number( in, (double)s->sheen_alpha );
+    add_number( in, (double)rf_sheen_albedo( rf_dot( s->n, eye ), s->sheen_alpha ) );
+    add_number( in, (double)rf_sheen_albedo( rf_dot( s->n, wi ), s->sheen_alpha ) );
+    in->step[in->count - 2] = in->step[in->count - 1] = 16.0 * UNIT_ROUNDOFF; // those of its polynomial
+    add_number( in, (double)s->anisotropy );
+    add_direction( in, s->tangent );
+    add_number( in, (double)s->film );
+    add_number( in, (double)s->film_ior );
+    add_number( in, (double)s->film_thickness );
+    add_rounding( in );
 }
 
 void add_surface( Inputs* in, RfBsdfKind kind, const Surface* s, RfVec3 wi )
@@ -85,9 +133,11 @@ void add_surface( Inputs* in, RfBsdfKind kind, const Surface* s, RfVec3 wi )
     add_number( in, (double)s->coat_f0 );
     add_number( in, (double)s->coat_f90 );
     add_rounding( in );
-    if ( kind != RF_BSDF_COATED )
-        return;
-    add_number( in, (double)s->clearcoat );
-    add_number( in, (double)s->clearcoat_alpha );
-    add_direction( in, s->coat_n );
+    if ( kind == RF_BSDF_TRANSLUCENT )
+    {
+        add_number( in, (double)s->through );
+        in->x[in->count++] = (double)s->side;
+    }
+    else if ( kind != RF_BSDF_GGX )
+        add_layers( in, s, wi );
 }

@@ -18,7 +18,12 @@ typedef struct Surface
     RfVec3 n, wo;
     float diffuse, specular, shape, f90, coat_f0, coat_f90, clearcoat, clearcoat_alpha;
     RfVec3 coat_n;
-    float tint, ior; // of glass, whose metallic fraction is f90
+    float sheen, sheen_alpha;
+    float anisotropy;
+    RfVec3 tangent;
+    float film, film_ior, film_thickness;
+    float tint, ior;     // of glass, whose metallic fraction is f90
+    float through, side; // of translucent surfaces
 } Surface;
 
 Surface random_surface( RfBsdfKind kind, uint32_t stream, long i );
@@ -34,7 +39,7 @@ static inline void put_lane( int lane, const Surface* s )
     put( WO, lane, s->wo );
     put_grey( DIFFUSE, lane, s->diffuse );
     put_grey( SPECULAR, lane, s->specular );
-    put_grey( TINT, lane, s->tint );
+    put_grey( TINT, lane, s->tint + s->through ); // one place
     s_lanes[SHAPE][lane] = s->shape;
     s_lanes[F90][lane] = s->f90;
     s_lanes[COAT_F0][lane] = s->coat_f0;
@@ -42,6 +47,14 @@ static inline void put_lane( int lane, const Surface* s )
     s_lanes[CLEARCOAT][lane] = s->clearcoat;
     s_lanes[CLEARCOAT_ALPHA][lane] = s->clearcoat_alpha;
     put( COAT_N, lane, s->coat_n );
+    put_grey( SHEEN, lane, s->sheen );
+    s_lanes[SHEEN_ALPHA][lane] = s->sheen_alpha;
+    s_lanes[ANISOTROPY][lane] = s->anisotropy;
+    put( TANGENT, lane, s->tangent );
+    s_lanes[FILM][lane] = s->film;
+    s_lanes[FILM_IOR][lane] = s->film_ior;
+    s_lanes[FILM_THICKNESS][lane] = s->film_thickness;
+    s_lanes[CHOICE][lane] = s->side;
     s_lanes[IOR][lane] = s->ior;
 }
 

@@ -86,9 +86,7 @@ double azimuth_of( D3 n, D3 d )
     return turn < 0.0 ? turn + 1.0 : turn;
 }
 
-// The unit normal, the eye lifted, and wi; false below the horizon. The directions keep their lengths, which floats know to a
-// rounding only: where both are grazing, the difference of their lengths tilts the half vector.
-static int directions( const double* x, D3* n, D3* o, D3* i )
+int directions( const double* x, D3* n, D3* o, D3* i )
 {
     *n = d3_unit( d3_at( x + X_N ) );
     *o = lifted_eye( *n, d3_at( x + X_WO ) );
@@ -96,8 +94,7 @@ static int directions( const double* x, D3* n, D3* o, D3* i )
     return d3_dot( *n, *i ) > 0.0;
 }
 
-// wo·h for unit vectors.
-static double cos_half( D3 o, D3 i ) { return cos( 0.5 * d3_angle( o, i ) ); }
+double cos_half( D3 o, D3 i ) { return cos( 0.5 * d3_angle( o, i ) ); }
 
 void reference_lambert( const double* x, double* y )
 {
@@ -109,8 +106,7 @@ void reference_lambert( const double* x, double* y )
     y[1] = d3_dot( n, i ) / PI;
 }
 
-// a / ( a + b ) with a rounding, `none` where both are 0.
-static double share( double a, double b, double none, double rounding )
+double share( double a, double b, double none, double rounding )
 {
     return fmin( fmax( ( a + b > 0.0 ? a / ( a + b ) : none ) + rounding, 0.0 ), 1.0 );
 }
@@ -155,40 +151,122 @@ void reference_ggx( const double* x, double* y )
     y[1] = q * d / ( 1.0 + lo ) / ( 4.0 * mo ) + ( 1.0 - q ) * mi / PI;
 }
 
-// Parameters of coats: strength, alpha, normal.
-enum
-{
-    COAT = 7,
-    COAT_ALPHA,
-    COAT_NORMAL,
-};
-
 double coat_probability_of( const double* param, double cos_o )
 {
     double coat = param[COAT] * schlick( 0.04, 1.0, cos_o ), below = ( 1.0 - coat ) * fmax( param[0] + param[1], 0.05 );
     return share( coat, below, 0.0, param[6] );
 }
 
-void reference_coated( const double* x, double* y )
+void lay_coat_over( const double* x, double* f, int channels, double* pdf )
 {
     const double* p = x + X_PARAM;
-    reference_ggx( x, y );
     D3 surface = d3_unit( d3_at( x + X_N ) ), n = d3_unit( d3_at( p + COAT_NORMAL ) ), i = d3_at( x + X_WI );
     D3 o = lifted_eye( n, d3_at( x + X_WO ) ), sum = d3_sum( o, 1.0, i );
-    double mo = d3_dot( n, o ), mi = d3_dot( n, i ), alpha = p[COAT_ALPHA], cos_surface = d3_dot( surface, i ), f = 0.0,
-           pdf = 0.0;
+    double mo = d3_dot( n, o ), mi = d3_dot( n, i ), alpha = p[COAT_ALPHA], cos_surface = d3_dot( surface, i ), lobe = 0.0,
+           drawn = 0.0;
     double to = 1.0 - p[COAT] * schlick( 0.04, 1.0, mo ), ti = 1.0 - p[COAT] * schlick( 0.04, 1.0, fmax( mi, 0.0 ) );
     if ( cos_surface > 0.0 && mo + mi > 0.0 )
     {
         double d = ggx_density( alpha, d3_angle( n, sum ) ), lo = ggx_lambda( alpha, d3_angle( n, o ) );
-        pdf = d / ( 1.0 + lo ) / ( 4.0 * mo );
+        drawn = d / ( 1.0 + lo ) / ( 4.0 * mo );
         if ( mi > 0.0 ) // μi of the lobe and μi of the factor that turns it to the surface cancel
-            f = p[COAT] * d / ( 1.0 + lo + ggx_lambda( alpha, d3_angle( n, i ) ) ) * schlick( 0.04, 1.0, cos_half( o, i ) ) /
-                ( 4.0 * mo * cos_surface );
+            lobe = p[COAT] * d / ( 1.0 + lo + ggx_lambda( alpha, d3_angle( n, i ) ) ) * schlick( 0.04, 1.0, cos_half( o, i ) ) /
+                   ( 4.0 * mo * cos_surface );
     }
     double q = coat_probability_of( p, mo );
-    y[0] = y[0] * to * ti + f;
-    y[1] = ( 1.0 - q ) * y[1] + q * pdf;
+    for ( int c = 0; c < channels; ++c )
+        f[c] = f[c] * to * ti + lobe;
+    *pdf = ( 1.0 - q ) * *pdf + q * drawn;
+}
+
+void reference_coated( const double* x, double* y )
+{
+    reference_ggx( x, y );
+    lay_coat_over( x, y, 1, y + 1 );
+}
+
+double sheen_probability_of( const double* param )
+{
+    double sheen = param[SHEEN_COLOR] * param[SHEEN_ALBEDO_O], below = ( 1.0 - sheen ) * fmax( param[0] + param[1], 0.05 );
+    return fmin( share( sheen, below, 0.0, param[6] ), 0.99 );
+}
+
+double sheen_power( double alpha )
+{
+    double r = sqrt( alpha );
+    return 1.0 / ( r * ( 2.0 - r ) );
+}
+
+// The logarithm of Λ at a cosine up to 1/2 (Estevez and Kulla 2017, table 1, between its rows).
+static double sheen_fit( double x, double alpha )
+{
+    static const double s_rough[] = { 21.5473, 3.82987, 0.19823, -1.97760, -4.32054 },
+                        s_fine[] = { 25.3245, 3.32435, 0.16801, -1.27393, -4.85967 };
+    double t = ( 1.0 - alpha ) * ( 1.0 - alpha ), p[5];
+    for ( int i = 0; i < 5; ++i )
+        p[i] = ( 1.0 - t ) * s_rough[i] + t * s_fine[i];
+    return p[0] / ( 1.0 + p[1] * pow( x, p[2] ) ) + p[3] * x + p[4];
+}
+
+static double sheen_lambda( double mu, double alpha )
+{
+    return mu < 0.5 ? exp( sheen_fit( mu, alpha ) )
+                    : exp( 2.0 * sheen_fit( 0.5, alpha ) - sheen_fit( fmax( 1.0 - mu, 0.0 ), alpha ) );
+}
+
+// What keeps the lobe's albedo below 1 at grazing angles (src/bsdf/sheen.c).
+static double sheen_limit( double mu, double alpha )
+{
+    double r = sqrt( alpha ), q = fmin( r, 0.5 );
+    return fmin( 1.0, 5.07 * q - 5.08 * q * q + 4.145 * mu + 10.47 * mu * mu / r );
+}
+
+void lay_sheen_over( const double* x, double* f, int channels, double* pdf )
+{
+    D3 n, o, i;
+    const double* p = x + X_PARAM;
+    if ( !directions( x, &n, &o, &i ) )
+        return;
+    double mo = d3_dot( n, o ), mi = d3_dot( n, i ), alpha = p[SHEEN_SHAPE], power = sheen_power( alpha );
+    double d = ( 2.0 + 1.0 / alpha ) * pow( sin( d3_angle( n, d3_sum( o, 1.0, i ) ) ), 1.0 / alpha ) / ( 2.0 * PI );
+    double limit = fmin( sheen_limit( mo, alpha ), sheen_limit( mi, alpha ) );
+    double lobe = limit * d / ( 4.0 * mo * mi * ( 1.0 + sheen_lambda( mo, alpha ) + sheen_lambda( mi, alpha ) ) );
+    double q = sheen_probability_of( p );
+    for ( int c = 0; c < channels; ++c )
+        f[c] = p[SHEEN_COLOR] * lobe + f[c] * ( 1.0 - p[SHEEN_COLOR] * fmax( p[SHEEN_ALBEDO_O], p[SHEEN_ALBEDO_I] ) );
+    *pdf = ( 1.0 - q ) * *pdf + q * power * pow( fmax( 1.0 - mi, 0.0 ), power - 1.0 ) / ( 2.0 * PI );
+}
+
+void reference_sheen( const double* x, double* y )
+{
+    reference_ggx( x, y );
+    lay_sheen_over( x, y, 1, y + 1 );
+}
+
+void reference_translucent( const double* x, double* y )
+{
+    D3 n, o, i;
+    const double* p = x + X_PARAM;
+    double through = p[7], here = p[0] + p[1] + ( p[3] - p[1] ) / 21.0;
+    double chance = share( through, here, 0.0, p[6] ), drawn = p[8] < 0.0 ? chance : 1.0 - chance;
+    y[0] = y[1] = NAN; // a side that is never drawn
+    if ( drawn <= 0.0 )
+        return;
+    if ( p[8] > 0.0 )
+    {
+        reference_ggx( x, y );
+        y[0] /= drawn;
+        return;
+    }
+    n = d3_unit( d3_at( x + X_N ) );
+    D3 eye = d3_at( x + X_WO ), mirrored = d3_sum( eye, -2.0 * d3_dot( n, eye ), n );
+    o = lifted_eye( n, mirrored );
+    i = d3_at( x + X_WI );
+    double mi = fmax( d3_dot( n, i ), 0.0 ), passed = 1.0 - schlick( p[4], p[5], d3_dot( n, o ) );
+    if ( passed <= 0.0 ) // black, and drawn in any way
+        return;
+    y[0] = mi > 0.0 ? through / drawn / PI * passed * ( 1.0 - schlick( p[4], p[5], mi ) ) : 0.0;
+    y[1] = mi / PI;
 }
 
 // Parameters of glass.

@@ -59,6 +59,26 @@ const char* fuzz_file( const char* name, const void* data, size_t size )
     return s_paths[known];
 }
 
+static void put_chunk( uint8_t** at, const char* kind, const void* data, size_t size, int pad )
+{
+    uint32_t padded = (uint32_t)( size + 3 ) / 4 * 4;
+    memcpy( *at, &padded, 4 );
+    memcpy( *at + 4, kind, 4 );
+    memset( *at + 8, pad, padded );
+    memcpy( *at + 8, data, size );
+    *at += 8 + padded;
+}
+
+size_t fuzz_glb( uint8_t* out, const char* json, const uint8_t* data, size_t size )
+{
+    uint8_t* at = out + 12;
+    put_chunk( &at, "JSON", json, strlen( json ), ' ' );
+    put_chunk( &at, "BIN", data, size, 0 );
+    uint32_t header[3] = { 0x46546c67, 2, (uint32_t)( at - out ) };
+    memcpy( out, header, 12 );
+    return header[2];
+}
+
 const char fuzz_room[] =
     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
     "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.8,\"znear\":0.1}}],"

@@ -13,6 +13,9 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size );
 // Writes the bytes to a file of this name in a folder of the process's own, and returns its path, valid until the next call.
 const char* fuzz_file( const char* name, const void* data, size_t size );
 
+// Makes a .glb of a document and its binary chunk, and returns its size; `out` has room for both and 40 bytes.
+size_t fuzz_glb( uint8_t* out, const char* json, const uint8_t* data, size_t size );
+
 // Aborts unless a failure has a code and one line of text.
 void fuzz_check( RfResult result, const RfError* error );
 

@@ -3,6 +3,7 @@
 
 #include "image/decode_formats.h"
 #include "image/exr.h"
+#include "page/matte_names.h"
 
 #include <stdlib.h>
 
@@ -33,6 +34,36 @@ static void read_channels( const char* path, const RfExrHeader* header )
     rf_destroy_image( &image );
 }
 
+// What a page shows of it.
+static void draw_passes( const char* path, const RfExrHeader* header )
+{
+    RfError error = { 0 };
+    RfFilePasses passes;
+    fuzz_check( rf_list_passes( header, &passes, &error ), &error );
+    for ( int i = 0; i < passes.count && i < 8; ++i )
+    {
+        const RfFilePass* pass = passes.passes + i;
+        RfMatteNames names;
+        RfExrWindow window;
+        RfImage image = { 0 };
+        float* values = NULL;
+        int stride;
+        RfResult result = rf_read_passes( path, pass, 1, &window, &values, &stride, &error );
+        fuzz_check( result, &error );
+        if ( result == RF_OK && rf_create_image( window.width, window.height, &image, NULL ) == RF_OK )
+        {
+            size_t pixels = (size_t)image.width * (size_t)image.height;
+            RfLookRange range = rf_pass_range( pass, values, (size_t)stride, pixels );
+            rf_draw_pass( pass, range, values, (size_t)stride, pixels, image.rgb );
+        }
+        fuzz_check( rf_read_matte_names( path, pass, &names, &error ), &error );
+        rf_free_matte_names( &names );
+        rf_destroy_image( &image );
+        free( values );
+    }
+    rf_free_passes( &passes );
+}
+
 static void take_string( void* user, const char* name, const char* value ) { *(size_t*)user += name[0] + value[0]; }
 
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
@@ -49,7 +80,10 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     RfResult result = rf_read_exr_header( path, NULL, &header, &error );
     fuzz_check( result, &error );
     if ( result == RF_OK )
+    {
         read_channels( path, &header );
+        draw_passes( path, &header );
+    }
     rf_destroy_exr_header( &header );
     fuzz_check( rf_list_exr_strings( path, take_string, &sum, &error ), &error );
     fuzz_check( rf_read_exr_string( path, "reframe/fingerprint", value, sizeof value, &error ), &error );

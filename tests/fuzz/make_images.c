@@ -1,6 +1,6 @@
 // Small images for the corpus of the fuzz targets, called by make-corpus.
 //
-//     make_fuzz_images FOLDER     which has png, jpeg, exr and hdr
+//     make_fuzz_images FOLDER     which has png, jpeg, webp, exr and hdr
 #include "support/image_files.h"
 
 #include "reframe/image.h"
@@ -50,6 +50,15 @@ static void save_coded( void )
         bytes = encode_jpeg( 9, 5, channels, pixels, &size );
         save( name, bytes, size );
     }
+#ifdef REFRAME_WEBP
+    for ( int i = 0; i < 4; ++i )
+    {
+        int channels = 3 + i % 2;
+        snprintf( name, sizeof name, "webp/%s-%d.webp", i < 2 ? "lossless" : "lossy", channels );
+        bytes = encode_webp( 9, 5, channels, i >= 2, pixels, &size );
+        save( name, bytes, size );
+    }
+#endif
     for ( size_t i = 3; i < sizeof pixels; i += 4 ) // the exponents: radiance about 1
         pixels[i] = (uint8_t)( 127 + i / 4 % 3 );
     bytes = encode_hdr( 9, 5, pixels, &size );
@@ -65,7 +74,7 @@ static void save_exr( const char* name, RfExrCompression compression, bool half 
         rgb[i] = (float)( i % 29 ) * 0.11f;
     for ( int i = 0; i < 8 * 6; ++i )
         depth[i] = 1.0f + (float)i;
-    const RfExrChannel channel = { "depth.Z", depth, 1, false };
+    const RfExrChannel channel = { .name = "depth.Z", .values = depth, .stride = 1 };
     const RfExrString strings[] = { { "reframe/fingerprint", "0123456789abcdef" }, { "owner", "somebody" } };
     RfExrOptions options = rf_default_exr_options();
     options.compression = compression;

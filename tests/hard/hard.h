@@ -56,7 +56,7 @@ typedef struct HardCase
 
 // A table of cases that ends with a row without a name.
 extern const HardCase g_hard_eyes[], g_hard_lenses[], g_hard_geometry[], g_hard_light[], g_hard_materials[], g_hard_projections[],
-    g_hard_transport[], g_hard_numbers[], g_hard_poisson[], g_hard_moving[];
+    g_hard_transport[], g_hard_numbers[], g_hard_poisson[], g_hard_moving[], g_hard_surfaces[];
 
 // How long a run takes: the short form is that of the tests.
 typedef struct HardForm

@@ -26,6 +26,17 @@ static void tiny_beside_huge( HardScene* h )
     h->scene = finish_scene( &b );
 }
 
+// A small lamp whose coordinates are far below those of what it lights.
+static void lamp_at_origin( HardScene* h )
+{
+    hard_stage( h, hard_grey() );
+    SceneBuilder b = hard_reopen( &h->scene );
+    uint32_t light = add_material( &b, make_light( 3e3f, false ) );
+    add_box( &b, light, rf_vec3( 1.18f, 1.98f, 1.18f ), rf_vec3( 1.22f, 2.02f, 1.22f ), false );
+    h->scene = finish_scene( &b );
+    hard_move( h, 1.0f, rf_vec3( -1.2f, -2.0f, -1.2f ) );
+}
+
 // Emissive triangles that are a point or a line, beside one that is not.
 static void without_area( HardScene* h )
 {
@@ -177,6 +188,8 @@ const HardCase g_hard_light[] = {
     { "radiance-1e30", "light of 1e30 W/(m2 sr)", "products and squares beyond floats", HARD_DOUBLE, 1.5, bright, NULL },
     { "lights-1e-12-1e6", "a light of 1e-12 m2 beside one of 1e6 m2", "densities per area of 1e12, sums of powers", HARD_DOUBLE,
       1.5, tiny_beside_huge, NULL },
+    { "lamp-at-origin", "a lamp of 4 cm around the origin", "rounding of where its shadow rays begin", HARD_DOUBLE, 2.0,
+      lamp_at_origin, NULL },
     { "lights-without-area", "emissive points and lines", "1/area", HARD_DOUBLE, 1.5, without_area, NULL },
     { "lamp-on-surface", "lamps as bright as stars on a floor and 1e-12 m above it", "1/d2 beyond floats", HARD_FINITE, 0,
       lamp_on_surface, NULL },

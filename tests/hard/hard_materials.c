@@ -163,6 +163,24 @@ static void clear_coat( HardScene* h )
     hard_eyes( h, rf_vec3( 1.3f, 2e-3f, 1.9f ), rf_vec3( 1e-3f, 1e-4f, 0 ), rf_vec3( 0, -2e-3f, -1 ), 1.0 );
 }
 
+// A coated sheet that lets light through, in the stage, between the eyes of a group, who see it at 1e-3 rad and more. Its normals lean:
+// some eyes are below its horizon.
+static void sheet_between_eyes( HardScene* h )
+{
+    RfMaterial m = make_plastic( 0.3f, 0.2f );
+    m.kind = RF_BSDF_TRANSLUCENT;
+    m.through = rf_vec3( 0.5f, 0.6f, 0.3f );
+    hard_stage( h, hard_grey() );
+    SceneBuilder b = hard_reopen( &h->scene );
+    uint32_t first = b.scene.triangles.vertex_count;
+    add_quad( &b, add_material( &b, m ), rf_vec3( -1.5f, 0.2f, 1.2f ), rf_vec3( 1.5f, 0.2f, 1.2f ), rf_vec3( 1.5f, 2.0f, 1.2f ),
+              rf_vec3( -1.5f, 2.0f, 1.2f ) );
+    h->scene = finish_scene( &b );
+    for ( uint32_t i = first; i < h->scene.triangles.vertex_count; ++i )
+        h->scene.triangles.normals[3 * (size_t)i] += i % 2 == 0 ? 0.01f : -0.01f;
+    hard_eyes( h, rf_vec3( 1.4f, 1.0f, 1.2005f ), rf_vec3( 0, 0, 1e-3f ), rf_vec3( -1.0f, -0.1f, 0.0f ), 50.0 );
+}
+
 const HardCase g_hard_materials[] = {
     { "lambert-1", "a floor and a block of albedo 1", "roulette of paths that lose nothing", HARD_DOUBLE, 1.5, lambert_white,
       NULL },
@@ -195,5 +213,7 @@ const HardCase g_hard_materials[] = {
     { "rough-glass-grazing", "sharp rough glass at 1e-3 rad", "1/cos of the model", HARD_PLAIN, 0, rough_glass_grazing, NULL },
     { "clear-coat-grazing", "the smoothest coat at 1e-3 rad, above and below its horizon", "1/cos of the coat", HARD_PLAIN, 0,
       clear_coat, NULL },
+    { "sheet-between-eyes", "a sheet that light comes through, between the eyes of a group, seen at 1e-3 rad and more",
+      "sides that are drawn; eyes below the horizon on either side", HARD_PLAIN, 0, sheet_between_eyes, NULL },
     { 0 },
 };

@@ -1,7 +1,10 @@
 // Hard cases of what moves or changes: rooms of support/moving_rooms.py, whose pictures are those of the still room of the frame.
-#include "hard/hard.h"
+#include "hard/hard_inputs.h"
+#include "scene/light_groups.h"
 #include "support/moving_rooms.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void load( HardScene* h, const char* name )
@@ -45,6 +48,75 @@ static void horizon( HardScene* h ) { load( h, "horizon" ); }
 static void shrinks( HardScene* h ) { load( h, "shrinks" ); }
 static void polishes( HardScene* h ) { load( h, "polishes" ); }
 
+// What lamps of each primary light, in a group of that name.
+static void tag_primary( RfScene* scene, RfVec3 light, uint16_t* tag )
+{
+    const char* name = light.x > 0.0f ? "red" : light.y > 0.0f ? "green" : "blue";
+    if ( rf_max_component( light ) > 0.0f && !rf_tag_light( scene, name, tag ) )
+        abort();
+}
+
+// The mean errors of a frame's groups: of the primary of each, which is the picture's, and of the others, which are black.
+typedef struct PrimaryErrors
+{
+    int groups;
+    double of_own, of_others, brightness;
+} PrimaryErrors;
+
+static RfResult compare_primaries( void* user, const RfFrameResult* frame, RfError* error )
+{
+    (void)error;
+    PrimaryErrors* e = user;
+    int values = 3 * HARD_WIDTH * HARD_HEIGHT;
+    for ( int i = 0; i < values; ++i )
+        e->brightness += fabs( (double)frame->rgb[i] ) / values;
+    for ( int g = 0; g < frame->layer_count; ++g )
+    {
+        static const char* const names[] = { "light_red", "light_green", "light_blue" };
+        for ( int i = 0; i < values; ++i )
+        {
+            bool own = strcmp( frame->layers[g].name, names[i % 3] ) == 0;
+            double off = (double)frame->layers[g].values[i] - ( own ? (double)frame->rgb[i] : 0.0 );
+            *( own ? &e->of_own : &e->of_others ) += fabs( off ) / values;
+        }
+    }
+    e->groups = frame->layer_count;
+    return RF_OK;
+}
+
+// A light group of lamps of one primary is that channel of the picture, whatever moves, is dimmed or seen by mirrors.
+static HardInput primaries( void )
+{
+    HardInput out = { 0 };
+    MovingRoom room = load_moving_room( "primaries", HARD_WIDTH, HARD_HEIGHT );
+    for ( int i = 0; i < room.scene.punctual_count; ++i )
+        tag_primary( &room.scene, room.scene.punctuals[i].intensity, &room.scene.punctuals[i].light_group );
+    for ( uint32_t i = 0; i < room.scene.material_count; ++i )
+        tag_primary( &room.scene, room.scene.materials[i].emission, &room.scene.materials[i].light_group );
+    RfTracer* tracer = make_tracer( &room.scene );
+    RfRenderSettings settings = plain_settings();
+    settings.light_paths = RF_LIGHT_PATHS_OFF;
+    settings.light_groups = "all";
+    settings.group = 3;
+    settings.spp = 7;
+    settings.threads = 1;
+    settings.memory = (size_t)256 << 20;
+    rf_parse_tile( "3x3", &settings.tile );
+    PrimaryErrors e = { 0 };
+    RfRenderCallbacks callbacks = { .user = &e, .frame = compare_primaries };
+    RfError error = { 0 };
+    int frame = room.eye_count / 2;
+    RfResult result =
+        rf_render( &( RfShot ){ tracer, room.eyes, room.eye_count, &frame, 1 }, &settings, &callbacks, NULL, &error );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &room.scene );
+    if ( result != RF_OK )
+        HARD_TELL( "%s", error.text );
+    out.holds = e.groups == 3 && e.brightness > 0.0 && e.of_own <= 1e-6 * e.brightness && e.of_others == 0.0;
+    HARD_TELL( "%d groups, their own primary off by %.2g of a brightness of %.2g, of others %.2g", e.groups, e.of_own,
+               e.brightness, e.of_others );
+}
+
 const HardCase g_hard_moving[] = {
     { "moves-sweep", "a panel passes between lamp, wall and eye", "hits that its frame alone sees", HARD_PLAIN, 3.0, sweep,
       NULL },
@@ -72,6 +144,8 @@ const HardCase g_hard_moving[] = {
     { "changes-horizon", "the sun is at the horizon", "cosines of 0", HARD_PLAIN, 3.0, horizon, NULL },
     { "changes-shrinks", "what shines shrinks to a point and to nothing", "lights without an area", HARD_PLAIN, 3.0, shrinks,
       NULL },
+    { "changes-primaries", "light groups of one primary each: dimmed, passing, by a mirror", "light in another group", HARD_INPUT,
+      0.0, NULL, primaries },
     { "changes-polishes", "the roughness of a metal is 0 in one frame", "a mirror in the frame alone", HARD_PLAIN, 3.0, polishes,
       NULL },
     { 0 },

@@ -14,7 +14,7 @@
 
 static const HardCase* const s_tables[] = { g_hard_eyes,      g_hard_lenses,      g_hard_geometry,  g_hard_light,
                                             g_hard_materials, g_hard_projections, g_hard_transport, g_hard_numbers,
-                                            g_hard_poisson,   g_hard_moving };
+                                            g_hard_poisson,   g_hard_moving,      g_hard_surfaces };
 
 #define TABLES ( sizeof s_tables / sizeof *s_tables )
 
@@ -31,6 +31,12 @@ static const char* why_unprotected( const char* name )
 {
     static const char* const rows[][2] = {
         { "phong-100", "an ordinary lobe, between the hard ones" },
+        { "sheen-1-grazing", "no term of sheen of roughness 1 is singular there" },
+        { "curtain-lamp", "the side is part of the hit, and rays start on it as anywhere" },
+        { "curtain-edge-on", "likewise" },
+        { "curtain-flipped", "normals are turned to the side that is seen, as anywhere" },
+        { "curtain-leaning", "likewise" },
+        { "curtain-box", "likewise" },
         { "moves-singular", "normals of length 0 are replaced twice, where they are posed and where they are hit" },
         { "moves-no-area", "so are these, and the reader drops the triangles" },
         { "changes-sinks", "as lamp-on-surface, in groups" },

@@ -64,6 +64,34 @@ static void test_settings_at_their_limits( void** state )
     }
 }
 
+// Paths that end at the first hit look up no direction, in which models of several layers would have to be anything.
+static void test_depth_1_of_layers( void** state )
+{
+    (void)state;
+    for ( int layers = 0; layers < 4; ++layers )
+    {
+        Setup s = { .scene = make_room( ROOM_GGX ) };
+        orbit_eyes( s.eyes, EYES, 3.0f, WIDTH, HEIGHT );
+        for ( uint32_t i = 0; i < s.scene.material_count; ++i )
+        {
+            RfMaterial* m = s.scene.materials + i;
+            if ( m->kind != RF_BSDF_GGX )
+                continue;
+            m->film = layers & 1 ? 1.0f : 0.0f;
+            m->film_ior = 1.5f;
+            m->film_thickness = 400.0f;
+            m->anisotropy = layers & 2 ? 0.8f : 0.0f;
+            m->stretch_x = 1.0f;
+            rf_choose_layers( m );
+        }
+        s.tracer = make_tracer( &s.scene );
+        RfRenderSettings settings = small_settings( 1, 3 );
+        settings.max_depth = 1;
+        assert_true( check_sane_settings( "layers at depth 1", s.tracer, s.eyes, EYES, &settings ) == 0.0 );
+        end( &s );
+    }
+}
+
 static RfResult render_one( const Setup* s, const RfEye* eyes, int eye_count, int frame, const RfRenderSettings* settings,
                             RfError* error )
 {
@@ -233,9 +261,10 @@ static void test_callbacks_stop_the_render( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_settings_at_their_limits ), cmocka_unit_test( test_most_samples_resolve_to_themselves ),
-        cmocka_unit_test( test_settings_out_of_range ),    cmocka_unit_test( test_eyes_and_frames_out_of_range ),
-        cmocka_unit_test( test_too_little_memory ),        cmocka_unit_test( test_callbacks_stop_the_render ),
+        cmocka_unit_test( test_settings_at_their_limits ),           cmocka_unit_test( test_depth_1_of_layers ),
+        cmocka_unit_test( test_most_samples_resolve_to_themselves ), cmocka_unit_test( test_settings_out_of_range ),
+        cmocka_unit_test( test_eyes_and_frames_out_of_range ),       cmocka_unit_test( test_too_little_memory ),
+        cmocka_unit_test( test_callbacks_stop_the_render ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -163,6 +163,50 @@ static void test_hdr_comes_out_as_it_went_in( void** state )
     }
 }
 
+#ifdef REFRAME_WEBP
+
+static void test_webp( void** state )
+{
+    (void)state;
+    uint8_t pixels[WIDTH * HEIGHT * 4];
+    for ( int i = 0; i < 4; ++i )
+    {
+        int channels = 3 + i % 2;
+        bool lossy = i >= 2;
+        for ( int k = 0; k < WIDTH * HEIGHT * channels; ++k )
+            pixels[k] = (uint8_t)( lossy ? 90 + k / channels % WIDTH + 3 * ( k / channels / WIDTH ) : k * 37 + k / 7 * 11 );
+        for ( int k = 3; k < WIDTH * HEIGHT * 4 && channels == 4; k += 4 )
+            pixels[k] |= 128; // colours of clear pixels are not kept
+        size_t size;
+        uint8_t* bytes = encode_webp( WIDTH, HEIGHT, channels, lossy, pixels, &size );
+        RfPixels out = decode( bytes, size );
+        assert_true( out.width == WIDTH && out.height == HEIGHT && out.channels == channels && out.type == RF_PIXELS_U8 );
+        for ( int k = 0; k < WIDTH * HEIGHT * channels; ++k )
+            assert_true( abs( ( (uint8_t*)out.data )[k] - pixels[k] ) <= ( lossy ? 6 : 0 ) );
+        rf_destroy_pixels( &out );
+        expect( bytes, size - 9, RF_ERROR_FORMAT, "cut off" );
+        expect( bytes, 14, RF_ERROR_FORMAT, "cut off" );
+        if ( i == 0 )
+        {
+            bytes[20] ^= 0xff; // the signature of what is lossless
+            expect( bytes, size, RF_ERROR_FORMAT, "damaged WebP" );
+        }
+        free( bytes );
+    }
+    static const uint8_t s_moving[30] = "RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x0f\0\0\x0f\0\0";
+    expect( s_moving, 30, RF_ERROR_UNSUPPORTED, "animated WebP is not supported" );
+}
+
+#else
+
+static void test_webp( void** state )
+{
+    (void)state;
+    expect( (const uint8_t*)"RIFF\x20\0\0\0WEBPVP8 ", 16, RF_ERROR_UNSUPPORTED, "this Reframe was built without libwebp" );
+}
+
+#endif
+
 // Every format, cut off everywhere and with bytes changed anywhere: an error
 // or an image, never a crash, a hang or half an image.
 static void test_damage_never_crashes( void** state )
@@ -173,13 +217,17 @@ static void test_damage_never_crashes( void** state )
     fill( pixels, sizeof pixels );
     for ( int i = 0; i < WIDTH * HEIGHT * 3; ++i )
         reals[i] = (float)pixels[i] * 0.31f;
-    size_t sizes[5];
-    uint8_t* files[] = {
+    size_t sizes[6];
+    int count = 5;
+    uint8_t* files[6] = {
         encode_png( WIDTH, HEIGHT, 4, pixels, sizes ), encode_jpeg( WIDTH, HEIGHT, 3, pixels, sizes + 1 ),
         encode_exr( WIDTH, HEIGHT, reals, sizes + 2 ), encode_hdr( WIDTH, HEIGHT, pixels, sizes + 3 ),
         encode_hdr( 5, HEIGHT, pixels, sizes + 4 ),
     };
-    for ( int f = 0; f < 5; ++f )
+#ifdef REFRAME_WEBP
+    files[count++] = encode_webp( WIDTH, HEIGHT, 4, true, pixels, sizes + 5 );
+#endif
+    for ( int f = 0; f < count; ++f )
     {
         RfPixels out;
         RfError error;
@@ -218,9 +266,8 @@ static void test_wrong_images_are_refused( void** state )
 {
     (void)state;
     uint8_t bytes[64] = { 0 };
-    expect( bytes, 64, RF_ERROR_FORMAT, "not a PNG, JPEG, EXR or Radiance HDR" );
+    expect( bytes, 64, RF_ERROR_FORMAT, "not a PNG, JPEG, WebP, EXR or Radiance HDR" );
     expect( bytes, 0, RF_ERROR_FORMAT, "not a PNG" );
-    expect( (const uint8_t*)"RIFF\x20\0\0\0WEBPVP8 ", 16, RF_ERROR_UNSUPPORTED, "WebP images are not supported" );
     expect( (const uint8_t*)"\xabKTX 20\xbb\r\n\x1a\n", 12, RF_ERROR_UNSUPPORTED, "KTX2 images are not supported" );
     size_t size = promise_png( bytes, 20000, 10 );
     expect( bytes, size, RF_ERROR_UNSUPPORTED, "20000x10 pixels is too large, the limit is 16384 per side" );
@@ -301,10 +348,15 @@ static void test_environment_map( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_png_comes_out_as_it_went_in ), cmocka_unit_test( test_png16_ignores_gamma ),
-        cmocka_unit_test( test_jpeg_comes_out_nearly ),       cmocka_unit_test( test_exr_comes_out_as_it_went_in ),
-        cmocka_unit_test( test_hdr_comes_out_as_it_went_in ), cmocka_unit_test( test_damage_never_crashes ),
-        cmocka_unit_test( test_wrong_images_are_refused ),    cmocka_unit_test( test_environment_map ),
+        cmocka_unit_test( test_png_comes_out_as_it_went_in ),
+        cmocka_unit_test( test_png16_ignores_gamma ),
+        cmocka_unit_test( test_jpeg_comes_out_nearly ),
+        cmocka_unit_test( test_exr_comes_out_as_it_went_in ),
+        cmocka_unit_test( test_hdr_comes_out_as_it_went_in ),
+        cmocka_unit_test( test_webp ),
+        cmocka_unit_test( test_damage_never_crashes ),
+        cmocka_unit_test( test_wrong_images_are_refused ),
+        cmocka_unit_test( test_environment_map ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

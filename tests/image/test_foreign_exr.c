@@ -276,8 +276,11 @@ static void test_refused_compression( void** state )
     RfError error;
     char* bytes = load_file( write_layout( &layout ), &size );
     patch( bytes, size, "compression\0compression", 24, 4, 8 );
-    assert_int_equal( read_bytes( bytes, size, &error ), RF_ERROR_UNSUPPORTED );
-    assert_non_null( strstr( error.text, "DWAA" ) );
+    if ( !rf_has_dwa() )
+    {
+        assert_int_equal( read_bytes( bytes, size, &error ), RF_ERROR_UNSUPPORTED );
+        assert_non_null( strstr( error.text, "its compression is DWA, which this build of reframe lacks" ) );
+    }
     free( bytes );
 }
 

@@ -110,7 +110,7 @@ static RfResult run( const RfScene* scene, RfTracer** tracer, RfCameraPath* path
 {
     const int frames[FRAMES] = { 3, 4, 5 };
     char one[1024], two[1024], tile[RF_TILE_NAME_SIZE];
-    RfPathOptions options = { NULL, NULL, { 24, 1 }, WIDTH, HEIGHT };
+    RfPathOptions options = { .fps = { 24, 1 }, .width = WIDTH, .height = HEIGHT };
     RfRenderSettings settings = rf_default_render_settings();
     snprintf( one, sizeof one, "%s/one.####.exr", folder );
     snprintf( two, sizeof two, "%s/two.####.exr", folder );

@@ -36,13 +36,17 @@ cmake --install "$build" --prefix "$folder/installed" >/dev/null
 (cd "$folder/installed" && find . ! -type d | sed 's|^\.|/usr|; s|zsh/site-functions|zsh/vendor-completions|' | sort) >"$folder/expected"
 for deb in "${debs[@]}"; do dpkg-deb --fsys-tarfile "$deb" | tar -tf - | grep -v '/$' | sed 's|^\.||'; done | sort >"$folder/packed"
 diff "$folder/expected" "$folder/packed"
-for file in bin/reframe libexec/reframe/reframe-import man1/reframe.1 completions/reframe reframe/reframe.h pkgconfig/reframe.pc; do
+for file in bin/reframe libexec/reframe/reframe-import man1/reframe.1 completions/reframe reframe/reframe.h share/reframe/reframe-blender.zip pkgconfig/reframe.pc; do
     grep -q "/$file$" "$folder/packed"
 done
 
 step="looking for what the packages depend on"
 depends=$(for deb in "${debs[@]}"; do dpkg-deb -f "$deb" Depends; done)
-for library in libembree[34] libopenexr libassimp libjansson libfftw3-single libpng libjpeg libgomp libc6; do
+libraries=(libembree[34] libopenexr libassimp libjansson libfftw3-single libpng libjpeg libgomp libc6)
+[[ "$("$build/reframe" --version)" != *WebP* ]] || libraries+=(libwebp)
+[[ "$("$build/reframe" --version)" != *Draco* ]] || libraries+=(libdraco)
+[[ "$("$build/reframe" --version)" != *meshoptimizer* ]] || libraries+=(libmeshoptimizer)
+for library in "${libraries[@]}"; do
     grep -q "$library" <<<"$depends" || { echo "no package depends on $library: $depends" >&2; exit 1; }
 done
 

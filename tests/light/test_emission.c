@@ -122,6 +122,17 @@ static void test_flux_is_the_closed_form( void** state )
     check_flux( "spot without blend", make_lit_square( make_spot( above, down, 5.0f, 0.8f, 0.8f ) ), 2.0 * PI * 0.2 * 5.0, 1e-3 );
     check_flux( "spot that is all blend", make_lit_square( make_spot( above, down, 5.0f, 1.0f, 0.5f ) ),
                 2.0 * PI * 0.5 / 3.0 * 5.0, 1e-5 );
+    RfPunctual ball = make_spot( above, down, 5.0f, 1.0f, 0.5f ), plane = make_point_light( above, 5.0f );
+    ball.radius = 0.3f;
+    check_flux( "spot with a radius", make_lit_square( ball ), 2.0 * PI * 0.5 / 3.0 * 5.0, 1e-5 );
+    plane.kind = RF_PUNCTUAL_PLANE;
+    plane.across = rf_vec3( 1, 0, 0 );
+    plane.half[0] = plane.half[1] = 0.5f;
+    check_flux( "plane", make_lit_square( plane ), PI * 5.0, 1e-5 );
+    plane.tan_spread = 1.0f;
+    plane.spread_scale = (float)( 1.0 / ( 1.0 - PI / 4.0 ) );
+    plane.ellipse = true;
+    check_flux( "ellipse with a spread", make_lit_square( plane ), PI * 5.0, 1e-5 );
     // the ball around the square has the radius √2
     check_flux( "sun", make_lit_square( make_sun( down, 7.0f ) ), PI * 2.0 * 7.0, 1e-5 );
     RfScene scene = make_square( make_lambert( 0.5f, 0.5f, 0.5f ) );
@@ -321,6 +332,7 @@ static RfScene make_shaded_floor( void )
     scene.punctuals[0].range = 2.0f;
     add_lamp( &scene, make_spot( rf_vec3( 0.6f, 1.0f, -0.6f ), rf_vec3( -0.4f, -1, 0.2f ), 2.0f, 0.95f, 0.8f ) );
     add_lamp( &scene, make_sun( rf_vec3( 0.5f, -1, 0.4f ), 0.6f ) );
+    add_lamp( &scene, make_beam( rf_vec3( -0.4f, 1.3f, 0.5f ), rf_vec3( 0.3f, -1, -0.2f ), 1.0f ) );
     scene.environment.radiance = rf_vec3( 0.3f, 0.3f, 0.3f );
     return scene;
 }
@@ -354,7 +366,7 @@ static void irradiance_by_rays( const RfTracer* tracer, uint64_t seed, double ir
         int column = (int)( ( p.x + 1.0f ) * 0.5f * PATCHES ), row = (int)( ( p.z + 1.0f ) * 0.5f * PATCHES );
         int patch = ( row < PATCHES ? row : PATCHES - 1 ) * PATCHES + ( column < PATCHES ? column : PATCHES - 1 );
         irradiance[patch] +=
-            (double)( e.throughput.x * rf_emission_falloff( &e, rf_length( rf_sub( p, from ) ) ) ) / ( RAYS * patch_area );
+            (double)( e.throughput.x * rf_emission_falloff( &e, p, rf_length( rf_sub( p, from ) ) ) ) / ( RAYS * patch_area );
     }
 }
 

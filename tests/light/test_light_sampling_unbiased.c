@@ -24,7 +24,7 @@ enum
 };
 
 // A closed hall with 36 lamps, every third of them two-sided, a row of boxes, a
-// point light and a spot, under a sky that reaches nothing.
+// lamp with a profile and a spot, under a sky that reaches nothing.
 static RfScene make_lamps( void )
 {
     SceneBuilder b = { 0 };
@@ -43,7 +43,7 @@ static RfScene make_lamps( void )
     RfScene scene = finish_scene( &b );
     scene.punctuals = calloc( 2, sizeof *scene.punctuals );
     scene.punctual_count = 2;
-    scene.punctuals[0] = make_point_light( rf_vec3( 0, 2, 2 ), 2.0f );
+    scene.punctuals[0] = make_beam( rf_vec3( 0, 2, 2 ), rf_vec3( 0.4f, -1, 0.2f ), 2.0f );
     scene.punctuals[1] = make_point_light( rf_vec3( 3, 2.5f, 0 ), 6.0f );
     scene.punctuals[1].kind = RF_PUNCTUAL_SPOT;
     scene.punctuals[1].direction = rf_vec3( 0, -1, 0 );

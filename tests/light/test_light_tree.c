@@ -1,6 +1,7 @@
 // The light tree: probabilities that sum to one, samples that follow them, and
 // probabilities above 0 wherever light could arrive.
 #include "base/random.h"
+#include "light/extent.h"
 #include "light/light.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
@@ -92,7 +93,21 @@ static RfPunctual make_spot( uint32_t i )
     spot.direction = direction( 2, i, 5 );
     spot.cos_outer = rf_maxf( cosf( outer ), 0.0f );
     spot.cos_inner = i % 3 == 0 ? spot.cos_outer : cosf( outer * number( 2, i, 7 ) );
+    spot.radius = i % 4 == 1 ? number( 2, i, 8 ) : 0.0f;
     return spot;
+}
+
+static RfPunctual make_plane( RfPunctual plane, uint32_t i )
+{
+    RfVec3 t;
+    plane.kind = RF_PUNCTUAL_PLANE;
+    plane.direction = direction( 3, i, 4 );
+    rf_basis( plane.direction, &plane.across, &t );
+    plane.half[0] = 0.01f + number( 3, i, 6 );
+    plane.half[1] = 0.01f + number( 3, i, 7 );
+    plane.tan_spread = i % 2 == 0 ? 3.0f * number( 3, i, 8 ) : 0.0f;
+    plane.spread_scale = 1.0f;
+    return plane;
 }
 
 static RfScene make_scene( const Mix* mix )
@@ -107,8 +122,12 @@ static RfScene make_scene( const Mix* mix )
     int count = mix->points + mix->spots + mix->suns;
     scene.punctuals = calloc( (size_t)count + 1, sizeof *scene.punctuals );
     for ( int i = 0; i < mix->points; ++i )
-        scene.punctuals[scene.punctual_count++] =
+    {
+        RfPunctual point =
             make_point_light( mix->together ? rf_vec3( 1, 1, 1 ) : in_cube( 3, (uint32_t)i, 0, 11.0f ), 1.0f + (float)i );
+        scene.punctuals[scene.punctual_count++] = i % 3 == 1 ? make_plane( point, (uint32_t)i ) : point;
+        scene.punctuals[i].radius = i % 3 == 2 ? 2.0f * number( 3, (uint32_t)i, 9 ) : 0.0f;
+    }
     for ( int i = 0; i < mix->spots; ++i )
         scene.punctuals[scene.punctual_count++] = make_spot( (uint32_t)i );
     for ( int i = 0; i < mix->suns; ++i )
@@ -116,6 +135,7 @@ static RfScene make_scene( const Mix* mix )
         RfPunctual sun = make_point_light( rf_vec3( 0, 0, 0 ), 3.0f );
         sun.kind = RF_PUNCTUAL_DIRECTIONAL;
         sun.direction = direction( 4, (uint32_t)i, 0 );
+        sun.versine = i == 1 ? 0.3f : 0.0f;
         scene.punctuals[scene.punctual_count++] = sun;
     }
     if ( mix->sky )
@@ -338,6 +358,15 @@ static bool can_send( const RfLights* lights, uint32_t k, RfVec3 x, RfVec3 n, ui
     if ( (int)( k - lights->triangle_count ) == lights->punctual_count )
         return true;
     const RfPunctual* p = lights->punctual + ( k - lights->triangle_count );
+    float u[2] = { number( 9, i, 0 ), number( 9, i, 1 ) };
+    if ( p->kind == RF_PUNCTUAL_PLANE || p->radius > 0.0f || p->versine > 0.0f )
+    {
+        RfExtentSample s = p->kind == RF_PUNCTUAL_PLANE         ? rf_sample_plane( p, x, u )
+                           : p->kind == RF_PUNCTUAL_DIRECTIONAL ? rf_sample_sun( p, u )
+                                                                : rf_sample_ball( p, x, u );
+        bool shines = p->kind != RF_PUNCTUAL_SPOT || -rf_dot( p->direction, s.wi ) > p->cos_outer;
+        return s.weight > 0.0f && shines && rf_dot( n, s.wi ) > 0.0f;
+    }
     RfVec3 way = p->kind == RF_PUNCTUAL_DIRECTIONAL ? rf_scale( p->direction, -1.0f ) : rf_sub( p->position, x );
     if ( p->kind == RF_PUNCTUAL_SPOT && !( -rf_dot( p->direction, rf_normalize( way ) ) > p->cos_outer ) )
         return false;

@@ -129,7 +129,7 @@ static void test_memory_of_light_paths_is_counted( void** state )
     printf( "%zu bytes for each light path\n", each );
     assert_true( many > few );
     assert_true( each >= sizeof( RfLightPath ) );
-    assert_true( each <= 480 );
+    assert_true( each <= 496 );
 }
 
 int main( void )

@@ -1,4 +1,4 @@
-// Connections to light paths bring the light of mirrors and glass without bias, also past thin panes: that of lamps without size
+// Connections to light paths bring the light of mirrors and glass without bias, also past thin panes: that of lamps
 // in a mirror against the mirrored lamps, that of area lights against paths that hit them by chance. Welch tests over 16 seeds.
 #include "light/divide.h"
 #include "support/unbiased.h"
@@ -53,8 +53,10 @@ static RfScene make_ceiling( RfPunctual lamp, bool squares, bool panes, bool mir
     perfect.specular = rf_vec3( 1, 1, 1 );
     uint32_t floor = add_material( &b, perfect );
     add_quad( &b, white, rf_vec3( -2, 3, -2 ), rf_vec3( 2, 3, -2 ), rf_vec3( 2, 3, 2 ), rf_vec3( -2, 3, 2 ) );
+    float half = squares || lamp.kind == RF_PUNCTUAL_DIRECTIONAL ? 9.0f : 2.0f; // light paths go to all of it
     if ( mirror )
-        add_quad( &b, floor, rf_vec3( -9, 0, 9 ), rf_vec3( 9, 0, 9 ), rf_vec3( 9, 0, -9 ), rf_vec3( -9, 0, -9 ) );
+        add_quad( &b, floor, rf_vec3( -half, 0, half ), rf_vec3( half, 0, half ), rf_vec3( half, 0, -half ),
+                  rf_vec3( -half, 0, -half ) );
     if ( panes )
         add_level_panes( &b, !mirror );
     for ( int up = 0; squares && up < 2 - mirror; ++up )
@@ -69,6 +71,8 @@ static RfScene make_ceiling( RfPunctual lamp, bool squares, bool panes, bool mir
     scene.punctuals[0] = scene.punctuals[1] = lamp;
     scene.punctuals[1].position.y *= -1.0f;
     scene.punctuals[1].direction.y *= -1.0f;
+    if ( lamp.soft ) // turned to the mirror, which parts all ways in one ratio: that of discs of the same falloff
+        scene.punctuals[1].radius *= ( 3.0f + lamp.position.y ) / lamp.position.y;
     scene.punctuals[0].name = scene.punctuals[1].name = NULL;
     scene.punctual_count = mirror ? 1 : 2;
     return scene;
@@ -120,6 +124,40 @@ static void test_lamps_without_size_shine_in_mirrors( void** state )
     lamp.direction = rf_normalize( rf_vec3( -1.0f, -0.7f, 0.1f ) ); // comes in below the ceiling
     check_lamp( "sun", lamp, false );
     check_lamp( "sun, panes", lamp, true );
+}
+
+static void test_lamps_with_size_shine_in_mirrors( void** state )
+{
+    (void)state;
+    RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 3.0f );
+    lamp.radius = 0.4f;
+    check_lamp( "ball", lamp, false );
+    lamp.soft = true;
+    check_lamp( "disc that turns", lamp, false );
+    lamp.kind = RF_PUNCTUAL_PLANE;
+    lamp.half[0] = 0.5f;
+    lamp.half[1] = 0.3f;
+    lamp.direction = rf_normalize( rf_vec3( -0.3f, -1.0f, 0.1f ) );
+    lamp.across = rf_normalize( rf_vec3( 0.1f, 0.0f, 0.3f ) ); // the mirrored one has the same
+    check_lamp( "plane", lamp, false );
+    lamp.ellipse = true;
+    lamp.tan_spread = 1.0f;
+    lamp.spread_scale = 4.6598f; // 1 / ( 1 − π/4 )
+    check_lamp( "ellipse with a spread, panes", lamp, true );
+    lamp.kind = RF_PUNCTUAL_DIRECTIONAL;
+    lamp.direction = rf_normalize( rf_vec3( -1.0f, -0.7f, 0.1f ) );
+    lamp.versine = 0.02f;
+    check_lamp( "sun with an angle", lamp, false );
+}
+
+// One whose profile is its own mirror image about its x axis, which is level.
+static void test_profiles_shine_in_mirrors( void** state )
+{
+    (void)state;
+    RfPunctual lamp = make_beam( rf_vec3( 0.3f, 1.2f, -0.2f ), rf_vec3( -0.3f, -1.0f, 0.1f ), 3.0f );
+    lamp.across = rf_normalize( rf_vec3( 0.1f, 0.0f, 0.3f ) );
+    lamp.profile->references = 3; // lamps of both scenes
+    check_lamp( "profile", lamp, false );
 }
 
 // The large lamp is left to chance, the small one and that without size to connections.
@@ -214,12 +252,16 @@ static void test_smooth_metals_throw_light( void** state )
     lamp.kind = RF_PUNCTUAL_DIRECTIONAL;
     lamp.direction = rf_normalize( rf_vec3( -0.2f, -0.7f, 1.0f ) ); // comes in below the ceiling
     check_plates( "sun, smooth metals, 1:3x3", lamp, 0.2f, 1, "3x3" );
+    lamp = make_point_light( rf_vec3( 0.2f, 1.5f, 0.3f ), 2.0f );
+    lamp.radius = 0.25f;
+    check_plates( "ball, smooth metals, 1:3x3", lamp, 0.2f, 1, "3x3" );
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lamps_without_size_shine_in_mirrors ), cmocka_unit_test( test_emitters_are_divided ),
+        cmocka_unit_test( test_lamps_without_size_shine_in_mirrors ), cmocka_unit_test( test_lamps_with_size_shine_in_mirrors ),
+        cmocka_unit_test( test_profiles_shine_in_mirrors ),           cmocka_unit_test( test_emitters_are_divided ),
         cmocka_unit_test( test_smooth_metals_throw_light ),           cmocka_unit_test( test_area_lights_shine_in_mirrors ),
         cmocka_unit_test( test_area_lights_shine_through_glass ),
     };

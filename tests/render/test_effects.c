@@ -65,8 +65,18 @@ static void test_every_trait_has_its_row( void** state )
     seen |= traits.flag ? RF_EFFECT_BIT( RF_EFFECT_##effect ) : 0;
         RF_TRAIT_LIST( CHECK )
 #undef CHECK
-        static const RfEffectId of_kind[RF_BSDF_KIND_COUNT] = { RF_EFFECT_DIFFUSE, RF_EFFECT_PHONG, RF_EFFECT_GGX,
-                                                                RF_EFFECT_CLEARCOAT, RF_EFFECT_COUNT };
+        // models without an effect of their own go with that of GGX
+        static const RfEffectId of_kind[RF_BSDF_KIND_COUNT] = {
+            [RF_BSDF_LAMBERT] = RF_EFFECT_DIFFUSE,
+            [RF_BSDF_PHONG] = RF_EFFECT_PHONG,
+            [RF_BSDF_GGX] = RF_EFFECT_GGX,
+            [RF_BSDF_COATED] = RF_EFFECT_CLEARCOAT,
+            [RF_BSDF_SHEEN] = RF_EFFECT_SHEEN,
+            [RF_BSDF_ANISOTROPIC] = RF_EFFECT_ANISOTROPY,
+            [RF_BSDF_IRIDESCENT] = RF_EFFECT_IRIDESCENCE,
+            [RF_BSDF_LAYERED] = RF_EFFECT_GGX,
+            [RF_BSDF_TRANSLUCENT] = RF_EFFECT_DIFFUSE_TRANSMISSION,
+        };
         for ( int kind = RF_BSDF_PHONG; kind < RF_BSDF_GLASS; ++kind )
             assert_true( rows[of_kind[kind]].on || ( traits.kinds >> kind & 1u ) == 0 );
         bool glass = rows[RF_EFFECT_MIRRORS].on || rows[RF_EFFECT_TRANSMISSION].on;
@@ -179,7 +189,36 @@ static RfScene coated_room( void )
     return scene;
 }
 
+static RfScene sheen_room( void )
+{
+    RfScene scene = make_room( ROOM_GGX );
+    RfMaterial* m = scene.materials + ROOM_OBJECT_MATERIAL;
+    m->kind = RF_BSDF_SHEEN;
+    m->sheen = rf_vec3( 0.9f, 0.5f, 0.8f );
+    m->sheen_alpha = 0.2f;
+    return scene;
+}
+
 static RfScene ggx_room( void ) { return make_room( ROOM_GGX ); }
+
+static RfScene layered_room( bool coat, bool anisotropy, bool film )
+{
+    RfScene scene = coat ? coated_room() : ggx_room();
+    RfMaterial* m = scene.materials + ROOM_OBJECT_MATERIAL;
+    m->anisotropy = anisotropy ? 0.8f : 0.0f;
+    m->stretch_x = 1.0f;
+    m->film = film ? 1.0f : 0.0f;
+    m->film_ior = 1.5f;
+    m->film_thickness = 300.0f;
+    rf_choose_layers( m );
+    return scene;
+}
+
+static RfScene anisotropic_room( void ) { return layered_room( false, true, false ); }
+static RfScene iridescent_room( void ) { return layered_room( false, false, true ); }
+static RfScene all_layers_room( void ) { return layered_room( true, true, true ); }
+static RfScene room_without_coat( void ) { return layered_room( false, true, true ); }
+static RfScene room_without_film( void ) { return layered_room( true, true, false ); }
 
 static RfScene phong_as_lambert( void )
 {
@@ -203,6 +242,20 @@ static RfScene lit_by_both( void )
     return scene;
 }
 
+static RfScene curtain_room( void ) { return make_curtain_room( CURTAIN ); }
+
+// The light that its curtain, shade and leaf let through is lost.
+static RfScene opaque_curtains( void )
+{
+    RfScene scene = make_curtain_room( CURTAIN );
+    for ( uint32_t i = 0; i < scene.material_count; ++i )
+    {
+        if ( scene.materials[i].kind == RF_BSDF_TRANSLUCENT )
+            scene.materials[i].kind = RF_BSDF_GGX;
+    }
+    return scene;
+}
+
 static RfScene absorbing_ball( void ) { return make_mirror_room( ABSORBING_BALL ); }
 
 static RfScene clear_ball( void )
@@ -223,6 +276,12 @@ static void test_left_out_is_as_made_without( void** state )
         RfScene ( *with )( void );
         RfScene ( *without )( void );
     } cases[] = { { RF_EFFECT_CLEARCOAT, coated_room, ggx_room },
+                  { RF_EFFECT_SHEEN, sheen_room, ggx_room },
+                  { RF_EFFECT_DIFFUSE_TRANSMISSION, curtain_room, opaque_curtains },
+                  { RF_EFFECT_ANISOTROPY, anisotropic_room, ggx_room },
+                  { RF_EFFECT_IRIDESCENCE, iridescent_room, ggx_room },
+                  { RF_EFFECT_CLEARCOAT, all_layers_room, room_without_coat },
+                  { RF_EFFECT_IRIDESCENCE, all_layers_room, room_without_film },
                   { RF_EFFECT_PHONG, phong_room, phong_as_lambert },
                   { RF_EFFECT_ENVIRONMENT, lit_by_both, lit_by_lamps },
                   { RF_EFFECT_PUNCTUAL_LIGHTS, lit_by_both, lit_by_sky },

@@ -1,5 +1,6 @@
 // A render that is interrupted again and again, and each time goes on from the films it kept, has the same bits as one that is
 // not: pictures and AOVs, with other threads and another budget in between. So has one that shows previews.
+#include "scene/light_groups.h"
 #include "support/moving_rooms.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
@@ -22,6 +23,7 @@
 typedef struct Kept
 {
     float rgb[3 * PIXELS], weight[PIXELS], aov[RF_AOV_COUNT][4 * PIXELS];
+    float layers[6][4 * PIXELS];
     double native_spp, effective_spp, relmse;
     int times;
 } Kept;
@@ -54,6 +56,9 @@ static RfResult keep( void* user, const RfFrameResult* f, RfError* error )
         if ( f->aovs[a] != NULL )
             memcpy( kept->aov[a], f->aovs[a], sizeof( float ) * PIXELS * (size_t)rf_aov_channels( (RfAov)a ) );
     }
+    assert_true( f->layer_count <= 6 );
+    for ( int k = 0; k < f->layer_count; ++k )
+        memcpy( kept->layers[k], f->layers[k].values, sizeof( float ) * PIXELS * strlen( f->layers[k].letters ) );
     kept->native_spp = f->native_spp;
     kept->effective_spp = f->effective_spp;
     kept->relmse = isnan( f->relmse_estimate ) ? -1.0 : f->relmse_estimate;
@@ -195,6 +200,10 @@ static void check_case( Case* c )
     rf_destroy_scene( &c->scene );
 }
 
+#define REMOVED RF_AOV_BIT( RF_AOV_REMOVED )
+#define SURFACES ( RF_AOV_BIT( RF_AOV_OBJECT_INDEX ) | RF_AOV_BIT( RF_AOV_MATERIAL_INDEX ) )
+#define AOVS ( RF_ALL_AOVS & ~RF_GRADIENT_AOVS & ~REMOVED )
+
 static RfRenderSettings settings_of( int group, int spp, const char* tile, unsigned aovs )
 {
     RfRenderSettings s = rf_default_render_settings();
@@ -204,12 +213,10 @@ static RfRenderSettings settings_of( int group, int spp, const char* tile, unsig
     s.memory = (size_t)64 << 20;
     s.adaptive = RF_ADAPTIVE_OFF;
     s.aovs = aovs;
+    s.cryptomatte = ( aovs & SURFACES ) != 0 ? RF_CRYPTOMATTE_MATERIAL | RF_CRYPTOMATTE_OBJECT : 0u;
     assert_true( rf_parse_tile( tile, &s.tile ) );
     return s;
 }
-
-#define REMOVED RF_AOV_BIT( RF_AOV_REMOVED )
-#define AOVS ( RF_ALL_AOVS & ~RF_GRADIENT_AOVS & ~REMOVED )
 
 static void test_groups_and_tiles( void** state )
 {
@@ -251,7 +258,8 @@ static void test_stop_rules( void** state )
 static void test_gradients_and_biased_weights( void** state )
 {
     (void)state;
-    Case gradient = { "gradient", settings_of( 0, 10, "4x4", RF_ALL_AOVS & ~REMOVED ), make_room( ROOM_DIFFUSE ), false };
+    Case gradient = { "gradient", settings_of( 0, 10, "4x4", RF_ALL_AOVS & ~( REMOVED | SURFACES | RF_PASS_AOVS ) ),
+                      make_room( ROOM_DIFFUSE ), false };
     gradient.settings.estimator = rf_find_estimator( "gradient" );
     gradient.settings.filter = rf_default_filter( gradient.settings.estimator );
     check_case( &gradient );
@@ -275,6 +283,18 @@ static void test_clamp( void** state )
     (void)state;
     Case c = { "clamp", settings_of( 1, 8, "3x3", AOVS | REMOVED ), make_mirror_room( MIRROR_BALL ), false };
     c.settings.clamp = RF_CLAMP_AUTO;
+    check_case( &c );
+}
+
+// Each light group has films of its own.
+static void test_light_groups( void** state )
+{
+    (void)state;
+    Case c = { "light groups", settings_of( 2, 10, "3x3", REMOVED ), make_open_scene( LIT_BY_ALL ), false };
+    assert_true( rf_tag_light( &c.scene, "sky", &c.scene.environment.light_group ) );
+    assert_true( rf_tag_light( &c.scene, "lamp", &c.scene.punctuals[0].light_group ) );
+    c.settings.clamp = 1.0;
+    c.settings.light_groups = "all";
     check_case( &c );
 }
 
@@ -382,6 +402,7 @@ int main( void )
         cmocka_unit_test( test_gradients_and_biased_weights ),
         cmocka_unit_test( test_light_paths ),
         cmocka_unit_test( test_clamp ),
+        cmocka_unit_test( test_light_groups ),
         cmocka_unit_test( test_what_moves ),
         cmocka_unit_test( test_long_renders_and_sweeps ),
         cmocka_unit_test( test_other_states_are_refused ),

@@ -233,7 +233,7 @@ static void test_every_way_of_rendering_reaches_it( void** state )
                                          "--normalize ratio",
                                          "--normalize none",
                                          "--aov variance,samples,depth,motion",
-                                         "--memory 2400K --threads 1 --group 4 --no-adaptive" };
+                                         "--memory 2600K --threads 1 --group 4 --no-adaptive" };
     for ( size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i )
     {
         cli_expect(

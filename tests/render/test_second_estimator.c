@@ -227,6 +227,12 @@ static RfResult refuse( const RfRenderSettings* settings, RfError* error )
     return settings->light_samples > 1 ? rf_fail( error, RF_ERROR_USAGE, "one light sample only" ) : RF_OK;
 }
 
+static RfFirstHits no_hits( const void* scratch )
+{
+    (void)scratch;
+    return ( RfFirstHits ){ .hits = NULL };
+}
+
 // What an estimator lacks is an error with its name, before any work.
 static void test_what_it_lacks_is_said( void** state )
 {
@@ -244,6 +250,13 @@ static void test_what_it_lacks_is_said( void** state )
     assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &aovs, &resolved, &error ),
                       RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "'plain' has no" ) );
+    RfEstimator first = s_plain;
+    first.first_hits = no_hits;
+    aovs.estimator = &first;
+    aovs.aovs = RF_AOV_BIT( RF_AOV_DENOISE_NORMAL );
+    assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &aovs, &resolved, &error ),
+                      RF_ERROR_USAGE );
+    assert_non_null( strstr( error.text, "'plain' has no AOVs for denoisers" ) );
     none.estimator = NULL;
     assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &none, &resolved, &error ),
                       RF_ERROR_USAGE );

@@ -104,6 +104,53 @@ static void test_sharp_lobes_are_unbiased( void** state )
     check_room( "clear coat", CLEAR_COAT, 4 );
 }
 
+// All glass of a room with an inside disperses colours; thin walls and mirrors have a film.
+static RfScene make_spectral_room( MirrorRoom kind, float dispersion, bool film )
+{
+    RfScene scene = make_mirror_room( kind );
+    for ( uint32_t i = 0; i < scene.material_count; ++i )
+    {
+        RfMaterial* m = scene.materials + i;
+        if ( m->kind != RF_BSDF_GLASS )
+            continue;
+        m->kind = RF_BSDF_SPECTRAL;
+        m->dispersion = m->ior > 0.0f && !m->thin ? dispersion : 0.0f;
+        m->film = film ? 0.8f : 0.0f;
+        m->film_ior = 1.7f;
+        m->film_thickness = 300.0f;
+    }
+    return scene;
+}
+
+static void check_dispersion( const char* what, MirrorRoom kind, int max_depth )
+{
+    ChainCase c = chain_case( what, max_depth );
+    check_chains( &c, make_spectral_room( kind, 8.0f, false ) );
+}
+
+// Each channel is that of glass of its own index.
+static void test_dispersion_is_unbiased( void** state )
+{
+    (void)state;
+    check_dispersion( "absorbing ball, dispersion", ABSORBING_BALL, 6 );
+    check_dispersion( "rough slab, dispersion", ROUGH_SLAB, 6 );
+    check_dispersion( "layered slab, dispersion", LAYERED_SLAB, 6 );
+    check_dispersion( "lamp in glass, dispersion", LAMP_IN_GLASS, 7 );
+    ChainCase c = chain_case( "glass ball, dispersion", 6 );
+    c.settings = g_connected;
+    check_chains( &c, make_spectral_room( GLASS_BALL, 8.0f, false ) );
+}
+
+static void test_films_over_glass_are_unbiased( void** state )
+{
+    (void)state;
+    ChainCase panes = chain_case( "panes under a film", 7 ), mirrors = chain_case( "mirror under a film, behind a pane", 6 );
+    check_chains( &panes, make_spectral_room( PANES_IN_A_ROW, 0.0f, true ) );
+    check_chains( &mirrors, make_spectral_room( MIRROR_BEHIND_PANE, 0.0f, true ) );
+    ChainCase slab = chain_case( "rough slab under a film", 6 );
+    check_chains( &slab, make_spectral_room( ROUGH_SLAB, 0.0f, true ) );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -112,6 +159,7 @@ int main( void )
         cmocka_unit_test( test_eyes_within_glass_are_unbiased ), cmocka_unit_test( test_panes_are_unbiased ),
         cmocka_unit_test( test_lamps_in_bulbs_are_unbiased ),    cmocka_unit_test( test_light_that_comes_by_chains_is_unbiased ),
         cmocka_unit_test( test_sharp_lobes_are_unbiased ),       cmocka_unit_test( test_extra_samples_are_unbiased ),
+        cmocka_unit_test( test_dispersion_is_unbiased ),         cmocka_unit_test( test_films_over_glass_are_unbiased ),
     };
     return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

@@ -52,6 +52,12 @@ static void test_panes_that_move( void** state )
     check_moving( &( MovingCase ){ "panes", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames } } );
 }
 
+static void test_drapes( void** state )
+{
+    (void)state;
+    check_moving( &( MovingCase ){ "drapes", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_adaptive } } );
+}
+
 static void test_a_sky_through_openings( void** state )
 {
     (void)state;
@@ -225,6 +231,7 @@ int main( void )
         cmocka_unit_test( test_figures ),
         cmocka_unit_test( test_what_is_shown_at_times ),
         cmocka_unit_test( test_panes_that_move ),
+        cmocka_unit_test( test_drapes ),
         cmocka_unit_test( test_a_sky_through_openings ),
         cmocka_unit_test( test_own_samples_are_counted ),
         cmocka_unit_test( test_own_light_is_that_of_single_frames ),

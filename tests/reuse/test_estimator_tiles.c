@@ -1,8 +1,8 @@
 // Tile reuse is unbiased, alone and with frame reuse, against independent references over
 // 16 seeds: on diffuse, Phong, GGX, textured and blended surfaces, under environments,
-// with glass and mirrors in the tiles, in corners, where a tile sees a lit room through
-// the bars of a fence, with several light samples, with a single shared bounce, with
-// Russian roulette.
+// under lamps with size and profiles, with glass and mirrors in the tiles, in corners,
+// where a tile sees a lit room through the bars of a fence, with several light samples,
+// with a single shared bounce, with Russian roulette.
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/rooms.h"
@@ -141,6 +141,46 @@ static void test_fence_is_unbiased( void** state )
     check_scene( "fence", make_fence(), settings_of( 1, 8 ), s_all, 4 );
 }
 
+// A room that a lamp lights alone; where its light comes in from outside, without the walls behind the eyes and on their left.
+static RfScene make_lit_room( RfPunctual lamp )
+{
+    SceneBuilder b = { 0 };
+    uint32_t wall = add_material( &b, make_lambert( 0.7f, 0.65f, 0.6f ) ), metal = add_material( &b, make_metal( 0.8f, 0.3f ) ),
+             coat = add_material( &b, make_plastic( 0.5f, 0.3f ) );
+    if ( lamp.kind == RF_PUNCTUAL_DIRECTIONAL )
+    {
+        add_quad( &b, wall, rf_vec3( -2, 0, 2 ), rf_vec3( 2, 0, 2 ), rf_vec3( 2, 0, -2 ), rf_vec3( -2, 0, -2 ) );
+        add_quad( &b, wall, rf_vec3( -2, 0, -2 ), rf_vec3( 2, 0, -2 ), rf_vec3( 2, 3, -2 ), rf_vec3( -2, 3, -2 ) );
+        add_quad( &b, wall, rf_vec3( 2, 0, -2 ), rf_vec3( 2, 0, 2 ), rf_vec3( 2, 3, 2 ), rf_vec3( 2, 3, -2 ) );
+    }
+    else
+        add_box( &b, wall, rf_vec3( -2, 0, -2 ), rf_vec3( 2, 3, 2 ), true );
+    add_box( &b, coat, rf_vec3( -1.1f, 0.001f, -0.9f ), rf_vec3( -0.3f, 0.9f, -0.2f ), false );
+    add_sphere( &b, metal, rf_vec3( 0.6f, 0.6f, -0.6f ), 0.6f, 12 );
+    RfScene scene = finish_scene( &b );
+    scene.punctuals = malloc( sizeof *scene.punctuals );
+    assert_non_null( scene.punctuals );
+    scene.punctuals[0] = lamp;
+    scene.punctual_count = 1;
+    return scene;
+}
+
+static void test_lamps_with_size_and_profiles_are_unbiased( void** state )
+{
+    (void)state;
+    static const Setting s_both = { 3, "3x3", 4 };
+    RfPunctual ball = make_point_light( rf_vec3( 0.3f, 2.0f, 0.1f ), 6.0f ), sun = ball;
+    ball.radius = 0.5f;
+    sun.kind = RF_PUNCTUAL_DIRECTIONAL;
+    sun.direction = rf_normalize( rf_vec3( 0.4f, -1.0f, -0.6f ) );
+    sun.versine = 0.05f;
+    check_scene( "ball", make_lit_room( ball ), settings_of( 1, 3 ), &s_both, 1 );
+    check_scene( "sun with an angle", make_lit_room( sun ), settings_of( 1, 3 ), &s_both, 1 );
+    RfPunctual beam = make_beam( rf_vec3( 0.3f, 2.7f, 0.1f ), rf_vec3( -0.2f, -1, -0.3f ), 9.0f );
+    beam.radius = 0.1f;
+    check_scene( "profile", make_lit_room( beam ), settings_of( 1, 3 ), &s_both, 1 );
+}
+
 // Into a corner of the room from near by: second vertices as close as can be.
 static void test_corner_is_unbiased( void** state )
 {
@@ -164,6 +204,7 @@ int main( void )
         cmocka_unit_test( test_light_samples_and_depth_are_unbiased ),
         cmocka_unit_test( test_textures_and_blending_are_unbiased ),
         cmocka_unit_test( test_skies_lamps_glass_are_unbiased ),
+        cmocka_unit_test( test_lamps_with_size_and_profiles_are_unbiased ),
         cmocka_unit_test( test_fence_is_unbiased ),
         cmocka_unit_test( test_corner_is_unbiased ),
     };

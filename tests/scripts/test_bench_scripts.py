@@ -1,14 +1,19 @@
 #!/usr/bin/env python3
-"""The sums of scripts/bench and scripts/validate against figures whose answer is known, and a small run. Skipped (77) without numpy."""
+"""The sums of scripts/bench, scripts/validate and scripts/blender-parity against figures whose answer is known, and a small run. Skipped (77) without numpy."""
+import argparse
+import contextlib
 import importlib.machinery
 import importlib.util
+import io
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 try:
     import numpy as np
@@ -33,7 +38,7 @@ def load(*path):
     return module
 
 
-bench, validate = load("bench", "run"), load("validate")
+bench, validate, parity = load("bench", "run"), load("validate"), load("blender-parity")
 
 
 def noisy(rng, sigma, size=(3, 40, 50)):
@@ -168,11 +173,101 @@ class Validate(unittest.TestCase):
         self.assertEqual(validate.warnings_of("coat", said + said), ["node 'Principled BSDF': sheen: left out", "glass"])
         self.assertEqual(validate.warnings_of("plain", said), [])
 
+    def test_shapes(self):
+        """Noise of seeds is no difference of shape, a turn of the same brightness is one."""
+        inside, random = validate.disc(64), np.random.default_rng(7)
+        ramp = np.repeat(np.linspace(0.5, 1.5, 64)[:, None, None], 64, axis=1) * np.ones(3)
+        noisy = [ramp * random.gamma(4.0, 0.25, ramp.shape) for _ in range(8)]
+        self.assertLess(abs(validate.shape_of(noisy[:4], noisy[4:], inside)), 0.03)
+        turned = [picture.transpose(1, 0, 2) for picture in noisy[:4]]
+        self.assertGreater(validate.shape_of(turned, noisy[4:], inside), 0.2)
+        full = np.ones((64, 64), bool)
+        self.assertAlmostEqual(validate.shape_of([1.1 * ramp] * 2, [ramp] * 2, full), 0.1 * np.sqrt(1.0 + 1.0 / 12.0), places=3)
+
+    def test_survey_of_models(self):
+        """A stand-in for the program does what the name of the model says."""
+        program = """#!/bin/sh
+case "$(cat "$2")" in
+    *lossy.gltf*) echo "reframe render: warning: a.gltf: material 'x': sheen: left out" >&2;;
+    *refused.gltf*) echo "reframe render: a.gltf: images[12]: 3 of 4: not valid glTF 2.0" >&2; exit 1;;
+    *silent.gltf*) exit 1;;
+    *crashed.gltf*) kill -SEGV $$;;
+    *hung.gltf*) exec sleep 60;;
+esac
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            models, binary = os.path.join(folder, "models"), os.path.join(folder, "program")
+            os.mkdir(models)
+            for name in ("taken", "lossy", "refused", "silent", "crashed", "hung"):
+                with open(os.path.join(models, name + ".gltf"), "w", encoding="utf-8") as file:
+                    file.write("{}")
+            with open(os.path.join(models, "pointer.glb"), "w", encoding="utf-8") as file:
+                file.write("version https://git-lfs.github.com/spec/v1\n")
+            with open(binary, "w", encoding="utf-8") as file:
+                file.write(program)
+            os.chmod(binary, 0o755)
+            said = io.StringIO()
+            with contextlib.redirect_stdout(said):
+                bad = validate.survey(argparse.Namespace(files=[models], out=folder, binary=binary, limit=2.0))
+            self.assertEqual(bad, "crashed or hung: crashed.gltf, hung.gltf, silent.gltf")
+            with open(os.path.join(folder, "models.json"), encoding="utf-8") as file:
+                rows = {row["file"]: row for row in json.load(file)}
+        self.assertEqual({name: row["outcome"] for name, row in rows.items()},
+                         {"taken.gltf": "taken", "lossy.gltf": "lossy", "refused.gltf": "refused", "silent.gltf": "crashed",
+                          "crashed.gltf": "crashed", "hung.gltf": "hung"})
+        self.assertEqual(rows["lossy.gltf"]["reasons"], ["a.gltf: material '...': sheen: left out"])
+        self.assertEqual(rows["refused.gltf"]["reasons"], ["a.gltf: images[]: N of N: not valid glTF 2.0"])
+        self.assertIn("left out: 1 Git LFS pointers", said.getvalue())
+
     def test_honesty(self):
         # true, estimate, whether a lower bound, likely
         self.assertTrue(validate.honesty("", [(1.0, 1.1, False, 1.0)] * 9 + [(1.0, 2.0, False, 1.0)] + [(1.0, 0.1, True, 1.0)]))
         self.assertFalse(validate.honesty("", [(1.0, 1.1, False, 1.0)] * 8 + [(1.0, 2.0, False, 1.0)] * 2))
         self.assertFalse(validate.honesty("", [(1.0, 1.1, True, 1.0)]))
+
+
+BLENDER = os.environ.get("REFRAME_BLENDER", "blender")
+
+
+class Parity(unittest.TestCase):
+    def test_digests_follow_what_a_scene_calls(self):
+        found, names = parity.definitions()
+        self.assertEqual(len(names), len(set(names)))
+        self.assertEqual([sum(name.startswith(kind) for name in names) for kind in ("room_", "move_")], [3, 12])
+        before = {name: parity.digest_of(name, found) for name in ("spot_hard", "move_cloth")}
+        found["bake_physics"] = found["sheet"]
+        after = {name: parity.digest_of(name, found) for name in before}
+        self.assertEqual(before["spot_hard"], after["spot_hard"])
+        self.assertNotEqual(before["move_cloth"], after["move_cloth"])
+
+    def test_regions(self):
+        """Twice the light in one region, some in one that is dark; the noise is 1 % and 2 % of two seeds."""
+        theirs = np.ones((2, 1, 12))
+        theirs[..., 11] = 0.0
+        ours = theirs.copy()
+        ours[..., 0], ours[..., 11], ours[0, 0, 1], theirs[1, 0, 2] = 2.0, 0.01, 1.02, 1.04
+        with unittest.mock.patch.object(parity, "means", side_effect=[ours, theirs]):
+            row = parity.compare("", argparse.Namespace(seeds=2), {})
+        mean = theirs.mean(0).mean()
+        for region, off, error in ((0, 1.0, 0.0), (1, 0.01, 0.01), (2, -0.02 / 1.02, 0.02 / 1.02 ** 2), (11, 0.01 / (parity.DARK * mean), 0.0)):
+            self.assertAlmostEqual(row["off"][region], off)
+            self.assertAlmostEqual(row["error"][region], error)
+        text = parity.summary("0", [{**row, "verdict": "warned"}, {"off": [1.0], "error": [0.0], "verdict": "refused"}])
+        self.assertIn("10 of 12 regions (83.3 %) within 3 %, 2 beyond 10 %, 2 with a standard error above 0.7 %; 2 scenes: 1 warned, 1 refused", text)
+
+    @unittest.skipIf(BUILD is None or shutil.which(BLENDER) is None, "needs the folder of a build as argument, and Blender")
+    def test_scene(self):
+        """The map of a sky with a sun takes longer."""
+        scene = "world-sky" if "REFRAME_LONG" in os.environ else "sun-sharp"
+        with tempfile.TemporaryDirectory() as folder:
+            table = os.path.join(folder, "table.md")
+            done = subprocess.run([os.path.join(SCRIPTS, "blender-parity"), "--blender", BLENDER, "--binary", os.path.join(BUILD, "reframe"), "--out", folder, "--only",
+                                   scene, "--seeds", "2", "--markdown", table], stdout=subprocess.PIPE, text=True, check=False)
+            with open(table, encoding="utf-8") as file:
+                text = file.read()
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("12 of 12 regions (100.0 %) within 3 %", text)
+        self.assertIn("| %s | " % scene, text)
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ expect "exact eq15 unweighted" tune --weights =
 expect "1080p 1440p" tune --size 1
 expect "auto" render --group ""
 expect "on off" render --adaptive o
-expect "--overwrite" render --adaptive --ov
+expect "--overscan --overwrite" render --adaptive --ov
 expect "--max-depth" cost --max
 expect "--no-overlap" compare --no-o
 expect "bash zsh" completion ""

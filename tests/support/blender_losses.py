@@ -93,6 +93,7 @@ def instances():
         scene.collection.objects.unlink(cube(name))
         group.objects.link(bpy.data.objects[name])
     bpy.data.objects["ghost"].visible_glossy = False
+    bpy.data.objects["ghost"].data.polygons.foreach_set("use_smooth", [True] * 6)
     bpy.data.objects["hole"].is_holdout = True  # which does not count: instances are held out by what makes them
     with bpy.context.temp_override(object=bpy.data.objects["fur"]):
         bpy.data.objects["fur"].modifiers.new("hair", "PARTICLE_SYSTEM")
@@ -287,6 +288,21 @@ def carried():
     key(steady, "offset", (0, 0), (0, 0))
 
 
-for name in sys.argv[sys.argv.index("--") + 1:]:
-    globals()[name]()
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
+def gone():
+    """A film whose files are not there."""
+    plain()
+    image = bpy.data.images.new("film", 4, 4)
+    image.source, image.filepath = "SEQUENCE", "/nowhere/film.0001.png"
+    screen = bpy.data.materials.new("screen")
+    screen.use_nodes = True
+    tree = screen.node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.image_user.frame_duration = image, 3
+    tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    bpy.data.objects["cube"].data.materials.append(screen)
+
+
+if __name__ == "__main__":
+    for name in sys.argv[sys.argv.index("--") + 1:]:
+        globals()[name]()
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))

@@ -464,6 +464,19 @@ def for_eevee():
         bpy.context.object.data.materials.append(material)
 
 
+def curtains():
+    """A lamp above a curtain from wall to wall; below it a shade and leaves cut out of half of their light."""
+    plain_room(strength=30.0, size=3.0)
+    s = Shader("curtain")
+    put("plane", s.done(s.mix(0.6, s.add("BsdfDiffuse", Color=(0.8, 0.7, 0.5, 1.0)), s.add("BsdfTranslucent", Color=(0.9, 0.6, 0.4, 1.0)))),
+        size=2.02 * ROOM, location=(0.0, 0.0, 1.2))
+    s = Shader("shade")
+    put("uv_sphere", s.done(s.add("BsdfTranslucent", Color=grey(0.8))), radius=0.5, location=(-0.6, 0.2, -1.2))
+    s = Shader("leaf")
+    leaf = s.mix(0.4, s.add("BsdfDiffuse", Color=(0.2, 0.5, 0.1, 1.0)), s.add("BsdfTranslucent", Color=(0.5, 0.8, 0.1, 1.0)))
+    put("plane", s.done(s.mix(0.5, s.add("BsdfTransparent"), leaf)), size=0.8, location=(0.5, -0.2, -0.8))
+
+
 def left_out():
     """What can only be named."""
     room(diffuse("wall", grey(0.6)))
@@ -520,7 +533,7 @@ def named():
 
 
 SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, rough_principled, mixed_glass,
-          shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, left_out, layered, named)
+          shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, curtains, left_out, layered, named)
 
 
 def begin(size):
@@ -555,15 +568,15 @@ def render(scene, path, samples):
     return pixels.reshape(-1, image.channels)[:, :3].mean(axis=0)
 
 
-def main():
+def main(scenes):
     p = argparse.ArgumentParser()
     p.add_argument("folder")
     p.add_argument("scenes", nargs="*")
     p.add_argument("--samples", type=int, default=0)
     p.add_argument("--size", default="64x48")
     args = p.parse_args(sys.argv[sys.argv.index("--") + 1:])
-    for make in SCENES:
-        if make.__name__ not in (args.scenes or [m.__name__ for m in SCENES if bpy.app.version >= (4,) or m not in (layered, named)]):
+    for make in scenes:
+        if make.__name__ not in (args.scenes or [m.__name__ for m in scenes if bpy.app.version >= (4,) or m not in (layered, named)]):
             continue
         scene = begin(tuple(int(n) for n in args.size.split("x")))
         make()
@@ -575,4 +588,5 @@ def main():
                 file.write("%.6g %.6g %.6g\n" % tuple(mean))
 
 
-main()
+if __name__ == "__main__":
+    main(SCENES)

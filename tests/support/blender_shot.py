@@ -84,9 +84,6 @@ def main():
     follow = bpy.context.object.constraints.new("COPY_LOCATION")
     follow.target, follow.use_offset = guide, True
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("shot.blend"))
-    still = bpy.data.objects["Cube"]
-    still.animation_data_clear()
-    still.rotation_euler = (0, 0, 0)
     for frame in (101, 110):
         cycles_picture(scene, frame, "shot-%d.exr" % frame)
 

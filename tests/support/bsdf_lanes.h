@@ -24,6 +24,15 @@ enum
     CLEARCOAT = PARAM + RF_PARAM_CLEARCOAT,
     CLEARCOAT_ALPHA = PARAM + RF_PARAM_CLEARCOAT_ALPHA,
     COAT_N = PARAM + RF_PARAM_CLEARCOAT_N,
+    SHEEN = PARAM + RF_PARAM_SHEEN,
+    SHEEN_ALPHA = PARAM + RF_PARAM_SHEEN_ALPHA,
+    ANISOTROPY = PARAM + RF_PARAM_ANISOTROPY,
+    TANGENT = PARAM + RF_PARAM_TANGENT,
+    FILM = PARAM + RF_PARAM_FILM,
+    FILM_IOR = PARAM + RF_PARAM_FILM_IOR,
+    FILM_THICKNESS = PARAM + RF_PARAM_FILM_THICKNESS,
+    THROUGH = PARAM + RF_PARAM_THROUGH,
+    CHOICE = PARAM + RF_PARAM_CHOICE,
     WO = PARAM + RF_PARAM_COUNT,
     WI = WO + 3,
     U = WI + 3,
@@ -49,6 +58,12 @@ typedef struct Material
     RfVec3 diffuse, specular;
     float shape, f90, coat_f0, coat_f90;
     float clearcoat, clearcoat_alpha;
+    RfVec3 sheen;
+    float sheen_alpha;
+    float anisotropy, grain; // direction of the grain: turns from the first vector of rf_basis
+    float film, film_ior, film_thickness;
+    RfVec3 through;
+    float side; // that was drawn: −1, or any other for that of the eye
 } Material;
 
 static inline void put( int array, int i, RfVec3 v )
@@ -73,6 +88,26 @@ static inline void put_material( int i, const Material* m )
     s_lanes[COAT_F90][i] = m->coat_f90;
     s_lanes[CLEARCOAT][i] = m->clearcoat;
     s_lanes[CLEARCOAT_ALPHA][i] = m->clearcoat_alpha;
+    put( SHEEN, i, m->sheen );
+    s_lanes[SHEEN_ALPHA][i] = rf_maxf( m->sheen_alpha, RF_MIN_SHEEN_ALPHA );
+    s_lanes[ANISOTROPY][i] = m->anisotropy;
+    s_lanes[FILM][i] = m->film;
+    s_lanes[FILM_IOR][i] = rf_maxf( m->film_ior, 1.0f );
+    s_lanes[FILM_THICKNESS][i] = m->film_thickness;
+    if ( m->kind != RF_BSDF_TRANSLUCENT ) // which has a place of glass
+        return;
+    put( THROUGH, i, m->through );
+    s_lanes[CHOICE][i] = m->side == -1.0f ? -1.0f : 1.0f;
+}
+
+// The normal, and the grain across it.
+static inline void put_normal( int i, const Material* m, RfVec3 n )
+{
+    RfVec3 t, b;
+    rf_basis( n, &t, &b );
+    float angle = 2.0f * RF_PI * m->grain;
+    put( N, i, n );
+    put( TANGENT, i, rf_madd( rf_scale( t, cosf( angle ) ), b, sinf( angle ) ) );
 }
 
 // How far the coat's normal leans from the surface's; 0: not at all.
@@ -85,7 +120,7 @@ static inline void put_surface( const Material* m, RfVec3 n, RfVec3 wo )
     for ( int i = 0; i < BATCH; ++i )
     {
         put_material( i, m );
-        put( N, i, n );
+        put_normal( i, m, n );
         put( COAT_N, i, s_coat_lean.x == 0.0f ? n : coat_normal( n ) );
         put( WO, i, wo );
     }

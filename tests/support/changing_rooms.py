@@ -296,5 +296,18 @@ def polishes():
     return room
 
 
+def primaries():
+    """Each lamp has one of red, green and blue: one is dimmed, one stands still, one passes, and a torch moves; a mirror sees them."""
+    room = lit_room("primaries", 0.0)
+    red, green, blue = [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]
+    quad = make_quad((-0.3, -0.2, 0.0), (0.6, 0.0, 0.0), (0.0, 0.4, 0.0))
+    room.still("mirror", make_quad((-1.95, 0.5, 1.0), (0.0, 0.0, -2.0), (0.0, 1.6, 0.0)), MIRROR)
+    room.still("lamp", make_quad((-0.4, 2.95, -0.4), (0.8, 0.0, 0.0), (0.0, 0.0, 0.8)), dict(shining("lamp", 5.0), emissiveFactor=green))
+    room.light("dimmed", point(color=red), Way((1.0, 1.9, 0.3)), {"intensity": DIMMED})
+    room.light("passing", point(color=green), Way((-1.2, 2.0, 0.7), (1.2, 1.7, -0.2)))
+    room.move("torch", quad, dict(shining("torch", 8.0), emissiveFactor=blue), [Way((-1.0, 1.4, -0.2), (0.8, 1.9, 0.3), "y", -0.8, 1.3)])
+    return room
+
+
 CASES = (dimmer, glow, blackout, switches, colors, six, seen, passing, matt, cones, torch, sun, surfaces, poster, cinema, heavens, dawn,
-         zoom, everything, extremes, jumps, sinks, horizon, shrinks, polishes)
+         zoom, everything, extremes, jumps, sinks, horizon, shrinks, polishes, primaries)

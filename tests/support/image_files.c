@@ -76,6 +76,29 @@ uint8_t* encode_jpeg( int width, int height, int channels, const uint8_t* pixels
     return out;
 }
 
+#ifdef REFRAME_WEBP
+
+#include <webp/encode.h>
+
+uint8_t* encode_webp( int width, int height, int channels, bool lossy, const uint8_t* pixels, size_t* size )
+{
+    int stride = width * channels;
+    uint8_t* coded = NULL;
+    if ( lossy )
+        *size = channels == 3 ? WebPEncodeRGB( pixels, width, height, stride, 100.0f, &coded )
+                              : WebPEncodeRGBA( pixels, width, height, stride, 100.0f, &coded );
+    else
+        *size = channels == 3 ? WebPEncodeLosslessRGB( pixels, width, height, stride, &coded )
+                              : WebPEncodeLosslessRGBA( pixels, width, height, stride, &coded );
+    uint8_t* out = malloc( *size + 1 );
+    must( *size > 0 && out != NULL );
+    memcpy( out, coded, *size );
+    WebPFree( coded );
+    return out;
+}
+
+#endif
+
 uint8_t* encode_hdr( int width, int height, const uint8_t* rgbe, size_t* size )
 {
     size_t room = 128 + (size_t)height * ( 4 + 6 * (size_t)width );

@@ -13,6 +13,10 @@ uint8_t* encode_png( int width, int height, int channels, const uint8_t* pixels,
 uint8_t* encode_png16( int width, int height, int channels, const uint16_t* pixels, size_t* size );
 // Grey, RGB or CMYK (4), quality 100 without subsampling.
 uint8_t* encode_jpeg( int width, int height, int channels, const uint8_t* pixels, size_t* size );
+#ifdef REFRAME_WEBP
+// RGB or RGBA, lossless or of quality 100.
+uint8_t* encode_webp( int width, int height, int channels, bool lossy, const uint8_t* pixels, size_t* size );
+#endif
 // Run-length encoded from 8 pixels a row, else flat. 4 bytes per pixel: RGBE.
 uint8_t* encode_hdr( int width, int height, const uint8_t* rgbe, size_t* size );
 // ZIP, 32-bit floats, 3 per pixel.

@@ -379,6 +379,14 @@ def pane(name):
     return result
 
 
+def leaf(name, color, through):
+    """Scatters light to both sides."""
+    result = material(name, color, roughness=0.4)
+    result["extensions"] = {"KHR_materials_diffuse_transmission": {
+        "diffuseTransmissionFactor": through, "diffuseTransmissionColorFactor": color[::-1]}}
+    return result
+
+
 def furnish(room, lamp=True, floor=LACQUER, ceiling=True):
     """A closed room, x -2 to 2, y 0 to 3, z -2 to 2, with a lamp in its ceiling and a block."""
     looks = {"floor": floor, "left wall": RED, "right wall": GREEN}
@@ -503,6 +511,17 @@ def panes():
     room.move("pane", copy.deepcopy(quad), pane("pane"), [Way((1.0, 0.4, -0.6), (-0.6, 0.9, -0.2), "y", -0.5, 0.4)])
     room.move("balls", make_sphere(0.2, 8, 6), BRASS,
               [Way((1.2, 0.3, 0.2), (0.9, 1.0, -0.3)), Way((0.2, 2.5, -0.2), (-0.5, 2.0, 0.0))])
+    return room
+
+
+def drapes():
+    """A curtain that scatters light to both sides passes before a lamp, and a shade turns."""
+    room = view("drapes")
+    furnish(room, lamp=False)
+    room.still("lamp", make_quad((-0.9, 0.8, -1.9), (1.8, 0.0, 0.0), (0.0, 1.2, 0.0)), shining("lamp", 12.0))
+    room.move("curtain", make_quad((-0.8, 0.0, 0.0), (1.6, 0.0, 0.0), (0.0, 2.2, 0.1)), leaf("curtain", [0.5, 0.4, 0.3], 0.6),
+              [Way((-0.9, 0.2, -0.6), (0.7, 0.3, 0.3), "y", 0.4, -0.5)])
+    room.move("shade", make_box((0.5, 0.6, 0.5)), leaf("shade", [0.9, 0.7, 0.5], 0.9), [Way((0.9, 0.6, -0.3), (0.6, 1.0, 0.1), "y", 0.0, 1.2)])
     return room
 
 
@@ -647,7 +666,7 @@ def many():
     return room
 
 
-CASES = (sweep, door, mirrors, fan, figure, shown, panes, sky, around_eye, flat, singular, late, no_area, far_out,
+CASES = (sweep, door, mirrors, fan, figure, shown, panes, drapes, sky, around_eye, flat, singular, late, no_area, far_out,
          short_path, plate, apart, lamps, shade, many)
 
 

@@ -1,5 +1,6 @@
 #include "support/reference_tracer.h"
 
+#include "light/punctual.h"
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "light/light.h"
@@ -17,7 +18,8 @@ bool find_point( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes* 
     float u, v;
     if ( panes != NULL )
     {
-        RfPaneLanes lanes = { &panes->probability, { &panes->weight.x, &panes->weight.y, &panes->weight.z } };
+        RfPaneLanes lanes = { .probability = &panes->probability,
+                              .weight = { &panes->weight.x, &panes->weight.y, &panes->weight.z } };
         rf_trace_nearest_past_panes( tracer, 1, ro, rd, &triangle, &u, &v, &lanes );
     }
     else
@@ -47,6 +49,9 @@ bool find_point( const RfTracer* tracer, RfVec3 o, RfVec3 d, Point* out, Panes* 
         out->n = rf_scale( rf_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
         out->coat_n = rf_scale( rf_coat_normal_at( scene, material, triangle, u, v, front, t->ng ), side );
     }
+    out->tangent = rf_vec3( 0.0f, 0.0f, 0.0f );
+    if ( rf_has_param( rf_bsdf_model( out->material.kind )->params, RF_PARAM_TANGENT ) )
+        out->tangent = rf_stretch_at( scene, &out->material, triangle, u, v, rf_scale( out->n, side ) );
     out->inside = facing < 0.0f;
     out->ior = out->material.thin ? -out->material.ior
                                   : ( out->inside && out->material.ior > 0.0f ? 1.0f / out->material.ior : out->material.ior );
@@ -79,13 +84,56 @@ void fill_point_lane( const Point* x, Lane* lane )
     lane->param[RF_PARAM_CLEARCOAT_N] = x->coat_n.x;
     lane->param[RF_PARAM_CLEARCOAT_N + 1] = x->coat_n.y;
     lane->param[RF_PARAM_CLEARCOAT_N + 2] = x->coat_n.z;
+    lane->param[RF_PARAM_TANGENT] = x->tangent.x;
+    lane->param[RF_PARAM_TANGENT + 1] = x->tangent.y;
+    lane->param[RF_PARAM_TANGENT + 2] = x->tangent.z;
     lane->param[RF_PARAM_IOR] = x->ior;
 }
 
-bool is_native_point( const Point* x ) { return x->material.kind == RF_BSDF_GLASS; }
+bool is_native_point( const Point* x ) { return x->material.kind >= RF_BSDF_FIRST_SPECULAR; }
+
+// ---- translucent surfaces: both hemispheres at once, each sampled half of the time ----
+
+#define SIDE_DIMENSION 0x03000000u // random numbers that nothing else uses
+
+static bool is_translucent( const Point* x ) { return x->material.kind == RF_BSDF_TRANSLUCENT; }
+
+static Point other_side( const Point* x )
+{
+    Point out = *x;
+    out.n = rf_scale( x->n, -1.0f );
+    out.ng = rf_scale( x->ng, -1.0f );
+    return out;
+}
+
+// What the coat lets to the base and back.
+static double to_base( const RfMaterial* m, double cosine )
+{
+    return 1.0 - (double)m->coat_f0 - (double)( m->coat_f90 - m->coat_f0 ) * pow( fmax( 1.0 - cosine, 0.0 ), 5.0 );
+}
+
+static RfVec3 evaluate_other_side( const Point* x, RfVec3 wi, float* pdf )
+{
+    double cos_i = -(double)rf_dot( x->n, wi ), cos_o = (double)rf_dot( x->n, x->wo ), least = (double)RF_MIN_COS;
+    if ( cos_o < least ) // lifted to the horizon
+        cos_o = least / sqrt( 1.0 - cos_o * cos_o + least * least );
+    *pdf = (float)( 0.5 * fmax( cos_i, 0.0 ) * (double)RF_INV_PI );
+    double f = cos_i > 0.0 ? (double)RF_INV_PI * to_base( &x->material, cos_i ) * to_base( &x->material, cos_o ) : 0.0;
+    return rf_scale( x->material.through, (float)f );
+}
 
 RfVec3 evaluate_point( const Point* x, RfVec3 wi, float* pdf )
 {
+    if ( is_translucent( x ) && rf_dot( x->n, wi ) <= 0.0f )
+        return evaluate_other_side( x, wi, pdf );
+    if ( is_translucent( x ) )
+    {
+        Point opaque = *x;
+        opaque.material.kind = RF_BSDF_GGX;
+        RfVec3 f = evaluate_point( &opaque, wi, pdf );
+        *pdf *= 0.5f;
+        return f;
+    }
     Lane lane;
     fill_point_lane( x, &lane );
     const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
@@ -108,6 +156,18 @@ Onward scatter_at( const Point* x, RfRandomKey key, uint32_t dimension )
     Onward out = { 0 };
     float* wi[3] = { &out.wi.x, &out.wi.y, &out.wi.z };
     float* weight[3] = { &out.weight.x, &out.weight.y, &out.weight.z };
+    if ( is_translucent( x ) )
+    {
+        bool through = rf_random( key, dimension + SIDE_DIMENSION ) < 0.5f;
+        Point side = through ? other_side( x ) : *x;
+        fill_point_lane( &side, &lane );
+        rf_bsdf_sample( through ? RF_BSDF_LAMBERT : RF_BSDF_GGX, 1, &lane.lanes, wo, u, wi );
+        out.f = evaluate_point( x, out.wi, &out.pdf );
+        out.cos_x = rf_dot( side.n, out.wi );
+        bool leaves = out.cos_x > 0.0f && rf_dot( side.ng, out.wi ) > 0.0f && out.pdf > 0.0f;
+        out.side = !leaves ? 0.0f : through ? -1.0f : 1.0f;
+        return out;
+    }
     if ( is_native_point( x ) )
     {
         rf_bsdf_sample_weighted( x->material.kind, 1, &lane.lanes, wo, u, wi, weight, &out.pdf );
@@ -121,6 +181,12 @@ Onward scatter_at( const Point* x, RfRandomKey key, uint32_t dimension )
     out.cos_x = rf_dot( x->n, out.wi );
     out.side = out.cos_x > 0.0f && rf_dot( x->ng, out.wi ) > 0.0f && out.pdf > 0.0f ? 1.0f : 0.0f;
     return out;
+}
+
+// The normal that lights were picked by where a ray starts.
+static RfVec3 onward_normal( const Point* x, const Onward* onward )
+{
+    return is_translucent( x ) && onward->side < 0.0f ? rf_scale( x->n, -1.0f ) : x->n;
 }
 
 RfVec3 onward_start( const Point* x, const Onward* onward ) { return rf_madd( x->p, x->ng, onward->side * x->offset ); }
@@ -170,7 +236,7 @@ static RfVec3 part_open( const RfTracer* tracer, const ReferenceSettings* s, RfV
         return rf_scale( light, visible );
     }
     Panes panes;
-    RfPaneLanes lanes = { &panes.probability, { &panes.weight.x, &panes.weight.y, &panes.weight.z } };
+    RfPaneLanes lanes = { .probability = &panes.probability, .weight = { &panes.weight.x, &panes.weight.y, &panes.weight.z } };
     rf_trace_segments_past_panes( tracer, 1, o, d, &visible, &lanes );
     if ( visible == 0.0f )
         return rf_vec3( 0, 0, 0 );
@@ -178,7 +244,17 @@ static RfVec3 part_open( const RfTracer* tracer, const ReferenceSettings* s, RfV
     return rf_scale( rf_mul( light, panes.weight ), visible );
 }
 
-// A sample of a light without size, or of the sky.
+// Uniform by area on a unit ball, or with `flat` on the half of it about the axis, as it is seen along that.
+static RfVec3 on_ball( RfVec3 axis, bool flat, RfRandomKey key, uint32_t dimension )
+{
+    float u = rf_random( key, dimension + 1 ), phi = 2.0f * RF_PI * rf_random( key, dimension + 2 );
+    float along = flat ? sqrtf( 1.0f - u ) : 1.0f - 2.0f * u, across = sqrtf( rf_maxf( 1.0f - along * along, 0.0f ) );
+    RfVec3 t, b;
+    rf_basis( axis, &t, &b );
+    return rf_madd( rf_add( rf_scale( t, across * cosf( phi ) ), rf_scale( b, across * sinf( phi ) ) ), axis, along );
+}
+
+// A sample of a punctual light, of those with a size by area and not as the renderer does it, or of the sky.
 static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfLightSelection pick,
                                   RfRandomKey key, uint32_t dimension, RfVec3* wi, float* pdf )
 {
@@ -204,18 +280,31 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSetting
         {
             *wi = rf_scale( p->direction, -1.0f );
             radiance = rf_scale( p->intensity, RF_DELTA_PDF );
+            if ( p->versine > 0.0f )
+            {
+                // uniform on the disc that a far surface which faces the sun sees
+                RfVec3 n = on_ball( *wi, true, key, dimension );
+                RfVec3 aside = rf_scale( rf_madd( n, *wi, -rf_dot( n, *wi ) ), sqrtf( p->versine * ( 2.0f - p->versine ) ) );
+                float cosine = sqrtf( 1.0f - rf_dot( aside, aside ) );
+                *wi = rf_madd( aside, *wi, cosine );
+                radiance = rf_scale( radiance, 1.0f / cosine );
+            }
         }
         else
         {
-            RfVec3 way = rf_sub( p->position, from );
+            RfVec3 n = on_ball( rf_vec3( 0, 0, 1 ), false, key, dimension ), way = rf_sub( p->position, from );
+            way = p->radius > 0.0f ? rf_madd( way, n, p->radius ) : way;
             float d2 = rf_dot( way, way );
             distance = sqrtf( d2 );
             *wi = rf_scale( way, 1.0f / distance );
+            float facing = p->radius > 0.0f ? 4.0f * rf_maxf( -rf_dot( n, *wi ), 0.0f ) : 1.0f;
             float t = ( -rf_dot( p->direction, *wi ) - p->cos_outer ) / ( p->cos_inner - p->cos_outer );
             t = t < 0.0f ? 0.0f : ( t > 1.0f ? 1.0f : t );
             float cone = p->kind == RF_PUNCTUAL_SPOT ? t * t : 1.0f;
+            if ( p->profile != NULL )
+                cone *= rf_profile_value( p->profile, rf_into_lamp( p, rf_scale( *wi, -1.0f ) ) );
             float r2 = d2 / ( p->range * p->range ), window = 1.0f - r2 * r2 > 0.0f ? 1.0f - r2 * r2 : 0.0f;
-            radiance = rf_scale( p->intensity, cone * window / d2 * RF_DELTA_PDF );
+            radiance = rf_scale( p->intensity, cone * window / d2 * RF_DELTA_PDF * facing );
         }
     }
     float cos_x = rf_dot( x->n, *wi );
@@ -259,17 +348,29 @@ static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, 
     return part_open( tracer, s, from, rf_sub( to, from ), rf_scale( radiance, cos_x ), pdf );
 }
 
+// Light samples of a vertex: of a translucent one as many on either side.
+static int samples_at( const ReferenceSettings* s, const Point* x ) { return s->light_samples * ( is_translucent( x ) ? 2 : 1 ); }
+
+// Number j of them.
+static RfVec3 sample_side( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key, int vertex, int j,
+                           RfVec3* wi, float* pdf )
+{
+    int k = s->light_samples;
+    uint32_t dimension = rf_vertex_dimension( vertex, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)( j % k );
+    Point side = j < k ? *x : other_side( x );
+    return sample_light( tracer, s, &side, key, j < k ? dimension : dimension + SIDE_DIMENSION, wi, pdf );
+}
+
 // Light that leaves x towards wo by the light samples.
 static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key, int vertex,
                       RfVec3 throughput, RfVec3 sum )
 {
     int k = s->light_samples;
-    for ( int j = 0; j < k; ++j )
+    for ( int j = 0; j < samples_at( s, x ); ++j )
     {
-        uint32_t dimension = rf_vertex_dimension( vertex, k ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
         RfVec3 wi = { 0 };
         float pdf_light = 1.0f, pdf;
-        RfVec3 arriving = sample_light( tracer, s, x, key, dimension, &wi, &pdf_light );
+        RfVec3 arriving = sample_side( tracer, s, x, key, vertex, j, &wi, &pdf_light );
         if ( rf_max_component( arriving ) == 0.0f )
             continue;
         RfVec3 f = evaluate_point( x, wi, &pdf );
@@ -293,7 +394,7 @@ static bool throws_all( const Point* x )
     bool black = !( rf_max_component( m->diffuse ) > 0.0f );
     if ( is_native_point( x ) )
         return black || m->ior == 0.0f;
-    return ( m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED ) && black && m->alpha <= 0.1f;
+    return m->kind >= RF_BSDF_GGX && m->kind <= RF_BSDF_LAYERED && black && m->alpha <= 0.1f;
 }
 
 // Whether light that comes to the last vertex counts: on the way to the camera a surface that throws nothing must not come after
@@ -321,7 +422,7 @@ static void stop_at_pane( Point* x, RfVec3* throughput )
         return;
     Lane lane;
     fill_point_lane( x, &lane );
-    RfPane pane = rf_pane_of_lane( &lane.lanes, 0, x->wo );
+    RfPane pane = rf_pane_of_lane( x->material.kind, &lane.lanes, 0, x->wo );
     if ( pane.probability == 0.0f )
         return;
     float stopped = rf_maxf( 1.0f - pane.probability, 0x1p-24f );
@@ -397,7 +498,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
-        ray = ( Ray ){ onward_start( &x, &onward ), onward.wi, x.n };
+        ray = ( Ray ){ onward_start( &x, &onward ), onward.wi, onward_normal( &x, &onward ) };
     }
     return result;
 }
@@ -407,7 +508,8 @@ static bool passes_pane( const ReferenceSettings* s, const Point* x, const Onwar
 {
     Lane lane;
     fill_point_lane( x, &lane );
-    return !s->panes_are_vertices && onward->side < 0.0f && rf_pane_of_lane( &lane.lanes, 0, x->wo ).probability > 0.0f;
+    return !s->panes_are_vertices && onward->side < 0.0f &&
+           rf_pane_of_lane( x->material.kind, &lane.lanes, 0, x->wo ).probability > 0.0f;
 }
 
 static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* x )
@@ -415,7 +517,7 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
     Onward onward = scatter_at( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
     if ( onward.side == 0.0f )
         return rf_vec3( 0, 0, 0 );
-    Ray ray = { onward_start( x, &onward ), onward.wi, x->n };
+    Ray ray = { onward_start( x, &onward ), onward.wi, onward_normal( x, &onward ) };
     float k = (float)s->light_samples;
     if ( is_native_point( x ) )
     {
@@ -536,12 +638,11 @@ static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, Rf
     RfVec3 sum = hit->emission;
     if ( s->max_depth == 1 )
         return sum;
-    for ( int j = 0; j < s->light_samples; ++j )
+    for ( int j = 0; j < samples_at( s, hit ); ++j )
     {
-        uint32_t dimension = rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
         RfVec3 wi = { 0 };
         float pdf_light = 1.0f, pdf;
-        RfVec3 arriving = sample_light( tracer, s, hit, key, dimension, &wi, &pdf_light );
+        RfVec3 arriving = sample_side( tracer, s, hit, key, 1, j, &wi, &pdf_light );
         RfVec3 f = evaluate_point( hit, wi, &pdf );
         sum = rf_add( sum, rf_mul( f, rf_scale( arriving, 1.0f / ( (float)s->light_samples * pdf_light + pdf ) ) ) );
     }

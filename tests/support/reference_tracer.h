@@ -14,6 +14,7 @@ typedef struct Point
 {
     RfVec3 p, ng, n, wo;
     RfVec3 coat_n;
+    RfVec3 tangent;      // of anisotropic materials
     RfMaterial material; // as it is here
     bool inside;         // seen from behind
     float ior;           // relative, for glass

@@ -732,3 +732,62 @@ RfScene make_varied_room( void )
     use_texture( lacquer, RF_TEXTURE_NORMAL, 2, 1 );
     return scene;
 }
+
+// ---- curtain room ----
+
+// A dielectric over a base that lets light through.
+static RfMaterial make_translucent( RfVec3 here, RfVec3 through, float roughness )
+{
+    RfMaterial m = make_plastic( 0.0f, roughness );
+    m.kind = RF_BSDF_TRANSLUCENT;
+    m.diffuse = here;
+    m.through = through;
+    return m;
+}
+
+#define FOLDS 16
+
+static RfVec3 on_curtain( int i, float y )
+{
+    float x = -1.98f + 3.96f * (float)i / FOLDS;
+    return rf_vec3( x, y, -0.9f + ( i % 2 == 0 ? 0.08f : -0.08f ) );
+}
+
+RfScene make_curtain_room( CurtainRoom kind )
+{
+    SceneBuilder b = { 0 };
+    uint32_t wall = add_material( &b, make_lambert( 0.6f, 0.55f, 0.5f ) ), lamp = add_material( &b, make_light( 12.0f, false ) );
+    uint32_t bulb = add_material( &b, make_light( 25.0f, false ) );
+    uint32_t cloth = add_material( &b, make_translucent( rf_vec3( 0.3f, 0.2f, 0.1f ), rf_vec3( 0.3f, 0.45f, 0.6f ), 0.8f ) );
+    uint32_t leaf = add_material( &b, make_translucent( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 0 ), 0.4f ) );
+    uint32_t shade = add_material( &b, make_translucent( rf_vec3( 0.0f, 0.1f, 0.1f ), rf_vec3( 0.8f, 0.6f, 0.4f ), 0.3f ) );
+    add_box( &b, wall, rf_vec3( -2, 0, -2 ), rf_vec3( 2, 3, 2 ), true );
+    add_quad( &b, lamp, rf_vec3( -1, 1, -1.95f ), rf_vec3( 1, 1, -1.95f ), rf_vec3( 1, 2, -1.95f ), rf_vec3( -1, 2, -1.95f ) );
+    for ( int i = 0; i < FOLDS; ++i )
+        add_quad( &b, cloth, on_curtain( i, 0.0f ), on_curtain( i + 1, 0.0f ), on_curtain( i + 1, 2.7f ), on_curtain( i, 2.7f ) );
+    if ( kind == CURTAIN_CROSSED )
+        add_quad( &b, cloth, rf_vec3( -0.6f, 0.2f, 0 ), rf_vec3( 1.4f, 0.2f, 0 ), rf_vec3( 1.4f, 2.4f, 0 ),
+                  rf_vec3( -0.6f, 2.4f, 0 ) );
+    add_quad( &b, leaf, rf_vec3( 0.2f, 0.4f, 0.1f ), rf_vec3( 1.1f, 0.4f, -0.4f ), rf_vec3( 1.1f, 1.4f, -0.3f ),
+              rf_vec3( 0.2f, 1.4f, 0.3f ) );
+    add_sphere( &b, shade, rf_vec3( -0.6f, 1.1f, 0.1f ), 0.4f, 10 );
+    add_box( &b, bulb, rf_vec3( -0.65f, 1.05f, 0.05f ), rf_vec3( -0.55f, 1.15f, 0.15f ), false );
+    if ( kind == CURTAIN_AND_GLASS )
+        add_sphere( &b, add_material( &b, make_glass( 1.5f, 0.0f, false ) ), rf_vec3( 0.3f, 0.5f, 0.6f ), 0.3f, 10 );
+    RfScene scene = finish_scene( &b );
+    add_test_textures( &scene );
+    RfFactors factors = { .base = { 0.8, 0.7, 0.6, 1 },
+                          .roughness = 0.5,
+                          .specular = 1,
+                          .specular_color = { 1, 1, 1 },
+                          .ior = 1.5,
+                          .through = 0.9,
+                          .through_color = { 0.6, 0.9, 0.3 } };
+    RfTextured* t = texture_material( &scene, leaf, factors );
+    t->normal_scale = 0.8f;
+    use_texture( t, RF_TEXTURE_BASE, COLOR_TEXTURE, 0 );
+    use_texture( t, RF_TEXTURE_NORMAL, BUMP_TEXTURE, 0 );
+    use_texture( t, RF_TEXTURE_THROUGH, COLOR_TEXTURE, 1 );
+    use_texture( t, RF_TEXTURE_THROUGH_COLOR, COLOR_TEXTURE, 0 );
+    return scene;
+}

@@ -89,6 +89,19 @@ RfMaterial make_thin_pane( RfVec3 tint, float base );
 // F of a dielectric, by Fresnel's equations.
 double fresnel( double cos_theta, double ior );
 
+// ---- curtain room ----
+
+typedef enum CurtainRoom
+{
+    CURTAIN,
+    CURTAIN_CROSSED,   // and a sheet in the plane z = 0, which crossing_eyes pass through
+    CURTAIN_AND_GLASS, // and a ball of glass
+} CurtainRoom;
+
+// A room of the size of make_room behind a curtain that lets the light of a lamp through, with a textured sheet and a lamp shade:
+// all of these scatter light to both of their sides.
+RfScene make_curtain_room( CurtainRoom kind );
+
 // ---- textured room ----
 
 // A room where everything that textures can change is changed.

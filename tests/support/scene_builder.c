@@ -215,6 +215,21 @@ RfPunctual make_point_light( RfVec3 position, float intensity )
     };
 }
 
+RfPunctual make_beam( RfVec3 position, RfVec3 direction, float intensity )
+{
+    RfPunctual lamp = make_point_light( position, intensity );
+    double vertical[] = { 0.0, 20.0, 45.0, 80.0 }, horizontal[] = { 0.0, 90.0, 180.0, 270.0, 360.0 };
+    double value[] = { 1.0, 0.9, 0.5, 0.0, 1.0, 1.0, 1.5, 0.0, 1.0, 0.9, 0.5, 0.0, 1.0, 0.6, 0.0, 0.0, 1.0, 0.9, 0.5, 0.0 };
+    RfVec3 other;
+    lamp.direction = rf_normalize( direction );
+    lamp.turned = true;
+    rf_basis( lamp.direction, &lamp.across, &other );
+    RfProfileTable table = { 4, 5, vertical, horizontal, value };
+    if ( rf_make_profile( "beam", &table, &lamp.profile, NULL ) != RF_OK )
+        abort();
+    return lamp;
+}
+
 static void add_lamps( RfScene* scene )
 {
     scene->punctuals = grow( NULL, 3 * sizeof *scene->punctuals );

@@ -68,6 +68,9 @@ RfMaterial make_glass( float ior, float roughness, bool thin );
 RfMaterial make_mirror( float reflectance );
 RfPunctual make_point_light( RfVec3 position, float intensity );
 
+// One that shines along `direction` by a profile, up to 80 degrees from it, and brighter on one side.
+RfPunctual make_beam( RfVec3 position, RfVec3 direction, float intensity );
+
 // A closed box whose inside has this albedo and emits this radiance.
 RfScene make_furnace( float albedo, float emission );
 

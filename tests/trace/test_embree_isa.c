@@ -48,7 +48,7 @@ static void test_lanes_without_weight_are_left_alone( void** state )
         RfTracer* tracer = make_tracer_of_kind( &scene, kind );
         for ( int i = 0; i < COUNT; ++i )
             weight[i] = i % 3 == 0 ? 1.0f : 0.0f;
-        RfPaneLanes panes = { probability, { colour[0], colour[1], colour[2] } };
+        RfPaneLanes panes = { .probability = probability, .weight = { colour[0], colour[1], colour[2] } };
         int traced = rf_trace_from_origin_past_panes( tracer, rf_vec3( 0, 1.4f, 1.7f ), COUNT, points, weight, &panes );
         int passed = 0;
         for ( int i = 0; i < COUNT; ++i )
@@ -80,7 +80,7 @@ static void test_kinds_of_processors_agree( void** state )
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         RfTracer* tracer = make_tracer_of_kind( &scene, kind );
-        RfPaneLanes panes = { probability[kind], { colour[kind][0], colour[kind][1], colour[kind][2] } };
+        RfPaneLanes panes = { .probability = probability[kind], .weight = { colour[kind][0], colour[kind][1], colour[kind][2] } };
         rf_trace_segments_past_panes( tracer, COUNT, from, ways, visible[kind], &panes );
         rf_destroy_tracer( tracer );
         for ( int i = 0; i < COUNT; ++i )

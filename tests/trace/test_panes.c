@@ -58,7 +58,7 @@ static Passed pass( const RfTracer* tracer, RfVec3 from, RfVec3 to )
     RfVec3 way = rf_sub( to, from );
     const float* o[3] = { &from.x, &from.y, &from.z };
     const float* d[3] = { &way.x, &way.y, &way.z };
-    RfPaneLanes panes = { &p.probability, { p.weight, p.weight + 1, p.weight + 2 } };
+    RfPaneLanes panes = { .probability = &p.probability, .weight = { p.weight, p.weight + 1, p.weight + 2 } };
     rf_trace_segments_past_panes( tracer, 1, o, d, &p.visible, &panes );
     return p;
 }
@@ -137,7 +137,7 @@ static void test_rays_pass_with_their_probability( void** state )
         }
         const float* ro[3] = { o[0], o[1], o[2] };
         const float* rd[3] = { d[0], d[1], d[2] };
-        RfPaneLanes panes = { probability, { weight[0], weight[1], weight[2] } };
+        RfPaneLanes panes = { .probability = probability, .weight = { weight[0], weight[1], weight[2] } };
         rf_trace_nearest_past_panes( tracer, RAYS, ro, rd, triangle, u, v, &panes );
         int found[3] = { 0 };
         double q[2], t[2][3];
@@ -187,7 +187,7 @@ static void test_panes_stop_the_plain_queries( void** state )
     assert_int_equal( rf_trace_from_origin( tracer, from, 3, points, weight ), 3 );
     assert_true( weight[0] == 0.0f && weight[1] == 4.0f && weight[2] == 0.0f );
     float past[3] = { 4, 4, 0 }, probability[3], colour[3][3];
-    RfPaneLanes panes = { probability, { colour[0], colour[1], colour[2] } };
+    RfPaneLanes panes = { .probability = probability, .weight = { colour[0], colour[1], colour[2] } };
     assert_int_equal( rf_trace_from_origin_past_panes( tracer, from, 3, points, past, &panes ), 2 );
     assert_true( past[0] == 4.0f && past[1] == 4.0f && past[2] == 0.0f );
     Passed same = pass( tracer, from, rf_vec3( x[0], y[0], z[0] ) );

@@ -359,7 +359,7 @@ static void test_segments_are_the_same( void** state )
                 float visible[2], q[2], weight[2][3];
                 for ( int k = 0; k < 2; ++k )
                 {
-                    RfPaneLanes panes = { q + k, { weight[k], weight[k] + 1, weight[k] + 2 } };
+                    RfPaneLanes panes = { .probability = q + k, .weight = { weight[k], weight[k] + 1, weight[k] + 2 } };
                     rf_trace_segments_past_panes( t.tracer[k], 1, o, d, visible + k, &panes );
                 }
                 partial += visible[1] > 0.0f && visible[1] * q[1] < 1.0f;

@@ -10,6 +10,7 @@
 #include "image/sequence.h"
 #include "measure/image_error.h"
 #include "measure/sequences.h"
+#include "page/passes.h"
 #include "reframe/image.h"
 #include "reframe/measure.h"
 
@@ -413,7 +414,7 @@ static RfResult read_compare_pair( const CompareFrames* frames, int frame, Compa
     {
         result = compare_name( frames, frames->patterns[i], frame, pair->names[i], error );
         if ( result == RF_OK )
-            result = rf_read_exr_layer( pair->names[i], frames->layers[i], pair->images + i, windows + i, error );
+            result = rf_read_pass_image( pair->names[i], frames->layers[i], pair->images + i, windows + i, error );
     }
     return result == RF_OK ? align( frames->overlap, pair, windows, error ) : result;
 }
@@ -646,7 +647,7 @@ int rf_command_compare( int argc, char** argv )
           .value = compare.in.layers,
           .meta = "NAME",
           .default_text = "colour",
-          .help = "a layer, part or channel of the files, or three channels X,Y,Z" },
+          .help = "a pass by name, a part or a channel of the files, or three channels X,Y,Z" },
         { .name = "reference-layer",
           .type = RF_OPTION_STRING,
           .value = compare.in.layers + 1,

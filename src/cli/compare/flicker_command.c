@@ -9,6 +9,7 @@
 #include "measure/flicker.h"
 #include "measure/flicker_sequence.h"
 #include "measure/sequences.h"
+#include "page/passes.h"
 #include "reframe/image.h"
 
 #include <stdio.h>
@@ -22,8 +23,9 @@ typedef struct FlickerRun
 {
     const char* pattern;
     const char* reference; // this and the next five may be NULL
-    const char* layer;     // NULL: the colour
+    const char* layer;     // as named for the first file; NULL: the colour
     const char* reference_layer;
+    char texts[2][RF_PASS_LAYER_SIZE]; // of both
     const char* frame_list;
     const char* motion;
     const char* depth;
@@ -212,6 +214,15 @@ static RfResult find_layers_beside( FlickerRun* flicker, RfError* error )
     return RF_OK;
 }
 
+// As the reference's first file calls it.
+static RfResult name_reference_layer( FlickerRun* flicker, RfError* error )
+{
+    char path[FLICKER_NAME_SIZE];
+    RfResult result = flicker_path( flicker->reference, flicker->frames[0], path, error );
+    flicker->reference_layer = rf_layer_of_file( path, flicker->reference_layer, flicker->texts[1] );
+    return result;
+}
+
 // Chooses layers from the header of the first frame. Against a reference, motion is also followed
 // in additional figures, where any frame has it.
 static RfResult find_layers_to_read( FlickerRun* flicker, RfError* error )
@@ -219,8 +230,14 @@ static RfResult find_layers_to_read( FlickerRun* flicker, RfError* error )
     RfFlickerReport* report = &flicker->report;
     RfFlickerLayers* layers = &flicker->layers;
     RfResult result = flicker_path( flicker->pattern, flicker->frames[0], flicker->first_path, error );
-    if ( result == RF_OK )
-        result = rf_read_exr_header( flicker->first_path, flicker->layer, &flicker->header, error );
+    if ( result != RF_OK )
+        return result;
+    if ( flicker->reference_layer == NULL )
+        flicker->reference_layer = flicker->layer;
+    flicker->layer = rf_layer_of_file( flicker->first_path, flicker->layer, flicker->texts[0] );
+    result = rf_read_exr_header( flicker->first_path, flicker->layer, &flicker->header, error );
+    if ( result == RF_OK && flicker->reference != NULL )
+        result = name_reference_layer( flicker, error );
     if ( result != RF_OK )
         return result;
     bool by_default = flicker->reference == NULL || flicker->motion != NULL;
@@ -230,8 +247,6 @@ static RfResult find_layers_to_read( FlickerRun* flicker, RfError* error )
     if ( result != RF_OK )
         return result;
     layers->colour = flicker->layer;
-    if ( flicker->reference_layer == NULL )
-        flicker->reference_layer = flicker->layer;
     layers->depth = layers->motion[0] != NULL ? layers->depth : NULL;
     report->masked = layers->depth != NULL;
     report->source = flicker->reference != NULL    ? RF_ERROR_FROM_REFERENCE

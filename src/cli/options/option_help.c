@@ -92,8 +92,9 @@ void rf_list_options( const RfCommandTable* table, FILE* file, void ( *heading )
                       void ( *option )( const RfOption* option, FILE* file ) )
 {
     static const char* const names[RF_HEADING_COUNT] = {
-        [RF_HEADING_BASIC] = "basic",   [RF_HEADING_QUALITY] = "quality",         [RF_HEADING_MEASUREMENT] = "measurement",
-        [RF_HEADING_OUTPUT] = "output", [RF_HEADING_PERFORMANCE] = "performance", [RF_HEADING_RESEARCH] = "research"
+        [RF_HEADING_BASIC] = "basic",      [RF_HEADING_QUALITY] = "quality", [RF_HEADING_MEASUREMENT] = "measurement",
+        [RF_HEADING_PASSES] = "passes",    [RF_HEADING_OUTPUT] = "output",   [RF_HEADING_PERFORMANCE] = "performance",
+        [RF_HEADING_RESEARCH] = "research"
     };
     bool has_headings = table->option_count > MOST_WITHOUT_HEADINGS;
     for ( int h = 0; h < ( has_headings ? RF_HEADING_COUNT : 1 ); ++h )

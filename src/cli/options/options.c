@@ -388,11 +388,11 @@ static bool is_choice( const RfOption* option, const char* text )
 // Describes the values that an option accepts.
 static void describe_choices( const RfOption* option, char* words, size_t size )
 {
-    size_t used = (size_t)snprintf( words, size, "one of" );
+    size_t used = 0;
     for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
     {
-        const char* comma = option->choices[i + 1] != NULL && i > 0 ? "," : i > 0 ? " or" : "";
-        used += (size_t)snprintf( words + used, size - used, "%s %s", comma, option->choices[i] );
+        const char* before = i == 0 ? "" : option->choices[i + 1] != NULL ? ", " : " or ";
+        used += (size_t)snprintf( words + used, size - used, "%s%s", before, option->choices[i] );
     }
 }
 
@@ -423,7 +423,7 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
         case RF_OPTION_MEMORY:
             snprintf( words, size, "a size such as 512M, 4G or 1.5G, at least %.0f bytes", option->min );
             break;
-        case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24 or 24000/1001" ); break;
+        case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24, or 30000/1001 for 29.97" ); break;
         case RF_OPTION_CHOICE: describe_choices( option, words, size ); break;
         case RF_OPTION_STRING: snprintf( words, size, "a value that is not empty" ); break;
         case RF_OPTION_BOOL: snprintf( words, size, "no value" ); break;

@@ -11,6 +11,8 @@
 #include "reframe/effects.h"
 #include "reframe/render.h"
 #include "render/estimator.h"
+#include "scene/json/scene_file.h"
+#include "scene/light_groups.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,11 +22,12 @@
 typedef struct RenderParse
 {
     RfRenderOptions options;
-    int compression; // index of its word
+    const char* compression; // NULL: the default
+    int parts, names;        // indices of their words
     bool is_float, is_float_given, is_half_given;
 } RenderParse;
 
-// --shutter, --fstop and --focus.
+// --overscan, --shutter, --fstop and --focus.
 
 static bool parse_number( const char* text, const char* end, double* number )
 {
@@ -47,7 +50,23 @@ static bool parse_shutter( const char* text, double shutter[2] )
     return true;
 }
 
-RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error )
+static RfResult parse_overscan( const char* text, RfOverscan* overscan, RfError* error )
+{
+    size_t length = strlen( text );
+    overscan->relative = length > 0 && text[length - 1] == '%';
+    bool right = parse_number( text, text + length - overscan->relative, &overscan->size ) && overscan->size >= 0.0 &&
+                 overscan->size <= ( overscan->relative ? 100.0 : RF_MAX_IMAGE_SIDE ) &&
+                 ( overscan->relative || overscan->size == floor( overscan->size ) );
+    overscan->size *= overscan->relative ? 0.01 : 1.0;
+    return right
+               ? RF_OK
+               : rf_fail( error, RF_ERROR_USAGE,
+                          "--overscan: expected pixels on each side, as 32, or a share of the picture from 0%% to 100%%, as 5%%, "
+                          "got '%.80s'",
+                          text );
+}
+
+static RfResult parse_lens( const RfRenderOptions* options, RfLens* lens, RfError* error )
 {
     *lens = ( RfLens ){ .has_shutter = options->shutter != NULL,
                         .has_fstop = options->fstop_given,
@@ -66,6 +85,15 @@ RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, Rf
         lens->focus = 0.0;
     lens->focus_node = number ? NULL : options->focus;
     return RF_OK;
+}
+
+RfResult rf_parse_path_options( const RfRenderOptions* options, RfLens* lens, RfPathOptions* path, RfError* error )
+{
+    *path = ( RfPathOptions ){
+        .camera = options->camera, .lens = lens, .fps = options->fps, .width = options->size.width, .height = options->size.height
+    };
+    RfResult result = parse_lens( options, lens, error );
+    return result == RF_OK && options->overscan != NULL ? parse_overscan( options->overscan, &path->overscan, error ) : result;
 }
 
 const char* const rf_effects_words[] = { "auto", "all", NULL };
@@ -185,17 +213,41 @@ static const RfOption s_options[] = {
     RF_PATH_TRACING_OPTIONS( render_parse.options ),
     RF_SEED_OPTION( render_parse.options ),
     RF_AOV_OPTION( render_parse.options, "additional layers:" ),
+    RF_CRYPTOMATTE_OPTION( render_parse.options, "write Cryptomatte of these kinds:" ),
+    RF_LIGHT_GROUPS_OPTION( render_parse.options, "the light of each group as a layer light_NAME, which add up to the picture:" ),
     { .name = "alpha",
       .in_file = true,
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.alpha,
-      .help = "write RGBA: alpha is the coverage by anything but sky, colour is premultiplied",
-      .heading = RF_HEADING_OUTPUT },
+      .given = &render_parse.options.alpha_given,
+      .help = "write RGBA: alpha is the coverage by anything but sky, colour is premultiplied; on if the scene asks for it",
+      .heading = RF_HEADING_PASSES },
     { .name = "compression",
-      .type = RF_OPTION_CHOICE,
+      .type = RF_OPTION_STRING,
       .value = &render_parse.compression,
-      .choices = rf_compression_words,
-      .help = "compression of the EXR files",
+      .meta = "zip|zips|piz|none|dwaa|dwab",
+      .default_text = "zip",
+      .help = "compression of the EXR files; dwaa and dwab change colours a little and keep the rest; dwaa:45 sets the level, of "
+              "which higher is smaller and coarser; with --float they need --parts each",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "parts",
+      .type = RF_OPTION_CHOICE,
+      .value = &render_parse.parts,
+      .choices = rf_parts_words,
+      .help = "one part of the EXR files for all channels, or a part for each pass, that of the colour first",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "names",
+      .type = RF_OPTION_CHOICE,
+      .value = &render_parse.names,
+      .choices = rf_pass_names_words,
+      .help = "names of the channels, with the conventions of the program for motion and normals",
+      .heading = RF_HEADING_OUTPUT },
+    { .name = "timecode",
+      .type = RF_OPTION_STRING,
+      .value = &render_parse.options.settings.files.time_code,
+      .meta = "HH:MM:SS:FF",
+      .default_text = "frame 0 is 00:00:00:00",
+      .help = "time code of the first frame of the camera path; HH:MM:SS;FF: drop frame, at 29.97 and 59.94 frames per second",
       .heading = RF_HEADING_OUTPUT },
     { .name = "half",
       .type = RF_OPTION_BOOL,
@@ -320,6 +372,29 @@ static void print_default_texts( const RfRenderSettings* settings )
     print_filter_widths( t->filter_width, sizeof t->filter_width );
 }
 
+// One of the words, those of DWA with ":LEVEL" where wanted.
+static RfResult parse_compression( const char* text, RfFrameFiles* files, RfError* error )
+{
+    size_t length = strcspn( text, ":" );
+    int c = 0;
+    while ( rf_compression_words[c] != NULL &&
+            ( strlen( rf_compression_words[c] ) != length || strncmp( rf_compression_words[c], text, length ) != 0 ) )
+        ++c;
+    bool has_level = text[length] == ':', dwa = c == RF_EXR_DWAA || c == RF_EXR_DWAB;
+    double level = (double)RF_EXR_DWA_LEVEL;
+    if ( rf_compression_words[c] == NULL )
+        return rf_fail( error, RF_ERROR_USAGE, "--compression: expected none, zip, zips, piz, dwaa or dwab, got '%.80s'", text );
+    if ( has_level && !dwa )
+        return rf_fail( error, RF_ERROR_USAGE, "--compression: only dwaa and dwab have a level, got '%.80s'", text );
+    if ( has_level && ( !parse_number( text + length + 1, text + strlen( text ), &level ) || level < 0.0 ||
+                        level > (double)RF_EXR_MAX_DWA_LEVEL ) )
+        return rf_fail( error, RF_ERROR_USAGE, "--compression: expected a level of DWA from 0 to %g, as %.*s:%g, got '%.80s'",
+                        (double)RF_EXR_MAX_DWA_LEVEL, (int)length, text, (double)RF_EXR_DWA_LEVEL, text );
+    files->compression = (RfExrCompression)c;
+    files->dwa_level = (float)level;
+    return RF_OK;
+}
+
 bool rf_is_port( const char* text, int* port )
 {
     const char* digits = text + ( text[0] == ':' );
@@ -368,7 +443,9 @@ static void reset( void )
 {
     render_parse.options = rf_default_render_options();
     render_parse.is_float = render_parse.is_float_given = render_parse.is_half_given = false;
-    render_parse.compression = render_parse.options.settings.files.compression;
+    render_parse.compression = NULL;
+    render_parse.parts = render_parse.options.settings.files.parts;
+    render_parse.names = render_parse.options.settings.files.names;
 }
 
 static void take_words( RfRenderOptions* options )
@@ -403,6 +480,13 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
                     RF_MAX_TILE_PIXELS, options->tile );
 }
 
+RfResult rf_parse_cryptomatte_option( RfRenderOptions* options, RfError* error )
+{
+    RfError reason = { 0 };
+    RfResult result = rf_parse_cryptomatte( options->cryptomatte, &options->settings.cryptomatte, &reason );
+    return result == RF_OK ? result : rf_fail( error, result, "--cryptomatte: %.1000s", reason.text );
+}
+
 RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
 {
     RfError reason = { 0 };
@@ -426,6 +510,8 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     if ( result == RF_OK )
         result = rf_parse_aov_option( options, error );
     if ( result == RF_OK )
+        result = rf_parse_cryptomatte_option( options, error );
+    if ( result == RF_OK )
         result = parse_effect_options( options, error );
     if ( ( settings->noise > 0.0 || settings->flicker > 0.0 || settings->time > 0.0 ) && !options->spp_given )
         settings->spp = rf_default_most_spp( settings->noise, settings->flicker );
@@ -439,7 +525,10 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     if ( result != RF_OK || *help )
         return result;
     result = check( &render_parse.options, error );
-    render_parse.options.settings.files.compression = (RfExrCompression)render_parse.compression;
+    if ( result == RF_OK && render_parse.compression != NULL )
+        result = parse_compression( render_parse.compression, &render_parse.options.settings.files, error );
+    render_parse.options.settings.files.parts = (RfFileParts)render_parse.parts;
+    render_parse.options.settings.files.names = (RfPassNames)render_parse.names;
     if ( render_parse.is_float_given )
         render_parse.options.settings.files.half = !render_parse.is_float;
     *options = render_parse.options;
@@ -457,18 +546,40 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
     reset();
     RfError error = { 0 };
     RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
-            no_effect = rf_field_member( defaults, "no_effect" );
+            no_effect = rf_field_member( defaults, "no_effect" ), cryptomatte = rf_field_member( defaults, "cryptomatte" );
     RfResult result = rf_take_file_options( &rf_render_table, defaults );
     rf_take_estimator_option( &render_parse.options );
     if ( result == RF_OK && rf_parse_tile_option( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &tile, &error );
     if ( result == RF_OK && rf_parse_aov_option( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &aov, &error );
+    if ( result == RF_OK && rf_parse_cryptomatte_option( &render_parse.options, &error ) != RF_OK )
+        result = rf_fail_file_option( &cryptomatte, &error );
     if ( result == RF_OK && parse_effect_options( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &no_effect, &error );
     take_words( &render_parse.options );
     *options = render_parse.options;
     return result;
+}
+
+RfResult rf_check_file_light_groups( const RfRenderOptions* options, const RfSceneFile* file, const RfScene* scene,
+                                     RfError* error )
+{
+    const char* asked = options->settings.light_groups;
+    RfField defaults = rf_scene_file_defaults( file, error );
+    RfField field = rf_field_member( &defaults, "light_groups" );
+    if ( asked == NULL || field.json == NULL || json_string_value( field.json ) != asked )
+        return RF_OK;
+    RfLightGroups groups;
+    RfError fault = { 0 };
+    RfResult result = rf_find_light_groups( scene, asked, &groups, &fault );
+    if ( result == RF_OK )
+        rf_destroy_light_groups( &groups );
+    if ( result != RF_ERROR_USAGE )
+        return result == RF_OK ? result : rf_fail( error, result, "%.1000s", fault.text );
+    size_t path = strlen( scene->path ); // which the field's own error has
+    bool named = strncmp( fault.text, scene->path, path ) == 0 && strncmp( fault.text + path, ": ", 2 ) == 0;
+    return rf_field_fail( &field, "%.1000s", fault.text + ( named ? path + 2 : 0 ) );
 }
 
 RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )

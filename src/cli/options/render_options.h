@@ -23,7 +23,8 @@ typedef struct RfRenderOptions
     const char* frames; // NULL: all
     RfFps fps;
     RfSize size;
-    const char* shutter; // NULL: the camera's
+    const char* overscan; // NULL: none
+    const char* shutter;  // NULL: the camera's
     int blur_steps;
     double fstop;
     bool fstop_given;
@@ -35,10 +36,11 @@ typedef struct RfRenderOptions
     RfRenderSettings settings;
     bool spp_given;
     int weights, normalize, adaptive, filter, reconstruction, light_paths, kernel_normalization,
-        estimator;    // indices of their words; of the filter -1: not given
-    const char* tile; // NULL: that of the estimator
-    const char* aov;  // NULL: none
-    bool alpha;
+        estimator;           // indices of their words; of the filter -1: not given
+    const char* tile;        // NULL: that of the estimator
+    const char* aov;         // NULL: none
+    const char* cryptomatte; // likewise
+    bool alpha, alpha_given;
     const char* output;
     const char* preview; // NULL: none
     bool resume;
@@ -67,8 +69,9 @@ RfResult rf_parse_render_options_over( const struct RfField* defaults, int argc,
 // Is the text of --preview a port, "8080" or ":8080"? Else it is the name of a file.
 bool rf_is_port( const char* text, int* port );
 
-// The lens that --shutter, --fstop and --focus ask for. Fails with RF_ERROR_USAGE.
-RfResult rf_parse_lens_options( const RfRenderOptions* options, RfLens* lens, RfError* error );
+// The path that --camera, --fps, --size, --overscan and --shutter, --fstop, --focus ask for; *path points to *lens. Fails with
+// RF_ERROR_USAGE.
+RfResult rf_parse_path_options( const RfRenderOptions* options, RfLens* lens, RfPathOptions* path, RfError* error );
 
 // Takes the filter that was given, or that of the estimator.
 void rf_settle_filter( RfRenderOptions* options );
@@ -79,8 +82,15 @@ void rf_take_estimator_option( RfRenderOptions* options );
 // Sets settings.tile from --tile, if it was given.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
-// Sets settings.aovs from --aov.
+// Set settings.cryptomatte and settings.aovs.
+RfResult rf_parse_cryptomatte_option( RfRenderOptions* options, RfError* error );
 RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
+
+// Looks whether the scene has the light groups that its file asks for; what the command line asks for is left to the render. Fails
+// with RF_ERROR_SCENE, naming the key, and RF_ERROR_MEMORY.
+struct RfSceneFile;
+RfResult rf_check_file_light_groups( const RfRenderOptions* options, const struct RfSceneFile* file, const RfScene* scene,
+                                     RfError* error );
 
 // Completes the settings once all options are known: enums from their words, and the limit
 // of samples for --noise, --flicker and --time where none was given, by one rule for all commands.

@@ -41,14 +41,22 @@ extern RfDefaultTexts rf_default_texts;
           .value = &( o ).fps,                                                                                                   \
           .meta = "R",                                                                                                           \
           .default_text = "the scene's, else 24",                                                                                \
-          .help = "frames per second of the camera animation: 24 or 24000/1001" },                                               \
+          .help = "frames per second of the camera animation: 24, or 30000/1001 for 29.97" },                                    \
+        { .name = "size",                                                                                                        \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_SIZE,                                                                                                \
+          .value = &( o ).size,                                                                                                  \
+          .min = 1,                                                                                                              \
+          .max = RF_MAX_IMAGE_SIDE,                                                                                              \
+          .meta = "WxH",                                                                                                         \
+          .default_text = "the scene's, else 960x540",                                                                           \
+          .help = "resolution in pixels; also 720p, 1080p, 1440p, 2160p or 4k" },                                                \
     {                                                                                                                            \
-        .name = "size", .in_file = true, .type = RF_OPTION_SIZE, .value = &( o ).size, .min = 1, .max = RF_MAX_IMAGE_SIDE,       \
-        .meta = "WxH", .default_text = "the scene's, else 960x540",                                                              \
-        .help = "resolution in pixels; also 720p, 1080p, 1440p, 2160p or 4k"                                                     \
+        .name = "overscan", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).overscan, .meta = "N|N%",                 \
+        .default_text = "none", .help = "render pixels beyond the picture as well, N on each side or N% of its width and height" \
     }
 
-// What moves besides the camera.
+// What of the file is rendered: which materials, and what moves besides the camera.
 #define RF_MOVEMENT_OPTIONS( o )                                                                                                 \
     { .name = "animation",                                                                                                       \
       .in_file = true,                                                                                                           \
@@ -57,6 +65,13 @@ extern RfDefaultTexts rf_default_texts;
       .meta = "NAME",                                                                                                            \
       .default_text = "the first",                                                                                               \
       .help = "animation of the glTF that is rendered, where several move the same" },                                           \
+        { .name = "variant",                                                                                                     \
+          .in_file = true,                                                                                                       \
+          .type = RF_OPTION_STRING,                                                                                              \
+          .value = &( o ).movement.variant,                                                                                      \
+          .meta = "NAME",                                                                                                        \
+          .default_text = "the meshes' own materials",                                                                           \
+          .help = "variant of the glTF, as reframe info lists them: other materials for its meshes" },                           \
     {                                                                                                                            \
         .name = "freeze", .in_file = true, .type = RF_OPTION_BOOL, .value = &( o ).movement.freeze,                              \
         .help = "move only the camera: all else stands still as in the first frame of the scene's own camera"                    \
@@ -268,8 +283,25 @@ extern RfDefaultTexts rf_default_texts;
 #define RF_AOV_OPTION( o, intro )                                                                                                \
     {                                                                                                                            \
         .name = "aov", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).aov, .meta = "AOV[,...]",                      \
-        .heading = RF_HEADING_OUTPUT,                                                                                            \
-        .help = intro RF_AOV_LIST( RF_AOV_NAME ) "; " RF_GRADIENT_AOVS_NAME " stands for the last three"                         \
+        .heading = RF_HEADING_PASSES,                                                                                            \
+        .help = intro RF_AOV_LIST( RF_AOV_NAME ) "; emission to transmission add up to the picture; " RF_GRADIENT_AOVS_NAME      \
+                                                 " stands for the last three"                                                    \
+    }
+
+#define RF_CRYPTOMATTE_OPTION( o, intro )                                                                                        \
+    {                                                                                                                            \
+        .name = "cryptomatte", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).cryptomatte, .meta = "KIND[,...]",     \
+        .default_text = "none", .heading = RF_HEADING_PASSES,                                                                    \
+        .help =                                                                                                                  \
+            intro " object, material, asset (the topmost object above an object); by names, of which compositors make mattes"    \
+    }
+
+#define RF_LIGHT_GROUPS_OPTION( o, intro )                                                                                       \
+    {                                                                                                                            \
+        .name = "light-groups", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).settings.light_groups,                \
+        .meta = "all|lamps|NAME[,...]", .default_text = "none", .heading = RF_HEADING_PASSES,                                    \
+        .help = intro " all that the scene names (reframe info lists them), every lamp and emitting material by its name, or "   \
+                      "groups and lights by name; the light of no group is \"rest\""                                             \
     }
 
 #define RF_RESULT_OPTIONS( o, json_help, quiet_help )                                                                            \

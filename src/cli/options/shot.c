@@ -62,6 +62,7 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
     *shot = ( RfLoadedShot ){ .frame_count = 0 };
     RfLog log = rf_stderr_log( command );
     RfLens lens;
+    RfPathOptions asked;
     RfResult result = rf_open_scene_file( options->scene, &shot->file, error );
     if ( result != RF_OK )
         return result;
@@ -73,10 +74,11 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
     if ( result == RF_OK )
         result = rf_check_rendered( &shot->scene, error );
     if ( result == RF_OK )
+        result = rf_check_file_light_groups( options, &shot->file, &shot->scene, error );
+    if ( result == RF_OK )
         result = rf_take_effect_options( options, &shot->scene, &log, error );
     if ( result == RF_OK )
-        result = rf_parse_lens_options( options, &lens, error );
-    RfPathOptions asked = { options->camera, &lens, options->fps, options->size.width, options->size.height };
+        result = rf_parse_path_options( options, &lens, &asked, error );
     if ( result == RF_OK )
         result = rf_create_camera_path( &shot->scene, &asked, &shot->path, error );
     if ( result == RF_OK )

@@ -40,12 +40,13 @@ static RfResult look( const RfTracer* tracer, const RfRenderOptions* options, co
 {
     RfLens lens;
     RfCameraPath path = rf_empty_camera_path();
-    RfPathOptions asked = { .camera = options->camera, .lens = &lens, .fps = options->fps };
+    RfPathOptions asked;
     int lights = 0;
     for ( int i = 0; i < count; ++i )
         lights += changing[i].shines;
+    RfResult result = rf_parse_path_options( options, &lens, &asked, error );
     rf_sharing_film( (double)options->size.width / (double)options->size.height, lights, &asked.width, &asked.height );
-    RfResult result = rf_parse_lens_options( options, &lens, error );
+    asked.overscan = ( RfOverscan ){ .size = 0.0 };
     lens.has_shutter = true; // closed: every light is at one place
     lens.shutter[0] = lens.shutter[1] = 0.0;
     if ( result == RF_OK )

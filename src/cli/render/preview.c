@@ -7,6 +7,7 @@
 #include "image/atomic_file.h"
 #include "image/png.h"
 #include "page/page_assets.h"
+#include "page/passes.h"
 #include "page/picture.h"
 #include "scene/scene.h"
 #include "trace/trace.h"
@@ -17,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define MAX_NAME 4096
 #define MOST_SHARE 0.01 // of the time of a render, for the pictures of the page
 
 static RfResult write_file( const char* name, const void* bytes, size_t size, RfError* error )
@@ -74,9 +76,43 @@ static bool take_bytes( void* bytes, size_t size, const char* type, RfHttpReply*
 
 static json_t* number_or_null( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
 
+// Opens the file of a finished frame. The caller frees both in any case.
+static bool open_frame( const RfLivePreview* p, int number, char name[MAX_NAME], RfExrHeader* header, RfFilePasses* passes )
+{
+    *header = ( RfExrHeader ){ 0 };
+    *passes = ( RfFilePasses ){ 0 };
+    return rf_sequence_name( p->output->pattern, number, name, MAX_NAME, NULL ) == RF_OK &&
+           rf_read_exr_header( name, NULL, header, NULL ) == RF_OK && rf_list_passes( header, passes, NULL ) == RF_OK;
+}
+
+// Lists the passes of a finished frame; all have the same.
+static void list_passes( RfLivePreview* p, int number )
+{
+    char name[MAX_NAME];
+    RfExrHeader header;
+    RfFilePasses passes;
+    if ( open_frame( p, number, name, &header, &passes ) )
+        p->ranges = malloc( ( (size_t)passes.count + 1 ) * sizeof *p->ranges );
+    p->passes = p->ranges != NULL ? json_array() : NULL;
+    for ( int i = 0; i < passes.count && p->passes != NULL; ++i )
+    {
+        const RfFilePass* pass = passes.passes + i;
+        bool bright = pass->look == RF_LOOK_LIGHT || pass->look == RF_LOOK_DEVIATION;
+        json_array_append_new( p->passes, json_pack( "{s:o, s:b}", "name", rf_json_text( pass->name ), "light", bright ) );
+        p->ranges[i].low = NAN;
+    }
+    rf_free_passes( &passes );
+    rf_destroy_exr_header( &header );
+}
+
 static bool answer_status( RfLivePreview* p, RfHttpReply* reply )
 {
     const RfCameraPath* path = p->output->path;
+    pthread_mutex_lock( &p->mutex );
+    int first = p->finished_count > 0 ? p->finished[0] : -1;
+    pthread_mutex_unlock( &p->mutex );
+    if ( first >= 0 && p->passes == NULL )
+        list_passes( p, first );
     pthread_mutex_lock( &p->mutex );
     const RfProgress* progress = &p->progress;
     json_t* finished = json_array();
@@ -87,6 +123,7 @@ static bool answer_status( RfLivePreview* p, RfHttpReply* reply )
                    progress->share, "seconds", progress->seconds, "left", number_or_null( progress->left ), "version", p->version,
                    "frame", p->frame, "spp", p->spp, "fps", (double)path->fps.numerator / path->fps.denominator );
     pthread_mutex_unlock( &p->mutex );
+    json_object_set_new( json, "passes", p->passes != NULL ? json_incref( p->passes ) : json_array() );
     json_object_set_new( json, "scene", rf_json_text( rf_tracer_scene( p->output->tracer )->path ) );
     json_object_set_new( json, "output", rf_json_text( p->output->pattern ) );
     char* text = json_dumps( json, JSON_COMPACT );
@@ -131,17 +168,45 @@ static bool is_finished( RfLivePreview* p, int number )
     return found;
 }
 
-// A finished frame, from its file.
+// A pass of a finished frame, by its number in the list of passes.
+static bool draw_pass( RfLivePreview* p, int number, long index, RfImage* image )
+{
+    char name[MAX_NAME];
+    RfExrHeader header;
+    RfFilePasses passes;
+    RfExrWindow window;
+    float* values = NULL;
+    int stride;
+    bool good = open_frame( p, number, name, &header, &passes ) && index >= 0 && index < passes.count &&
+                index < (long)json_array_size( p->passes );
+    const RfFilePass* pass = good ? passes.passes + index : NULL;
+    good = good && rf_read_passes( name, pass, 1, &window, &values, &stride, NULL ) == RF_OK &&
+           rf_create_image( window.width, window.height, image, NULL ) == RF_OK;
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    if ( good && isnan( p->ranges[index].low ) )
+        p->ranges[index] = rf_pass_range( pass, values, (size_t)stride, pixels );
+    if ( good )
+        rf_draw_pass( pass, p->ranges[index], values, (size_t)stride, pixels, image->rgb );
+    free( values );
+    rf_free_passes( &passes );
+    rf_destroy_exr_header( &header );
+    return good;
+}
+
+// A finished frame, from its file: "12", or "12/3", one of its passes.
 static bool answer_frame( RfLivePreview* p, const char* text, RfHttpReply* reply )
 {
-    char name[4096], *end;
+    char name[MAX_NAME], *end, *last;
     RfImage image = { 0 };
-    long number = strtol( text, &end, 10 );
-    if ( *text == '\0' || *end != '\0' || number != (int)number || !is_finished( p, (int)number ) )
+    long number = strtol( text, &end, 10 ), pass = *end == '/' ? strtol( end + 1, &last, 10 ) : -1;
+    bool has_pass = *end == '/' && last != end + 1 && *last == '\0';
+    if ( *text == '\0' || ( *end != '\0' && !has_pass ) || number != (int)number || !is_finished( p, (int)number ) )
         return false;
     reply->stays = true;
-    bool good = rf_sequence_name( p->output->pattern, (int)number, name, sizeof name, NULL ) == RF_OK &&
-                rf_read_exr( name, &image, NULL ) == RF_OK && answer_picture( &image, reply );
+    bool good = has_pass ? draw_pass( p, (int)number, pass, &image )
+                         : rf_sequence_name( p->output->pattern, (int)number, name, sizeof name, NULL ) == RF_OK &&
+                               rf_read_exr_layer( name, NULL, &image, &( RfExrWindow ){ 0 }, NULL ) == RF_OK;
+    good = good && answer_picture( &image, reply );
     rf_destroy_image( &image );
     return good;
 }
@@ -187,6 +252,8 @@ void rf_stop_preview( RfLivePreview* p )
         rf_stop_http_server( &p->server );
     p->serving = false;
     rf_destroy_image( &p->image );
+    json_decref( p->passes );
+    free( p->ranges );
     free( p->finished );
     p->finished = NULL;
 }

@@ -3,9 +3,11 @@
 #define REFRAME_CLI_RENDER_PREVIEW_H
 
 #include "cli/render/http_server.h"
+#include "page/picture.h"
 #include "reframe/image.h"
 #include "reframe/output.h"
 
+#include <jansson.h>
 #include <pthread.h>
 #include <stdbool.h>
 
@@ -26,6 +28,10 @@ typedef struct RfLivePreview
     RfProgress progress;
     int* finished; // numbers of frames
     int finished_count;
+
+    // Of the thread of the page alone, once a frame is finished.
+    json_t* passes;      // of its file: [ { name, light } ]
+    RfLookRange* ranges; // of each, by the first frame that was asked for; low is NaN before
 } RfLivePreview;
 
 // Begins as the option says; NULL: there is no preview. `frames`: in all, to be finished. `output` must stay. Fails with RF_ERROR_IO

@@ -295,6 +295,17 @@ static RfResult resolve( RfRenderJob* job, RfError* error )
     return result == RF_OK ? rf_fit_memory( &shot, &job->options.settings, &job->fit, error ) : result;
 }
 
+// What the export lost changes the picture: said first, and with --quiet too.
+static void print_losses( const RfRenderJob* job )
+{
+    const RfScene* scene = &job->scene;
+    for ( int i = 0; i < scene->export_loss_count; ++i )
+        fprintf( stderr, "reframe render: lost by the export: %s\n", scene->export_losses[i] );
+    if ( scene->export_warning_count > 0 && !job->options.quiet )
+        fprintf( stderr, "reframe render: %d warning%s of the export: see reframe info\n", scene->export_warning_count,
+                 scene->export_warning_count == 1 ? "" : "s" );
+}
+
 static RfResult load_scene( RfRenderJob* job, RfError* error )
 {
     RfResult result = rf_open_scene_file( job->options.scene, &job->file, error );
@@ -305,8 +316,14 @@ static RfResult load_scene( RfRenderJob* job, RfError* error )
         result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
     if ( result == RF_OK )
         result = rf_load_scene_file( &job->file, &job->options.movement, &job->scene, &job->log, error );
+    if ( result == RF_OK && !job->options.check )
+        print_losses( job );
+    if ( result == RF_OK && job->scene.film_alpha && !job->options.alpha_given )
+        job->options.settings.aovs |= RF_AOV_BIT( RF_AOV_ALPHA );
     if ( result == RF_OK )
         result = rf_check_rendered( &job->scene, error );
+    if ( result == RF_OK )
+        result = rf_check_file_light_groups( &job->options, &job->file, &job->scene, error );
     return result == RF_OK ? rf_take_effect_options( &job->options, &job->scene, &job->log, error ) : result;
 }
 
@@ -337,11 +354,10 @@ static void list_effects( RfRenderJob* job )
 static RfResult load_render_job( RfRenderJob* job, RfError* error )
 {
     RfLens lens;
+    RfPathOptions asked;
     RfResult result = load_scene( job, error );
     if ( result == RF_OK )
-        result = rf_parse_lens_options( &job->options, &lens, error );
-    const RfRenderOptions* o = &job->options;
-    RfPathOptions asked = { o->camera, &lens, o->fps, o->size.width, o->size.height };
+        result = rf_parse_path_options( &job->options, &lens, &asked, error );
     if ( result == RF_OK )
         result = rf_create_camera_path( &job->scene, &asked, &job->path, error );
     if ( result == RF_OK )
@@ -359,6 +375,9 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
         return result;
     list_effects( job );
     job->output = output_of( job );
+    RfError reason = { 0 };
+    if ( rf_check_time_code( &job->output, &reason ) != RF_OK )
+        return rf_fail( error, RF_ERROR_USAGE, "--timecode: %.1000s", reason.text );
     if ( job->options.check )
         return RF_OK;
     result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
@@ -572,6 +591,11 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
                         .effect_count = job->effect_count,
                         .interrupted = interrupted };
     json_t* json = rf_render_json( options, &run );
+    const RfScene* scene = &job->scene;
+    json_object_set_new( json, "export_losses",
+                         rf_json_texts( (const char* const*)scene->export_losses, scene->export_loss_count ) );
+    json_object_set_new( json, "export_warnings",
+                         rf_json_texts( (const char* const*)scene->export_warnings, scene->export_warning_count ) );
     if ( job->scene.movement != NULL )
         rf_add_changes( &job->scene, interrupted ? NULL : job->tracer, options, json, NULL );
     return rf_write_json( options->json, json, error );

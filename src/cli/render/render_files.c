@@ -297,12 +297,11 @@ static RfResult refuse_other( const RfOutput* output, int frame, const char* nam
         return rf_fail( error, RF_ERROR_IO,
                         "--resume: %.300s: is of another render, of %s: give the same, or add --overwrite to replace such frames",
                         name, differences );
-    return rf_fail(
-        error, RF_ERROR_IO,
-        "--resume: %s: was rendered with these settings, but from another scene or camera path, or one that has "
-        "changed since, or with another --fps, --animation or --freeze: give those, or add --overwrite to replace such "
-        "frames",
-        name );
+    return rf_fail( error, RF_ERROR_IO,
+                    "--resume: %s: was rendered with these settings, but from another scene or camera path, or one that has "
+                    "changed since, or with another --fps, --animation, --variant or --freeze: give those, or add --overwrite to "
+                    "replace such frames",
+                    name );
 }
 
 static RfResult refuse( RfFrameFileState state, const RfRenderOptions* options, const RfOutput* output, int frame,

@@ -4,6 +4,7 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/render/specks_json.h"
+#include "output/names.h"
 #include "reframe/scene.h"
 
 #include <stdio.h>
@@ -129,6 +130,13 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
         json_object_set_new( json, "kernel_normalization",
                              json_string( rf_kernel_normalization_name( options->settings.kernel_normalization ) ) );
     }
+    const RfFrameFiles* files = &options->settings.files;
+    if ( files->names != RF_NAMES_REFRAME )
+        json_object_set_new( json, "names", json_string( rf_pass_names_words[files->names] ) );
+    if ( options->overscan != NULL )
+        json_object_set_new( json, "overscan", json_string( options->overscan ) );
+    if ( files->time_code != NULL )
+        json_object_set_new( json, "timecode", rf_json_text( files->time_code ) );
     json_t* specks = rf_sum_specks( run->frames );
     json_object_set_new( json, "specks", specks != NULL ? specks : json_null() );
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );

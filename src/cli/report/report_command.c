@@ -19,7 +19,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
+
+#define COMMAND "report"
 
 #define BLOCK_BYTES 64 // of the markup about a block
 
@@ -29,17 +32,17 @@ static double value_share( const RfPageRun* report ) { return (double)report->va
 
 static double fine_share( const RfPageRun* report, const RfPageTrack* track )
 {
-    const RfExrHeader* header = &track->sequence->header;
-    double whole = rf_values_page_bytes( header->width, header->height, 1 ) + BLOCK_BYTES, share = value_share( report );
+    RfExrWindow window = rf_page_window( &track->sequence->header );
+    double whole = rf_values_page_bytes( window.width, window.height, 1 ) + BLOCK_BYTES, share = value_share( report );
     return report->count * whole <= share ? 0.0 : fmin( whole, 0.7 * share );
 }
 
 // The factor by which the values of all frames of a sequence are coarser than its pixels; 0: it has none.
 static int page_value_factor( const RfPageRun* report, const RfPageTrack* track )
 {
-    const RfExrHeader* header = &track->sequence->header;
+    RfExrWindow window = rf_page_window( &track->sequence->header );
     double rest = value_share( report ) - fine_share( report, track );
-    return rf_values_factor( header->width, header->height, rest / report->count - BLOCK_BYTES );
+    return rf_values_factor( window.width, window.height, rest / report->count - BLOCK_BYTES );
 }
 
 // Adds finer values of one frame: of the one that the verdict calls the worst, else of the first.
@@ -51,8 +54,8 @@ static RfResult add_fine_values( RfPageRun* report, const RfPageData* data, RfPa
     for ( int i = 0; i < report->sequence_count && result == RF_OK; ++i )
     {
         RfPageTrack* track = report->tracks + i;
-        const RfExrHeader* header = &track->sequence->header;
-        int factor = rf_values_factor( header->width, header->height, fine_share( report, track ) - BLOCK_BYTES );
+        RfExrWindow window = rf_page_window( &track->sequence->header );
+        int factor = rf_values_factor( window.width, window.height, fine_share( report, track ) - BLOCK_BYTES );
         bool is_finer = factor > 0 && ( track->value_factor == 0 || factor < track->value_factor );
         if ( is_finer && rf_has_page_frame( track->sequence, number ) )
             result = rf_add_page_fine_values( page, track, number, factor, error );
@@ -106,14 +109,16 @@ static json_t* has_layers_json( const RfPageTrack* track )
 
 static json_t* track_json( const RfPageTrack* track )
 {
+    RfExrWindow window = rf_page_window( &track->sequence->header );
     json_t* object = json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o}", "name", rf_json_text( track->sequence->name ), "path",
                                 rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "width",
                                 track->picture_width, "height", track->picture_height, "blocks", blocks_json( track ), "facts",
                                 rf_page_facts_json( track ) );
-    json_object_set_new( object, "file_width", json_integer( track->sequence->header.width ) );
-    json_object_set_new( object, "file_height", json_integer( track->sequence->header.height ) );
+    json_object_set_new( object, "file_width", json_integer( window.width ) );
+    json_object_set_new( object, "file_height", json_integer( window.height ) );
     json_object_set_new( object, "index", json_integer( track->index ) );
     json_object_set_new( object, "layers", rf_page_layers_json( &track->layers ) );
+    json_object_set_new( object, "mixes", json_boolean( rf_has_page_mix( &track->layers ) ) );
     json_object_set_new( object, "has_layers", has_layers_json( track ) );
     json_object_set_new( object, "value_factor", json_integer( track->value_factor ) );
     json_object_set_new( object, "fine_frame", json_integer( track->fine_frame ) );
@@ -155,13 +160,16 @@ static json_t* page_data_json( const RfPageData* data )
     for ( int i = 0; i < data->count; ++i )
         json_array_append_new( frames, json_integer( data->numbers[i] ) );
     char subtitle[96];
-    const RfExrHeader* header = &data->tracks[0].sequence->header;
-    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", data->count, data->count == 1 ? "" : "s", header->width,
-              header->height );
-    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle",
+    RfExrWindow window = rf_page_window( &data->tracks[0].sequence->header );
+    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", data->count, data->count == 1 ? "" : "s", window.width,
+              window.height );
+    char view[2 * RF_VIEW_NAME_SIZE + 4];
+    bool has_look = data->view->look[0] != '\0' && strcasecmp( data->view->look, "None" ) != 0;
+    snprintf( view, sizeof view, "%s%s%s", data->view->transform, has_look ? ", " : "", has_look ? data->view->look : "" );
+    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle",
                       subtitle, "fps", data->fps, "exposure", data->exposure, "frames", frames, "sequences", tracks, "notes",
-                      notes_json( data ), "cost", rf_page_cost_json( data ), "verdict", rf_page_verdict_json( data ), "warnings",
-                      rf_page_warnings_json( data ) );
+                      notes_json( data ), "cost", rf_page_cost_json( data ), "verdict", rf_page_verdict_json( data ), "view",
+                      rf_json_text( view ), "warnings", rf_page_warnings_json( data ) );
 }
 
 // What `report --json` writes.
@@ -300,6 +308,24 @@ static void count_pictures( RfPageRun* report )
 }
 
 // Opens the sequences and lists the frames of the page. destroy_page_run in any case.
+// As the first file has it; values of a layer are shown by the sRGB curve unless another view is asked for.
+static RfResult choose_view( RfPageRun* report, RfError* error )
+{
+    char name[RF_FILE_NAME_SIZE];
+    RfView* view;
+    report->shown = ( RfViewText ){ .exposure = report->view.exposure };
+    if ( report->layer != NULL && report->view.view == NULL )
+        return RF_OK;
+    RfResult result = rf_sequence_name( report->sequences[0].pattern, report->numbers[0], name, sizeof name, error );
+    if ( result != RF_OK )
+        return result;
+    RfLog log = rf_stderr_log( COMMAND );
+    result = rf_open_chosen_view( &report->view, name, &log, &view, &report->shown, error );
+    if ( result == RF_OK )
+        rf_close_view( view ); // before there is work for nothing
+    return result;
+}
+
 static RfResult prepare_page( RfPageRun* report, RfError* error )
 {
     RfResult result = open_sequences( report, error );
@@ -309,6 +335,8 @@ static RfResult prepare_page( RfPageRun* report, RfError* error )
         result = rf_missing_frames( report->numbers, report->count, &report->holes, &report->hole_count, error );
     if ( result == RF_OK )
         result = choose_frames( report, error );
+    if ( result == RF_OK )
+        result = choose_view( report, error );
     if ( result != RF_OK )
         return result;
     tell_names_apart( report );
@@ -328,7 +356,6 @@ static void destroy_page_run( RfPageRun* report )
     free( report->holes );
 }
 
-#define COMMAND "report"
 #define HEAVY_BYTES 100000000 // pages from here on get a hint
 
 static RfResult check_options( const RfPageRun* report, RfError* error )
@@ -375,7 +402,8 @@ static RfPageData data_of( RfPageRun* report, const char* title )
                                              : 24.0;
     return ( RfPageData ){ .title = title,
                            .fps = fps,
-                           .exposure = report->exposure,
+                           .exposure = report->shown.exposure,
+                           .view = &report->shown,
                            .numbers = report->numbers,
                            .count = report->count,
                            .tracks = report->tracks,
@@ -399,10 +427,34 @@ static RfResult add_tracks( RfPageRun* report, RfPage* page, RfError* error )
                                              .count = report->count,
                                              .holes = report->holes,
                                              .hole_count = report->hole_count,
-                                             .layer_share = report->aov ? RF_PAGE_LAYER_BYTES / report->sequence_count : 0.0 };
+                                             .layer_share = (double)report->passes / report->sequence_count };
         report->tracks[i].value_factor = page_value_factor( report, report->tracks + i );
         result = rf_add_page_track( page, report->tracks + i, on_picture, report, error );
     }
+    return result;
+}
+
+// The view's cube, which the page looks colours up in.
+static RfResult add_view( const RfViewText* shown, RfPage* page, RfError* error )
+{
+    RfViewText text = *shown;
+    RfView* view;
+    text.exposure = 0.0; // which the page has a slider for
+    if ( text.transform[0] == '\0' )
+        return RF_OK;
+    RfResult result = rf_open_view( &text, &view, error );
+    if ( result != RF_OK )
+        return result;
+    unsigned char* cube = malloc( RF_VIEW_CUBE_BYTES );
+    if ( cube == NULL )
+        result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the view" );
+    else
+    {
+        rf_fill_view_cube( view, cube );
+        result = rf_add_page_block( page, "view-cube", cube, RF_VIEW_CUBE_BYTES, error );
+    }
+    free( cube );
+    rf_close_view( view );
     return result;
 }
 
@@ -450,6 +502,8 @@ static RfResult write_page( RfPageRun* report, RfError* error )
     RfPageData data = data_of( report, title );
     if ( result == RF_OK )
         result = add_fine_values( report, &data, &page, error );
+    if ( result == RF_OK )
+        result = add_view( &report->shown, &page, error );
     if ( result != RF_OK )
     {
         rf_discard_page( &page );
@@ -470,7 +524,7 @@ static RfResult run( RfPageRun* report, RfError* error )
 int rf_command_report( int argc, char** argv )
 {
     static const char* const files[] = { "DIR" };
-    RfPageRun report = { .values = (size_t)12 << 20, .aov = true };
+    RfPageRun report = { .values = (size_t)12 << 20, .passes = (size_t)16 << 20 };
     const RfOption options[] = {
         { .name = "output",
           .writes = "",
@@ -538,10 +592,12 @@ int rf_command_report( int argc, char** argv )
           .meta = "SIZE",
           .help = "page space for the scene values of the pixel probe; less is coarser, 0: none",
           .heading = RF_HEADING_OUTPUT },
-        { .name = "aov",
-          .type = RF_OPTION_BOOL,
-          .value = &report.aov,
-          .help = "also show the AOVs of the files",
+        { .name = "passes",
+          .type = RF_OPTION_MEMORY,
+          .value = &report.passes,
+          .min = 0,
+          .meta = "SIZE",
+          .help = "page space for pictures of the files' passes, which become smaller or are left out to fit; 0: none",
           .heading = RF_HEADING_OUTPUT },
         { .name = "fps",
           .type = RF_OPTION_FPS,
@@ -552,12 +608,15 @@ int rf_command_report( int argc, char** argv )
           .heading = RF_HEADING_OUTPUT },
         { .name = "exposure",
           .type = RF_OPTION_REAL,
-          .value = &report.exposure,
+          .value = &report.view.exposure,
+          .given = &report.view.exposure_given,
           .min = -8,
           .max = 8,
           .meta = "E",
+          .default_text = "the files', else 0",
           .help = "initial exposure in stops",
           .heading = RF_HEADING_OUTPUT },
+        RF_VIEW_OPTIONS( report.view, RF_HEADING_OUTPUT ),
         { .name = "title",
           .type = RF_OPTION_STRING,
           .value = &report.title,
@@ -582,9 +641,9 @@ int rf_command_report( int argc, char** argv )
         .command = COMMAND,
         .summary =
             "Writes one HTML page of rendered sequences: a verdict, playback at any exposure, side by side or wiped, a pixel "
-            "probe, AOVs, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames at "
-            "960x540 take about 10 MB of pictures per sequence, at most 40 MB, and --values for the probe and up to 16 MB "
-            "for AOVs.",
+            "probe, passes, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames at "
+            "960x540 take about 10 MB of pictures per sequence, at most 40 MB, and --values for the probe and --passes for the "
+            "passes of the files.",
         .files = files,
         .file_count = 1,
         .file_max = RF_PAGE_MOST_SEQUENCES,

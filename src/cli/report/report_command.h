@@ -4,6 +4,7 @@
 
 #include "cli/report/report_frames.h"
 #include "cli/options/options.h"
+#include "cli/view/view_options.h"
 
 typedef struct RfPageData
 {
@@ -14,7 +15,8 @@ typedef struct RfPageData
     const RfPageTrack* tracks;
     int track_count;
     bool has_reference;
-    const json_t* cost; // of --cost, or NULL
+    const json_t* cost;     // of --cost, or NULL
+    const RfViewText* view; // how pictures are shown at first; without a transform: by the sRGB curve
 } RfPageData;
 
 // State of a run of `report`.
@@ -34,15 +36,16 @@ typedef struct RfPageRun
     const char* frame_list;
     const char* title;
     RfFps fps;
-    double exposure;
+    RfViewOptions view;
     int width;     // 0: pictures as they are
     size_t values; // bytes of the page that scene values may take
-    bool aov;      // pictures of AOVs
+    size_t passes; // bytes that pictures of passes may take
     bool overwrite, quiet;
     const char* json;
 
     RfPageSequence sequences[RF_PAGE_MOST_SEQUENCES + 1]; // the reference is the last
     RfPageTrack tracks[RF_PAGE_MOST_SEQUENCES + 1];
+    RfViewText shown; // as chosen
     int sequence_count;
     json_t* cost;
     int* numbers; // of the page's frames

@@ -31,19 +31,37 @@ static void add( const List* list, const char* text )
 {
     char cut[LONGEST + 4];
     snprintf( cut, sizeof cut, "%.*s%s", LONGEST, text, strlen( text ) > LONGEST ? "..." : "" );
-    json_array_append_new( list->json, json_pack( "{s:i, s:o}", "sequence", list->track, "text", rf_json_text( cut ) ) );
+    json_array_append_new( list->json,
+                           json_pack( "{s:i, s:o, s:b}", "sequence", list->track, "text", rf_json_text( cut ), "loss", 0 ) );
+}
+
+// What the export lost of the picture: all of it, in full.
+static void add_losses( const List* list, const json_t* render )
+{
+    size_t i;
+    json_t* line;
+    json_array_foreach( json_object_get( render, "export_losses" ), i, line )
+    {
+        if ( json_is_string( line ) )
+            json_array_append_new( list->json, json_pack( "{s:i, s:O, s:b}", "sequence", list->track, "text", line, "loss", 1 ) );
+    }
+}
+
+static void add_lines( const List* list, const json_t* lines )
+{
+    size_t i;
+    const json_t* line;
+    json_array_foreach( lines, i, line )
+    {
+        if ( json_is_string( line ) && i < MOST_LINES )
+            add( list, json_string_value( line ) );
+    }
 }
 
 // What render --json repeats of the scene's loading and of the render.
 static void add_reported( const List* list, const json_t* render )
 {
-    size_t i;
-    const json_t* line;
-    json_array_foreach( json_object_get( render, "warnings" ), i, line )
-    {
-        if ( json_is_string( line ) && i < MOST_LINES )
-            add( list, json_string_value( line ) );
-    }
+    add_lines( list, json_object_get( render, "warnings" ) );
     double missed = rf_json_number_of( json_object_get( render, "noise" ), "missed" );
     char text[128];
     snprintf( text, sizeof text, "--noise was not reached in %.0f frame%s", missed, missed == 1.0 ? "" : "s" );
@@ -116,9 +134,19 @@ static void add_bounds( const List* list, const RfPageTrack* track )
     add( list, text );
 }
 
+static void warn_of_passes( const List* list, const RfPageTrack* track )
+{
+    char text[640];
+    snprintf( text, sizeof text, "passes that are not on this page: %s", track->layers.left_out );
+    if ( track->layers.left_out[0] != '\0' )
+        add( list, text );
+}
+
 json_t* rf_page_warnings_json( const RfPageData* data )
 {
     List list = { .json = json_array() };
+    for ( list.track = 0; list.track < data->track_count; ++list.track )
+        add_losses( &list, data->tracks[list.track].sequence->render );
     for ( list.track = 0; list.track < data->track_count; ++list.track )
     {
         const RfPageTrack* track = data->tracks + list.track;
@@ -129,6 +157,8 @@ json_t* rf_page_warnings_json( const RfPageData* data )
             warn_of_missing( &list, track );
         add_bad( &list, track );
         add_bounds( &list, track );
+        warn_of_passes( &list, track );
+        add_lines( &list, json_object_get( track->sequence->render, "export_warnings" ) );
     }
     return list.json;
 }
@@ -433,6 +463,8 @@ static const struct
 } s_known[] = {
     { "reframe/scene", "Scene", "Scene" },
     { "reframe/camera", "Scene", "Camera" },
+    { "reframe/overscan", "Scene", "Overscan" },
+    { "reframe/timecode", "Scene", "Time code, start" },
     { "reframe/no-effect", "Scene", "Effects left out" },
     { "reframe/estimator", "Settings", "Estimator" },
     { "reframe/reconstruction", "Settings", "Reconstruction" },
@@ -457,7 +489,14 @@ static const struct
     { "reframe/light-samples", "Settings", "Light samples" },
     { "reframe/seed", "Settings", "Seed" },
     { "reframe/aov", "Settings", "Layers" },
+    { "reframe/cryptomatte", "Settings", "Cryptomatte" },
+    { "reframe/light-groups", "Settings", "Light groups" },
+    { "reframe/names", "Settings", "Names of channels" },
     { "reframe/version", "Settings", "Reframe" },
+    { "reframe/view", "Scene", "View" },
+    { "reframe/look", "Scene", "Look" },
+    { "reframe/exposure", "Scene", "Exposure" },
+    { "reframe/gamma", "Scene", "Gamma" },
     { "reframe/device", "Settings", "Device" },
 };
 
@@ -570,11 +609,14 @@ static void add_frames( json_t* facts, const RfPageTrack* track )
 static void add_picture( json_t* facts, const RfPageTrack* track )
 {
     const RfExrHeader* header = &track->sequence->header;
+    RfExrWindow window = rf_page_window( header );
     char text[96];
     add_frames( facts, track );
-    snprintf( text, sizeof text, "%d x %d", header->width, header->height );
+    int used = snprintf( text, sizeof text, "%d x %d", window.width, window.height );
+    if ( window.width != header->width || window.height != header->height )
+        snprintf( text + used, sizeof text - (size_t)used, ", with overscan %d x %d", header->width, header->height );
     add_fact( facts, "Picture", "Size", text );
-    if ( track->picture_width != header->width )
+    if ( track->picture_width != window.width )
     {
         snprintf( text, sizeof text, "%d x %d", track->picture_width, track->picture_height );
         add_fact( facts, "Picture", "Shown as", text );

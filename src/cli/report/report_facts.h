@@ -25,9 +25,10 @@ json_t* rf_page_cost_json( const RfPageData* data );
 
 void rf_format_bytes( double bytes, char text[32] );
 
-// What the page warns of: what render said of the scene, and what the frames lack.
+// What the page warns of: what the export lost, what render said of the scene, and what the frames lack.
 
-// An array of { sequence, text }, the index of the sequence and a line about it.
+// An array of { sequence, text, loss }, the index of the sequence, a line about it, and whether the export lost something of the
+// whole picture, which comes first.
 json_t* rf_page_warnings_json( const RfPageData* data );
 
 #endif

@@ -1,4 +1,4 @@
-// Adds the frames of a sequence to the page: pictures, AOVs, values for the probe, error and flicker.
+// Adds the frames of a sequence to the page: pictures, passes, values for the probe, error and flicker.
 #include "cli/report/report_frames.h"
 
 #include "cli/messages.h"
@@ -7,8 +7,7 @@
 #include "measure/flicker.h"
 #include "measure/flicker_sequence.h"
 #include "page/page.h"
-#include "page/picture.h"
-#include "reframe/aov.h"
+#include "page/passes.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,198 +16,302 @@
 
 #define LEAST_BITS 2.5 // per pixel; pictures are made smaller rather than coarser
 
-// How an AOV looks on the page; false: it is not shown. Without a default, so that the compiler names a new one.
-static bool look_of( RfAov aov, RfLook* look )
-{
-    switch ( aov )
-    {
-        case RF_AOV_REMOVED:
-        case RF_AOV_ALBEDO: *look = RF_LOOK_LIGHT; return true;
-        case RF_AOV_NORMAL: *look = RF_LOOK_NORMAL; return true;
-        case RF_AOV_DEPTH: *look = RF_LOOK_DEPTH; return true;
-        case RF_AOV_MOTION: *look = RF_LOOK_MOTION; return true;
-        case RF_AOV_VARIANCE: *look = RF_LOOK_DEVIATION; return true;
-        case RF_AOV_SAMPLES:
-        case RF_AOV_ALPHA: *look = RF_LOOK_SHARE; return true;
-        case RF_AOV_PRIMAL:
-        case RF_AOV_DX:
-        case RF_AOV_DY:
-        case RF_AOV_COUNT: break;
-    }
-    return false;
-}
+#define MOST_NAMES 65535 // of a Cryptomatte, for 16 bits
+#define READ_CHANNELS 24 // at once: a file is decompressed as a whole, but all passes of large frames take much memory
 
-// Blender's names: of the first channel; the others follow by their letters.
-static const char* const s_blender[RF_AOV_COUNT][2] = {
-    [RF_AOV_ALBEDO] = { "DiffCol.R" }, [RF_AOV_NORMAL] = { "Normal.X" },  [RF_AOV_DEPTH] = { "Depth.Z", "Depth.V" },
-    [RF_AOV_MOTION] = { "Vector.X" },  [RF_AOV_ALPHA] = { "Combined.A" },
-};
-
-static bool is_at_picture( const RfExrName* channel, const RfExrHeader* header )
+static bool is_at_picture( const RfExrWindow* w, const RfExrHeader* header )
 {
-    const RfExrWindow* w = &channel->window;
     return w->x == header->x && w->y == header->y && w->width == header->width && w->height == header->height;
 }
 
-static const char* find_tail( const RfExrHeader* header, const char* tail )
+// How many passes from `first` on are read at once.
+static int batch_of( const RfPageLayers* layers, int first )
 {
-    size_t end = strlen( tail );
-    for ( int i = 0; i < header->channel_count; ++i )
-    {
-        const char* name = header->channels[i].text;
-        size_t length = strlen( name );
-        if ( length >= end && strcmp( name + length - end, tail ) == 0 && ( length == end || name[length - end - 1] == '.' ) &&
-             is_at_picture( header->channels + i, header ) )
-            return name;
-    }
-    return NULL;
+    int count = 1, channels = layers->passes.passes[first].channel_count;
+    while ( first + count < layers->count && channels + layers->passes.passes[first + count].channel_count <= READ_CHANNELS )
+        channels += layers->passes.passes[first + count++].channel_count;
+    return count;
 }
 
-// The channel with the same name but for the last letter.
-static const char* find_sister( const RfExrHeader* header, const char* first, char letter )
-{
-    size_t length = strlen( first );
-    for ( int i = 0; i < header->channel_count; ++i )
-    {
-        const char* name = header->channels[i].text;
-        if ( strlen( name ) == length && memcmp( name, first, length - 1 ) == 0 && name[length - 1] == letter &&
-             is_at_picture( header->channels + i, header ) )
-            return name;
-    }
-    return NULL;
-}
-
-static bool find_layer( const RfExrHeader* header, RfAov aov, RfPageLayer* layer )
-{
-    const char *name = rf_aov_name( aov ), *letters = rf_aov_letters( aov );
-    *layer = ( RfPageLayer ){ .name = name };
-    if ( !look_of( aov, &layer->look ) )
-        return false;
-    char tail[64] = "A";
-    if ( aov != RF_AOV_ALPHA )
-        snprintf( tail, sizeof tail, "%s.%c", name, letters[0] );
-    layer->channels[0] = find_tail( header, tail );
-    for ( int t = 0; t < 2 && s_blender[aov][t] != NULL && layer->channels[0] == NULL; ++t )
-        layer->channels[0] = find_tail( header, s_blender[aov][t] );
-    bool is_there = layer->channels[0] != NULL;
-    for ( int c = 1; c < rf_look_channels( layer->look ) && is_there; ++c )
-    {
-        layer->channels[c] = find_sister( header, layer->channels[0], letters[c] );
-        is_there = layer->channels[c] != NULL;
-    }
-    return is_there;
-}
-
-// Reads the channels of all layers at once: `count` floats for each pixel. NULL where the file lacks one.
-static float* read_all( const RfPageLayers* layers, const char* path, RfExrWindow* window, int* count )
-{
-    const char* names[3 * RF_AOV_COUNT];
-    float* values = NULL;
-    *count = 0;
-    for ( int i = 0; i < layers->count; ++i )
-    {
-        for ( int c = 0; c < rf_look_channels( layers->layers[i].look ); ++c )
-            names[( *count )++] = layers->layers[i].channels[c];
-    }
-    return rf_read_exr_channels( path, names, *count, window, &values, NULL ) == RF_OK ? values : NULL;
-}
-
+// As many as find room at no less than RF_PAGE_LAYER_WIDTH pixels.
 static void choose_factor( const RfExrHeader* header, int pictures, double share, RfPageLayers* layers )
 {
-    double bits = share / ( (double)layers->count * pictures ) * 0.75 * 8.0; // of a picture
-    layers->factor = (int)ceil( sqrt( (double)header->width * header->height * LEAST_BITS / bits ) );
-    layers->factor = layers->factor < 1 ? 1 : layers->factor;
-    layers->width = ( header->width + layers->factor - 1 ) / layers->factor;
-    layers->height = ( header->height + layers->factor - 1 ) / layers->factor;
+    RfExrWindow window = rf_page_window( header );
+    double pixels = (double)window.width * window.height, bits = 0.0;
+    int most = window.width / RF_PAGE_LAYER_WIDTH;
+    most = most > 1 ? most : 1;
+    for ( ;; layers->count -= 1 )
+    {
+        bits = share / ( (double)layers->count * pictures ) * 0.75 * 8.0; // of a picture
+        layers->factor = (int)ceil( sqrt( pixels * LEAST_BITS / bits ) );
+        layers->factor = layers->factor < 1 ? 1 : layers->factor;
+        if ( layers->factor <= most || layers->count == 1 )
+            break;
+    }
+    layers->width = ( window.width + layers->factor - 1 ) / layers->factor;
+    layers->height = ( window.height + layers->factor - 1 ) / layers->factor;
     layers->bits = fmin( bits / ( (double)layers->width * layers->height ), RF_PICTURE_MAX_BITS );
 }
 
-// Finds the AOVs of the first file, and the ranges of their values in `typical`. `pictures` is the number
-// of frames that the AOVs of this sequence will have, `share` its part of RF_PAGE_LAYER_BYTES.
-static void find_page_layers( const RfPageSequence* sequence, const char* typical, int pictures, double share,
-                              RfPageLayers* layers )
+// Those that lie where the picture does, before the others.
+static void sort_out( const RfExrHeader* header, RfPageLayers* layers )
 {
-    *layers = ( RfPageLayers ){ 0 };
-    for ( RfAov aov = 0; aov < RF_AOV_COUNT && pictures > 0; ++aov )
-        layers->count += find_layer( &sequence->header, aov, layers->layers + layers->count );
-    if ( layers->count == 0 )
-        return;
-    choose_factor( &sequence->header, pictures, share, layers );
-    RfExrWindow window;
-    int stride, at = 0;
-    float* values = read_all( layers, typical, &window, &stride );
-    if ( values == NULL )
-        layers->count = 0;
-    for ( int i = 0; i < layers->count; ++i )
+    RfFilePasses* list = &layers->passes;
+    for ( int i = 0; i < list->count; ++i )
     {
-        RfPageLayer* layer = layers->layers + i;
-        layer->range = rf_look_range( layer->look, values + at, (size_t)stride, (size_t)window.width * (size_t)window.height );
-        if ( strcmp( layer->name, rf_aov_name( RF_AOV_ALPHA ) ) == 0 )
-            layer->range = ( RfLookRange ){ 0.0f, 1.0f };
-        at += rf_look_channels( layer->look );
+        RfFilePass pass = list->passes[i];
+        if ( !is_at_picture( &pass.window, header ) )
+            continue;
+        memmove( list->passes + layers->count + 1, list->passes + layers->count, (size_t)( i - layers->count ) * sizeof pass );
+        list->passes[layers->count++] = pass;
     }
-    free( values );
+}
+
+static void name_left_out( RfPageLayers* layers )
+{
+    RfFilePasses rest = { layers->passes.passes + layers->count, layers->passes.count - layers->count, NULL };
+    rf_name_passes( &rest, layers->left_out, sizeof layers->left_out );
+}
+
+// The ranges of values in `typical`. False where it lacks a pass.
+static bool find_ranges( const char* typical, RfPageLayers* layers )
+{
+    RfExrWindow window;
+    for ( int first = 0, count; first < layers->count; first += count )
+    {
+        int stride, at = 0;
+        count = batch_of( layers, first );
+        const RfFilePass* passes = layers->passes.passes + first;
+        float* values = NULL;
+        rf_read_passes( typical, passes, count, &window, &values, &stride, NULL );
+        for ( int i = 0; i < count && values != NULL; at += passes[i++].channel_count )
+            layers->ranges[first + i] =
+                rf_pass_range( passes + i, values + at, (size_t)stride, (size_t)window.width * (size_t)window.height );
+        free( values );
+        if ( values == NULL )
+            return false;
+    }
+    return true;
+}
+
+// Names of the ids of Cryptomattes, those of `typical` for all frames.
+static RfResult find_names( const char* typical, RfPageLayers* layers, RfError* error )
+{
+    RfResult result = RF_OK;
+    layers->names = calloc( (size_t)layers->count + 1, sizeof *layers->names );
+    if ( layers->names == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", typical );
+    for ( int i = 0; i < layers->count && result == RF_OK; ++i )
+    {
+        if ( layers->passes.passes[i].look == RF_LOOK_MATTES )
+            result = rf_read_matte_names( typical, layers->passes.passes + i, layers->names + i, error );
+        if ( layers->names[i].count >= MOST_NAMES )
+            rf_free_matte_names( layers->names + i );
+    }
+    return result;
+}
+
+static void free_page_layers( RfPageLayers* layers )
+{
+    for ( int i = 0; i < layers->count && layers->names != NULL; ++i )
+        rf_free_matte_names( layers->names + i );
+    free( layers->names );
+    rf_free_passes( &layers->passes );
+    free( layers->ranges );
+    *layers = ( RfPageLayers ){ 0 };
+}
+
+// Finds the passes of the first file, and the ranges of their values in `typical`. `pictures` is the number
+// of frames that the passes of this sequence will have, `share` its bytes of the page.
+static RfResult find_page_layers( const RfPageSequence* sequence, const char* typical, int pictures, double share,
+                                  RfPageLayers* layers, RfError* error )
+{
+    free_page_layers( layers );
+    RfResult result = rf_list_passes( &sequence->header, &layers->passes, error );
+    if ( result != RF_OK )
+        return result;
+    sort_out( &sequence->header, layers );
+    if ( layers->count > 0 )
+        choose_factor( &sequence->header, pictures, share, layers );
+    name_left_out( layers );
+    layers->ranges = malloc( (size_t)( layers->count + 1 ) * sizeof *layers->ranges );
+    if ( layers->ranges == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", sequence->pattern );
+    RfResult found = find_names( typical, layers, error );
+    if ( !find_ranges( typical, layers ) )
+        free_page_layers( layers );
+    return found;
+}
+
+// Crops an image to what the page shows of it; `cropped` is empty where that is all.
+static RfResult crop( const RfExrHeader* header, const RfImage* image, RfImage* cropped, RfError* error )
+{
+    RfExrWindow window = rf_page_window( header );
+    *cropped = ( RfImage ){ 0 };
+    bool whole = window.width == image->width && window.height == image->height;
+    if ( whole || image->width != header->width || image->height != header->height )
+        return RF_OK;
+    RfResult result = rf_create_image( window.width, window.height, cropped, error );
+    for ( int y = 0; y < window.height && result == RF_OK; ++y )
+    {
+        size_t from = (size_t)( window.y + y ) * (size_t)image->width + (size_t)window.x;
+        memcpy( cropped->rgb + 3 * (size_t)y * (size_t)window.width, image->rgb + 3 * from,
+                3 * (size_t)window.width * sizeof( float ) );
+    }
+    return result;
 }
 
 // Draws a layer at full size, shrinks and adds it.
-static RfResult add_one( RfPage* page, const RfPageLayers* layers, int index, const char* id, const float* values, int stride,
-                         RfImage* full, const char* path, RfError* error )
+static RfResult add_one( RfPage* page, const RfPageSequence* sequence, const RfPageLayers* layers, int index, const char* id,
+                         const float* values, int stride, RfImage* full, const char* path, RfError* error )
 {
-    const RfPageLayer* layer = layers->layers + index;
-    RfImage small = { 0 };
+    RfImage small = { 0 }, cropped;
     unsigned char* bytes = NULL;
     size_t size = 0;
-    rf_draw_look( layer->look, layer->range, values, (size_t)stride, (size_t)full->width * (size_t)full->height, full->rgb );
-    RfResult result = layers->factor > 1 ? rf_shrink_image( full, layers->factor, &small, error ) : RF_OK;
+    rf_draw_pass( layers->passes.passes + index, layers->ranges[index], values, (size_t)stride,
+                  (size_t)full->width * (size_t)full->height, full->rgb );
+    RfResult result = crop( &sequence->header, full, &cropped, error );
+    const RfImage* shown = cropped.rgb != NULL ? &cropped : full;
+    if ( result == RF_OK && layers->factor > 1 )
+        result = rf_shrink_image( shown, layers->factor, &small, error );
     if ( result == RF_OK )
-        result = rf_encode_picture_within( layers->factor > 1 ? &small : full, layers->bits, path, &bytes, &size, error );
+        result = rf_encode_picture_within( layers->factor > 1 ? &small : shown, layers->bits, path, &bytes, &size, error );
     if ( result == RF_OK )
         result = rf_add_page_block( page, id, bytes, size, error );
     free( bytes );
     rf_destroy_image( &small );
+    rf_destroy_image( &cropped );
     return result;
 }
 
-// Adds their pictures of a frame; *added is false where its file lacks one of them.
-static RfResult add_page_layers( RfPage* page, const RfPageLayers* layers, int track, int number, const char* path, bool* added,
-                                 RfError* error )
+// The id that covers most of a pixel comes first.
+static int name_at( const RfMatteNames* names, const float* value )
+{
+    uint32_t id;
+    memcpy( &id, value, sizeof id );
+    return rf_find_matte_name( names, id ) + 1;
+}
+
+// Adds the names at the centres of the pixels of a picture, as runs. Where these are short, as in grass, they are left out: they
+// would take more than the picture.
+static RfResult add_names( RfPage* page, const RfExrHeader* header, const RfPageLayers* layers, int index, const char* id,
+                           const float* values, int stride, RfError* error )
+{
+    const RfMatteNames* names = layers->names + index;
+    RfExrWindow window = rf_page_window( header );
+    size_t most = (size_t)layers->width * (size_t)layers->height / 2, used = 0; // bytes
+    if ( names->count == 0 )
+        return RF_OK;
+    unsigned char* bytes = malloc( most + 4 );
+    if ( bytes == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of a Cryptomatte" );
+    for ( int i = 0, name = -1, run = 0; i <= layers->width * layers->height && used <= most; ++i )
+    {
+        int x = i % layers->width * layers->factor + layers->factor / 2,
+            y = i / layers->width * layers->factor + layers->factor / 2;
+        bool ends = i == layers->width * layers->height;
+        x = window.x + ( x < window.width ? x : window.width - 1 );
+        y = window.y + ( y < window.height ? y : window.height - 1 );
+        int here = ends ? -1 : name_at( names, values + (size_t)stride * ( (size_t)y * (size_t)header->width + (size_t)x ) );
+        if ( run > 0 && ( here != name || run == 65535 ) )
+        {
+            for ( int b = 0; b < 4; ++b )
+                bytes[used++] = (unsigned char)( ( b < 2 ? name : run ) >> 8 * ( b & 1 ) & 255 );
+            run = 0;
+        }
+        name = here;
+        run += 1;
+    }
+    RfResult result = used <= most ? rf_add_page_block( page, id, bytes, used, error ) : RF_OK;
+    free( bytes );
+    return result;
+}
+
+static bool has_all( const RfPageLayers* layers, const char* path )
+{
+    RfExrHeader header;
+    bool all = rf_read_exr_header( path, NULL, &header, NULL ) == RF_OK;
+    for ( int i = 0; i < layers->count && all; ++i )
+    {
+        const RfFilePass* pass = layers->passes.passes + i;
+        for ( int c = 0; c < pass->channel_count && all; ++c )
+            all = rf_find_exr_name( &header, pass->channels[c], strlen( pass->channels[c] ) ) != NULL;
+    }
+    rf_destroy_exr_header( &header );
+    return all;
+}
+
+static RfResult add_batch( RfPage* page, const RfPageSequence* sequence, const RfPageLayers* layers, int first, int count,
+                           int track, int number, const char* path, RfError* error )
 {
     RfExrWindow window;
     RfImage full;
     int stride, at = 0;
-    *added = false;
-    if ( layers->count == 0 )
-        return RF_OK;
-    float* values = read_all( layers, path, &window, &stride );
-    if ( values == NULL )
-        return RF_OK;
-    RfResult result = rf_create_image( window.width, window.height, &full, error );
-    for ( int i = 0; i < layers->count && result == RF_OK; ++i )
+    const RfFilePass* passes = layers->passes.passes + first;
+    float* values;
+    RfResult result = rf_read_passes( path, passes, count, &window, &values, &stride, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_create_image( window.width, window.height, &full, error );
+    for ( int i = 0; i < count && result == RF_OK; at += passes[i++].channel_count )
     {
         char id[48];
-        snprintf( id, sizeof id, "l%d-%d-%d", track, i, number );
-        result = add_one( page, layers, i, id, values + at, stride, &full, path, error );
-        at += rf_look_channels( layers->layers[i].look );
+        snprintf( id, sizeof id, "l%d-%d-%d", track, first + i, number );
+        result = add_one( page, sequence, layers, first + i, id, values + at, stride, &full, path, error );
+        id[0] = 'n';
+        if ( result == RF_OK && full.width == sequence->header.width && full.height == sequence->header.height )
+            result = add_names( page, &sequence->header, layers, first + i, id, values + at, stride, error );
     }
-    *added = result == RF_OK;
     rf_destroy_image( &full );
     free( values );
     return result;
 }
 
+// Adds their pictures of a frame; *added is false where its file lacks one of them.
+static RfResult add_page_layers( RfPage* page, const RfPageSequence* sequence, const RfPageLayers* layers, int track, int number,
+                                 const char* path, bool* added, RfError* error )
+{
+    RfResult result = RF_OK;
+    *added = layers->count > 0 && has_all( layers, path );
+    for ( int first = 0, count; *added && first < layers->count && result == RF_OK; first += count )
+    {
+        count = batch_of( layers, first );
+        result = add_batch( page, sequence, layers, first, count, track, number, path, error );
+    }
+    return result;
+}
+
 json_t* rf_page_layers_json( const RfPageLayers* layers )
 {
-    static const char* const looks[] = { "light", "deviation", "normal", "depth", "motion", "share" };
+    static const char* const looks[] = {
+        "light", "deviation", "normal", "depth", "motion", "share", "signed", "index", "mattes"
+    };
     json_t* list = json_array();
     for ( int i = 0; i < layers->count; ++i )
     {
-        const RfPageLayer* layer = layers->layers + i;
-        json_array_append_new( list,
-                               json_pack( "{s:s, s:s, s:o, s:o, s:i, s:i, s:i}", "name", layer->name, "look", looks[layer->look],
-                                          "low", rf_json_number( layer->range.low ), "high", rf_json_number( layer->range.high ),
-                                          "factor", layers->factor, "width", layers->width, "height", layers->height ) );
+        const RfFilePass* pass = layers->passes.passes + i;
+        json_array_append_new( list, json_pack( "{s:o, s:s, s:b, s:o, s:o, s:i, s:i, s:i}", "name", rf_json_text( pass->name ),
+                                                "look", looks[pass->look], "group", pass->is_group, "low",
+                                                rf_json_number( layers->ranges[i].low ), "high",
+                                                rf_json_number( layers->ranges[i].high ), "factor", layers->factor, "width",
+                                                layers->width, "height", layers->height ) );
+        json_t* names = json_array();
+        for ( int k = 0; k < layers->names[i].count; ++k )
+            json_array_append_new( names, rf_json_text( layers->names[i].names[k].name ) );
+        json_object_set_new( json_array_get( list, (size_t)i ), "names", names );
     }
     return list;
+}
+
+bool rf_has_page_mix( const RfPageLayers* layers )
+{
+    int groups = 0, shown = 0;
+    for ( int i = 0; i < layers->passes.count; ++i )
+    {
+        groups += layers->passes.passes[i].is_group;
+        shown += layers->passes.passes[i].is_group && i < layers->count;
+    }
+    return groups > 1 && shown == groups;
 }
 
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
@@ -253,7 +356,7 @@ static RfResult add_values( RfPage* page, RfPageTrack* track, const char* id, co
 RfResult rf_add_page_fine_values( RfPage* page, RfPageTrack* track, int number, int factor, RfError* error )
 {
     char path[RF_PAGE_NAME_SIZE], id[32];
-    RfImage image;
+    RfImage image, cropped;
     RfExrWindow window;
     RfResult result = rf_page_frame_path( track->sequence, number, path, error );
     if ( result == RF_OK )
@@ -261,32 +364,41 @@ RfResult rf_add_page_fine_values( RfPage* page, RfPageTrack* track, int number, 
     if ( result != RF_OK )
         return result;
     snprintf( id, sizeof id, "w%d-%d", track->index, number );
-    result = add_values( page, track, id, &image, factor, path, error );
+    result = crop( &track->sequence->header, &image, &cropped, error );
+    if ( result == RF_OK )
+        result = add_values( page, track, id, cropped.rgb != NULL ? &cropped : &image, factor, path, error );
     rf_destroy_image( &image );
+    rf_destroy_image( &cropped );
     track->fine_frame = number;
     track->fine_factor = factor;
     return result;
 }
 
-// Adds picture, scene values and AOVs of a frame, an index into track->numbers; `path` is its file.
+// Adds picture, scene values and passes of a frame, an index into track->numbers; `path` is its file.
 static RfResult add_page_blocks( RfPage* page, RfPageTrack* track, int frame, const RfImage* image, const char* path,
                                  RfError* error )
 {
     int number = track->numbers[frame];
     char id[32];
-    RfResult result = add_picture( page, track, number, image, path, error );
+    RfImage cropped;
+    RfResult result = crop( &track->sequence->header, image, &cropped, error );
+    const RfImage* shown = cropped.rgb != NULL ? &cropped : image;
+    if ( result == RF_OK )
+        result = add_picture( page, track, number, shown, path, error );
     snprintf( id, sizeof id, "v%d-%d", track->index, number );
     if ( result == RF_OK && track->value_factor > 0 )
-        result = add_values( page, track, id, image, track->value_factor, path, error );
+        result = add_values( page, track, id, shown, track->value_factor, path, error );
+    rf_destroy_image( &cropped );
     uint64_t before = page->bytes;
     if ( result == RF_OK )
-        result = add_page_layers( page, &track->layers, track->index, number, path, &track->frames[frame].has_layers, error );
+        result = add_page_layers( page, track->sequence, &track->layers, track->index, number, path,
+                                  &track->frames[frame].has_layers, error );
     track->layer_bytes += page->bytes - before;
     return result;
 }
 
-// Finds the AOVs of the sequence; the ranges of their values are those of the middle frame.
-static RfResult find_page_aovs( RfPageTrack* track, RfError* error )
+// Finds the passes of the sequence; the ranges of their values are those of the middle frame.
+static RfResult find_page_passes( RfPageTrack* track, RfError* error )
 {
     int pictures = 0, typical = 0;
     char path[RF_PAGE_NAME_SIZE];
@@ -301,9 +413,9 @@ static RfResult find_page_aovs( RfPageTrack* track, RfError* error )
         return RF_OK;
     RfResult result = rf_page_frame_path( track->sequence, typical, path, error );
     if ( result == RF_OK )
-        find_page_layers( track->sequence, path, pictures, track->layer_share, &track->layers );
+        result = find_page_layers( track->sequence, path, pictures, track->layer_share, &track->layers, error );
     if ( result == RF_OK && track->layers.count == 0 ) // the middle frame may lack them
-        find_page_layers( track->sequence, track->sequence->first, pictures, track->layer_share, &track->layers );
+        result = find_page_layers( track->sequence, track->sequence->first, pictures, track->layer_share, &track->layers, error );
     return result;
 }
 
@@ -500,7 +612,7 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
             .relmse = NAN, .seconds = NAN, .samples = NAN, .effective = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN
         };
     find_layers( &work );
-    RfResult result = find_page_aovs( track, error );
+    RfResult result = find_page_passes( track, error );
     for ( int i = 0; i < track->count && result == RF_OK; ++i )
     {
         result = add_frame( &work, i, error );
@@ -532,6 +644,7 @@ int* rf_page_missing_frames( const RfPageTrack* track, int* count )
 
 void rf_free_page_track( RfPageTrack* track )
 {
+    free_page_layers( &track->layers );
     free( track->frames );
     track->frames = NULL;
 }

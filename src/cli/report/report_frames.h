@@ -1,42 +1,42 @@
-// AOVs of a sequence on the page, as pictures: those that the files have under the usual names.
+// Passes of a sequence on the page, as pictures.
 #ifndef REFRAME_CLI_REPORT_REPORT_FRAMES_H
 #define REFRAME_CLI_REPORT_REPORT_FRAMES_H
 
 #include "cli/report/report_input.h"
-#include "page/picture.h"
+#include "page/matte_names.h"
+#include "page/passes.h"
 #include "page/page.h"
 #include "measure/image_error.h"
 #include "measure/flicker.h"
-#include "reframe/aov.h"
 
-#define RF_PAGE_LAYER_BYTES 16e6 // of all AOVs of the page; pictures are made smaller to stay below
+#define RF_PAGE_LAYER_BYTES 16e6 // of all passes of the page; pictures are made smaller to stay below,
 
-typedef struct RfPageLayer
-{
-    const char* name; // "albedo"
-    RfLook look;
-    const char* channels[3]; // full names; they point into the sequence's header
-    RfLookRange range;
-} RfPageLayer;
+#define RF_PAGE_LAYER_WIDTH 160 // and passes are left out where they would become narrower, unless frames are
 
 typedef struct RfPageLayers
 {
-    RfPageLayer layers[RF_AOV_COUNT];
-    int count;
-    int factor; // pictures are smaller by it
+    RfFilePasses passes; // of the first file; those that are shown come first
+    int count;           // of these
+    RfLookRange* ranges; // of each
+    RfMatteNames* names; // of each that is a Cryptomatte; the others have none
+    char left_out[512];  // names of the others; "": all are shown
+    int factor;          // pictures are smaller by it
     int width, height;
     double bits; // per pixel, at most
 } RfPageLayers;
 
-// { name, look, low, high, factor, width, height } of each.
+// { name, look, group, low, high, factor, width, height } of each, of Cryptomattes also names.
 json_t* rf_page_layers_json( const RfPageLayers* layers );
+
+// Whether there are light groups, all of them on the page: their sum is the picture.
+bool rf_has_page_mix( const RfPageLayers* layers );
 
 // Adds the frames of a sequence to the page: pictures, error, flicker.
 
 // Figures of a frame of the page; NaN: not known.
 typedef struct RfPageFrame
 {
-    bool has_layers;        // pictures of its AOVs
+    bool has_layers;        // pictures of its passes
     bool shown;             // its picture is in the page
     double relmse;          // against the reference, or an estimate
     bool at_least;          // the estimate is a lower bound only
@@ -58,7 +58,7 @@ typedef struct RfPageTrack
     const int* holes; // between them, that no sequence has
     int hole_count;
     int value_factor;   // scene values are means of boxes of so many pixels; 0: none
-    double layer_share; // of RF_PAGE_LAYER_BYTES
+    double layer_share; // bytes of the page for pictures of passes
 
     RfPageLayers layers;
     RfPageFrame* frames; // `count` of them
@@ -93,7 +93,9 @@ void rf_page_block_id( const RfPageTrack* track, int number, char id[32] );
 //   s<track>-<number>          the picture, see page/picture.h
 //   v<track>-<number>          scene values, see page/page.h
 //   w<track>-<number>          finer ones, of one frame
-//   l<track>-<layer>-<number>  an AOV, as a picture
+//   l<track>-<layer>-<number>  a pass, as a picture
+//   n<track>-<layer>-<number>  which name of a Cryptomatte covers most of each pixel of its picture: runs of pixels from the top left
+//                              on, the name (from 1 on; 0: none) and the length, 16 bits each, little-endian
 
 // Adds scene values of a frame at a factor of its own.
 RfResult rf_add_page_fine_values( RfPage* page, RfPageTrack* track, int number, int factor, RfError* error );

@@ -410,7 +410,9 @@ RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequ
     if ( result == RF_OK )
         result = rf_page_frame_path( sequence, sequence->frames[0], sequence->first, error );
     if ( result == RF_OK )
-        result = rf_read_exr_header( sequence->first, layer, &sequence->header, error );
+        sequence->layer = rf_layer_of_file( sequence->first, layer, sequence->layer_text );
+    if ( result == RF_OK )
+        result = rf_read_exr_header( sequence->first, sequence->layer, &sequence->header, error );
     if ( result == RF_OK &&
          rf_read_exr_string( sequence->first, "reframe/scene", sequence->scene, sizeof sequence->scene, NULL ) != RF_OK )
         sequence->scene[0] = '\0';
@@ -442,6 +444,19 @@ bool rf_has_page_frame( const RfPageSequence* sequence, int frame )
             return true;
     }
     return false;
+}
+
+static int64_t at_least( int64_t a, int64_t b ) { return a > b ? a : b; }
+static int64_t at_most( int64_t a, int64_t b ) { return a < b ? a : b; }
+
+RfExrWindow rf_page_window( const RfExrHeader* header )
+{
+    int64_t left = at_least( header->x, header->display_x ), top = at_least( header->y, header->display_y );
+    int64_t right = at_most( (int64_t)header->x + header->width, (int64_t)header->display_x + header->display_width );
+    int64_t bottom = at_most( (int64_t)header->y + header->height, (int64_t)header->display_y + header->display_height );
+    if ( left >= right || top >= bottom )
+        return ( RfExrWindow ){ 0, 0, header->width, header->height };
+    return ( RfExrWindow ){ (int)( left - header->x ), (int)( top - header->y ), (int)( right - left ), (int)( bottom - top ) };
 }
 
 RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_PAGE_NAME_SIZE], RfError* error )

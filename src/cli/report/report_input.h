@@ -4,6 +4,7 @@
 #define REFRAME_CLI_REPORT_REPORT_INPUT_H
 
 #include "image/exr.h"
+#include "page/passes.h"
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -13,8 +14,9 @@
 
 typedef struct RfPageSequence
 {
-    char name[256];                  // for people: the folder's name
-    const char* layer;               // as of rf_read_exr_layer; NULL: the colour
+    char name[256];    // for people: the folder's name
+    const char* layer; // as of rf_read_exr_layer; NULL: the colour
+    char layer_text[RF_PASS_LAYER_SIZE];
     char pattern[RF_PAGE_NAME_SIZE]; // of its files
     int* frames;                     // that are there, ascending
     int frame_count;
@@ -48,6 +50,9 @@ const char* rf_scene_of_json( const json_t* json );
 
 // Is the frame there?
 bool rf_has_page_frame( const RfPageSequence* sequence, int frame );
+
+// What the page shows of the data window, in its pixels: what lies in the display window, without overscan; all where nothing does.
+RfExrWindow rf_page_window( const RfExrHeader* header );
 
 // The file of a frame.
 RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_PAGE_NAME_SIZE], RfError* error );

@@ -8,6 +8,7 @@
 #include "cli/options/shot.h"
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
+#include "cli/tune/split_costs.h"
 #include "cli/tune/verdict.h"
 #include "measure/plot.h"
 #include "measure/tune.h"
@@ -40,6 +41,7 @@ typedef struct TuneReport
     const char* command;    // of the winner; NULL: there is none
     int frames;             // asked for
     const RfRanges* ranges; // for --nodes; its list is NULL: none
+    RfSplitCosts split;
 } TuneReport;
 
 static double fit_mib( const RfMemoryFit* fit )
@@ -247,6 +249,7 @@ static void print_tune( const TuneReport* r )
         print_rows( r );
         print_default( r );
     }
+    rf_print_split_costs( &r->split );
     if ( r->command != NULL )
         printf( "* best:\n%s\n", r->command );
     if ( r->ranges->list != NULL )
@@ -318,6 +321,7 @@ static json_t* tune_json( const TuneReport* r )
                               at_most( settings ), "bytes_record", record, "seconds", r->tune->seconds, "budget",
                               r->options->budget, "frames", r->frames, "width", size.width, "height", size.height, "command",
                               r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    json_object_set_new( json, "split_light", rf_split_costs_json( &r->split ) );
     if ( r->ranges->list != NULL )
         json_object_set_new( json, "nodes", rf_ranges_json( r->ranges ) );
     return json;
@@ -430,6 +434,8 @@ static const RfOption s_options[] = {
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
     RF_AOV_OPTION( s_parsed.render, "additional layers, which take memory:" ),
+    RF_CRYPTOMATTE_OPTION( s_parsed.render, "count the memory of Cryptomatte of these kinds:" ),
+    RF_LIGHT_GROUPS_OPTION( s_parsed.render, "say what layers of light groups cost:" ),
     { .name = "svg",
       .writes = ".svg",
       .type = RF_OPTION_STRING,
@@ -642,16 +648,31 @@ static const RfEstimator* named_estimator( const Job* job )
     return best->tile.kind == RF_TILE_NONE ? usual : asked;
 }
 
+// Of the best setting, or of what the plan chooses.
+static RfResult find_split_costs( const Job* job, RfSplitCosts* costs, RfError* error )
+{
+    RfRenderSettings asked = job->options.render.settings, settings;
+    RfShot shot = rf_shot_to_render( &job->shot );
+    const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
+    *costs = ( RfSplitCosts ){ 0 };
+    if ( ( asked.light_groups == NULL && ( asked.aovs & RF_PASS_AOVS ) == 0 ) || ( best == NULL && job->plan.count == 0 ) )
+        return RF_OK;
+    asked.group = best != NULL ? best->group : job->plan.rows[job->plan.chosen].group;
+    asked.tile = best != NULL ? best->tile : asked.tile;
+    RfResult result = rf_resolve_settings( &shot, &asked, &settings, error );
+    return result == RF_OK ? rf_find_split_costs( &shot, &settings, best != NULL, costs, error ) : result;
+}
+
 // Reports what was found so far, also after an interruption.
 static RfResult report( Job* job, RfError* error )
 {
     const TuneOptions* options = &job->options;
     const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
     char* command = best != NULL ? tuned_command( job->argc, job->argv, named_estimator( job ), best->group, &best->tile ) : NULL;
-    TuneReport r = { options, &job->plan, &job->tune, command, job->shot.frame_count, &job->ranges };
+    TuneReport r = { options, &job->plan, &job->tune, command, job->shot.frame_count, &job->ranges, { 0 } };
     const char* json = options->render.json;
-    RfResult result = RF_OK;
-    if ( rf_prints_text( json ) )
+    RfResult result = find_split_costs( job, &r.split, error );
+    if ( result == RF_OK && rf_prints_text( json ) )
     {
         print_tune( &r );
         result = rf_flush_output( error );

@@ -55,6 +55,61 @@ function encodeSrgb(light) {
   return light >= 1 ? 255 : Math.round(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * Math.pow(light, 1 / 2.4) - 0.055));
 }
 
+// The view that the frames are meant for, as rf_fill_view_cube (src/cli/view/view.h) has it: CUBE in each direction.
+const CUBE = 33, CUBE_FROM = -9, CUBE_STOPS = 15;
+
+// What is displayed of a colour at three places in the cube, 0 to CUBE - 1, by interpolation within a tetrahedron: along the axes in the
+// order of the places within a cell.
+function lookUp(cube, r, g, b, out, to) {
+  const i = Math.min(r | 0, CUBE - 2), j = Math.min(g | 0, CUBE - 2), k = Math.min(b | 0, CUBE - 2);
+  const x = r - i, y = g - j, z = b - k, first = 3 * (i + CUBE * (j + CUBE * k)), last = first + 3 * (1 + CUBE + CUBE * CUBE);
+  const most = Math.max(x, y, z), least = Math.min(x, y, z), middle = x + y + z - most - least;
+  const stepX = 3, stepY = 3 * CUBE, stepZ = 3 * CUBE * CUBE;
+  const second = first + (most === x ? stepX : most === y ? stepY : stepZ), third = last - (least === z ? stepZ : least === y ? stepY : stepX);
+  for (let c = 0; c < 3; ++c)
+    out[to + c] = cube[first + c] * (1 - most) + cube[second + c] * (most - middle) + cube[third + c] * (middle - least) + cube[last + c] * least + 0.5;
+}
+
+// Shows scene light at an exposure in stops: by a table where channels do not mix, or by the view's cube.
+class Tone {
+  constructor(exposure, curve, cube) {
+    this.table = curve === "view" ? null : makeToneTable(exposure, curve);
+    if (this.table)
+      return;
+    this.cube = cube;
+    this.bytes = new Uint8ClampedArray(4);
+    this.place = new Float32Array(2 * HALF_TABLE);
+    const gain = Math.pow(2, exposure);
+    for (let i = 0; i < 2 * HALF_TABLE; ++i)
+      this.place[i] = this.placeOf(gain * s_lightOfLevel[i]);
+  }
+
+  placeOf(light) {
+    const level = Math.log2(Math.max(light, 0) + FLOOR);
+    return Math.min(Math.max((level - CUBE_FROM) / CUBE_STOPS, 0), 1) * (CUBE - 1);
+  }
+
+  // Of levels to RGBA pixels.
+  paint(levels, pixels) {
+    const { table, cube, place, bytes } = this, count = levels.length / 3;
+    for (let i = 0, from = 0; table && i < count; ++i, from += 3)
+      pixels[i] = 0xff000000 | table[levels[from + 2] + HALF_TABLE] << 16 | table[levels[from + 1] + HALF_TABLE] << 8 | table[levels[from] + HALF_TABLE];
+    for (let i = 0, from = 0; !table && i < count; ++i, from += 3) {
+      lookUp(cube, place[levels[from] + HALF_TABLE], place[levels[from + 1] + HALF_TABLE], place[levels[from + 2] + HALF_TABLE], bytes, 0);
+      pixels[i] = 0xff000000 | bytes[2] << 16 | bytes[1] << 8 | bytes[0];
+    }
+  }
+}
+
+// The bytes of linear light, exposed.
+function showLight(light, curve, cube) {
+  if (curve !== "view")
+    return light.map(value => encodeSrgb(s_curves[curve](value)));
+  const tone = Tone.prototype, out = [0, 0, 0];
+  lookUp(cube, ...light.map(value => tone.placeOf(Number.isFinite(value) ? value : 0)), out, 0);
+  return out.map(Math.floor);
+}
+
 // The display byte for each level, at an exposure in stops.
 function makeToneTable(exposure, curve) {
   const table = new Uint8Array(2 * HALF_TABLE), gain = Math.pow(2, exposure), shape = s_curves[curve];
@@ -128,10 +183,27 @@ class Painter {
     }
   }
 
-  paint(table) {
-    const { levels, pixels } = this;
-    for (let i = 0, from = 0; i < pixels.length; ++i, from += 3)
-      pixels[i] = 0xff000000 | table[levels[from + 2] + HALF_TABLE] << 16 | table[levels[from + 1] + HALF_TABLE] << 8 | table[levels[from] + HALF_TABLE];
+  // Keeps several decoded frames, of light groups, for mix().
+  takeParts(frames) {
+    this.parts = frames.map(frame => {
+      this.take(frame);
+      return this.levels.slice();
+    });
+  }
+
+  // The sum of the parts with these factors.
+  mix(factors) {
+    const { levels, parts } = this;
+    for (let i = 0; i < levels.length; ++i) {
+      let light = 0;
+      for (let k = 0; k < parts.length; ++k)
+        light += factors[k] * s_lightOfLevel[parts[k][i] + HALF_TABLE];
+      levels[i] = Math.round(STOP * Math.log2(Math.max(light, 0) + FLOOR));
+    }
+  }
+
+  paint(tone) {
+    tone.paint(this.levels, this.pixels);
     this.context.putImageData(this.image, 0, 0);
   }
 

@@ -40,6 +40,28 @@ class SceneValues {
   }
 }
 
+// Names of a Cryptomatte, for the probe; the format is described in src/cli/report/report_frames.h.
+class MatteNames {
+  constructor() {
+    this.last = { id: null, names: null };
+  }
+
+  // What covers most of a pixel of the picture of a pass: its name, "" for nothing, or null where that is not known.
+  at({ ids: [id], layer }, x, y) {
+    const block = id.replace("l", "n");
+    if (layer.look !== "mattes" || !document.getElementById(block))
+      return null;
+    if (this.last.id !== block) {
+      const bytes = bytesOf(block), view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength), names = new Uint16Array(layer.width * layer.height);
+      for (let i = 0, to = 0; i < bytes.length; to += view.getUint16(i + 2, true), i += 4)
+        names.fill(view.getUint16(i, true), to, to + view.getUint16(i + 2, true));
+      this.last = { id: block, names };
+    }
+    const name = this.last.names[y * layer.width + x];
+    return name > 0 ? layer.names[name - 1] : "";
+  }
+}
+
 // What the levels of an AOV's picture stand for, nearly: [label, values].
 function valuesOfLayer(layer, light) {
   const level = light.map(value => encodeSrgb(value) / 255);
@@ -48,6 +70,8 @@ function valuesOfLayer(layer, light) {
     case "deviation": return light.map(value => value * value);
     case "normal": return level.map(value => 2 * value - 1);
     case "depth": return level[0] < 0.08 ? [Infinity] : [layer.low * (layer.high / layer.low) ** Math.min(Math.max(1 - (level[0] - 0.1) / 0.9, 0), 1)];
+    case "signed": return level.map(value => 2 * layer.high * (value - 0.5));
+    case "index": case "mattes": return [];
     case "motion": return [2 * layer.high * (level[0] - 0.5), 2 * layer.high * (level[1] - 0.5)];
     default: return [level[0] * layer.high];
   }
@@ -60,7 +84,9 @@ function legendOfLayer(layer) {
     case "depth": return `white ${formatNumber(layer.low)} m, dark ${formatNumber(layer.high)} m, by the logarithm; black: nothing`;
     case "motion": return `to the frame before: red right, green up, up to ${formatNumber(layer.high)} pixels; grey: none`;
     case "deviation": return "shown as standard deviation, in scene values";
+    case "signed": return `0 is grey, white ${formatNumber(layer.high)}`;
+    case "index": case "mattes": return "a colour for each name or number; black: nothing";
     case "share": return `white is ${formatNumber(layer.high)}`;
-    default: return "reflectance";
+    default: return layer.name.includes("albedo") ? "reflectance" : "light";
   }
 }

@@ -7,7 +7,7 @@ const AHEAD = 10;                  // frames decoded ahead, if they are small en
 const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
 
 class Player {
-  // `panels`: { painter, sequence, source( view, index ), onFrame( index, shown ) }, where the source is { id, width, height }
+  // `panels`: { painter, sequence, source( view, index ), onFrame( index, shown ) }, where the source is { ids, width, height }
   // of what is shown of a frame, or null; `onChange( player )` is called after each change of frame or setting.
   constructor(panels, count, fps, onChange) {
     this.panels = panels;
@@ -22,7 +22,9 @@ class Player {
     this.startIndex = 0;
     this.exposure = 0;
     this.curve = "srgb";
+    this.cube = null; // of the view, if the frames name one
     this.view = "picture";
+    this.factors = {}; // of light groups, by name; 1 where there is none
     this.ahead = Math.min(Math.max(Math.floor(CACHE_BYTES / 2 / this.bytesOfFrame()), 2), AHEAD);
     this.cache = new FrameCache(Math.max(CACHE_BYTES, 5 * this.bytesOfFrame()));
     this.tick = this.tick.bind(this);
@@ -33,7 +35,7 @@ class Player {
   }
 
   ids(index) {
-    return this.panels.map(panel => panel.source(this.view, index)).filter(source => source !== null).map(source => source.id);
+    return this.panels.map(panel => panel.source(this.view, index)).filter(source => source !== null).flatMap(source => source.ids);
   }
 
   isReady(index) {
@@ -55,12 +57,16 @@ class Player {
 
   show(index) {
     for (const panel of this.panels) {
-      const source = panel.source(this.view, index), frame = source !== null ? this.cache.get(source.id) : undefined;
-      if (frame) {
+      const source = panel.source(this.view, index), frames = source !== null ? source.ids.map(id => this.cache.get(id)) : [];
+      const has = frames.length > 0 && frames.every(frame => frame !== undefined);
+      if (has) {
         panel.painter.resize(source.width, source.height);
-        panel.painter.take(frame);
+        if (source.groups)
+          panel.painter.takeParts(frames);
+        else
+          panel.painter.take(frames[0]);
       }
-      panel.onFrame(index, frame !== undefined, this.view);
+      panel.onFrame(index, has, this.view);
     }
     this.index = this.wanted = this.shown = index;
     this.paint();
@@ -73,18 +79,25 @@ class Player {
     return layer !== undefined && layer.look !== "light" && layer.look !== "deviation";
   }
 
+  makeTone() {
+    return new Tone(this.exposure, this.curve, this.cube);
+  }
+
   paint() {
     const data = this.isData(), reference = this.reference();
-    const table = makeToneTable(data ? 0 : this.exposure, data ? "srgb" : this.curve);
+    const tone = data ? new Tone(0, "srgb", null) : this.makeTone();
     if (this.shown < 0)
       return;
     for (const panel of this.panels) {
-      if (panel.source(this.view, this.shown) === null)
+      const source = panel.source(this.view, this.shown);
+      if (source === null)
         continue;
+      if (source.groups && panel.painter.parts)
+        panel.painter.mix(source.groups.map(name => this.factorOf(name)));
       if (this.view === "error" && this.canShowError(panel) && reference.source(this.view, this.shown) !== null)
         panel.painter.paintError(reference.painter, this.exposure);
       else
-        panel.painter.paint(table);
+        panel.painter.paint(tone);
     }
   }
 
@@ -119,6 +132,16 @@ class Player {
 
   setExposure(stops) {
     this.exposure = Math.min(Math.max(Math.round(10 * stops) / 10, -8), 8);
+    this.paint();
+    this.onChange(this);
+  }
+
+  factorOf(group) {
+    return group in this.factors ? this.factors[group] : 1;
+  }
+
+  setFactor(group, factor) {
+    this.factors[group] = factor;
     this.paint();
     this.onChange(this);
   }

@@ -13,7 +13,7 @@ function formatValue(value) {
 
 class Probe {
   constructor(box, data, player, stage) {
-    Object.assign(this, { box, data, player, stage, place: null, pinned: false, values: new SceneValues(data) });
+    Object.assign(this, { box, data, player, stage, place: null, pinned: false, values: new SceneValues(data), names: new MatteNames() });
     this.where = make("p", { className: "where" });
     this.rows = data.sequences.map((sequence, index) => this.makeRow(sequence, index));
     this.note = make("p", { className: "note" });
@@ -93,8 +93,11 @@ class Probe {
     if (probed)
       factors.add(probed.factor);
     if (source) {
-      const light = painter.lightAt(Math.min(Math.floor(this.place[0] * painter.width), painter.width - 1), Math.min(Math.floor(this.place[1] * painter.height), painter.height - 1));
-      if (!isPictureView(view))
+      const column = Math.min(Math.floor(this.place[0] * painter.width), painter.width - 1), row = Math.min(Math.floor(this.place[1] * painter.height), painter.height - 1);
+      const light = painter.lightAt(column, row), name = isPictureView(view) ? null : this.names.at(source, column, row);
+      if (name !== null)
+        near.push(name !== "" ? `${view}: ${name}` : `${view}: nothing`);
+      else if (!isPictureView(view))
         near.push(`${view} \u2248 ${valuesOfLayer(source.layer, light).map(value => Number.isFinite(value) ? formatNumber(value) : "nothing").join("  ")}`);
       else if (!probed || probed.factor > 1)
         near.push(`\u2248 ${light.map(formatNumber).join("  ")}`);
@@ -103,7 +106,7 @@ class Probe {
     row.light.title = probed ? "red, green, blue" : "";
     row.near.textContent = near.join("   ");
     row.element.dataset.factor = probed ? probed.factor : "";
-    const bytes = probed ? probed.light.map(value => encodeSrgb(s_curves[this.player.curve](2 ** this.player.exposure * value))) : [0, 0, 0];
+    const bytes = probed ? showLight(probed.light.map(value => 2 ** this.player.exposure * value), this.player.curve, this.player.cube) : [0, 0, 0];
     row.swatch.style.background = `rgb(${bytes.join(" ")})`;
   }
 }

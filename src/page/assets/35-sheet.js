@@ -85,20 +85,16 @@ class ContactSheet {
         const frame = await decodeFrame(cell.id);
         cell.levels = shrinkFrame(frame, cell.canvas.width, cell.canvas.height, this.scratch);
         frame.bitmap.close();
-        this.paintCell(cell, makeToneTable(this.player.exposure, this.player.curve));
+        this.paintCell(cell, this.player.makeTone());
       }
     } finally {
       this.busy = false;
     }
   }
 
-  paintCell(cell, table) {
+  paintCell(cell, tone) {
     const context = cell.canvas.getContext("2d", { alpha: false }), image = context.createImageData(cell.canvas.width, cell.canvas.height);
-    for (let i = 0, to = 0; i < cell.levels.length; ++i) {
-      image.data[to++] = table[cell.levels[i] + HALF_TABLE];
-      if (i % 3 === 2)
-        image.data[to++] = 255;
-    }
+    tone.paint(cell.levels, new Uint32Array(image.data.buffer));
     context.putImageData(image, 0, 0);
     cell.button.dataset.painted = "yes";
   }
@@ -109,8 +105,8 @@ class ContactSheet {
     if (key === this.painted)
       return;
     this.painted = key;
-    const table = makeToneTable(this.player.exposure, this.player.curve);
-    this.cells.filter(cell => cell.levels !== null).forEach(cell => this.paintCell(cell, table));
+    const tone = this.player.makeTone();
+    this.cells.filter(cell => cell.levels !== null).forEach(cell => this.paintCell(cell, tone));
   }
 
   markCurrent() {

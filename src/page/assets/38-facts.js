@@ -15,12 +15,14 @@ function showVerdict(data, seek) {
 
 function showWarnings(data) {
   const box = document.getElementById("warnings"), count = data.warnings.length;
+  const lost = data.warnings.filter(warning => warning.loss).length, rest = count - lost;
+  const titles = [lost > 0 ? `Lost by the export: ${lost}` : "", rest > 0 ? `${rest} warning${rest === 1 ? "" : "s"}` : ""];
   box.hidden = count === 0;
-  box.open = count <= 4;
-  document.getElementById("warnings-title").textContent = `${count} warning${count === 1 ? "" : "s"}`;
-  for (const { sequence, text } of data.warnings) {
+  box.open = count <= 4 || lost > 0;
+  document.getElementById("warnings-title").textContent = titles.filter(title => title !== "").join("; ");
+  for (const { sequence, text, loss } of data.warnings) {
     const name = data.sequences.length > 1 ? [make("strong", { textContent: `${data.sequences[sequence].name}: ` })] : [];
-    document.getElementById("warnings-list").append(make("li", {}, ...name, text));
+    document.getElementById("warnings-list").append(make("li", { className: loss ? "loss" : "" }, ...name, text));
   }
 }
 

@@ -9,14 +9,17 @@ function showFailure(error) {
 
 const colorOf = index => `var(--series-${index % 6})`;
 
-// What a view shows of a frame of a sequence: { id, width, height, layer }, or null.
+// What a view shows of a frame of a sequence: { ids, width, height, layer, groups }, or null. The mix has a block for each light group.
 function sourceOf(sequence, data, view, i) {
   if (sequence.blocks[i] === null)
     return null;
   if (isPictureView(view))
-    return { id: sequence.blocks[i], width: sequence.width, height: sequence.height };
-  const k = sequence.layers.findIndex(layer => layer.name === view), layer = sequence.layers[k];
-  return layer && sequence.has_layers[i] ? { id: `l${sequence.index}-${k}-${data.frames[i]}`, width: layer.width, height: layer.height, layer } : null;
+    return { ids: [sequence.blocks[i]], width: sequence.width, height: sequence.height };
+  const mixes = view === "mix" && sequence.mixes, shown = sequence.layers.filter(layer => mixes ? layer.group : layer.name === view);
+  if (shown.length === 0 || !sequence.has_layers[i])
+    return null;
+  const ids = shown.map(layer => `l${sequence.index}-${sequence.layers.indexOf(layer)}-${data.frames[i]}`), { width, height } = shown[0];
+  return mixes ? { ids, width, height, layer: { name: "mix", look: "light" }, groups: shown.map(layer => layer.name) } : { ids: ids.slice(0, 1), width, height, layer: shown[0] };
 }
 
 function makePanel(sequence, index, data) {

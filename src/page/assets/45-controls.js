@@ -2,15 +2,39 @@
 
 const element = id => document.getElementById(id);
 
-// Views: the picture, its error where there is a reference, and the AOVs that any sequence has.
+// Sliders of the light groups that any sequence can mix, and what gives the same as a file.
+function fillMix(player, data) {
+  const names = [...new Set(data.sequences.filter(sequence => sequence.mixes).flatMap(sequence => sequence.layers.filter(layer => layer.group).map(layer => layer.name)))];
+  const sliders = names.map(name => {
+    const slider = make("input", { type: "range", min: 0, max: 4, step: 0.05, value: 1 }), value = make("output", {}), label = make("label", {}, name.replace(/^light_/, ""), " ", slider, " ", value);
+    slider.addEventListener("input", () => player.setFactor(name, Number(slider.value)));
+    element("mix-groups").append(label);
+    return { name, slider, value };
+  });
+  element("mix-reset").addEventListener("click", () => names.forEach(name => player.setFactor(name, 1)));
+  return () => {
+    element("mix").hidden = player.view !== "mix";
+    for (const { name, slider, value } of sliders) {
+      slider.value = player.factorOf(name);
+      value.textContent = player.factorOf(name).toFixed(2);
+    }
+    const changed = names.filter(name => player.factorOf(name) !== 1).map(name => `${name.replace(/^light_/, "")}=${Number(player.factorOf(name).toFixed(2))}`);
+    const mix = changed.join(","), quoted = /^[\w=,.-]*$/.test(mix) ? mix : `'${mix.replaceAll("'", "'\\''")}'`; // for a shell
+    element("mix-command").textContent = mix !== "" ? `reframe png --mix ${quoted}` : "";
+  };
+}
+
+// Views: the picture, its error where there is a reference, and the passes that any sequence has.
 function fillViews(player, data) {
   const names = [...new Set(data.sequences.flatMap(sequence => sequence.layers.map(layer => layer.name)))];
   const add = (value, text) => element("view").append(make("option", { value, textContent: text }));
   add("picture", "Image");
   if (player.panels.some(panel => player.canShowError(panel)))
     add("error", player.reference().isReference ? "Error" : `Difference to ${player.reference().sequence.name}`);
+  if (data.sequences.some(sequence => sequence.mixes))
+    add("mix", "Light groups, mixed");
   for (const name of names)
-    add(name, name[0].toUpperCase() + name.slice(1));
+    add(name, name.startsWith("light_") ? `Light: ${name.slice(6)}` : name[0].toUpperCase() + name.slice(1));
   element("view").parentElement.hidden = element("view").options.length < 2;
   element("view").addEventListener("change", event => player.setView(event.target.value));
 }
@@ -61,6 +85,7 @@ function connectControls(player, data) {
   element("curve").addEventListener("change", event => player.setCurve(event.target.value));
   element("fps").addEventListener("change", event => player.setFps(Number(event.target.value)));
   fillViews(player, data);
+  return fillMix(player, data);
 }
 
 function connectKeys(player, stage, probe, toggleWipe, data) {

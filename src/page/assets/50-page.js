@@ -35,13 +35,19 @@ function start() {
   const count = data.sequences.length;
   element("panels").style.setProperty("--columns", count <= 3 ? count : Math.ceil(Math.sqrt(count)));
   const panels = data.sequences.map((sequence, index) => makePanel(sequence, index, data)), charts = [];
-  let sheet = null, probe = null;
+  let sheet = null, probe = null, showMix = () => {};
   const player = new Player(panels, data.frames.length, data.fps, () => {
     showState(player, data, charts, sheet);
+    showMix();
     if (probe)
       probe.show();
   });
   player.exposure = data.exposure;
+  if (data.view) {
+    player.cube = bytesOf("view-cube");
+    player.curve = "view";
+    element("curve").prepend(new Option(data.view, "view", true, true));
+  }
   const stage = new Stage(element("panels"), panels, (panel, u, v, how) => probe.point(u, v, how));
   connectZoom(stage);
   probe = new Probe(element("probe"), data, player, stage);
@@ -51,7 +57,7 @@ function start() {
   showWarnings(data);
   charts.push(...addCharts(data, seek));
   addFacts(data);
-  connectControls(player, data);
+  showMix = connectControls(player, data);
   connectKeys(player, stage, probe, connectLayout(stage, data, () => probe.show()), data);
   player.seek(0).then(() => {
     sheet = new ContactSheet(data, player);

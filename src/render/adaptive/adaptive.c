@@ -253,7 +253,7 @@ static void clear_classes( const RfRenderer* r )
     for ( int k = 0; k < r->setup->sizes.materials; ++k )
     {
         const RfMaterial* material = scene->materials + k;
-        r->memory.noise[k].special = material->kind == RF_BSDF_GLASS || rf_may_be_smooth( material );
+        r->memory.noise[k].special = material->kind >= RF_BSDF_FIRST_SPECULAR || rf_may_be_smooth( material );
     }
 }
 
@@ -268,6 +268,8 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
     double pairs = fmin( fmax( PAIR_SHARE * pixels * path * r->setup->settings.spp, LEAST_PAIRS ), MOST_PAIRS );
     uint32_t* landed = live->aovs.landed;
     float* sky = live->aovs.mean[RF_AOV_ALPHA];
+    RfCovering* covering = live->covering;
+    live->covering = NULL;
     live->aovs.landed = NULL; // AOVs do not count these samples
     live->aovs.mean[RF_AOV_ALPHA] = NULL;
     for ( int k = 0; k < frames; ++k )
@@ -281,6 +283,7 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
     }
     live->frame = frame;
     live->aovs.landed = landed;
+    live->covering = covering;
     live->aovs.mean[RF_AOV_ALPHA] = sky;
     memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
     for ( int set = 0; set < 2; ++set )

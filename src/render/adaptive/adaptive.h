@@ -51,7 +51,7 @@ typedef struct RfMaterialNoise
 // Does the scene have materials whose noise is to be measured?
 static inline bool rf_noise_differs( const RfSceneTraits* traits )
 {
-    return traits->smooth || ( traits->kinds & 1u << RF_BSDF_GLASS ) != 0;
+    return traits->smooth || ( traits->kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
 }
 
 // Extra samples in a pass, per pixel, at most: where all materials are alike, and elsewhere.

@@ -13,6 +13,9 @@
 
 static size_t film_pixels( const RfRenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
 
+#define MATTES ( RF_CRYPTOMATTE_KINDS * RF_CRYPTOMATTE_LAYERS )
+static size_t group_bytes( const RfRenderSizes* s ) { return film_pixels( s ) * 3 * sizeof( float ); }
+
 // One frame on its way to the caller.
 static RfResult alloc_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
@@ -27,6 +30,16 @@ static RfResult alloc_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfError
         if ( rf_aov_image_bytes( s, a ) > 0 )
             result = rf_arena_alloc( &m->arena, "layer images", rf_aov_image_bytes( s, a ), (void**)&buffer->layers[a], error );
     }
+    for ( int i = 0; i < MATTES && result == RF_OK; ++i )
+    {
+        size_t bytes = rf_matte_bytes( s, i / RF_CRYPTOMATTE_LAYERS );
+        if ( bytes > 0 )
+            result = rf_arena_alloc( &m->arena, "layer images", bytes, (void**)&buffer->mattes[i], error );
+    }
+    if ( rf_layer_list_bytes( s ) > 0 && result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "layer images", rf_layer_list_bytes( s ), (void**)&buffer->list, error );
+    for ( int g = 0; g < s->group_films && result == RF_OK; ++g )
+        result = rf_arena_alloc( &m->arena, "layer images", group_bytes( s ), (void**)&buffer->groups[g], error );
     return result;
 }
 
@@ -36,6 +49,11 @@ static void free_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfFrameBuffe
     rf_arena_free( &m->arena, "image", buffer->weight, film_pixels( s ) * sizeof( float ) );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
         rf_arena_free( &m->arena, "layer images", buffer->layers[a], rf_aov_image_bytes( s, a ) );
+    for ( int i = 0; i < MATTES; ++i )
+        rf_arena_free( &m->arena, "layer images", buffer->mattes[i], rf_matte_bytes( s, i / RF_CRYPTOMATTE_LAYERS ) );
+    rf_arena_free( &m->arena, "layer images", buffer->list, rf_layer_list_bytes( s ) );
+    for ( int g = 0; g < s->group_films; ++g )
+        rf_arena_free( &m->arena, "layer images", buffer->groups[g], group_bytes( s ) );
 }
 
 // The first buffer: at least one is needed.
@@ -76,10 +94,15 @@ static RfResult alloc_film( const RfRenderSizes* s, RfRenderMemory* m, RfFilm* f
     return result;
 }
 
+static size_t films_table_bytes( const RfRenderSizes* s ) { return (size_t)s->film_count * sizeof( RfFilm ); }
+
 static RfResult alloc_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFilm* live, RfError* error )
 {
     RfResult result = RF_OK;
     live->frame = -1;
+    result = rf_arena_alloc( &m->arena, "film table", films_table_bytes( s ), (void**)&live->films, error );
+    if ( result == RF_OK )
+        memset( live->films, 0, films_table_bytes( s ) );
     for ( int f = 0; f < s->film_count && result == RF_OK; ++f )
         result = alloc_film( s, m, live->films + f, error );
     for ( int h = 0; h < 2 && result == RF_OK && s->adaptive; ++h )
@@ -90,6 +113,8 @@ static RfResult alloc_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLi
         result = rf_arena_alloc( &m->arena, "adaptive", rf_glints_bytes( s ), (void**)&live->glints, error );
     if ( s->of_estimator.pass_state > 0 && result == RF_OK )
         result = rf_arena_alloc( &m->arena, "landed cameras", s->of_estimator.pass_state, &live->pass_state, error );
+    if ( s->covering && result == RF_OK )
+        result = rf_arena_alloc( &m->arena, "surfaces", rf_covering_bytes( s ), (void**)&live->covering, error );
     if ( result == RF_OK )
         result = alloc_aov_film( s, m, &live->aovs, error );
     return result;
@@ -238,7 +263,7 @@ RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSi
 
 static void free_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFilm* live )
 {
-    for ( int f = 0; f < s->film_count; ++f )
+    for ( int f = 0; f < s->film_count && live->films != NULL; ++f )
     {
         for ( int h = 0; h < 2; ++h )
         {
@@ -246,11 +271,13 @@ static void free_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFil
             rf_arena_free( &m->arena, "films", live->films[f].total[h], rf_totals_bytes( s ) );
         }
     }
-    for ( int h = 0; h < 2; ++h )
+    for ( int h = 0; h < 2 && live->films != NULL; ++h )
         rf_arena_free( &m->arena, "adaptive", live->films[0].extra[h], rf_extra_bytes( s ) );
+    rf_arena_free( &m->arena, "film table", live->films, films_table_bytes( s ) );
     rf_arena_free( &m->arena, "adaptive", live->need, rf_need_bytes( s ) );
     rf_arena_free( &m->arena, "adaptive", live->glints, rf_glints_bytes( s ) );
     rf_arena_free( &m->arena, "landed cameras", live->pass_state, s->of_estimator.pass_state );
+    rf_arena_free( &m->arena, "surfaces", live->covering, rf_covering_bytes( s ) );
     free_aov_film( s, m, &live->aovs );
 }
 

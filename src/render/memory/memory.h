@@ -10,9 +10,10 @@
 // The films of one frame of the path while it is rendered. render/state.c saves all of it.
 typedef struct RfLiveFilm
 {
-    int frame;                  // −1: free
-    RfFilm films[RF_MAX_FILMS]; // as many as the estimator asks for; the first counts passes and samples
+    int frame;     // −1: free
+    RfFilm* films; // RfRenderSizes.film_count; the first counts passes and samples
     RfAovFilm aovs;
+    RfCovering* covering;              // of the pixels by surfaces; NULL: not asked for
     void* pass_state;                  // the estimator's, see RfEstimatorSizes; NULL: none
     double noise, flicker, noise_seen; // as `noise`, `flicker` and `seen` in RfFrameNoise
     RfPairNoise pair;

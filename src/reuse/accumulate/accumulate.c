@@ -5,6 +5,8 @@
 #include "base/fault.h"
 #include "path/mis.h"
 #include "reuse/accumulate/biased_weights.h"
+#include "reuse/accumulate/covering.h"
+#include "reuse/accumulate/pass_light.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/harvest/harvest.h"
 #include "scene/lens.h"
@@ -366,18 +368,40 @@ static FrameLight find_light( const RfAccumulation* a, const RfHitBatch* batch, 
     return light;
 }
 
-// Adds the radiance of dimmed lamps to that of the batch.
-static float* add_dimmed( const FrameLight* light, const RfHitBatch* batch, RfAccumulateScratch* s )
+// Misses and glints of the base parts of light groups, which have the scale 1. Misses may be black.
+static void add_others( const RfAccumulation* a, const float* light, const RfHitBatch* batch, float* sum )
+{
+    int first = batch->count + ( a->shape.own_frame_light ? 0 : batch->miss_count );
+    int end = batch->count + batch->miss_count + batch->glint_count;
+    for ( int i = 4 * first; i < 4 * end; ++i )
+        sum[i] += light[i];
+}
+
+static void add_part( const FrameLight* light, int k, int count, float* restrict sum )
+{
+    const float scale[4] = { light->scale[k].x, light->scale[k].y, light->scale[k].z, 0.0f };
+    for ( int i = 0; i < 4 * count; ++i )
+        sum[i] += scale[i % 4] * light->radiance[k][i];
+}
+
+static size_t listed_bytes( const RfHitBatch* batch )
+{
+    return 4 * sizeof( float ) * (size_t)( batch->count + batch->miss_count + batch->glint_count );
+}
+
+// Adds the radiance of all parts to that of the batch.
+static float* add_dimmed( const RfAccumulation* a, const FrameLight* light, const RfHitBatch* batch, RfAccumulateScratch* s )
 {
     if ( light->parts == 0 )
         return batch->radiance;
-    memcpy( s->radiance, batch->radiance,
-            4 * sizeof( float ) * (size_t)( batch->count + batch->miss_count + batch->glint_count ) );
+    memcpy( s->radiance, batch->radiance, listed_bytes( batch ) );
     for ( int k = 0; k < light->parts; ++k )
     {
-        const float scale[4] = { light->scale[k].x, light->scale[k].y, light->scale[k].z, 0.0f };
-        for ( int i = 0; i < 4 * batch->count && light->radiance[k] != NULL; ++i )
-            s->radiance[i] += scale[i % 4] * light->radiance[k][i];
+        if ( light->radiance[k] == NULL )
+            continue;
+        add_part( light, k, batch->count, s->radiance );
+        if ( k + 1 < a->lights->group_count )
+            add_others( a, light->radiance[k], batch, s->radiance );
     }
     return s->radiance;
 }
@@ -499,9 +523,9 @@ static uint64_t splat( const RfAccumulation* a, int eye, const RfHitBatch* batch
 
 // The pixels of a job in one of its films. Where own-frame light has sums of its own, they get the glints of groups and the count of
 // own samples, but not extra ones.
-static PixelRange find_range( const RfAccumulation* a, RfAccumulateJob job, int film, int width )
+static PixelRange find_range( const RfAccumulation* a, RfAccumulateJob job, const RfFilm* film, int width )
 {
-    float *half = job.films[film].half[job.half], *own = rf_film_own( job.films + film, job.half );
+    float *half = film->half[job.half], *own = rf_film_own( film, job.half );
     return ( PixelRange ){
         .film = half,
         .glints = own != NULL && a->shape.own_light ? own : half,
@@ -515,14 +539,14 @@ static PixelRange find_range( const RfAccumulation* a, RfAccumulateJob job, int 
 // Adds what is taken out to a film of its own, whose weights do not matter. Caustics count in their own frame alone.
 static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
-    PixelRange range = find_range( a, job, 1, a->eyes[job.eye].width );
+    PixelRange range = find_range( a, job, job.films + 1, a->eyes[job.eye].width );
     RfHitBatch removed = *batch;
     bool clamped = a->shape.clamped;
     if ( !clamped && job.eye != batch->eye )
         return;
     FrameLight light = find_light( a, batch, true );
     removed.radiance = batch->removed;
-    removed.radiance = add_dimmed( &light, &removed, scratch );
+    removed.radiance = add_dimmed( a, &light, &removed, scratch );
     removed.directions = batch->removed_directions;
     range.counted = NULL;
     range.sky = NULL;
@@ -536,19 +560,183 @@ static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfH
         splat( a, job.eye, &removed, range, scratch );
 }
 
+// The light of each group, by base part: s->lit.
+static void light_groups( const RfAccumulation* a, const RfHitBatch* batch, const FrameLight* light, RfAccumulateScratch* s )
+{
+    const RfLights* lights = a->lights;
+    for ( int base = 0; base < lights->group_count; ++base )
+        s->lit[base] = base == 0 ? batch->radiance : light->radiance[base - 1];
+    for ( int k = lights->group_count - 1; k < light->parts; ++k ) // of dimmed lamps
+    {
+        int base = lights->base_part[k + 1];
+        if ( light->radiance[k] == NULL )
+            continue;
+        if ( s->lit[base] != s->lit_here[base] )
+            memcpy( s->lit_here[base], s->lit[base], listed_bytes( batch ) );
+        s->lit[base] = s->lit_here[base];
+        add_part( light, k, batch->count, s->lit_here[base] );
+    }
+}
+
+// light_glossy for all groups at once, into s->sums, and all of their light, into s->sum.
+static void light_glossy_groups( const RfAccumulation* a, int eye, const RfHitBatch* batch, const FrameLight* light,
+                                 RfAccumulateScratch* s )
+{
+    const RfLights* lights = a->lights;
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( batch );
+    float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
+    const float* wo_in[3] = { wo[0], wo[1], wo[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    for ( int base = 0; base < lights->group_count; ++base )
+    {
+        for ( int i = 0; i < count; ++i )
+        {
+            for ( int c = 0; c < 3; ++c )
+                s->sums[base][c][i] = s->lit[base][4 * ( first + i ) + c];
+        }
+    }
+    RfEye at = rf_eye_of( a, eye, batch );
+    rf_directions_to( a->mirrors, &at, eye, batch, wo );
+    for ( int d = 0; d < rf_direction_count( &a->shape ); ++d )
+    {
+        const RfDirectionLanes* lanes = batch->directions + d;
+        const float *wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] }, *q_of[3];
+        if ( !find_q( light, batch, d, q_of, s ) )
+            continue;
+        rf_evaluate_glossy( batch, wo_in, wi, f, NULL );
+        for ( int part = 0; part <= light->parts; ++part )
+        {
+            const RfDirectionLanes* of_part = part == 0                             ? lanes
+                                              : light->directions[part - 1] != NULL ? light->directions[part - 1] + d
+                                                                                    : NULL;
+            if ( of_part == NULL || of_part->dark )
+                continue;
+            RfVec3 of_frame = part == 0 ? rf_vec3( 1, 1, 1 ) : light->scale[part - 1];
+            const float scale[3] = { of_frame.x, of_frame.y, of_frame.z };
+            for ( int c = 0; c < 3; ++c )
+            {
+                float* restrict sum = s->sums[lights->base_part[part]][c];
+                const float* restrict q = of_part->q[c];
+                const float* restrict of_lobes = s->f[c];
+#pragma omp simd
+                for ( int i = 0; i < count; ++i )
+                    sum[i] += of_lobes[i] * ( scale[c] * q[i] );
+            }
+        }
+    }
+    memset( s->sum, 0, sizeof s->sum );
+    for ( int k = 0; k < 3 * lights->group_count; ++k )
+    {
+        for ( int i = 0; i < count; ++i )
+            s->sum[k % 3][i] += s->sums[k / 3][k % 3][i];
+    }
+}
+
+// Adds the light of each group to its film.
+static void add_groups( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+{
+    int count = a->lights->group_count;
+    for ( int base = 0; base < count; ++base )
+    {
+        RfHitBatch of_group = *batch;
+        of_group.radiance = (float*)(uintptr_t)scratch->lit[base];
+        PixelRange range = find_range( a, job, job.groups + rf_group_of_part( base, count ), a->eyes[job.eye].width );
+        range.counted = NULL;
+        range.sky = NULL;
+        if ( rf_glossy_count( batch ) > 0 )
+            memcpy( scratch->sum, scratch->sums[base], sizeof scratch->sum );
+        if ( rf_has_filter( a->filter ) )
+            spread( a, job.eye, &of_group, range, scratch );
+        else
+            splat( a, job.eye, &of_group, range, scratch );
+    }
+}
+
+// Direct light of the glossy hits towards the camera, by light samples and scattered directions, after light_glossy.
+static void light_glossy_directly( const RfAccumulation* a, const RfHitBatch* given, const FrameLight* light,
+                                   RfAccumulateScratch* s )
+{
+    int first = given->first[RF_BSDF_FIRST_GLOSSY], count = rf_glossy_count( given ), scattered = rf_first_pairing( &a->shape );
+    const float* wo[3] = { s->wo[0], s->wo[1], s->wo[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    for ( int d = 0; d <= scattered; ++d )
+    {
+        const RfDirectionLanes* lanes = given->directions + d;
+        const float *wi[3] = { lanes->wi[0], lanes->wi[1], lanes->wi[2] }, *q_of[3];
+        bool sampled = d < rf_light_directions( &a->shape );
+        if ( ( !sampled && d < scattered ) || !find_q( light, given, d, q_of, s ) )
+            continue;
+        rf_evaluate_glossy( given, wo, wi, f, NULL );
+        for ( int i = 0; i < 3 * count; ++i )
+        {
+            int c = i / count, hit = i % count;
+            float q = sampled ? q_of[c][hit] : given->passes->direct_q[c][hit];
+            for ( int k = 0; k < light->parts && !sampled; ++k )
+            {
+                const float scale[3] = { light->scale[k].x, light->scale[k].y, light->scale[k].z };
+                if ( given->dimmed[k].passes != NULL )
+                    q += scale[c] * given->dimmed[k].passes->direct_q[c][hit];
+            }
+            s->direct[c][first + hit] += s->f[c][hit] * q;
+        }
+    }
+}
+
+// Adds each pass that is asked for to its film. `lit`: the batch with all of its light; of glossy hits it is in s->sum.
+static void add_passes( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* given, const RfHitBatch* lit,
+                        const FrameLight* light, RfAccumulateScratch* s )
+{
+    RfFilm* film = job.passes;
+    rf_begin_pass_light( lit, s );
+    rf_add_pass_light( given, given->passes, rf_vec3( 1, 1, 1 ), s );
+    for ( int k = 0; k < light->parts; ++k )
+    {
+        if ( given->dimmed[k].passes != NULL )
+            rf_add_pass_light( given, given->dimmed[k].passes, light->scale[k], s );
+    }
+    if ( rf_glossy_count( given ) > 0 )
+        light_glossy_directly( a, given, light, s );
+    for ( RfAov pass = RF_AOV_EMISSION; pass <= RF_AOV_TRANSMISSION; ++pass )
+    {
+        if ( ( a->passes & RF_AOV_BIT( pass ) ) == 0 )
+            continue;
+        RfHitBatch of_pass = *given;
+        PixelRange range = find_range( a, job, film++, a->eyes[job.eye].width );
+        range.counted = NULL;
+        range.sky = NULL;
+        rf_light_pass( lit, pass, s );
+        of_pass.radiance = s->pass;
+        if ( rf_has_filter( a->filter ) )
+            spread( a, job.eye, &of_pass, range, s );
+        else
+            splat( a, job.eye, &of_pass, range, s );
+    }
+}
+
 static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* given, PixelRange range,
                            RfAccumulateScratch* scratch )
 {
     RfHitBatch lit = *given, *batch = &lit;
+    bool grouped = job.groups != NULL;
     FrameLight light = find_light( a, given, false );
-    lit.radiance = add_dimmed( &light, given, scratch );
+    if ( grouped )
+        light_groups( a, given, &light, scratch );
+    lit.radiance = add_dimmed( a, &light, given, scratch );
     reproject( a, job.eye, batch, scratch );
     if ( rf_glossy_count( batch ) > 0 && batch->arrivals != NULL )
         rf_light_glossy_eq15( a, job.eye, batch, job.pass_state, scratch );
+    else if ( rf_glossy_count( batch ) > 0 && grouped )
+        light_glossy_groups( a, job.eye, given, &light, scratch );
     else if ( rf_glossy_count( batch ) > 0 )
         light_glossy( a, job.eye, batch, &light, scratch );
     uint64_t landed =
         rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
+    if ( job.covering != NULL )
+        rf_cover_rows( a, job, batch, scratch );
+    if ( job.passes != NULL )
+        add_passes( a, job, given, batch, &light, scratch );
+    if ( grouped )
+        add_groups( a, job, given, scratch );
     if ( batch->removed != NULL && batch->any_removed )
         add_removed( a, job, given, scratch );
     if ( job.landed != NULL )
@@ -568,12 +756,13 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
         .weights = group->settings->weights,
         .filter = group->need == NULL ? group->filter : NULL,
         .extra = group->need != NULL,
+        .passes = group->settings->aovs,
         .weight = job.weight,
         .lights = rf_tracer_lights( group->tracers != NULL ? group->tracers[job.eye] : group->tracer ),
         .batches = batches,
         .batch_count = batch_count,
     };
-    PixelRange range = find_range( &a, job, 0, group->width );
+    PixelRange range = find_range( &a, job, job.films, group->width );
     if ( a.shape.arrivals > 0 )
         note_landed_eyes( &a, job, range, scratch );
     uint64_t landed = 0;

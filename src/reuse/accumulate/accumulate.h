@@ -19,17 +19,27 @@ typedef struct RfAccumulateScratch
     RF_ALIGN float sum[3][RF_LANES];
     RF_ALIGN float pdf[RF_LANES];
     RF_ALIGN float offset[2][RF_LANES]; // place in the pixel; with a pixel filter, else not allocated unless the next are
-    // only where lamps may be dimmed
+    // only where light has parts
     RF_ALIGN float q[3][RF_LANES];
     RF_ALIGN float radiance[8 * RF_LANES];
+    // only where it is sorted into passes: all of it by hit, towards the camera, what of it is emission or direct, and one pass, 4 per
+    // hit, miss and glint
+    RF_ALIGN float whole[3][RF_LANES], emission[3][RF_LANES], direct[3][RF_LANES];
+    RF_ALIGN float pass[4 * RF_MOST_LISTED];
+    // only where it has groups
+    const float* lit[RF_LIGHT_GROUPS_MOST]; // radiance, 4 per hit, miss and glint, by base part (light/light.h)
+    RF_ALIGN float lit_here[RF_LIGHT_GROUPS_MOST][8 * RF_LANES]; // where it is, if it is no array of the batch
+    float sums[RF_LIGHT_GROUPS_MOST][3][RF_LANES];               // as `sum`
 } RfAccumulateScratch;
 
 // Bytes of a workspace.
 static inline size_t rf_accumulate_scratch_bytes( const RfBatchShape* shape )
 {
-    return shape->dimmed > 0 ? sizeof( RfAccumulateScratch )
-           : shape->filtered ? offsetof( RfAccumulateScratch, q )
-                             : offsetof( RfAccumulateScratch, offset );
+    return shape->groups > 0   ? sizeof( RfAccumulateScratch )
+           : shape->passes     ? offsetof( RfAccumulateScratch, lit )
+           : shape->dimmed > 0 ? offsetof( RfAccumulateScratch, whole )
+           : shape->filtered   ? offsetof( RfAccumulateScratch, q )
+                               : offsetof( RfAccumulateScratch, offset );
 }
 
 // What all batches of a call share.
@@ -40,6 +50,7 @@ typedef struct RfAccumulation
     RfBatchShape shape;
     RfWeights weights;
     const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
+    unsigned passes;             // RF_PASS_AOVS among others
     bool extra;                  // samples are extra ones of adaptive sampling
     float weight;                // of the pass in the film
     const RfLights* lights;      // of the film's frame

@@ -149,6 +149,17 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const
         rf_directions_to_image( mirrors, at, batch, wo );
 }
 
+static RfBsdfLanes lanes_of( const RfHitBatch* b, RfBsdfKind kind, int first )
+{
+    RfBsdfLanes lanes = { .n = { b->n[0] + first, b->n[1] + first, b->n[2] + first } };
+    for ( uint32_t left = rf_bsdf_model( kind )->params; left != 0; left &= left - 1 )
+    {
+        int p = __builtin_ctz( left );
+        lanes.param[p] = b->param[p] + first;
+    }
+    return lanes;
+}
+
 void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const float* const wi[3], float* const f[3],
                          float* pdf_solid_angle )
 {
@@ -158,11 +169,7 @@ void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const fl
         int k = b->first[kind] - base, count = b->first[kind + 1] - b->first[kind];
         if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
-        const float* n[3] = { b->n[0], b->n[1], b->n[2] };
-        const float* param[RF_PARAM_COUNT];
-        for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-            param[p] = b->param[p];
-        RfBsdfLanes lanes = rf_bsdf_lanes( (RfBsdfKind)kind, n, param, k );
+        RfBsdfLanes lanes = lanes_of( b, (RfBsdfKind)kind, k );
         const float* out_dir[3] = { wo[0] + k, wo[1] + k, wo[2] + k };
         const float* in_dir[3] = { wi[0] + k, wi[1] + k, wi[2] + k };
         if ( f != NULL )
@@ -186,9 +193,11 @@ void rf_clear_directions( RfHitBatch* batch, int directions )
     for ( int d = 0; d < directions; ++d )
     {
         RfDirectionLanes* lanes = batch->directions + d;
+        lanes->dark = true;
         for ( int c = 0; c < 3; ++c )
         {
-            clear( lanes->wi[c], count );
+            for ( int i = 0; i < count; ++i )
+                lanes->wi[c][i] = c == 2 ? 1.0f : 0.0f; // some direction
             clear( lanes->q[c], count );
         }
     }

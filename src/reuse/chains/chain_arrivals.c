@@ -17,7 +17,7 @@ static void list_hits( const RfHarvestScratch* scratch, RfChainSamples* samples 
     }
 }
 
-static void add_own( const RfHarvest* harvest, const RfHarvestScratch* scratch, RfChainSampling sampling, RfArrivals* arrivals )
+static void add_own( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling )
 {
     const RfVertexLanes* v = scratch->hits;
     const RfChainLight* chain_light = scratch->wavefront.chain_light;
@@ -26,7 +26,9 @@ static void add_own( const RfHarvest* harvest, const RfHarvestScratch* scratch, 
         int slot = v->slot[i];
         bool taken = scratch->chain_samples != NULL && scratch->chain_samples->taken[i];
         bool own = harvest->path.own != NULL && chain_light->touched[slot];
-        float( *rest )[RF_LANES] = own ? harvest->path.own->arrivals.rest : arrivals->rest;
+        int part = harvest->path.grouped ? chain_light->part[slot] : 0;
+        RfArrivals* arrivals = rf_arrivals_of_part( &scratch->wavefront, part );
+        float( *rest )[RF_LANES] = own ? rf_own_arrivals( harvest->path.own, part )->rest : arrivals->rest;
         float( *to )[RF_LANES] = taken ? arrivals->emitted : rest, found = 0.0f;
         for ( int c = 0; c < 3; ++c )
             found += chain_light->light[c][slot];
@@ -47,7 +49,7 @@ void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
 {
     if ( scratch->chain_samples != NULL )
         list_hits( scratch, scratch->chain_samples );
-    add_own( harvest, scratch, sampling, &scratch->wavefront.arrivals );
+    add_own( harvest, scratch, sampling );
     if ( scratch->chain_samples != NULL )
         rf_trace_chain_samples( &harvest->path, sampling, scratch->hits, &scratch->wavefront, scratch->chain_samples );
 }

@@ -65,9 +65,26 @@ static bool any_is_lit( const RfVertexLanes* v )
     return false;
 }
 
-// Next event estimation at chain vertices, for lobes that are not deltas, into wavefront->arrivals.
-static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexLanes* v, RfWavefront* wavefront,
-                         const RfChains* chains )
+static void add_by_event( RfChains* chains, int event, int slot, const float light[3] )
+{
+    if ( event == RF_EVENT_NONE )
+        return;
+    float( *to )[RF_LANES] = event == RF_EVENT_REFLECTION ? chains->by_event->reflection : chains->by_event->transmission;
+    for ( int c = 0; c < 3; ++c )
+        to[c][slot] += light[c];
+}
+
+// The first event of a chain that lane i of its vertex sends to wi; `reflects`: it only reflects.
+static int event_towards( const RfChains* chains, const RfVertexLanes* v, int i, const float* const wi[3], bool reflects )
+{
+    int before = chains->event[v->slot[i]];
+    float cos_g = v->ng[0][i] * wi[0][i] + v->ng[1][i] * wi[1][i] + v->ng[2][i] * wi[2][i];
+    return before != RF_EVENT_NONE ? before : reflects || cos_g > 0.0f ? RF_EVENT_REFLECTION : RF_EVENT_TRANSMISSION;
+}
+
+// Next event estimation at chain vertices, for lobes that are not deltas, into wavefront->arrivals. `reflects`: they only reflect.
+static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexLanes* v, bool reflects, RfWavefront* wavefront,
+                         RfChains* chains )
 {
     RfLightLanes* lights = &wavefront->lights;
     RfLaneScratch* s = &wavefront->scratch;
@@ -84,9 +101,15 @@ static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexL
         {
             int slot = v->slot[i];
             float scale = rf_balance_scale( k * lights->pdf_solid_angle[i], s->pdf[i] );
+            RfArrivals* to = rf_arrivals_of_part( wavefront, path->grouped ? lights->part[i] : 0 );
+            float light[3];
             for ( int c = 0; c < 3; ++c )
-                wavefront->arrivals.rest[c][slot] +=
-                    chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
+            {
+                light[c] = chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
+                to->rest[c][slot] += light[c];
+            }
+            if ( chains->by_event != NULL )
+                add_by_event( chains, event_towards( chains, v, i, wi, reflects ), slot, light );
         }
     }
 }
@@ -150,14 +173,19 @@ static int scatter_chains( const RfPathSettings* path, int vertex, int followed,
     return end_at_panes;
 }
 
-static void append( RfVertexLanes* lanes, int count )
+// Makes room for another lane of a specular model; returns which it is.
+static int append( RfBsdfKind model, RfVertexLanes* lanes )
 {
-    lanes->count += count;
-    for ( int kind = RF_BSDF_GLASS + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
-        lanes->first[kind] += count;
+    int at = lanes->first[model + 1];
+    if ( at < lanes->count ) // lanes of the only other model: their order does not matter
+        rf_copy_vertices( lanes, at, 1, rf_bsdf_model( RF_BSDF_SPECTRAL )->params, lanes, lanes->count );
+    lanes->count += 1;
+    for ( int kind = (int)model + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
+        lanes->first[kind] += 1;
+    return at;
 }
 
-// Whether reflection at lane i of GLASS is one of the things that may happen there, and a rare one. At flat mirrors
+// Whether reflection at lane i, of a specular model, is one of the things that may happen there, and a rare one. At flat mirrors
 // (`mirrored`) at normal incidence: the hits that they show are reused, so all cameras must agree about whose emission is
 // counted, whatever their angle.
 static bool reflects_seldom( const RfVertexLanes* v, int i, bool mirrored )
@@ -170,12 +198,10 @@ static bool reflects_seldom( const RfVertexLanes* v, int i, bool mirrored )
     }
     if ( base > 0.0f || tint == 0.0f )
         return false;
-    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-        param[p] = v->param[p];
-    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
-    RfVec3 wo = mirrored ? rf_vec3( n[0][i], n[1][i], n[2][i] ) : rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
-    return rf_reflection_probability_of_lane( &lanes, i, wo ) < SELDOM;
+    RfBsdfKind kind = rf_specular_kind( v, i );
+    RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, kind, 0 );
+    RfVec3 wo = mirrored ? rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) : rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
+    return rf_reflection_probability_of_lane( kind, &lanes, i, wo ) < SELDOM;
 }
 
 // Lists reflections to split: at vertices that also transmit, unless the chain's light is counted already.
@@ -192,10 +218,11 @@ static void list_reflections( int vertex, RfChains* chains, RfVertexLanes* out )
         chains->split[slot] = !chains->counted[slot] && reflects_seldom( at, i, mirrored );
         if ( !chains->split[slot] )
             continue;
-        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, out, out->count );
+        RfBsdfKind kind = rf_specular_kind( at, i );
+        int to = append( kind, out );
+        rf_copy_vertices( at, i, 1, rf_bsdf_model( kind )->params, out, to );
         for ( int c = 0; c < 3; ++c )
-            out->param[RF_PARAM_TINT + c][out->count] = 0.0f;
-        append( out, 1 );
+            out->param[RF_PARAM_TINT + c][to] = 0.0f;
     }
 }
 
@@ -207,20 +234,38 @@ static void list_coats( const RfVertexLanes* first, RfChains* chains, RfVertexLa
         if ( !rf_is_smooth_coat( first, i ) || rf_base_probability_of( first, i ) == 0.0f )
             continue;
         chains->split[slot] = 1;
-        rf_make_lobe( first, i, out, out->count );
-        append( out, 1 );
+        rf_make_lobe( first, i, out, append( RF_BSDF_GLASS, out ) );
     }
 }
 
-// Adds emission that the rays hit.
-static void add_reflected_emission( const RfPathSettings* path, RfWavefront* wavefront )
+// Adds emission that rays hit, of surfaces and of the sky. `reflected`: ways without an event so far have one now.
+static void add_met_emission( const RfPathSettings* path, const RfVertexLanes* found, const float* pane_probability,
+                              bool reflected, RfWavefront* wavefront, RfChains* chains )
+{
+    const RfRayLanes* rays = &wavefront->rays;
+    RfReceiver to = { .arrivals = &wavefront->arrivals, .dimmed = wavefront->dimmed };
+    if ( chains->by_event != NULL )
+    {
+        to.met = chains->by_event->met;
+        memset( chains->by_event->met, 0, sizeof chains->by_event->met );
+    }
+    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, to );
+    for ( int r = 0; r < rays->count && to.met != NULL; ++r )
+    {
+        int slot = rays->slot[r], event = chains->event[slot];
+        const float light[3] = { to.met[0][slot], to.met[1][slot], to.met[2][slot] };
+        add_by_event( chains, event == RF_EVENT_NONE && reflected ? RF_EVENT_REFLECTION : event, slot, light );
+    }
+}
+
+// Adds emission that split reflections hit.
+static void add_reflected_emission( const RfPathSettings* path, RfWavefront* wavefront, RfChains* chains )
 {
     rf_count_path_rays( wavefront, &wavefront->rays );
     const float* pane_probability =
         rf_find_vertices_past_panes( path, &wavefront->rays, 0, &wavefront->vertices, &wavefront->scratch );
     rf_absorb( &wavefront->vertices, &wavefront->rays );
-    rf_add_emission_hits( path, &wavefront->rays, &wavefront->vertices, wavefront->scratch.triangle, pane_probability,
-                          ( RfReceiver ){ .arrivals = &wavefront->arrivals } );
+    add_met_emission( path, &wavefront->vertices, pane_probability, true, wavefront, chains );
 }
 
 // Advances the reflections to the mirrors and glass that they hit, the `vertex`-th vertices of their chains.
@@ -248,7 +293,7 @@ static void split_reflections( const RfPathSettings* path, int vertex, const RfV
         list_coats( coats, chains, at );
     if ( at->count == 0 )
         return;
-    light_lobes( path, vertex, at, wavefront, chains );
+    light_lobes( path, vertex, at, true, wavefront, chains );
     float throughput[3][RF_LANES];
     memcpy( throughput, chains->throughput, sizeof throughput );
     for ( int followed = 1; at->count > 0; ++followed )
@@ -256,7 +301,7 @@ static void split_reflections( const RfPathSettings* path, int vertex, const RfV
         scatter_chains( path, vertex, followed, at, wavefront, chains );
         if ( wavefront->rays.count == 0 )
             break;
-        add_reflected_emission( path, wavefront );
+        add_reflected_emission( path, wavefront, chains );
         follow_reflections( path, ++vertex, wavefront, at, chains );
     }
     memcpy( chains->throughput, throughput, sizeof throughput );
@@ -285,13 +330,18 @@ static uint8_t view_of( const RfPathSettings* path, const RfVertexLanes* v, int 
 
 bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
 {
-    if ( !rf_tracer_has_panes( tracer ) )
+    if ( !rf_tracer_has_panes( tracer ) || !( v->param[RF_PARAM_IOR][i] < 0.0f ) )
         return false;
-    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-        param[p] = v->param[p];
-    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
-    return rf_pane_of_lane( &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ).probability > 0.0f;
+    RfBsdfKind kind = rf_specular_kind( v, i );
+    RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, kind, 0 );
+    return rf_pane_of_lane( kind, &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ).probability > 0.0f;
+}
+
+// What arrives of the light group of a material's emission.
+static RfArrivals* arrivals_of_material( const RfPathSettings* path, RfWavefront* wavefront, int32_t material )
+{
+    int part = rf_material_part( rf_tracer_lights( path->tracer ), material );
+    return rf_arrivals_of_part( wavefront, rf_counts_in( path, part ) );
 }
 
 // Mirrors and glass: what the cameras see of their emission, absorbed on the way if the camera is inside a body.
@@ -307,8 +357,9 @@ static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, 
         chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
         RfVec3 emission = rf_emission_in_frame( path, v, i );
         const float light[3] = { emission.x, emission.y, emission.z };
+        RfArrivals* to = arrivals_of_material( path, wavefront, v->material[i] );
         for ( int c = 0; c < 3; ++c )
-            wavefront->arrivals.rest[c][slot] += left[c] * light[c];
+            to->rest[c][slot] += left[c] * light[c];
     }
 }
 
@@ -328,11 +379,11 @@ static void start_at_coats( const RfPathSettings* path, const RfVertexLanes* fir
             continue;
         RfVec3 emission = rf_emission_in_frame( path, first, i );
         const float light[3] = { emission.x, emission.y, emission.z };
+        RfArrivals* to = arrivals_of_material( path, wavefront, first->material[i] );
         for ( int c = 0; c < 3 && base == 0.0f; ++c ) // otherwise the base has it
-            wavefront->arrivals.rest[c][slot] += light[c];
+            to->rest[c][slot] += light[c];
         chains->lobe_weight[slot] = 1.0f / ( 1.0f - base );
-        rf_make_lobe( first, i, at, at->count );
-        append( at, 1 );
+        rf_make_lobe( first, i, at, append( RF_BSDF_GLASS, at ) );
     }
 }
 
@@ -347,7 +398,13 @@ static void start_chains( const RfPathSettings* path, const RfVertexLanes* first
     memset( chains->counted, 0, sizeof chains->counted );
     memset( chains->pane, 0, sizeof chains->pane );
     memset( chains->straight, 0, sizeof chains->straight );
-    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
+    for ( int i = 0; chains->triangle != NULL && i < camera_rays->count; ++i )
+        chains->triangle[i] = RF_MISS;
+    memset( chains->event, RF_EVENT_NONE, sizeof chains->event );
+    if ( chains->by_event != NULL )
+        memset( chains->by_event, 0, sizeof *chains->by_event );
+    for ( int part = 0; part < rf_base_parts( path ); ++part )
+        memset( rf_arrivals_of_part( wavefront, part ), 0, sizeof wavefront->arrivals );
     for ( int i = 0; i < camera_rays->count; ++i )
     {
         set_throughput( chains, i, rf_vec3( 1, 1, 1 ) );
@@ -356,8 +413,8 @@ static void start_chains( const RfPathSettings* path, const RfVertexLanes* first
     go_to( first, &chains->at );
     start_at_glass( path, camera_rays, wavefront, chains );
     start_at_coats( path, first, wavefront, chains );
-    if ( chains->clamped )
-        memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
+    for ( int part = 0; part < rf_base_parts( path ) && chains->clamped; ++part )
+        memcpy( rf_chain_light( chains, part ), rf_arrivals_of_part( wavefront, part )->rest, sizeof chains->light );
     if ( lit && path->max_depth > 1 )
         split_reflections( path, 1, first, wavefront, chains );
     for ( int i = 0; i < chains->at.count; ++i )
@@ -380,12 +437,11 @@ static void light_chains( const RfPathSettings* path, int vertex, RfWavefront* w
     {
         if ( chains->split[at->slot[i]] )
             continue;
-        rf_copy_vertices( at, i, 1, rf_bsdf_model( RF_BSDF_GLASS )->params, unlit, unlit->count++ );
+        RfBsdfKind kind = rf_specular_kind( at, i );
+        rf_copy_vertices( at, i, 1, rf_bsdf_model( kind )->params, unlit, append( kind, unlit ) );
     }
-    for ( int kind = RF_BSDF_FIRST_SPECULAR + 1; kind <= RF_BSDF_KIND_COUNT; ++kind )
-        unlit->first[kind] = unlit->count;
     if ( unlit->count > 0 )
-        light_lobes( path, vertex, unlit, wavefront, chains );
+        light_lobes( path, vertex, unlit, false, wavefront, chains );
 }
 
 // The light that chains find at their vertices.
@@ -416,6 +472,8 @@ static void note_events( int vertex, RfWavefront* wavefront, RfChains* chains )
         bool reflected = chains->reflected[slot], passed = chains->pane[slot] && !reflected;
         bool straight = passed && ( vertex == 1 || chains->view[slot] == RF_VIEW_DIRECT );
         chains->straight[slot] += passed;
+        if ( chains->event[slot] == RF_EVENT_NONE && !straight )
+            chains->event[slot] = reflected ? RF_EVENT_REFLECTION : RF_EVENT_TRANSMISSION;
         chains->counted[slot] |= chains->split[slot] && reflected;
         if ( straight )
             chains->view[slot] = RF_VIEW_DIRECT;
@@ -453,7 +511,7 @@ static bool is_last( const RfPathSettings* path, const RfChains* chains, int slo
 // Adds the light that the rays hit. What only the chain can find stays with the vertex if the chain ends there, so
 // that it is reused with it.
 static void add_emission( const RfPathSettings* path, const float* pane_probability, int vertex, RfWavefront* wavefront,
-                          const RfChains* chains )
+                          RfChains* chains )
 {
     RfVertexLanes* found = &wavefront->vertices;
     const RfRayLanes* rays = &wavefront->rays;
@@ -463,8 +521,7 @@ static void add_emission( const RfPathSettings* path, const float* pane_probabil
         kept[i] = !is_last( path, chains, found->slot[i], vertex + 1 ) && rays->pdf_solid_angle[found->ray[i]] >= RF_DELTA_PDF;
         found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
     }
-    rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability,
-                          ( RfReceiver ){ .arrivals = &wavefront->arrivals } );
+    add_met_emission( path, found, pane_probability, false, wavefront, chains );
     for ( int i = 0; i < rf_record_count( found ); ++i )
     {
         for ( int c = 0; c < 3 && !kept[i]; ++c )
@@ -499,6 +556,8 @@ static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, c
             if ( moving || is_coat_behind_pane( chains, slot, found, kind, i ) )
                 chains->view[slot] = RF_VIEW_CHAIN;
             chains->kind[ends->count] = (uint8_t)kind;
+            if ( chains->triangle != NULL )
+                chains->triangle[slot] = triangle[found->ray[i]];
             chains->length[slot] = vertex - chains->straight[slot];
             rf_copy_vertices( found, i, 1, rf_bsdf_model( (RfBsdfKind)kind )->params, ends, ends->count++ );
         }
@@ -559,12 +618,12 @@ static void merge_hits( const RfVertexLanes* first, RfChains* chains )
 }
 
 // What has arrived since the chains started.
-static void tell_found_light( const RfWavefront* wavefront, RfChains* chains )
+static void tell_found_light( const RfArrivals* arrivals, float ( *const light )[RF_LANES], float ( *found )[RF_LANES] )
 {
     for ( int c = 0; c < 3; ++c )
     {
         for ( int slot = 0; slot < RF_LANES; ++slot )
-            chains->found[c][slot] = wavefront->arrivals.rest[c][slot] - chains->light[c][slot];
+            found[c][slot] = arrivals->rest[c][slot] - light[c][slot];
     }
 }
 
@@ -593,10 +652,14 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         note_ends( path, &wavefront->vertices, &wavefront->rays, wavefront->scratch.triangle, vertex, chains );
         go_to( &wavefront->vertices, &chains->at );
     }
-    if ( chains->clamped )
-        tell_found_light( wavefront, chains );
-    else
-        memcpy( chains->light, wavefront->arrivals.rest, sizeof chains->light );
+    for ( int part = 0; part < rf_base_parts( path ); ++part )
+    {
+        const RfArrivals* arrivals = rf_arrivals_of_part( wavefront, part );
+        if ( chains->clamped )
+            tell_found_light( arrivals, rf_chain_light( chains, part ), rf_chain_found( chains, part ) );
+        else
+            memcpy( rf_chain_light( chains, part ), arrivals->rest, sizeof chains->light );
+    }
     merge_hits( first, chains );
 }
 

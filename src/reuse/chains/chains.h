@@ -6,6 +6,20 @@
 #include "path/wavefront.h"
 #include "reuse/harvest/records.h"
 
+// Light of chains in a light group, by slot.
+typedef struct RfChainGroup
+{
+    RF_ALIGN float light[3][RF_LANES];
+    float found[3][RF_LANES];
+} RfChainGroup;
+
+// What chains find beyond the emission of their first vertices, by their first event: that of ways that have one, by slot.
+typedef struct RfChainPasses
+{
+    RF_ALIGN float reflection[3][RF_LANES], transmission[3][RF_LANES];
+    float met[3][RF_LANES]; // workspace
+} RfChainPasses;
+
 typedef struct RfChains
 {
     RfVertexLanes hits; // what becomes records: non-specular first hits and ends of chains, sorted by model
@@ -21,12 +35,26 @@ typedef struct RfChains
     uint8_t split[RF_LANES];     // 1: lights reflected here are counted already
     uint8_t counted[RF_LANES];   // 1: reflected where it was split
     uint8_t reflected[RF_LANES]; // 1: the last event was a reflection
+    uint8_t event[RF_LANES];     // RF_EVENT_: the first
     float lobe_weight[RF_LANES]; // 1 over the probability of drawing the lobe of a coat
     bool clamped;                // `light` is that of the first vertices alone,
     float found[3][RF_LANES];    // and what chains find beyond them is here; else this is not set
+    uint32_t* triangle;          // that the chain ends on, RF_MISS without a chain; NULL: not asked for
+    RfChainPasses* by_event;     // NULL without passes
+    RfChainGroup* groups;        // with RfPathSettings.grouped: both by base part (light/light.h) from 1 on
     // by end
     uint8_t kind[RF_LANES]; // RfBsdfKind
 } RfChains;
+
+// Light that chains bring of a base part of light groups, and with `clamped` what they find beyond their first vertices.
+static inline float ( *rf_chain_light( RfChains* chains, int part ) )[RF_LANES]
+{
+    return part == 0 ? chains->light : chains->groups[part - 1].light;
+}
+static inline float ( *rf_chain_found( RfChains* chains, int part ) )[RF_LANES]
+{
+    return part == 0 ? chains->found : chains->groups[part - 1].found;
+}
 
 // True if chains start at some of these vertices.
 bool rf_has_chains( const RfVertexLanes* first );
@@ -35,7 +63,7 @@ bool rf_has_chains( const RfVertexLanes* first );
 bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 
 // Follows the chains that start at some vertices of `first`, and fills everything.
-// Uses the wavefront, whose keys must be set. Without `lit`, leaves light sampling out.
+// Uses the wavefront, whose keys must be set, and with `grouped` room for light of base parts. Without `lit`, leaves light sampling out.
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains );
 

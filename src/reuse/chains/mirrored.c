@@ -145,7 +145,7 @@ static void pack( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* 
 }
 
 int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batch, const float* const lifted[3],
-                     float* density )
+                     uint32_t* triangle, float* density )
 {
     Packed packed;
     pack( rf_tracer_mirrors( tracer ), eye, batch, density, &packed );
@@ -153,7 +153,10 @@ int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch*
         return 0;
     float* on_mirror[3] = { packed.on_mirror[0], packed.on_mirror[1], packed.on_mirror[2] };
     const float* from[3] = { on_mirror[0], on_mirror[1], on_mirror[2] };
-    rf_trace_mirrors_from_eye( tracer, eye, packed.count, from, packed.mirror, on_mirror, packed.weight );
+    uint32_t hit[RF_LANES];
+    rf_trace_mirrors_from_eye( tracer, eye, packed.count, from, packed.mirror, on_mirror, hit, packed.weight );
+    for ( int k = 0; k < packed.count && triangle != NULL; ++k )
+        triangle[packed.lane[k]] = packed.weight[k] > 0.0f ? hit[k] : RF_MISS;
     int rays = packed.count + rf_trace_from_eye( tracer, eye, packed.count, from, packed.weight );
     for ( int k = 0; k < packed.count; ++k )
         density[packed.lane[k]] = 0.0f;

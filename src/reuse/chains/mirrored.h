@@ -37,6 +37,6 @@ void rf_directions_to_image( const RfMirrors* mirrors, const RfEye* eye, const R
 // Tests whether the camera sees the mirrored hits with density > 0 in their mirror; other lanes are left alone. `lifted`: the
 // hits, off their surface. Returns the rays traced.
 int rf_see_mirrored( const RfTracer* tracer, const RfEye* eye, const RfHitBatch* batch, const float* const lifted[3],
-                     float* density );
+                     uint32_t* triangle, float* density );
 
 #endif

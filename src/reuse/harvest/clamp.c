@@ -27,8 +27,10 @@ void rf_begin_clamp( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScrat
             clamp->dimmed[i] = rf_luminance( rf_vec3( scratch->chains->throughput[0][slot], scratch->chains->throughput[1][slot],
                                                       scratch->chains->throughput[2][slot] ) );
     }
-    for ( int c = 0; c < 3 && scratch->own != NULL; ++c )
-        memset( clamp->own[c], 0, (size_t)batch->count * sizeof( float ) );
+    for ( int c = 0; c < 3 * rf_base_parts( &harvest->path ) && scratch->own != NULL; ++c )
+        memset( rf_own_group( scratch, c / 3 )->removed[c % 3], 0, (size_t)batch->count * sizeof( float ) );
+    if ( scratch->own != NULL )
+        rf_set_own_group( scratch, 0 );
 }
 
 // Light from one direction, times f: the part that is clamped and the part that is not.

@@ -1,5 +1,14 @@
-// The light of dimmed lamps, which records keep apart at scale 1: every frame scales it to its own (src/reuse/estimators.md, section 18).
+// Parts of the light, of groups and of dimmed lamps, which records keep apart: every frame scales them to its own
+// (src/reuse/estimators.md, section 18).
 #include "reuse/harvest/harvest_steps.h"
+
+#include <string.h>
+
+void rf_begin_groups( RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    harvest->path.grouped = rf_tracer_lights( harvest->path.tracer )->group_count > 1 && scratch->dimmed != NULL;
+    scratch->wavefront.dimmed = scratch->dimmed;
+}
 
 void rf_begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
 {
@@ -7,24 +16,24 @@ void rf_begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* s
     harvest->path.parts = ( rf_tracer_lights( harvest->path.tracer )->dimmed_count > 0 || frames ) && scratch->dimmed != NULL;
     harvest->path.frames = frames ? harvest->tracers : NULL;
     harvest->path.frame = harvest->path.at_frame = eye;
-    scratch->wavefront.dimmed = scratch->dimmed;
     scratch->part = 0;
     for ( int k = 0; k < rf_dimmed_parts( &harvest->path ); ++k )
         rf_clear_arrivals( count, scratch->dimmed + k );
 }
 
-// The batch with the light of a part in the place of the rest.
-static RfHitBatch batch_of_part( const RfHitBatch* batch, int part )
+void rf_clear_parts( const RfHarvest* harvest, RfHitBatch* batch )
 {
-    const RfDimmedLight* light = batch->dimmed + part - 1;
-    RfHitBatch out = *batch;
-    out.radiance = light->radiance;
-    out.directions = light->directions;
-    out.removed = light->removed;
-    out.removed_directions = light->removed_directions;
-    out.arrivals = NULL;
-    out.miss_count = out.glint_count = 0;
-    return out;
+    batch->dimmed_count = rf_dimmed_parts( &harvest->path );
+    for ( int part = 1; part <= batch->dimmed_count; ++part )
+    {
+        RfHitBatch of_part = rf_batch_of_part( batch, part, part < rf_base_parts( &harvest->path ) );
+        size_t others = (size_t)( of_part.miss_count + of_part.glint_count );
+        if ( others > 0 )
+            memset( rf_miss_radiance( &of_part ), 0, 4 * others * sizeof( float ) );
+        if ( of_part.removed != NULL )
+            rf_begin_removed( harvest, &of_part );
+        batch->dimmed[part - 1].any_removed = false;
+    }
 }
 
 // What paths have found at second vertices, shared by their tile.
@@ -35,19 +44,25 @@ static void light_tiles( const RfTileReuseSettings* settings, RfHarvestScratch* 
         rf_light_pairings( settings, &scratch->wavefront, scratch->tiles );
 }
 
+// Light that is kept apart for its own frame: what a base part has of it has been found; that of other parts is that of tiles alone.
+static void begin_own( const RfHarvest* harvest, int part, RfHarvestScratch* scratch )
+{
+    int base = rf_counts_in( &harvest->path, part );
+    if ( part >= rf_base_parts( &harvest->path ) )
+        rf_clear_arrivals( RF_LANES, rf_own_arrivals( harvest->path.own, base ) );
+    rf_set_own_group( scratch, base );
+}
+
 void rf_weight_dimmed( const RfHarvest* harvest, const RfTileReuseSettings* tiles, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    batch->dimmed_count = rf_dimmed_parts( &harvest->path );
     for ( int part = 1; part <= batch->dimmed_count; ++part )
     {
-        RfHitBatch of_part = batch_of_part( batch, part );
+        RfHitBatch of_part = rf_batch_of_part( batch, part, part < rf_base_parts( &harvest->path ) );
         scratch->part = part;
-        if ( harvest->path.own != NULL ) // what else is kept apart has been added
-            rf_clear_arrivals( RF_LANES, &harvest->path.own->arrivals );
+        if ( harvest->path.own != NULL )
+            begin_own( harvest, part, scratch );
         if ( rf_reuses_tiles( scratch ) && harvest->path.max_depth > 1 )
             light_tiles( tiles, scratch );
-        if ( of_part.removed != NULL )
-            rf_begin_removed( harvest, &of_part );
         rf_weight_batch( harvest, &of_part, scratch );
         batch->dimmed[part - 1].any_removed = of_part.any_removed;
         batch->any_removed = batch->any_removed || of_part.any_removed;

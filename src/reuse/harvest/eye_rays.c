@@ -12,6 +12,7 @@ typedef struct Segments
     float from[3][RF_LANES], way[3][RF_LANES];
     float visible[RF_LANES];
     float probability[RF_LANES], weight[3][RF_LANES]; // of panes
+    uint32_t first[RF_LANES];
 } Segments;
 
 static RfVec3 point_of( const float* const a[3], int i ) { return rf_vec3( a[0][i], a[1][i], a[2][i] ); }
@@ -45,7 +46,9 @@ static int trace_parallel( const RfTracer* tracer, const RfEye* eye, int count, 
         rf_trace_segments( tracer, s.count, from, way, s.visible );
     else
         rf_trace_segments_past_panes( tracer, s.count, from, way, s.visible,
-                                      &( RfPaneLanes ){ s.probability, { s.weight[0], s.weight[1], s.weight[2] } } );
+                                      &( RfPaneLanes ){ .probability = s.probability,
+                                                        .weight = { s.weight[0], s.weight[1], s.weight[2] },
+                                                        .first = s.first } );
     for ( int k = 0; k < s.count; ++k )
     {
         int i = s.lane[k];
@@ -53,6 +56,8 @@ static int trace_parallel( const RfTracer* tracer, const RfEye* eye, int count, 
         if ( panes == NULL )
             continue;
         panes->probability[i] = s.probability[k];
+        if ( panes->first != NULL )
+            panes->first[i] = s.first[k];
         for ( int c = 0; c < 3; ++c )
             panes->weight[c][i] = s.weight[c][k];
     }
@@ -75,11 +80,11 @@ int rf_trace_from_eye_past_panes( const RfTracer* tracer, const RfEye* eye, int 
 }
 
 void rf_trace_mirrors_from_eye( const RfTracer* tracer, const RfEye* eye, int count, const float* const point[3],
-                                const uint8_t* mirror, float* const hit[3], float* weight )
+                                const uint8_t* mirror, float* const hit[3], uint32_t* triangle, float* weight )
 {
     if ( !rf_is_parallel( eye ) )
     {
-        rf_trace_mirrors( tracer, eye->origin, count, point, mirror, hit, weight );
+        rf_trace_mirrors( tracer, eye->origin, count, point, mirror, hit, triangle, weight );
         return;
     }
     for ( int i = 0; i < count; ++i )
@@ -87,6 +92,6 @@ void rf_trace_mirrors_from_eye( const RfTracer* tracer, const RfEye* eye, int co
         const float* one[3] = { point[0] + i, point[1] + i, point[2] + i };
         float* out[3] = { hit[0] + i, hit[1] + i, hit[2] + i };
         RfVec3 from = rf_eye_start( eye, point_of( point, i ) );
-        rf_trace_mirrors( tracer, from, 1, one, mirror + i, out, weight + i );
+        rf_trace_mirrors( tracer, from, 1, one, mirror + i, out, triangle + i, weight + i );
     }
 }

@@ -14,6 +14,6 @@ int rf_trace_from_eye_past_panes( const RfTracer* tracer, const RfEye* eye, int 
 
 // rf_trace_mirrors from there.
 void rf_trace_mirrors_from_eye( const RfTracer* tracer, const RfEye* eye, int count, const float* const point[3],
-                                const uint8_t* mirror, float* const hit[3], float* weight );
+                                const uint8_t* mirror, float* const hit[3], uint32_t* triangle, float* weight );
 
 #endif

@@ -64,8 +64,14 @@ static float alpha_of( const RfVertexLanes* v, int i )
     switch ( kind_of( v, i ) )
     {
         case RF_BSDF_PHONG: return sqrtf( 2.0f / ( shape + 2.0f ) );
+        case RF_BSDF_LAYERED:
         case RF_BSDF_COATED: return rf_minf( shape, v->param[RF_PARAM_CLEARCOAT_ALPHA][i] );
         case RF_BSDF_GGX:
+        case RF_BSDF_SHEEN:
+        case RF_BSDF_ANISOTROPIC:
+        case RF_BSDF_IRIDESCENT:
+        case RF_BSDF_TRANSLUCENT:
+        case RF_BSDF_SPECTRAL:
         case RF_BSDF_GLASS: return shape;
         case RF_BSDF_LAMBERT:
         case RF_BSDF_KIND_COUNT: break;

@@ -1,6 +1,6 @@
 // Traces a batch into hit records: its pixels, one lens point and shutter time for all of them, camera rays and
 // their specular chains, hits, and the light that the rest of their paths brings.
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/passes.h"
 
 #include "path/roulette.h"
 #include "reuse/accumulate/biased_weights.h"
@@ -33,7 +33,10 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     bool caustics = group->traits.without_caustics && exact;
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples && !caustics;
     // at the ends of a path, groups of more frames are shorter, and have the memory of those
-    int frames = !group->traits.lamps_alone || !exact ? 1 : group->eye_count < RF_FRAMES_MOST ? group->eye_count : RF_FRAMES_MOST;
+    int groups = exact ? group->traits.light_groups : 0, dimmed = groups > 1 ? groups - 1 : 0;
+    int frames = !group->traits.lamps_alone || !exact || groups > 0 ? 1
+                 : group->eye_count < RF_FRAMES_MOST                ? group->eye_count
+                                                                    : RF_FRAMES_MOST;
     RfBatchShape shape = {
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
@@ -49,12 +52,16 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .chains = chains,
         .own_light = ( group->traits.moves && group->eye_count > 1 && exact ) || caustics,
         .caustics = caustics,
-        .surfaces = group->traits.moves && rf_follows_motion( settings ),
+        .surfaces = ( group->traits.moves && rf_follows_motion( settings ) ) || rf_wants_covering( settings ),
+        .features = rf_finds_features( settings ),
+        .covering = rf_surface_kinds( settings ),
         .chain_samples = rf_calls_for( samples, RF_EFFECT_CHAINS ) ? CHAIN_SAMPLES : 0,
         .connections = connections,
         .clamped = settings->clamp != 0.0,
         .light_frames = frames,
-        .dimmed = group->eye_count > 1 && exact ? group->traits.dimmable + ( frames > 1 ? frames : 0 ) : 0,
+        .passes = ( settings->aovs & RF_PASS_AOVS ) != 0 && exact,
+        .groups = groups,
+        .dimmed = dimmed + ( group->eye_count > 1 && exact ? group->traits.dimmable + ( frames > 1 ? frames : 0 ) : 0 ),
     };
     shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
     return shape;
@@ -78,6 +85,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .eyes = group->eyes,
         .first_frame = group->first_frame,
         .group = group->number,
+        .passes_before = group->passes_before,
         .pieces = settings->pieces,
         .need = group->need,
         .round = group->round,
@@ -89,79 +97,6 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .clamps = group->clamp,
         .clamp_watch = group->clamp_watch,
     };
-}
-
-static size_t scratch_struct_bytes( void ) { return ( sizeof( RfHarvestScratch ) + 63 ) / 64 * 64; }
-
-static size_t eyes_bytes( const RfBatchShape* shape )
-{
-    return rf_is_blurred_shape( shape ) ? ( (size_t)shape->eyes * sizeof( RfEye ) + 63 ) / 64 * 64 : 0;
-}
-
-static size_t tracer_list_bytes( const RfBatchShape* shape )
-{
-    return ( (size_t)shape->eyes * sizeof( const RfTracer* ) + 63 ) / 64 * 64;
-}
-
-static size_t tracers_bytes( const RfBatchShape* shape )
-{
-    return shape->moments ? tracer_list_bytes( shape ) + (size_t)shape->eyes * rf_tracer_at_bytes( shape->moving_lights ) : 0;
-}
-
-static size_t tile_bytes( const RfBatchShape* shape )
-{
-    return rf_tile_reuse_bytes( rf_light_directions( shape ) + shape->connections, shape->tile_pixels, shape->panes,
-                                shape->own_light, shape->dimmed );
-}
-
-size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
-{
-    size_t lanes = RF_LANES * sizeof( float );
-    return scratch_struct_bytes() + eyes_bytes( shape ) + tracers_bytes( shape ) +
-           (size_t)rf_light_directions( shape ) * sizeof( RfLightLanes ) + (size_t)shape->eyes * lanes +
-           (size_t)rf_direction_count( shape ) * lanes + tile_bytes( shape ) + ( shape->chains ? sizeof( RfChains ) + 64 : 0 ) +
-           ( shape->connections ? sizeof( RfConnectionLanes ) + 64 : 0 ) +
-           ( shape->chain_samples > 0 ? sizeof( RfChainSamples ) + sizeof( RfChainLight ) + 64 : 0 ) +
-           ( shape->own_light ? sizeof( RfOwnHits ) + 64 : 0 ) +
-           ( shape->dimmed > 0 ? (size_t)shape->dimmed * sizeof( RfArrivals ) + 64 : 0 ) +
-           ( shape->clamped ? sizeof( RfClampHits ) + 64 : 0 ) + ( shape->surfaces ? sizeof( RfSurfaceLanes ) + 64 : 0 ) +
-           ( shape->filtered ? 2 * lanes : 0 );
-}
-
-RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
-{
-    RfHarvestScratch* scratch = memory;
-    scratch->eyes = (RfEye*)(void*)( (char*)memory + scratch_struct_bytes() );
-    char* tracers = (char*)memory + scratch_struct_bytes() + eyes_bytes( shape );
-    scratch->tracers = shape->moments ? (const RfTracer**)(void*)tracers : NULL;
-    scratch->at_moment = shape->moments ? tracers + tracer_list_bytes( shape ) : NULL;
-    scratch->direct = (RfLightLanes*)( tracers + tracers_bytes( shape ) );
-    scratch->density = (float*)( scratch->direct + rf_light_directions( shape ) );
-    scratch->mixture = scratch->density + (size_t)shape->eyes * RF_LANES;
-    char* rest = (char*)( scratch->mixture + (size_t)rf_direction_count( shape ) * RF_LANES );
-    scratch->tiles = rf_lay_out_tile_reuse( rf_light_directions( shape ) + shape->connections, shape->tile_pixels, shape->panes,
-                                            shape->own_light, shape->dimmed, rest );
-    rest += tile_bytes( shape );
-    scratch->chains = shape->chains ? (RfChains*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    rest = shape->chains ? (char*)( scratch->chains + 1 ) : rest;
-    scratch->connections = shape->connections ? (RfConnectionLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    rest = shape->connections ? (char*)( scratch->connections + 1 ) : rest;
-    bool samples = shape->chain_samples > 0;
-    scratch->chain_samples = samples ? (RfChainSamples*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    scratch->chain_light = samples ? (RfChainLight*)(void*)( scratch->chain_samples + 1 ) : NULL;
-    rest = samples ? (char*)( scratch->chain_light + 1 ) : rest;
-    scratch->own = shape->own_light ? (RfOwnHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    rest = shape->own_light ? (char*)( scratch->own + 1 ) : rest;
-    scratch->dimmed = shape->dimmed > 0 ? (RfArrivals*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    rest = shape->dimmed > 0 ? (char*)( scratch->dimmed + shape->dimmed ) : rest;
-    scratch->part = 0;
-    scratch->clamp = shape->clamped ? (RfClampHits*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    rest = shape->clamped ? (char*)( scratch->clamp + 1 ) : rest;
-    scratch->surfaces = shape->surfaces ? (RfSurfaceLanes*)(void*)( rest + ( 64 - (uintptr_t)rest % 64 ) % 64 ) : NULL;
-    rest = shape->surfaces ? (char*)( scratch->surfaces + 1 ) : rest;
-    for ( int c = 0; c < 2; ++c )
-        scratch->place[c] = shape->filtered ? (float*)(void*)rest + c * RF_LANES : NULL;
-    return scratch;
 }
 
 RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job )
@@ -351,6 +286,7 @@ static void copy_hits( const RfVertexLanes* v, RfHitBatch* batch )
     bytes = (size_t)( batch->count - first ) * sizeof( float );
     if ( bytes == 0 )
         return;
+    rf_face_cameras( v, batch );
     for ( int c = 0; c < 3; ++c )
     {
         memcpy( batch->n[c], v->n[c] + first, bytes );
@@ -385,16 +321,24 @@ static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded,
     }
 }
 
-// Lists glints: light that a chain finds on its way, for pixels that have a hit as well.
-static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int32_t* glint_slot )
+// All that a chain finds of a base part.
+static inline float light_of_chain( RfChains* chains, int base, int slot )
 {
-    const RfChains* chains = scratch->chains;
+    float( *light )[RF_LANES] = rf_chain_light( chains, base ), ( *found )[RF_LANES] = rf_chain_found( chains, base );
+    float sum = light[0][slot] + light[1][slot] + light[2][slot];
+    return chains->clamped ? sum + found[0][slot] + found[1][slot] + found[2][slot] : sum;
+}
+
+// Lists glints: light that a chain finds on its way, for pixels that have a hit as well.
+static void note_glints( const RfHarvestScratch* scratch, int base_parts, RfHitBatch* batch, int32_t* glint_slot )
+{
     for ( int i = 0; i < batch->count; ++i )
     {
         int slot = scratch->hits->slot[i];
-        float light = chains->light[0][slot] + chains->light[1][slot] + chains->light[2][slot];
-        float found = chains->clamped ? chains->found[0][slot] + chains->found[1][slot] + chains->found[2][slot] : 0.0f;
-        if ( light + found == 0.0f )
+        float light = light_of_chain( scratch->chains, 0, slot );
+        for ( int base = 1; base < base_parts; ++base )
+            light += light_of_chain( scratch->chains, base, slot );
+        if ( light == 0.0f )
             continue;
         rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
         glint_slot[batch->glint_count++] = slot;
@@ -402,7 +346,7 @@ static void note_glints( const RfHarvestScratch* scratch, RfHitBatch* batch, int
 }
 
 // Notes the pixel of each hit, miss and own-frame sample.
-static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
+static void note_pixels( int base_parts, int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     uint8_t hit[RF_LANES], recorded[RF_LANES];
     memset( hit, 0, (size_t)count );
@@ -426,7 +370,7 @@ static void note_pixels( int count, RfHarvestScratch* scratch, RfHitBatch* batch
     scratch->ray_miss_count = batch->sky_count = batch->miss_count;
     note_own_frame( &scratch->first, recorded, scratch, batch );
     if ( rf_follows_chains( scratch ) )
-        note_glints( scratch, batch, scratch->glint_slot );
+        note_glints( scratch, base_parts, batch, scratch->glint_slot );
 }
 
 // Film offsets of what is listed from `first` on.
@@ -439,11 +383,11 @@ static void note_offsets( const RfHarvestScratch* scratch, int first, int count,
     }
 }
 
-void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch )
+void rf_list_hits( const RfHarvest* harvest, int count, RfHarvestScratch* scratch, RfHitBatch* batch )
 {
     copy_hits( scratch->hits, batch );
     copy_views( scratch, batch );
-    note_pixels( count, scratch, batch );
+    note_pixels( rf_base_parts( &harvest->path ), count, scratch, batch );
     if ( batch->offset[0] == NULL )
         return;
     note_offsets( scratch, 0, batch->count, scratch->hits->slot, batch );
@@ -496,7 +440,11 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
 {
     int32_t* slot = rays->slot;
     for ( int i = 0; i < count; ++i )
+    {
         slot[i] = i;
+        for ( int c = 0; c < 3; ++c )
+            rays->throughput[c][i] = 1.0f;
+    }
     float( *random )[RF_LANES] = wavefront->scratch.random;
     rf_draw_lanes( wavefront, count, slot, RF_DIMENSION_FILM_X, 2, random );
     if ( rf_has_filter( filter ) )
@@ -636,7 +584,7 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
 {
     const RfVertexLanes* first = &scratch->first;
     RfWavefront* wavefront = &scratch->wavefront;
-    scratch->hits = first;
+    scratch->hits = &scratch->first;
     if ( rf_calls_for( scratch->chains != NULL, RF_EFFECT_CHAINS ) && rf_has_chains( first ) )
     {
         scratch->chains->clamped = scratch->clamp != NULL;
@@ -645,6 +593,8 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
     }
     if ( rf_reuses_tiles( scratch ) && ( rf_follows_chains( scratch ) || harvest->shape.caustics ) )
         split_tiles( harvest, scratch );
+    if ( scratch->features != NULL && harvest->need == NULL && !harvest->first_hits_only )
+        rf_find_features( &harvest->path, first, &scratch->camera_rays, !harvest->alpha, wavefront, scratch->features );
 }
 
 // First hits of a batch, with the cameras at its point of the lens.
@@ -676,7 +626,10 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     if ( scratch->own != NULL )
         rf_note_moving_hits( harvest->path.tracer, scratch );
     rf_follow_camera_rays( harvest, scratch );
-    rf_list_hits( count, scratch, batch );
+    rf_draw_hit_sides( harvest, job, scratch );
+    rf_list_hits( harvest, count, scratch, batch );
+    if ( batch->surface != NULL )
+        rf_note_surfaces( harvest, count, scratch, batch );
     return count;
 }
 
@@ -716,14 +669,16 @@ static void trace_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, Rf
 static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratch )
 {
     harvest->path.own = &scratch->own->paths;
-    rf_clear_arrivals( count, &harvest->path.own->arrivals );
+    for ( int base = 0; base < rf_base_parts( &harvest->path ); ++base )
+        rf_clear_arrivals( count, rf_own_arrivals( harvest->path.own, base ) );
     harvest->path.own->caustics = false;
     if ( harvest->shape.caustics )
         rf_begin_caustics( count, harvest->path.own );
     else
         memset( harvest->path.own->touched, 0, (size_t)count );
-    for ( int c = 0; c < 3; ++c )
-        memset( scratch->own->light[c], 0, (size_t)count * sizeof( float ) );
+    for ( int c = 0; c < 3 * rf_base_parts( &harvest->path ); ++c )
+        memset( rf_own_group( scratch, c / 3 )->light[c % 3], 0, (size_t)count * sizeof( float ) );
+    rf_set_own_group( scratch, 0 );
 }
 
 // Estimates by first hits alone, without paths, how much of their light is own-frame.
@@ -743,6 +698,7 @@ static void look_for_own_light( const RfHarvest* harvest, RfHarvestScratch* scra
 static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     RfWavefront* wavefront = &scratch->wavefront;
+    rf_begin_groups( harvest, scratch );
     int count = harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
@@ -771,6 +727,9 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         return count;
     if ( batch->removed != NULL )
         rf_begin_removed( harvest, batch );
+    rf_clear_parts( harvest, batch );
+    if ( batch->passes != NULL )
+        rf_begin_passes( harvest, batch, scratch );
     if ( scratch->clamp != NULL )
         rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );
@@ -778,6 +737,8 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         rf_light_own_frame( harvest, batch, scratch );
     RfTileReuseSettings tiles = tile_settings( harvest, scratch );
     rf_weight_dimmed( harvest, &tiles, batch, scratch );
+    if ( batch->passes != NULL )
+        rf_pass_throughput( harvest, batch, scratch );
     if ( harvest->path.own != NULL )
         rf_add_own_light( harvest, batch, scratch );
     return count;

@@ -26,6 +26,7 @@ typedef struct RfHarvest
     const RfEye* eyes;             // shape.eyes of them
     int first_frame;               // path frame of eyes[0]
     int group;                     // its number
+    int64_t passes_before;         // as in RfEstimatorGroup
     const RfPieces* pieces;        // that alone are traced; NULL: all
     const float* need;             // adaptive sampling, as in RfEstimatorGroup
     int round;

@@ -3,20 +3,44 @@
 #define REFRAME_REUSE_HARVEST_HARVEST_STEPS_H
 
 #include "path/chain_samples.h"
+#include "path/features.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/chains/chains.h"
 #include "reuse/harvest/clamp.h"
 #include "reuse/harvest/harvest.h"
 #include "reuse/tile/tile_reuse.h"
 
+// Towards the hits' own camera, by hit: of the light that is kept apart, of one light group.
+typedef struct RfOwnGroup
+{
+    RF_ALIGN float light[3][RF_LANES];
+    float removed[3][RF_LANES]; // with a clamp
+} RfOwnGroup;
+
+// By hit: their share that is emission or direct, of all light groups, with passes.
+typedef struct RfOwnPasses
+{
+    RF_ALIGN float emission[3][RF_LANES], direct[3][RF_LANES];
+} RfOwnPasses;
+
+// The directions that light comes by.
+typedef enum RfWay
+{
+    RF_WAY_OTHER,
+    RF_WAY_LIGHT_SAMPLE,
+    RF_WAY_SCATTERED, // of paths
+} RfWay;
+
 // Light that is kept apart (path/own_light.h).
 typedef struct RfOwnHits
 {
     RfOwnLight paths;
-    RfArrivalLanes arrival;            // from one direction
-    RF_ALIGN float light[3][RF_LANES]; // by hit: towards its own camera
-    uint8_t moving[RF_LANES];          // by slot: the first hit is on what moves, so other cameras do not see it
-    float part[RF_LANES];              // with RfHarvest.first_hits_only: share of the hit's light that is own-frame, estimated
+    RfArrivalLanes arrival;     // from one direction
+    float ( *light )[RF_LANES]; // of the base part that is weighted: in one of the next
+    RfOwnGroup group;           // of part 0
+    RfOwnGroup* groups;         // of the base parts from 1 on, where light has groups (light/light.h)
+    uint8_t moving[RF_LANES];   // by slot: the first hit is on what moves, so other cameras do not see it
+    float part[RF_LANES];       // with RfHarvest.first_hits_only: share of the hit's light that is own-frame, estimated
 } RfOwnHits;
 
 struct RfHarvestScratch
@@ -25,8 +49,9 @@ struct RfHarvestScratch
     RfRayLanes camera_rays;
     RfVertexLanes first;                // hits of the camera rays
     RfSurfaceLanes* surfaces;           // that these hit; NULL unless the shape has them
+    RfFeatures* features;               // of the camera rays; NULL unless the shape has them
     RfChains* chains;                   // NULL unless the shape has chains
-    const RfVertexLanes* hits;          // what becomes records, and specular hits behind: `first`, or chains->hits
+    RfVertexLanes* hits;                // what becomes records, and specular hits behind: `first`, or chains->hits
     RF_ALIGN int32_t pixel[RF_LANES];   // by slot
     RF_ALIGN int32_t tile_of[RF_LANES]; // by slot, of tile_count
     int tile_count;
@@ -43,6 +68,7 @@ struct RfHarvestScratch
     RfEye* eyes;                             // of the group, at the batch's point of the lens and moment of the shutter
     const RfTracer** tracers;                // of the group likewise; NULL where nothing moves while the shutter is open
     char* at_moment;                         // where they are
+    uint32_t* first_seen;                    // the pane or mirror on the way of a camera to each hit; NULL unless asked for
     float* place[2];                         // of each camera ray in its pixel, by slot; NULL with the plain pixel filter
     RfLightLanes* direct;                    // light samples at the hits, K of them
     float* density;                          // J_l V_l: camera l, hit i at l·RF_LANES + i
@@ -52,9 +78,11 @@ struct RfHarvestScratch
     RfChainSamples* chain_samples;           // NULL without
     RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
     RfOwnHits* own;                          // NULL unless something moves
-    RfArrivals* dimmed;                      // light of dimmed lamps, by part from 1 on; NULL unless some may be
+    RfArrivals* dimmed;                      // by part from 1 on; NULL where light has none
     int part;                                // of the light that is weighted
     RfClampHits* clamp;                      // NULL without a clamp
+    RfOwnPasses* own_passes;                 // NULL without passes or own light
+    RfWay way;                               // of the direction that is weighted
 };
 
 // What the scene and the settings call for.
@@ -120,8 +148,33 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
 // Finds what the camera rays hit: scratch->first.
 void rf_find_first_hits( const RfHarvest* harvest, RfHarvestScratch* scratch );
 
+// Notes which surfaces the camera rays of the batch's hits and misses hit first: batch->surface. And what another camera sees
+// first on its way to hits that it sees, of density > 0: batch->surface_seen.
+void rf_note_surfaces( const RfHarvest* harvest, int count, const RfHarvestScratch* scratch, RfHitBatch* batch );
+void rf_note_surfaces_seen( const RfHarvest* harvest, int eye, const float* density, const RfHarvestScratch* scratch,
+                            RfHitBatch* batch );
+
 // Follows camera rays through mirrors and glass: scratch->hits.
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
+
+// Draws the sides of translucent hits (rf_draw_sides), before they are listed. In the passes of the path the numbers of a pixel's
+// passes in one half are a sequence of low discrepancy, and those of neighbouring pixels in a pass as well.
+void rf_draw_hit_sides( const RfHarvest* harvest, RfTraceJob job, RfHarvestScratch* scratch );
+
+// Turns ng of translucent hits to the cameras, which are on the side that is seen, wherever light arrives.
+void rf_face_cameras( const RfVertexLanes* v, RfHitBatch* batch );
+
+// The base part of the light that is kept apart: where it is from now on, and its group.
+static inline RfOwnGroup* rf_own_group( RfHarvestScratch* scratch, int base )
+{
+    return base == 0 ? &scratch->own->group : scratch->own->groups + base - 1;
+}
+static inline void rf_set_own_group( RfHarvestScratch* scratch, int base )
+{
+    scratch->own->light = rf_own_group( scratch, base )->light;
+    if ( scratch->clamp != NULL )
+        scratch->clamp->own = rf_own_group( scratch, base )->removed;
+}
 
 // Starts roulette with the throughput of the chains up to the hits.
 void rf_scale_roulette( RfHarvestScratch* scratch, int count );
@@ -133,7 +186,7 @@ void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRa
 void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
 
 // Fills the batch with the hits, misses and glints of `count` camera rays, without their light.
-void rf_list_hits( int count, RfHarvestScratch* scratch, RfHitBatch* batch );
+void rf_list_hits( const RfHarvest* harvest, int count, RfHarvestScratch* scratch, RfHitBatch* batch );
 
 // Visibility and densities from every camera: batch->seen, rows and density_sum,
 // and scratch->density.
@@ -171,7 +224,7 @@ static inline bool rf_clamps_own( const RfHarvestScratch* scratch )
     return scratch->clamp != NULL && !scratch->own->paths.caustics;
 }
 
-// Adds scratch->own->light to the batch, as glints; caustics to what is taken out.
+// Adds the light that is kept apart to the batch, as glints; caustics to what is taken out.
 void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 // Nothing is taken out yet.
@@ -197,11 +250,17 @@ void rf_add_clamped_own_light( float ( *const light )[RF_LANES], const float* co
 // The light of the records: batch->radiance, and the glossy hits' directions. Of one part alone: scratch->part.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
-// From here on light of parts is kept apart at slots [0, count) of a frame's hits: what the chains before them have found of it is as
-// in the frame.
+// From here on light groups are kept apart, if there are any: light as it is in the frame, by base part.
+void rf_begin_groups( RfHarvest* harvest, RfHarvestScratch* scratch );
+
+// From here on light of all parts is kept apart at slots [0, count) of a frame's hits: what the chains before them have found of it is
+// as in the frame.
 void rf_begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch );
 
-// What the parts of dimmed lamps bring, after part 0. `tiles`: as rf_trace_tile_tails had it.
+// Misses and glints have no light yet, and nothing is taken out, in parts from 1 on.
+void rf_clear_parts( const RfHarvest* harvest, RfHitBatch* batch );
+
+// What the parts from 1 on bring, after part 0. `tiles`: as rf_trace_tile_tails had it.
 void rf_weight_dimmed( const RfHarvest* harvest, const RfTileReuseSettings* tiles, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 #endif

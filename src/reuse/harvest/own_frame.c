@@ -1,15 +1,33 @@
 // Own-frame samples: hits of specular materials, and the sky in the background.
 // They are stored with the misses, which have weight 1 in their own frame and 0
 // elsewhere (src/reuse/estimators.md, section 2), but are not black.
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/passes.h"
 
 static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_miss_radiance( batch ) + 4 * (size_t)miss; }
+
+// The light of a base part.
+static inline float* light_of_part( const RfHitBatch* batch, int base, int miss )
+{
+    return base == 0 ? light_of( batch, miss ) : batch->dimmed[base - 1].radiance + 4 * (size_t)( batch->count + miss );
+}
+
+// A sample without a hit, with what it sees: light of one base part.
+static inline void put_light( const RfHitBatch* batch, int base, int miss, RfVec3 seen )
+{
+    float *all = light_of( batch, miss ), *light = light_of_part( batch, base, miss );
+    all[0] = all[1] = all[2] = 0.0f;
+    all[3] = 1.0f;
+    light[0] = seen.x;
+    light[1] = seen.y;
+    light[2] = seen.z;
+}
 
 // The sky where camera rays missed.
 static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int count )
 {
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
     bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden && !harvest->alpha;
+    int base = seen ? rf_counts_in( &harvest->path, rf_light_part( lights, rf_sky_number( lights ) ) ) : 0;
     const RfRayLanes* rays = &scratch->camera_rays;
     for ( int k = 0; k < count; ++k )
     {
@@ -19,11 +37,7 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
             int slot = scratch->miss_slot[k];
             sky = rf_sky_in_frame( &harvest->path, rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ) );
         }
-        float* light = light_of( batch, k );
-        light[0] = sky.x;
-        light[1] = sky.y;
-        light[2] = sky.z;
-        light[3] = 1.0f;
+        put_light( batch, base, k, sky );
     }
 }
 
@@ -42,9 +56,10 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
         rf_evaluate_lanes( v, wi, f, s->pdf );
         for ( int i = rf_record_count( v ); i < v->count; ++i )
         {
-            float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
+            int part = harvest->path.parts ? direct->part[i] : 0;
+            float* light = light_of_part( batch, rf_counts_in( &harvest->path, part ), first_miss + i - rf_record_count( v ) );
             float scale = rf_balance_scale( k * direct->pdf_solid_angle[i], s->pdf[i] );
-            RfVec3 of_part = rf_part_scale( lights, harvest->path.parts ? direct->part[i] : 0 );
+            RfVec3 of_part = rf_part_scale( lights, part );
             const float of_frame[3] = { of_part.x, of_part.y, of_part.z };
             for ( int c = 0; c < 3; ++c )
                 light[c] += s->f[c][i] * ( direct->radiance_cos[c][i] * of_frame[c] * scale );
@@ -52,13 +67,13 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
     }
 }
 
-// What paths from specular hits have found of dimmed lamps, as it is in their frame.
+// What paths from specular hits have found of dimmed lamps, as it is in their frame, goes to the base parts.
 static void gather_dimmed( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = &scratch->first;
-    RfArrivals* to = &scratch->wavefront.arrivals;
-    for ( int part = 1; part <= rf_dimmed_parts( &harvest->path ); ++part )
+    for ( int part = rf_base_parts( &harvest->path ); part <= rf_dimmed_parts( &harvest->path ); ++part )
     {
+        RfArrivals* to = rf_arrivals_of_part( &scratch->wavefront, rf_counts_in( &harvest->path, part ) );
         const RfArrivals* from = scratch->dimmed + part - 1;
         RfVec3 scale = rf_part_scale( rf_tracer_lights( harvest->path.tracer ), part );
         const float of_frame[3] = { scale.x, scale.y, scale.z };
@@ -149,23 +164,23 @@ static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, in
     }
 }
 
-static void copy_chain_light( const RfChains* chains, const int32_t* slot, int count, float fourth, float* out )
+static void copy_chain_light( float ( *const light )[RF_LANES], const int32_t* slot, int count, float fourth, float* out )
 {
     for ( int k = 0; k < count; ++k )
     {
         for ( int c = 0; c < 3; ++c )
-            out[4 * k + c] = chains->light[c][slot[k]];
+            out[4 * k + c] = light[c][slot[k]];
         out[4 * k + 3] = fourth;
     }
 }
 
 // What chains find beyond their first vertices, clamped.
-static void add_found_light( const RfHarvestScratch* scratch, RfHitBatch* batch, int first, int count, const int32_t* slot )
+static void add_found_light( const RfHarvestScratch* scratch, float ( *const found )[RF_LANES], RfHitBatch* batch, int first,
+                             int count, const int32_t* slot )
 {
     for ( int k = 0; k < count; ++k )
     {
         size_t at = 4 * (size_t)( first + k );
-        const float( *found )[RF_LANES] = (const float( * )[RF_LANES])scratch->chains->found;
         float value[3] = { found[0][slot[k]], found[1][slot[k]], found[2][slot[k]] };
         if ( value[0] + value[1] + value[2] > 0.0f )
             batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_CHAINS, batch, first + k, value, batch->radiance + at,
@@ -173,47 +188,70 @@ static void add_found_light( const RfHarvestScratch* scratch, RfHitBatch* batch,
     }
 }
 
-// Light that chains find on their way, for pixels without a hit and for pixels with one.
-static void light_chains( const RfHarvestScratch* scratch, RfHitBatch* batch )
+// Light that chains find on their way, of a base part, for pixels without a hit and for pixels with one.
+static void light_chains( const RfHarvestScratch* scratch, int base, RfHitBatch* batch )
 {
     int first = scratch->ray_miss_count;
-    copy_chain_light( scratch->chains, scratch->miss_slot + first, batch->miss_count - first, 1.0f,
+    float fourth = base == 0 ? 1.0f : 0.0f, ( *light )[RF_LANES] = rf_chain_light( scratch->chains, base );
+    copy_chain_light( light, scratch->miss_slot + first, batch->miss_count - first, fourth,
                       rf_miss_radiance( batch ) + 4 * (size_t)first );
-    copy_chain_light( scratch->chains, scratch->glint_slot, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
+    copy_chain_light( light, scratch->glint_slot, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
     if ( scratch->clamp == NULL )
         return;
-    add_found_light( scratch, batch, batch->count + first, batch->miss_count - first, scratch->miss_slot + first );
-    add_found_light( scratch, batch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot );
+    float( *found )[RF_LANES] = rf_chain_found( scratch->chains, base );
+    add_found_light( scratch, found, batch, batch->count + first, batch->miss_count - first, scratch->miss_slot + first );
+    add_found_light( scratch, found, batch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot );
+}
+
+// What paths from specular hits bring, of a base part.
+static void light_specular( const RfHarvest* harvest, int base, RfHitBatch* batch, RfHarvestScratch* scratch, int first_miss )
+{
+    if ( harvest->path.max_depth > 1 )
+    {
+        add_scattered( harvest, scratch, rf_arrivals_of_part( &scratch->wavefront, base ), batch, first_miss );
+        if ( harvest->path.own != NULL && harvest->path.own->caustics )
+            take_out_caustics( scratch, &harvest->path.own->arrivals, batch, first_miss );
+        else if ( harvest->path.own != NULL )
+            add_scattered( harvest, scratch, rf_own_arrivals( harvest->path.own, base ), batch, first_miss );
+    }
+    absorb( scratch, batch, first_miss );
+}
+
+static void see_specular( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
+{
+    const RfVertexLanes* v = &scratch->first;
+    const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
+    for ( int i = rf_record_count( v ); i < v->count; ++i )
+    {
+        int part = rf_counts_in( &harvest->path, rf_material_part( lights, v->material[i] ) );
+        put_light( batch, part, first_miss + i - rf_record_count( v ), rf_emission_in_frame( &harvest->path, v, i ) );
+    }
 }
 
 void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    light_misses( harvest, scratch, batch, scratch->ray_miss_count );
-    if ( rf_follows_chains( scratch ) )
-    {
-        light_chains( scratch, batch );
-        return;
-    }
     const RfVertexLanes* v = &scratch->first;
+    bool chains = rf_follows_chains( scratch );
     int specular = v->count - rf_record_count( v ), first_miss = batch->miss_count - specular;
-    for ( int n = 0; n < specular; ++n )
-    {
-        float* light = light_of( batch, first_miss + n );
-        RfVec3 emission = rf_emission_in_frame( &harvest->path, v, rf_record_count( v ) + n );
-        light[0] = emission.x;
-        light[1] = emission.y;
-        light[2] = emission.z;
-        light[3] = 1.0f;
-    }
-    if ( specular > 0 && harvest->path.max_depth > 1 )
+    light_misses( harvest, scratch, batch, scratch->ray_miss_count );
+    if ( !chains )
+        see_specular( harvest, scratch, batch, first_miss );
+    if ( !chains && specular > 0 && harvest->path.max_depth > 1 )
     {
         add_light_samples( harvest, scratch, batch, first_miss );
         gather_dimmed( harvest, scratch );
-        add_scattered( harvest, scratch, &scratch->wavefront.arrivals, batch, first_miss );
-        if ( harvest->path.own != NULL && harvest->path.own->caustics )
-            take_out_caustics( scratch, &harvest->path.own->arrivals, batch, first_miss );
-        else if ( harvest->path.own != NULL )
-            add_scattered( harvest, scratch, &harvest->path.own->arrivals, batch, first_miss );
     }
-    absorb( scratch, batch, first_miss );
+    for ( int base = 0; base < rf_base_parts( &harvest->path ); ++base )
+    {
+        RfHitBatch of_part = rf_batch_of_part( batch, base, true );
+        if ( chains )
+            light_chains( scratch, base, &of_part );
+        else if ( specular > 0 )
+            light_specular( harvest, base, &of_part, scratch, first_miss );
+        batch->any_removed = batch->any_removed || of_part.any_removed;
+        if ( base > 0 )
+            batch->dimmed[base - 1].any_removed = of_part.any_removed;
+    }
+    if ( chains && batch->passes != NULL )
+        rf_pass_chains( harvest, batch, scratch );
 }

@@ -1,7 +1,7 @@
 // Light at hits that is kept apart, weighted as in a group of one frame and added to the hit's own pixel as a glint: what holds in
 // the frame of its path alone, since what moves touches the path in some frame of the group (src/reuse/estimators.md, section 18), or
 // caustics, which go to what is taken out of the picture (section 19).
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/passes.h"
 
 #include <string.h>
 
@@ -36,69 +36,68 @@ void rf_add_own_glossy( RfHitBatch* batch, const float* const wi[3], RfHarvestSc
         for ( int c = 0; c < 3; ++c )
             own->light[c][i] += f[c][i - first] * q[c];
     }
-}
-
-// Multiplies the light by the filters of the ways to the camera, as accumulation does for what is shared, and by the throughput
-// of chains.
-static void dim( const RfHarvest* harvest, const RfHitBatch* batch, const RfHarvestScratch* scratch, float ( *light )[RF_LANES] )
-{
-    RF_ALIGN float filter[3][RF_LANES], density[RF_LANES];
-    RfProjectedLanes out = { .density = density, .filter = { filter[0], filter[1], filter[2] } };
-    rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + batch->eye, batch, out );
-    for ( int c = 0; c < 3; ++c )
-    {
-        const float* kappa = batch->panes[c] != NULL ? batch->panes[c] + (size_t)batch->eye * RF_LANES : NULL;
-        for ( int i = 0; i < batch->count; ++i )
-        {
-            bool chain = batch->view[i] == RF_VIEW_CHAIN;
-            float left = chain ? scratch->chains->throughput[c][scratch->hits->slot[i]] : filter[c][i];
-            light[c][i] *= left * ( kappa != NULL ? kappa[i] : 1.0f );
-        }
-    }
+    if ( batch->passes != NULL )
+        rf_pass_own( &own->arrival, first, batch->count, s->pdf, f, scratch );
 }
 
 // A new glint for a hit, without light.
-static int append_glint( const RfHarvestScratch* scratch, int hit, RfHitBatch* batch )
+static int append_glint( const RfPathSettings* path, const RfHarvestScratch* scratch, int hit, RfHitBatch* batch )
 {
     int slot = scratch->hits->slot[hit], glint = batch->glint_count++, at = batch->count + batch->miss_count + glint;
     rf_glint_pixel( batch )[glint] = scratch->pixel[slot];
-    memset( rf_glint_radiance( batch ) + 4 * (size_t)glint, 0, 4 * sizeof( float ) );
-    if ( batch->removed != NULL )
-        memset( batch->removed + 4 * (size_t)at, 0, 4 * sizeof( float ) );
+    for ( int base = 0; base < rf_base_parts( path ); ++base )
+    {
+        RfHitBatch of_part = rf_batch_of_part( batch, base, true );
+        memset( of_part.radiance + 4 * (size_t)at, 0, 4 * sizeof( float ) );
+        if ( of_part.removed != NULL )
+            memset( of_part.removed + 4 * (size_t)at, 0, 4 * sizeof( float ) );
+    }
+    for ( int k = 0; k < RF_OTHER_PASSES && batch->passes != NULL; ++k )
+        memset( rf_other_pass( batch, k, at ), 0, 4 * sizeof( float ) );
     for ( int c = 0; c < 2 && batch->offset[0] != NULL; ++c )
         batch->offset[c][at] = scratch->place[c][slot];
     return glint;
 }
 
-void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
+// That of a base part; glint_of[] has the glint of each slot, or −1.
+static void add_group( const RfHarvest* harvest, int base, int32_t* glint_of, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    float( *light )[RF_LANES] = scratch->own->light;
+    float( *light )[RF_LANES] = rf_own_group( scratch, base )->light,
+                  ( *taken )[RF_LANES] = rf_own_group( scratch, base )->removed;
     bool caustics = scratch->own->paths.caustics, clamped = rf_clamps_own( scratch );
-    int32_t glint_of[RF_LANES];
     if ( rf_has_views( batch ) )
-        dim( harvest, batch, scratch, light );
-    if ( rf_has_views( batch ) && rf_clamps_own( scratch ) )
-        dim( harvest, batch, scratch, scratch->clamp->own );
-    memset( glint_of, -1, sizeof glint_of );
-    for ( int g = 0; g < batch->glint_count; ++g )
-        glint_of[scratch->glint_slot[g]] = g;
+        rf_dim_own( harvest, batch, scratch, light );
+    if ( rf_has_views( batch ) && clamped )
+        rf_dim_own( harvest, batch, scratch, taken );
+    RfHitBatch of_part = rf_batch_of_part( batch, base, true );
     for ( int i = 0; i < batch->count; ++i )
     {
+        int32_t* glint = glint_of + scratch->hits->slot[i];
         if ( !( light[0][i] + light[1][i] + light[2][i] > 0.0f ) )
             continue;
-        int glint = glint_of[scratch->hits->slot[i]];
-        glint = glint >= 0 ? glint : append_glint( scratch, i, batch );
-        float* picture = rf_glint_radiance( batch ) + 4 * (size_t)glint;
-        size_t at = 4 * (size_t)( batch->count + batch->miss_count + glint );
-        float* removed = batch->removed != NULL ? batch->removed + at : NULL;
+        *glint = *glint >= 0 ? *glint : append_glint( &harvest->path, scratch, i, batch );
+        size_t at = 4 * (size_t)( batch->count + batch->miss_count + *glint );
+        float *picture = of_part.radiance + at, *removed = of_part.removed != NULL ? of_part.removed + at : NULL;
         for ( int c = 0; c < 3; ++c )
         {
             *( caustics ? removed + c : picture + c ) += light[c][i];
             if ( clamped )
-                removed[c] += scratch->clamp->own[c][i];
+                removed[c] += taken[c][i];
         }
         batch->any_removed |= caustics;
     }
+}
+
+void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    int32_t glint_of[RF_LANES];
+    memset( glint_of, -1, sizeof glint_of );
+    for ( int g = 0; g < batch->glint_count; ++g )
+        glint_of[scratch->glint_slot[g]] = g;
+    for ( int base = 0; base < rf_base_parts( &harvest->path ); ++base )
+        add_group( harvest, base, glint_of, batch, scratch );
+    if ( batch->passes != NULL && !scratch->own->paths.caustics )
+        rf_pass_own_light( harvest, glint_of, batch, scratch );
 }
 
 static float sample_luminance( const RfLightLanes* direct, int i )

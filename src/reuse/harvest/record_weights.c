@@ -1,7 +1,7 @@
 // The light of hit records, weighted over the cameras that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3).
 #include "reuse/accumulate/biased_weights.h"
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/passes.h"
 
 #include <string.h>
 
@@ -94,6 +94,11 @@ static void add_diffuse( RfHarvestScratch* scratch, const RfArrivalLanes* arriva
     }
     if ( own != NULL )
         add_own_diffuse( own, s->pdf, f, batch, scratch );
+    if ( batch->passes == NULL )
+        return;
+    rf_pass_diffuse( arrival, s->pdf, f, batch, scratch );
+    if ( own != NULL )
+        rf_pass_own( own, 0, count, s->pdf, f, scratch );
 }
 
 // Path by path.
@@ -239,13 +244,19 @@ static void gather_direction( const RfHarvest* harvest, RfHarvestScratch* scratc
         if ( own != NULL )
             rf_split_arrival( scratch->direct[direction].touched, v->count, arrival, own );
     }
-    else if ( pairing < 0 ) // other cameras do not see hits with chain samples, so all is one
+    else if ( pairing < 0 ) // other cameras do not see hits with chain samples, so all of a group is one
+    {
         rf_gather_light_sample( &scratch->chain_samples->found, v->count, 1.0f, arrival );
+        for ( int c = 0; c < 3 && scratch->part > 0; ++c )
+            memcpy( arrival->a[c], rf_chain_samples_of( scratch->chain_samples, scratch->part )[c],
+                    (size_t)v->count * sizeof( float ) );
+    }
     else if ( pairing == 0 )
     {
         rf_gather_scattered( v, rf_record_count( v ), wi, rf_arrivals_of_part( &scratch->wavefront, scratch->part ), k, arrival );
         if ( own != NULL )
-            rf_gather_scattered( v, rf_record_count( v ), wi, &harvest->path.own->arrivals, k, own );
+            rf_gather_scattered( v, rf_record_count( v ), wi,
+                                 rf_own_arrivals( harvest->path.own, rf_counts_in( &harvest->path, scratch->part ) ), k, own );
     }
     else
     {
@@ -287,18 +298,23 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
         return;
     }
     direction_lanes( harvest, scratch, direction, wi );
-    gather_direction( harvest, scratch, direction, wi, arrival, own );
-    if ( harvest->path.parts && ( ( found && scratch->part > 0 ) || !is_lit( batch, pairing, arrival, own ) ) )
+    bool has_part = !found || scratch->part < rf_base_parts( &harvest->path );
+    if ( has_part )
+        gather_direction( harvest, scratch, direction, wi, arrival, own );
+    if ( harvest->path.parts && !( has_part && is_lit( batch, pairing, arrival, own ) ) )
     {
         leave_dark( batch, direction, wi );
         return;
     }
+    scratch->way = sampled ? RF_WAY_LIGHT_SAMPLE : pairing == 0 ? RF_WAY_SCATTERED : RF_WAY_OTHER;
     if ( pairing <= 0 )
         add_diffuse( scratch, arrival, own, found, wi, batch, &scratch->wavefront.scratch );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count )
         store_direction( batch, arrival, wi, scratch->mixture + (size_t)direction * RF_LANES, batch->directions + direction );
     if ( batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count && scratch->clamp != NULL )
         rf_clamp_direction( direction, arrival, found, scratch->mixture + (size_t)direction * RF_LANES, batch, scratch );
+    if ( batch->passes != NULL )
+        rf_pass_glossy( arrival, scratch->mixture + (size_t)direction * RF_LANES, batch, scratch );
     if ( own != NULL )
         rf_add_own_glossy( batch, wi, scratch );
     if ( batch->arrivals != NULL )
@@ -371,13 +387,17 @@ static void add_emission( const RfHarvest* harvest, const RfHitBatch* batch, RfH
     for ( int i = 0; i < batch->count; ++i )
     {
         int part = rf_material_part( lights, v->material[i] );
-        bool own = part == RF_PART_OWN && splits && !( rf_has_views( batch ) && batch->view[i] == RF_VIEW_CHAIN );
-        bool shines = !own && ( !harvest->path.parts || ( part == RF_PART_OWN ? 0 : part ) == scratch->part );
+        bool of_frame = rf_is_own_part( part );
+        bool own = of_frame && splits && !( rf_has_views( batch ) && batch->view[i] == RF_VIEW_CHAIN );
+        part = of_frame ? rf_counts_in( &harvest->path, part ) : part;
+        bool shines = !own && ( !harvest->path.parts || part == scratch->part );
         for ( int c = 0; c < 3; ++c )
         {
             batch->radiance[4 * i + c] = shines ? v->emission[c][i] : 0.0f;
-            if ( own && scratch->part == 0 )
+            if ( own && part == scratch->part )
                 scratch->own->light[c][i] += v->emission[c][i];
+            if ( own && part == scratch->part && batch->passes != NULL )
+                scratch->own_passes->emission[c][i] += v->emission[c][i];
         }
         batch->radiance[4 * i + 3] = scratch->part == 0 ? 1.0f : 0.0f;
     }
@@ -388,6 +408,8 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     add_emission( harvest, batch, scratch );
     if ( scratch->clamp != NULL && rf_follows_chains( scratch ) )
         rf_clamp_seen_emission( batch, scratch );
+    if ( batch->passes != NULL )
+        rf_pass_emission( batch );
     if ( harvest->path.max_depth == 1 )
     {
         rf_clear_directions( batch, rf_direction_count( &harvest->shape ) );

@@ -40,6 +40,31 @@ static RfDirectionLanes* take_along( Layout* layout, int directions, const RfHit
     return out;
 }
 
+static RfPassLight* take_pass_light( Layout* layout, const RfBatchShape* shape )
+{
+    RfPassLight light = { 0 }, *out = take( layout, sizeof *out );
+    take_lanes3( layout, light.emission );
+    take_lanes3( layout, light.direct );
+    if ( shape->params != 0 )
+        take_lanes3( layout, light.direct_q );
+    if ( layout->base != NULL )
+        *out = light;
+    return out;
+}
+
+static void take_passes( Layout* layout, const RfBatchShape* shape, RfHitBatch* batch )
+{
+    batch->passes = take_pass_light( layout, shape );
+    batch->event = take( layout, RF_LANES );
+    batch->others = take( layout, RF_OTHER_PASSES * 4 * (size_t)RF_MOST_LISTED * sizeof( float ) );
+    for ( int k = shape->groups > 1 ? shape->groups - 1 : 0; k < shape->dimmed; ++k )
+    {
+        RfPassLight* light = take_pass_light( layout, shape );
+        if ( layout->base != NULL )
+            batch->dimmed[k].passes = light;
+    }
+}
+
 static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* batch )
 {
     take_lanes3( layout, batch->n );
@@ -63,9 +88,13 @@ static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* 
         batch->removed_directions = take_along( layout, directions, batch );
     for ( int k = 0; k < shape->dimmed; ++k )
     {
-        batch->dimmed[k].directions = take_along( layout, directions, batch );
+        RfDirectionLanes *light = take_along( layout, directions, batch ), *removed = NULL;
         if ( shape->clamped )
-            batch->dimmed[k].removed_directions = take_along( layout, directions, batch );
+            removed = take_along( layout, directions, batch );
+        if ( layout->base == NULL )
+            continue;
+        batch->dimmed[k].directions = light;
+        batch->dimmed[k].removed_directions = removed;
     }
     if ( shape->arrivals > 0 )
         batch->arrivals = take( layout, shape->arrivals );
@@ -81,11 +110,15 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
     batch.radiance = take( layout, 4 * listed * sizeof( float ) );
     if ( shape->clamped || shape->caustics )
         batch.removed = take( layout, 4 * listed * sizeof( float ) );
+    batch.dimmed = shape->dimmed > 0 ? take( layout, (size_t)shape->dimmed * sizeof *batch.dimmed ) : NULL;
     for ( int k = 0; k < shape->dimmed; ++k )
     {
-        batch.dimmed[k].radiance = take( layout, 4 * RF_LANES * sizeof( float ) );
+        size_t lanes = k + 1 < shape->groups ? listed : RF_LANES;
+        RfDimmedLight light = { .radiance = take( layout, 4 * lanes * sizeof( float ) ) };
         if ( shape->clamped )
-            batch.dimmed[k].removed = take( layout, 4 * RF_LANES * sizeof( float ) );
+            light.removed = take( layout, 4 * lanes * sizeof( float ) );
+        if ( layout->base != NULL )
+            batch.dimmed[k] = light;
     }
     batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
     if ( rf_is_partial( shape ) )
@@ -97,9 +130,15 @@ static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
         batch.offset[c] = take( layout, listed * sizeof( float ) );
     if ( shape->chains )
         batch.view = take( layout, RF_LANES );
+    if ( rf_has_covering( shape ) )
+        batch.surface = take( layout, RF_LANES * sizeof( uint32_t ) );
+    if ( rf_has_covering( shape ) && shape->chains && shape->eyes > 1 )
+        batch.surface_seen = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( uint32_t ) );
     batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
     if ( shape->params != 0 )
         take_glossy( layout, shape, &batch );
+    if ( shape->passes )
+        take_passes( layout, shape, &batch );
     return batch;
 }
 
@@ -112,6 +151,24 @@ uint32_t rf_glossy_params( unsigned kinds )
             params |= rf_bsdf_model( (RfBsdfKind)kind )->params;
     }
     return params;
+}
+
+RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others )
+{
+    RfHitBatch out = *batch;
+    if ( part == 0 )
+        return out;
+    const RfDimmedLight* light = batch->dimmed + part - 1;
+    out.radiance = light->radiance;
+    out.directions = light->directions;
+    out.removed = light->removed;
+    out.removed_directions = light->removed_directions;
+    out.any_removed = light->any_removed;
+    out.passes = light->passes != NULL ? light->passes : batch->passes;
+    out.arrivals = NULL;
+    out.miss_count = others ? out.miss_count : 0;
+    out.glint_count = others ? out.glint_count : 0;
+    return out;
 }
 
 size_t rf_batch_bytes( const RfBatchShape* shape )

@@ -60,7 +60,7 @@ static const RfTracer* world_of( const RfHarvest* harvest, int eye )
 // Tests the straight segments to hits with density > 0. Hits behind thin panes are reused, except on smooth coats, which are
 // split where a camera sees them directly.
 static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3],
-                         float* density )
+                         uint32_t* first, float* density )
 {
     const RfTracer* tracer = world_of( harvest, eye );
     const RfEye* from = harvest->eyes + eye;
@@ -68,7 +68,9 @@ static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* ba
         return rf_trace_from_eye( tracer, from, batch->count, lifted, density );
     float past[RF_LANES], probability[RF_LANES];
     size_t at = (size_t)eye * RF_LANES;
-    RfPaneLanes panes = { probability, { batch->panes[0] + at, batch->panes[1] + at, batch->panes[2] + at } };
+    RfPaneLanes panes = { .probability = probability,
+                          .weight = { batch->panes[0] + at, batch->panes[1] + at, batch->panes[2] + at },
+                          .first = first };
     bool pass = harvest->path.max_depth > 1;
     for ( int i = 0; i < batch->count; ++i )
     {
@@ -83,16 +85,18 @@ static int see_straight( const RfHarvest* harvest, int eye, const RfHitBatch* ba
     return rays;
 }
 
-// Tests the hits with density > 0, directly or by way of the mirror in which they were found.
-static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3], float* density )
+// Tests the hits with density > 0, directly or by way of the mirror in which they were found. `first`: the first pane or the mirror
+// before each that is seen, where there is one; NULL: not asked for.
+static int see( const RfHarvest* harvest, int eye, const RfHitBatch* batch, const float* const lifted[3], uint32_t* first,
+                float* density )
 {
     if ( !rf_has_views( batch ) )
-        return see_straight( harvest, eye, batch, lifted, density );
+        return see_straight( harvest, eye, batch, lifted, first, density );
     float straight[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
         straight[i] = rf_is_straight( batch->view[i] ) ? density[i] : 0.0f;
-    int rays = see_straight( harvest, eye, batch, lifted, straight );
-    rays += rf_see_mirrored( world_of( harvest, eye ), harvest->eyes + eye, batch, lifted, density );
+    int rays = see_straight( harvest, eye, batch, lifted, first, straight );
+    rays += rf_see_mirrored( world_of( harvest, eye ), harvest->eyes + eye, batch, lifted, first, density );
     for ( int i = 0; i < batch->count; ++i )
         density[i] = rf_is_straight( batch->view[i] ) ? straight[i] : density[i];
     return rays;
@@ -143,7 +147,7 @@ static void see_from_own_eye( const RfHarvest* harvest, const RfHitBatch* batch,
     bool listed[RF_LANES];
     for ( int i = 0; i < batch->count; ++i )
         listed[i] = way[i] > 0.0f;
-    rays->eye += (uint64_t)see( harvest, batch->eye, batch, lifted, way );
+    rays->eye += (uint64_t)see( harvest, batch->eye, batch, lifted, NULL, way );
     // transmittance is never 0: the camera ray did get through
     for ( int i = 0; i < batch->count; ++i )
         density[i] = listed[i] ? rf_maxf( way[i], 1e-12f * density[i] ) : density[i];
@@ -184,7 +188,12 @@ void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHa
             rf_project_batch( rf_tracer_mirrors( harvest->path.tracer ), eye, batch, out );
             if ( rf_splits_light( harvest ) )
                 hide_moving( scratch, batch->count, density );
-            rays->eye += (uint64_t)see( harvest, l, batch, lifted, density );
+            if ( batch->surface_seen != NULL )
+                memset( scratch->first_seen, 0xff, (size_t)batch->count * sizeof *scratch->first_seen ); // RF_MISS
+            rays->eye +=
+                (uint64_t)see( harvest, l, batch, lifted, batch->surface_seen != NULL ? scratch->first_seen : NULL, density );
+            if ( batch->surface_seen != NULL )
+                rf_note_surfaces_seen( harvest, l, density, scratch, batch );
         }
         if ( batch->densities != NULL )
             memcpy( batch->densities + (size_t)l * RF_LANES, density, (size_t)batch->count * sizeof *density );

@@ -3,6 +3,10 @@
 
 #include "reuse/tile/tile.h"
 
+#include <string.h>
+
+#define NO_PART 255
+
 static RfVec3 point_of( const RfVertexLanes* v, int i ) { return rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ); }
 
 static RfVec3 direction_of( float* const d[3], int i ) { return rf_vec3( d[0][i], d[1][i], d[2][i] ); }
@@ -81,6 +85,7 @@ typedef struct Followers
     float probability[RF_PATCH_PIXELS]; // of the events so far; 0 if they do not lead to emission
     float light[3][RF_PATCH_PIXELS];    // that leaves the chain's first vertex; of parallel chains, that arrives at the hit
     uint8_t touched[RF_PATCH_PIXELS];   // by what moves, as far as they are followed; only if light is split
+    uint8_t part[RF_PATCH_PIXELS];      // base part of the light; with groups
 } Followers;
 
 typedef struct Walk
@@ -106,12 +111,9 @@ static RfVec3 get( float ( *const array )[RF_LANES], int i ) { return rf_vec3( a
 
 static RfDeltaEvent event_at( const Walk* walk, int follower, int at, const RfVertexLanes* v, int i, RfVec3 wo )
 {
-    const float *n[3] = { v->n[0], v->n[1], v->n[2] }, *param[RF_PARAM_COUNT];
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-        param[p] = v->param[p];
-    RfBsdfLanes lanes = rf_bsdf_lanes( RF_BSDF_GLASS, n, param, 0 );
+    RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, RF_BSDF_GLASS, 0 );
     bool pane = rf_tracer_has_panes( walk->path->tracer ) && v->param[RF_PARAM_IOR][i] < 0.0f; // passed by chance
-    if ( i < rf_record_count( v ) || pane )
+    if ( i < rf_record_count( v ) || i >= v->first[RF_BSDF_SPECTRAL] || pane )
         return ( RfDeltaEvent ){ wo, { 0, 0, 0 }, 0.0f };
     unsigned events = walk->reuse->slots.chain_light.transmitted[slot_of( walk, follower )];
     return rf_glass_event( &lanes, i, wo, ( events >> at & 1u ) != 0 );
@@ -146,11 +148,12 @@ static void end( Walk* walk, int follower, RfVec3 light )
         walk->all.probability[follower] = 0.0f;
 }
 
-// Chains have no parts: what they find of lights that change is for their own frame alone.
+// Chains have no parts but those of groups: what they find of lights that change is for their own frame alone.
 static void note_part( Walk* walk, int follower, int part )
 {
     if ( walk->reuse->split )
-        walk->all.touched[follower] |= part != 0;
+        walk->all.touched[follower] |= part >= rf_base_parts( walk->path );
+    walk->all.part[follower] = (uint8_t)rf_counts_in( walk->path, part );
 }
 
 // Rays that miss see the sky.
@@ -321,7 +324,10 @@ static void follow_others( Walk* walk )
             pairing->touched[i] = all->touched[k];
             pairing->any_touched = pairing->any_touched || all->touched[k];
         }
-        put( pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
+        bool grouped = walk->path->grouped;
+        put( grouped ? pairing->chains->light : pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
+        if ( grouped )
+            pairing->chains->part[a] = all->probability[k] > 0.0f ? all->part[k] : NO_PART;
     }
     all->count = 0;
 }
@@ -329,6 +335,8 @@ static void follow_others( Walk* walk )
 uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
+    for ( int s = 0; s < settings->tile_pixels && settings->path->grouped; ++s )
+        memset( reuse->pairings[s].chains->part, NO_PART, RF_LANES );
     if ( !settings->chain_light || rf_record_count( y ) == y->count )
         return 0;
     Walk walk = { .path = settings->path, .wavefront = wavefront, .reuse = reuse };

@@ -31,7 +31,7 @@ static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse
     rf_gather_scattered( &second->lanes, second->lanes.count, wi, arrivals_of_part( reuse ), (float)settings->light_samples,
                          &second->arrival );
     if ( reuse->split && reuse->own->any )
-        rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->own->beyond.arrivals,
+        rf_gather_scattered( &second->lanes, second->lanes.count, wi, rf_own_arrivals( &reuse->own->beyond, reuse->part ),
                              (float)settings->light_samples, &reuse->own->arrival );
 }
 
@@ -211,7 +211,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfArrivalLanes* arrival = own ? &reuse->own->arrival : &reuse->second.arrival;
-    const RfArrivals* at_second = own ? &reuse->own->beyond.arrivals : arrivals_of_part( reuse );
+    const RfArrivals* at_second = own ? rf_own_arrivals( &reuse->own->beyond, reuse->part ) : arrivals_of_part( reuse );
     RfLaneScratch* s = &wavefront->scratch;
     RfVec3 scale = rf_part_scale( rf_tracer_lights( settings->tracer ), reuse->part );
     const float of_frame[3] = { scale.x, scale.y, scale.z };
@@ -227,7 +227,8 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
         float weight = connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
         rf_weigh_arrival( arrival, a, pdf, q );
         bool to_own = own || ( reuse->split && settings->own->touched[slot] );
-        RfArrivals* to = to_own ? &settings->own->arrivals : rf_arrivals_of_part( wavefront, reuse->part );
+        RfArrivals* to = to_own ? rf_own_arrivals( settings->own, rf_counts_in( settings, reuse->part ) )
+                                : rf_arrivals_of_part( wavefront, reuse->part );
         for ( int c = 0; c < 3; ++c )
         {
             float light = f[c][a] * q[c] * weight;
@@ -256,6 +257,7 @@ static bool all_reused( const RfTileReuse* reuse )
 static void store_own_split( const RfPathSettings* path, RfArrivals* held, const RfTileReuse* reuse )
 {
     RfOwnLight* paths = path->own;
+    RfArrivals* to = rf_own_arrivals( paths, rf_counts_in( path, reuse->part ) );
     RfVec3 scale = rf_part_scale( rf_tracer_lights( path->tracer ), reuse->part );
     const float of_frame[3] = { scale.x, scale.y, scale.z };
     const RfVertexLanes* y = &reuse->second.lanes;
@@ -272,7 +274,7 @@ static void store_own_split( const RfPathSettings* path, RfArrivals* held, const
             float throughput = reuse->second.throughput[c][a];
             float beyond = ( reuse->own->any ? own->own[c][a] : 0.0f ) + ( touched ? own->light[c][a] * of_frame[c] : 0.0f );
             held->rest[c][slot] = touched ? 0.0f : weight * own->light[c][a] * throughput;
-            paths->arrivals.rest[c][slot] = weight * beyond * throughput;
+            to->rest[c][slot] = weight * beyond * throughput;
         }
     }
 }
@@ -323,7 +325,7 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
 
 static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int a )
 {
-    const RfArrivals* arrivals = &reuse->own->beyond.arrivals;
+    const RfArrivals* arrivals = rf_own_arrivals( &reuse->own->beyond, reuse->part );
     int slot = reuse->second.lanes.slot[a];
     float sum = 0.0f;
     for ( int c = 0; c < 3; ++c )
@@ -331,14 +333,14 @@ static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int
     for ( int j = 0; j < path->light_samples; ++j )
     {
         const RfLightLanes* direct = reuse->second.direct + j;
-        if ( direct->touched[a] )
+        if ( direct->touched[a] && ( !path->grouped || direct->part[a] == reuse->part ) )
             sum += direct->radiance_cos[0][a] + direct->radiance_cos[1][a] + direct->radiance_cos[2][a];
     }
     return sum;
 }
 
-// Finds at which second vertices there is light that holds in its own frame alone; if at any, there is none yet in the pairings.
-// Chains bring none.
+// Finds at which second vertices there is light, of a base part, that holds in its own frame alone; if at any, there is none yet in
+// the pairings. Chains bring none.
 static void begin_own( const RfPathSettings* path, int tile_pixels, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
@@ -365,6 +367,21 @@ static void clear_chain_light( int tile_pixels, const RfTileReuse* reuse )
         memset( reuse->pairings[k / 3].light[k % 3] + first, 0, (size_t)( y->count - first ) * sizeof( float ) );
 }
 
+// With groups each base part has that of its own.
+static void take_chain_light( int tile_pixels, const RfTileReuse* reuse )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    for ( int s = 0; s < tile_pixels; ++s )
+    {
+        RfPairingLanes* t = reuse->pairings + s;
+        for ( int a = rf_record_count( y ); a < y->count; ++a )
+        {
+            for ( int c = 0; c < 3; ++c )
+                t->light[c][a] = t->chains->part[a] == reuse->part ? t->chains->light[c][a] : 0.0f;
+        }
+    }
+}
+
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfPathSettings* path = settings->path;
@@ -375,11 +392,13 @@ void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefr
     reuse->second.shared = connected ? 0 : reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
     for ( int k = 0; k < 3 * ( glossy || connected ? tile_pixels : 1 ); ++k )
         memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
-    if ( reuse->split && reuse->part == 0 )
+    if ( reuse->split && reuse->part < rf_base_parts( path ) )
         begin_own( path, tile_pixels, reuse );
     else if ( reuse->split )
         reuse->own->any = false; // it had its turn, too
-    if ( reuse->part > 0 )
+    if ( path->grouped )
+        take_chain_light( tile_pixels, reuse );
+    else if ( reuse->part > 0 )
         clear_chain_light( tile_pixels, reuse );
     bool reused = all_reused( reuse );
     int k = rf_light_set_count( path, path->light_samples );

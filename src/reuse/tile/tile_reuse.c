@@ -17,13 +17,20 @@ static size_t own_bytes( int tile_pixels )
 
 static size_t dimmed_bytes( int dimmed ) { return dimmed > 0 ? (size_t)dimmed * sizeof( RfTileDimmed ) + 64 : 0; }
 
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed )
+static size_t group_bytes( int tile_pixels, bool own, int groups )
+{
+    if ( groups < 2 )
+        return 0;
+    return (size_t)tile_pixels * sizeof( RfTileChains ) + ( own ? (size_t)( groups - 1 ) * sizeof( RfArrivals ) : 0 ) + 64;
+}
+
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups )
 {
     if ( tile_pixels == 1 )
         return 0;
-    return dimmed_bytes( dimmed ) + struct_bytes() + (size_t)light_lanes * sizeof( RfLightLanes ) +
-           (size_t)tile_pixels * sizeof( RfPairingLanes ) + ( panes ? lanes3_bytes( tile_pixels ) : 0 ) +
-           ( own ? own_bytes( tile_pixels ) + 64 : 0 );
+    return dimmed_bytes( dimmed ) + group_bytes( tile_pixels, own, groups ) + struct_bytes() +
+           (size_t)light_lanes * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes ) +
+           ( panes ? lanes3_bytes( tile_pixels ) : 0 ) + ( own ? own_bytes( tile_pixels ) + 64 : 0 );
 }
 
 static void lay_out_own( int tile_pixels, char* memory, RfTileReuse* reuse )
@@ -38,7 +45,16 @@ static void lay_out_own( int tile_pixels, char* memory, RfTileReuse* reuse )
     }
 }
 
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, void* memory )
+static void lay_out_groups( int tile_pixels, char* memory, RfTileReuse* reuse )
+{
+    RfTileChains* chains = (RfTileChains*)(void*)( memory + ( 64 - (uintptr_t)memory % 64 ) % 64 );
+    for ( int s = 0; s < tile_pixels; ++s )
+        reuse->pairings[s].chains = chains + s;
+    if ( reuse->own != NULL )
+        reuse->own->beyond.of_groups = (RfArrivals*)(void*)( chains + tile_pixels );
+}
+
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups, void* memory )
 {
     if ( tile_pixels == 1 )
         return NULL;
@@ -56,9 +72,12 @@ RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes
         lay_out_own( tile_pixels, (char*)( pane_weight + ( panes ? 3 * tile_pixels : 0 ) ), reuse );
     if ( dimmed > 0 )
     {
-        char* end = (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, 0 );
+        char* end = (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, 0, 0 );
         reuse->dimmed = (RfTileDimmed*)(void*)( end + ( 64 - (uintptr_t)end % 64 ) % 64 );
     }
+    if ( groups > 1 )
+        lay_out_groups( tile_pixels, (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, dimmed, 0 ),
+                        reuse );
     return reuse;
 }
 
@@ -112,10 +131,13 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
         hit_of_slot[hits->slot[i]] = i < count ? i : -1;
     for ( int i = 0; i < count; ++i )
         reuse->hits.second[i] = -1;
-    const RfVertexLanes* y = &reuse->second.lanes;
+    RfVertexLanes* y = &reuse->second.lanes;
     for ( int a = 0; a < y->count; ++a )
     {
         int i = hit_of_slot[y->slot[a]];
+        if ( i >= 0 ) // connections end here: the rounding of where they begin counts, too
+            y->offset[a] = rf_maxf(
+                y->offset[a], rf_ray_offset( rf_largest_coordinate( rf_vec3( hits->p[0][i], hits->p[1][i], hits->p[2][i] ) ) ) );
         reuse->second.owner[a] = -1;
         reuse->second.hit[a] = i;
         if ( i < 0 || !( a < rf_record_count( y ) || rf_has_chain_light( settings, reuse, a ) ) ||
@@ -154,6 +176,8 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
     {
         int slot = y->slot[a];
         sum[a] = sum_of( arrivals, slot ) + ( reuse->split ? sum_of( &reuse->own->beyond.arrivals, slot ) : 0.0f );
+        for ( int base = 1; reuse->split && base < rf_base_parts( path ); ++base )
+            sum[a] += sum_of( rf_own_arrivals( &reuse->own->beyond, base ), slot );
         for ( int part = 0; part < dimmed; ++part )
             sum[a] += sum_of( &reuse->dimmed[part].at_second, slot );
     }
@@ -212,6 +236,13 @@ static void pass_own_panes( const RfTracer* tracer, RfTileReuse* reuse )
     }
 }
 
+static void clear_arrival( RfArrivals* arrivals, int slot )
+{
+    for ( int c = 0; c < 3; ++c )
+        arrivals->emitted[c][slot] = arrivals->rest[c][slot] = 0.0f;
+    arrivals->light_pdf_solid_angle[slot] = 0.0f;
+}
+
 // Begins the paths anew at their second vertices, which `triangle` lists by ray: what moves may touch those themselves. Caustics
 // begin at hits: those of a tile are alike (rf_throws_caustics).
 static void begin_beyond( const RfPathSettings* path, const uint32_t* triangle, RfTileReuse* reuse )
@@ -219,13 +250,12 @@ static void begin_beyond( const RfPathSettings* path, const uint32_t* triangle, 
     bool caustics = path->own->caustics;
     reuse->own->beyond.caustics = caustics;
     const RfVertexLanes* y = &reuse->second.lanes;
-    RfArrivals* arrivals = &reuse->own->beyond.arrivals;
+    int base_parts = rf_base_parts( path );
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
-        for ( int c = 0; c < 3; ++c )
-            arrivals->emitted[c][slot] = arrivals->rest[c][slot] = 0.0f;
-        arrivals->light_pdf_solid_angle[slot] = 0.0f;
+        for ( int base = 0; base < base_parts; ++base )
+            clear_arrival( rf_own_arrivals( &reuse->own->beyond, base ), slot );
         reuse->own->beyond.seen[slot] = path->own->seen[slot];
         reuse->own->moving[slot] = reuse->own->beyond.touched[slot] =
             !caustics && rf_is_moving( path->tracer, triangle[y->ray[a]] );
@@ -237,6 +267,7 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
 {
     RfPathSettings beyond = *path, *settings = &beyond;
     beyond.own = reuse->split ? &reuse->own->beyond : NULL;
+    rf_draw_sides( wavefront, 2, &reuse->second.lanes );
     int samples = settings->light_samples, k = rf_light_set_count( settings, samples );
     uint32_t dimension = rf_vertex_dimension( 2, samples ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
@@ -262,6 +293,7 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
     rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
     memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
+    rf_face_rays( &reuse->second.lanes ); // where the hits of the tile are
     rf_trace_tails( settings, wavefront, 3 );
     memcpy( &reuse->slots.at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
     memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );

@@ -56,6 +56,13 @@ typedef struct RfSecondVertices
     bool parallel[RF_LANES]; // the chain that begins there is followed in the same direction (reuse/tile/tile_chains.h)
 } RfSecondVertices;
 
+// Light of chains in light groups, by second vertex: pairings get that of each part in its turn.
+typedef struct RfTileChains
+{
+    RF_ALIGN float light[3][RF_LANES];
+    uint8_t part[RF_LANES]; // base part (light/light.h); 255: there is none
+} RfTileChains;
+
 // One pairing: hits connected to second vertices of neighbour paths.
 typedef struct RfPairingLanes
 {
@@ -71,6 +78,7 @@ typedef struct RfPairingLanes
     bool any_touched;         // some connection is
     uint8_t* touched;         // by hit: what moves touches the connection
     float ( *own )[RF_LANES]; // like `light`, by paths that it touches beyond the second vertex
+    RfTileChains* chains;     // with RfPathSettings.grouped; else not looked at
 } RfPairingLanes;
 
 // Light that holds in its own frame alone (path/own_light.h).
@@ -116,9 +124,11 @@ typedef struct RfTileReuseSettings
 } RfTileReuseSettings;
 
 // `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
-// `own`: with room for light that holds in its own frame alone; `dimmed`: parts of the light (light/light.h), from 1 on.
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed );
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, void* memory );
+// `own`: with room for light that holds in its own frame alone; `dimmed`: parts of the light (light/light.h), from 1 on; `groups`:
+// light groups among them, or 0.
+size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups );
+RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups,
+                                    void* memory );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are reused inside their tiles.
 // wavefront->arrivals is as returned there, with the weighted light of pairing 0 in `rest`; pairings from 1 on are in

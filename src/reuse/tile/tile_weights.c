@@ -85,7 +85,7 @@ typedef struct Queue
 static void test_past_panes( Queue* q, const float* const o[3], const float* const d[3] )
 {
     RfLaneScratch* s = q->scratch;
-    RfPaneLanes panes = { s->pdf, { s->f[0], s->f[1], s->f[2] } };
+    RfPaneLanes panes = { .probability = s->pdf, .weight = { s->f[0], s->f[1], s->f[2] } };
     rf_trace_segments_past_panes( q->tracer, q->count, o, d, s->visible, &panes );
     for ( int k = 0; k < q->count; ++k )
     {

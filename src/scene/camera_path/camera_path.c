@@ -4,9 +4,12 @@
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/lens.h"
+#include "scene/eye.h"
 #include "scene/moments.h"
 #include "scene/pose.h"
+#include "scene/projection.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -89,6 +92,26 @@ static RfResult find_runs( const RfScene* scene, RfCameraPath* path, RfError* er
     return RF_OK;
 }
 
+void rf_widen_eye( RfEye* eye, int x, int y )
+{
+    float* axes[] = { &eye->axis_x, &eye->axis_y, &eye->open.axis_x, &eye->open.axis_y, &eye->close.axis_x, &eye->close.axis_y };
+    int count = eye->moves != 0 ? 6 : 2;
+    eye->width += 2 * x;
+    eye->height += 2 * y;
+    for ( int i = 0; i < count; ++i )
+        *axes[i] += (float)( i % 2 == 0 ? x : y );
+}
+
+static RfResult add_overscan( const RfCameraPath* path, RfEye* eye, RfError* error )
+{
+    if ( rf_projection_traits( rf_projection_of( eye ) )->extent == RF_EXTENT_ALL )
+        return rf_fail( error, RF_ERROR_USAGE,
+                        "camera '%.60s': a %s camera shows all directions: there is nothing around its picture", path->name,
+                        g_rf_projection_names[eye->projection] );
+    rf_widen_eye( eye, path->overscan[0], path->overscan[1] );
+    return RF_OK;
+}
+
 // The cameras of all frames; the hash starts with what a path file has.
 static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path, RfError* error )
 {
@@ -114,6 +137,8 @@ static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path,
         if ( result != RF_OK )
             break;
         drop_still_moments( scene, path->eyes + i );
+        if ( ( path->overscan[0] | path->overscan[1] ) != 0 )
+            result = add_overscan( path, path->eyes + i, error );
         path->hash = hash_eye( path->hash, path->eyes + i );
     }
     return result == RF_OK ? find_runs( scene, path, error ) : result;
@@ -145,12 +170,32 @@ static RfResult complete( RfCameraSampling* sampling, RfError* error )
     return RF_OK;
 }
 
+// The margin in pixels; with it the film must not be too large.
+static RfResult find_overscan( const RfOverscan* asked, const RfCameraSampling* sampling, int overscan[2], RfError* error )
+{
+    const int size[2] = { sampling->width, sampling->height };
+    bool right = asked->size >= 0.0 && asked->size <= ( asked->relative ? 1.0 : RF_MAX_IMAGE_SIDE );
+    for ( int i = 0; right && i < 2; ++i )
+    {
+        // 10 % of 30 pixels are 3, whatever 0.1 is in binary
+        overscan[i] = (int)ceil( asked->relative ? asked->size * size[i] - 1e-6 : asked->size );
+        if ( size[i] + 2 * overscan[i] > RF_MAX_IMAGE_SIDE )
+            return rf_fail( error, RF_ERROR_USAGE, "a picture of %dx%d pixels with an overscan of %d has a side of more than %d",
+                            size[0], size[1], overscan[i], RF_MAX_IMAGE_SIDE );
+    }
+    return right ? RF_OK
+                 : rf_fail( error, RF_ERROR_USAGE, "overscan must be 0 to %d pixels or 0 to 100 %% of the picture",
+                            RF_MAX_IMAGE_SIDE );
+}
+
 RfResult rf_create_camera_path( const RfScene* scene, const RfPathOptions* options, RfCameraPath* path, RfError* error )
 {
     RfCamera loaded = { 0 };
     RfCameraSampling sampling = { scene, &loaded, options->lens, options->fps, options->width, options->height };
     *path = rf_empty_camera_path();
     RfResult result = complete( &sampling, error );
+    if ( result == RF_OK )
+        result = find_overscan( &options->overscan, &sampling, path->overscan, error );
     if ( result != RF_OK )
         return result;
     if ( is_path_file( options->camera ) )

@@ -300,9 +300,14 @@ static RfResult read_document( RfGltf* gltf )
         result = rf_gltf_check_required( gltf );
     if ( result == RF_OK )
         result = rf_gltf_open_lists( gltf );
+    if ( result == RF_OK )
+        result = rf_gltf_choose_variant( gltf );
+    if ( result == RF_OK )
+        result = rf_gltf_split_light_groups( gltf );
     if ( result != RF_OK )
         return result;
-    gltf->accessors = calloc( (size_t)gltf->counts[RF_GLTF_ACCESSORS] + 1, sizeof *gltf->accessors );
+    gltf->accessor_count = gltf->counts[RF_GLTF_ACCESSORS];
+    gltf->accessors = calloc( (size_t)gltf->accessor_count + rf_gltf_count_packed( gltf ) + 1, sizeof *gltf->accessors );
     if ( gltf->accessors == NULL )
         return rf_gltf_no_memory( gltf, "accessors" );
     result = rf_gltf_load_buffers( gltf );
@@ -342,6 +347,7 @@ static void close_document( RfGltf* gltf )
     free( gltf->remap_stamp );
     free( gltf->apart );
     free( gltf->part_apart );
+    free( gltf->copies );
     rf_gltf_free_changes( gltf );
 }
 
@@ -357,10 +363,17 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
     gltf.own_images = (int)json_array_size( json_object_get( gltf.root, "images" ) );
+    if ( result == RF_OK )
+        result = rf_gltf_convert_glossiness( &gltf );
     if ( result == RF_OK && options->edit != NULL )
         result = options->edit->run( options->edit->user, gltf.root, error );
     if ( result == RF_OK && options->animation != NULL )
         scene->content_hash = rf_hash_bytes( scene->content_hash, options->animation, strlen( options->animation ) );
+    if ( result == RF_OK && options->variant != NULL )
+    {
+        scene->content_hash = rf_hash_bytes( scene->content_hash, "variant", 8 );
+        scene->content_hash = rf_hash_bytes( scene->content_hash, options->variant, strlen( options->variant ) );
+    }
     if ( result == RF_OK )
         result = read_document( &gltf );
     close_document( &gltf );

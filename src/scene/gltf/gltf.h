@@ -15,6 +15,7 @@ typedef struct RfGltfOptions
 {
     bool freeze;                   // all but cameras stands still, as in the first frame of the default camera: scene->frozen
     const char* animation;         // those of this name go before the others, where several move the same; NULL: the first
+    const char* variant;           // whose materials its primitives have; NULL: their own
     const struct RfGltfEdit* edit; // of the document, before it is read (scene/gltf/gltf_document.h); or NULL
     int channel_count;
     const RfChannel* channels; // from elsewhere, in the place of those of the file; without keys: in the place of what moves
@@ -31,7 +32,7 @@ typedef struct RfGltfOptions
 // When the default camera has its first frame, which spans all movement unless it moves itself.
 double rf_gltf_first_time( const RfScene* scene );
 
-// Fails with RF_ERROR_USAGE, naming those there are, if no animation has the name asked for.
+// Fails with RF_ERROR_USAGE, naming those there are, if no animation or variant has the name asked for.
 RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error );
 
 #endif

@@ -527,7 +527,9 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
         warn_of_left_out( gltf, loader );
     if ( result == RF_OK && gltf->options->clock != NULL )
         set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given );
-    return result == RF_OK ? add_given_changes( gltf ) : result;
+    if ( result == RF_OK )
+        result = add_given_changes( gltf );
+    return result == RF_OK ? rf_gltf_copy_changes( gltf ) : result;
 }
 
 static int compare_channels( const void* a, const void* b )

@@ -2,12 +2,11 @@
 #include "scene/gltf/gltf_document.h"
 
 #include "base/file.h"
+#include "scene/gltf/draco_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int component_size( int component_type );
 
 // URIs of buffers: base64 data in the document, or a file beside it.
 
@@ -133,6 +132,10 @@ static const char* find_fault( const char* path )
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path )
 {
     *path = NULL;
+    if ( rf_is_web_address( uri ) )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "uri '%.300s' is not fetched: download it beside the scene, and give its file name as the uri",
+                             uri );
     const char* slash = strrchr( gltf->path, '/' );
     size_t folder = slash != NULL ? (size_t)( slash - gltf->path ) + 1 : 0;
     char* text = malloc( folder + strlen( uri ) + 1 );
@@ -163,6 +166,10 @@ RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char*
 // Limit of the sum over all buffer files, since a file may name the same one many times.
 #define MAX_BUFFER_BYTES ( (uint64_t)16 << 30 )
 
+// Limit of what compressed views hold, since few bytes may stand for many.
+#define LEAST_ROOM ( (uint64_t)1 << 30 )
+#define ROOM_PER_BYTE 256
+
 static RfResult load_uri( RfGltf* gltf, const char* where, const char* uri, uint64_t limit, RfGltfBuffer* buffer, size_t* size )
 {
     if ( rf_is_data_uri( uri ) )
@@ -181,6 +188,25 @@ static RfResult load_uri( RfGltf* gltf, const char* where, const char* uri, uint
     return RF_OK;
 }
 
+static RfResult fail_empty( const RfGltf* gltf, const char* where )
+{
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "has no uri, and the file no bytes for it" );
+}
+
+// A buffer without bytes is of views that meshoptimizer compressed, and need not say so.
+static bool may_be_empty( const RfGltf* gltf, const json_t* buffer )
+{
+    const json_t *used = json_object_get( gltf->root, "extensionsUsed" ), *name;
+    size_t i;
+    bool found = rf_gltf_is_fallback( buffer );
+    json_array_foreach( used, i, name )
+    {
+        const char* text = json_is_string( name ) ? json_string_value( name ) : "";
+        found = found || strcmp( text, "EXT_meshopt_compression" ) == 0 || strcmp( text, "KHR_meshopt_compression" ) == 0;
+    }
+    return found;
+}
+
 static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
 {
     RfWhere where = rf_where( "buffers[%d]", index );
@@ -197,6 +223,11 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
         return result;
 
     size_t size = 0;
+    if ( rf_gltf_is_fallback( json ) && rf_gltf_has_meshopt() )
+    {
+        buffer->size = (uint64_t)length;
+        return RF_OK;
+    }
     if ( uri != NULL )
     {
         result = load_uri( gltf, where.text, uri, *room, buffer, &size );
@@ -210,8 +241,13 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
         buffer->data = gltf->bin;
         size = gltf->bin_size;
     }
+    else if ( may_be_empty( gltf, json ) )
+    {
+        buffer->size = (uint64_t)length;
+        return RF_OK;
+    }
     else
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "has no uri, and the file no bytes for it" );
+        return fail_empty( gltf, where.text );
     if ( (uint64_t)length > size )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "byteLength is %lld, but there are %zu bytes", (long long)length,
                              size );
@@ -232,7 +268,23 @@ RfResult rf_gltf_load_buffers( RfGltf* gltf )
         if ( result != RF_OK )
             return result;
     }
+    size_t views = (size_t)gltf->counts[RF_GLTF_BUFFER_VIEWS];
+    gltf->unpacked = calloc( 1, sizeof *gltf->unpacked + views * sizeof gltf->unpacked->views[0] );
+    if ( gltf->unpacked == NULL )
+        return rf_gltf_no_memory( gltf, "bufferViews" );
+    gltf->unpacked->room = LEAST_ROOM + ROOM_PER_BYTE * ( MAX_BUFFER_BYTES - room + gltf->bin_size );
     return RF_OK;
+}
+
+static void free_unpacked( RfGltfUnpackedView* view )
+{
+    int attributes = view->mesh != NULL && view->attributes != NULL ? rf_draco_attributes( view->mesh ) : 0;
+    for ( int i = 0; i < attributes; ++i )
+        free( view->attributes[i].values );
+    free( view->attributes );
+    free( view->corners );
+    free( view->bytes );
+    rf_draco_free( view->mesh );
 }
 
 void rf_gltf_free_buffers( RfGltf* gltf )
@@ -240,35 +292,69 @@ void rf_gltf_free_buffers( RfGltf* gltf )
     for ( int i = 0; gltf->buffers != NULL && i < gltf->counts[RF_GLTF_BUFFERS]; ++i )
         free( gltf->buffers[i].owned );
     free( gltf->buffers );
+    for ( int i = 0; gltf->unpacked != NULL && i < gltf->counts[RF_GLTF_BUFFER_VIEWS]; ++i )
+        free_unpacked( gltf->unpacked->views + i );
+    free( gltf->unpacked );
+}
+
+RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t bytes )
+{
+    if ( bytes > gltf->unpacked->room )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "unpacks to %llu bytes, beyond what reframe reads of a file of this size: split the scene",
+                             (unsigned long long)bytes );
+    gltf->unpacked->room -= bytes;
+    return RF_OK;
+}
+
+RfResult rf_gltf_read_range( const RfGltf* gltf, const json_t* json, const char* where, const uint8_t** bytes, uint64_t* length )
+{
+    int64_t offset = 0, extent = 0;
+    int buffer = -1;
+    RfResult result = rf_gltf_require( gltf, json, where, "buffer" );
+    if ( result == RF_OK )
+        result = rf_gltf_require( gltf, json, where, "byteLength" );
+    if ( result == RF_OK )
+        result = rf_gltf_get_index( gltf, json, where, "buffer", RF_GLTF_BUFFERS, &buffer );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, json, where, "byteOffset", 0, INT64_MAX, &offset );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, json, where, "byteLength", 1, INT64_MAX, &extent );
+    if ( result != RF_OK )
+        return result;
+
+    uint64_t size = gltf->buffers[buffer].size, start = (uint64_t)offset;
+    *length = (uint64_t)extent;
+    if ( start > size || *length > size - start )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "bytes %llu + %llu are outside buffers[%d] of %llu bytes",
+                             (unsigned long long)start, (unsigned long long)*length, buffer, (unsigned long long)size );
+    if ( gltf->buffers[buffer].data == NULL )
+        return fail_empty( gltf, rf_where( "buffers[%d]", buffer ).text );
+    *bytes = gltf->buffers[buffer].data + start;
+    return RF_OK;
 }
 
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes )
 {
-    RfWhere self = rf_where( "bufferViews[%d]", view );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view );
-    int64_t view_offset = 0, length = 0;
-    int buffer = -1;
-    RfResult result = rf_gltf_require( gltf, json, self.text, "buffer" );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, json, self.text, "byteLength" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, json, self.text, "buffer", RF_GLTF_BUFFERS, &buffer );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, self.text, "byteOffset", 0, INT64_MAX, &view_offset );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, self.text, "byteLength", 1, INT64_MAX, &length );
+    const RfGltfUnpackedView* unpacked;
+    const uint8_t* start = NULL;
+    uint64_t extent = 0;
+    RfResult result = rf_gltf_unpack_view( gltf, view, &unpacked );
+    if ( result == RF_OK && unpacked == NULL )
+        result = rf_gltf_read_range( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ),
+                                     rf_where( "bufferViews[%d]", view ).text, &start, &extent );
     if ( result != RF_OK )
         return result;
-
-    uint64_t size = gltf->buffers[buffer].size, start = (uint64_t)view_offset, extent = (uint64_t)length;
-    if ( start > size || extent > size - start )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "bytes %llu + %llu are outside buffers[%d] of %llu bytes",
-                             (unsigned long long)start, (unsigned long long)extent, buffer, (unsigned long long)size );
+    if ( unpacked != NULL )
+    {
+        start = unpacked->bytes;
+        extent = unpacked->size;
+    }
     if ( offset > extent || need > extent - offset )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "bytes %llu + %llu are outside bufferViews[%d] of %llu bytes",
                              (unsigned long long)offset, (unsigned long long)need, view, (unsigned long long)extent );
-    *bytes = gltf->buffers[buffer].data + start + offset;
+    *bytes = start + offset;
     return RF_OK;
 }
 
@@ -327,7 +413,7 @@ static float read_component( const uint8_t* at, int component_type, bool normali
 // The address of an element; NULL for zeros.
 static const uint8_t* find_element( const RfGltfAccessor* accessor, uint32_t element )
 {
-    uint64_t index_size = accessor->sparse_count > 0 ? (uint64_t)component_size( accessor->sparse_type ) : 0;
+    uint64_t index_size = accessor->sparse_count > 0 ? (uint64_t)rf_gltf_component_size( accessor->sparse_type ) : 0;
     uint32_t low = 0, high = accessor->sparse_count;
     while ( low < high )
     {
@@ -335,7 +421,7 @@ static const uint8_t* find_element( const RfGltfAccessor* accessor, uint32_t ele
         uint32_t index = read_u32( accessor->sparse_indices + middle * index_size, accessor->sparse_type );
         if ( index == element )
         {
-            uint64_t size = (uint64_t)accessor->components * (uint64_t)component_size( accessor->component_type );
+            uint64_t size = (uint64_t)accessor->components * (uint64_t)rf_gltf_component_size( accessor->component_type );
             return accessor->sparse_values + middle * size;
         }
         if ( index < element )
@@ -344,6 +430,11 @@ static const uint8_t* find_element( const RfGltfAccessor* accessor, uint32_t ele
             high = middle;
     }
     return accessor->data != NULL ? accessor->data + element * accessor->stride : NULL;
+}
+
+static int declared_index( const RfGltf* gltf, int index )
+{
+    return index < gltf->counts[RF_GLTF_ACCESSORS] ? index : gltf->accessors[index].declared;
 }
 
 RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, float* values )
@@ -355,13 +446,13 @@ RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, f
         memset( values, 0, (size_t)accessor->components * sizeof *values );
         return RF_OK;
     }
-    int size = component_size( accessor->component_type );
+    int size = rf_gltf_component_size( accessor->component_type );
     for ( int i = 0; i < accessor->components; ++i )
     {
         values[i] = read_component( at + i * size, accessor->component_type, accessor->normalized );
         if ( isfinite( values[i] ) == 0 )
         {
-            RfWhere where = rf_where( "accessors[%d]", index );
+            RfWhere where = rf_where( "accessors[%d]", declared_index( gltf, index ) );
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "element %u, number %d is not finite", element, i );
         }
     }
@@ -392,8 +483,7 @@ enum
     FLOAT = 5126,
 };
 
-// Bytes of a component type.
-static int component_size( int component_type )
+int rf_gltf_component_size( int component_type )
 {
     switch ( component_type )
     {
@@ -444,13 +534,13 @@ static RfResult read_component_type( const RfGltf* gltf, const json_t* json, con
     RfResult result = rf_gltf_require( gltf, json, where, "componentType" );
     if ( result == RF_OK )
         result = rf_gltf_get_integer( gltf, json, where, "componentType", BYTE, FLOAT, &value );
-    if ( result == RF_OK && component_size( (int)value ) == 0 )
+    if ( result == RF_OK && rf_gltf_component_size( (int)value ) == 0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "componentType %d does not exist", (int)value );
     *component_type = (int)value;
     return result;
 }
 
-static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out )
+RfResult rf_gltf_read_layout( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out )
 {
     int64_t count = 0;
     RfResult result = rf_gltf_require( gltf, json, where, "count" );
@@ -472,7 +562,7 @@ static RfResult read_layout( const RfGltf* gltf, const json_t* json, const char*
 
 static uint64_t element_size( const RfGltfAccessor* accessor )
 {
-    return (uint64_t)accessor->components * (uint64_t)component_size( accessor->component_type );
+    return (uint64_t)accessor->components * (uint64_t)rf_gltf_component_size( accessor->component_type );
 }
 
 static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* where, RfGltfAccessor* out )
@@ -524,7 +614,7 @@ static RfResult read_sparse_part( const RfGltf* gltf, const json_t* sparse, cons
 
 static RfResult check_sparse_indices( const RfGltf* gltf, const char* where, const RfGltfAccessor* out )
 {
-    uint64_t size = (uint64_t)component_size( out->sparse_type );
+    uint64_t size = (uint64_t)rf_gltf_component_size( out->sparse_type );
     int64_t last = -1;
     for ( uint32_t i = 0; i < out->sparse_count; ++i )
     {
@@ -557,7 +647,7 @@ static RfResult read_sparse( const RfGltf* gltf, const json_t* json, const char*
          out->sparse_type != UNSIGNED_INT )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "indices must have an unsigned componentType" );
 
-    uint64_t index_bytes = (uint64_t)count * (uint64_t)component_size( out->sparse_type );
+    uint64_t index_bytes = (uint64_t)count * (uint64_t)rf_gltf_component_size( out->sparse_type );
     result = read_sparse_part( gltf, sparse, where.text, "indices", index_bytes, &out->sparse_indices );
     if ( result == RF_OK )
         result =
@@ -576,7 +666,7 @@ static RfResult open_accessor( RfGltf* gltf, int index, bool matrix, const RfGlt
         return RF_OK;
     RfWhere where = rf_where( "accessors[%d]", index );
     const json_t* json = rf_gltf_item( gltf, RF_GLTF_ACCESSORS, index );
-    RfResult result = read_layout( gltf, json, where.text, matrix, self );
+    RfResult result = rf_gltf_read_layout( gltf, json, where.text, matrix, self );
     if ( result == RF_OK )
         result = read_view( gltf, json, where.text, self );
     if ( result == RF_OK )
@@ -600,6 +690,6 @@ RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* ac
 {
     if ( accessor->components == components )
         return RF_OK;
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, user, "accessors[%d] has elements of %d numbers, %d are needed", index,
-                         accessor->components, components );
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, user, "accessors[%d] has elements of %d numbers, %d are needed",
+                         declared_index( gltf, index ), accessor->components, components );
 }

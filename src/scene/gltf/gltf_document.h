@@ -36,12 +36,21 @@ typedef enum RfGltfList
 typedef enum RfGltfNotice
 {
     RF_GLTF_COATED_GLASS,
+    RF_GLTF_SHEEN_ON_GLASS,
+    RF_GLTF_LAYERED_GLASS,
+    RF_GLTF_TRANSLUCENT_GLASS,
+    RF_GLTF_LAYERED_TRANSLUCENT,
+    RF_GLTF_COATED_TRANSLUCENT,
+    RF_GLTF_TRANSLUCENT_BODY,
+    RF_GLTF_NO_DIRECTION,
     RF_GLTF_POINTS_LINES,
     RF_GLTF_NO_POSITIONS,
     RF_GLTF_DOUBLE_CHANNELS,
     RF_GLTF_SKIN_WEIGHTS,
     RF_GLTF_MORE_JOINTS,
     RF_GLTF_TARGETS_LEFT_OUT,
+    RF_GLTF_PACKED_COUNTS,
+    RF_GLTF_ROOT_WITH_PARENT,
     RF_GLTF_NOTICE_COUNT
 } RfGltfNotice;
 
@@ -59,13 +68,38 @@ typedef struct RfGltfAccessor
     int sparse_type;               // component type of the sparse indices
     const uint8_t* sparse_indices; // strictly increasing
     const uint8_t* sparse_values;
+    int declared; // of a compressed mesh: its index in the file
 } RfGltfAccessor;
+
+// An attribute of a compressed mesh.
+typedef struct RfGltfUnpackedAttribute
+{
+    int accessor; // its index in RfGltf.accessors; 0: not copied yet
+    uint8_t* values;
+} RfGltfUnpackedAttribute;
+
+// What a compressed view holds, once it was needed.
+typedef struct RfGltfUnpackedView
+{
+    uint8_t* bytes; // of meshoptimizer; NULL: not decoded yet
+    uint64_t size;
+    struct RfDracoMesh* mesh; // of Draco; NULL likewise
+    RfGltfUnpackedAttribute* attributes;
+    uint32_t* corners;
+    RfGltfAccessor indices;
+} RfGltfUnpackedView;
+
+typedef struct RfGltfUnpacked
+{
+    uint64_t room; // bytes that may still be decoded
+    RfGltfUnpackedView views[];
+} RfGltfUnpacked;
 
 typedef struct RfGltfBuffer
 {
-    const uint8_t* data;
-    uint64_t size;  // byteLength
-    uint8_t* owned; // freed with the document; NULL for the binary chunk of a .glb
+    const uint8_t* data; // NULL: what its views hold is compressed elsewhere
+    uint64_t size;       // byteLength
+    uint8_t* owned;      // freed with the document; NULL for the binary chunk of a .glb
 } RfGltfBuffer;
 
 // First and last key time that animate a node; start > end: static.
@@ -73,6 +107,12 @@ typedef struct RfGltfSpan
 {
     double start, end;
 } RfGltfSpan;
+
+// A material of the document that the reader has made of another.
+typedef struct RfGltfCopy
+{
+    int from, to;
+} RfGltfCopy;
 
 typedef struct RfGltf
 {
@@ -92,11 +132,16 @@ typedef struct RfGltf
     json_t* root;
     const json_t* lists[RF_GLTF_LIST_COUNT]; // NULL if empty
     int counts[RF_GLTF_LIST_COUNT];
-    int own_images; // of the file, before the edit
-    bool plays;     // a texture of some material is an image sequence
+    int own_images;     // of the file, before the edit
+    RfGltfCopy* copies; // of materials in several light groups
+    int copy_count;
+    size_t profile_values; // of all lights, which each read their own
+    bool plays;            // a texture of some material is an image sequence
 
     RfGltfBuffer* buffers;
-    RfGltfAccessor* accessors;
+    RfGltfAccessor* accessors; // of the file, then those of compressed meshes
+    int accessor_count;
+    RfGltfUnpacked* unpacked;
     RfGltfSpan* spans; // per node; of its own channels and its ancestors'
     int* order;        // nodes of the default scene, parents first
     int order_count;
@@ -156,6 +201,12 @@ RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
 // Logs a warning, once per kind of notice.
 void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
 
+// What to do with a file that is compressed in a way that cannot be read.
+#define RF_GLTF_UNPACK "unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`"
+
+// Fails, since the library that an extension needs was left out of this build (gltf_extension.c).
+RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension );
+
 // Finds the top-level lists (gltf_document.c).
 RfResult rf_gltf_open_lists( RfGltf* gltf );
 
@@ -203,6 +254,12 @@ RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char
 // Fails if the file requires an unsupported extension (gltf_extension.c).
 RfResult rf_gltf_check_required( const RfGltf* gltf );
 
+// Is what an extension says read?
+bool rf_gltf_reads( const char* extension );
+
+// Fails for a texture without an image that is read, with what to do.
+RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const json_t* texture, const char* where );
+
 // Warns of unsupported extensions of an object, which messages call `kind` and `name`.
 void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* kind, const char* name );
 
@@ -229,6 +286,16 @@ typedef struct RfGltfEdit
     void* user;
 } RfGltfEdit;
 
+// Converts KHR_materials_pbrSpecularGlossiness in the document, before anything edits or reads it (gltf_glossiness.c).
+RfResult rf_gltf_convert_glossiness( RfGltf* gltf );
+
+// Has a material that was converted a glossiness in A of the texture of its specular colour?
+bool rf_gltf_has_glossiness_texture( const json_t* material );
+
+// Lists the variants, and sets the materials of primitives to those of the one that is chosen (gltf_variant.c). Before materials
+// and meshes are read.
+RfResult rf_gltf_choose_variant( RfGltf* gltf );
+
 // Loads all buffers (gltf_buffer.c).
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
 
@@ -238,6 +305,38 @@ void rf_gltf_free_buffers( RfGltf* gltf );
 // The bytes of a view from `offset` on, of which `need` must exist.
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes );
+
+// The bytes that `buffer`, `byteOffset` and `byteLength` of an object name.
+RfResult rf_gltf_read_range( const RfGltf* gltf, const json_t* json, const char* where, const uint8_t** bytes, uint64_t* length );
+
+// Counts bytes that are decoded; fails where a file of its size must not hold so many.
+RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t bytes );
+
+// Whether the build has libdraco (gltf_draco.c) and libmeshoptimizer (gltf_meshopt.c).
+bool rf_gltf_has_draco( void );
+bool rf_gltf_has_meshopt( void );
+
+// Whether a buffer holds what is compressed elsewhere.
+bool rf_gltf_is_fallback( const json_t* buffer );
+
+// Decodes a view; `out` is NULL where it is not compressed.
+RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpackedView** out );
+
+// The accessor of an attribute of a primitive, −1 if it has none (gltf_draco.c); `where` names its attributes. Of a compressed
+// primitive it is one after those of the file, and open.
+RfResult rf_gltf_find_attribute( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, int* index );
+
+// The indices of a compressed primitive, a list of triangles; NULL where it is not compressed.
+RfResult rf_gltf_packed_indices( RfGltf* gltf, const json_t* primitive, const char* where, const RfGltfAccessor** indices );
+
+// The most accessors of compressed meshes that there may be.
+size_t rf_gltf_count_packed( const RfGltf* gltf );
+
+// Bytes of a component type, 0 if it does not exist (gltf_buffer.c).
+int rf_gltf_component_size( int component_type );
+
+// Reads count, type and component type of an accessor.
+RfResult rf_gltf_read_layout( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out );
 
 // Finds a validated accessor (gltf_buffer.c).
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
@@ -254,6 +353,14 @@ RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, f
 // Reads an element as an index.
 uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 
+// The light group in the extras of a light, node or material (gltf_light_group.c): its tag (rf_tag_light), 0 for "rest"; −1: none.
+RfResult rf_gltf_read_light_group( const RfGltf* gltf, const json_t* object, const char* where, int* tag );
+
+// Gives meshes of nodes that are tagged materials with that tag, copies where a material or a mesh is in several groups; and the
+// changes of materials to their copies.
+RfResult rf_gltf_split_light_groups( RfGltf* gltf );
+RfResult rf_gltf_copy_changes( RfGltf* gltf );
+
 // Reads the hierarchy (gltf_node.c; cameras: gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 
@@ -269,6 +376,10 @@ RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* fo
 
 // Reads the cameras (gltf_camera.c).
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
+
+// Reads the profile of a light from its extras, if it has one (gltf_profile.c). The caller releases it.
+struct RfField;
+RfResult rf_gltf_read_profile( RfGltf* gltf, const struct RfField* ours, RfProfile** out );
 
 // Reads the lights of KHR_lights_punctual (gltf_light.c).
 RfResult rf_gltf_load_lights( RfGltf* gltf );
@@ -309,13 +420,12 @@ RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node );
 RfResult rf_gltf_list_moving( RfGltf* gltf );
 
 // Reads `render` and `moving` of the scene's extras.reframe.
-struct RfField;
 RfResult rf_gltf_read_shot( RfGltf* gltf, const struct RfField* ours );
 
 // The frames per second that a document asks for, 24 if it does not or is not valid.
 RfFps rf_gltf_document_fps( const json_t* root );
 
-// Reads `export_warnings` of the scene's extras.reframe (gltf_shot.c).
+// Reads `export_losses` and `export_warnings` of the scene's extras.reframe (gltf_shot.c).
 RfResult rf_gltf_read_warnings( RfGltf* gltf, const struct RfField* ours );
 
 // Reads the path in a camera node's extras.reframe, where there is one.

@@ -1,7 +1,10 @@
 // Extensions: those that change the image are supported, rejected if required, or reported. Here are their names alone; their
-// values are read where they belong: gltf_material.c, gltf_texture.c, gltf_light.c, gltf_node.c, gltf_primitive.c.
+// values are read where they belong: gltf_material.c, gltf_texture.c, gltf_light.c, gltf_node.c, gltf_primitive.c,
+// gltf_draco.c, gltf_meshopt.c.
 
 #include "scene/gltf/gltf_document.h"
+
+#include "image/decode.h"
 
 #include <string.h>
 
@@ -10,11 +13,45 @@
 
 // Fully supported: a file may require these.
 static const char* const s_read[] = {
-    "KHR_materials_emissive_strength", "KHR_materials_specular",  "KHR_materials_ior",
-    "KHR_materials_transmission",      "KHR_materials_volume",    "KHR_materials_unlit",
-    "KHR_materials_clearcoat",         "KHR_lights_punctual",     "KHR_texture_transform",
-    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing", "KHR_node_visibility",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_specular",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_materials_unlit",
+    "KHR_materials_clearcoat",
+    "KHR_lights_punctual",
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing",
+    "KHR_node_visibility",
     "KHR_animation_pointer",
+    "EXT_texture_exr",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_sheen",
+    "KHR_materials_variants",
+    "KHR_materials_anisotropy",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_dispersion",
+};
+
+// Without effect on pictures: metadata, sounds, what users do, levels of detail besides the finest.
+static const char* const s_harmless[] = {
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "KHR_audio_emitter",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "EXT_structural_metadata",
+    "EXT_mesh_features",
+    "EXT_instance_features",
+    "EXT_feature_metadata",
+    "AGI_stk_metadata",
+    "FB_geometry_metadata",
+    "FB_ngon_encoding",
+    "MSFT_audio_emitter",
+    "MSFT_lod",
 };
 
 // Not supported, with what the user sees instead. Objects that use one are reported.
@@ -23,38 +60,124 @@ static const struct
     const char* name;
     const char* instead;
 } s_unread[] = {
-    { "KHR_materials_sheen", "it is rendered without its sheen" },
-    { "KHR_materials_anisotropy", "it is rendered isotropic" },
-    { "KHR_materials_iridescence", "it is rendered without its film" },
-    { "KHR_materials_dispersion", "it is rendered without dispersion" },
-    { "KHR_materials_pbrSpecularGlossiness", "it is rendered by its metallic-roughness factors" },
+    { "KHR_materials_volume_scatter",
+      "dense bodies are rendered opaque, in the colour of their multiple scattering, others without scattering inside" },
+    { "KHR_texture_basisu", "its other image is used" },
+    { "EXT_texture_avif", "its other image is used" },
+    { "EXT_texture_webp", "its other image is used" }, // of a build without libwebp
+    { "MSFT_texture_dds", "its other image is used" },
+    { "KHR_interactivity", "it is as before anything happens" },
+    { "EXT_lights_image_based", "it is rendered without that light: name an image by \"environment\" in a scene file" },
+    { "EXT_lights_ies", "it shines without its profile" },
 };
 
 #define COUNT_OF( array ) ( sizeof( array ) / sizeof( array )[0] )
 
 _Static_assert( COUNT_OF( s_unread ) <= 32, "RfGltf.noticed_extensions has a bit for each" );
 
-static bool is_read( const char* name )
+static bool is_listed( const char* name, const char* const* list, size_t count )
 {
-    for ( size_t i = 0; i < COUNT_OF( s_read ); ++i )
+    for ( size_t i = 0; i < count; ++i )
     {
-        if ( strcmp( name, s_read[i] ) == 0 )
+        if ( strcmp( name, list[i] ) == 0 )
             return true;
     }
     return false;
 }
 
-static bool is_compression( const char* name )
+// Of meshes and buffers: read where the build has the library.
+static const struct
 {
-    return strcmp( name, "KHR_draco_mesh_compression" ) == 0 || strcmp( name, "EXT_meshopt_compression" ) == 0 ||
-           strcmp( name, "KHR_meshopt_compression" ) == 0;
+    const char *name, *library;
+    bool ( *is_built )( void );
+} s_packed[] = {
+    { "KHR_draco_mesh_compression", "Draco", rf_gltf_has_draco },
+    { "EXT_meshopt_compression", "meshoptimizer", rf_gltf_has_meshopt },
+    { "KHR_meshopt_compression", "meshoptimizer", rf_gltf_has_meshopt },
+};
+
+// Its row of s_packed, or −1.
+static int find_packed( const char* name )
+{
+    for ( size_t i = 0; i < COUNT_OF( s_packed ); ++i )
+    {
+        if ( strcmp( name, s_packed[i].name ) == 0 )
+            return (int)i;
+    }
+    return -1;
+}
+
+// The library of an extension that this build lacks, or NULL.
+static const char* missing_library( const char* extension )
+{
+    int row = find_packed( extension );
+    return row >= 0 && !s_packed[row].is_built() ? s_packed[row].library : NULL;
+}
+
+bool rf_gltf_reads( const char* extension )
+{
+    return is_listed( extension, s_read, COUNT_OF( s_read ) ) ||
+           ( rf_decodes_webp() && strcmp( extension, "EXT_texture_webp" ) == 0 ) ||
+           ( find_packed( extension ) >= 0 && missing_library( extension ) == NULL );
+}
+
+// Nothing is lost.
+static bool is_read( const char* name ) { return rf_gltf_reads( name ) || is_listed( name, s_harmless, COUNT_OF( s_harmless ) ); }
+
+// Images that are not decoded, with what to do.
+static const struct
+{
+    const char* name;
+    const char* advice;
+} s_images[] = {
+    { "KHR_texture_basisu",
+      "KTX2 images are not supported: convert them by `npx @gltf-transform/cli ktxdecompress in.glb out.glb`, which "
+      "needs Khronos' KTX-Software" },
+    { "EXT_texture_webp",
+      "this Reframe was built without libwebp: convert the images by `npx @gltf-transform/cli png --formats \"*\" "
+      "in.glb out.glb`" },
+    { "EXT_texture_avif",
+      "AVIF images are not supported: convert them by `npx @gltf-transform/cli png --formats \"*\" in.glb out.glb`" },
+    { "MSFT_texture_dds", "DDS images are not supported: store them as PNG" },
+};
+
+// What to do about an image of this extension, or NULL.
+static const char* find_image_advice( const char* name )
+{
+    for ( size_t i = 0; i < COUNT_OF( s_images ); ++i )
+    {
+        if ( strcmp( name, s_images[i].name ) == 0 && !rf_gltf_reads( name ) )
+            return s_images[i].advice;
+    }
+    return NULL;
+}
+
+RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const json_t* texture, const char* where )
+{
+    const char* key;
+    json_t* value;
+    json_object_foreach( json_object_get( texture, "extensions" ), key, value )
+    {
+        const char* advice = find_image_advice( key );
+        if ( advice != NULL )
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%s", advice );
+    }
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "has no source: give it a PNG, JPEG or WebP" );
+}
+
+RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension )
+{
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%s needs %s, which this build of reframe lacks: " RF_GLTF_UNPACK,
+                         extension, missing_library( extension ) );
 }
 
 static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
 {
-    if ( is_compression( name ) )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired",
-                             "%.80s is not supported: unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`", name );
+    if ( missing_library( name ) != NULL )
+        return rf_gltf_fail_left_out( gltf, "extensionsRequired", name );
+    const char* advice = find_image_advice( name );
+    if ( advice != NULL )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%s: %s", name, advice );
     return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%.80s is not supported: export the scene without it",
                          name );
 }
@@ -175,6 +298,13 @@ static void notice_used( RfGltf* gltf, const char* name, int* unknown )
             continue;
         if ( ( gltf->noticed_extensions >> i & 1 ) == 0 && find_user( gltf, name, &user ) )
             notice_row( gltf, i, user.text );
+        return;
+    }
+    const char* library = missing_library( name );
+    if ( library != NULL )
+    {
+        rf_warn( gltf->log, "%s: %s needs %s, which this build of reframe lacks: the uncompressed meshes are taken", gltf->path,
+                 name, library );
         return;
     }
     if ( ++*unknown > MAX_NAMED )

@@ -14,6 +14,7 @@
 
 #define EXTENSION "KHR_lights_punctual"
 #define HALF_PI 1.57079632679489662
+#define MOST_SIZE 1e14 // m
 
 static RfResult find_lights( const RfGltf* gltf, const json_t** lights )
 {
@@ -30,7 +31,8 @@ typedef struct Source
 {
     RfMovingLamp lamp; // its values, and what changes them
     double range;
-    int index; // of the list
+    int index;           // of the list
+    RfProfile** profile; // that of the list's light once it has been read
 } Source;
 
 // What a value is where it does not change.
@@ -113,7 +115,97 @@ static void set_light( const RfGltf* gltf, const Source* source, RfPunctual* out
     out->range = (float)range;
 }
 
-static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* where, Source* source, RfPunctual* out )
+static RfResult read_profile( RfGltf* gltf, const RfField* ours, Source* source, RfPunctual* out )
+{
+    RfResult result = *source->profile == NULL ? rf_gltf_read_profile( gltf, ours, source->profile ) : RF_OK;
+    if ( result != RF_OK || *source->profile == NULL )
+        return result;
+    out->profile = *source->profile;
+    out->profile->references += 1;
+    out->turned = true;
+    if ( !rf_has_member( ours, "profile" ) || out->kind != RF_PUNCTUAL_SPOT )
+        return RF_OK;
+    if ( source->lamp.changes[RF_CHANGED_INNER_CONE] >= 0 || source->lamp.changes[RF_CHANGED_OUTER_CONE] >= 0 )
+        return rf_field_fail( ours, "has a profile, which stands still, in the place of a cone that changes: leave it out" );
+    out->kind = RF_PUNCTUAL_POINT;
+    return RF_OK;
+}
+
+static RfResult read_radius( const RfField* ours, RfPunctual* out )
+{
+    double radius = 0.0;
+    RfField field = rf_field_member( ours, "radius" ), soft = rf_field_member( ours, "soft" );
+    RfResult result = rf_field_number( &field, rf_range( 0.0, MOST_SIZE ), &radius );
+    out->radius = (float)radius;
+    return result == RF_OK ? rf_field_bool( &soft, &out->soft ) : result;
+}
+
+static RfResult read_angle( const RfField* ours, RfPunctual* out )
+{
+    double angle = 0.0;
+    RfField field = rf_field_member( ours, "angle" );
+    RfResult result = rf_field_number( &field, rf_range( 0.0, 180.0 ), &angle );
+    double sine = sin( angle * ( HALF_PI / 360.0 ) );
+    out->versine = (float)( 2.0 * sine * sine );
+    return result;
+}
+
+static RfResult read_plane( const RfField* ours, RfPunctual* out )
+{
+    static const char* const s_shapes[] = { "rectangle", "ellipse", NULL };
+    int shape = 0;
+    double size[2] = { 0.0, 0.0 }, spread = 180.0;
+    RfField name = rf_field_member( ours, "shape" ), sides = rf_field_member( ours, "size" ),
+            angle = rf_field_member( ours, "spread" );
+    RfResult result = rf_field_choice( &name, s_shapes, &shape );
+    if ( result == RF_OK )
+        result = rf_field_require( ours, "size", "[width, height], m" );
+    if ( result == RF_OK )
+        result = rf_field_numbers( &sides, rf_above( 0.0, MOST_SIZE ), 2, size );
+    if ( result == RF_OK )
+        result = rf_field_number( &angle, rf_range( 1.0, 180.0 ), &spread );
+    if ( result != RF_OK )
+        return result;
+    double half = spread * ( HALF_PI / 180.0 );
+    out->kind = RF_PUNCTUAL_PLANE;
+    out->turned = true;
+    out->ellipse = shape == 1;
+    out->half[0] = (float)( 0.5 * size[0] );
+    out->half[1] = (float)( 0.5 * size[1] );
+    if ( spread < 180.0 )
+    {
+        out->tan_spread = (float)tan( half );
+        out->spread_scale = (float)( 1.0 / ( tan( half ) - half ) ); // the integral over the hemisphere is π
+    }
+    return RF_OK;
+}
+
+// `extras.reframe` of a light. Sizes are in metres and degrees; a point with a shape becomes a plane.
+//
+//     {"radius": 0.1, "soft": true, "ies": "lamp.ies"}              a point or a spot
+//     {"angle": 0.5}                                                a directional light
+//     {"shape": "rectangle", "size": [1, 0.5], "spread": 120}       a point
+//     {"light_group": "key"}                                        any of them
+static RfResult read_extras( RfGltf* gltf, const json_t* json, const char* where, Source* source, RfPunctual* out )
+{
+    static const char* const s_lamp[] = { "ies", "light_group", "profile", "radius", "soft", NULL };
+    static const char* const s_sun[] = { "angle", "light_group", NULL };
+    static const char* const s_plane[] = { "light_group", "shape", "size", "spread", NULL };
+    const json_t* ours = json_object_get( json_object_get( json, "extras" ), "reframe" ); // others' may have any type
+    if ( ours == NULL )
+        return RF_OK;
+    RfWhere place = rf_where( "%.120s.extras.reframe", where );
+    RfField field = rf_make_field( gltf->path, place.text, ours, gltf->error );
+    bool is_plane = out->kind == RF_PUNCTUAL_POINT && rf_has_member( &field, "shape" ),
+         is_sun = out->kind == RF_PUNCTUAL_DIRECTIONAL;
+    RfResult result = rf_field_keys( &field, is_sun ? s_sun : is_plane ? s_plane : s_lamp );
+    if ( result != RF_OK || is_sun || is_plane )
+        return result != RF_OK ? result : is_sun ? read_angle( &field, out ) : read_plane( &field, out );
+    result = read_radius( &field, out );
+    return result == RF_OK ? read_profile( gltf, &field, source, out ) : result;
+}
+
+static RfResult read_light( RfGltf* gltf, const json_t* json, const char* where, Source* source, RfPunctual* out )
 {
     double *color = source->lamp.color, *intensity = &source->lamp.intensity, *range = &source->range;
     color[0] = color[1] = color[2] = *intensity = 1.0;
@@ -121,6 +213,8 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
     RfResult result = read_kind( gltf, json, where, out );
     if ( result == RF_OK && out->kind == RF_PUNCTUAL_SPOT )
         result = read_cone( gltf, json, where, source );
+    if ( result == RF_OK )
+        result = read_extras( gltf, json, where, source, out );
     if ( result == RF_OK )
         result = rf_gltf_get_numbers( gltf, json, where, "color", 3, color );
     if ( result == RF_OK )
@@ -143,7 +237,21 @@ static RfResult read_light( const RfGltf* gltf, const json_t* json, const char* 
     follow_change( gltf, RF_CHANGED_RANGE, source, range );
     set_light( gltf, source, out );
     // higher ones would overflow close to the light
-    return rf_gltf_check_limit( gltf, where, "intensity", *intensity, rf_changed_traits( RF_CHANGED_INTENSITY )->high );
+    double most = out->profile != NULL ? fmax( (double)out->profile->most, 1.0 ) : 1.0;
+    return rf_gltf_check_limit( gltf, where, "intensity", *intensity * most, rf_changed_traits( RF_CHANGED_INTENSITY )->high );
+}
+
+// That of its node overrules its own.
+static RfResult read_group( const RfGltf* gltf, const json_t* json, const char* where, int node, RfPunctual* out )
+{
+    RfWhere of_node = rf_where( "nodes[%d]", node );
+    int own, tag;
+    RfResult result = rf_gltf_read_light_group( gltf, json, where, &own );
+    if ( result == RF_OK )
+        result = rf_gltf_read_light_group( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), of_node.text, &tag );
+    if ( result == RF_OK )
+        out->light_group = (uint16_t)( tag >= 0 ? tag : own >= 0 ? own : 0 );
+    return result;
 }
 
 // At the origin of the node, pointing along −z; scale is ignored.
@@ -152,14 +260,12 @@ static RfResult place_light( const RfGltf* gltf, int node, const char* where, Rf
     RfMat4 world;
     rf_node_world_matrix( gltf->scene, node, rf_gltf_rest_time( gltf, node ), &world );
     const double* m = world.m;
-    double length = sqrt( m[8] * m[8] + m[9] * m[9] + m[10] * m[10] );
-    bool finite = isfinite( length ) && isfinite( m[12] ) && isfinite( m[13] ) && isfinite( m[14] );
-    if ( !finite || ( length == 0.0 && out->kind != RF_PUNCTUAL_POINT ) )
+    bool finite =
+        isfinite( m[8] ) && isfinite( m[9] ) && isfinite( m[10] ) && isfinite( m[12] ) && isfinite( m[13] ) && isfinite( m[14] );
+    if ( !finite || ( !rf_turn_lamp( m, out ) && ( out->kind != RF_PUNCTUAL_POINT || out->turned ) ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "its light has no direction: the node's transform is not invertible" );
-    double scale = length > 0.0 ? -1.0 / length : 0.0;
     const double* origin = gltf->scene->origin;
     out->position = rf_vec3( (float)( m[12] - origin[0] ), (float)( m[13] - origin[1] ), (float)( m[14] - origin[2] ) );
-    out->direction = rf_vec3( (float)( m[8] * scale ), (float)( m[9] * scale ), (float)( m[10] * scale ) );
     return RF_OK;
 }
 
@@ -190,7 +296,8 @@ static RfResult note_change( RfGltf* gltf, int node, Source* source, RfPunctual*
     return out->changes ? rf_gltf_add_lamp( gltf, lamp ) : RF_OK;
 }
 
-static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, const json_t* extension )
+// `profiles`: of the list's lights.
+static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, const json_t* extension, RfProfile** profiles )
 {
     RfWhere where = rf_where( "nodes[%d].extensions." EXTENSION, node );
     int64_t index = -1, count = (int64_t)json_array_size( lights );
@@ -206,24 +313,21 @@ static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, c
     if ( !json_is_object( json ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
     RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
-    Source source = { .lamp = { .changes = { -1, -1, -1, -1, -1 } }, .index = (int)index };
+    Source source = { .lamp = { .changes = { -1, -1, -1, -1, -1 } }, .index = (int)index, .profile = profiles + index };
+    gltf->scene->punctual_count += 1;
     result = read_light( gltf, json, self.text, &source, out );
+    if ( result == RF_OK )
+        result = read_group( gltf, json, self.text, node, out );
     if ( result == RF_OK && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) )
         result = place_light( gltf, node, where.text, out );
     if ( result == RF_OK )
         result = rf_gltf_copy_name( gltf, json, self.text, gltf->scene->nodes[node].name, &out->name );
-    if ( result != RF_OK )
-        return result;
-    gltf->scene->punctual_count += 1;
-    return note_change( gltf, node, &source, out );
+    return result == RF_OK ? note_change( gltf, node, &source, out ) : result;
 }
 
-RfResult rf_gltf_load_lights( RfGltf* gltf )
+static RfResult load_lights( RfGltf* gltf, const json_t* lights, RfProfile** profiles )
 {
-    const json_t* lights;
-    RfResult result = find_lights( gltf, &lights );
-    if ( result != RF_OK )
-        return result;
+    RfResult result = RF_OK;
     gltf->scene->punctuals = calloc( (size_t)gltf->order_count + 1, sizeof *gltf->scene->punctuals );
     if ( gltf->scene->punctuals == NULL )
         return rf_gltf_no_memory( gltf, "lights" );
@@ -237,8 +341,25 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
         if ( result == RF_OK && extension != NULL && hidden && rf_gltf_changes( gltf, gltf->order[i] ) )
             result = rf_gltf_note_frozen( gltf, "light", gltf->scene->nodes[gltf->order[i]].name );
         if ( result == RF_OK && extension != NULL && !hidden )
-            result = load_node_light( gltf, lights, gltf->order[i], extension );
+            result = load_node_light( gltf, lights, gltf->order[i], extension, profiles );
     }
+    return result;
+}
+
+RfResult rf_gltf_load_lights( RfGltf* gltf )
+{
+    const json_t* lights;
+    RfResult result = find_lights( gltf, &lights );
+    if ( result != RF_OK )
+        return result;
+    size_t count = json_array_size( lights );
+    RfProfile** profiles = calloc( count + 1, sizeof( RfProfile* ) );
+    if ( profiles == NULL )
+        return rf_gltf_no_memory( gltf, "lights" );
+    result = load_lights( gltf, lights, profiles );
+    for ( size_t i = 0; i < count; ++i )
+        rf_release_profile( profiles[i] );
+    free( profiles );
     return result;
 }
 
@@ -296,7 +417,7 @@ static RfResult load_environment( RfGltf* gltf, const RfField* object )
 
 RfResult rf_gltf_load_environment( RfGltf* gltf )
 {
-    static const char* const s_keys[] = { "environment", "render", "moving", "export_warnings", NULL };
+    static const char* const s_keys[] = { "environment", "render", "moving", "export_losses", "export_warnings", "view", NULL };
     int index = 0;
     if ( gltf->counts[RF_GLTF_SCENES] == 0 )
         return RF_OK;

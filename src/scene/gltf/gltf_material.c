@@ -1,10 +1,24 @@
 // Materials and their extensions, except for textures.
 #include "scene/gltf/gltf_changes.h"
 #include "scene/gltf/gltf_materials.h"
+#include "scene/surfaces.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+RfResult rf_gltf_get_shares( const RfGltf* gltf, const json_t* json, const char* where, const char* key, int count,
+                             double* values )
+{
+    RfResult result = count > 1 ? rf_gltf_get_numbers( gltf, json, where, key, count, values )
+                                : rf_gltf_get_number( gltf, json, where, key, values );
+    for ( int i = 0; result == RF_OK && i < count; ++i )
+    {
+        if ( ( values[i] >= 0.0 && values[i] <= 1.0 ) == false )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be 0 to 1", key, values[i] );
+    }
+    return result;
+}
 
 // Glass and mirrors: KHR_materials_transmission with _volume, metals without roughness; also
 // KHR_materials_unlit.
@@ -105,9 +119,10 @@ static bool is_all_metal( const json_t* material, const RfFactors* factors )
 
 // Reads KHR_materials_transmission, _volume and _unlit, and metals without roughness, after
 // all other factors.
-// `reshapes`: its roughness or metallic factor change, so that it is no metal or mirror at all times.
+// `reshapes`: its roughness or metallic factor change, so that it is no metal or mirror at all times. `dense`: it scatters inside,
+// and is taken for opaque.
 static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
-                                 bool reshapes, RfMaterial* out )
+                                 bool reshapes, bool dense, RfMaterial* out )
 {
     Inside inside = { .distance = (double)INFINITY, .color = { 1, 1, 1 } };
     RfResult result = read_transmission( gltf, material, where, &inside );
@@ -117,7 +132,7 @@ static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, con
         return result;
     if ( rf_gltf_is_unlit( material ) )
         make_unlit( factors->base, out );
-    else if ( inside.transmission > 0.0 && ( reshapes || !is_all_metal( material, factors ) ) )
+    else if ( inside.transmission > 0.0 && !dense && ( reshapes || !is_all_metal( material, factors ) ) )
         make_glass( &inside, factors, out );
     else if ( !reshapes && factors->metallic == 1.0 && factors->roughness < RF_SMOOTH_ROUGHNESS )
     {
@@ -134,6 +149,8 @@ static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, con
 //     {"bsdf": "mirror", "specular": [r, g, b]}
 //     {"bsdf": "glass", "ior": 1.5}
 //     {"coat": "added"}: glTF's own model, with a coat that takes nothing from the base, as in Blender's Principled
+//
+// and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
 
 #define MAX_EXPONENT 1e6
 
@@ -144,13 +161,16 @@ static RfResult fault( const RfGltf* gltf, const char* where, const char* text )
     return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "%s", text );
 }
 
+// Whether a key says nothing of how the material scatters.
+static bool is_beside_model( const char* key ) { return strcmp( key, "pass_index" ) == 0 || strcmp( key, "light_group" ) == 0; }
+
 static RfResult check_keys( const RfGltf* gltf, const json_t* json, const char* where, const char* const* keys )
 {
     const char* key;
     json_t* value;
     json_object_foreach( (json_t*)json, key, value )
     {
-        bool known = false;
+        bool known = is_beside_model( key );
         for ( int i = 0; keys[i] != NULL; ++i )
             known = known || strcmp( key, keys[i] ) == 0;
         if ( known == false )
@@ -251,10 +271,20 @@ static const json_t* own_extras( const json_t* material )
     return json_object_get( json_object_get( material, "extras" ), "reframe" );
 }
 
-// Is `coat` given, so that the scattering model is glTF's?
+static bool has_only( const json_t* own, const char* only )
+{
+    const char* key;
+    json_t* value;
+    bool all = true;
+    json_object_foreach( (json_t*)own, key, value ) { all = all && ( strcmp( key, only ) == 0 || is_beside_model( key ) ); }
+    return all;
+}
+
+// Is the scattering model glTF's? `coat` says how its layers are joined.
 static bool keeps_model( const json_t* own )
 {
-    return json_object_get( own, "coat" ) != NULL && json_object_get( own, "bsdf" ) == NULL;
+    return json_object_get( own, "bsdf" ) == NULL &&
+           ( json_object_get( own, "coat" ) != NULL || ( json_object_size( own ) > 0 && has_only( own, "" ) ) );
 }
 
 bool rf_gltf_has_own_model( const json_t* material )
@@ -270,11 +300,24 @@ static RfResult read_coat( const RfGltf* gltf, const json_t* material, const cha
     if ( !keeps_model( own ) )
         return RF_OK;
     RfWhere self = rf_where( "%s.extras.reframe", where );
-    const char* coat = json_string_value( json_object_get( own, "coat" ) );
-    if ( json_object_size( own ) != 1 || coat == NULL || strcmp( coat, "added" ) != 0 )
+    const json_t* coat = json_object_get( own, "coat" );
+    const char* text = json_string_value( coat );
+    if ( coat == NULL )
+        return RF_OK;
+    if ( !has_only( own, "coat" ) || text == NULL || strcmp( text, "added" ) != 0 )
         return fault( gltf, self.text, "must have coat \"added\" and nothing else, or a bsdf" );
     out->coat_is_added = true;
     return RF_OK;
+}
+
+// What compositors know the material by.
+static RfResult read_pass_index( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
+{
+    int64_t index = 0;
+    RfWhere self = rf_where( "%s.extras.reframe", where );
+    RfResult result = rf_gltf_get_integer( gltf, own_extras( material ), self.text, "pass_index", 0, RF_MOST_PASS_INDEX, &index );
+    out->pass_index = (unsigned int)index & RF_MOST_PASS_INDEX;
+    return result;
 }
 
 // Reads the scattering model in extras.reframe, if any.
@@ -324,14 +367,20 @@ static RfResult read_clearcoat( RfGltf* gltf, const json_t* material, const char
     // unlit materials ignore it
     if ( factor == 0.0 || rf_gltf_is_unlit( material ) )
         return RF_OK;
-    if ( out->kind == RF_BSDF_GLASS )
+    if ( out->kind >= RF_BSDF_FIRST_SPECULAR )
     {
         rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS,
                         "a clear coat over glass or a mirror is not supported: material '%.80s' is without it", out->name );
         return RF_OK;
     }
-    out->kind = RF_BSDF_COATED;
+    if ( out->kind == RF_BSDF_TRANSLUCENT )
+    {
+        rf_gltf_notice( gltf, RF_GLTF_COATED_TRANSLUCENT,
+                        "a clear coat over diffuse transmission is not supported: material '%.80s' is without it", out->name );
+        return RF_OK;
+    }
     rf_derive_clearcoat( factor, roughness, out );
+    rf_choose_layers( out );
     return RF_OK;
 }
 
@@ -353,22 +402,13 @@ static Factors default_factors( void )
                    .roughness = 1,
                    .specular = 1,
                    .specular_color = { 1, 1, 1 },
-                   .ior = 1.5 },
+                   .ior = 1.5,
+                   .film_ior = 1.3,
+                   .film_least = 100,
+                   .film_most = 400,
+                   .through_color = { 1, 1, 1 } },
         .strength = 1,
     };
-}
-
-static RfResult get_factors( const RfGltf* gltf, const json_t* json, const char* where, const char* key, int count,
-                             double* values )
-{
-    RfResult result = count > 1 ? rf_gltf_get_numbers( gltf, json, where, key, count, values )
-                                : rf_gltf_get_number( gltf, json, where, key, values );
-    for ( int i = 0; result == RF_OK && i < count; ++i )
-    {
-        if ( ( values[i] >= 0.0 && values[i] <= 1.0 ) == false )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be 0 to 1", key, values[i] );
-    }
-    return result;
 }
 
 static RfResult read_metallic_roughness( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
@@ -378,11 +418,11 @@ static RfResult read_metallic_roughness( const RfGltf* gltf, const json_t* mater
     if ( result != RF_OK || json == NULL )
         return result;
     RfWhere where = rf_where( "%s.pbrMetallicRoughness", owner );
-    result = get_factors( gltf, json, where.text, "baseColorFactor", 4, out->base );
+    result = rf_gltf_get_shares( gltf, json, where.text, "baseColorFactor", 4, out->base );
     if ( result == RF_OK )
-        result = get_factors( gltf, json, where.text, "metallicFactor", 1, &out->metallic );
+        result = rf_gltf_get_shares( gltf, json, where.text, "metallicFactor", 1, &out->metallic );
     if ( result == RF_OK )
-        result = get_factors( gltf, json, where.text, "roughnessFactor", 1, &out->roughness );
+        result = rf_gltf_get_shares( gltf, json, where.text, "roughnessFactor", 1, &out->roughness );
     return result;
 }
 
@@ -393,7 +433,7 @@ static RfResult read_specular( const RfGltf* gltf, const json_t* material, const
     if ( result != RF_OK || json == NULL )
         return result;
     RfWhere where = rf_where( "%s.extensions.KHR_materials_specular", owner );
-    result = get_factors( gltf, json, where.text, "specularFactor", 1, &out->specular );
+    result = rf_gltf_get_shares( gltf, json, where.text, "specularFactor", 1, &out->specular );
     if ( result == RF_OK )
         result = rf_gltf_get_numbers( gltf, json, where.text, "specularColorFactor", 3, out->specular_color );
     // a colour may exceed one: the resulting reflectance is clamped
@@ -421,7 +461,7 @@ static RfResult read_ior( const RfGltf* gltf, const json_t* material, const char
 
 static RfResult read_emission( const RfGltf* gltf, const json_t* material, const char* owner, Factors* out )
 {
-    RfResult result = get_factors( gltf, material, owner, "emissiveFactor", 3, out->emissive );
+    RfResult result = rf_gltf_get_shares( gltf, material, owner, "emissiveFactor", 3, out->emissive );
     const json_t* json = NULL;
     if ( result == RF_OK )
         result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_emissive_strength", &json );
@@ -490,6 +530,8 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     if ( result == RF_OK )
         result = read_ior( gltf, json, where.text, &factors->lobes );
     if ( result == RF_OK )
+        result = rf_gltf_read_surface( gltf, json, where.text, &factors->lobes );
+    if ( result == RF_OK )
         result = read_coat( gltf, json, where.text, &factors->lobes );
     if ( result == RF_OK )
         result = read_emission( gltf, json, where.text, factors );
@@ -497,20 +539,33 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
         result = rf_gltf_get_bool( gltf, json, where.text, "doubleSided", &out->double_sided );
     if ( result != RF_OK )
         return result;
+    int tag;
+    result = rf_gltf_read_light_group( gltf, json, where.text, &tag );
+    if ( result != RF_OK )
+        return result;
+    out->light_group = (uint16_t)( tag > 0 ? tag : 0 );
     rf_gltf_notice_extensions( gltf, json, "material", out->name );
     follow_change( &making, RF_CHANGED_BASE_COLOR, factors->lobes.base );
     bool metallic = follow_change( &making, RF_CHANGED_METALLIC, &factors->lobes.metallic ),
          roughness = follow_change( &making, RF_CHANGED_ROUGHNESS, &factors->lobes.roughness ), reshapes = metallic || roughness;
     follow_change( &making, RF_CHANGED_EMISSIVE, factors->emissive );
     follow_change( &making, RF_CHANGED_EMISSIVE_STRENGTH, &factors->strength );
+    bool dense = false;
+    result = rf_gltf_read_scatter( gltf, json, where.text, &factors->lobes, &dense );
+    if ( result != RF_OK )
+        return result;
     apply_factors( factors, reshapes, out );
     set_most_emission( &making, out );
     const RfFactors* lobes = &factors->lobes;
-    result = gltf_read_glass( gltf, json, where.text, lobes, reshapes, out );
+    result = gltf_read_glass( gltf, json, where.text, lobes, reshapes, dense, out );
+    if ( result == RF_OK )
+        rf_gltf_apply_surface( gltf, json, lobes, out );
     if ( result == RF_OK )
         result = read_clearcoat( gltf, json, where.text, out );
     if ( result == RF_OK )
         result = read_lobes( gltf, json, where.text, out );
+    if ( result == RF_OK )
+        result = read_pass_index( gltf, json, where.text, out );
     if ( result == RF_OK )
         result = rf_gltf_read_textured( gltf, json, where.text, lobes, out );
     if ( result != RF_OK )

@@ -4,6 +4,7 @@
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/placement.h"
+#include "scene/surfaces.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -195,6 +196,8 @@ static RfResult bake_at( RfGltf* gltf, const Place* place, void* user )
     if ( place->fit && bake->unfit_only )
         return RF_OK;
     RfWhere where = rf_where( "%s of nodes[%d]", bake->where, place->node );
+    if ( !rf_begin_node_run( gltf->scene, place->node ) )
+        return rf_gltf_no_memory( gltf, "meshes" );
     return rf_gltf_bake( gltf, bake->baker, bake->primitive, &place->matrix, where.text );
 }
 
@@ -271,8 +274,9 @@ static RfResult add_placement( RfGltf* gltf, const Place* place, void* user )
         scene->placements = grown;
     }
     placing->stretch = fmax( placing->stretch, stretch_of( &place->matrix ) );
-    scene->placements[scene->placement_count++] =
-        ( RfPlacement ){ .mesh = scene->mesh_count, .matrix = place->matrix, .shown = true, .mover = -1 };
+    scene->placements[scene->placement_count++] = ( RfPlacement ){
+        .mesh = scene->mesh_count, .matrix = place->matrix, .shown = true, .mover = -1, .node = 1 + place->node
+    };
     return RF_OK;
 }
 

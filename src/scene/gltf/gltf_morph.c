@@ -130,15 +130,16 @@ static void notice_left_out( RfGltf* gltf, const json_t* target, const char* whe
     }
 }
 
-static RfResult open_target( RfGltf* gltf, const json_t* target, const char* where, const json_t* attributes,
+static RfResult open_target( RfGltf* gltf, const json_t* target, const char* where, const json_t* owner,
                              const RfGltfPrimitive* primitive, int accessors[3] )
 {
     static const char* const s_names[] = { "POSITION", "NORMAL", "TANGENT" };
+    const json_t* attributes = json_object_get( owner, "attributes" );
     int base = NO_ACCESSOR;
     if ( !json_is_object( target ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "must be an object" );
     notice_left_out( gltf, target, where );
-    RfResult result = rf_gltf_get_index( gltf, attributes, where, "POSITION", RF_GLTF_ACCESSORS, &base );
+    RfResult result = rf_gltf_find_attribute( gltf, owner, where, "POSITION", &base );
     for ( int k = 0; result == RF_OK && k < 3; ++k )
         result = open_delta( gltf, target, where, s_names[k], gltf->accessors[base].count, accessors + k );
     // normals of triangles follow them; tangents that are made here belong to the shape at rest
@@ -167,9 +168,9 @@ static RfResult collect( const RfGltf* gltf, const char* where, const RfGltfPrim
         bool changed = false;
         for ( int k = 0; k < 3; ++k )
         {
-            float* value = deltas->values[k] + 3 * (size_t)deltas->count;
             if ( deltas->accessor[k] < 0 )
                 continue;
+            float* value = deltas->values[k] + 3 * (size_t)deltas->count;
             RfResult result = rf_gltf_read_floats( gltf, deltas->accessor[k], primitive->sources[v], value );
             if ( result != RF_OK )
                 return result;
@@ -210,13 +211,13 @@ static RfResult add_target( RfGltf* gltf, const char* where, const RfGltfPrimiti
 RfResult rf_gltf_read_targets( RfGltf* gltf, const json_t* json, const char* where, const RfGltfPrimitive* primitive,
                                uint32_t base, RfDeformation* deformation )
 {
-    const json_t *targets = NULL, *attributes = json_object_get( json, "attributes" );
+    const json_t* targets = NULL;
     RfResult result = rf_gltf_get_array( gltf, json, where, "targets", &targets );
     for ( int i = 0; result == RF_OK && i < deformation->target_count; ++i )
     {
         RfWhere self = rf_where( "%s.targets[%d]", where, i );
         Deltas deltas = { .accessor = { NO_ACCESSOR, NO_ACCESSOR, NO_ACCESSOR } };
-        result = open_target( gltf, json_array_get( targets, (size_t)i ), self.text, attributes, primitive, deltas.accessor );
+        result = open_target( gltf, json_array_get( targets, (size_t)i ), self.text, json, primitive, deltas.accessor );
         if ( result == RF_OK )
             result = add_target( gltf, self.text, primitive, base, &deltas, deformation->targets + i );
         free_deltas( &deltas );

@@ -6,6 +6,7 @@
 #include "scene/merge.h"
 #include "scene/placement.h"
 #include "scene/pose.h"
+#include "scene/surfaces.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -332,7 +333,7 @@ static RfResult add_mover( Builder* b, const Common* common, const RfMat4* local
     mover->settles = common->still;
     mover->flattens = mover->skin < 0 && may_flatten( scene, common->node, local );
     scene->placements[scene->placement_count++] =
-        ( RfPlacement ){ .mesh = common->mesh, .matrix = rf_mat4_identity(), .mover = index };
+        ( RfPlacement ){ .mesh = common->mesh, .matrix = rf_mat4_identity(), .mover = index, .node = 1 + common->node };
     scene->instance_count += common->primitives;
     return read_weights( b, common, mover );
 }
@@ -435,7 +436,8 @@ static RfResult settle( Builder* b, const RfPosedScene* pose )
         const RfPlacement* posed = pose->scene.placements + first + i;
         if ( mover.settles )
         {
-            if ( posed->shown && !rf_append_triangles( &scene->triangles, &pose->scene.meshes[posed->mesh].triangles, 0 ) )
+            if ( posed->shown && ( !rf_begin_node_run( scene, posed->node - 1 ) ||
+                                   !rf_append_triangles( &scene->triangles, &pose->scene.meshes[posed->mesh].triangles, 0 ) ) )
                 return rf_gltf_no_memory( b->gltf, "meshes" );
             free( mover.weights );
             movement->movers[i].weights = NULL;
@@ -591,6 +593,7 @@ static RfResult widen_bounds( Builder* b, uint32_t first_triangle )
             const RfPunctual* lamp = pose.scene.punctuals + b->movement->lamps[i].punctual;
             scene->punctuals[b->movement->lamps[i].punctual].position = lamp->position;
             scene->punctuals[b->movement->lamps[i].punctual].direction = lamp->direction;
+            scene->punctuals[b->movement->lamps[i].punctual].across = lamp->across;
         }
     }
     rf_destroy_pose( &pose );

@@ -1,5 +1,6 @@
 // Nodes: their transforms and their hierarchy.
 #include "scene/gltf/gltf_document.h"
+#include "scene/surfaces.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,6 +63,36 @@ static RfResult read_visibility( const RfGltf* gltf, const json_t* json, const c
     return result;
 }
 
+static RfResult copy_text( const RfGltf* gltf, const json_t* ours, const char* where, const char* key, char** copy )
+{
+    const char* text = NULL;
+    RfResult result = rf_gltf_get_string( gltf, ours, where, key, &text );
+    if ( result != RF_OK || text == NULL )
+        return result;
+    if ( text[0] == '\0' )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must not be empty: leave it out", key );
+    *copy = strdup( text );
+    return *copy != NULL ? RF_OK : rf_gltf_no_memory( gltf, "nodes" );
+}
+
+// `extras.reframe`: what compositors know the node's surfaces by.
+static RfResult read_extras( const RfGltf* gltf, const json_t* json, const char* owner, RfNode* node )
+{
+    // extras of other programs may have any type
+    const json_t* ours = json_object_get( json_object_get( json, "extras" ), "reframe" );
+    if ( !json_is_object( ours ) )
+        return RF_OK;
+    RfWhere where = rf_where( "%s.extras.reframe", owner );
+    int64_t index = 0;
+    RfResult result = copy_text( gltf, ours, where.text, "object", &node->object );
+    if ( result == RF_OK )
+        result = copy_text( gltf, ours, where.text, "asset", &node->asset );
+    if ( result == RF_OK )
+        result = rf_gltf_get_integer( gltf, ours, where.text, "pass_index", 0, RF_MOST_PASS_INDEX, &index );
+    node->pass_index = (int)index;
+    return result;
+}
+
 static RfResult load_node( RfGltf* gltf, int index )
 {
     RfWhere where = rf_where( "nodes[%d]", index );
@@ -73,6 +104,8 @@ static RfResult load_node( RfGltf* gltf, int index )
     RfResult result = rf_gltf_copy_name( gltf, json, where.text, where.text, &node->name );
     if ( result == RF_OK )
         result = read_visibility( gltf, json, where.text, node );
+    if ( result == RF_OK )
+        result = read_extras( gltf, json, where.text, node );
     if ( result != RF_OK )
         return result;
     if ( json_object_get( json, "matrix" ) != NULL )
@@ -154,6 +187,24 @@ static RfResult order_all( const RfGltf* gltf, int* order, int* count, int* dept
     return result;
 }
 
+// UniGLTF lists nodes whose parent is not of the scene; others read them as roots, without the parent's transform.
+static RfResult make_root( RfGltf* gltf, const char* where, int i, const int* depth )
+{
+    RfNode *nodes = gltf->scene->nodes, *root = nodes + gltf->order[i];
+    for ( int above = root->parent; above >= 0; above = nodes[above].parent )
+    {
+        if ( depth[above] == 0 )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "nodes[%d] is node %d, which is below another of the scene", i,
+                                 gltf->order[i] );
+    }
+    if ( root->parent >= 0 )
+        rf_gltf_notice( gltf, RF_GLTF_ROOT_WITH_PARENT,
+                        "%s has node '%.80s', but not its parent '%.80s': it is placed without it", where, root->name,
+                        nodes[root->parent].name );
+    root->parent = -1;
+    return RF_OK;
+}
+
 static RfResult order_scene( RfGltf* gltf, int index, int* depth )
 {
     RfWhere where = rf_where( "scenes[%d]", index );
@@ -169,14 +220,13 @@ static RfResult order_scene( RfGltf* gltf, int index, int* depth )
         result = read_node_index( gltf, roots, i, where.text, "nodes", &root );
         if ( result != RF_OK )
             break;
-        if ( gltf->scene->nodes[root].parent >= 0 || depth[root] == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
-                                 "nodes[%zu] is node %d, which is not a root or listed "
-                                 "twice",
-                                 i, root );
+        if ( depth[root] == 0 )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "nodes[%zu] is node %d, which is listed twice", i, root );
         depth[root] = 0;
         gltf->order[gltf->order_count++] = root;
     }
+    for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
+        result = make_root( gltf, where.text, i, depth );
     return result == RF_OK ? append_descendants( gltf, 0, gltf->order, &gltf->order_count, depth ) : result;
 }
 

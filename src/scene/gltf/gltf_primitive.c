@@ -19,11 +19,16 @@ enum
     FAN = 6,
 };
 
-static RfResult open_indices( RfGltf* gltf, const json_t* primitive, const char* where, const RfGltfAccessor** accessor )
+// A compressed mesh is a list of triangles in each mode.
+static RfResult open_indices( RfGltf* gltf, const json_t* primitive, const char* where, int* mode,
+                              const RfGltfAccessor** accessor )
 {
-    int index;
-    *accessor = NULL;
-    RfResult result = rf_gltf_get_index( gltf, primitive, where, "indices", RF_GLTF_ACCESSORS, &index );
+    int index = -1;
+    RfResult result = rf_gltf_packed_indices( gltf, primitive, where, accessor );
+    if ( result == RF_OK && *accessor == NULL )
+        result = rf_gltf_get_index( gltf, primitive, where, "indices", RF_GLTF_ACCESSORS, &index );
+    else
+        *mode = LIST;
     if ( result != RF_OK || index < 0 )
         return result;
     result = rf_gltf_open_accessor( gltf, index, accessor );
@@ -66,7 +71,7 @@ static RfResult read_triangles( RfGltf* gltf, const json_t* primitive, const cha
                                 uint32_t** indices, uint32_t* triangle_count )
 {
     const RfGltfAccessor* accessor;
-    RfResult result = open_indices( gltf, primitive, where, &accessor );
+    RfResult result = open_indices( gltf, primitive, where, &mode, &accessor );
     if ( result == RF_OK )
         result = count_triangles( gltf, where, mode, accessor != NULL ? accessor->count : vertex_count, triangle_count );
     if ( result != RF_OK )
@@ -178,10 +183,10 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
 }
 
 // With `components` 0 the caller checks their number.
-static RfResult open_attribute( RfGltf* gltf, const json_t* json, const char* where, const char* name, int components, int* index,
-                                uint32_t* count )
+static RfResult open_attribute( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, int components,
+                                int* index, uint32_t* count )
 {
-    RfResult result = rf_gltf_get_index( gltf, json, where, name, RF_GLTF_ACCESSORS, index );
+    RfResult result = rf_gltf_find_attribute( gltf, primitive, where, name, index );
     if ( result != RF_OK || *index < 0 )
         return result;
     const RfGltfAccessor* accessor;
@@ -212,26 +217,29 @@ static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const ch
 {
     RfWhere where = rf_where( "%s.attributes", owner );
     const json_t* json = NULL;
+    const RfGltfAccessor* packed;
     *out = ( Attributes ){ -1, -1, -1, -1, -1, -1 };
     *count = 0;
     RfResult result = rf_gltf_require( gltf, primitive, owner, "attributes" );
     if ( result == RF_OK )
         result = rf_gltf_get_object( gltf, primitive, owner, "attributes", &json );
+    if ( result == RF_OK ) // before its attributes are looked for, since `owner` names it in messages
+        result = rf_gltf_packed_indices( gltf, primitive, owner, &packed );
     if ( result == RF_OK )
-        result = open_attribute( gltf, json, where.text, "POSITION", 3, &out->position, count );
+        result = open_attribute( gltf, primitive, where.text, "POSITION", 3, &out->position, count );
     if ( result != RF_OK || out->position < 0 )
         return result;
-    result = open_attribute( gltf, json, where.text, "NORMAL", 3, &out->normal, count );
+    result = open_attribute( gltf, primitive, where.text, "NORMAL", 3, &out->normal, count );
     if ( result == RF_OK )
-        result = open_attribute( gltf, json, where.text, "TEXCOORD_0", 2, &out->uv, count );
+        result = open_attribute( gltf, primitive, where.text, "TEXCOORD_0", 2, &out->uv, count );
     if ( result == RF_OK )
-        result = open_attribute( gltf, json, where.text, "TEXCOORD_1", 2, &out->uv1, count );
+        result = open_attribute( gltf, primitive, where.text, "TEXCOORD_1", 2, &out->uv1, count );
     if ( result == RF_OK )
-        result = open_attribute( gltf, json, where.text, "COLOR_0", 0, &out->color, count );
+        result = open_attribute( gltf, primitive, where.text, "COLOR_0", 0, &out->color, count );
     if ( result == RF_OK )
         result = check_colors( gltf, where.text, out->color );
     if ( result == RF_OK )
-        result = open_attribute( gltf, json, where.text, "TANGENT", 4, &out->tangent, count );
+        result = open_attribute( gltf, primitive, where.text, "TANGENT", 4, &out->tangent, count );
     return result;
 }
 
@@ -348,17 +356,26 @@ static RfResult find_material( RfGltf* gltf, const json_t* primitive, const char
     return index >= 0 ? RF_OK : rf_gltf_use_default_material( gltf, material );
 }
 
-// For the normal texture of the surface, else of the coat. Tangents in the file take
-// precedence.
-static RfResult add_tangents( const RfGltf* gltf, const char* where, RfGltfPrimitive* out )
+// For the normal texture of the surface, else of the coat, else for anisotropy. Tangents in the file take precedence.
+static RfResult add_tangents( RfGltf* gltf, const char* where, RfGltfPrimitive* out )
 {
-    const RfTextured* textured = gltf->scene->materials[out->material].textured;
+    const RfMaterial* material = gltf->scene->materials + out->material;
+    const RfTextured* textured = material->textured;
     if ( out->tangents != NULL || textured == NULL )
         return RF_OK;
-    RfTextureSlot slot = textured->refs[RF_TEXTURE_NORMAL].texture >= 0 ? RF_TEXTURE_NORMAL : RF_TEXTURE_CLEARCOAT_NORMAL;
-    const RfTextureRef* ref = textured->refs + slot;
+    RfTextureSlot slot = textured->refs[RF_TEXTURE_NORMAL].texture >= 0             ? RF_TEXTURE_NORMAL
+                         : textured->refs[RF_TEXTURE_CLEARCOAT_NORMAL].texture >= 0 ? RF_TEXTURE_CLEARCOAT_NORMAL
+                                                                                    : RF_TEXTURE_ANISOTROPY;
+    const RfTextureRef* ref = textured->refs + slot; // without a texture: the first set
     const float* uvs = ref->uv_set == 0 ? out->uvs : out->uvs1;
-    if ( ref->texture < 0 || uvs == NULL )
+    bool anisotropic =
+        rf_has_param( rf_bsdf_model( material->kind )->params, RF_PARAM_ANISOTROPY ) && material->anisotropy > 0.0f;
+    if ( anisotropic && uvs == NULL )
+        rf_gltf_notice( gltf, RF_GLTF_NO_DIRECTION,
+                        "%s has neither tangents nor texture coordinates: the anisotropy of material '%.80s' has an arbitrary "
+                        "direction there",
+                        where, material->name );
+    if ( uvs == NULL || ( ref->texture < 0 && !anisotropic ) )
         return RF_OK;
     RfResult result = out->normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
     return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
@@ -411,10 +428,11 @@ RfResult rf_gltf_survey_primitive( RfGltf* gltf, const json_t* primitive, const 
         result = open_attributes( gltf, primitive, where, &attributes, &vertex_count );
     if ( result != RF_OK || attributes.position < 0 )
         return result;
+    int list = (int)mode;
     result = find_material( gltf, primitive, where, &out->material );
     if ( result == RF_OK )
-        result = open_indices( gltf, primitive, where, &indices );
+        result = open_indices( gltf, primitive, where, &list, &indices );
     if ( result == RF_OK )
-        result = count_triangles( gltf, where, (int)mode, indices != NULL ? indices->count : vertex_count, &out->triangle_count );
+        result = count_triangles( gltf, where, list, indices != NULL ? indices->count : vertex_count, &out->triangle_count );
     return result;
 }

@@ -7,6 +7,7 @@
 #include "scene/camera.h"
 #include "scene/camera_path/optics.h"
 #include "scene/json/json_document.h"
+#include "scene/json/view_json.h"
 #include "scene/movement.h"
 #include "scene/projection.h"
 
@@ -17,7 +18,8 @@
 
 // What a file says about its shot: how it wants to be rendered (`extras.reframe` of the scene),
 //
-//     {"render": {"size": [1920, 1080], "fps": [30000, 1001]}, "moving": ["door"]}
+//     {"render": {"size": [1920, 1080], "fps": [30000, 1001], "alpha": true}, "moving": ["door"],
+//      "view": {"transform": "AgX", "exposure": 0.5}}
 //
 // and the path of a camera frame by frame (`extras.reframe` of its node), which goes before the glTF
 // animation of the node: {"path": …}, as in a camera-path file.
@@ -89,7 +91,7 @@ static RfResult read_moving( RfGltf* gltf, const RfField* list )
 
 RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
 {
-    static const char* const s_keys[] = { "size", "fps", NULL };
+    static const char* const s_keys[] = { "size", "fps", "alpha", NULL };
     RfField render = rf_field_member( ours, "render" ), moving = rf_field_member( ours, "moving" );
     RfResult result = render.json != NULL ? rf_field_keys( &render, s_keys ) : RF_OK;
     RfField size = rf_field_member( &render, "size" ), fps = rf_field_member( &render, "fps" );
@@ -97,6 +99,12 @@ RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
         result = read_size( &size, gltf->scene );
     if ( result == RF_OK )
         result = read_fps( &fps, &gltf->scene->fps );
+    RfField alpha = rf_field_member( &render, "alpha" );
+    if ( result == RF_OK && alpha.json != NULL )
+        result = rf_field_bool( &alpha, &gltf->scene->film_alpha );
+    RfField view = rf_field_member( ours, "view" );
+    if ( result == RF_OK )
+        result = rf_read_view( &view, &gltf->scene->view );
     return result == RF_OK ? read_moving( gltf, &moving ) : result;
 }
 
@@ -130,7 +138,7 @@ static RfResult read_projection( const RfField* ours, bool has_path, RfCamera* c
 
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera )
 {
-    static const char* const s_keys[] = { "path", "lens", "projection", NULL };
+    static const char* const s_keys[] = { "path", "lens", "projection", "object", "asset", "pass_index", "light_group", NULL };
     // extras of other programs may have any type
     const json_t* ours = json_object_get( json_object_get( node, "extras" ), "reframe" );
     if ( ours == NULL )
@@ -362,9 +370,11 @@ RfResult rf_gltf_list_moving( RfGltf* gltf )
     return RF_OK;
 }
 
-// What the program that wrote a file warned of, in `extras.reframe` of the scene:
+// What the program that wrote a file could not carry, in `extras.reframe` of the scene: what freezes a movement or changes the light
+// of the whole picture, and smaller things.
 //
-//     {"export_warnings": ["'Sphere': material 'skin': subsurface scattering: taken as diffuse"]}
+//     {"export_losses": ["world 'sky': animated or driven: taken as in the first frame"],
+//      "export_warnings": ["'Sphere': material 'skin': subsurface scattering: taken as diffuse"]}
 
 #define MAX_WARNINGS 100000
 
@@ -380,19 +390,18 @@ static void make_printable( char* text )
     }
 }
 
-RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
+static RfResult read_texts( RfGltf* gltf, const RfField* ours, const char* key, char*** texts, int* text_count )
 {
-    RfScene* scene = gltf->scene;
-    RfField list = rf_field_member( ours, "export_warnings" );
+    RfField list = rf_field_member( ours, key );
     if ( list.json == NULL )
         return RF_OK;
     RfResult result = rf_field_array( &list, "texts", 0, MAX_WARNINGS );
     if ( result != RF_OK )
         return result;
     size_t count = json_array_size( list.json );
-    scene->export_warnings = calloc( count + 1, sizeof *scene->export_warnings );
-    if ( scene->export_warnings == NULL )
-        return rf_gltf_no_memory( gltf, "export_warnings" );
+    *texts = calloc( count + 1, sizeof **texts );
+    if ( *texts == NULL )
+        return rf_gltf_no_memory( gltf, key );
     for ( size_t i = 0; i < count; ++i )
     {
         const char* text = "";
@@ -400,11 +409,19 @@ RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
         result = rf_field_text( &item, &text );
         if ( result != RF_OK )
             return result;
-        scene->export_warnings[i] = strdup( text );
-        if ( scene->export_warnings[i] == NULL )
-            return rf_gltf_no_memory( gltf, "export_warnings" );
-        make_printable( scene->export_warnings[i] );
-        scene->export_warning_count += 1;
+        ( *texts )[i] = strdup( text );
+        if ( ( *texts )[i] == NULL )
+            return rf_gltf_no_memory( gltf, key );
+        make_printable( ( *texts )[i] );
+        *text_count += 1;
     }
     return RF_OK;
+}
+
+RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
+{
+    RfScene* scene = gltf->scene;
+    RfResult result = read_texts( gltf, ours, "export_losses", &scene->export_losses, &scene->export_loss_count );
+    return result == RF_OK ? read_texts( gltf, ours, "export_warnings", &scene->export_warnings, &scene->export_warning_count )
+                           : result;
 }

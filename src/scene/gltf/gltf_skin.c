@@ -110,13 +110,13 @@ typedef struct Influences
     int joints[2], weights[2];
 } Influences;
 
-static RfResult open_influence( RfGltf* gltf, const json_t* attributes, const char* where, const char* name, bool joints,
+static RfResult open_influence( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, bool joints,
                                 int* index )
 {
     int base = -1;
-    RfResult result = rf_gltf_get_index( gltf, attributes, where, name, RF_GLTF_ACCESSORS, index );
+    RfResult result = rf_gltf_find_attribute( gltf, primitive, where, name, index );
     if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, attributes, where, "POSITION", RF_GLTF_ACCESSORS, &base );
+        result = rf_gltf_find_attribute( gltf, primitive, where, "POSITION", &base );
     if ( result != RF_OK || *index < 0 )
         return result;
     const RfGltfAccessor* accessor;
@@ -143,9 +143,9 @@ static RfResult open_influences( RfGltf* gltf, const json_t* json, const char* o
     const json_t* attributes = json_object_get( json, "attributes" );
     for ( int i = 0; i < 2; ++i )
     {
-        RfResult result = open_influence( gltf, attributes, where.text, s_names[i][0], true, out->joints + i );
+        RfResult result = open_influence( gltf, json, where.text, s_names[i][0], true, out->joints + i );
         if ( result == RF_OK )
-            result = open_influence( gltf, attributes, where.text, s_names[i][1], false, out->weights + i );
+            result = open_influence( gltf, json, where.text, s_names[i][1], false, out->weights + i );
         if ( result != RF_OK )
             return result;
         if ( ( out->joints[i] < 0 ) != ( out->weights[i] < 0 ) )

@@ -214,20 +214,44 @@ static RfResult read_sampler( const RfGltf* gltf, int index, RfTextureRef* out )
     return result;
 }
 
-static RfResult read_texture( const RfGltf* gltf, int index, bool srgb, RfTextureRef* out )
+// The image that an extension names, which is preferred over the texture's own; −1 if there is none.
+static RfResult read_other_source( const RfGltf* gltf, const json_t* texture, const char* owner, const char* extension,
+                                   int* image )
+{
+    const json_t* json;
+    RfResult result = rf_gltf_get_extension( gltf, texture, owner, extension, &json );
+    *image = -1;
+    if ( result != RF_OK || json == NULL )
+        return result;
+    return rf_gltf_get_index( gltf, json, rf_where( "%s.extensions.%s", owner, extension ).text, "source", RF_GLTF_IMAGES,
+                              image );
+}
+
+static RfResult find_image( RfGltf* gltf, const json_t* texture, const char* where, int* image )
+{
+    static const char* const s_read[] = { "EXT_texture_webp", "EXT_texture_exr" };
+    int other = -1;
+    RfResult result = rf_gltf_get_index( gltf, texture, where, "source", RF_GLTF_IMAGES, image );
+    for ( size_t i = 0; result == RF_OK && other < 0 && i < sizeof s_read / sizeof s_read[0]; ++i )
+    {
+        if ( rf_gltf_reads( s_read[i] ) )
+            result = read_other_source( gltf, texture, where, s_read[i], &other );
+    }
+    *image = other >= 0 ? other : *image;
+    return result == RF_OK && *image < 0 ? rf_gltf_refuse_texture( gltf, texture, where ) : result;
+}
+
+static RfResult read_texture( RfGltf* gltf, int index, bool srgb, RfTextureRef* out )
 {
     RfWhere where = rf_where( "textures[%d]", index );
     const json_t* json = rf_gltf_item( gltf, RF_GLTF_TEXTURES_LIST, index );
     int sampler, image;
     RfResult result = rf_gltf_get_index( gltf, json, where.text, "sampler", RF_GLTF_SAMPLERS, &sampler );
     if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, json, where.text, "source", RF_GLTF_IMAGES, &image );
+        result = find_image( gltf, json, where.text, &image );
     if ( result != RF_OK )
         return result;
-    if ( image < 0 )
-        return rf_gltf_fail(
-            gltf, RF_ERROR_UNSUPPORTED, where.text,
-            "has no PNG or JPEG as its source: convert the images, as by `npx @gltf-transform/cli png in.glb out.glb`" );
+    rf_gltf_notice_extensions( gltf, json, "texture", where.text );
     out->texture = 2 * image + srgb; // until rf_gltf_load_images
     return sampler >= 0 ? read_sampler( gltf, sampler, out ) : RF_OK;
 }
@@ -330,6 +354,13 @@ static const Slot s_slots[] = {
     { NULL, "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
     { NULL, "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
     { NULL, "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
+    { NULL, "KHR_materials_sheen", "sheenColorTexture", RF_TEXTURE_SHEEN_COLOR, true },
+    { NULL, "KHR_materials_sheen", "sheenRoughnessTexture", RF_TEXTURE_SHEEN_ROUGHNESS, false },
+    { NULL, "KHR_materials_anisotropy", "anisotropyTexture", RF_TEXTURE_ANISOTROPY, false },
+    { NULL, "KHR_materials_iridescence", "iridescenceTexture", RF_TEXTURE_FILM, false },
+    { NULL, "KHR_materials_iridescence", "iridescenceThicknessTexture", RF_TEXTURE_FILM_THICKNESS, false },
+    { NULL, "KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", RF_TEXTURE_THROUGH, false },
+    { NULL, "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture", RF_TEXTURE_THROUGH_COLOR, true },
 };
 
 bool rf_gltf_texture_slot( const char* path, size_t length, int* slot )
@@ -426,13 +457,28 @@ static RfResult check_thickness( RfGltf* gltf, const json_t* material, const cha
     return read_texture_info( gltf, json, owner.text, "thicknessTexture", false, &unused, &info );
 }
 
-// Drops textures of features that the material turned out not to have.
-static void drop_unused( const RfMaterial* material, RfTextured* textured )
+static void drop_slots( RfTextured* textured, RfTextureSlot first, RfTextureSlot last )
 {
-    if ( textured->model != RF_TEXTURED_GLASS || material->ior == 0.0f )
-        textured->refs[RF_TEXTURE_TRANSMISSION].texture = -1;
-    for ( int slot = RF_TEXTURE_CLEARCOAT; material->kind != RF_BSDF_COATED && slot <= RF_TEXTURE_CLEARCOAT_NORMAL; ++slot )
+    for ( int slot = (int)first; slot <= (int)last; ++slot )
         textured->refs[slot].texture = -1;
+}
+
+// Drops textures of features that the material turned out not to have.
+static void drop_unused( const RfMaterial* m, RfTextured* textured )
+{
+    uint32_t params = rf_bsdf_model( m->kind )->params;
+    if ( textured->model != RF_TEXTURED_GLASS || m->ior == 0.0f )
+        drop_slots( textured, RF_TEXTURE_TRANSMISSION, RF_TEXTURE_TRANSMISSION );
+    if ( !rf_has_param( params, RF_PARAM_CLEARCOAT ) || m->clearcoat == 0.0f )
+        drop_slots( textured, RF_TEXTURE_CLEARCOAT, RF_TEXTURE_CLEARCOAT_NORMAL );
+    if ( !rf_has_param( params, RF_PARAM_SHEEN ) || rf_max_component( m->sheen ) == 0.0f )
+        drop_slots( textured, RF_TEXTURE_SHEEN_COLOR, RF_TEXTURE_SHEEN_ROUGHNESS );
+    if ( !rf_has_param( params, RF_PARAM_ANISOTROPY ) || m->anisotropy == 0.0f )
+        drop_slots( textured, RF_TEXTURE_ANISOTROPY, RF_TEXTURE_ANISOTROPY );
+    if ( !rf_has_param( params, RF_PARAM_FILM ) || m->film == 0.0f )
+        drop_slots( textured, RF_TEXTURE_FILM, RF_TEXTURE_FILM_THICKNESS );
+    if ( m->kind != RF_BSDF_TRANSLUCENT )
+        drop_slots( textured, RF_TEXTURE_THROUGH, RF_TEXTURE_THROUGH_COLOR );
 }
 
 static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
@@ -461,7 +507,7 @@ static RfTexturedModel find_model( const RfMaterial* material, const json_t* jso
         return RF_TEXTURED_DIFFUSE;
     if ( rf_gltf_is_unlit( json ) )
         return RF_TEXTURED_UNLIT;
-    return material->kind == RF_BSDF_GLASS ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
+    return material->kind >= RF_BSDF_FIRST_SPECULAR ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
 }
 
 // A factor of an extension, already validated by the extension's reader; 0 if missing.
@@ -489,10 +535,12 @@ static RfResult find_sequences( RfGltf* gltf, RfMaterial* out )
 // A metal that is a perfect mirror by its factors is not one if a texture sets its roughness.
 static void undo_mirror( const RfTextured* textured, RfMaterial* out )
 {
-    if ( out->kind == RF_BSDF_GLASS && out->ior == 0.0f && textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 )
+    if ( out->kind >= RF_BSDF_FIRST_SPECULAR && out->ior == 0.0f && textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 )
     {
         rf_derive_lobes( &textured->factors, out );
-        out->kind = RF_BSDF_GGX;
+        out->kind = textured->factors.through > 0.0 ? RF_BSDF_TRANSLUCENT
+                    : out->kind == RF_BSDF_SPECTRAL ? RF_BSDF_IRIDESCENT
+                                                    : RF_BSDF_GGX;
     }
 }
 
@@ -530,6 +578,7 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* wh
     textured->clearcoat = factor_of( json, "KHR_materials_clearcoat", "clearcoatFactor" );
     textured->clearcoat_roughness = factor_of( json, "KHR_materials_clearcoat", "clearcoatRoughnessFactor" );
     drop_unused( out, textured );
+    textured->glossy = rf_gltf_has_glossiness_texture( json ) && textured->refs[RF_TEXTURE_SPECULAR_COLOR].texture >= 0;
     textured->optional = !is_needed( textured );
     return find_sequences( gltf, out );
 }

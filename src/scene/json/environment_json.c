@@ -1,10 +1,11 @@
-// Reads and validates an environment: radiance, map, strength and rotation with their keys, visibility.
+// Reads and validates an environment: map, visibility, and radiance, strength and rotation with their keys.
 #include "scene/json/environment_json.h"
 
 #include "base/file.h"
 #include "image/decode.h"
 #include "scene/animation.h"
 #include "scene/json/keys.h"
+#include "scene/light_groups.h"
 #include "scene/movement.h"
 
 #include <stdlib.h>
@@ -18,12 +19,14 @@
 enum
 {
     STRENGTH,
+    RADIANCE,
     ROTATION,
     KEYED_COUNT
 };
 
 static const RfKeyed s_keyed[KEYED_COUNT] = {
     [STRENGTH] = { "strength", RF_VALUE, 1, 0, MAX_RADIANCE, 1, NULL },
+    [RADIANCE] = { "radiance", RF_VALUE, 3, 0, MAX_RADIANCE, 1, NULL },
     [ROTATION] = { "rotation", RF_VALUE, 1, -1e6, 1e6, PI / 180.0, NULL },
 };
 
@@ -51,27 +54,31 @@ static double most_radiance( const RfEnvironmentText* text )
     double most = strength->count > 0 ? 0.0 : 1.0;
     for ( int i = 0; i < strength->count; ++i )
         most = fmax( most, strength->values[i] );
-    return most * (double)rf_max_component( text->environment.radiance );
+    const RfChannel* radiance = text->changes + RADIANCE;
+    double color = radiance->count > 0 ? 0.0 : 1.0;
+    for ( int i = 0; i < 3 * radiance->count; ++i )
+        color = fmax( color, radiance->values[i] );
+    return most * color * (double)rf_max_component( text->environment.radiance );
 }
 
 RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, RfEnvironmentText* text )
 {
-    static const char* const s_file_keys[] = {
-        "radiance", "map", "strength", "rotation", "visible", "interpolation", "keys", NULL
-    };
-    static const char* const s_keys[] = { "radiance",      "map",  "strength",   "rotation", "visible",
-                                          "interpolation", "keys", "bufferView", NULL };
-    double radiance[3] = { 1.0, 1.0, 1.0 }, still[KEYED_COUNT] = { 1.0, 0.0 };
+    static const char* const s_file_keys[] = { "radiance",      "map",  "strength",    "rotation", "visible",
+                                               "interpolation", "keys", "light_group", NULL };
+    static const char* const s_keys[] = { "radiance",      "map",  "strength",   "rotation",    "visible",
+                                          "interpolation", "keys", "bufferView", "light_group", NULL };
+    double radiance[3] = { 1.0, 1.0, 1.0 }, strength = 1.0, rotation = 0.0;
     bool visible = true;
     *text = ( RfEnvironmentText ){ .view = -1 };
     RfField radiance_field = rf_field_member( object, "radiance" ), map_field = rf_field_member( object, "map" ),
-            visible_field = rf_field_member( object, "visible" );
+            visible_field = rf_field_member( object, "visible" ), strength_field = rf_field_member( object, "strength" ),
+            rotation_field = rf_field_member( object, "rotation" );
     RfResult result = rf_field_keys( object, in_gltf ? s_keys : s_file_keys );
     if ( result == RF_OK && in_gltf )
         result = read_view( object, &map_field, &text->view );
     bool has_map = map_field.json != NULL || text->view >= 0;
-    if ( result == RF_OK && radiance_field.json == NULL && !has_map )
-        return rf_field_fail( object, "gives no light: give radiance, map or both" );
+    if ( result == RF_OK )
+        result = rf_field_light_group( object, &text->light_group );
     if ( result == RF_OK )
         result = rf_field_numbers( &radiance_field, rf_range( 0.0, MAX_RADIANCE ), 3, radiance );
     if ( result == RF_OK )
@@ -82,17 +89,18 @@ RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, Rf
         result = rf_read_keys( object, fps, s_keyed, KEYED_COUNT, text->changes, &text->in_frames );
     if ( result == RF_OK )
         result = rf_refuse_twice( object, s_keyed, KEYED_COUNT, text->changes );
-    for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
-    {
-        RfField field = rf_field_member( object, s_keyed[i].name );
-        result = rf_read_keyed( &field, s_keyed + i, still + i );
-    }
+    if ( result == RF_OK && radiance_field.json == NULL && text->changes[RADIANCE].count == 0 && !has_map )
+        return rf_field_fail( object, "gives no light: give radiance, map or both" );
+    if ( result == RF_OK )
+        result = rf_read_keyed( &strength_field, s_keyed + STRENGTH, &strength );
+    if ( result == RF_OK )
+        result = rf_read_keyed( &rotation_field, s_keyed + ROTATION, &rotation );
     if ( result != RF_OK )
         return result;
     text->environment = ( RfEnvironment ){
-        .radiance = rf_vec3( (float)( radiance[0] * still[STRENGTH] ), (float)( radiance[1] * still[STRENGTH] ),
-                             (float)( radiance[2] * still[STRENGTH] ) ),
-        .rotation = (float)fmod( still[ROTATION], 2.0 * PI ),
+        .radiance =
+            rf_vec3( (float)( radiance[0] * strength ), (float)( radiance[1] * strength ), (float)( radiance[2] * strength ) ),
+        .rotation = (float)fmod( rotation, 2.0 * PI ),
         .hidden = !visible,
     };
     return most_radiance( text ) <= MAX_RADIANCE
@@ -152,19 +160,21 @@ RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t
     return check_map( object, "bufferView", result, &error, text );
 }
 
-static void set_changed( RfEnvironment* environment, RfChangedValue value, double number )
+static void set_changed( RfEnvironment* environment, RfChangedValue value, const double* v )
 {
     if ( value == RF_CHANGED_SKY_STRENGTH )
-        environment->radiance = rf_scale( environment->radiance, (float)number );
+        environment->radiance = rf_scale( environment->radiance, (float)v[0] );
+    else if ( value == RF_CHANGED_SKY_RADIANCE )
+        environment->radiance = rf_mul( environment->radiance, rf_vec3( (float)v[0], (float)v[1], (float)v[2] ) );
     else
-        environment->rotation = (float)fmod( number, 2.0 * PI );
+        environment->rotation = (float)fmod( v[0], 2.0 * PI );
 }
 
 static bool varies( const RfChannel* channel )
 {
-    for ( int i = 1; i < channel->count; ++i )
+    for ( int i = channel->components; i < channel->count * channel->components; ++i )
     {
-        if ( channel->values[i] != channel->values[0] )
+        if ( channel->values[i] != channel->values[i % channel->components] )
             return true;
     }
     return false;
@@ -172,9 +182,12 @@ static bool varies( const RfChannel* channel )
 
 RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene )
 {
-    static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_SKY_STRENGTH, RF_CHANGED_SKY_ROTATION };
+    static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_SKY_STRENGTH, RF_CHANGED_SKY_RADIANCE,
+                                                          RF_CHANGED_SKY_ROTATION };
     RfResult result = RF_OK;
     bool constant = text->environment.map == NULL;
+    if ( text->light_group != NULL && !rf_tag_light( scene, text->light_group, &text->environment.light_group ) )
+        return rf_fail( object->error, RF_ERROR_MEMORY, "%s: no memory left for %s", object->file, object->path );
     for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
     {
         RfChange change = { .value = s_values[i], .channel = text->changes[i] };
@@ -182,7 +195,7 @@ RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, Rf
             continue;
         if ( !varies( &change.channel ) )
         {
-            set_changed( &text->environment, s_values[i], change.channel.values[0] );
+            set_changed( &text->environment, s_values[i], change.channel.values );
             continue;
         }
         text->environment.changes = true;
@@ -205,14 +218,14 @@ RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error )
     for ( int i = 0; i < movement->change_count; ++i )
     {
         RfChange* change = movement->changes + i;
-        double number = 0.0;
-        if ( change->value != RF_CHANGED_SKY_STRENGTH && change->value != RF_CHANGED_SKY_ROTATION )
+        double value[4] = { 0.0 };
+        if ( !rf_is_of_sky( change->value ) )
         {
             movement->changes[kept++] = *change;
             continue;
         }
-        rf_sample_channel( &change->channel, time, &number );
-        set_changed( &scene->environment, change->value, number );
+        rf_sample_channel( &change->channel, time, value );
+        set_changed( &scene->environment, change->value, value );
         rf_destroy_channel( &change->channel );
     }
     movement->change_count = kept;

@@ -11,12 +11,13 @@ typedef struct RfEnvironmentText
     RfEnvironment environment; // without its map
     const char* map;           // its name as written (owned by the JSON), or NULL
     int view;                  // of a glTF: the "bufferView" in its place; −1: none
-    RfChannel changes[2];      // by keys: strength, a factor on the radiance, and rotation, radians
+    const char* light_group;   // likewise
+    RfChannel changes[3];      // by keys: strength, a factor on the radiance; radiance; rotation, radians
     bool in_frames;            // keys are numbers of frames
 } RfEnvironmentText;
 
-// Reads {"radiance": [r, g, b], "map": "file", "strength": 1, "rotation": degrees, "visible": true, "keys": […]}, in a glTF with a
-// "bufferView" in place of the file; frames of keys are counted at `fps`. Free with rf_destroy_environment_text, also on failure.
+// Reads {"radiance": [r, g, b], "map": "file", "strength": 1, "rotation": degrees, "visible": true, "keys": […],
+// "light_group": "sky"}, in a glTF with a "bufferView" in place of the file; frames of keys are counted at `fps`. Free with rf_destroy_environment_text, also on failure.
 RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, RfEnvironmentText* text );
 
 void rf_destroy_environment_text( RfEnvironmentText* text );

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/words.h"
+#include "scene/light_groups.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -110,7 +111,8 @@ void rf_close_json( RfJsonDocument* document )
 char* rf_path_beside( const char* file, const char* name )
 {
     const char* slash = strrchr( file, '/' );
-    size_t folder = slash != NULL && name[0] != '/' ? (size_t)( slash - file ) + 1 : 0;
+    bool is_beside = slash != NULL && name[0] != '/' && !rf_is_web_address( name );
+    size_t folder = is_beside ? (size_t)( slash - file ) + 1 : 0;
     char* path = malloc( folder + strlen( name ) + 1 );
     if ( path == NULL )
         return NULL;
@@ -212,7 +214,7 @@ static RfResult fail_unknown( const RfField* object, const char* key, const char
     int count = 0;
     while ( keys[count] != NULL && count < MAX_KEYS )
         ++count;
-    char list[512];
+    char list[640];
     list_keys( keys, list, sizeof list );
     RfField member = rf_field_member( object, key );
     const char* nearest = rf_nearest_word( key, keys, count );
@@ -326,6 +328,15 @@ RfResult rf_field_text( const RfField* field, const char** text )
         return rf_field_must_be( field, "a string that is not empty" );
     *text = json_string_value( field->json );
     return RF_OK;
+}
+
+RfResult rf_field_light_group( const RfField* object, const char** name )
+{
+    RfField field = rf_field_member( object, "light_group" );
+    *name = json_string_value( field.json );
+    if ( field.json == NULL || ( *name != NULL && rf_is_light_group_name( *name ) ) )
+        return RF_OK;
+    return rf_field_must_be( &field, "a name of 1 to 63 bytes without commas" );
 }
 
 RfResult rf_field_choice( const RfField* field, const char* const* words, int* index )

@@ -92,6 +92,9 @@ RfResult rf_field_bool( const RfField* field, bool* value );
 // Reads a string that must not be empty.
 RfResult rf_field_text( const RfField* field, const char** text );
 
+// Reads the member "light_group" of an object, the name of a light group (scene/light_groups.h); NULL: there is none.
+RfResult rf_field_light_group( const RfField* object, const char** name );
+
 // Reads the index of a word in `words`, which ends with NULL.
 RfResult rf_field_choice( const RfField* field, const char* const* words, int* index );
 

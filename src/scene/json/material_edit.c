@@ -60,11 +60,6 @@ static RfResult change_bsdf( const RfField* override, json_t* material )
     RfResult result = rf_field_choice( &field, s_bsdfs, &index );
     if ( result != RF_OK || field.json == NULL )
         return result;
-    if ( index == 0 )
-    {
-        json_object_del( json_object_get( material, "extras" ), "reframe" );
-        return RF_OK;
-    }
     for ( int i = 0; s_lobe_keys[i] != NULL && result == RF_OK; ++i )
     {
         if ( has_lobe_key( s_bsdfs[index], s_lobe_keys[i] ) )
@@ -72,9 +67,19 @@ static RfResult change_bsdf( const RfField* override, json_t* material )
     }
     if ( result != RF_OK )
         return result;
+    // what is of any model stays
+    json_t* old = find_lobes( material );
+    json_t* lobes = json_pack( "{s:O*, s:O*}", "light_group", json_object_get( old, "light_group" ), "pass_index",
+                               json_object_get( old, "pass_index" ) );
+    if ( index == 0 && json_object_size( lobes ) == 0 )
+    {
+        json_decref( lobes );
+        json_object_del( json_object_get( material, "extras" ), "reframe" );
+        return RF_OK;
+    }
     json_t* extras = edit_member( material, "extras" );
-    json_t* lobes = json_pack( "{s:s}", "bsdf", s_bsdfs[index] );
-    return extras != NULL && json_object_set_new( extras, "reframe", lobes ) == 0 ? RF_OK : edit_no_memory( &field );
+    bool done = index == 0 || json_object_set_new( lobes, "bsdf", json_string( s_bsdfs[index] ) ) == 0;
+    return extras != NULL && json_object_set_new( extras, "reframe", lobes ) == 0 && done ? RF_OK : edit_no_memory( &field );
 }
 
 static RfResult edit_lobe( const RfField* override, const char* key, json_t* material )
@@ -94,6 +99,18 @@ static RfResult edit_lobe( const RfField* override, const char* key, json_t* mat
     if ( result == RF_OK && json_object_set( find_lobes( material ), key, (json_t*)field.json ) != 0 )
         return edit_no_memory( &field );
     return result;
+}
+
+static RfResult edit_light_group( const RfField* override, json_t* material )
+{
+    const char* name;
+    RfResult result = rf_field_light_group( override, &name );
+    if ( result != RF_OK || name == NULL )
+        return result;
+    json_t* extras = edit_member( material, "extras" );
+    json_t* ours = extras != NULL ? edit_member( extras, "reframe" ) : NULL;
+    bool done = ours != NULL && json_object_set_new( ours, "light_group", json_string( name ) ) == 0;
+    return done ? RF_OK : edit_no_memory( override );
 }
 
 static RfResult check_energy( const RfField* override, const json_t* material )
@@ -160,6 +177,10 @@ static const Entry s_entries[] = {
     { "attenuationColor", NUMBERS, 3, 0, 1, NULL, "KHR_materials_volume", true },
     { "clearcoatFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_clearcoat", true },
     { "clearcoatRoughnessFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_clearcoat", true },
+    { "sheenColorFactor", NUMBERS, 3, 0, 1, NULL, "KHR_materials_sheen", true },
+    { "sheenRoughnessFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_sheen", true },
+    { "diffuseTransmissionFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_diffuse_transmission", true },
+    { "diffuseTransmissionColorFactor", NUMBERS, 3, 0, 1, NULL, "KHR_materials_diffuse_transmission", true },
     { "emissiveFactor", NUMBERS, 3, 0, 1, NULL, NULL, false },
     { "emissiveStrength", NUMBERS, 1, 0, 1e15, NULL, "KHR_materials_emissive_strength", false },
     { "doubleSided", FLAG, 0, 0, 0, NULL, NULL, false },
@@ -170,6 +191,7 @@ static const Entry s_entries[] = {
     { "normalTexture", SEQUENCE, 0, 0, 0, NULL, NULL, false },
     { "emissiveTexture", SEQUENCE, 0, 0, 0, NULL, NULL, false },
     { "textures", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "light_group", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
     { "interpolation", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
     { "keys", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
 };
@@ -372,6 +394,8 @@ static RfResult edit_material( const RfField* override, json_t* root, size_t ind
 {
     json_t* material = json_array_get( json_object_get( root, "materials" ), index );
     RfResult result = edit_lobes( override, material );
+    if ( result == RF_OK )
+        result = edit_light_group( override, material );
     if ( result == RF_OK )
         result = edit_textures( override, material );
     bool is_gltf = strcmp( edited_bsdf( material ), "gltf" ) == 0;

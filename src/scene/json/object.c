@@ -100,12 +100,15 @@ static RfResult read_playing( const RfField* field, RfObject* object )
 
 static RfResult read_file( const RfField* field, RfObject* object )
 {
-    RfField file = rf_field_member( field, "file" ), name = rf_field_member( field, "name" );
+    RfField file = rf_field_member( field, "file" ), name = rf_field_member( field, "name" ),
+            variant = rf_field_member( field, "variant" );
     RfResult result = rf_field_text( &file, &object->file );
     if ( result == RF_OK && rf_ends_with( object->file, ".json" ) )
         return rf_field_must_be( &file, "a .glb or .gltf file: scene files do not nest" );
     if ( result == RF_OK )
         result = rf_field_text( &name, &object->name );
+    if ( result == RF_OK )
+        result = rf_field_text( &variant, &object->variant );
     return result == RF_OK ? read_playing( field, object ) : result;
 }
 
@@ -116,7 +119,7 @@ static RfResult read_object( const RfField* field, RfFps fps, RfObject* object, 
     };
     static const char* const s_of_file[] = { "file",  "name",    "materials",     "translation", "rotation",
                                              "scale", "visible", "interpolation", "animation",   "keys",
-                                             "start", "speed",   "repeat",        NULL };
+                                             "start", "speed",   "repeat",        "variant",     NULL };
     RfField node = rf_field_member( field, "node" );
     bool places = rf_has_member( field, "file" );
     *in_frames = false;

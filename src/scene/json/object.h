@@ -18,6 +18,7 @@ typedef struct RfObject
     bool hidden;                         // at all times
     RfChannel channels[RF_OBJECT_PATHS]; // keys in seconds of the scene, for node -1; without any: `still`
     const char* animation;               // of the file; NULL: the first
+    const char* variant;                 // of the file; NULL: none
     RfClock clock;                       // of the file
     const char* plays;                   // the first of the members that say how its animation is played, or NULL
 } RfObject;

@@ -301,8 +301,10 @@ static RfResult edit_placed( void* user, json_t* root, RfError* error )
 // Names the scene file, the member at fault and the placed file.
 static RfResult fail( const RfObject* object, RfResult result, const RfError* error )
 {
-    // the one name that a user of the reader can get wrong
-    RfField field = rf_field_member( &object->field, result == RF_ERROR_USAGE ? "animation" : "file" );
+    // the names that a user of the reader can get wrong
+    const char* name =
+        object->variant != NULL && strstr( error->text, "KHR_materials_variants: none" ) != NULL ? "variant" : "animation";
+    RfField field = rf_field_member( &object->field, result == RF_ERROR_USAGE ? name : "file" );
     if ( strncmp( error->text, field.file, strlen( field.file ) ) == 0 ) // by materials of the scene file, which it names
         return rf_fail( field.error, result, "%.900s", error->text );
     rf_field_fail( &field, "%.700s", error->text );
@@ -352,6 +354,7 @@ static RfResult place_file( const RfObject* object, RfFps fps, const double* fro
         .freeze = frozen_at != NULL,
         .frozen_at = frozen_at,
         .animation = object->animation,
+        .variant = object->variant,
         .edit = &edit,
         .channels = p.channels,
         .clock = &object->clock,

@@ -9,8 +9,11 @@
 #include "scene/json/environment_json.h"
 #include "scene/gltf/gltf.h"
 #include "scene/gltf/gltf_document.h"
+#include "scene/json/light_edit.h"
 #include "scene/json/material_edit.h"
 #include "scene/json/object_place.h"
+#include "scene/json/view_json.h"
+#include "scene/light_groups.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +21,9 @@
 
 #define MAX_FPS 1000000
 
-static const char* const s_keys[] = { "scene", "environment", "materials", "objects", "camera", "render", NULL };
+static const char* const s_keys[] = {
+    "scene", "environment", "materials", "lights", "objects", "camera", "render", "view", NULL
+};
 
 static RfResult check_document( const RfJsonDocument* document, RfError* error )
 {
@@ -70,23 +75,31 @@ static RfResult fail_in_field( const RfField* field, RfResult result, const RfEr
 typedef struct Changes
 {
     bool environment; // it is replaced
-    RfField materials;
+    RfField materials, lights;
     RfMaterialKeys keys;
     const RfObjects* objects;
     RfChannel* channels; // that objects give
     RfGltfOptions* options;
 } Changes;
 
+// Is a light group all that is said of the environment, which is the glTF's?
+static bool only_tags( const RfField* environment )
+{
+    return json_object_size( environment->json ) == 1 && rf_has_member( environment, "light_group" );
+}
+
 static RfResult edit( void* user, json_t* root, RfError* error )
 {
     Changes* changes = user;
     if ( changes->environment )
         rf_leave_out_environment( root );
-    changes->materials.error = error;
+    changes->materials.error = changes->lights.error = error;
     rf_destroy_material_keys( &changes->keys ); // where the file is read again
     RfResult result = rf_edit_materials( &changes->materials, root, &changes->keys );
     changes->options->changes = changes->keys.changes;
     changes->options->change_count = changes->keys.count;
+    if ( result == RF_OK )
+        result = rf_edit_lights( &changes->lights, root );
     if ( result == RF_OK )
         result = rf_edit_nodes( changes->objects, root, changes->channels, &changes->options->channel_count );
     return result;
@@ -139,11 +152,14 @@ static RfResult load_gltf( const RfField* root, const Reading* reading, const Rf
     RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
     RfGltfOptions edited = { .freeze = reading->options->freeze,
                              .animation = reading->options->animation,
+                             .variant = reading->options->variant,
                              .channels = channels,
                              .beside = root->file,
                              .frozen_at = reading->frozen_at };
-    Changes changes = { .environment = rf_has_member( root, "environment" ),
+    RfField environment = rf_field_member( root, "environment" );
+    Changes changes = { .environment = environment.json != NULL && !only_tags( &environment ),
                         .materials = rf_field_member( root, "materials" ),
+                        .lights = rf_field_member( root, "lights" ),
                         .objects = objects,
                         .channels = channels,
                         .options = &edited };
@@ -217,6 +233,20 @@ static RfResult read_environment( const RfField* field, RfFps fps, RfEnvironment
     return result;
 }
 
+static RfResult tag_environment( const RfField* field, RfScene* scene )
+{
+    const char* name = NULL;
+    RfResult result = rf_field_light_group( field, &name );
+    if ( result != RF_OK )
+        return result;
+    if ( scene->environment.map == NULL && rf_max_component( scene->environment.radiance ) <= 0.0f &&
+         !scene->environment.changes )
+        return rf_field_fail( field, "the scene has none: give radiance, map or both" );
+    return rf_tag_light( scene, name, &scene->environment.light_group )
+               ? RF_OK
+               : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left for %s", field->file, field->path );
+}
+
 static RfResult load_environment( const RfField* root, RfScene* scene )
 {
     RfField field = rf_field_member( root, "environment" );
@@ -226,6 +256,8 @@ static RfResult load_environment( const RfField* root, RfScene* scene )
     RfResult result = read_fps( root, &given, &fps );
     if ( result != RF_OK || field.json == NULL )
         return result;
+    if ( only_tags( &field ) )
+        return tag_environment( &field, scene );
     if ( !given )
         fps = rf_scene_fps( scene );
     result = read_environment( &field, fps, &text );
@@ -343,7 +375,7 @@ static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* 
 static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfScene* scene, bool* moved, double* first,
                           RfError* error )
 {
-    RfField root = rf_root_field( &file->document, error );
+    RfField root = rf_root_field( &file->document, error ), view = rf_field_member( &root, "view" );
     RfResult result = rf_has_member( &root, "objects" ) ? load_objects( &root, reading, scene )
                                                         : load_gltf( &root, reading, &( RfObjects ){ 0 }, scene );
     *first = result == RF_OK ? rf_gltf_first_time( scene ) : 0.0;
@@ -352,6 +384,8 @@ static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfSce
         result = load_environment( &root, scene );
     if ( result == RF_OK )
         result = load_camera( &root, scene );
+    if ( result == RF_OK )
+        result = rf_read_view( &view, &scene->view );
     if ( result == RF_OK )
         result = rename_scene( file, scene, error );
     if ( result == RF_OK )
@@ -366,7 +400,7 @@ static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfSce
 
 RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
-    RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation };
+    RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation, .variant = options->variant };
     if ( file->document.root == NULL )
         return rf_load_gltf_with( file->path, &plain, scene, log, error );
     memset( scene, 0, sizeof *scene );

@@ -169,7 +169,7 @@ typedef struct Notice
 #define PAINT( extension )                                                                                                       \
     MESH( "{\"attributes\":{\"POSITION\":0},\"material\":0}" )                                                                   \
     ",\"materials\":[{\"name\":\"paint\",\"extensions\":{" extension "}},{\"extensions\":{" extension "}}]"
-#define SHEEN ",\"extensionsUsed\":[\"KHR_materials_sheen\"]"
+#define SCATTER ",\"extensionsUsed\":[\"KHR_materials_volume_scatter\"]"
 
 static void test_what_is_left_out( void** state )
 {
@@ -180,47 +180,40 @@ static void test_what_is_left_out( void** state )
         { "points and lines are not drawn: meshes[0].primitives[0]", 1,
           MESH( "{\"attributes\":{\"POSITION\":0},\"mode\":2},{\"attributes\":{\"POSITION\":0},\"mode\":3}," TRIANGLE ) },
         { "has no POSITION: it is left out", 1, MESH( "{\"attributes\":{}},{\"attributes\":{}}," TRIANGLE ) },
-        { "KHR_materials_sheen is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_sheen\":{}" ) },
-        { "KHR_materials_anisotropy is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_anisotropy\":{}" ) },
-        { "KHR_materials_iridescence is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_iridescence\":{}" ) },
-        { "KHR_materials_dispersion is not supported yet: material 'paint'", 1, PAINT( "\"KHR_materials_dispersion\":{}" ) },
-        { "KHR_materials_pbrSpecularGlossiness is not supported yet: material 'paint'", 1,
-          PAINT( "\"KHR_materials_pbrSpecularGlossiness\":{}" ) },
-        { "KHR_materials_sheen is not supported yet: meshes[0]: it is rendered without", 1,
-          MESH( "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_sheen\":{}}}" ) SHEEN },
-        { "KHR_materials_sheen is not supported yet: texture 'wood'", 1,
-          MESH( TRIANGLE ) ",\"textures\":[{},{\"name\":\"wood\",\"extensions\":{\"KHR_materials_sheen\":{}}}]" SHEEN },
-        { "KHR_materials_sheen is not supported yet: samplers[0]", 1,
-          MESH( TRIANGLE ) ",\"samplers\":[{\"extensions\":{\"KHR_materials_sheen\":{}}}]" SHEEN },
-        { "KHR_materials_sheen is not supported yet: light 'sun'", 1,
-          MESH( TRIANGLE ) ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"directional\",\"name\":\"sun\","
-                           "\"extensions\":{\"KHR_materials_sheen\":{}}}]}}" SHEEN },
-        { "KHR_materials_sheen is not supported yet: material 'paint'", 1,
-          MESH( TRIANGLE ) ",\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"extensions\":"
-                           "{\"KHR_materials_sheen\":{}}}}]" SHEEN },
-        { "KHR_materials_sheen is not supported yet: the file", 1,
-          MESH( TRIANGLE ) ",\"extensions\":{\"KHR_materials_sheen\":{}}" SHEEN },
-        { "extension KHR_xmp_json_ld is unknown: what it adds is left out", 1, // nothing of a node outside the scene
-          "\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_materials_sheen\":{}}}],\"scenes\":[{\"nodes\":[0]}],\"meshes\":[{"
-          "\"primitives\":[" TRIANGLE "]}],\"extensionsUsed\":[\"KHR_materials_sheen\",\"KHR_xmp_json_ld\"]" },
-        { "extension KHR_materials_variants is unknown: what it adds to meshes[0] is left out", 1,
+        { "KHR_materials_volume_scatter is not supported yet: meshes[0]: dense bodies are rendered opaque", 1,
+          MESH( "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_volume_scatter\":{}}}" ) SCATTER },
+        { "KHR_materials_volume_scatter is not supported yet: texture 'wood'", 1,
           MESH(
-              "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[]}}}" ) ",\"extensionsU"
-                                                                                                                  "sed\":[\"KHR_"
-                                                                                                                  "materials_"
-                                                                                                                  "variants\","
-                                                                                                                  "\"KHR_"
-                                                                                                                  "materials_"
-                                                                                                                  "sheen\"]" },
-        { "extension KHR_materials_diffuse_transmission is unknown: what it adds to material 'paint' is left out", 1,
-          PAINT( "\"KHR_materials_diffuse_transmission\":{}" ) ",\"extensionsUsed\":[\"KHR_materials_diffuse_transmission\"]" },
-        { "extension EXT_lights_ies is unknown: what it adds to node 'it' is left out", 0,
+              TRIANGLE ) ",\"textures\":[{},{\"name\":\"wood\",\"extensions\":{\"KHR_materials_volume_scatter\":{}}}]" SCATTER },
+        { "KHR_materials_volume_scatter is not supported yet: samplers[0]", 1,
+          MESH( TRIANGLE ) ",\"samplers\":[{\"extensions\":{\"KHR_materials_volume_scatter\":{}}}]" SCATTER },
+        { "KHR_materials_volume_scatter is not supported yet: light 'sun'", 1,
+          MESH( TRIANGLE ) ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"directional\",\"name\":\"sun\","
+                           "\"extensions\":{\"KHR_materials_volume_scatter\":{}}}]}}" SCATTER },
+        { "KHR_materials_volume_scatter is not supported yet: material 'paint'", 1,
+          MESH( TRIANGLE ) ",\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"extensions\":"
+                           "{\"KHR_materials_volume_scatter\":{}}}}]" SCATTER },
+        { "KHR_materials_volume_scatter is not supported yet: the file", 1,
+          MESH( TRIANGLE ) ",\"extensions\":{\"KHR_materials_volume_scatter\":{}}" SCATTER },
+        { "extension EXT_unheard_of is unknown: what it adds is left out", 1, // nothing of a node outside the scene
+          "\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_materials_volume_scatter\":{}}}],\"scenes\":[{\"nodes\":[0]}],"
+          "\"meshes\":[{"
+          "\"primitives\":[" TRIANGLE "]}],\"extensionsUsed\":[\"KHR_materials_volume_scatter\",\"EXT_unheard_of\"]" },
+        { "extension CESIUM_primitive_outline is unknown: what it adds to meshes[0] is left out", 1,
+          MESH( "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"CESIUM_primitive_outline\":{}}}" ) ",\"extensionsUsed\":["
+                                                                                                       "\"CESIUM_primitive_"
+                                                                                                       "outline\"]" },
+        { "extension EXT_materials_bump is unknown: what it adds to material 'paint' is left out", 1,
+          PAINT( "\"EXT_materials_bump\":{}" ) ",\"extensionsUsed\":[\"EXT_materials_bump\"]" },
+        { "EXT_lights_ies is not supported yet: node 'it': it shines without its profile", 0,
           "\"nodes\":[{\"name\":\"it\",\"extensions\":{\"EXT_lights_ies\":{\"light\":0}}}],\"extensionsUsed\":[\"EXT_lights_"
           "ies\"]" },
-        { "extension KHR_draco_mesh_compression is unknown: what it adds is left out", 1,
-          MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"]" },
-        { "extension KHR_xmp_json_ld is unknown", 1,
-          MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_xmp_json_ld\"]" },
+        { "extension EXT_unheard_of is unknown: what it adds is left out", 1,
+          MESH( TRIANGLE ) ",\"extensionsUsed\":[\"EXT_unheard_of\"]" },
+        { "extension EXT_unheard_of is unknown", 1, // nothing of metadata
+          MESH( TRIANGLE ) ",\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_xmp_json_ld\",\"EXT_unheard_of\"],"
+                           "\"extensionsRequired\":"
+                           "[\"MSFT_lod\"]" },
     };
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, s_times[] = { 0, 1, 2 };
     for ( size_t i = 0; i < sizeof s_notices / sizeof s_notices[0]; ++i )

@@ -5,6 +5,7 @@
 #include "support/scene_files.h"
 
 #include "scene/gltf/gltf.h"
+#include "scene/leave_out.h"
 #include "scene/textured.h"
 
 #include <math.h>
@@ -196,6 +197,136 @@ static void test_clearcoat_textures( void** state )
     rf_destroy_scene( &scene );
 }
 
+static void test_sheen( void** state )
+{
+    (void)state;
+    RfScene scene = load_material(
+        MATERIAL( "\"extensions\":{\"KHR_materials_sheen\":{\"sheenColorFactor\":[1,0.5,0],\"sheenRoughnessFactor\":0.8,"
+                  "\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessTexture\":{\"index\":0}}}" ) );
+    RfMaterial m = at( &scene, 1 ), other = at( &scene, 0 );
+    assert_int_equal( m.kind, RF_BSDF_SHEEN );
+    double sheen = pow( ( 200.0 / 255.0 + 0.055 ) / 1.055, 2.4 );
+    gltf_assert_rgb( m.sheen, sheen, 0.5 * sheen, 0 );
+    gltf_assert_near( m.sheen_alpha, 0.0256 );
+    gltf_assert_rgb( other.sheen, 0, 0, 0 );
+    gltf_assert_near( other.sheen_alpha, 0.64 );
+    rf_destroy_scene( &scene );
+
+    static const struct
+    {
+        const char* extensions;
+        RfBsdfKind kind;
+        float alpha;
+    } s_cases[] = {
+        { "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0.5,0]}", RF_BSDF_SHEEN, RF_MIN_SHEEN_ALPHA },
+        { "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0.5,0],\"sheenRoughnessFactor\":1},"
+          "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}",
+          RF_BSDF_LAYERED, 1.0f },
+        { "\"KHR_materials_sheen\":{\"sheenRoughnessFactor\":1,\"sheenColorTexture\":{\"index\":0}}", RF_BSDF_GGX, 1.0f },
+        { "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0.5,0]},\"KHR_materials_transmission\":{\"transmissionFactor\":1}",
+          RF_BSDF_GLASS, RF_MIN_SHEEN_ALPHA },
+    };
+    for ( size_t i = 0; i < sizeof s_cases / sizeof *s_cases; ++i )
+    {
+        char rest[2048];
+        snprintf( rest, sizeof rest, MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{%s}" ),
+                  s_cases[i].extensions );
+        scene = load_material( rest );
+        assert_int_equal( scene.materials[0].kind, s_cases[i].kind );
+        gltf_assert_near( scene.materials[0].sheen_alpha, (double)s_cases[i].alpha );
+        assert_int_equal( scene.texture_count, 0 );
+        if ( s_cases[i].kind == RF_BSDF_GLASS )
+            gltf_assert_warned( "sheen over glass is not supported" );
+        else
+            assert_string_equal( gltf_warnings, "" );
+        rf_destroy_scene( &scene );
+    }
+}
+
+static void test_anisotropy_and_films( void** state )
+{
+    (void)state;
+    RfScene scene = load_material(
+        MATERIAL( "\"extensions\":{\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.5,\"anisotropyRotation\":"
+                  "1.5707963267948966,\"anisotropyTexture\":{\"index\":0}},\"KHR_materials_iridescence\":{"
+                  "\"iridescenceFactor\":0.5,\"iridescenceIor\":1.7,\"iridescenceThicknessMinimum\":200,"
+                  "\"iridescenceThicknessMaximum\":500,\"iridescenceTexture\":{\"index\":0},"
+                  "\"iridescenceThicknessTexture\":{\"index\":0}}}" ) );
+    RfMaterial m = at( &scene, 1 ), other = at( &scene, 0 );
+    double light = 200.0 / 255.0, half = sqrt( 0.5 );
+    assert_int_equal( m.kind, RF_BSDF_LAYERED );
+    gltf_assert_near( m.anisotropy, 0.5 * light );
+    gltf_assert_rgb( rf_vec3( m.stretch_x, m.stretch_y, 0 ), -half, half, 0 ); // (1, 1), turned by a quarter
+    gltf_assert_near( m.film, 0.5 * light );
+    gltf_assert_near( m.film_ior, 1.7 );
+    gltf_assert_near( m.film_thickness, 200.0 + 300.0 * light );
+    gltf_assert_near( other.anisotropy, 0.5 * 64.0 / 255.0 );
+    gltf_assert_rgb( rf_vec3( other.stretch_x, other.stretch_y, 0 ), half, -half, 0 );
+    gltf_assert_near( other.film, 0 );
+    gltf_assert_near( other.film_thickness, 200 );
+    rf_destroy_scene( &scene );
+
+    static const struct
+    {
+        const char *metal, *extensions;
+        RfBsdfKind kind;
+        float thickness;
+    } s_cases[] = {
+        { "0", "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}", RF_BSDF_ANISOTROPIC, 0.0f },
+        { "0", "\"KHR_materials_anisotropy\":{\"anisotropyTexture\":{\"index\":0}}", RF_BSDF_GGX, 400.0f },
+        { "0", "\"KHR_materials_iridescence\":{\"iridescenceFactor\":1}", RF_BSDF_IRIDESCENT, 400.0f },
+        // perfect mirrors without a film
+        { "1,\"roughnessFactor\":0", "\"KHR_materials_iridescence\":{}", RF_BSDF_GLASS, 400.0f },
+        { "1,\"roughnessFactor\":0", "\"KHR_materials_iridescence\":{\"iridescenceFactor\":1}", RF_BSDF_SPECTRAL, 400.0f },
+        { "0,\"roughnessFactor\":0.5",
+          "\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_materials_dispersion\":{\"dispersion\":1}",
+          RF_BSDF_GLASS, 400.0f }, // without an inside
+        { "0,\"roughnessFactor\":0.5",
+          "\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_materials_volume\":{\"thicknessFactor\":1},"
+          "\"KHR_materials_dispersion\":{\"dispersion\":1}",
+          RF_BSDF_SPECTRAL, 400.0f },
+        { "0", "\"KHR_materials_iridescence\":{\"iridescenceFactor\":1},\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}",
+          RF_BSDF_LAYERED, 400.0f },
+    };
+    for ( size_t i = 0; i < sizeof s_cases / sizeof *s_cases; ++i )
+    {
+        char rest[2048];
+        snprintf( rest, sizeof rest, MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":%s},\"extensions\":{%s}" ),
+                  s_cases[i].metal, s_cases[i].extensions );
+        scene = load_material( rest );
+        assert_int_equal( scene.materials[0].kind, s_cases[i].kind );
+        gltf_assert_near( scene.materials[0].film_thickness, (double)s_cases[i].thickness );
+        assert_true( scene.materials[0].alpha >= RF_MIN_ALPHA || s_cases[i].kind >= RF_BSDF_FIRST_SPECULAR );
+        assert_string_equal( gltf_warnings, "" );
+        rf_destroy_scene( &scene );
+    }
+}
+
+// By the coordinates of the texture that u grows along; at right angles to a shading normal that leans; turned by the factor.
+static void test_directions_of_anisotropy( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MATERIAL( "\"extensions\":{\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}}" ) );
+    const RfMaterial* m = scene.materials;
+    RfVec3 n = rf_normalize( rf_vec3( 0.3f, 0.2f, 1.0f ) ), up = rf_vec3( 0, 0, 1 );
+    RfVec3 along = rf_stretch_at( &scene, m, 0, 0.8f, 0.1f, up ), leaned = rf_stretch_at( &scene, m, 0, 0.8f, 0.1f, n );
+    gltf_assert_near( rf_dot( along, along ), 1 );
+    assert_true( fabsf( rf_dot( along, up ) ) < 1e-6f && fabsf( rf_dot( leaned, n ) ) < 1e-6f );
+    RfMaterial turned = *m;
+    turned.stretch_x = 0.0f;
+    turned.stretch_y = 1.0f;
+    RfVec3 across = rf_stretch_at( &scene, &turned, 0, 0.8f, 0.1f, up );
+    gltf_assert_rgb( across, -(double)along.y, along.x, 0 );
+    rf_destroy_scene( &scene );
+
+    scene = load_material( MESH( "" ) ",\"materials\":[{\"name\":\"brushed\",\"extensions\":{"
+                                      "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}}}]" );
+    gltf_assert_warned( "neither tangents nor texture coordinates: the anisotropy of material 'brushed'" );
+    along = rf_stretch_at( &scene, scene.materials, 0, 0.8f, 0.1f, n );
+    assert_true( fabsf( rf_dot( along, n ) ) < 1e-6f && fabsf( rf_dot( along, along ) - 1.0f ) < 1e-6f );
+    rf_destroy_scene( &scene );
+}
+
 static void test_faults_are_one_line( void** state )
 {
     (void)state;
@@ -206,6 +337,12 @@ static void test_faults_are_one_line( void** state )
         { "KHR_materials_clearcoat.clearcoatTexture: texCoord is 2",
           "\"KHR_materials_clearcoat\":{\"clearcoatTexture\":{\"index\":0,\"texCoord\":2}}" },
         { "clearcoatRoughnessTexture must be an object", "\"KHR_materials_clearcoat\":{\"clearcoatRoughnessTexture\":0}" },
+        { "sheenColorFactor is 2, it must be 0 to 1", "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0,2]}" },
+        { "anisotropyStrength is 2, it must be 0 to 1", "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":2}" },
+        { "iridescenceIor is 0.5, it must be 1 to 100", "\"KHR_materials_iridescence\":{\"iridescenceIor\":0.5}" },
+        { "iridescenceThicknessMaximum is -1, it must be 0 to 100000 nanometres",
+          "\"KHR_materials_iridescence\":{\"iridescenceThicknessMaximum\":-1}" },
+        { "sheenRoughnessTexture must be an object", "\"KHR_materials_sheen\":{\"sheenRoughnessTexture\":0}" },
         { "clearcoatNormalTexture: scale must be",
           "\"KHR_materials_clearcoat\":{\"clearcoatNormalTexture\":{\"index\":0,\"scale\":\"1\"}}" },
     };
@@ -494,6 +631,58 @@ static void test_float_textures_are_taken_as_they_are( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Whatever an EXR has: strengths are 0 to 1, thicknesses between those of the file, directions unit vectors.
+static void test_float_textures_of_layers_are_bounded( void** state )
+{
+    (void)state;
+    static const float s_values[][3] = { { 8.0f, -3.0f, 5.0f }, { 3e38f, 3e38f, 3e38f }, { -3e38f, 3e38f, -1.0f } };
+    for ( int i = 0; i < 3; ++i )
+    {
+        const float* v = s_values[i];
+        float rgb[12] = { v[0], v[1], v[2], v[0], v[1], v[2], v[0], v[1], v[2], v[0], v[1], v[2] };
+        size_t size;
+        uint8_t* exr = encode_exr( 2, 2, rgb, &size );
+        GltfBuilder b = make_square();
+        int view = add_gltf_accessor( &b, 5121, "SCALAR", (int)size, exr, size, "" );
+        free( exr );
+        char rest[2048];
+        snprintf(
+            rest, sizeof rest,
+            MESH( ALL_UVS ) ",\"images\":[{\"bufferView\":%d}],\"textures\":[{\"source\":0}],\"materials\":[{\"extensions\":{"
+                            "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.5,\"anisotropyTexture\":{\"index\":0}},"
+                            "\"KHR_materials_iridescence\":{\"iridescenceFactor\":0.5,\"iridescenceTexture\":{\"index\":0},"
+                            "\"iridescenceThicknessTexture\":{\"index\":0}}}}]",
+            view );
+        RfScene scene = gltf_load_built( &b, rest );
+        RfMaterial m = at( &scene, 0 );
+        gltf_assert_near( m.anisotropy, v[2] > 0.0f ? 0.5 : 0.0 );
+        gltf_assert_near( m.film, v[0] > 0.0f ? 0.5 : 0.0 );
+        gltf_assert_near( m.film_thickness, v[1] > 0.0f ? 400.0 : 100.0 );
+        RfVec3 along = rf_stretch_at( &scene, &m, 0, 0.1f, 0.1f, rf_vec3( 0, 0, 1 ) );
+        gltf_assert_rgb( along, v[0] > 0.0f ? sqrt( 0.5 ) : -sqrt( 0.5 ), v[1] > 0.0f ? sqrt( 0.5 ) : -sqrt( 0.5 ), 0 );
+        rf_destroy_scene( &scene );
+    }
+}
+
+// What a base does not send through, by its texture, is its own: with the effect and without it.
+static void test_base_beside_textured_transmission( void** state )
+{
+    (void)state;
+    RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{"
+                                             "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.5,"
+                                             "\"diffuseTransmissionTexture\":{\"index\":0}}}" ) );
+    for ( int left_out = 0; left_out < 2; ++left_out )
+    {
+        if ( left_out )
+            assert_int_equal( rf_choose_effects( &scene, 0, RF_EFFECT_BIT( RF_EFFECT_DIFFUSE_TRANSMISSION ), NULL ), RF_OK );
+        RfMaterial m = at( &scene, 1 ), other = at( &scene, 0 );
+        assert_int_equal( m.kind, left_out ? RF_BSDF_GGX : RF_BSDF_TRANSLUCENT );
+        gltf_assert_near( m.diffuse.x, 1.0 - 0.5 * 51.0 / 255.0 );
+        gltf_assert_near( other.diffuse.x, 0.5 );
+    }
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -502,6 +691,11 @@ int main( void )
         cmocka_unit_test( test_rough_added_coats_leave_more ),
         cmocka_unit_test( test_thickness_textures_change_nothing ),
         cmocka_unit_test( test_clearcoat_textures ),
+        cmocka_unit_test( test_sheen ),
+        cmocka_unit_test( test_anisotropy_and_films ),
+        cmocka_unit_test( test_directions_of_anisotropy ),
+        cmocka_unit_test( test_float_textures_of_layers_are_bounded ),
+        cmocka_unit_test( test_base_beside_textured_transmission ),
         cmocka_unit_test( test_faults_are_one_line ),
         cmocka_unit_test( test_tangents_follow_the_transform ),
         cmocka_unit_test( test_mirrored_coordinates_split_vertices ),

@@ -15,6 +15,15 @@
 
 static const float s_corners[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
 
+// The last warning.
+static char s_warning[1024];
+
+static void keep_warning( void* user, const char* line )
+{
+    (void)user;
+    snprintf( s_warning, sizeof s_warning, "%s", line );
+}
+
 // A triangle of material 0, with further members of the document.
 static RfResult load_text( const char* material, const char* nodes, const char* more, RfScene* scene, char* line, size_t size )
 {
@@ -33,8 +42,9 @@ static RfResult load_text( const char* material, const char* nodes, const char* 
         "\"materials\":[{\"name\":\"m\"%s}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":%d},\"material\":0}]}],"
         "\"nodes\":[%s],\"scenes\":[{\"nodes\":[0]}]%s",
         material, corners, nodes, more );
-    RfLog log = { 0 };
+    RfLog log = { .fn = keep_warning };
     RfError error = { 0 };
+    s_warning[0] = '\0';
     RfResult result = rf_load_gltf( write_gltf( &b, &folder, rest ), scene, &log, &error );
     snprintf( line, size, "%s", result == RF_OK ? "" : error.text );
     remove_folder( &folder );
@@ -125,6 +135,92 @@ static void test_clearcoat_and_unlit( void** state )
     rf_destroy_scene( &s );
 }
 
+#define WHITE ",\"pbrMetallicRoughness\":{\"metallicFactor\":0}"
+#define TRANSMITS( share ) "\"KHR_materials_transmission\":{\"transmissionFactor\":" share "}"
+#define SHINES_THROUGH "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":1}"
+#define SCATTER( transmission, distance, anisotropy )                                                                            \
+    transmission ",\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"attenuationColor\":[0.5,0.5,0.5],"                        \
+                 "\"attenuationDistance\":" distance "},\"KHR_materials_volume_scatter\":{\"multiscatterColor\":[0.9,0.5,0],"    \
+                 "\"scatterAnisotropy\":" anisotropy "}"
+
+// Bodies that scatter inside: dense ones are opaque, with the albedo of a half-space.
+static void test_scatter_stands_in( void** state )
+{
+    (void)state;
+    RfScene s = load_ok( WHITE EXTENSIONS( SCATTER( TRANSMITS( "1" ), "0.01", "0" ) ), MESH, "" );
+    const RfMaterial* m = s.materials;
+    assert_true( m->kind == RF_BSDF_GGX && near( m->diffuse.x, 0.9 ) && near( m->diffuse.y, 0.5 ) && near( m->diffuse.z, 0 ) );
+    rf_destroy_scene( &s );
+    // 0.7 mean free paths deep: glass, as without the extension
+    s = load_ok( WHITE EXTENSIONS( SCATTER( TRANSMITS( "1" ), "0.1", "0" ) ), MESH, "" );
+    assert_true( s.materials->kind == RF_BSDF_GLASS && near( s.materials->absorption.x, log( 2.0 ) / 0.1 ) );
+    rf_destroy_scene( &s );
+    // by Monte Carlo, walks in a half-space with g = 0.5 bring .858 and .384
+    s = load_ok( WHITE EXTENSIONS( SCATTER( SHINES_THROUGH, "1", "0.5" ) ), MESH, "" );
+    m = s.materials;
+    assert_true( m->kind == RF_BSDF_GGX && m->through.x == 0.0f && fabsf( m->diffuse.x - 0.858f ) < 0.004f &&
+                 fabsf( m->diffuse.y - 0.384f ) < 0.004f );
+    rf_destroy_scene( &s );
+    // half is let in, and half of what comes back is sent inside again: ½ + ¼ A / (1 − ½ A)
+    s = load_ok( WHITE EXTENSIONS( SCATTER( TRANSMITS( "0.5" ), "0.01", "0" ) ), MESH, "" );
+    assert_true( near( s.materials->diffuse.x, 0.5 + 0.25 * 0.9 / 0.55 ) && near( s.materials->diffuse.z, 0.5 ) );
+    rf_destroy_scene( &s );
+    assert_fails( EXTENSIONS( SCATTER( SHINES_THROUGH, "1", "1" ) ), MESH, "", "scatterAnisotropy is 1, it must be between" );
+}
+
+#define DIFFUSE_TRANSMISSION                                                                                                     \
+    "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.25,\"diffuseTransmissionColorFactor\":[1,0.5,0]}"
+#define PLASTIC ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.4,0.2,1],\"metallicFactor\":0.5}"
+
+static void test_diffuse_transmission( void** state )
+{
+    (void)state;
+    RfScene s = load_ok( PLASTIC EXTENSIONS( DIFFUSE_TRANSMISSION ), MESH, "" );
+    const RfMaterial* m = s.materials;
+    assert_int_equal( m->kind, RF_BSDF_TRANSLUCENT );
+    assert_true( near( m->diffuse.x, 0.5 * 0.75 * 0.8 ) && near( m->diffuse.z, 0.5 * 0.75 * 0.2 ) );
+    assert_true( near( m->through.x, 0.5 * 0.25 ) && near( m->through.y, 0.5 * 0.125 ) && m->through.z == 0.0f );
+    rf_destroy_scene( &s );
+    // metals have no base; glass that transmits all light has none either
+    s = load_ok( EXTENSIONS( DIFFUSE_TRANSMISSION ), MESH, "" );
+    assert_int_equal( s.materials->kind, RF_BSDF_GGX );
+    rf_destroy_scene( &s );
+    s = load_ok( PLASTIC EXTENSIONS( DIFFUSE_TRANSMISSION ",\"KHR_materials_transmission\":{\"transmissionFactor\":1}" ), MESH,
+                 "" );
+    assert_int_equal( s.materials->kind, RF_BSDF_GLASS );
+    rf_destroy_scene( &s );
+    assert_fails( EXTENSIONS( "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":1.5}" ), MESH, "",
+                  "diffuseTransmissionFactor is 1.5, it must be 0 to 1" );
+    assert_fails( EXTENSIONS( "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionColorFactor\":[1,2,1]}" ), MESH, "",
+                  "diffuseTransmissionColorFactor is 2, it must be 0 to 1" );
+}
+
+// What its model does not know is lost with a warning that names the material.
+static void test_losses_beside_diffuse_transmission( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char *more, *warning;
+        RfBsdfKind kind;
+    } cases[] = {
+        { ",\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}", "a clear coat over diffuse transmission", RF_BSDF_TRANSLUCENT },
+        { ",\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}", "sheen, anisotropy and films", RF_BSDF_TRANSLUCENT },
+        { ",\"KHR_materials_volume\":{\"thicknessFactor\":1,\"attenuationDistance\":1}", "clear inside", RF_BSDF_TRANSLUCENT },
+        { ",\"KHR_materials_transmission\":{\"transmissionFactor\":0.5}", "the opaque part of", RF_BSDF_GLASS },
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof *cases; ++i )
+    {
+        char material[512];
+        snprintf( material, sizeof material, PLASTIC ",\"extensions\":{" DIFFUSE_TRANSMISSION "%s}", cases[i].more );
+        RfScene s = load_ok( material, MESH, "" );
+        assert_int_equal( s.materials->kind, cases[i].kind );
+        if ( strstr( s_warning, cases[i].warning ) == NULL || strstr( s_warning, "'m'" ) == NULL )
+            fail_msg( "'%s' does not say '%s'", s_warning, cases[i].warning );
+        rf_destroy_scene( &s );
+    }
+}
+
 static void test_faults_are_one_line( void** state )
 {
     (void)state;
@@ -141,6 +237,29 @@ static void test_faults_are_one_line( void** state )
 #define LAMP_NODE                                                                                                                \
     "{\"mesh\":0,\"translation\":[1,2,3],\"rotation\":[-0.70710678,0,0,0.70710678],\"scale\":[2,2,2],"                           \
     "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}"
+
+#define OURS( text ) LIGHTS( "{\"type\":\"point\",\"extras\":{\"reframe\":{" text "}}}" )
+
+static void test_faults_of_profiles_are_one_line( void** state )
+{
+    (void)state;
+    assert_fails( "", LAMP_NODE, OURS( "\"ies\":\"no-such.ies\"" ), "no-such.ies" );
+    assert_fails( "", LAMP_NODE, OURS( "\"ies\":7" ), "lights[0].extras.reframe.ies: must be" );
+    assert_fails( "", LAMP_NODE, OURS( "\"ies\":{\"bufferView\":99}" ), "ies.bufferView" );
+    assert_fails( "", LAMP_NODE, OURS( "\"ies\":{\"bufferView\":0}" ), "bufferViews[0]: it is no IES file" );
+    assert_fails( "", LAMP_NODE, OURS( "\"ies\":{}" ), "bufferView" );
+    assert_fails( "", LAMP_NODE, OURS( "\"profile\":{\"vertical\":[0,90],\"horizontal\":[0]}" ), "relative" );
+    assert_fails( "", LAMP_NODE, OURS( "\"profile\":{\"vertical\":[0,90],\"horizontal\":[0],\"relative\":[1,2,3]}" ),
+                  "has 3 intensities for 2 vertical and 1 horizontal angles" );
+    assert_fails( "", LAMP_NODE, OURS( "\"profile\":{\"vertical\":[90,0],\"horizontal\":[0],\"relative\":[1,2]}" ),
+                  "its vertical angle 1 is 0 degrees" );
+    assert_fails( "", LAMP_NODE, OURS( "\"ies\":\"a.ies\",\"profile\":{}" ), "both ies and profile" );
+    assert_fails( "", LAMP_NODE, OURS( "\"eis\":\"a.ies\"" ), "eis" );
+    assert_fails( "", LAMP_NODE,
+                  LIGHTS( "{\"type\":\"point\",\"intensity\":1e20,\"extras\":{\"reframe\":{\"profile\":{\"vertical\":[0,90],"
+                          "\"horizontal\":[0],\"relative\":[1e12,1]}}}}" ),
+                  "intensity" );
+}
 
 static void test_lamps_are_read( void** state )
 {
@@ -160,6 +279,14 @@ static void test_lamps_are_read( void** state )
     s = load_ok( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\"}" ) );
     assert_true( s.punctuals->kind == RF_PUNCTUAL_POINT && isinf( s.punctuals->range ) && s.punctuals->intensity.x == 1.0f );
     rf_destroy_scene( &s );
+    s = load_ok( "", LAMP_NODE,
+                 LIGHTS( "{\"type\":\"spot\",\"spot\":{},\"extras\":{\"reframe\":{\"profile\":{\"vertical\":[0,90],"
+                         "\"horizontal\":[0],\"relative\":[3,1]}}}}" ) );
+    p = s.punctuals;
+    // a table in the place of the cone
+    assert_true( p->kind == RF_PUNCTUAL_POINT && p->turned && p->profile != NULL && p->profile->most == 3.0f );
+    assert_true( fabsf( p->across.x - 1.0f ) < 1e-6f && p->profile->mean > 0.0 );
+    rf_destroy_scene( &s );
     s = load_ok( "", LAMP_NODE, LIGHTS( "{\"type\":\"directional\",\"intensity\":3}" ) );
     assert_true( s.punctuals->kind == RF_PUNCTUAL_DIRECTIONAL && s.punctuals->intensity.z == 3.0f );
     rf_destroy_scene( &s );
@@ -177,6 +304,34 @@ static void test_lamps_are_read( void** state )
     assert_fails( "", "{\"scale\":[0,0,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}",
                   LIGHTS( "{\"type\":\"directional\"}" ), "no direction" );
     assert_fails( "", "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":5}}}", LIGHTS( "{\"type\":\"point\"}" ), "light" );
+}
+
+#define SIZED( type, text ) LIGHTS( "{\"type\":\"" type "\",\"extras\":{\"reframe\":{" text "}}}" )
+
+static void test_lamps_have_sizes( void** state )
+{
+    (void)state;
+    RfScene s = load_ok( "", LAMP_NODE, SIZED( "point", "\"radius\":0.1,\"soft\":true" ) );
+    assert_true( s.punctuals->kind == RF_PUNCTUAL_POINT && near( s.punctuals->radius, 0.1 ) && s.punctuals->soft );
+    rf_destroy_scene( &s );
+    s = load_ok( "", LAMP_NODE, SIZED( "directional", "\"angle\":60" ) );
+    assert_true( fabsf( s.punctuals->versine - 0.13397460f ) < 1e-6f ); // 1 − cos 30°
+    rf_destroy_scene( &s );
+    s = load_ok( "", LAMP_NODE, SIZED( "point", "\"shape\":\"ellipse\",\"size\":[1,0.5],\"spread\":90" ) );
+    const RfPunctual* p = s.punctuals;
+    assert_true( p->kind == RF_PUNCTUAL_PLANE && p->ellipse && p->half[0] == 0.5f && p->half[1] == 0.25f );
+    assert_true( near( p->tan_spread, 1 ) && near( p->spread_scale, 4.659792 ) ); // 1 / ( 1 − π/4 )
+    assert_true( fabsf( p->direction.y + 1.0f ) < 1e-6f && fabsf( p->across.x - 1.0f ) < 1e-6f );
+    rf_destroy_scene( &s );
+    s = load_ok( "", LAMP_NODE, LIGHTS( "{\"type\":\"point\",\"extras\":7}" ) );
+    assert_true( s.punctuals->radius == 0.0f );
+    rf_destroy_scene( &s );
+    assert_fails( "", LAMP_NODE, SIZED( "point", "\"angle\":1" ), "angle" );
+    assert_fails( "", LAMP_NODE, SIZED( "point", "\"radius\":-1" ), "lights[0].extras.reframe.radius: must be" );
+    assert_fails( "", LAMP_NODE, SIZED( "point", "\"shape\":\"star\",\"size\":[1,1]" ), "shape" );
+    assert_fails( "", LAMP_NODE, SIZED( "point", "\"shape\":\"ellipse\"" ), "size" );
+    assert_fails( "", LAMP_NODE, SIZED( "point", "\"shape\":\"ellipse\",\"size\":[1,0]" ), "size" );
+    assert_fails( "", LAMP_NODE, SIZED( "directional", "\"radius\":1" ), "radius" );
 }
 
 #define INSTANCED( text ) "{\"mesh\":0,\"translation\":[5,0,0],\"extensions\":{\"EXT_mesh_gpu_instancing\":{" text "}}}"
@@ -199,12 +354,111 @@ static void test_instances_are_read( void** state )
     assert_fails( "", INSTANCED( "\"attributes\":{\"TRANSLATION\":99}" ), "", "TRANSLATION" );
 }
 
+#define GLOSSY( members ) EXTENSIONS( "\"KHR_materials_pbrSpecularGlossiness\":{" members "}" )
+
+static void test_glossiness( void** state )
+{
+    (void)state;
+    RfScene s =
+        load_ok( GLOSSY( "\"diffuseFactor\":[0.8,0.4,0.2,1],\"specularFactor\":[0.5,0.25,0.125],\"glossinessFactor\":0.4" ), MESH,
+                 ",\"extensionsRequired\":[\"KHR_materials_pbrSpecularGlossiness\"]" );
+    const RfMaterial* m = s.materials;
+    assert_int_equal( m->kind, RF_BSDF_GGX );
+    assert_true( near( m->diffuse.x, 0.8 ) && near( m->diffuse.z, 0.2 ) );
+    assert_true( near( m->specular.x, 0.5 ) && near( m->specular.y, 0.25 ) && near( m->specular.z, 0.125 ) );
+    assert_true( near( m->f90, 1.0 ) && near( m->coat_f0, 0.5 ) && near( m->coat_f90, 1.0 ) && near( m->alpha, 0.36 ) );
+    rf_destroy_scene( &s );
+    s = load_ok( GLOSSY( "" ), MESH, "" ); // all white, as smooth as can be
+    m = s.materials;
+    assert_true( near( m->diffuse.x, 1.0 ) && near( m->specular.x, 1.0 ) && m->alpha == RF_MIN_ALPHA );
+    rf_destroy_scene( &s );
+    assert_fails( GLOSSY( "\"glossinessFactor\":2" ), MESH, "", "SpecularGlossiness: glossinessFactor is 2, it must be 0 to 1" );
+    assert_fails( GLOSSY( "\"glossinessFactor\":\"much\"" ), MESH, "", "SpecularGlossiness: glossinessFactor must be a number" );
+    assert_fails( GLOSSY( "\"diffuseFactor\":7" ), MESH, "", "SpecularGlossiness: diffuseFactor" );
+    assert_fails( GLOSSY( "\"specularFactor\":[5,0,0]" ), MESH, "", "SpecularGlossiness: specularFactor is 5" );
+    assert_fails( EXTENSIONS( "\"KHR_materials_pbrSpecularGlossiness\":7" ), MESH, "", "SpecularGlossiness must be an object" );
+}
+
+// Two meshes: one with a mapping for each variant, one without.
+#define VARIANTS( mappings )                                                                                                     \
+    "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"noon\"},{\"name\":\"night\"}]}},"                     \
+    "\"extensionsRequired\":[\"KHR_materials_variants\"],\"materials\":[{\"name\":\"plain\"},{\"name\":\"pale\"},"               \
+    "{\"name\":\"dark\"}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":"  \
+    "0,"                                                                                                                         \
+    "\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[" mappings                                                        \
+    "]}}},{\"attributes\":{\"POSITION\":0},\"material\":0}]}]"
+
+static RfResult load_variant( const char* rest, const char* variant, RfScene* scene, RfError* error )
+{
+    GltfBuilder b = { 0 };
+    GltfFolder folder = make_folder();
+    RfGltfOptions options = { .variant = variant };
+    add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
+    RfResult result = rf_load_gltf_with( write_gltf( &b, &folder, rest ), &options, scene, NULL, error );
+    remove_folder( &folder );
+    return result;
+}
+
+static void test_variants( void** state )
+{
+    (void)state;
+    static const char* const s_rest = VARIANTS( "{\"material\":1,\"variants\":[0]},{\"material\":2,\"variants\":[1]}" );
+    static const char* const s_names[] = { NULL, "noon", "night" };
+    uint64_t hashes[3];
+    RfError error = { 0 };
+    for ( uint32_t i = 0; i < 3; ++i )
+    {
+        RfScene s;
+        assert_int_equal( load_variant( s_rest, s_names[i], &s, &error ), RF_OK );
+        assert_true( s.triangles.count == 2 && s.triangles.material[0] == i && s.triangles.material[1] == 0 );
+        assert_int_equal( s.variant_count, 2 );
+        assert_string_equal( s.variants[1], "night" );
+        hashes[i] = s.content_hash;
+        rf_destroy_scene( &s );
+    }
+    assert_true( hashes[0] != hashes[1] && hashes[1] != hashes[2] && hashes[0] != hashes[2] );
+
+    // one without a name is chosen by that under which it is listed
+    RfScene unnamed;
+    static const char* const s_unnamed =
+        "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"\"}]}},\"nodes\":[]";
+    assert_int_equal( load_variant( s_unnamed, "KHR_materials_variants.variants[0]", &unnamed, &error ), RF_OK );
+    rf_destroy_scene( &unnamed );
+
+    static const char* const s_faults[][3] = {
+        { VARIANTS( "" ), "dusk", "KHR_materials_variants: none is called 'dusk': there are 'noon', 'night'" },
+        { "\"nodes\":[]", "dusk", "KHR_materials_variants: none is called 'dusk': there are none" },
+        { VARIANTS( "{\"variants\":[0]}" ), "noon", "KHR_materials_variants.mappings[0]: material is missing" },
+        { VARIANTS( "{\"variants\":[0],\"material\":3}" ), "noon", "mappings[0]: material is 3, but there are 3 materials" },
+        { VARIANTS( "7" ), "noon", "mappings[0]" },
+        { "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{}]}}", NULL, "KHR_materials_variants.variants[0]: name" },
+        { "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[7]}}", "x", "KHR_materials_variants.variants[0]" },
+    };
+    for ( size_t i = 0; i < sizeof s_faults / sizeof s_faults[0]; ++i )
+    {
+        RfScene s;
+        assert_int_not_equal( load_variant( s_faults[i][0], s_faults[i][1], &s, &error ), RF_OK );
+        if ( strstr( error.text, s_faults[i][2] ) == NULL )
+            fail_msg( "'%s' does not say '%s'", error.text, s_faults[i][2] );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_transmission_makes_glass ), cmocka_unit_test( test_extras_are_read ),
-        cmocka_unit_test( test_clearcoat_and_unlit ),      cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_lamps_are_read ),           cmocka_unit_test( test_instances_are_read ),
+        cmocka_unit_test( test_scatter_stands_in ),
+        cmocka_unit_test( test_transmission_makes_glass ),
+        cmocka_unit_test( test_extras_are_read ),
+        cmocka_unit_test( test_diffuse_transmission ),
+        cmocka_unit_test( test_losses_beside_diffuse_transmission ),
+        cmocka_unit_test( test_clearcoat_and_unlit ),
+        cmocka_unit_test( test_faults_are_one_line ),
+        cmocka_unit_test( test_lamps_are_read ),
+        cmocka_unit_test( test_faults_of_profiles_are_one_line ),
+        cmocka_unit_test( test_lamps_have_sizes ),
+        cmocka_unit_test( test_instances_are_read ),
+        cmocka_unit_test( test_variants ),
+        cmocka_unit_test( test_glossiness ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -77,16 +77,16 @@ static void test_warnings_are_said_once( void** state )
     add_gltf_floats( &b, "VEC3", 3, 4, s_square );
     add_gltf_floats( &b, "VEC3", 3, 4, s_square );
     RfScene scene = gltf_load_built(
-        &b, "\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_materials_sheen\",\"EXT_unheard_of\"],"
+        &b, "\"extensionsUsed\":[\"KHR_materials_ior\",\"KHR_materials_volume_scatter\",\"EXT_unheard_of\"],"
             "\"materials\":[{\"name\":\"A\",\"alphaMode\":\"BLEND\","
-            "\"extensions\":{\"KHR_materials_sheen\":{},\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_"
+            "\"extensions\":{\"KHR_materials_volume_scatter\":{},\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_"
             "materials_clearcoat\":{\"clearcoatFactor\":1}},\"pbrMetallicRoughness\":{\"metallicFactor\":0}},{\"name\":\"B\","
             "\"alphaMode\":\"MASK\","
-            "\"occlusionTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_sheen\":{}}}],"
+            "\"occlusionTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_volume_scatter\":{}}}],"
             "\"nodes\":[{\"mesh\":0},{\"name\":\"lamp\",\"extensions\":{\"KHR_animation_pointer\":{}}}]," MESH(
                 "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},\"mode\":6,\"targets\":[]}" ) );
     gltf_assert_warned( "a clear coat over glass or a mirror is not supported: material 'A'" );
-    gltf_assert_warned( "KHR_materials_sheen is not supported yet: material 'A'" );
+    gltf_assert_warned( "KHR_materials_volume_scatter is not supported yet: material 'A'" );
     gltf_assert_warned( "EXT_unheard_of is unknown" );
     int lines = 0;
     for ( const char* c = gltf_warnings; *c != 0; ++c )
@@ -163,6 +163,21 @@ static void test_frozen_mesh_is_taken_at_its_first_key( void** state )
     rf_destroy_scene( &scene );
 }
 
+// A scene that lists a node, but not its parent, which would put it elsewhere.
+static void test_root_with_parent( void** state )
+{
+    (void)state;
+    static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 3, s_positions );
+    RfScene scene = gltf_load_built( &b, "\"scenes\":[{\"nodes\":[1]}],\"nodes\":[{\"name\":\"up\",\"translation\":[0,9,0],"
+                                         "\"children\":[1]},{\"name\":\"it\",\"translation\":[2,0,0],\"mesh\":0}]," MESH(
+                                             "{\"attributes\":{\"POSITION\":0}}" ) );
+    gltf_assert_warned( "scenes[0] has node 'it', but not its parent 'up': it is placed without it" );
+    gltf_assert_corner( &scene, 1, 3, 0, 0 );
+    rf_destroy_scene( &scene );
+}
+
 static void test_scenes_of_others_are_read( void** state )
 {
     (void)state;
@@ -208,9 +223,9 @@ static void test_scenes_of_others_are_read( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_materials_are_read ),        cmocka_unit_test( test_warnings_are_said_once ),
-        cmocka_unit_test( test_cameras_are_read ),          cmocka_unit_test( test_frozen_mesh_is_taken_at_its_first_key ),
-        cmocka_unit_test( test_scenes_of_others_are_read ),
+        cmocka_unit_test( test_materials_are_read ), cmocka_unit_test( test_warnings_are_said_once ),
+        cmocka_unit_test( test_cameras_are_read ),   cmocka_unit_test( test_frozen_mesh_is_taken_at_its_first_key ),
+        cmocka_unit_test( test_root_with_parent ),   cmocka_unit_test( test_scenes_of_others_are_read ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
 }

@@ -97,6 +97,78 @@ static void test_colour_is_srgb_data_is_linear( void** state )
     rf_destroy_scene( &scene );
 }
 
+// An image that is read is taken before the texture's own, one that is not is named.
+static void test_other_images( void** state )
+{
+    (void)state;
+    static const uint8_t s_other[] = { 9, 9, 9, 255 };
+    static const struct
+    {
+        const char *extension, *warning;
+        bool taken;
+    } s_cases[] = {
+        { "EXT_texture_exr", "", true },
+#ifdef REFRAME_WEBP
+        { "EXT_texture_webp", "", true },
+#else
+        { "EXT_texture_webp", "EXT_texture_webp is not supported yet: texture 'textures[0]': its other image is used", false },
+#endif
+        { "KHR_texture_basisu", "KHR_texture_basisu is not supported yet: texture 'textures[0]': its other image is used",
+          false },
+        { "EXT_texture_avif", "EXT_texture_avif is not supported yet: texture 'textures[0]': its other image is used", false },
+        { "MSFT_texture_dds", "MSFT_texture_dds is not supported yet: texture 'textures[0]': its other image is used", false },
+    };
+    for ( size_t i = 0; i < sizeof s_cases / sizeof s_cases[0]; ++i )
+    {
+        size_t size;
+        GltfBuilder b = make_square();
+        uint8_t* bytes = encode_png( 1, 1, 4, s_other, &size );
+#ifdef REFRAME_WEBP
+        if ( strcmp( s_cases[i].extension, "EXT_texture_webp" ) == 0 )
+        {
+            free( bytes );
+            bytes = encode_webp( 1, 1, 4, false, s_other, &size );
+        }
+#endif
+        add_gltf_accessor( &b, 5121, "SCALAR", (int)size, bytes, size, "" );
+        free( bytes );
+        char rest[1024];
+        snprintf( rest, sizeof rest,
+                  NODES ",\"images\":[{\"bufferView\":5},{\"bufferView\":6}],\"textures\":[{\"source\":0,\"extensions\":{\"%s\":"
+                        "{\"source\":1}}}],\"materials\":[{\"emissiveTexture\":{\"index\":0}}],\"extensionsUsed\":[\"%s\"]",
+                  s_cases[i].extension, s_cases[i].extension );
+        RfScene scene = gltf_load_built( &b, rest );
+        assert_int_equal( scene.texture_count, 1 );
+        assert_int_equal( scene.textures[0].width, s_cases[i].taken ? 1 : 2 );
+        assert_int_equal( scene.textures[0].bytes[0], s_cases[i].taken ? 9 : 255 );
+        if ( s_cases[i].warning[0] == 0 )
+            assert_string_equal( gltf_warnings, "" );
+        else
+            gltf_assert_warned( s_cases[i].warning );
+        rf_destroy_scene( &scene );
+    }
+}
+
+// Specular colour in RGB, sRGB, and glossiness in A.
+static void test_glossiness_textures( void** state )
+{
+    (void)state;
+    GltfBuilder b = make_square();
+    RfScene scene = gltf_load_built(
+        &b, NODES IMAGE
+        ",\"samplers\":[{\"magFilter\":9728}],\"textures\":[{\"source\":0,\"sampler\":0}],\"materials\":[{\"extensions\":{"
+        "\"KHR_materials_pbrSpecularGlossiness\":{\"specularFactor\":[1,0.5,0.25],\"glossinessFactor\":0.8,"
+        "\"diffuseTexture\":{\"index\":0},\"specularGlossinessTexture\":{\"index\":0}}}}]" );
+    RfMaterial m = at( &scene, 0.8f, 0.1f ); // (200, 200, 200, 51)
+    double grey = 0.57758044, roughness = 1.0 - 0.8 * 51.0 / 255.0;
+    gltf_assert_rgb( m.specular, grey, 0.5 * grey, 0.25 * grey );
+    gltf_assert_rgb( m.diffuse, grey, grey, grey );
+    gltf_assert_near( m.alpha, roughness * roughness );
+    assert_true( rf_roughness_varies( scene.materials ) );
+    assert_string_equal( gltf_warnings, "" );
+    rf_destroy_scene( &scene );
+}
+
 // What a material would be by its factors alone is what comes out of white textures.
 static void test_white_textures_equal_factors( void** state )
 {
@@ -320,8 +392,16 @@ static void test_faults_are_one_line( void** state )
           ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]" },
         { RF_ERROR_FORMAT, "KHR_materials_specular.specularTexture: index",
           ",\"materials\":[{\"extensions\":{\"KHR_materials_specular\":{\"specularTexture\":{\"index\":0}}}}]" },
-        { RF_ERROR_UNSUPPORTED, "textures[0]: has no PNG or JPEG",
-          IMAGE ",\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}]," USE },
+        { RF_ERROR_UNSUPPORTED, "textures[0]: has no source",
+          IMAGE ",\"textures\":[{\"extensions\":{\"X\":{\"source\":0}}}]," USE },
+        { RF_ERROR_UNSUPPORTED,
+          "textures[0]: KTX2 images are not supported: convert them by `npx @gltf-transform/cli ktxdecompress",
+          IMAGE ",\"textures\":[{\"extensions\":{\"KHR_texture_basisu\":{\"source\":0}}}]," USE },
+        { RF_ERROR_UNSUPPORTED, "textures[0]: AVIF images",
+          IMAGE ",\"textures\":[{\"extensions\":{\"EXT_texture_avif\":{\"source\":0}}}]," USE },
+        { RF_ERROR_UNSUPPORTED, "extensionsRequired: MSFT_texture_dds: DDS images are not supported",
+          IMAGE ",\"extensionsRequired\":[\"MSFT_texture_dds\"],\"textures\":[{\"extensions\":{\"MSFT_texture_dds\":{\"source\":"
+                "0}}}]," USE },
         { RF_ERROR_FORMAT, "textures[0]: source is 7", IMAGE ",\"textures\":[{\"source\":7}]," USE },
         { RF_ERROR_FORMAT, "textures[0]: sampler", IMAGE ",\"textures\":[{\"source\":0,\"sampler\":0}]," USE },
         { RF_ERROR_FORMAT, "samplers[0]: wrapS is 1",
@@ -338,10 +418,22 @@ static void test_faults_are_one_line( void** state )
         { RF_ERROR_UNSUPPORTED, "images[0]: uri '../a.png'",
           ",\"images\":[{\"uri\":\"../a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_IO, "absent.png", ",\"images\":[{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_UNSUPPORTED, "images[0]: uri 'https://a.org/b.png' is not fetched: download it",
+          ",\"images\":[{\"uri\":\"https://a.org/b.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: uri has",
           ",\"images\":[{\"uri\":\"data:image/png;base64,a?\"}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_UNSUPPORTED, "images[0]: WebP",
+#ifdef REFRAME_WEBP
+        { RF_ERROR_FORMAT, "textures[0].extensions.EXT_texture_webp: source is 1",
+          IMAGE ",\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":1}}}]," USE },
+        { RF_ERROR_FORMAT, "images[0]: damaged WebP data",
           ",\"images\":[{\"uri\":\"data:image/webp;base64,UklGRgAAAABXRUJQ\"}],\"textures\":[{\"source\":0}]," USE },
+#else
+        { RF_ERROR_UNSUPPORTED, "textures[0]: this Reframe was built without libwebp",
+          IMAGE ",\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}]," USE },
+        { RF_ERROR_UNSUPPORTED, "extensionsRequired: EXT_texture_webp: this Reframe was built without libwebp",
+          IMAGE ",\"extensionsRequired\":[\"EXT_texture_webp\"],\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":"
+                "0}}}]," USE },
+#endif
         { RF_ERROR_FORMAT, "alphaMode", ",\"materials\":[{\"alphaMode\":\"GLOW\"}]" },
         { RF_ERROR_FORMAT, "alphaCutoff is -1", ",\"materials\":[{\"alphaMode\":\"MASK\",\"alphaCutoff\":-1}]" },
     };
@@ -476,6 +568,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_colour_is_srgb_data_is_linear ),
+        cmocka_unit_test( test_other_images ),
+        cmocka_unit_test( test_glossiness_textures ),
         cmocka_unit_test( test_white_textures_equal_factors ),
         cmocka_unit_test( test_transforms_and_second_coordinates ),
         cmocka_unit_test( test_vertex_colours_multiply_in ),

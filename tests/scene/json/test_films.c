@@ -316,7 +316,7 @@ static void test_faults_of_films( void** state )
     assert_non_null( strstr( error.text, "odd.gltf: document: images must be an array, got an object" ) );
     cli_write( "film.5.png", "text", 4 );
     expect_fault( EMISSIVE( "{\"frames\":\"film.#.png\",\"last\":5}" ),
-                  "/film.5.png: not a PNG, JPEG, EXR or Radiance HDR image" );
+                  "/film.5.png: not a PNG, JPEG, WebP, EXR or Radiance HDR image" );
 }
 
 // ---- Keys of materials ----------------------------------------------------------

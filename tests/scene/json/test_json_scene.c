@@ -6,6 +6,7 @@
 #include "scene/animation.h"
 #include "scene/json/material_edit.h"
 #include "scene/movement.h"
+#include "scene/pose.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -76,7 +77,8 @@ static void test_materials_are_replaced( void** state )
     (void)state;
     RfScene scene = load_members(
         "\"materials\":{\"vase\":{\"exponent\":200,\"doubleSided\":true},"
-        "\"wood floor\":{\"baseColorFactor\":[0.1,0.2,0.3,1],\"specularFactor\":1,\"roughnessFactor\":0.5,\"ior\":1.5},"
+        "\"wood floor\":{\"baseColorFactor\":[0.1,0.2,0.3,1],\"specularFactor\":1,\"roughnessFactor\":0.5,\"ior\":1.5,"
+        "\"sheenColorFactor\":[0.9,0.5,0.1],\"sheenRoughnessFactor\":0.5},"
         "\"lamp\":{\"emissiveStrength\":8},"
         "\"materials[3]\":{\"bsdf\":\"lambert\",\"diffuse\":[0.7,0.6,0.5],\"emissiveFactor\":[0,0,1]}}" );
     const RfMaterial* m = scene.materials;
@@ -84,7 +86,9 @@ static void test_materials_are_replaced( void** state )
     assert_rgb( m[0].diffuse, 0.2, 0.1, 0.1 ); // as it was
     assert_close( (double)m[0].exponent, 200.0, 0 );
     assert_true( m[0].double_sided );
-    assert_int_equal( m[1].kind, RF_BSDF_GGX );
+    assert_int_equal( m[1].kind, RF_BSDF_SHEEN );
+    assert_rgb( m[1].sheen, 0.9, 0.5, 0.1 );
+    assert_close( (double)m[1].sheen_alpha, 0.25, 1e-6 );
     assert_rgb( m[1].diffuse, 0.1, 0.2, 0.3 );
     assert_rgb( m[1].specular, 0.04, 0.04, 0.04 );
     assert_close( (double)m[1].alpha, 0.25, 1e-6 );
@@ -194,7 +198,8 @@ static void test_faults_of_files( void** state )
     write_map( "bright.hdr", 255 );
     static const char* const faults[][2] = {
         { "\"scene\":\"room.gltf\"", "duplicate" },
-        { "\"sky\":3", "sky: unknown key, the keys here are: scene, environment, materials, objects, camera, render" },
+        { "\"sky\":3",
+          "sky: unknown key, the keys here are: scene, environment, materials, lights, objects, camera, render, view" },
         { "\"enviroment\":3", "enviroment: unknown key, did you mean environment?" },
         { "\"environment\":3", "environment: must be an object, got 3" },
         { "\"environment\":{}", "environment: gives no light: give radiance, map or both" },
@@ -207,9 +212,9 @@ static void test_faults_of_files( void** state )
           "environment.interpolation: has no effect without keys" },
         { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[]}", "environment.keys: must be an array of 1 to" },
         { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":1}]}",
-          "environment.keys[0]: has no strength or rotation: give it one, or leave it out" },
+          "environment.keys[0]: has no strength, radiance or rotation: give it one, or leave it out" },
         { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"frame\":2,\"strength\":1},{\"time\":1,\"strength\":2}]}",
-          "environment.keys[1].time: unknown key, the keys here are: frame, strength, rotation" },
+          "environment.keys[1].time: unknown key, the keys here are: frame, strength, radiance, rotation" },
         { "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":1,\"strength\":-1}]}",
           "environment.keys[0].strength: must be a number from 0 to 1e+15, got -1" },
         { "\"environment\":{\"radiance\":[1,1,1],\"strength\":1,\"keys\":[{\"time\":1,\"strength\":1}]}",
@@ -218,6 +223,8 @@ static void test_faults_of_files( void** state )
           "environment: radiance times strength is brighter than 1e+15: lower one of them" },
         { "\"environment\":{\"map\":\"\"}", "environment.map: must be a string that is not empty, got \"\"" },
         { "\"environment\":{\"map\":\"none.exr\"}", "/none.exr: cannot be opened" },
+        { "\"environment\":{\"map\":\"https://a.org/b.hdr\"}",
+          "environment.map: https://a.org/b.hdr: is not fetched: download it" },
         { "\"environment\":{\"map\":\"room.gltf\"}", "environment.map: " },
         { "\"environment\":{\"map\":\"bright.hdr\",\"radiance\":[1e15,1e15,1e15]}",
           "environment.map: times radiance is brighter than 1e+15 somewhere: lower radiance" },
@@ -263,6 +270,9 @@ static void test_faults_of_files( void** state )
     write_text( "scene.json", "{\"scene\":\"none.glb\"}" );
     assert_int_equal( load_named( "scene.json", &scene, &error ), RF_ERROR_IO );
     assert_non_null( strstr( error.text, "/none.glb: cannot be opened" ) );
+    write_text( "scene.json", "{\"scene\":\"HTTP://a.org/b.glb\"}" );
+    assert_int_equal( load_named( "scene.json", &scene, &error ), RF_ERROR_UNSUPPORTED );
+    assert_int_equal( strncmp( error.text, "HTTP://a.org/b.glb: is not fetched: download it", 47 ), 0 );
 }
 
 static void write_map( const char* name, unsigned char mantissa )
@@ -340,6 +350,15 @@ static void test_environment_has_keys( void** state )
     assert_close( sky_at( &scene, RF_CHANGED_SKY_STRENGTH, 0.5 ), 0.3125, 1e-12 ); // a cubic of slopes -1.5 and 0
     for ( int k = 10; k <= 20; ++k )
         assert_true( sky_at( &scene, RF_CHANGED_SKY_STRENGTH, 0.1 * k ) == 0.0 );
+    rf_destroy_scene( &scene );
+
+    // colours, without or with a factor on them
+    scene = load_members( "\"environment\":{\"strength\":2,\"interpolation\":\"linear\",\"keys\":["
+                          "{\"time\":0,\"radiance\":[1,2,0]},{\"time\":1,\"radiance\":[0,2,4]}]}" );
+    RfPosedScene posed = { 0 };
+    assert_int_equal( rf_pose_scene( &scene, 0.25, &posed, NULL ), RF_OK );
+    assert_rgb( posed.scene.environment.radiance, 1.5f, 4, 2 );
+    rf_destroy_pose( &posed );
     rf_destroy_scene( &scene );
 
     // keys that are equal change nothing
@@ -450,6 +469,7 @@ static void write_embedded( const char* environment, const char* warnings )
         json_object_set_new( sky, "bufferView", json_integer( (int)json_array_size( views ) - 1 ) );
     json_object_set_new( ours, "environment", sky );
     json_object_set_new( ours, "export_warnings", json_loads( warnings, JSON_DECODE_ANY, NULL ) );
+    json_object_set_new( ours, "export_losses", json_loads( "[\"'sun': is\\nlost\"]", 0, NULL ) );
     char* text = json_dumps( room, 0 );
     write_text( "room.gltf", text );
     free( text );
@@ -477,6 +497,8 @@ static void test_map_and_warnings_inside_gltf( void** state )
     assert_int_equal( scene.environment.width, 4 );
     assert_int_equal( scene.environment.height, 2 );
     assert_close( (double)scene.environment.map[0], 1.0, 0.01 );
+    assert_int_equal( scene.export_loss_count, 1 );
+    assert_string_equal( scene.export_losses[0], "'sun': is?lost" );
     assert_int_equal( scene.export_warning_count, 2 );
     assert_string_equal( scene.export_warnings[0], "'a?[31m?\?': left out" );
     assert_string_equal( scene.export_warnings[1], "café" );
@@ -543,6 +565,50 @@ static void test_cameras_are_chosen_and_replaced( void** state )
     assert_true( hash != hash_of( "\"camera\":\"walk.json\"" ) );
 }
 
+static RfResult load_lit( const char* lights, RfScene* scene, RfError* error )
+{
+    char text[400];
+    write_text( "lit.gltf", "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":["
+                            "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+                            "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}}],"
+                            "\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
+                            "{\"type\":\"point\",\"name\":\"Lamp\",\"intensity\":2},"
+                            "{\"type\":\"directional\",\"name\":\"Sun\"}]}}}" );
+    write_text( "lamp.ies", "IESNA:LM-63-2002\nTILT=NONE\n1 -1 3 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n4 4\n" );
+    snprintf( text, sizeof text, "{\"scene\":\"lit.gltf\",\"lights\":%s}", lights );
+    write_text( "lit.json", text );
+    return load_named( "lit.json", scene, error );
+}
+
+static void test_lights_get_what_gltf_lacks( void** state )
+{
+    (void)state;
+    static const char* const faults[][2] = {
+        { "[]", "lit.json: lights: must be an object of lights by name" },
+        { "{\"Lmap\":{}}", "lit.json: lights.Lmap: " },
+        { "{\"Lamp\":{\"iesfile\":\"a\"}}", "lights.Lamp.iesfile: unknown key" },
+        { "{\"Lamp\":{\"ies\":3}}", "lights.Lamp.ies: must be" },
+        { "{\"Lamp\":{\"ies\":\"no.ies\"}}", "no.ies" },
+        { "{\"Lamp\":{\"angle\":1}}", "lights[0].extras.reframe.angle: unknown key" },
+        { "{\"Sun\":{\"angle\":200}}", "lights[1].extras.reframe.angle: must be" },
+    };
+    RfScene scene;
+    RfError error;
+    if ( load_lit( "{\"Lamp\":{\"ies\":\"lamp.ies\",\"radius\":0.25},\"Sun\":{\"angle\":60}}", &scene, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    assert_int_equal( scene.punctual_count, 2 );
+    assert_true( scene.punctuals[0].radius == 0.25f && scene.punctuals[0].profile != NULL );
+    assert_true( scene.punctuals[0].profile->most == 12.0f ); // the multiplier is 3
+    assert_true( fabs( (double)scene.punctuals[1].versine - ( 1.0 - cos( 30.0 * 3.14159265358979 / 180.0 ) ) ) < 1e-6 );
+    rf_destroy_scene( &scene );
+    for ( size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i )
+    {
+        RfResult code = load_lit( faults[i][0], &scene, &error );
+        if ( code == RF_OK || strstr( error.text, faults[i][1] ) == NULL )
+            fail_msg( "'%s' gave '%s' instead of '%s'", faults[i][0], error.text, faults[i][1] );
+    }
+}
+
 static void test_mutations_never_crash( void** state )
 {
     (void)state;
@@ -602,6 +668,7 @@ int main( void )
         cmocka_unit_test( test_environment_in_gltf ),
         cmocka_unit_test( test_map_and_warnings_inside_gltf ),
         cmocka_unit_test( test_cameras_are_chosen_and_replaced ),
+        cmocka_unit_test( test_lights_get_what_gltf_lacks ),
         cmocka_unit_test( test_mutations_never_crash ),
     };
     return cmocka_run_group_tests_name( "json scene", tests, enter, leave );

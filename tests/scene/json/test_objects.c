@@ -477,8 +477,8 @@ static void test_what_a_placed_file_leaves_behind( void** state )
     GltfBuilder b = { 0 };
     write_glb(
         "sky.glb", &b,
-        "\"scenes\":[{\"nodes\":[0],\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1,1]},\"export_warnings\":[\"a "
-        "loss\"]}}}],"
+        "\"scenes\":[{\"nodes\":[0],\"extras\":{\"reframe\":{\"environment\":{\"radiance\":[1,1,1]},\"export_losses\":[\"a "
+        "loss\"],\"export_warnings\":[\"a warning\"]}}}],"
         "\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\","
         "\"name\":\"Sun\"}]}},\"nodes\":[{\"translation\":[0,1,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}]" );
     RfScene scene = load_scene(
@@ -492,7 +492,8 @@ static void test_what_a_placed_file_leaves_behind( void** state )
     gltf_assert_rgb( pose.scene.punctuals[0].position, 1, 3, 3 );
     gltf_assert_rgb( pose.scene.punctuals[1].position, 0.5, 1, 0 );
     rf_destroy_pose( &pose );
-    assert_string_equal( scene.export_warnings[1], "sky: a loss" );
+    assert_string_equal( scene.export_losses[1], "sky: a loss" );
+    assert_string_equal( scene.export_warnings[1], "sky: a warning" );
     rf_destroy_scene( &scene );
 }
 
@@ -674,6 +675,8 @@ static void test_faults( void** state )
         { "[{\"file\":\"none.glb\"}]", "objects[0].file: " },
         { "[{\"file\":\"figure.glb\",\"animation\":\"Run\"}]", "objects[0].animation: " },
         { "[{\"file\":\"figure.glb\",\"animation\":\"Run\"}]", "none is called 'Run': there are 'Go', 'Grow'" },
+        { "[{\"file\":\"figure.glb\",\"variant\":\"Red\"}]", "objects[0].variant: " },
+        { "[{\"file\":\"figure.glb\",\"variant\":\"Red\"}]", "none is called 'Red': there are none" },
         { "[{\"file\":\"room.glb\",\"speed\":2}]", "objects[0].speed: 'room.glb' has no animation" },
         { "[{\"file\":\"figure.glb\",\"speed\":0}]", "objects[0].speed: must be a number from 1e-06 to 1e+06, got 0" },
         { "[{\"file\":\"figure.glb\",\"repeat\":\"twice\"}]", "objects[0].repeat: must be one of hold, loop" },

@@ -5,7 +5,7 @@ const MOST_KEPT = 200;   // decoded frames
 
 const live = {
   status: null, ended: false, following: true, index: 0, playing: false,
-  shown: "", version: 0, work: null, frames: new Map(), painter: null, drawn: null,
+  shown: "", version: 0, work: null, frames: new Map(), painter: null, drawn: null, pass: -1, // of the frames, the picture
 };
 window.reframeLive = live; // for tests
 
@@ -16,22 +16,36 @@ async function fetchPicture(path) {
   return decodePicture(new Uint8Array(await reply.arrayBuffer()));
 }
 
-// A finished frame, fetched once.
+// A finished frame, or the chosen pass of it, fetched once.
 function finishedFrame(number) {
-  if (!live.frames.has(number)) {
-    live.frames.set(number, fetchPicture(`/frame/${number}`).catch(() => {
-      live.frames.delete(number);
+  const path = live.pass < 0 ? `/frame/${number}` : `/frame/${number}/${live.pass}`;
+  if (!live.frames.has(path)) {
+    live.frames.set(path, fetchPicture(path).catch(() => {
+      live.frames.delete(path);
       return null;
     }));
     if (live.frames.size > MOST_KEPT)
       live.frames.delete(live.frames.keys().next().value);
   }
-  return live.frames.get(number);
+  return live.frames.get(path);
 }
 
+// Passes that are no light are shown as they are.
 function paint() {
+  const data = live.pass >= 0 && !live.status.passes[live.pass].light;
+  element("exposure").disabled = element("curve").disabled = data;
   if (live.painter)
-    live.painter.paint(makeToneTable(Number(element("exposure").value), element("curve").value));
+    live.painter.paint(data ? new Tone(0, "srgb", null) : new Tone(Number(element("exposure").value), element("curve").value, null));
+}
+
+// The passes that the finished frames have.
+function showPasses() {
+  const { passes } = live.status, select = element("pass");
+  for (const [i, { name }] of passes.entries()) {
+    if (select.options.length <= i + 1)
+      select.append(new Option(name, i));
+  }
+  select.parentElement.hidden = passes.length === 0;
 }
 
 function draw(picture, name) {
@@ -91,8 +105,17 @@ async function showWork() {
       live.version = s.version;
     } catch (error) { return; } // the next time
   }
-  if (live.following && live.work)
+  if (live.following && live.pass >= 0)
+    await showLast();
+  else if (live.following && live.work)
     draw(live.work, `work ${live.version}`);
+}
+
+// The frame in work has no passes yet: the last that is finished.
+async function showLast() {
+  const number = finished()[finished().length - 1], pass = live.pass, picture = number === undefined ? null : await finishedFrame(number);
+  if (picture && live.following && live.pass === pass)
+    draw(picture, `pass ${number}`);
 }
 
 async function showFrame() {
@@ -107,7 +130,9 @@ function follow(following) {
   live.following = following;
   live.playing = live.playing && !following;
   showControls();
-  if (following && live.work)
+  if (following && live.pass >= 0)
+    showLast();
+  else if (following && live.work)
     draw(live.work, `work ${live.version}`);
 }
 
@@ -137,6 +162,7 @@ async function ask() {
     live.ended = false;
     showProgress();
     showControls();
+    showPasses();
     if (live.following)
       await showWork();
     for (const number of finished().slice(-MOST_KEPT / 2)) // while they can be had
@@ -156,6 +182,13 @@ element("exposure").addEventListener("input", event => {
   paint();
 });
 element("curve").addEventListener("change", paint);
+element("pass").addEventListener("change", event => {
+  live.pass = Number(event.target.value);
+  if (live.following)
+    follow(true);
+  else
+    showFrame();
+});
 document.addEventListener("keydown", event => {
   if (event.target.matches("input, select, button") && event.key === " ")
     return;

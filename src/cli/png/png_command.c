@@ -1,0 +1,221 @@
+// reframe png: EXR files as PNG, to look at.
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/png/png_picture.h"
+#include "cli/options/frame_lists.h"
+#include "cli/options/options.h"
+#include "cli/render/progress.h"
+#include "cli/view/view_options.h"
+#include "reframe/output.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define COMMAND "png"
+
+static RfViewOptions s_view;
+static RfPngPicture s_picture;
+static const char* s_frames;
+static int s_window;
+static bool s_quiet;
+static const char* const s_windows[] = { "display", "data", NULL };
+static const char* const s_files[] = { "IN", "OUT" };
+static const RfOption s_options[] = {
+    { .name = "exposure",
+      .type = RF_OPTION_REAL,
+      .value = &s_view.exposure,
+      .given = &s_view.exposure_given,
+      .min = -32,
+      .max = 32,
+      .keyword = "auto",
+      .keyword_value = RF_EXPOSURE_AUTO,
+      .meta = "E|auto",
+      .default_text = "the files', else 0",
+      .help = "exposure in stops: each doubles the brightness; auto: middle grey, for all frames alike" },
+    RF_VIEW_OPTIONS( s_view, RF_HEADING_BASIC ),
+    { .name = "layer",
+      .type = RF_OPTION_STRING,
+      .value = &s_picture.layer,
+      .meta = "NAME",
+      .default_text = "colour",
+      .help = "a pass, such as depth, light_key or CryptoObject, drawn so that it can be seen; or a part, a channel, or three "
+              "channels X,Y,Z as they are" },
+    { .name = "matte",
+      .type = RF_OPTION_STRING,
+      .value = &s_picture.matte,
+      .meta = "NAME",
+      .help = "the pixels that an object, material or asset of this name covers, by the Cryptomatte of the files" },
+    { .name = "mix",
+      .type = RF_OPTION_STRING,
+      .value = &s_picture.mix,
+      .meta = "GROUP=F[,...]",
+      .help = "the sum of the light groups, these with other factors: key=0.3,fill=2; the others with 1" },
+    { .name = "window",
+      .type = RF_OPTION_CHOICE,
+      .value = &s_window,
+      .choices = s_windows,
+      .help = "the picture alone, or all pixels of the files, with overscan" },
+    { .name = "frames",
+      .type = RF_OPTION_STRING,
+      .value = &s_frames,
+      .meta = "A-B[xSTEP][,...]",
+      .default_text = "all",
+      .help = "convert only these frames of a sequence" },
+    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no summary" },
+};
+static const RfCommandTable s_table = { .command = COMMAND,
+                                        .summary =
+                                            "Writes EXR files as 8-bit PNG, by the view that they name or the sRGB curve, "
+                                            "and with their alpha if they have one. IN is a file, a sequence named with "
+                                            "####, or its folder; OUT a file, a name with #### for a sequence, or a folder, "
+                                            "which is made where it is missing.",
+                                        .files = s_files,
+                                        .file_count = 2,
+                                        .writes_last = true,
+                                        .options = s_options,
+                                        .option_count = sizeof s_options / sizeof s_options[0] };
+
+// What is read and written.
+typedef struct Job
+{
+    RfSequenceInput from;
+    char to[RF_FILE_NAME_SIZE]; // a pattern or a file
+    RfView* view;               // NULL: what is shown is no light
+} Job;
+
+// Is this the folder of the files? Of a sequence, what is not called .png is.
+static bool is_folder_name( const char* to, const RfSequenceInput* from )
+{
+    const char* dot = strrchr( to, '.' );
+    return rf_is_folder( to ) || to[strlen( to ) - 1] == '/' ||
+           ( from->is_sequence && !rf_is_sequence( to ) && ( dot == NULL || strchr( dot, '/' ) != NULL ) );
+}
+
+// In a folder the names are those of what is read.
+static RfResult name_output( const char* to, Job* job, RfError* error )
+{
+    const char *from = job->from.pattern, *slash = strrchr( from, '/' ), *base = slash != NULL ? slash + 1 : from;
+    const char* dot = strrchr( base, '.' );
+    int length = dot != NULL ? (int)( dot - base ) : (int)strlen( base ), used;
+    const char* end = to + strlen( to ) - 1;
+    if ( is_folder_name( to, &job->from ) )
+        used = snprintf( job->to, sizeof job->to, "%s%s%.*s.png", to, *end == '/' ? "" : "/", length, base );
+    else
+        used = snprintf( job->to, sizeof job->to, "%s", to );
+    if ( used >= (int)sizeof job->to )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", to );
+    dot = strrchr( job->to, '.' );
+    if ( dot != NULL && strcasecmp( dot, ".exr" ) == 0 )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: ends as a file of another kind: name it .png", to );
+    if ( job->from.count > 1 && !rf_is_sequence( job->to ) )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: has no #### for the number, but there are %d frames", to, job->from.count );
+    return RF_OK;
+}
+
+static RfResult convert_frame( const Job* job, int frame, RfError* error )
+{
+    char from[RF_FILE_NAME_SIZE], to[RF_FILE_NAME_SIZE];
+    RfResult result = rf_sequence_name( job->from.pattern, frame, from, sizeof from, error );
+    if ( result == RF_OK )
+        result = rf_sequence_name( job->to, frame, to, sizeof to, error );
+    return result == RF_OK ? rf_write_png_picture( &s_picture, from, to, error ) : result;
+}
+
+// The first frame, the one in the middle and the last stand for all.
+typedef struct Samples
+{
+    char names[3][RF_FILE_NAME_SIZE];
+    const char* paths[3];
+    int count;
+} Samples;
+
+static RfResult choose_samples( const RfSequenceInput* from, Samples* samples, RfError* error )
+{
+    int all = from->is_sequence ? from->count : 1, chosen[3] = { 0, all / 2, all - 1 };
+    RfResult result = RF_OK;
+    samples->count = all < 3 ? all : 3;
+    for ( int i = 0; i < samples->count && result == RF_OK; ++i )
+    {
+        samples->paths[i] = samples->names[i];
+        if ( from->is_sequence )
+            result = rf_sequence_name( from->pattern, from->frames[chosen[i]], samples->names[i], RF_FILE_NAME_SIZE, error );
+        else
+            snprintf( samples->names[i], RF_FILE_NAME_SIZE, "%s", from->pattern );
+    }
+    return result;
+}
+
+// As the first frame has it; for light, or where one is asked for.
+static RfResult open_view( Job* job, const Samples* samples, RfError* error )
+{
+    RfLog log = rf_stderr_log( COMMAND );
+    RfViewText chosen;
+    bool automatic = s_view.exposure_given && s_view.exposure == (double)RF_EXPOSURE_AUTO;
+    RfResult result = RF_OK;
+    if ( !s_picture.takes_exposure && ( s_view.exposure_given || s_view.view != NULL || s_view.look != NULL ) )
+        rf_warn( &log, "%s is no light: exposure and view do not change it",
+                 s_picture.matte != NULL ? "a matte" : s_picture.layer );
+    if ( !s_picture.takes_exposure )
+        return RF_OK;
+    if ( automatic )
+        result = rf_find_exposure( samples->paths, samples->count, &s_view.exposure, error );
+    s_picture.exposure = s_view.exposure;
+    if ( result == RF_OK && ( s_picture.takes_view || s_view.view != NULL ) )
+        result = rf_open_chosen_view( &s_view, samples->paths[0], &log, &job->view, &chosen, error );
+    s_picture.view = job->view;
+    return result;
+}
+
+static RfResult open_picture( Job* job, RfError* error )
+{
+    Samples samples;
+    s_picture.data_window = s_window == 1;
+    RfResult result = choose_samples( &job->from, &samples, error );
+    if ( result == RF_OK )
+        result = rf_find_png_picture( &s_picture, samples.paths, samples.count, error );
+    return result == RF_OK ? open_view( job, &samples, error ) : result;
+}
+
+static RfResult run( const char* const files[2], Job* job, RfError* error )
+{
+    const RfSequenceInput* from = &job->from;
+    RfLog log = rf_stderr_log( COMMAND );
+    RfResult result = rf_find_sequence_input( files[0], s_frames, &job->from, error );
+    if ( result == RF_OK )
+        result = name_output( files[1], job, error );
+    if ( result == RF_OK )
+        result = open_picture( job, error );
+    if ( result == RF_OK )
+        result = rf_prepare_output_folder( job->to, error );
+    if ( result == RF_OK && !from->is_sequence )
+        return rf_write_png_picture( &s_picture, from->pattern, job->to, error );
+    if ( result == RF_OK && s_frames == NULL )
+        result = rf_warn_of_missing( from, &log, error );
+    for ( int i = 0; i < from->count && result == RF_OK; ++i )
+    {
+        result = convert_frame( job, from->frames[i], error );
+        rf_show_frame_count( s_quiet, i + 1, from->count );
+    }
+    if ( result != RF_OK || s_quiet )
+        return result;
+    rf_print( "%d frame%s in %s\n", from->count, from->count == 1 ? "" : "s", job->to );
+    return rf_flush_output( error );
+}
+
+int rf_command_png( int argc, char** argv )
+{
+    const char* files[2];
+    bool help;
+    RfError error;
+    Job job = { .from = { .count = 0 } };
+    RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
+    if ( result == RF_OK && help )
+        result = rf_show_help( &s_table, &error );
+    else if ( result == RF_OK )
+        result = run( files, &job, &error );
+    rf_close_view( job.view );
+    rf_free_sequence_input( &job.from );
+    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+}

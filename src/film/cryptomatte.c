@@ -1,0 +1,257 @@
+// Cryptomatte's ids, ranks and manifest.
+#include "film/cryptomatte.h"
+
+#include "base/words.h"
+#include "scene/surfaces.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define KIND( word, name )                                                                                                       \
+    {                                                                                                                            \
+        word, name, { name "00", name "01", name "02" }                                                                          \
+    }
+const RfCryptomatteKind g_rf_cryptomatte_kinds[RF_CRYPTOMATTE_KINDS] = {
+    KIND( "object", "CryptoObject" ),
+    KIND( "material", "CryptoMaterial" ),
+    KIND( "asset", "CryptoAsset" ),
+};
+
+static uint32_t rotate( uint32_t x, int bits ) { return x << bits | x >> ( 32 - bits ); }
+
+static uint32_t scramble( uint32_t block ) { return rotate( block * 0xcc9e2d51u, 15 ) * 0x1b873593u; }
+
+uint32_t rf_murmur3_32( const char* text )
+{
+    size_t length = strlen( text ), whole = length / 4 * 4;
+    const unsigned char* bytes = (const unsigned char*)text;
+    uint32_t hash = 0, tail = 0;
+    for ( size_t i = 0; i < whole; i += 4 )
+    {
+        uint32_t block = bytes[i] | (uint32_t)bytes[i + 1] << 8 | (uint32_t)bytes[i + 2] << 16 | (uint32_t)bytes[i + 3] << 24;
+        hash = rotate( hash ^ scramble( block ), 13 ) * 5 + 0xe6546b64u;
+    }
+    for ( size_t i = length; i > whole; --i )
+        tail = tail << 8 | bytes[i - 1];
+    hash ^= scramble( tail ); // 0 without a tail
+    hash ^= (uint32_t)length;
+    hash = ( hash ^ hash >> 16 ) * 0x85ebca6bu;
+    hash = ( hash ^ hash >> 13 ) * 0xc2b2ae35u;
+    return hash ^ hash >> 16;
+}
+
+uint32_t rf_cryptomatte_id( const char* name )
+{
+    uint32_t hash = rf_murmur3_32( name ), exponent = hash >> 23 & 255u;
+    exponent = exponent < 1 ? 1 : exponent > 254 ? 254 : exponent;
+    return ( hash & 0x807fffffu ) | exponent << 23;
+}
+
+// The set of RF_CRYPTOMATTE bits and its text.
+
+RfResult rf_parse_cryptomatte( const char* text, unsigned* kinds, RfError* error )
+{
+    const char* words[RF_CRYPTOMATTE_KINDS];
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+        words[k] = g_rf_cryptomatte_kinds[k].word;
+    *kinds = 0;
+    while ( text != NULL )
+    {
+        char word[32];
+        size_t length = strcspn( text, "," );
+        int k = 0;
+        snprintf( word, sizeof word, "%.*s", (int)( length < 31 ? length : 31 ), text );
+        while ( k < RF_CRYPTOMATTE_KINDS && strcmp( word, words[k] ) != 0 )
+            ++k;
+        const char* nearest =
+            k == RF_CRYPTOMATTE_KINDS && length > 0 ? rf_nearest_word( word, words, RF_CRYPTOMATTE_KINDS ) : NULL;
+        if ( nearest != NULL )
+            return rf_fail( error, RF_ERROR_USAGE, "'%s' is no kind of Cryptomatte, did you mean %s?", word, nearest );
+        if ( k == RF_CRYPTOMATTE_KINDS )
+            return rf_fail( error, RF_ERROR_USAGE, "'%s' is no kind of Cryptomatte, there are object, material and asset", word );
+        if ( ( *kinds & 1u << k ) != 0 )
+            return rf_fail( error, RF_ERROR_USAGE, "Cryptomatte of kind %s is given twice", word );
+        *kinds |= 1u << k;
+        text = text[length] == ',' ? text + length + 1 : NULL;
+    }
+    return RF_OK;
+}
+
+void rf_format_cryptomatte( unsigned kinds, char text[RF_CRYPTOMATTE_TEXT_SIZE] )
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+    {
+        if ( ( kinds & 1u << k ) != 0 )
+            used += (size_t)snprintf( text + used, RF_CRYPTOMATTE_TEXT_SIZE - used, "%s%s", used > 0 ? "," : "",
+                                      g_rf_cryptomatte_kinds[k].word );
+    }
+}
+
+// The name of object `i` (from node −1 on) or material `i`.
+static const char* name_of( const RfScene* scene, unsigned kind, int i )
+{
+    if ( 1u << kind == RF_CRYPTOMATTE_MATERIAL )
+        return scene->materials[i].name != NULL ? scene->materials[i].name : "unnamed";
+    return 1u << kind == RF_CRYPTOMATTE_OBJECT ? rf_object_name( scene, i - 1 ) : rf_asset_name( scene, i - 1 );
+}
+
+static int names_of( const RfScene* scene, int kind )
+{
+    return 1u << kind == RF_CRYPTOMATTE_MATERIAL ? (int)scene->material_count : scene->node_count + 1;
+}
+
+RfResult rf_make_cryptomatte_ids( const RfScene* scene, int kind, RfCryptomatteIds* ids, RfError* error )
+{
+    int count = names_of( scene, kind );
+    *ids = ( RfCryptomatteIds ){ kind, scene->material_count, malloc( ( (size_t)count + 1 ) * sizeof *ids->id ) };
+    if ( ids->id == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the names of %d objects", count );
+    for ( int i = 0; i < count; ++i )
+        ids->id[i] = rf_cryptomatte_id( name_of( scene, (unsigned)kind, i ) );
+    return RF_OK;
+}
+
+void rf_destroy_cryptomatte_ids( RfCryptomatteIds* ids )
+{
+    free( ids->id );
+    ids->id = NULL;
+}
+
+typedef struct Rank
+{
+    uint32_t id;
+    double weight;
+} Rank;
+
+// Before another: it covers more, or its id is less.
+static bool goes_before( Rank a, Rank b ) { return a.weight > b.weight || ( a.weight == b.weight && a.id < b.id ); }
+
+// Surfaces of a pixel by id, in order; returns how many.
+static int list_ranks( const RfCovering* pixel, const RfCryptomatteIds* ids, Rank ranks[RF_COVERING_MOST] )
+{
+    bool materials = 1u << ids->kind == RF_CRYPTOMATTE_MATERIAL;
+    int count = 0;
+    for ( int k = 0; k < RF_COVERING_MOST && pixel->surface[k] != 0; ++k )
+    {
+        uint32_t pair = pixel->surface[k] - 1;
+        uint32_t id = ids->id[materials ? pair % ids->material_count : pair / ids->material_count];
+        int at = 0;
+        while ( at < count && ranks[at].id != id )
+            ++at;
+        ranks[at] = ( Rank ){ id, ( at < count ? ranks[at].weight : 0.0 ) + (double)pixel->weight[k] };
+        count += at == count;
+    }
+    for ( int i = 1; i < count; ++i )
+    {
+        for ( int k = i; k > 0 && goes_before( ranks[k], ranks[k - 1] ); --k )
+        {
+            Rank other = ranks[k];
+            ranks[k] = ranks[k - 1];
+            ranks[k - 1] = other;
+        }
+    }
+    return count;
+}
+
+void rf_finish_cryptomatte( const RfCovering* pixels, size_t count, const RfCryptomatteIds* ids,
+                            float* const layers[RF_CRYPTOMATTE_LAYERS] )
+{
+    for ( size_t i = 0; i < count; ++i )
+    {
+        Rank ranks[RF_COVERING_MOST];
+        int listed = list_ranks( pixels + i, ids, ranks );
+        double all = (double)pixels[i].nothing + (double)pixels[i].lost;
+        for ( int k = 0; k < listed; ++k )
+            all += ranks[k].weight;
+        for ( int k = 0; k < 2 * RF_CRYPTOMATTE_LAYERS; ++k )
+        {
+            float* out = layers[k / 2] + 4 * i + 2 * ( k % 2 );
+            out[0] = out[1] = 0.0f;
+            if ( k >= listed )
+                continue;
+            memcpy( out, &ranks[k].id, sizeof *out );
+            out[1] = (float)( ranks[k].weight / all );
+        }
+    }
+}
+
+// The manifest.
+
+// A text that grows.
+typedef struct Text
+{
+    char* bytes; // NULL: there is no memory
+    size_t size, room;
+} Text;
+
+static void append( Text* text, const char* bytes, size_t size )
+{
+    if ( text->bytes != NULL && text->size + size + 1 > text->room )
+    {
+        text->room = 2 * ( text->size + size + 1 );
+        char* grown = realloc( text->bytes, text->room );
+        if ( grown == NULL )
+            free( text->bytes );
+        text->bytes = grown;
+    }
+    if ( text->bytes == NULL )
+        return;
+    memcpy( text->bytes + text->size, bytes, size );
+    text->size += size;
+    text->bytes[text->size] = '\0';
+}
+
+// A string of JSON (RFC 8259, section 7).
+static void append_string( Text* text, const char* string )
+{
+    append( text, "\"", 1 );
+    for ( ; *string != '\0'; ++string )
+    {
+        char escaped[8];
+        unsigned char byte = (unsigned char)*string;
+        if ( byte == '"' || byte == '\\' )
+            append( text, escaped, (size_t)snprintf( escaped, sizeof escaped, "\\%c", *string ) );
+        else if ( byte < 0x20 )
+            append( text, escaped, (size_t)snprintf( escaped, sizeof escaped, "\\u%04x", byte ) );
+        else
+            append( text, string, 1 );
+    }
+    append( text, "\"", 1 );
+}
+
+static int compare_texts( const void* a, const void* b ) { return strcmp( *(const char* const*)a, *(const char* const*)b ); }
+
+char* rf_cryptomatte_manifest( const RfScene* scene, int kind )
+{
+    int count = names_of( scene, kind ), listed = 0;
+    bool materials = 1u << kind == RF_CRYPTOMATTE_MATERIAL;
+    const char** names = malloc( ( (size_t)count + 1 ) * sizeof *names );
+    bool* marked = malloc( ( (size_t)scene->node_count + 1 ) * sizeof *marked );
+    Text text = { names != NULL && marked != NULL ? malloc( 64 ) : NULL, 0, 64 };
+    if ( text.bytes != NULL && !materials )
+        rf_mark_objects( scene, marked );
+    for ( int i = 0; i < count && text.bytes != NULL; ++i )
+    {
+        if ( materials || marked[i] )
+            names[listed++] = name_of( scene, (unsigned)kind, i );
+    }
+    if ( listed > 0 )
+        qsort( names, (size_t)listed, sizeof *names, compare_texts );
+    append( &text, "{", 1 );
+    for ( int i = 0; i < listed; ++i )
+    {
+        char id[16];
+        if ( i > 0 && strcmp( names[i], names[i - 1] ) == 0 )
+            continue;
+        append( &text, ",", i > 0 );
+        append_string( &text, names[i] );
+        append( &text, id, (size_t)snprintf( id, sizeof id, ":\"%08x\"", rf_cryptomatte_id( names[i] ) ) );
+    }
+    append( &text, "}", 1 );
+    free( names );
+    free( marked );
+    return text.bytes;
+}

@@ -1,0 +1,61 @@
+// Intensity profiles of lamps: a table over vertical and horizontal angles, bilinear in both, from an IES file (ANSI/IES LM-63)
+// or from numbers.
+//
+// Directions are those in which light leaves, in the frame of the lamp's node: vertical angle 0 is −z, 180 degrees +z; horizontal
+// angle 0 is −y, 90 degrees −x, as Blender takes the files. Outside of the vertical angles it is dark.
+#ifndef REFRAME_SCENE_PROFILE_H
+#define REFRAME_SCENE_PROFILE_H
+
+#include "math/vec3.h"
+#include "reframe/error.h"
+
+#include <stddef.h>
+
+#define RF_PROFILE_BYTES ( 16u << 20 ) // the largest IES file
+#define RF_PROFILE_ANGLES 4096         // at most, along each axis
+#define RF_PROFILE_VALUES ( 1 << 20 )
+
+// Shared by the lamps that have it.
+typedef struct RfProfile
+{
+    int references;
+    int rows, columns;            // vertical and horizontal angles; two columns, 0 and 2π, where it is round about the axis
+    float *vertical, *horizontal; // radians, ascending; horizontal ones from 0 to 2π
+    float* value;                 // of a column all rows, then the next; at least 0
+    double mean;                  // over the sphere
+    float most;
+    double cos_reach; // of the vertical angle beyond which it is dark; from above, where `up`
+    double cos_half;  // the same for half of the most
+    bool up;          // it shines upwards only
+    double* share;    // of the columns' cells up to each horizontal angle in the whole, from 0 to 1
+    double* within;   // of each column of cells: of the cells up to each vertical angle in the column
+} RfProfile;
+
+// The angles of a table in degrees, and its values, all those of the first horizontal angle first.
+typedef struct RfProfileTable
+{
+    int rows, columns;
+    double *vertical, *horizontal, *value;
+} RfProfileTable;
+
+// Makes a profile of a table; its `references` is 1. Angles ascend, vertical ones within 0 to 180, horizontal ones either a single
+// 0, or from 0 to 90 or 180 (mirrored), or to 360; 90 to 270 stand for 0 to 180, as in Blender. What ends up to 45 degrees short of 360
+// closes the circle (LM-63-2002). Fails with RF_ERROR_FORMAT, and "`path`: " before the message, or RF_ERROR_MEMORY.
+RfResult rf_make_profile( const char* path, const RfProfileTable* table, RfProfile** out, RfError* error );
+
+// Reads the text of an IES file, of type C photometry, with TILT=NONE, or TILT=INCLUDE, whose factors are those of other
+// positions of the lamp: candela, with its multiplier and ballast factors. Fails like rf_make_profile, with RF_ERROR_UNSUPPORTED for
+// what is well-formed.
+RfResult rf_read_ies( const char* path, const void* bytes, size_t size, RfProfile** out, RfError* error );
+
+// One reference less; NULL is allowed.
+void rf_release_profile( RfProfile* profile );
+
+// The value in a unit direction.
+float rf_profile_value( const RfProfile* profile, RfVec3 local );
+
+// Draws a direction by two numbers, in proportion to the mean of the cell that it is in. Of a dark profile its density is 0.
+RfVec3 rf_sample_profile( const RfProfile* profile, const float u[2] );
+float rf_profile_pdf_solid_angle( const RfProfile* profile, RfVec3 local );
+
+#endif

@@ -1,0 +1,33 @@
+// The add-on that scripts/blender/pack makes, installed and used in a Blender without a window; skipped where Blender or its numpy is
+// missing.
+#include "support/blender_run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void test_zip_installs_exports_and_renders( void** state )
+{
+    (void)state;
+    if ( !enter_with_blender() )
+        skip();
+    cli_expect( cli_run( "python3 -B " REFRAME_SOURCE_DIR "/scripts/blender/pack --output a.zip && "
+                         "python3 -B " REFRAME_SOURCE_DIR "/scripts/blender/pack --output b.zip && cmp a.zip b.zip" ),
+                0, NULL );
+    // a user's folder of its own
+    const CliResult* done =
+        cli_run( "export BLENDER_USER_RESOURCES=$PWD/user BLENDER_USER_CONFIG=$PWD/user/config "
+                 "BLENDER_USER_SCRIPTS=$PWD/user/scripts; " BLENDER_MAKE "blender_addon.py -- a.zip $R 2>&1" );
+    if ( done->status != 0 || strstr( done->out, "the add-on works\n" ) == NULL )
+        fail_msg( "%s", done->out );
+    cli_leave();
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = { cmocka_unit_test( test_zip_installs_exports_and_renders ) };
+    return cmocka_run_group_tests_name( "the add-on of Blender", tests, NULL, NULL );
+}

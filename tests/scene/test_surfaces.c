@@ -1,0 +1,144 @@
+// Whose surfaces are: objects, assets, materials and their numbers, in world space, placed and moving, alone and in a scene file.
+#include "support/cli_run.h"
+#include "support/scene_files.h"
+
+#include "scene/surfaces.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+static const float s_times[] = { 0, 1 };
+static const float s_places[] = { 0, 0, 0, 1, 0, 0 };
+
+#define TRIANGLE( material ) "{\"attributes\":{\"POSITION\":0},\"material\":" #material "}"
+
+// A set of a chair with a leg of two materials, a stone without a name, and a door that moves. `leg` and `materials` have extras.
+static void build( GltfBuilder* b, const char* leg, const char* materials, char* rest, size_t size )
+{
+    *b = ( GltfBuilder ){ 0 };
+    add_gltf_floats( b, "VEC3", 3, 3, s_corners );
+    add_gltf_floats( b, "SCALAR", 1, 2, s_times );
+    add_gltf_floats( b, "VEC3", 3, 2, s_places );
+    snprintf( rest, size,
+              "\"animations\":[{\"samplers\":[{\"input\":1,\"output\":2}],\"channels\":[{\"sampler\":0,"
+              "\"target\":{\"node\":4,\"path\":\"translation\"}}]}],"
+              "\"meshes\":[{\"primitives\":[" TRIANGLE( 0 ) "]},{\"primitives\":[" TRIANGLE( 1 ) "," TRIANGLE(
+                  0 ) "]}],"
+                      "\"nodes\":[{\"name\":\"Set\",\"children\":[1,4]},{\"name\":\"Chair\",\"mesh\":0,\"children\":[2]},"
+                      "{\"name\":\"Leg\",\"mesh\":1%s},{\"mesh\":0},{\"name\":\"Door\",\"mesh\":0}],"
+                      "\"materials\":[%s]",
+              leg, materials );
+}
+
+static const char* object_at( const RfScene* scene, uint32_t triangle )
+{
+    return rf_object_name( scene, rf_node_of_triangle( scene, triangle ) );
+}
+
+static const char* asset_at( const RfScene* scene, uint32_t triangle )
+{
+    return rf_asset_name( scene, rf_node_of_triangle( scene, triangle ) );
+}
+
+// Triangles are in the order of meshes: of mesh 0 the stone and the chair, then of mesh 1 the leg, then what moves.
+static void expect_names( const RfScene* scene, uint32_t first, const char* const names[5], const char* const assets[5] )
+{
+    for ( uint32_t i = 0; i < 5; ++i )
+    {
+        uint32_t triangle = i < 4 ? first + i : rf_triangle_count( scene ) - 1;
+        assert_string_equal( object_at( scene, triangle ), names[i] );
+        assert_string_equal( asset_at( scene, triangle ), assets[i] );
+    }
+}
+
+static void test_names_of_nodes( void** state )
+{
+    (void)state;
+    GltfBuilder b;
+    char rest[4096];
+    build( &b, "", "{\"name\":\"wood\"},{}", rest, sizeof rest );
+    RfScene scene = gltf_load_built( &b, rest );
+    expect_names( &scene, 0, ( const char*[] ){ "nodes[3]", "Chair", "Leg", "Leg", "Door" },
+                  ( const char*[] ){ "nodes[3]", "Set", "Set", "Set", "Set" } );
+    float of_node[6], of_material[2];
+    bool marked[6];
+    rf_list_object_indices( &scene, of_node );
+    rf_list_material_indices( &scene, of_material );
+    for ( int n = 0; n < 6; ++n )
+        assert_true( of_node[n] == (float)n );
+    assert_true( of_material[0] == 1.0f && of_material[1] == 2.0f );
+    rf_mark_objects( &scene, marked );
+    assert_memory_equal( marked, ( ( bool[] ){ false, false, true, true, true, true } ), sizeof marked );
+    rf_destroy_scene( &scene );
+}
+
+static void test_extras_go_first( void** state )
+{
+    (void)state;
+    GltfBuilder b;
+    char rest[4096];
+    build( &b, ",\"extras\":{\"reframe\":{\"object\":\"Leg.001\",\"asset\":\"Legs\",\"pass_index\":7}}",
+           "{\"extras\":{\"reframe\":{\"pass_index\":3}}},"
+           "{\"extras\":{\"reframe\":{\"bsdf\":\"mirror\",\"specular\":[1,1,1],\"pass_index\":4}}}",
+           rest, sizeof rest );
+    RfScene scene = gltf_load_built( &b, rest );
+    expect_names( &scene, 0, ( const char*[] ){ "nodes[3]", "Chair", "Leg.001", "Leg.001", "Door" },
+                  ( const char*[] ){ "nodes[3]", "Set", "Legs", "Legs", "Set" } );
+    float of_node[6], of_material[2];
+    rf_list_object_indices( &scene, of_node );
+    rf_list_material_indices( &scene, of_material );
+    for ( int n = 0; n < 6; ++n )
+        assert_true( of_node[n] == ( n == 3 ? 7.0f : 0.0f ) );
+    assert_true( of_material[0] == 3.0f && of_material[1] == 4.0f );
+    assert_int_equal( scene.materials[0].kind, RF_BSDF_GGX ); // as without extras
+    rf_destroy_scene( &scene );
+    build( &b, ",\"extras\":{\"reframe\":{\"asset\":\"\"}}", "{},{}", rest, sizeof rest );
+    gltf_refuse_built( &b, rest, "nodes[2].extras.reframe: asset must not be empty" );
+    build( &b, ",\"extras\":{\"reframe\":{\"pass_index\":-1}}", "{},{}", rest, sizeof rest );
+    gltf_refuse_built( &b, rest, "pass_index must be 0 to 16777215" );
+    build( &b, "", "{},{\"extras\":{\"reframe\":{\"pass_index\":\"a\"}}}", rest, sizeof rest );
+    gltf_refuse_built( &b, rest, "materials[1].extras.reframe: pass_index must be an integer" );
+}
+
+// What is placed by a scene file belongs to the object that places it.
+static void test_placed_files( void** state )
+{
+    (void)state;
+    GltfBuilder b;
+    char rest[4096];
+    RfScene scene;
+    RfError error = { 0 };
+    size_t size;
+    build( &b, "", "{},{}", rest, sizeof rest );
+    uint8_t* bytes = build_glb( &b, rest, &size );
+    cli_write( "set.glb", bytes, size );
+    free( bytes );
+    write_room( "" );
+    if ( try_members( "\"objects\":[{\"file\":\"set.glb\",\"name\":\"Left\"},{\"file\":\"set.glb\"}]", &scene, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    uint32_t room = scene.triangles.count - 8;
+    assert_string_equal( object_at( &scene, 0 ), asset_at( &scene, 0 ) );
+    expect_names( &scene, room, ( const char*[] ){ "nodes[3]", "Chair", "Leg", "Leg", "Door" },
+                  ( const char*[] ){ "Left", "Left", "Left", "Left", "set.glb" } );
+    assert_string_equal( asset_at( &scene, room + 4 ), "set.glb" );
+    assert_string_equal( asset_at( &scene, rf_triangle_count( &scene ) - 2 ), "Left" );
+    rf_destroy_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( test_names_of_nodes ),
+        cmocka_unit_test( test_extras_go_first ),
+        cmocka_unit_test_setup_teardown( test_placed_files, cli_enter_group, cli_leave_group ),
+    };
+    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
+}
