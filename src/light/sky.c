@@ -35,15 +35,13 @@ static double mean_luminance( const RfEnvironment* e, int x, int y )
 }
 
 // Solid angle of a pixel of row y, sr.
-static double pixel_solid_angle( const RfEnvironment* e, int y )
+static double pixel_solid_angle( const RfSky* sky, const RfEnvironment* e, int y )
 {
-    double top = cos( (double)y / e->height * 3.14159265358979324 );
-    double bottom = cos( (double)( y + 1 ) / e->height * 3.14159265358979324 );
-    return ( top - bottom ) * 2.0 * 3.14159265358979324 / e->width;
+    return ( sky->row_cosine[y] - sky->row_cosine[y + 1] ) * 2.0 * 3.14159265358979324 / e->width;
 }
 
 // The cumulative distribution of a row, 0 to 1; returns the power of the row.
-static double sum_row( const RfEnvironment* e, int y, float* sum )
+static double sum_row( const RfSky* sky, const RfEnvironment* e, int y, float* sum )
 {
     double total = 0.0;
     for ( int x = 0; x < e->width; ++x )
@@ -57,7 +55,7 @@ static double sum_row( const RfEnvironment* e, int y, float* sum )
         sum[x + 1] = cumulative < 1.0f ? cumulative : 1.0f;
     }
     sum[e->width] = 1.0f;
-    return total * pixel_solid_angle( e, y );
+    return total * pixel_solid_angle( sky, e, y );
 }
 
 static double sum_rows( const RfEnvironment* e, RfSky* sky )
@@ -66,13 +64,13 @@ static double sum_rows( const RfEnvironment* e, RfSky* sky )
     for ( int y = 0; y < e->height; ++y )
     {
         float* columns = sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 );
-        sky->row_cdf[y + 1] = sky->row_cdf[y] + sum_row( e, y, columns );
+        sky->row_cdf[y + 1] = sky->row_cdf[y] + sum_row( sky, e, y, columns );
     }
     double total = sky->row_cdf[e->height];
     for ( int y = 1; y <= e->height && total > 0.0; ++y )
         sky->row_cdf[y] /= total;
     for ( int y = 0; y < e->height; ++y )
-        sky->row_density[y] = (float)( ( sky->row_cdf[y + 1] - sky->row_cdf[y] ) / pixel_solid_angle( e, y ) );
+        sky->row_density[y] = (float)( ( sky->row_cdf[y + 1] - sky->row_cdf[y] ) / pixel_solid_angle( sky, e, y ) );
     return total / ( 4.0 * 3.14159265358979324 );
 }
 
@@ -133,7 +131,7 @@ static RfVec3 luminance_moment( const RfSky* sky, const RfEnvironment* e )
     double sum[3] = { 0 };
     for ( int y = 0; y < e->height; ++y )
     {
-        double solid_angle = pixel_solid_angle( e, y ), cos_up = cos( ( y + 0.5 ) / e->height * 3.14159265358979324 );
+        double solid_angle = pixel_solid_angle( sky, e, y ), cos_up = cos( ( y + 0.5 ) / e->height * 3.14159265358979324 );
         for ( int x = 0; x < e->width; ++x )
         {
             RfVec3 d = direction_of( sky, ( x + 0.5 ) / e->width, cos_up );
@@ -156,6 +154,7 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
     sky->sin_rotation = sinf( e->rotation );
     if ( e->map != NULL )
     {
+        sky->row_cosine = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cosine );
         sky->row_cdf = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cdf );
         sky->column_cdf = malloc( (size_t)e->height * ( (size_t)e->width + 1 ) * sizeof *sky->column_cdf );
         sky->row_density = malloc( (size_t)e->height * sizeof *sky->row_density );
@@ -163,13 +162,15 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
         sky->column_parts = parts_of( e->width );
         sky->row_guide = malloc( ( (size_t)sky->row_parts + 1 ) * sizeof *sky->row_guide );
         sky->column_guide = malloc( (size_t)e->height * ( (size_t)sky->column_parts + 1 ) * sizeof *sky->column_guide );
-        if ( sky->row_cdf == NULL || sky->column_cdf == NULL || sky->row_density == NULL || sky->row_guide == NULL ||
-             sky->column_guide == NULL )
+        if ( sky->row_cosine == NULL || sky->row_cdf == NULL || sky->column_cdf == NULL || sky->row_density == NULL ||
+             sky->row_guide == NULL || sky->column_guide == NULL )
         {
             rf_destroy_sky( sky );
             return rf_fail( error, RF_ERROR_MEMORY, "no memory for the distribution of an environment of %d x %d pixels",
                             e->width, e->height );
         }
+        for ( int y = 0; y <= e->height; ++y )
+            sky->row_cosine[y] = cos( (double)y / e->height * 3.14159265358979324 );
         sky->mean_luminance = (float)sum_rows( e, sky );
         sky->luminance_moment = luminance_moment( sky, e );
         note_guides( e, sky );
@@ -185,6 +186,7 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
 
 void rf_destroy_sky( RfSky* sky )
 {
+    free( sky->row_cosine );
     free( sky->row_cdf );
     free( sky->row_density );
     free( sky->column_cdf );
@@ -276,8 +278,7 @@ RfSkySample rf_sample_sky_direction( const RfSky* sky, const uint32_t bits[2], c
     int y = find_row( sky->row_cdf, guide[0], guide[1] + 1, of_row );
     guide = sky->column_guide + (size_t)y * ( (size_t)sky->column_parts + 1 ) + (int)( of_column * sky->column_parts );
     int x = find_column( sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 ), guide[0], guide[1] + 1, of_column );
-    double top = cos( (double)y / e->height * 3.14159265358979324 );
-    double bottom = cos( (double)( y + 1 ) / e->height * 3.14159265358979324 );
+    double top = sky->row_cosine[y], bottom = sky->row_cosine[y + 1];
     double cos_up = top + ( (double)u[1] + 0x1p-25 ) * ( bottom - top );
     sample.wi = direction_of( sky, ( x + (double)u[0] + 0x1p-25 ) / e->width, cos_up );
     sample.pdf_solid_angle = pixel_pdf( sky, x, y );

@@ -11,6 +11,7 @@ typedef struct RfSky
     float cos_rotation, sin_rotation;
     float mean_luminance;    // over the sphere, W/(m² sr)
     RfVec3 luminance_moment; // mean of luminance times direction over the sphere, W/(m² sr)
+    double* row_cosine;      // of a map: height + 1 cosines with +y, of the upper ends of its rows and of the lowest end
     // of a map: cumulative distributions of its rows, and of the pixels of each row
     double* row_cdf;    // height + 1
     float* row_density; // height: the row's probability over the solid angle of one of its pixels
