@@ -1,10 +1,13 @@
-// A map is sampled by its pixels: first a row, then a pixel of the row, then a
-// direction inside the pixel, uniformly by solid angle. A pixel's probability is
-// proportional to the mean over it of the interpolated luminance (rf_sky_radiance),
-// so no direction that emits has density 0.
+// A map is sampled by its pixels: first a cell of them, then a pixel of the cell, then a direction inside the pixel, uniformly by
+// solid angle. Within its cell a pixel's probability is proportional to the mean over it of the interpolated luminance
+// (rf_sky_radiance), so no direction that emits has density 0. That of a cell is, for light paths, the sum of these; for surfaces
+// the sum of these times cosines: of a mixture of three lobes, the cosines with the axes that the normal is between, in proportion
+// to its components. These are the sides of an ambient cube (McTaggart, Half-Life 2 / Valve Source Shading, 2004). Their
+// mixture is at least the cosine with the normal, and equal to it where the normal is an axis.
 #include "light/sky.h"
 
 #include "base/fault.h"
+#include "math/fastmath.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -40,42 +43,36 @@ static double pixel_solid_angle( const RfSky* sky, const RfEnvironment* e, int y
     return ( sky->row_cosine[y] - sky->row_cosine[y + 1] ) * 2.0 * 3.14159265358979324 / e->width;
 }
 
-// The cumulative distribution of a row, 0 to 1; returns the power of the row.
-static double sum_row( const RfSky* sky, const RfEnvironment* e, int y, float* sum )
+// Unit vector at azimuth 2π (u − ½) from the centre of the map, and the given height; u in [0, 1].
+static RfVec3 direction_of( const RfSky* sky, float u, double cos_up )
 {
-    double total = 0.0;
-    for ( int x = 0; x < e->width; ++x )
-        total += mean_luminance( e, x, y );
-    double run = 0.0;
-    sum[0] = 0.0f;
-    for ( int x = 0; x < e->width; ++x )
-    {
-        run += mean_luminance( e, x, y );
-        float cumulative = total > 0.0 ? (float)( run / total ) : (float)( x + 1 ) / (float)e->width;
-        sum[x + 1] = cumulative < 1.0f ? cumulative : 1.0f;
-    }
-    sum[e->width] = 1.0f;
-    return total * pixel_solid_angle( sky, e, y );
+    float sine, cosine, across = (float)sqrt( fmax( 1.0 - cos_up * cos_up, 0.0 ) );
+    rf_sincos_2pi( u, &sine, &cosine );
+    float x = -across * sine, z = across * cosine;
+    return rf_vec3( x * sky->cos_rotation + z * sky->sin_rotation, (float)cos_up, z * sky->cos_rotation - x * sky->sin_rotation );
 }
 
-static double sum_rows( const RfEnvironment* e, RfSky* sky )
+// Mean of luminance times direction over the sphere.
+static RfVec3 luminance_moment( const RfSky* sky, const RfEnvironment* e )
 {
-    sky->row_cdf[0] = 0.0;
+    double sum[3] = { 0 };
     for ( int y = 0; y < e->height; ++y )
     {
-        float* columns = sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 );
-        sky->row_cdf[y + 1] = sky->row_cdf[y] + sum_row( sky, e, y, columns );
+        double solid_angle = pixel_solid_angle( sky, e, y ), cos_up = cos( ( y + 0.5 ) / e->height * 3.14159265358979324 );
+        for ( int x = 0; x < e->width; ++x )
+        {
+            RfVec3 d = direction_of( sky, ( (float)x + 0.5f ) / (float)e->width, cos_up );
+            double light = luminance_at( e, x, y ) * solid_angle / ( 4.0 * 3.14159265358979324 );
+            sum[0] += light * (double)d.x;
+            sum[1] += light * (double)d.y;
+            sum[2] += light * (double)d.z;
+        }
     }
-    double total = sky->row_cdf[e->height];
-    for ( int y = 1; y <= e->height && total > 0.0; ++y )
-        sky->row_cdf[y] /= total;
-    for ( int y = 0; y < e->height; ++y )
-        sky->row_density[y] = (float)( ( sky->row_cdf[y + 1] - sky->row_cdf[y] ) / pixel_solid_angle( sky, e, y ) );
-    return total / ( 4.0 * 3.14159265358979324 );
+    return rf_vec3( (float)sum[0], (float)sum[1], (float)sum[2] );
 }
 
 // The last entry from `low` on that is not above u, of those that are followed by a larger one; the next is at `high` at most.
-static int find_row( const double* sum, int low, int high, double u )
+static int find_cell( const double* sum, int low, int high, double u )
 {
     while ( high - low > 1 )
     {
@@ -88,60 +85,186 @@ static int find_row( const double* sum, int low, int high, double u )
     return low;
 }
 
-static int find_column( const float* sum, int low, int high, double u )
+// The largest power of two, as its exponent, of which `parts` fit into `count`; at most 7, so that a cell has no more than 2¹⁴ pixels.
+static int bits_of_block( int count, int parts )
 {
-    while ( high - low > 1 )
+    int bits = 0;
+    while ( bits < 7 && parts << ( bits + 1 ) <= count )
+        ++bits;
+    return bits;
+}
+
+static size_t pixel_index( const RfSky* sky, int x, int y )
+{
+    size_t cell = (size_t)( y >> sky->row_bits ) * (size_t)sky->cells_across + (size_t)( x >> sky->column_bits );
+    size_t row = (size_t)( y & ( ( 1 << sky->row_bits ) - 1 ) ), column = (size_t)( x & ( ( 1 << sky->column_bits ) - 1 ) );
+    return ( ( ( cell << sky->row_bits ) + row ) << sky->column_bits ) + column;
+}
+
+// The mean over a pixel of the cosine with an axis, 0 where that is negative: above 0 if any of it has a positive one. `cosine`: at
+// its middle; `radius`: of a ball around the pixel, rad.
+static float mean_cosine( float cosine, float radius )
+{
+    float above = rf_maxf( cosine + radius, 0.0f );
+    return cosine >= radius ? cosine : above * above / ( 4.0f * radius );
+}
+
+// Integer probabilities of the pixels of a cell, in units of 2⁻¹⁶ over their number: at least 1 for what is not black. Their sum is
+// exact. `weights` must not all be 0.
+static void round_probabilities( const double* weights, double total, uint32_t count, uint32_t* units )
+{
+    int64_t left = (int64_t)count << 16;
+    double scale = (double)left / total;
+    uint32_t largest = 0;
+    for ( uint32_t i = 0; i < count; ++i )
     {
-        int middle = ( low + high ) / 2;
-        if ( (double)sum[middle] <= u )
-            low = middle;
+        double rounded = floor( weights[i] * scale + 0.5 );
+        units[i] = weights[i] > 0.0 && rounded < 1.0 ? 1u : (uint32_t)rounded;
+        left -= (int64_t)units[i];
+        largest = weights[i] > weights[largest] ? i : largest;
+    }
+    units[largest] = (uint32_t)( (int64_t)units[largest] + left );
+}
+
+// Walker's alias table of these probabilities, exact since they are integers. Leaves 2¹⁶ of each. `work`: `count` numbers.
+static void fill_alias( RfSkyPixel* pixel, uint32_t count, uint32_t* units, uint32_t* work )
+{
+    uint32_t small = 0, large = count; // columns that lack something from the front, others from the back
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        pixel[i].threshold = 0;
+        pixel[i].alias = (uint16_t)i;
+        if ( units[i] < 1u << 16 )
+            work[small++] = i;
         else
-            high = middle;
+            work[--large] = i;
     }
-    return low;
-}
-
-// A power of two, so that the parts' borders are exact; some four entries each.
-static int parts_of( int count )
-{
-    int parts = 1;
-    while ( parts * 8 <= count )
-        parts *= 2;
-    return parts;
-}
-
-static void note_guides( const RfEnvironment* e, RfSky* sky )
-{
-    for ( int k = 0; k <= sky->row_parts; ++k )
-        sky->row_guide[k] = find_row( sky->row_cdf, 0, e->height, (double)k / sky->row_parts );
-    for ( int y = 0; y < e->height; ++y )
+    while ( small > 0 )
     {
-        const float* columns = sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 );
-        int32_t* guide = sky->column_guide + (size_t)y * ( (size_t)sky->column_parts + 1 );
-        for ( int k = 0; k <= sky->column_parts; ++k )
-            guide[k] = find_column( columns, 0, e->width, (double)k / sky->column_parts );
-    }
-}
-
-static RfVec3 direction_of( const RfSky* sky, double u, double cos_up );
-
-// Mean of luminance times direction over the sphere.
-static RfVec3 luminance_moment( const RfSky* sky, const RfEnvironment* e )
-{
-    double sum[3] = { 0 };
-    for ( int y = 0; y < e->height; ++y )
-    {
-        double solid_angle = pixel_solid_angle( sky, e, y ), cos_up = cos( ( y + 0.5 ) / e->height * 3.14159265358979324 );
-        for ( int x = 0; x < e->width; ++x )
+        uint32_t s = work[--small], l = work[large];
+        pixel[s].threshold = (uint16_t)units[s];
+        pixel[s].alias = (uint16_t)l;
+        units[l] -= ( 1u << 16 ) - units[s];
+        if ( units[l] < 1u << 16 )
         {
-            RfVec3 d = direction_of( sky, ( x + 0.5 ) / e->width, cos_up );
-            double light = luminance_at( e, x, y ) * solid_angle / ( 4.0 * 3.14159265358979324 );
-            sum[0] += light * (double)d.x;
-            sum[1] += light * (double)d.y;
-            sum[2] += light * (double)d.z;
+            ++large;
+            work[small++] = l;
         }
     }
-    return rf_vec3( (float)sum[0], (float)sum[1], (float)sum[2] );
+}
+
+// Room for the pixels of a cell while they are listed.
+typedef struct CellWork
+{
+    double* weights;
+    uint32_t *units, *list;
+} CellWork;
+
+// Lists a cell, and adds what its pixels send to surfaces along the axes.
+static void fill_cell( RfSky* sky, const RfEnvironment* e, int cell, const CellWork* work, double flux[RF_SKY_LOBES] )
+{
+    int x0 = cell % sky->cells_across << sky->column_bits, y0 = cell / sky->cells_across << sky->row_bits;
+    uint32_t count = 1u << ( sky->column_bits + sky->row_bits );
+    RfSkyPixel* pixels = sky->pixel + (size_t)cell * count;
+    double total = 0.0;
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        int x = x0 + (int)( i & ( ( 1u << sky->column_bits ) - 1 ) ), y = y0 + (int)( i >> sky->column_bits );
+        pixels[i] = ( RfSkyPixel ){ 0 };
+        work->weights[i] = 0.0;
+        if ( x >= e->width || y >= e->height )
+            continue;
+        double light = mean_luminance( e, x, y ) * pixel_solid_angle( sky, e, y );
+        float radius = 0.5f * RF_PI * ( 1.0f / (float)e->height + 2.0f / (float)e->width );
+        RfVec3 d =
+            direction_of( sky, ( (float)x + 0.5f ) / (float)e->width, 0.5 * ( sky->row_cosine[y] + sky->row_cosine[y + 1] ) );
+        const float axis[3] = { d.x, d.y, d.z };
+        for ( int k = 0; k < 6; ++k )
+            flux[k] += light * (double)mean_cosine( k % 2 == 0 ? axis[k / 2] : -axis[k / 2], radius );
+        flux[RF_SKY_SPHERE] += light;
+        work->weights[i] = light;
+        total += light;
+    }
+    if ( !( total > 0.0 ) )
+        return;
+    round_probabilities( work->weights, total, count, work->units );
+    for ( uint32_t i = 0; i < count; ++i )
+    {
+        int y = y0 + (int)( i >> sky->column_bits );
+        if ( work->units[i] > 0 )
+            pixels[i].density = (float)( work->units[i] / ( 65536.0 * count * pixel_solid_angle( sky, e, y ) ) );
+    }
+    fill_alias( pixels, count, work->units, work->list );
+}
+
+// The distribution of cells for each lobe, from what they send (sky->sum), and where searches begin.
+static void sum_cells( RfSky* sky )
+{
+    for ( int k = 0; k < RF_SKY_LOBES; ++k )
+    {
+        double* sum = sky->sum + (size_t)k * ( (size_t)sky->cells + 1 );
+        int32_t* guide = sky->guide + (size_t)k * ( (size_t)sky->guide_parts + 1 );
+        double run = 0.0, total = 0.0;
+        for ( int i = 0; i < sky->cells; ++i )
+            total += sum[i];
+        sky->total[k] = (float)total;
+        for ( int i = 0; i <= sky->cells; ++i )
+        {
+            double next = run + ( i < sky->cells ? sum[i] : 0.0 );
+            sum[i] = total > 0.0 ? run / total : 0.0;
+            run = next;
+        }
+        for ( int i = 0; i < sky->cells; ++i )
+            sky->flux[i][k] = (float)( ( sum[i + 1] - sum[i] ) * total );
+        for ( int i = 0; i <= sky->guide_parts; ++i )
+            guide[i] = find_cell( sum, 0, sky->cells, (double)i / sky->guide_parts );
+    }
+}
+
+static bool fill_cells( RfSky* sky, const RfEnvironment* e )
+{
+    size_t count = (size_t)1 << ( sky->column_bits + sky->row_bits );
+    CellWork work = { malloc( count * sizeof *work.weights ), malloc( count * sizeof *work.units ),
+                      malloc( count * sizeof *work.list ) };
+    bool complete = work.weights != NULL && work.units != NULL && work.list != NULL;
+    for ( int i = 0; i < sky->cells && complete; ++i )
+    {
+        double flux[RF_SKY_LOBES] = { 0 };
+        fill_cell( sky, e, i, &work, flux );
+        for ( int k = 0; k < RF_SKY_LOBES; ++k )
+            sky->sum[(size_t)k * ( (size_t)sky->cells + 1 ) + (size_t)i] = flux[k];
+    }
+    free( work.weights );
+    free( work.units );
+    free( work.list );
+    if ( complete )
+        sum_cells( sky );
+    return complete;
+}
+
+static bool make_tables( RfSky* sky, const RfEnvironment* e )
+{
+    sky->column_bits = bits_of_block( e->width, 32 );
+    sky->row_bits = bits_of_block( e->height, 16 );
+    sky->cells_across = ( e->width + ( 1 << sky->column_bits ) - 1 ) >> sky->column_bits;
+    sky->cells = ( ( e->height + ( 1 << sky->row_bits ) - 1 ) >> sky->row_bits ) * sky->cells_across;
+    for ( sky->guide_parts = 1; 2 * sky->guide_parts <= sky->cells; sky->guide_parts *= 2 ) // a power of two: exact borders
+        ;
+    size_t cells = (size_t)sky->cells;
+    sky->row_cosine = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cosine );
+    sky->pixel = malloc( ( cells << ( sky->column_bits + sky->row_bits ) ) * sizeof *sky->pixel );
+    sky->flux = calloc( cells, sizeof *sky->flux );
+    sky->sum = malloc( RF_SKY_LOBES * ( cells + 1 ) * sizeof *sky->sum );
+    sky->guide = malloc( RF_SKY_LOBES * ( (size_t)sky->guide_parts + 1 ) * sizeof *sky->guide );
+    if ( sky->row_cosine == NULL || sky->pixel == NULL || sky->flux == NULL || sky->sum == NULL || sky->guide == NULL )
+        return false;
+    for ( int y = 0; y <= e->height; ++y )
+        sky->row_cosine[y] = cos( (double)y / e->height * 3.14159265358979324 );
+    if ( !fill_cells( sky, e ) )
+        return false;
+    sky->mean_luminance = sky->total[RF_SKY_SPHERE] * 0.25f * RF_INV_PI;
+    sky->luminance_moment = luminance_moment( sky, e );
+    return true;
 }
 
 RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
@@ -152,28 +275,13 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
     sky->mean_luminance = rf_luminance( e->radiance );
     sky->cos_rotation = cosf( e->rotation );
     sky->sin_rotation = sinf( e->rotation );
-    if ( e->map != NULL )
+    sky->made_cos = sky->cos_rotation;
+    sky->made_sin = sky->sin_rotation;
+    if ( e->map != NULL && !make_tables( sky, e ) )
     {
-        sky->row_cosine = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cosine );
-        sky->row_cdf = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cdf );
-        sky->column_cdf = malloc( (size_t)e->height * ( (size_t)e->width + 1 ) * sizeof *sky->column_cdf );
-        sky->row_density = malloc( (size_t)e->height * sizeof *sky->row_density );
-        sky->row_parts = parts_of( e->height );
-        sky->column_parts = parts_of( e->width );
-        sky->row_guide = malloc( ( (size_t)sky->row_parts + 1 ) * sizeof *sky->row_guide );
-        sky->column_guide = malloc( (size_t)e->height * ( (size_t)sky->column_parts + 1 ) * sizeof *sky->column_guide );
-        if ( sky->row_cosine == NULL || sky->row_cdf == NULL || sky->column_cdf == NULL || sky->row_density == NULL ||
-             sky->row_guide == NULL || sky->column_guide == NULL )
-        {
-            rf_destroy_sky( sky );
-            return rf_fail( error, RF_ERROR_MEMORY, "no memory for the distribution of an environment of %d x %d pixels",
-                            e->width, e->height );
-        }
-        for ( int y = 0; y <= e->height; ++y )
-            sky->row_cosine[y] = cos( (double)y / e->height * 3.14159265358979324 );
-        sky->mean_luminance = (float)sum_rows( e, sky );
-        sky->luminance_moment = luminance_moment( sky, e );
-        note_guides( e, sky );
+        rf_destroy_sky( sky );
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the distribution of an environment of %d x %d pixels", e->width,
+                        e->height );
     }
     if ( !( sky->mean_luminance > 0.0f ) )
     {
@@ -187,11 +295,10 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
 void rf_destroy_sky( RfSky* sky )
 {
     free( sky->row_cosine );
-    free( sky->row_cdf );
-    free( sky->row_density );
-    free( sky->column_cdf );
-    free( sky->row_guide );
-    free( sky->column_guide );
+    free( sky->pixel );
+    free( sky->flux );
+    free( sky->sum );
+    free( sky->guide );
     *sky = ( RfSky ){ 0 };
 }
 
@@ -237,11 +344,35 @@ RfVec3 rf_sky_radiance( const RfSky* sky, RfVec3 wi )
     return rf_mul( e->radiance, rf_vec3( c[0], c[1], c[2] ) );
 }
 
-static float pixel_pdf( const RfSky* sky, int x, int y )
+// A mixture of lobes, the cosines with the axes that a normal is between: `weight` sums up to 1 over what they send.
+typedef struct Lobes
 {
-    const RfEnvironment* e = sky->environment;
-    const float* columns = sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 );
-    return sky->row_density[y] * ( columns[x + 1] - columns[x] );
+    int of[3];
+    float weight[3];
+    float sum; // of what they send; 0: nothing
+} Lobes;
+
+static Lobes find_lobes( const RfSky* sky, RfVec3 n )
+{
+    // as the map has turned since the tables were made
+    float c = sky->cos_rotation * sky->made_cos + sky->sin_rotation * sky->made_sin,
+          s = sky->sin_rotation * sky->made_cos - sky->cos_rotation * sky->made_sin;
+    float x = n.x * c - n.z * s, z = n.x * s + n.z * c;
+    Lobes lobes = { .of = { x < 0.0f, 2 + ( n.y < 0.0f ), 4 + ( z < 0.0f ) },
+                    .weight = { fabsf( x ), fabsf( n.y ), fabsf( z ) } };
+    for ( int k = 0; k < 3; ++k )
+        lobes.sum += lobes.weight[k] * sky->total[lobes.of[k]];
+    return lobes;
+}
+
+// Of the lobes together.
+static float cell_probability( const RfSky* sky, const Lobes* lobes, int cell )
+{
+    const float* flux = sky->flux[cell];
+    float sum = 0.0f;
+    for ( int k = 0; k < 3; ++k )
+        sum += lobes->weight[k] * flux[lobes->of[k]];
+    return sum / lobes->sum;
 }
 
 float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi )
@@ -250,44 +381,92 @@ float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi )
     if ( e->map == NULL )
         return 0.25f * RF_INV_PI;
     MapPosition at = position_of( sky, wi );
-    return pixel_pdf( sky, clamp_index( at.x, e->width ), clamp_index( at.y, e->height ) );
+    size_t pixel = pixel_index( sky, clamp_index( at.x, e->width ), clamp_index( at.y, e->height ) );
+    float probability = sky->flux[pixel >> ( sky->column_bits + sky->row_bits )][RF_SKY_SPHERE] / sky->total[RF_SKY_SPHERE];
+    return probability * sky->pixel[pixel].density;
 }
 
-// Unit vector at azimuth 2π (u − ½) from the centre of the map, and the given height.
-static RfVec3 direction_of( const RfSky* sky, double u, double cos_up )
-{
-    double azimuth = 2.0 * 3.14159265358979324 * ( u - 0.5 );
-    double across = sqrt( fmax( 1.0 - cos_up * cos_up, 0.0 ) );
-    double x = across * sin( azimuth ), z = -across * cos( azimuth );
-    double c = (double)sky->cos_rotation, s = (double)sky->sin_rotation;
-    return rf_vec3( (float)( x * c + z * s ), (float)cos_up, (float)( z * c - x * s ) );
-}
-
-RfSkySample rf_sample_sky_direction( const RfSky* sky, const uint32_t bits[2], const float u[2] )
+float rf_sky_pdf_solid_angle_at( const RfSky* sky, RfVec3 n, RfVec3 wi )
 {
     const RfEnvironment* e = sky->environment;
-    RfSkySample sample = { .radiance = rf_vec3( 0, 0, 0 ) };
     if ( e->map == NULL )
-    {
-        sample.wi = direction_of( sky, (double)u[0], 1.0 - 2.0 * (double)u[1] );
-        sample.pdf_solid_angle = 0.25f * RF_INV_PI;
-        return sample;
-    }
-    double of_row = (double)bits[0] * 0x1p-32, of_column = (double)bits[1] * 0x1p-32;
-    const int32_t* guide = sky->row_guide + (int)( of_row * sky->row_parts );
-    int y = find_row( sky->row_cdf, guide[0], guide[1] + 1, of_row );
-    guide = sky->column_guide + (size_t)y * ( (size_t)sky->column_parts + 1 ) + (int)( of_column * sky->column_parts );
-    int x = find_column( sky->column_cdf + (size_t)y * ( (size_t)e->width + 1 ), guide[0], guide[1] + 1, of_column );
+        return rf_maxf( rf_dot( n, wi ), 0.0f ) * RF_INV_PI;
+    Lobes lobes = find_lobes( sky, n );
+    if ( !( lobes.sum > 0.0f ) )
+        return 0.0f;
+    MapPosition at = position_of( sky, wi );
+    size_t pixel = pixel_index( sky, clamp_index( at.x, e->width ), clamp_index( at.y, e->height ) );
+    return cell_probability( sky, &lobes, (int)( pixel >> ( sky->column_bits + sky->row_bits ) ) ) * sky->pixel[pixel].density;
+}
+
+// A cell by a lobe; u in [0, 1).
+static int sample_cell( const RfSky* sky, int lobe, double u )
+{
+    const int32_t* guide = sky->guide + (size_t)lobe * ( (size_t)sky->guide_parts + 1 ) + (int)( u * sky->guide_parts );
+    return find_cell( sky->sum + (size_t)lobe * ( (size_t)sky->cells + 1 ), guide[0], guide[1] + 1, u );
+}
+
+// A pixel of a cell of this probability, and a direction within that.
+static RfSkySample sample_in_cell( const RfSky* sky, int cell, float probability, uint32_t bits, const float u[2] )
+{
+    int pixel_bits = sky->column_bits + sky->row_bits;
+    const RfSkyPixel* pixels = sky->pixel + ( (size_t)cell << pixel_bits );
+    uint32_t pixel = pixel_bits > 0 ? bits >> ( 32 - pixel_bits ) : 0, part = bits >> ( 16 - pixel_bits ) & 0xffff;
+    pixel = part < pixels[pixel].threshold ? pixel : pixels[pixel].alias;
+    int x = ( cell % sky->cells_across << sky->column_bits ) + (int)( pixel & ( ( 1u << sky->column_bits ) - 1 ) ),
+        y = ( cell / sky->cells_across << sky->row_bits ) + (int)( pixel >> sky->column_bits );
     double top = sky->row_cosine[y], bottom = sky->row_cosine[y + 1];
     double cos_up = top + ( (double)u[1] + 0x1p-25 ) * ( bottom - top );
-    sample.wi = direction_of( sky, ( x + (double)u[0] + 0x1p-25 ) / e->width, cos_up );
-    sample.pdf_solid_angle = pixel_pdf( sky, x, y );
-    return sample;
+    RfVec3 wi = direction_of( sky, (float)( ( x + (double)u[0] + 0x1p-25 ) / sky->environment->width ), cos_up );
+    return ( RfSkySample ){ .wi = wi, .pdf_solid_angle = probability * pixels[pixel].density };
 }
 
 RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] )
 {
-    RfSkySample sample = rf_sample_sky_direction( sky, bits, u );
+    RfSkySample sample;
+    if ( sky->environment->map != NULL )
+    {
+        int cell = sample_cell( sky, RF_SKY_SPHERE, (double)bits[0] * 0x1p-32 );
+        sample = sample_in_cell( sky, cell, sky->flux[cell][RF_SKY_SPHERE] / sky->total[RF_SKY_SPHERE], bits[1], u );
+    }
+    else
+        sample =
+            ( RfSkySample ){ .wi = direction_of( sky, u[0], 1.0 - 2.0 * (double)u[1] ), .pdf_solid_angle = 0.25f * RF_INV_PI };
     sample.radiance = rf_sky_radiance( sky, sample.wi );
     return sample;
+}
+
+// In proportion to the cosine.
+static RfSkySample sample_even_sky( RfVec3 n, const float u[2] )
+{
+    float sine, cosine, up = sqrtf( 1.0f - u[1] ), across = sqrtf( u[1] );
+    RfVec3 t, b;
+    rf_basis( n, &t, &b );
+    rf_sincos_2pi( u[0], &sine, &cosine );
+    RfVec3 wi = rf_madd( rf_add( rf_scale( t, across * cosine ), rf_scale( b, across * sine ) ), n, up );
+    return ( RfSkySample ){ .wi = wi, .pdf_solid_angle = up * RF_INV_PI };
+}
+
+RfSkySample rf_sample_sky_direction_at( const RfSky* sky, RfVec3 n, const uint32_t bits[2], const float u[2] )
+{
+    if ( sky->environment->map == NULL )
+        return sample_even_sky( n, u );
+    Lobes lobes = find_lobes( sky, n );
+    if ( !( lobes.sum > 0.0f ) )
+        return ( RfSkySample ){ .wi = n };
+    double position = (double)bits[0] * 0x1p-32 * (double)lobes.sum, part[3];
+    for ( int k = 0; k < 3; ++k )
+        part[k] = (double)( lobes.weight[k] * sky->total[lobes.of[k]] );
+    int k = position >= part[0];
+    position -= k > 0 ? part[0] : 0.0;
+    if ( k > 0 && position >= part[1] && part[2] > 0.0 )
+    {
+        position -= part[1];
+        k = 2;
+    }
+    if ( !( part[k] > 0.0 ) ) // by rounding of the sum
+        k = part[0] > 0.0 ? 0 : 1;
+    double within = position / part[k];
+    int cell = sample_cell( sky, lobes.of[k], within < 1.0 - 0x1p-52 ? within : 1.0 - 0x1p-52 );
+    return sample_in_cell( sky, cell, cell_probability( sky, &lobes, cell ), bits[1], u );
 }

@@ -5,21 +5,37 @@
 
 #include "scene/scene.h"
 
+// Distributions of the cells: for a surface that faces +x, −x, +y, −y, +z or −z, and over the sphere.
+enum
+{
+    RF_SKY_SPHERE = 6,
+    RF_SKY_LOBES
+};
+
+// A column of the alias table of a cell, and the pixel of the same number.
+typedef struct RfSkyPixel
+{
+    uint16_t threshold, alias; // in units of 2⁻¹⁶: below it the column's pixel is selected, else its alias
+    float density;             // of the pixel in the cell: its probability over its solid angle, 1/sr
+} RfSkyPixel;
+
 typedef struct RfSky
 {
     const RfEnvironment* environment; // NULL: there is none
     float cos_rotation, sin_rotation;
     float mean_luminance;    // over the sphere, W/(m² sr)
     RfVec3 luminance_moment; // mean of luminance times direction over the sphere, W/(m² sr)
-    double* row_cosine;      // of a map: height + 1 cosines with +y, of the upper ends of its rows and of the lowest end
-    // of a map: cumulative distributions of its rows, and of the pixels of each row
-    double* row_cdf;    // height + 1
-    float* row_density; // height: the row's probability over the solid angle of one of its pixels
-    float* column_cdf;  // height × ( width + 1 )
-    // where searches begin: the entries at every 1 / row_parts and 1 / column_parts, powers of two
-    int row_parts, column_parts;
-    int32_t* row_guide;    // row_parts + 1
-    int32_t* column_guide; // height × ( column_parts + 1 )
+    // of a map, as it was turned when they were made:
+    float made_cos, made_sin;
+    double* row_cosine;                // height + 1 cosines with +y: of the upper ends of the rows, and of the lowest end
+    int column_bits, row_bits;         // a cell has 2^column_bits × 2^row_bits pixels, of which some may lie outside of the map
+    int cells_across, cells;           // cells in a row of them, and in all
+    RfSkyPixel* pixel;                 // cell by cell
+    float ( *flux )[RF_SKY_LOBES + 1]; // of each cell by lobe: luminance times cosine times solid angle, W/m²; the last is unused
+    float total[RF_SKY_LOBES];         // of all cells
+    double* sum;                       // of each lobe, cells + 1: the cumulative distribution of the cells
+    int guide_parts;                   // a power of two
+    int32_t* guide;                    // of each lobe, guide_parts + 1: the cells at every 1 / guide_parts
 } RfSky;
 
 // A direction towards the sky and what comes from there.
@@ -50,10 +66,13 @@ static inline float rf_sky_irradiance_estimate( const RfSky* sky, RfVec3 n )
 
 // Density per solid angle of rf_sample_sky at wi: above 0 wherever the radiance is.
 float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi );
-// `bits` select the pixel: 32 for its row, 32 for its column. `u`: two uniform
-// numbers in [0, 1) for the point within it.
+// A direction of the sphere. `bits` select the pixel. `u`: two uniform numbers in [0, 1) for the point within it.
 RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] );
-// The same without the radiance, which is 0: most directions are never asked for it.
-RfSkySample rf_sample_sky_direction( const RfSky* sky, const uint32_t bits[2], const float u[2] );
+
+// The same for a surface that is lit from the side of its unit normal n: in proportion to a bound of radiance times cosine.
+// The density is above 0 wherever both are. The radiance of the sample is left 0: most directions are never asked for it. A density
+// of 0: nothing arrives.
+float rf_sky_pdf_solid_angle_at( const RfSky* sky, RfVec3 n, RfVec3 wi );
+RfSkySample rf_sample_sky_direction_at( const RfSky* sky, RfVec3 n, const uint32_t bits[2], const float u[2] );
 
 #endif

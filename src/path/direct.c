@@ -107,12 +107,12 @@ static NonAreaSample sample_lamp( const RfLights* lights, const RfPunctual* p, f
 }
 
 static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32_t dimension, const float u[2], float probability,
-                                 RfVec3 from )
+                                 RfVec3 from, RfVec3 n )
 {
     uint32_t own = dimension & ~RF_DIMENSION_OPPOSITE, half = own == dimension ? 0 : 0x80000000u;
     uint32_t bits[2] = { rf_random_bits( key, ( own + 1 ) | RF_DIMENSION_TWIN ) ^ half,
                          rf_random_bits( key, ( own + 2 ) | RF_DIMENSION_TWIN ) ^ half };
-    RfSkySample sky = rf_sample_sky_direction( &lights->sky, bits, u );
+    RfSkySample sky = rf_sample_sky_direction_at( &lights->sky, n, bits, u );
     return ( NonAreaSample ){
         .wi = sky.wi,
         .radiance = rf_vec3( 1.0f, 1.0f, 1.0f ),
@@ -125,7 +125,7 @@ static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32
 // Samples the light selected at `from`, which must not be a triangle. `u`: the
 // numbers of the two dimensions after `dimension`; the sky uses their twins too.
 static NonAreaSample sample_non_area( const RfLights* lights, RfLightSelection selection, RfRandomKey key, uint32_t dimension,
-                                      const float u[2], RfVec3 from )
+                                      const float u[2], RfVec3 from, RfVec3 n )
 {
     float probability = selection.probability;
     switch ( rf_light_kind( lights, selection.light ) )
@@ -136,7 +136,7 @@ static NonAreaSample sample_non_area( const RfLights* lights, RfLightSelection s
         case RF_LIGHT_PLANE: return sample_extent( rf_punctual_light( lights, selection.light ), probability, u, from );
         case RF_LIGHT_DIRECTIONAL:
             return sample_directional( lights, rf_punctual_light( lights, selection.light ), probability, u, from );
-        case RF_LIGHT_SKY: return sample_sky( lights, key, dimension, u, probability, from );
+        case RF_LIGHT_SKY: return sample_sky( lights, key, dimension, u, probability, from, n );
     }
     return ( NonAreaSample ){ 0 };
 }
@@ -308,7 +308,7 @@ static void connect_non_area( const RfPathSettings* settings, const RfWavefront*
         float u[2] = { scratch->random[0][i], scratch->random[1][i] };
         RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
         RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        NonAreaSample s = sample_non_area( lights, points->selection[i], key, dimension, u, from );
+        NonAreaSample s = sample_non_area( lights, points->selection[i], key, dimension, u, from, n );
         float cos_x = rf_dot( n, s.wi );
         bool is_finite = rf_max_component( s.radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && is_finite ) ||

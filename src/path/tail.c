@@ -135,6 +135,7 @@ static void add_changing_sky( const RfPathSettings* settings, const RfRayLanes* 
                               const RfReceiver* to )
 {
     RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
+    RfVec3 n = rf_vec3( rays->n[0][r], rays->n[1][r], rays->n[2][r] );
     int slot = rays->slot[r], frames = rf_lit_frames( settings );
     bool alone = ( to->own != NULL && to->own->touched[slot] ) ||
                  ( to->chain_light != NULL && rf_may_take_chain_light( to->chain_light, slot ) );
@@ -144,7 +145,7 @@ static void add_changing_sky( const RfPathSettings* settings, const RfRayLanes* 
             continue;
         const RfSky* sky = &rf_tracer_lights( settings->frames[l] )->sky;
         add_arrival( settings, rays, r, rf_sky_radiance( sky, d ), rf_frame_part( settings, l ),
-                     rf_sky_pdf_solid_angle( sky, d ) * probability, to );
+                     rf_sky_pdf_solid_angle_at( sky, n, d ) * probability, to );
     }
 }
 
@@ -166,7 +167,8 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
             add_changing_sky( settings, rays, r, light_pdf_behind( pane_probability, r, probability ), to );
             continue;
         }
-        float light_pdf = rf_sky_pdf_solid_angle( &lights->sky, d ) * probability;
+        RfVec3 n = rf_vec3( rays->n[0][r], rays->n[1][r], rays->n[2][r] );
+        float light_pdf = rf_sky_pdf_solid_angle_at( &lights->sky, n, d ) * probability;
         add_arrival( settings, rays, r, rf_sky_radiance( &lights->sky, d ), part,
                      light_pdf_behind( pane_probability, r, light_pdf ), to );
     }

@@ -12,6 +12,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -166,6 +167,201 @@ static void test_directions_follow_the_density( void** state )
     }
     assert_true( cells > WIDTH * HEIGHT / 2 );
     assert_true( chi_square_p( chi_square, cells - 1 ) > 1e-4 );
+    rf_destroy_sky( &sky );
+}
+
+// ---- Light samples of surfaces
+
+enum
+{
+    NORMALS = 5,
+    BANDS = 12,
+    SECTORS = 24
+};
+
+static RfVec3 normal_of( int k )
+{
+    static const float s_normals[NORMALS][3] = { { 0, 1, 0 }, { 0, -1, 0 }, { 1, 0, 0 }, { 0.6f, 0.0f, -0.8f }, { -2, 1, 3 } };
+    return rf_normalize( rf_vec3( s_normals[k][0], s_normals[k][1], s_normals[k][2] ) );
+}
+
+// A sky that has turned since its tables were made.
+static RfSky make_turned_sky( RfEnvironment* e )
+{
+    RfSky sky = make_sky( e );
+    e->rotation += 1.1f;
+    sky.cos_rotation = cosf( e->rotation );
+    sky.sin_rotation = sinf( e->rotation );
+    return sky;
+}
+
+// The density integrates to 1, and is above 0 wherever light arrives from; the irradiance, by the same directions.
+static double check_density( const RfSky* sky, RfVec3 n )
+{
+    enum
+    {
+        ROWS = 600,
+        COLUMNS = 1200
+    };
+    double sum = 0.0, irradiance = 0.0;
+    for ( uint32_t i = 0; i < ROWS * COLUMNS; ++i )
+    {
+        RfVec3 d = sphere_direction( ( (float)( i / COLUMNS ) + uniform( i, 3 ) ) / ROWS,
+                                     ( (float)( i % COLUMNS ) + uniform( i, 2 ) ) / COLUMNS );
+        float p = rf_sky_pdf_solid_angle_at( sky, n, d );
+        float light = rf_luminance( rf_sky_radiance( sky, d ) ) * rf_maxf( rf_dot( n, d ), 0.0f );
+        assert_true( p > 0.0f || light <= 0.0f );
+        sum += (double)p;
+        irradiance += (double)light;
+    }
+    double area = 4.0 * 3.14159265358979324 / ( ROWS * COLUMNS );
+    if ( fabs( sum * area - 1.0 ) > 4e-3 )
+        fail_msg( "the density integrates to %g", sum * area );
+    return irradiance * area;
+}
+
+// Directions fall into bands and sectors about +y as the density says, which is that of the sample; their mean is the irradiance.
+static void check_samples( const RfSky* sky, RfVec3 n, double irradiance )
+{
+    enum
+    {
+        COUNT = 200000,
+        POINTS = 4000 // of each bin
+    };
+    static double seen[BANDS * SECTORS];
+    memset( seen, 0, sizeof seen );
+    double sum = 0.0, sum2 = 0.0;
+    int off = 0;
+    for ( uint32_t i = 0; i < COUNT; ++i )
+    {
+        uint32_t pick[2] = { bits( i, 4 ), bits( i, 5 ) };
+        float place[2] = { uniform( i, 6 ), uniform( i, 7 ) };
+        RfSkySample s = rf_sample_sky_direction_at( sky, n, pick, place );
+        assert_true( fabsf( rf_length( s.wi ) - 1.0f ) < 1e-5f && s.pdf_solid_angle > 0.0f );
+        off += !( fabsf( rf_sky_pdf_solid_angle_at( sky, n, s.wi ) / s.pdf_solid_angle - 1.0f ) < 1e-4f );
+        double value =
+            (double)( rf_luminance( rf_sky_radiance( sky, s.wi ) ) * rf_maxf( rf_dot( n, s.wi ), 0.0f ) / s.pdf_solid_angle );
+        sum += value;
+        sum2 += value * value;
+        int band = (int)( ( 0.5f - 0.5f * s.wi.y ) * BANDS ),
+            sector = (int)( ( atan2f( s.wi.z, s.wi.x ) / RF_PI + 1.0f ) / 2 * SECTORS );
+        seen[( band < BANDS ? band : BANDS - 1 ) * SECTORS + ( sector < SECTORS ? sector : SECTORS - 1 )] += 1.0;
+    }
+    assert_true( off < COUNT / 2000 ); // at borders of pixels alone
+    double mean = sum / COUNT, error = sqrt( ( sum2 / COUNT - mean * mean ) / COUNT );
+    if ( fabs( mean - irradiance ) > 4.0 * error + 3e-3 * irradiance )
+        fail_msg( "irradiance %g (SE %g), not %g", mean, error, irradiance );
+    double chi_square = 0.0;
+    int bins = 0;
+    for ( int i = 0; i < BANDS * SECTORS; ++i )
+    {
+        double expected = 0.0;
+        for ( uint32_t k = 0; k < POINTS; ++k )
+        {
+            uint32_t at = (uint32_t)i * POINTS + k;
+            float azimuth = 2.0f * RF_PI * ( ( (float)( i % SECTORS ) + uniform( at, 8 ) ) / SECTORS - 0.5f );
+            float y = 1.0f - 2.0f * ( (float)( i / SECTORS ) + ( (float)k + 0.5f ) / POINTS ) / BANDS, r = sqrtf( 1.0f - y * y );
+            expected += (double)rf_sky_pdf_solid_angle_at( sky, n, rf_vec3( r * cosf( azimuth ), y, r * sinf( azimuth ) ) );
+        }
+        expected *= 4.0 * 3.14159265358979324 / ( BANDS * SECTORS ) / POINTS * COUNT;
+        assert_true( expected > 0.0 || seen[i] == 0.0 );
+        if ( expected < 5.0 )
+            continue;
+        chi_square += ( seen[i] - expected ) * ( seen[i] - expected ) / ( expected + expected * expected * 1e-4 );
+        ++bins;
+    }
+    assert_true( bins > 5 && chi_square_p( chi_square, bins - 1 ) > 1e-4 );
+}
+
+static void test_surfaces_sample_what_lights_them( void** state )
+{
+    (void)state;
+    for ( int turned = 0; turned < 3; ++turned )
+    {
+        RfEnvironment e = make_environment( 0.3f );
+        RfSky sky = turned == 1 ? make_turned_sky( &e ) : make_sky( &e );
+        if ( turned == 2 )
+        {
+            rf_destroy_sky( &sky );
+            e = ( RfEnvironment ){ .radiance = rf_vec3( 1, 2, 3 ) };
+            sky = make_sky( &e );
+        }
+        for ( int k = 0; k < NORMALS; ++k )
+            check_samples( &sky, normal_of( k ), check_density( &sky, normal_of( k ) ) );
+        rf_destroy_sky( &sky );
+    }
+}
+
+// Cells of many pixels, of which some at the border are not on the map, and a sun that is 10⁷ times as bright as what is around it.
+static void test_cells_of_many_pixels( void** state )
+{
+    (void)state;
+    enum
+    {
+        ACROSS = 150,
+        DOWN = 70
+    };
+    static float map[3 * ACROSS * DOWN];
+    for ( int i = 0; i < ACROSS * DOWN; ++i )
+    {
+        float light = i / ACROSS > 50 ? 0.0f : 0.5f + uniform( (uint32_t)i, 1 );
+        for ( int c = 0; c < 3; ++c )
+            map[3 * i + c] = i == 20 * ACROSS + 77 ? 1e7f : light;
+    }
+    RfEnvironment e = { .radiance = rf_vec3( 1, 1, 1 ), .width = ACROSS, .height = DOWN, .map = map };
+    RfSky sky = make_sky( &e );
+    assert_true( sky.column_bits > 0 && sky.row_bits > 0 );
+    for ( int k = 0; k < NORMALS; ++k )
+    {
+        RfVec3 n = normal_of( k );
+        double sum = 0.0;
+        for ( uint32_t i = 0; i < 40 * ACROSS * DOWN; ++i ) // 40 in each pixel, one below the other
+        {
+            int pixel = (int)( i / 40 ), y = pixel / ACROSS;
+            double top = cos( y * 3.14159265358979324 / DOWN ), bottom = cos( ( y + 1 ) * 3.14159265358979324 / DOWN );
+            float up = (float)( top + ( i % 40 + 0.5 ) / 40.0 * ( bottom - top ) ), across = sqrtf( 1.0f - up * up );
+            float azimuth = 2.0f * RF_PI * ( ( (float)( pixel % ACROSS ) + 0.5f ) / ACROSS - 0.5f );
+            RfVec3 d = rf_vec3( across * sinf( azimuth ), up, -across * cosf( azimuth ) );
+            float p = rf_sky_pdf_solid_angle_at( &sky, n, d );
+            assert_true( p > 0.0f || rf_dot( n, d ) <= 0.0f || rf_luminance( rf_sky_radiance( &sky, d ) ) <= 0.0f );
+            sum += (double)p * ( top - bottom ) * 2.0 * 3.14159265358979324 / ACROSS / 40.0;
+        }
+        if ( fabs( sum - 1.0 ) > 1e-3 )
+            fail_msg( "normal %d: the density integrates to %g", k, sum );
+        int off = 0;
+        for ( uint32_t i = 0; i < 20000; ++i )
+        {
+            uint32_t pick[2] = { bits( i, 4 ), bits( i, 5 ) };
+            float place[2] = { uniform( i, 6 ), uniform( i, 7 ) };
+            RfSkySample s = rf_sample_sky_direction_at( &sky, n, pick, place );
+            off += !( fabsf( rf_sky_pdf_solid_angle_at( &sky, n, s.wi ) / s.pdf_solid_angle - 1.0f ) < 1e-4f );
+        }
+        assert_true( off < 40 );
+    }
+    rf_destroy_sky( &sky );
+}
+
+// Half of an even sky is below the horizon of a wall: no sample goes there.
+static void test_no_sample_below_the_horizon( void** state )
+{
+    (void)state;
+    static float map[3 * 64 * 32];
+    for ( int i = 0; i < 3 * 64 * 32; ++i )
+        map[i] = 1.0f;
+    RfEnvironment e = { .radiance = rf_vec3( 1, 1, 1 ), .width = 64, .height = 32, .map = map };
+    RfSky sky = make_sky( &e );
+    for ( int k = 0; k < NORMALS; ++k )
+    {
+        int below = 0;
+        for ( uint32_t i = 0; i < 10000; ++i )
+        {
+            uint32_t pick[2] = { bits( i, 4 ), bits( i, 5 ) };
+            float place[2] = { uniform( i, 6 ), uniform( i, 7 ) };
+            below += rf_dot( normal_of( k ), rf_sample_sky_direction_at( &sky, normal_of( k ), pick, place ).wi ) <= 0.0f;
+        }
+        if ( below > ( k < 3 ? 200 : 2200 ) )
+            fail_msg( "normal %d: %d of 10000 samples below the horizon", k, below );
+    }
     rf_destroy_sky( &sky );
 }
 
@@ -326,10 +522,17 @@ static void test_eye_inside_of_glass( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_middle_of_the_map ),         cmocka_unit_test( test_eye_inside_of_glass ),
-        cmocka_unit_test( test_density_integrates_to_one ), cmocka_unit_test( test_directions_follow_the_density ),
-        cmocka_unit_test( test_black_is_no_sky ),           cmocka_unit_test( test_lamps_by_closed_form ),
-        cmocka_unit_test( test_floor_under_a_sky ),         cmocka_unit_test( test_lossless_things_are_invisible ),
+        cmocka_unit_test( test_middle_of_the_map ),
+        cmocka_unit_test( test_eye_inside_of_glass ),
+        cmocka_unit_test( test_density_integrates_to_one ),
+        cmocka_unit_test( test_directions_follow_the_density ),
+        cmocka_unit_test( test_surfaces_sample_what_lights_them ),
+        cmocka_unit_test( test_cells_of_many_pixels ),
+        cmocka_unit_test( test_no_sample_below_the_horizon ),
+        cmocka_unit_test( test_black_is_no_sky ),
+        cmocka_unit_test( test_lamps_by_closed_form ),
+        cmocka_unit_test( test_floor_under_a_sky ),
+        cmocka_unit_test( test_lossless_things_are_invisible ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -219,7 +219,8 @@ static RfVec3 sky_along( const RfTracer* tracer, const ReferenceSettings* s, con
     *light_pdf = 0.0f;
     if ( lights->sky.environment == NULL )
         return rf_vec3( 0, 0, 0 );
-    *light_pdf = rf_sky_pdf_solid_angle( &lights->sky, ray->d ) * chance_at_origin( tracer, s, ray, rf_sky_number( lights ) );
+    *light_pdf =
+        rf_sky_pdf_solid_angle_at( &lights->sky, ray->n, ray->d ) * chance_at_origin( tracer, s, ray, rf_sky_number( lights ) );
     return rf_sky_radiance( &lights->sky, ray->d );
 }
 
@@ -267,10 +268,10 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSetting
         uint32_t bits[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
                              rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
         float place[2] = { rf_random( key, dimension + 1 ), rf_random( key, dimension + 2 ) };
-        RfSkySample sky = rf_sample_sky( &lights->sky, bits, place );
+        RfSkySample sky = rf_sample_sky_direction_at( &lights->sky, x->n, bits, place );
         *wi = sky.wi;
         *pdf = sky.pdf_solid_angle * pick.probability;
-        radiance = sky.radiance;
+        radiance = rf_sky_radiance( &lights->sky, sky.wi );
     }
     else
     {
