@@ -5,6 +5,7 @@
 #include "path/features.h"
 #include "scene/moments.h"
 #include "scene/projection.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -149,16 +150,26 @@ int rf_aov_film_floats( RfAov aov, bool filtered )
     return 0;
 }
 
-void rf_clear_aov_film( RfAovFilm* film, int width, int height )
+static void clear_pixels( RfAovFilm* film, size_t first, size_t count )
 {
-    size_t pixels = (size_t)width * (size_t)height;
     for ( int l = 0; l < RF_AOV_COUNT; ++l )
     {
+        size_t floats = (size_t)rf_aov_film_floats( (RfAov)l, film->filter != NULL );
         if ( film->mean[l] != NULL )
-            memset( film->mean[l], 0, pixels * (size_t)rf_aov_film_floats( (RfAov)l, film->filter != NULL ) * sizeof( float ) );
+            memset( film->mean[l] + floats * first, 0, floats * count * sizeof( float ) );
     }
     if ( film->landed != NULL )
-        memset( film->landed, 0, pixels * sizeof *film->landed );
+        memset( film->landed + first, 0, count * sizeof *film->landed );
+}
+
+void rf_clear_aov_film( RfAovFilm* film, int width, int height )
+{
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < height; ++y )
+    {
+        rf_set_float_mode();
+        clear_pixels( film, (size_t)y * (size_t)width, (size_t)width );
+    }
 }
 
 // A point, or with `infinite` a direction.
@@ -439,21 +450,47 @@ void rf_spread_aovs( const RfAovFilm* film, int width, int height, float weight,
 // Divided by the sum of the weights: a constant stays one.
 static void finish_filtered( float* pixels, int channels, int count, float* image )
 {
-    for ( int i = 0; i < count; ++i, image += channels )
+#pragma omp parallel
     {
-        FilteredPixel p = filtered_pixel( pixels, channels, i );
-        for ( int c = 0; c < channels; ++c )
-            image[c] = *p.weight > 0.0f ? p.sum[c] / *p.weight : 0.0f;
+        rf_set_float_mode();
+#pragma omp for schedule( static )
+        for ( int i = 0; i < count; ++i )
+        {
+            FilteredPixel p = filtered_pixel( pixels, channels, i );
+            for ( int c = 0; c < channels; ++c )
+                image[(size_t)i * (size_t)channels + (size_t)c] = *p.weight > 0.0f ? p.sum[c] / *p.weight : 0.0f;
+        }
+    }
+}
+
+// Pixels [first, end) of what is asked for as it is kept, or nearly so.
+static void finish_pixels( const RfAovFilm* film, RfAov aov, size_t first, size_t end, float* image )
+{
+    const float* mean = film->mean[aov];
+    size_t channels = (size_t)rf_aov_channels( aov );
+    if ( aov != RF_AOV_SAMPLES && aov != RF_AOV_DEPTH )
+        memcpy( image + channels * first, mean + channels * first, channels * ( end - first ) * sizeof *image );
+    for ( size_t i = first; i < end && aov == RF_AOV_SAMPLES; ++i )
+        image[i] = (float)film->landed[i];
+    for ( size_t i = first; i < end && aov == RF_AOV_DEPTH; ++i )
+        image[i] = mean[2 * i + 1] > 0.0f ? mean[2 * i] : RF_DEPTH_OF_NOTHING;
+}
+
+static void finish_rows( const RfAovFilm* film, RfAov aov, int width, int height, float* image )
+{
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < height; ++y )
+    {
+        rf_set_float_mode();
+        finish_pixels( film, aov, (size_t)y * (size_t)width, ( (size_t)y + 1 ) * (size_t)width, image );
     }
 }
 
 void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNormalize normalize, float* image )
 {
-    size_t pixels = (size_t)colour->width * (size_t)colour->height;
-    const float* mean = film->mean[aov];
     if ( rf_has_filter( film->filter ) && is_filtered( aov ) )
     {
-        finish_filtered( film->mean[aov], rf_aov_channels( aov ), (int)pixels, image );
+        finish_filtered( film->mean[aov], rf_aov_channels( aov ), colour->width * colour->height, image );
         return;
     }
     switch ( aov )
@@ -466,20 +503,14 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNo
             rf_combine_film( colour + ( aov - RF_AOV_PRIMAL ), RF_NORMALIZE_RATIO, image, NULL );
             rf_add_film_steps( colour + RF_UNSHARED_FILM, 0, 1, aov == RF_AOV_DY, image );
             break;
-        case RF_AOV_ALPHA: rf_combine_alpha( colour, normalize, mean, image ); break;
+        case RF_AOV_ALPHA: rf_combine_alpha( colour, normalize, film->mean[aov], image ); break;
         case RF_AOV_SAMPLES:
-            for ( size_t i = 0; i < pixels; ++i )
-                image[i] = (float)film->landed[i];
-            break;
         case RF_AOV_DEPTH:
-            for ( size_t i = 0; i < pixels; ++i )
-                image[i] = mean[2 * i + 1] > 0.0f ? mean[2 * i] : RF_DEPTH_OF_NOTHING;
-            break;
         case RF_AOV_ALBEDO:
         case RF_AOV_NORMAL:
         case RF_AOV_DENOISE_ALBEDO:
         case RF_AOV_DENOISE_NORMAL:
-        case RF_AOV_MOTION: memcpy( image, mean, pixels * (size_t)rf_aov_channels( aov ) * sizeof( float ) ); break;
+        case RF_AOV_MOTION: finish_rows( film, aov, colour->width, colour->height, image ); break;
         case RF_AOV_OBJECT_INDEX: // rf_finish_index
         case RF_AOV_MATERIAL_INDEX:
         case RF_AOV_EMISSION: // rf_combine_part makes them

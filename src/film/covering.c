@@ -33,31 +33,38 @@ uint32_t rf_surface_number( const RfScene* scene, RfSurfaceKinds kinds, uint32_t
     return 1 + object * scene->material_count + material;
 }
 
+// The index that covers most of a pixel; 0 where nothing does.
+static float usual_index( const RfCovering* p, const RfScene* scene, bool objects, const float* index_of )
+{
+    float index[RF_COVERING_MOST], weight[RF_COVERING_MOST], most = p->nothing, usual = 0.0f;
+    int listed = 0;
+    for ( int k = 0; k < RF_COVERING_MOST && p->surface[k] != 0; ++k )
+    {
+        uint32_t pair = p->surface[k] - 1;
+        float here = index_of[objects ? pair / scene->material_count : pair % scene->material_count];
+        int at = 0;
+        while ( at < listed && index[at] != here )
+            ++at;
+        weight[at] = at < listed ? weight[at] + p->weight[k] : p->weight[k];
+        index[at] = here;
+        listed += at == listed;
+    }
+    for ( int k = 0; k < listed; ++k )
+    {
+        usual = weight[k] > most ? index[k] : usual;
+        most = weight[k] > most ? weight[k] : most;
+    }
+    return usual;
+}
+
 void rf_finish_index( const RfCovering* pixels, size_t count, const RfScene* scene, RfAov aov, const float* index_of,
                       float* image )
 {
-    bool objects = aov == RF_AOV_OBJECT_INDEX;
-    for ( size_t i = 0; i < count; ++i )
+#pragma omp parallel
     {
-        const RfCovering* p = pixels + i;
-        float index[RF_COVERING_MOST], weight[RF_COVERING_MOST], most = p->nothing;
-        int listed = 0;
-        image[i] = 0.0f;
-        for ( int k = 0; k < RF_COVERING_MOST && p->surface[k] != 0; ++k )
-        {
-            uint32_t pair = p->surface[k] - 1;
-            float here = index_of[objects ? pair / scene->material_count : pair % scene->material_count];
-            int at = 0;
-            while ( at < listed && index[at] != here )
-                ++at;
-            weight[at] = at < listed ? weight[at] + p->weight[k] : p->weight[k];
-            index[at] = here;
-            listed += at == listed;
-        }
-        for ( int k = 0; k < listed; ++k )
-        {
-            image[i] = weight[k] > most ? index[k] : image[i];
-            most = weight[k] > most ? weight[k] : most;
-        }
+        rf_set_float_mode();
+#pragma omp for schedule( static )
+        for ( size_t i = 0; i < count; ++i )
+            image[i] = usual_index( pixels + i, scene, aov == RF_AOV_OBJECT_INDEX, index_of );
     }
 }

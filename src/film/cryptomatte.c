@@ -3,6 +3,7 @@
 
 #include "base/words.h"
 #include "scene/surfaces.h"
+#include "trace/trace.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -156,25 +157,34 @@ static int list_ranks( const RfCovering* pixel, const RfCryptomatteIds* ids, Ran
     return count;
 }
 
+static void finish_pixel( const RfCovering* pixel, const RfCryptomatteIds* ids, size_t i,
+                          float* const layers[RF_CRYPTOMATTE_LAYERS] )
+{
+    Rank ranks[RF_COVERING_MOST];
+    int listed = list_ranks( pixel, ids, ranks );
+    double all = (double)pixel->nothing + (double)pixel->lost;
+    for ( int k = 0; k < listed; ++k )
+        all += ranks[k].weight;
+    for ( int k = 0; k < 2 * RF_CRYPTOMATTE_LAYERS; ++k )
+    {
+        float* out = layers[k / 2] + 4 * i + 2 * ( k % 2 );
+        out[0] = out[1] = 0.0f;
+        if ( k >= listed )
+            continue;
+        memcpy( out, &ranks[k].id, sizeof *out );
+        out[1] = (float)( ranks[k].weight / all );
+    }
+}
+
 void rf_finish_cryptomatte( const RfCovering* pixels, size_t count, const RfCryptomatteIds* ids,
                             float* const layers[RF_CRYPTOMATTE_LAYERS] )
 {
-    for ( size_t i = 0; i < count; ++i )
+#pragma omp parallel
     {
-        Rank ranks[RF_COVERING_MOST];
-        int listed = list_ranks( pixels + i, ids, ranks );
-        double all = (double)pixels[i].nothing + (double)pixels[i].lost;
-        for ( int k = 0; k < listed; ++k )
-            all += ranks[k].weight;
-        for ( int k = 0; k < 2 * RF_CRYPTOMATTE_LAYERS; ++k )
-        {
-            float* out = layers[k / 2] + 4 * i + 2 * ( k % 2 );
-            out[0] = out[1] = 0.0f;
-            if ( k >= listed )
-                continue;
-            memcpy( out, &ranks[k].id, sizeof *out );
-            out[1] = (float)( ranks[k].weight / all );
-        }
+        rf_set_float_mode();
+#pragma omp for schedule( static )
+        for ( size_t i = 0; i < count; ++i )
+            finish_pixel( pixels + i, ids, i, layers );
     }
 }
 

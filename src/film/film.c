@@ -1,8 +1,10 @@
-// Sums of a frame's two halves, the picture that they make, and its variance.
+// Sums of a frame's two halves, the picture that they make, and its variance. What goes over all pixels goes over the rows in
+// parallel, by the threads that OpenMP has for the caller.
 #include "film/film.h"
 
 #include "base/fault.h"
 #include "film/normalize.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,8 +38,22 @@ void rf_clear_film_pixels( RfFilm* film, size_t first, size_t count )
 
 void rf_clear_film( RfFilm* film )
 {
+    size_t width = (size_t)film->width;
     rf_clear_film_counts( film );
-    rf_clear_film_pixels( film, 0, (size_t)film->width * (size_t)film->height );
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
+    {
+        rf_set_float_mode();
+        rf_clear_film_pixels( film, (size_t)y * width, width );
+    }
+}
+
+// Moves sums of a half into its totals.
+static void empty_sums( RfFilm* film, int half, size_t first, size_t count )
+{
+    for ( size_t i = first; i < first + count; ++i )
+        film->total[half][i] += (double)film->half[half][i];
+    memset( film->half[half] + first, 0, count * sizeof( float ) );
 }
 
 void rf_end_film_pass( RfFilm* film, int half, double weight )
@@ -46,15 +62,24 @@ void rf_end_film_pass( RfFilm* film, int half, double weight )
     film->weight[half] += weight;
     if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 || RF_FAULT( long_sums ) )
         return;
-    size_t count = rf_film_sums( film->width, film->height, film->split );
-    for ( size_t i = 0; i < count; ++i )
-        film->total[half][i] += (double)film->half[half][i];
-    memset( film->half[half], 0, count * sizeof( float ) );
+    size_t of_row = rf_film_sums( film->width, 1, film->split );
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
+    {
+        rf_set_float_mode();
+        empty_sums( film, half, (size_t)y * of_row, of_row );
+    }
 }
 
 void rf_combine_film( const RfFilm* film, RfNormalize normalize, float* rgb, float* weight )
 {
-    rf_combine_film_pixels( film, normalize, 0, (size_t)film->width * (size_t)film->height, rgb, weight );
+    size_t width = (size_t)film->width;
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
+    {
+        rf_set_float_mode();
+        rf_combine_film_pixels( film, normalize, (size_t)y * width, width, rgb, weight );
+    }
 }
 
 void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t first, size_t count, float* rgb, float* weight )
@@ -87,57 +112,82 @@ void rf_combine_removed( const RfFilm* films, RfNormalize normalize, float* rgb 
 
 void rf_combine_part( const RfFilm* film, const RfFilm* part, RfNormalize normalize, float* rgb )
 {
-    size_t count = (size_t)film->width * (size_t)film->height;
-    for ( size_t i = 0; i < count; ++i )
+    size_t width = (size_t)film->width;
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
     {
-        RfFilmPixel p = part_pixel( film, part, i );
-        for ( int c = 0; c < 3; ++c )
-            rgb[3 * i + (size_t)c] = (float)rf_film_value( &p, normalize, c );
+        rf_set_float_mode();
+        for ( size_t i = (size_t)y * width; i < ( (size_t)y + 1 ) * width; ++i )
+        {
+            RfFilmPixel p = part_pixel( film, part, i );
+            for ( int c = 0; c < 3; ++c )
+                rgb[3 * i + (size_t)c] = (float)rf_film_value( &p, normalize, c );
+        }
     }
 }
 
 double rf_removed_share( const RfFilm* films, RfNormalize normalize, const float* rgb )
 {
     static const double luminance[3] = { 0.2126, 0.7152, 0.0722 };
-    size_t count = (size_t)films->width * (size_t)films->height;
-    double removed = 0.0, kept = 0.0;
-    for ( size_t i = 0; i < count; ++i )
+    double of_part[RF_FILM_PARTS][2] = { { 0.0 } }, removed = 0.0, kept = 0.0;
+#pragma omp parallel for schedule( static )
+    for ( int part = 0; part < RF_FILM_PARTS; ++part )
     {
-        RfFilmPixel p = part_pixel( films, films + 1, i );
-        for ( int c = 0; c < 3; ++c )
+        rf_set_float_mode();
+        for ( size_t i = rf_film_part( films, part ); i < rf_film_part( films, part + 1 ); ++i )
         {
-            removed += luminance[c] * rf_film_value( &p, normalize, c );
-            kept += luminance[c] * (double)rgb[3 * i + (size_t)c];
+            RfFilmPixel p = part_pixel( films, films + 1, i );
+            for ( int c = 0; c < 3; ++c )
+            {
+                of_part[part][0] += luminance[c] * rf_film_value( &p, normalize, c );
+                of_part[part][1] += luminance[c] * (double)rgb[3 * i + (size_t)c];
+            }
         }
+    }
+    for ( int part = 0; part < RF_FILM_PARTS; ++part )
+    {
+        removed += of_part[part][0];
+        kept += of_part[part][1];
     }
     return removed > 0.0 && removed + kept > 0.0 ? fmin( removed / ( removed + kept ), 1.0 ) : 0.0;
 }
 
 void rf_combine_alpha( const RfFilm* film, RfNormalize normalize, const float* sky, float* alpha )
 {
-    size_t count = (size_t)film->width * (size_t)film->height;
-    for ( size_t i = 0; i < count; ++i )
+    size_t width = (size_t)film->width, count = width * (size_t)film->height;
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
     {
-        // a colour that is 1 where a ray hits something, and 0 where it does not
-        RfFilmPixel p = rf_film_pixel( film, i );
-        memset( p.own, 0, sizeof p.own );
-        for ( size_t h = 0; h < 2; ++h )
-            p.half[h][0] = p.half[h][3] - (double)sky[h * count + i];
-        alpha[i] = (float)rf_film_value( &p, normalize, 0 );
+        rf_set_float_mode();
+        for ( size_t i = (size_t)y * width; i < ( (size_t)y + 1 ) * width; ++i )
+        {
+            // a colour that is 1 where a ray hits something, and 0 where it does not
+            RfFilmPixel p = rf_film_pixel( film, i );
+            memset( p.own, 0, sizeof p.own );
+            for ( size_t h = 0; h < 2; ++h )
+                p.half[h][0] = p.half[h][3] - (double)sky[h * count + i];
+            alpha[i] = (float)rf_film_value( &p, normalize, 0 );
+        }
     }
 }
 
 void rf_estimate_variance( const RfFilm* film, RfNormalize normalize, float* variance )
 {
-    size_t count = (size_t)film->width * (size_t)film->height;
+    size_t width = (size_t)film->width;
     double share = rf_film_half_share( film );
-    for ( size_t i = 0; i < count; ++i )
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
     {
-        RfFilmPixel p = rf_film_pixel( film, i );
-        for ( int c = 0; c < 3; ++c )
+        rf_set_float_mode();
+        for ( size_t i = (size_t)y * width; i < ( (size_t)y + 1 ) * width; ++i )
         {
-            double d = share > 0.0 ? rf_film_half_value( &p, normalize, 0, c ) - rf_film_half_value( &p, normalize, 1, c ) : 0.0;
-            variance[3 * i + (size_t)c] = (float)( share * d * d );
+            RfFilmPixel p = rf_film_pixel( film, i );
+            for ( int c = 0; c < 3; ++c )
+            {
+                double d =
+                    share > 0.0 ? rf_film_half_value( &p, normalize, 0, c ) - rf_film_half_value( &p, normalize, 1, c ) : 0.0;
+                variance[3 * i + (size_t)c] = (float)( share * d * d );
+            }
         }
     }
 }
@@ -156,12 +206,18 @@ static double mean_of_halves( const RfFilm* film, int first, int last, size_t i,
 
 void rf_add_film_steps( const RfFilm* film, int first, int last, bool down, float* image )
 {
-    size_t width = (size_t)film->width, height = (size_t)film->height, step = down ? width : 1;
-    for ( size_t i = 0; i < width * height; ++i )
+    size_t width = (size_t)film->width, step = down ? width : 1;
+    int rows = down ? film->height - 1 : film->height;
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < rows; ++y )
     {
-        bool inside = down ? i / width + 1 < height : i % width + 1 < width;
-        for ( size_t c = 0; c < 3 && inside; ++c )
-            image[3 * i + c] +=
-                (float)( mean_of_halves( film, first, last, i + step, c ) - mean_of_halves( film, first, last, i, c ) );
+        size_t start = (size_t)y * width, end = start + width - ( down ? 0 : 1 );
+        rf_set_float_mode();
+        for ( size_t i = start; i < end; ++i )
+        {
+            for ( size_t c = 0; c < 3; ++c )
+                image[3 * i + c] +=
+                    (float)( mean_of_halves( film, first, last, i + step, c ) - mean_of_halves( film, first, last, i, c ) );
+        }
     }
 }

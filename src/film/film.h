@@ -57,6 +57,15 @@ static inline int rf_film_total_every( int samples ) { return samples < RF_FILM_
 // Does a film of so many passes need totals?
 static inline bool rf_film_needs_total( int64_t passes, int total_every ) { return passes > total_every; }
 
+// Sums over a film are those of so many parts, which may be summed at once: the same for any number of threads.
+#define RF_FILM_PARTS 256
+
+// The first pixel of a part; of part RF_FILM_PARTS, their number.
+static inline size_t rf_film_part( const RfFilm* film, int part )
+{
+    return (size_t)film->width * (size_t)film->height * (size_t)part / RF_FILM_PARTS;
+}
+
 // Sets all sums and counts to 0.
 void rf_clear_film( RfFilm* film );
 

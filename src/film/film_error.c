@@ -20,6 +20,7 @@
 #include "film/film_error.h"
 
 #include "film/normalize.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,6 +30,7 @@
 #define NEAR 1       // of the inner one
 #define SIDE ( 2 * REACH + 1 )
 #define STRIP 64 // columns processed together
+#define ROWS 32  // rows of a strip: what a thread looks at before another may go on
 #define COLUMNS ( STRIP + 2 * REACH )
 #define CELLS 32 // across and down, at most
 // The inverse of the squared relative difference that is expected between a window and what is around it:
@@ -120,6 +122,21 @@ static double correlation_of( const Surroundings* around )
     return around->all.squared > 0.0 ? fmax( of_sums / around->all.squared, 1.0 ) : 1.0;
 }
 
+static void survey_cell( const RfFilm* film, RfNormalize normalize, int side, int column, int row, Cell* cell )
+{
+    int right = ( column + 1 ) * side < film->width ? ( column + 1 ) * side : film->width;
+    int bottom = ( row + 1 ) * side < film->height ? ( row + 1 ) * side : film->height;
+    for ( int y = row * side; y < bottom; ++y )
+    {
+        for ( int x = column * side; x < right; ++x )
+        {
+            double half[2];
+            grey( film, normalize, (size_t)y * (size_t)film->width + (size_t)x, half );
+            add_to_cell( cell, half );
+        }
+    }
+}
+
 // Sums a film up.
 static void survey( const RfFilm* film, RfNormalize normalize, Surroundings* around )
 {
@@ -129,14 +146,12 @@ static void survey( const RfFilm* film, RfNormalize normalize, Surroundings* aro
     around->columns = ( film->width + side - 1 ) / side;
     around->rows = ( film->height + side - 1 ) / side;
     around->share = rf_film_half_share( film );
-    for ( int y = 0; y < film->height; ++y )
+#pragma omp parallel for schedule( static )
+    for ( int i = 0; i < around->rows * around->columns; ++i )
     {
-        for ( int x = 0; x < film->width; ++x )
-        {
-            double half[2];
-            grey( film, normalize, (size_t)y * (size_t)film->width + (size_t)x, half );
-            add_to_cell( &around->cells[y / side][x / side], half );
-        }
+        rf_set_float_mode();
+        survey_cell( film, normalize, side, i % around->columns, i / around->columns,
+                     &around->cells[i / around->columns][i % around->columns] );
     }
     for ( int row = 0; row < around->rows; ++row )
     {
@@ -227,11 +242,11 @@ static Pixel load_pixel( const RfFilm* film, RfNormalize normalize, const float*
     return pixel;
 }
 
-// The rows around y; those above have been loaded.
-static void go_to_row( Strip* s, int y )
+// The rows around y; those above have been loaded, unless this is the first that is looked at.
+static void go_to_row( Strip* s, int y, bool first )
 {
-    int height = s->film->height, bottom = y + REACH < height ? y + REACH : height - 1;
-    for ( int row = y == 0 ? 0 : y + REACH; row <= bottom; ++row )
+    int height = s->film->height, top = y > REACH ? y - REACH : 0, bottom = y + REACH < height ? y + REACH : height - 1;
+    for ( int row = first ? top : y + REACH; row <= bottom; ++row )
     {
         size_t start = (size_t)row * (size_t)s->film->width;
         for ( int x = s->first; x < s->end; ++x )
@@ -318,6 +333,16 @@ static int bin_of( double likely )
 
 static double lower_edge( int bin ) { return exp2( 0.5 * bin - LOW ); }
 
+static void note_worst( Sum* sum, Term term )
+{
+    if ( sum->count == RF_LISTED_SPECKS && term.likely <= sum->worst[RF_LISTED_SPECKS - 1].likely )
+        return;
+    int i = sum->count < RF_LISTED_SPECKS ? sum->count++ : RF_LISTED_SPECKS - 1;
+    for ( ; i > 0 && sum->worst[i - 1].likely < term.likely; --i )
+        sum->worst[i] = sum->worst[i - 1];
+    sum->worst[i] = term;
+}
+
 static void add( Sum* sum, Term term )
 {
     sum->likely += term.likely;
@@ -328,17 +353,25 @@ static void add( Sum* sum, Term term )
         sum->binned[bin] += 1;
         sum->in_bin[bin] += term.likely;
     }
-    if ( sum->count == RF_LISTED_SPECKS && term.likely <= sum->worst[RF_LISTED_SPECKS - 1].likely )
-        return;
-    int i = sum->count < RF_LISTED_SPECKS ? sum->count++ : RF_LISTED_SPECKS - 1;
-    for ( ; i > 0 && sum->worst[i - 1].likely < term.likely; --i )
-        sum->worst[i] = sum->worst[i - 1];
-    sum->worst[i] = term;
+    note_worst( sum, term );
 }
 
-// Adds columns [first, end) of the film.
-static void add_strip( Sum* sum, const Surroundings* around, const RfFilm* film, RfNormalize normalize, const float* rgb,
-                       int first, int end )
+static void add_sum( Sum* sum, const Sum* part )
+{
+    sum->likely += part->likely;
+    sum->pixels += part->pixels;
+    for ( int bin = 0; bin < BINS; ++bin )
+    {
+        sum->binned[bin] += part->binned[bin];
+        sum->in_bin[bin] += part->in_bin[bin];
+    }
+    for ( int i = 0; i < part->count; ++i )
+        note_worst( sum, part->worst[i] );
+}
+
+// Adds columns [first, end) of rows [top, bottom) of the film.
+static void add_block( Sum* sum, const Surroundings* around, const RfFilm* film, RfNormalize normalize, const float* rgb,
+                       int first, int end, int top, int bottom )
 {
     Strip s = {
         .film = film,
@@ -348,9 +381,9 @@ static void add_strip( Sum* sum, const Surroundings* around, const RfFilm* film,
         .end = end + REACH < film->width ? end + REACH : film->width,
         .share = rf_film_half_share( film ),
     };
-    for ( int y = 0; y < film->height; ++y )
+    for ( int y = top; y < bottom; ++y )
     {
-        go_to_row( &s, y );
+        go_to_row( &s, y, y == top );
         for ( int x = first; x < end; ++x )
         {
             const Pixel* p = &s.pixels[y % SIDE][x - s.first];
@@ -423,8 +456,18 @@ RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const fl
     Surroundings around;
     survey( film, normalize, &around );
     Sum sum = { 0 };
-    for ( int first = 0; first < film->width; first += STRIP )
-        add_strip( &sum, &around, film, normalize, rgb, first, first + STRIP < film->width ? first + STRIP : film->width );
+    int strips = ( film->width + STRIP - 1 ) / STRIP, blocks = strips * ( ( film->height + ROWS - 1 ) / ROWS );
+#pragma omp parallel for schedule( dynamic, 1 ) ordered
+    for ( int i = 0; i < blocks; ++i )
+    {
+        int left = i % strips * STRIP, right = left + STRIP < film->width ? left + STRIP : film->width;
+        int top = i / strips * ROWS, bottom = top + ROWS < film->height ? top + ROWS : film->height;
+        Sum part = { 0 };
+        rf_set_float_mode();
+        add_block( &part, &around, film, normalize, rgb, left, right, top, bottom );
+#pragma omp ordered
+        add_sum( &sum, &part );
+    }
     return conclude( &sum, share, share / ( (double)film->width * (double)film->height ) );
 }
 
@@ -486,19 +529,35 @@ static void add_errors( Sums* sums, const double before[3], const double now[3] 
     keep_worst( sums->worst, change );
 }
 
+static void add_sums( Sums* sums, const Sums* part )
+{
+    sums->before += part->before;
+    sums->now += part->now;
+    sums->product += part->product;
+    for ( int k = 0; k < WORST; ++k )
+        keep_worst( sums->worst, part->worst[k] );
+}
+
 static size_t pixels_of( const RfFilm* film ) { return (size_t)film->width * (size_t)film->height; }
 
 static RfFlicker flicker_of( const Errors* before, const Errors* now )
 {
-    Sums sums = { 0 };
+    Sums sums = { 0 }, of_part[RF_FILM_PARTS] = { { 0 } };
     size_t pixels = pixels_of( now->film );
-    for ( size_t i = 0; i < pixels; ++i )
+#pragma omp parallel for schedule( static )
+    for ( int part = 0; part < RF_FILM_PARTS; ++part )
     {
-        double a[3], b[3];
-        load_error( before, i, a );
-        load_error( now, i, b );
-        add_errors( &sums, a, b );
+        rf_set_float_mode();
+        for ( size_t i = rf_film_part( now->film, part ); i < rf_film_part( now->film, part + 1 ); ++i )
+        {
+            double a[3], b[3];
+            load_error( before, i, a );
+            load_error( now, i, b );
+            add_errors( of_part + part, a, b );
+        }
     }
+    for ( int part = 0; part < RF_FILM_PARTS; ++part )
+        add_sums( &sums, of_part + part );
     double change = sums.before + sums.now - 2.0 * sums.product, worst = 0.0, scale = 1.0 / ( 3.0 * (double)pixels );
     for ( int k = 0; k < WORST; ++k )
         worst += sums.worst[k];
@@ -532,26 +591,39 @@ RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfNormalize 
 
 double rf_film_mean_square( const RfFilm* film, RfNormalize normalize )
 {
-    size_t pixels = pixels_of( film );
-    double sum = 0.0;
-    for ( size_t i = 0; i < pixels && has_halves( film ); ++i )
+    double of_part[RF_FILM_PARTS] = { 0.0 }, sum = 0.0;
+    if ( !has_halves( film ) )
+        return (double)NAN;
+#pragma omp parallel for schedule( static )
+    for ( int part = 0; part < RF_FILM_PARTS; ++part )
     {
-        double error[3];
-        error_of_pixel( film, normalize, i, error );
-        sum += error[0] * error[0] + error[1] * error[1] + error[2] * error[2];
+        rf_set_float_mode();
+        for ( size_t i = rf_film_part( film, part ); i < rf_film_part( film, part + 1 ); ++i )
+        {
+            double error[3];
+            error_of_pixel( film, normalize, i, error );
+            of_part[part] += error[0] * error[0] + error[1] * error[1] + error[2] * error[2];
+        }
     }
-    return has_halves( film ) ? sum / ( 3.0 * (double)pixels ) : (double)NAN;
+    for ( int part = 0; part < RF_FILM_PARTS; ++part )
+        sum += of_part[part];
+    return sum / ( 3.0 * (double)pixels_of( film ) );
 }
 
 void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* error )
 {
-    size_t pixels = pixels_of( film );
-    for ( size_t i = 0; i < pixels; ++i )
+    size_t width = (size_t)film->width;
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
     {
-        double e[3] = { (double)NAN, (double)NAN, (double)NAN };
-        if ( has_halves( film ) )
-            error_of_pixel( film, normalize, i, e );
-        for ( size_t c = 0; c < 3; ++c )
-            error[3 * i + c] = (float)e[c];
+        rf_set_float_mode();
+        for ( size_t i = (size_t)y * width; i < ( (size_t)y + 1 ) * width; ++i )
+        {
+            double e[3] = { (double)NAN, (double)NAN, (double)NAN };
+            if ( has_halves( film ) )
+                error_of_pixel( film, normalize, i, e );
+            for ( size_t c = 0; c < 3; ++c )
+                error[3 * i + c] = (float)e[c];
+        }
     }
 }

@@ -7,11 +7,13 @@
 #include "scene/textured.h"
 
 #include <math.h>
+#include <omp.h>
 #include <string.h>
 
 #define SPECK_GROUP 0xe0000000u // no other group has this number
 #define LENS_SALT 0x1e4500000000u
 #define RAYS 1024
+#define RAYS_AT_ONCE 64 // of a thread, or those of one pixel
 #define MOST_SPECULAR 8 // vertices before the first that is not
 // The worst pixels have had bad luck: their errors are many times what is to be expected of their variance. Where direct light
 // explains this part of one, it is a glint,
@@ -254,10 +256,10 @@ static int usual_material( const Work* work, int first, int count )
     return usual;
 }
 
-// A sample lands in about as many pixels as frames share it, unless what is seen first is specular.
-static Speck examine( const Shape* shape, const RfLiveFilm* live, const Work* work, const RfSpeckList* list, int k )
+// By its slots from `first` on. A sample lands in about as many pixels as frames share it, unless what is seen first is specular.
+static Speck examine( const Shape* shape, const RfLiveFilm* live, const Work* work, const RfSpeckList* list, int k, int first )
 {
-    int first = k * shape->samples, specular = 0;
+    int specular = 0;
     double pixels = (double)shape->renderer->setup->sizes.width * (double)shape->renderer->setup->sizes.height;
     double native = samples_of( shape->renderer, live ), landed = (double)live->films[0].landed / pixels;
     for ( int s = first; s < first + shape->samples; ++s )
@@ -276,6 +278,18 @@ static Speck examine( const Shape* shape, const RfLiveFilm* live, const Work* wo
         .noise = noise,
         .kind = glint ? RF_SPECK_GLINT : RF_SPECK_OTHER,
     };
+}
+
+// Traces the rays of pixels [first, first + count) of the list.
+static void examine_some( const Shape* shape, const RfLiveFilm* live, const RfSpeckList* list, int first, int count, Work* work,
+                          Speck* found )
+{
+    work->wavefront.rays.count = count * shape->samples;
+    for ( int lane = 0; lane < work->wavefront.rays.count; ++lane )
+        make_ray( shape, list->worst[first + lane / shape->samples].pixel, lane % shape->samples, lane, &work->wavefront );
+    trace( shape, work );
+    for ( int k = first; k < first + count; ++k )
+        found[k] = examine( shape, live, work, list, k, ( k - first ) * shape->samples );
 }
 
 // Has the scene surfaces that send on the light of a small lamp bundled?
@@ -359,20 +373,29 @@ void rf_find_specks( RfRenderer* r, const RfLiveFilm* live, const RfSpeckList* l
     *specks = ( RfSpecks ){ .pixels = list->pixels, .share = list->share, .rest = list->rest };
     if ( list->count == 0 || setup->sizes.of_estimator.trace_scratch < sizeof( Work ) )
         return;
-    Work* work = r->memory.trace_scratch[0];
     Shape shape = make_shape( r, live, list->count );
-    memset( work, 0, sizeof *work );
-    work->wavefront.rays.count = shape.pixels * shape.samples;
-    for ( int lane = 0; lane < work->wavefront.rays.count; ++lane )
-        make_ray( &shape, list->worst[lane / shape.samples].pixel, lane % shape.samples, lane, &work->wavefront );
-    trace( &shape, work );
+    RfEstimatorGroup group = sizes_group( setup );
     Speck found[RF_LISTED_SPECKS];
-    for ( int k = 0; k < shape.pixels; ++k )
-        found[k] = examine( &shape, live, work, list, k );
+    int at_once = shape.samples < RAYS_AT_ONCE ? RAYS_AT_ONCE / shape.samples : 1; // pixels
+#pragma omp parallel num_threads( setup->settings.threads )
+    {
+        rf_set_float_mode();
+        Work* work = r->memory.trace_scratch[omp_get_thread_num()];
+        bool used = false;
+#pragma omp for schedule( dynamic, 1 )
+        for ( int first = 0; first < shape.pixels; first += at_once )
+        {
+            int left = shape.pixels - first;
+            if ( !used )
+                memset( work, 0, sizeof *work );
+            used = true;
+            examine_some( &shape, live, list, first, left < at_once ? left : at_once, work, found );
+        }
+        if ( used )
+            setup->settings.estimator->lay_out_scratch( &group, work );
+    }
     decide( found, shape.pixels, has_gloss( rf_tracer_scene( setup->shot.tracer ) ) );
     sum_up( found, shape.pixels, specks );
-    RfEstimatorGroup group = sizes_group( setup );
-    setup->settings.estimator->lay_out_scratch( &group, work );
 }
 
 const char* rf_speck_kind_name( RfSpeckKind kind )

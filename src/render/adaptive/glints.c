@@ -16,16 +16,44 @@
 #define MOST_HALVINGS 4         // of θ, the first of which brings more for a sample
 #define SAVED_FOR_COST 3.0      // the share of error that is saved over that of samples, at least
 
+// Sums over pixels are those of so many parts, each by one thread: the same for any number of threads.
+#define PARTS 256
+
+typedef struct Sums
+{
+    double first, second, third;
+} Sums;
+
+static size_t part( size_t pixels, int number ) { return pixels * (size_t)number / PARTS; }
+
+static Sums add_parts( const Sums* parts )
+{
+    Sums sums = { .first = 0.0 };
+    for ( int k = 0; k < PARTS; ++k )
+    {
+        sums.first += parts[k].first;
+        sums.second += parts[k].second;
+        sums.third += parts[k].third;
+    }
+    return sums;
+}
+
 // The light that other surfaces are taken to have: the mean of what lights those with sharp lobes.
 static double base_light( const float* sums, size_t pixels )
 {
-    double sum = 0.0, count = 0.0;
-    for ( size_t i = 0; i < pixels; ++i )
+    Sums parts[PARTS] = { { .first = 0.0 } };
+#pragma omp parallel for schedule( static )
+    for ( int k = 0; k < PARTS; ++k )
     {
-        sum += (double)sums[4 * i + 2];
-        count += (double)sums[4 * i + 3];
+        rf_set_float_mode();
+        for ( size_t i = part( pixels, k ); i < part( pixels, k + 1 ); ++i )
+        {
+            parts[k].first += (double)sums[4 * i + 2];
+            parts[k].second += (double)sums[4 * i + 3];
+        }
     }
-    return count > 0.0 ? sum / count : 0.0;
+    Sums all = add_parts( parts );
+    return all.second > 0.0 ? all.first / all.second : 0.0;
 }
 
 // Variance of a sample over that of other pixels.
@@ -48,10 +76,15 @@ static double extra_of( double ratio, double theta, double reach, double worth )
 
 static double sum_extra( const float* ratio, size_t pixels, double theta, double reach, double worth )
 {
-    double sum = 0.0;
-    for ( size_t i = 0; i < pixels; ++i )
-        sum += extra_of( (double)ratio[i], theta, reach, worth );
-    return sum;
+    Sums parts[PARTS] = { { .first = 0.0 } };
+#pragma omp parallel for schedule( static )
+    for ( int k = 0; k < PARTS; ++k )
+    {
+        rf_set_float_mode();
+        for ( size_t i = part( pixels, k ); i < part( pixels, k + 1 ); ++i )
+            parts[k].first += extra_of( (double)ratio[i], theta, reach, worth );
+    }
+    return add_parts( parts ).first;
 }
 
 // The θ, at most 1, that keeps within the budget.
@@ -73,22 +106,33 @@ static double affordable( const float* ratio, size_t pixels, double reach, doubl
 // Do samples by θ save enough?
 static bool pays( const float* ratio, size_t pixels, double theta, double reach, double worth )
 {
-    double error = 0.0, saved = 0.0, cost = 0.0;
-    for ( size_t i = 0; i < pixels; ++i )
+    Sums parts[PARTS] = { { .first = 0.0 } }; // error, what is saved of it, samples
+#pragma omp parallel for schedule( static )
+    for ( int k = 0; k < PARTS; ++k )
     {
-        double more = extra_of( (double)ratio[i], theta, reach, worth );
-        error += 1.0 + (double)ratio[i];
-        saved += (double)ratio[i] * ( 1.0 - reach / ( reach + worth * more ) );
-        cost += more;
+        rf_set_float_mode();
+        for ( size_t i = part( pixels, k ); i < part( pixels, k + 1 ); ++i )
+        {
+            double more = extra_of( (double)ratio[i], theta, reach, worth );
+            parts[k].first += 1.0 + (double)ratio[i];
+            parts[k].second += (double)ratio[i] * ( 1.0 - reach / ( reach + worth * more ) );
+            parts[k].third += more;
+        }
     }
-    return saved / error > SAVED_FOR_COST * cost / (double)pixels;
+    Sums all = add_parts( parts );
+    return all.second / all.first > SAVED_FOR_COST * all.third / (double)pixels;
 }
 
 float rf_set_glints( const float* sums, size_t pixels, double reach, double worth, float* extra )
 {
     double base = base_light( sums, pixels );
-    for ( size_t i = 0; i < pixels; ++i )
-        extra[i] = (float)variance_ratio( sums, i, base );
+#pragma omp parallel for schedule( static )
+    for ( int k = 0; k < PARTS; ++k )
+    {
+        rf_set_float_mode();
+        for ( size_t i = part( pixels, k ); i < part( pixels, k + 1 ); ++i )
+            extra[i] = (float)variance_ratio( sums, i, base );
+    }
     double theta = affordable( extra, pixels, reach, worth, MOST_SHARE * (double)pixels );
     for ( int halved = 0; !pays( extra, pixels, theta, reach, worth ); ++halved, theta *= 0.5 )
     {
@@ -96,10 +140,15 @@ float rf_set_glints( const float* sums, size_t pixels, double reach, double wort
             return 0.0f;
     }
     float most = 0.0f;
-    for ( size_t i = 0; i < pixels; ++i )
+#pragma omp parallel for schedule( static ) reduction( max : most )
+    for ( int k = 0; k < PARTS; ++k )
     {
-        extra[i] = (float)extra_of( (double)extra[i], theta, reach, worth );
-        most = fmaxf( most, extra[i] );
+        rf_set_float_mode();
+        for ( size_t i = part( pixels, k ); i < part( pixels, k + 1 ); ++i )
+        {
+            extra[i] = (float)extra_of( (double)extra[i], theta, reach, worth );
+            most = fmaxf( most, extra[i] );
+        }
     }
     return most;
 }
@@ -122,10 +171,16 @@ static void spread_along( float* sums, int count, size_t stride )
 
 static void spread_by_filter( float* sums, int width, int height )
 {
-    for ( int y = 0; y < height; ++y )
-        spread_along( sums + 4 * (size_t)y * (size_t)width, width, 4 );
-    for ( int x = 0; x < width; ++x )
-        spread_along( sums + 4 * x, height, 4 * (size_t)width );
+#pragma omp parallel
+    {
+        rf_set_float_mode();
+#pragma omp for schedule( static )
+        for ( int y = 0; y < height; ++y )
+            spread_along( sums + 4 * (size_t)y * (size_t)width, width, 4 );
+#pragma omp for schedule( static )
+        for ( int x = 0; x < width; ++x )
+            spread_along( sums + 4 * x, height, 4 * (size_t)width );
+    }
 }
 
 void rf_find_glints( RfRenderer* r, RfLiveFilm* live, double worth )

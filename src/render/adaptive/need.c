@@ -2,6 +2,7 @@
 #include "render/adaptive/need.h"
 
 #include "render/adaptive/adaptive.h"
+#include "trace/trace.h"
 
 #include <math.h>
 
@@ -93,13 +94,18 @@ static void count_share( float share, double* counts )
 // θ for the pixels with samples where all materials are alike.
 static double threshold_alike( const RfPilotSums* sums, double least_gain )
 {
-    double counts[BINS] = { 0 }, seen = 0.0;
-    for ( size_t i = 0; i < sums->pixels; ++i )
+    double counts[BINS] = { 0 }, seen = 0.0; // whole numbers: in any order the same
+#pragma omp parallel reduction( + : seen, counts[:BINS] )
     {
-        if ( sums->samples != NULL && sums->samples[i] == 0.0f )
-            continue;
-        count_share( pixel_share( sums, i ), counts );
-        seen += 1.0;
+        rf_set_float_mode();
+#pragma omp for schedule( static )
+        for ( size_t i = 0; i < sums->pixels; ++i )
+        {
+            if ( sums->samples != NULL && sums->samples[i] == 0.0f )
+                continue;
+            count_share( pixel_share( sums, i ), counts );
+            seen += 1.0;
+        }
     }
     return threshold( counts, BINS, seen, sums->eyes, sums->worth, least_gain );
 }
@@ -174,12 +180,16 @@ float rf_set_need( const RfPilotSums* sums )
 {
     double theta = sums->noise != NULL ? threshold_noisy( sums ) : threshold_alike( sums, LEAST_GAIN );
     float most = 0.0f;
-
-    for ( size_t i = 0; i < sums->pixels; ++i )
+#pragma omp parallel reduction( max : most )
     {
-        float share = pixel_share( sums, i );
-        sums->share[i] = share > 0.0f ? extra_of( sums, i, BOTH, share, theta ) : 0.0f;
-        most = fmaxf( most, sums->share[i] );
+        rf_set_float_mode();
+#pragma omp for schedule( static )
+        for ( size_t i = 0; i < sums->pixels; ++i )
+        {
+            float share = pixel_share( sums, i );
+            sums->share[i] = share > 0.0f ? extra_of( sums, i, BOTH, share, theta ) : 0.0f;
+            most = fmaxf( most, sums->share[i] );
+        }
     }
     return most;
 }
