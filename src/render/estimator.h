@@ -4,7 +4,7 @@
 // functions are called per batch, per band of rows or per frame, never per sample.
 //
 // A pass of a frame consists of `jobs` batches. The driver traces some batches in
-// parallel, each into records of its own, and then adds them to the films of all
+// parallel, of one pass or several, each into records of its own, and then adds them to the films of all
 // frames of the group in a fixed order, band by band in parallel. So a picture does
 // not depend on the number of threads, on memory, or on which frames are asked for,
 // as long as `trace` depends on (group, job) alone and `accumulate` adds batches in
@@ -67,6 +67,7 @@ typedef struct RfEstimatorSizes
     size_t batch;              // a batch's records
     size_t trace_scratch;      // workspace of `trace`, per thread
     size_t accumulate_scratch; // workspace of `accumulate`, per thread
+    size_t landing;            // what `land` keeps of a batch for a frame; 0: `accumulate` is called instead
     size_t finish_scratch;     // workspace of `finish`; 0: none
     size_t pass_state;         // per frame, all zero at the start of each pass; 0: none
     size_t shared;             // what all batches of a pass share, all zero at first; 0: nothing
@@ -165,6 +166,13 @@ struct RfEstimator
     // landed there. Called by several threads, for different rows or frames.
     uint64_t ( *accumulate )( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                               void* scratch );
+
+    // The same in two steps, with sizes.landing, so that what does not depend on rows is done once. `land` keeps what a batch brings to
+    // a frame, all rows of it, `add_landings` adds this of each batch to some rows. Called by several threads, `land` for different
+    // batches or frames.
+    void ( *land )( const RfEstimatorGroup* group, RfAccumulateJob job, const void* batch, void* scratch, void* landing );
+    uint64_t ( *add_landings )( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, void* const* landings,
+                                int batch_count );
 
     // May be NULL: film 0 is the picture. Fills the picture, all zero but for its pointers, from a frame's films and returns the
     // estimate of its relMSE (likely: NaN where it is unknown).

@@ -2,12 +2,12 @@
 #include "render/pass.h"
 
 #include "base/system.h"
+#include "render/accumulation.h"
 #include "render/adaptive/adaptive.h"
 #include "render/preview.h"
 #include "render/settings.h"
 
 #include <math.h>
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,35 +38,6 @@ static void add_aovs( RfRenderer* r, const RfPass* pass, int eye, const void* ba
         .weight_before = (float)( live->films[0].weight[0] + live->films[0].weight[1] ),
     };
     rf_add_to_aovs( &job, r->setup->settings.estimator->first_hits( scratch ) );
-}
-
-// Adds memory.batches[0 … count) to the films of all frames of the group. A job is some rows of one frame, so no two jobs touch the same pixel and every
-// pixel is added to in the batches' order.
-static void accumulate_chunk( RfRenderer* r, const RfPass* pass, int count )
-{
-    int live = 0;
-    for ( int i = 0; i < r->memory.film_slots; ++i )
-        live += r->memory.films[i].frame != -1;
-    if ( live == 0 )
-        return;
-    int bands = r->setup->sizes.of_estimator.whole_pass ? 1 : ( 2 * r->setup->settings.threads + live - 1 ) / live;
-    bands = bands < r->setup->sizes.height ? bands : r->setup->sizes.height;
-#pragma omp parallel num_threads( r->setup->settings.threads )
-    {
-        rf_set_float_mode();
-        void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
-#pragma omp for schedule( dynamic, 1 )
-        for ( int i = 0; i < r->memory.film_slots * bands; ++i )
-        {
-            RfLiveFilm* film = r->memory.films + i / bands;
-            if ( film->frame == -1 )
-                continue;
-            RfAccumulateJob job = rf_accumulate_job( r, film, pass, i % bands, bands );
-            uint64_t landed = r->setup->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
-#pragma omp atomic
-            film->films[0].landed += landed;
-        }
-    }
 }
 
 // After all batches of a pass are traced: spreads what they left in the AOVs, where there is a pixel filter.
@@ -183,6 +154,8 @@ static int list_jobs( RfRenderer* r, const RfPass* pass )
     return count;
 }
 
+static RfFilmRange all_films( const RfRenderer* r ) { return ( RfFilmRange ){ r->memory.films, r->memory.film_slots }; }
+
 RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
 {
     if ( r->resuming ) // what the estimator keeps per pass is there, too
@@ -200,7 +173,7 @@ RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
     {
         int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
         rf_trace_batches( r, pass, first, count, has_aovs ? add_aovs : NULL, NULL );
-        accumulate_chunk( r, pass, count );
+        rf_accumulate_batches( r, pass, all_films( r ), 1.0f, 0, count );
         r->at.batches = first + count;
         RfResult result = end_chunk( r, count, error );
         if ( result != RF_OK )
@@ -209,5 +182,81 @@ RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
     filter_aovs( r, pass );
     end_pass( r, pass );
     rf_show_preview( r );
+    return RF_OK;
+}
+
+// Do extra samples take the memory of batches after each pass?
+static bool has_extra( const RfRenderer* r )
+{
+    for ( int i = 0; i < r->memory.film_slots; ++i )
+    {
+        const RfLiveFilm* live = r->memory.films + i;
+        if ( live->frame != -1 && r->setup->sizes.adaptive && ( live->most_need > 0.0f || live->most_glints > 0.0f ) )
+            return true;
+    }
+    return false;
+}
+
+static RfResult render_pass_by_pass( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group,
+                                     RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int k = r->resuming ? r->at.pass : 0; k < group->passes && result == RF_OK; ++k )
+    {
+        RfPass pass = rf_make_pass( estimator_group, group, k );
+        result = rf_render_pass( r, &pass, error );
+    }
+    return result;
+}
+
+static void go_to_next_pass( RfRenderer* r, const RfPass* pass )
+{
+    end_pass( r, pass );
+    rf_show_preview( r );
+    r->at.pass += 1;
+    r->at.batches = 0;
+}
+
+// Adds `count` batches from that at r->at on. The last pass that this completes is not ended yet: a render interrupted here goes on
+// as one that is interrupted at the end of rf_render_pass.
+static void accumulate_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, int count )
+{
+    int of_pass = estimator_group->eye_count * r->setup->sizes.of_estimator.jobs;
+    for ( int done = 0; done < count; )
+    {
+        RfPass pass = rf_make_pass( estimator_group, group, r->at.pass );
+        int left = of_pass - r->at.batches, part = left < count - done ? left : count - done;
+        rf_accumulate_batches( r, &pass, all_films( r ), 1.0f, done, part );
+        r->at.batches += part;
+        done += part;
+        if ( done < count )
+            go_to_next_pass( r, &pass );
+    }
+}
+
+RfResult rf_render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
+{
+    int of_pass = estimator_group->eye_count * r->setup->sizes.of_estimator.jobs;
+    if ( r->setup->sizes.passes == 1 || has_extra( r ) )
+        return render_pass_by_pass( r, estimator_group, group, error );
+    if ( !r->resuming )
+        r->at.pass = r->at.batches = 0;
+    r->resuming = false;
+    while ( r->at.pass < group->passes )
+    {
+        RfPass pass = rf_make_pass( estimator_group, group, r->at.pass );
+        if ( r->at.batches == of_pass )
+        {
+            go_to_next_pass( r, &pass );
+            continue;
+        }
+        int64_t left = (int64_t)( group->passes - r->at.pass ) * of_pass - r->at.batches;
+        int count = left < r->memory.batch_slots ? (int)left : r->memory.batch_slots;
+        rf_trace_batches( r, &pass, r->at.batches, count, NULL, NULL );
+        accumulate_passes( r, estimator_group, group, count );
+        RfResult result = end_chunk( r, count, error );
+        if ( result != RF_OK )
+            return result;
+    }
     return RF_OK;
 }

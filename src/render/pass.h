@@ -11,4 +11,7 @@ RfResult rf_alloc_traced_jobs( RfRenderer* renderer, RfError* error );
 // each chunk; fails with RF_ERROR_INTERRUPTED, or as the caller's callback does.
 RfResult rf_render_pass( RfRenderer* renderer, const RfPass* pass, RfError* error );
 
+// All passes of a group, likewise; where nothing ties a chunk to one pass, chunks go on with the next.
+RfResult rf_render_passes( RfRenderer* renderer, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error );
+
 #endif

@@ -50,17 +50,6 @@ RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settin
     return RF_OK;
 }
 
-static RfResult render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
-{
-    RfResult result = RF_OK;
-    for ( int k = r->resuming ? r->at.pass : 0; k < group->passes && result == RF_OK; ++k )
-    {
-        RfPass pass = rf_make_pass( estimator_group, group, k );
-        result = rf_render_pass( r, &pass, error );
-    }
-    return result;
-}
-
 static RfResult render_group( RfRenderer* r, int number, RfError* error )
 {
     RfGroup group = rf_group( &r->setup->plan, number );
@@ -75,7 +64,7 @@ static RfResult render_group( RfRenderer* r, int number, RfError* error )
     if ( r->setup->sizes.stopping )
         result = rf_render_until( r, &estimator_group, error );
     else
-        result = render_passes( r, &estimator_group, &group, error );
+        result = rf_render_passes( r, &estimator_group, &group, error );
     return result == RF_OK ? rf_close_films( r, number, error ) : result;
 }
 

@@ -86,7 +86,7 @@ void rf_add_rays( RfRayCounts* sum, const RfRayCounts* part )
 void rf_trace_batches( RfRenderer* r, const RfPass* pass, int first, int count, RfTracedFn* traced, void* user )
 {
     const RfEstimator* estimator = r->setup->settings.estimator;
-    int jobs = r->setup->sizes.of_estimator.jobs;
+    int jobs = r->setup->sizes.of_estimator.jobs, of_pass = pass->group->eye_count * jobs;
     RfRayCounts rays = { 0 };
 #pragma omp parallel num_threads( r->setup->settings.threads )
     {
@@ -97,7 +97,7 @@ void rf_trace_batches( RfRenderer* r, const RfPass* pass, int first, int count, 
         for ( int i = 0; i < count; ++i )
         {
             int number = r->traced_jobs != NULL ? r->traced_jobs[first + i] : first + i;
-            RfTraceJob job = { .eye = number / jobs, .job = number % jobs, .pass = pass->number };
+            RfTraceJob job = { .eye = number % of_pass / jobs, .job = number % jobs, .pass = pass->number + number / of_pass };
             estimator->trace( pass->group, job, r->memory.batches[i], scratch, &mine );
             if ( traced != NULL )
                 traced( r, pass, job.eye, r->memory.batches[i], scratch, user );

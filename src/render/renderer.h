@@ -89,7 +89,7 @@ RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* gro
 // What is done with a batch when it is traced, by the thread that did it; `scratch` is the estimator's.
 typedef void RfTracedFn( RfRenderer* renderer, const RfPass* pass, int eye, const void* batch, const void* scratch, void* user );
 
-// Traces batches [first, first + count) of a pass in parallel, into memory.batches[0 … count), and counts their rays.
+// Traces batches [first, first + count) of a pass in parallel, those beyond its last of the passes that follow, into memory.batches[0 … count), and counts their rays.
 void rf_trace_batches( RfRenderer* renderer, const RfPass* pass, int first, int count, RfTracedFn* traced, void* user );
 
 // Rows of a frame of the group as one of `bands` jobs.

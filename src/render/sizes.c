@@ -9,8 +9,17 @@
 #include "render/worlds.h"
 
 #define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
+#define LANDINGS_PER_THREAD 4 // likewise
 
 static size_t film_pixels( const RfRenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
+
+// First hits go to AOVs when they are traced, light paths and pieces are those of a pass, and a goal is looked at after each.
+static int passes_at_once( const RfEstimatorSizes* sizes, const RfGroupPlan* plan, const RfRenderSettings* settings )
+{
+    bool whole = sizes->shared > 0 || sizes->pass_state > 0 || settings->pieces != NULL || rf_is_stopping( settings );
+    bool of_pass = whole || ( settings->aovs & RF_FIRST_HIT_AOVS ) != 0;
+    return of_pass ? 1 : plan->passes > 0 ? plan->passes : ( settings->spp - 1 ) / plan->eyes + 1;
+}
 
 // Adaptive sampling takes memory wherever it may happen: frames decide one by one.
 static bool may_adapt( const RfRenderSettings* settings, int eyes )
@@ -34,9 +43,10 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
     int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
     int passes = __builtin_popcount( settings->aovs & RF_PASS_AOVS );
     int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
+    RfEstimatorSizes of_estimator = settings->estimator->sizes( &group );
     return ( RfRenderSizes ){
         .estimator = settings->estimator,
-        .of_estimator = settings->estimator->sizes( &group ),
+        .of_estimator = of_estimator,
         .film_count = settings->estimator->films + rf_keeps_removed( scene, settings ) + passes + called.light_groups,
         .pass_films = passes,
         .group_films = called.light_groups,
@@ -44,6 +54,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .height = eyes->height,
         .eyes = plan->eyes,
         .threads = settings->threads,
+        .passes = passes_at_once( &of_estimator, plan, settings ),
         .films = films < plan->eyes ? films : plan->eyes,
         .buffers = settings->queue > films ? films
                    : settings->queue > 1   ? settings->queue
@@ -161,11 +172,23 @@ size_t rf_image_bytes( const RfRenderSizes* s )
     return bytes + optional( rf_layer_list_bytes( s ) );
 }
 
+int rf_landings( const RfRenderSizes* s )
+{
+    int each = ( s->threads * LANDINGS_PER_THREAD + s->films - 1 ) / s->films, batches = rf_batches_wanted( s );
+    return s->of_estimator.landing > 0 && s->threads > 1 ? s->films * ( each < batches ? each : batches ) : 0;
+}
+
+static size_t landings_bytes( const RfRenderSizes* s )
+{
+    size_t count = (size_t)rf_landings( s );
+    return count > 0 ? rf_arena_size( count * sizeof( void* ) ) + count * rf_arena_size( s->of_estimator.landing ) : 0;
+}
+
 size_t rf_scratch_bytes( const RfRenderSizes* s )
 {
     size_t threads = (size_t)s->threads;
     return 2 * rf_arena_size( threads * sizeof( void* ) ) + optional( s->of_estimator.finish_scratch ) +
-           optional( s->of_estimator.shared ) +
+           optional( s->of_estimator.shared ) + landings_bytes( s ) +
            threads * ( rf_arena_size( s->of_estimator.trace_scratch ) + rf_arena_size( s->of_estimator.accumulate_scratch ) );
 }
 
@@ -189,7 +212,8 @@ size_t rf_records_bytes( const RfRenderSizes* s, int batches )
 int rf_batches_wanted( const RfRenderSizes* s )
 {
     int jobs = rf_batches_of_pass( s ), wanted = s->threads * BATCHES_PER_THREAD;
-    return s->of_estimator.whole_pass || jobs < wanted ? jobs : wanted;
+    int64_t all = (int64_t)jobs * ( s->threads > 1 ? s->passes : 1 );
+    return s->of_estimator.whole_pass ? jobs : all < wanted ? (int)all : wanted;
 }
 
 size_t rf_ring_bytes( const RfRenderSizes* s ) { return rf_arena_size( (size_t)s->ring * sizeof( RfFrameBuffer ) ); }

@@ -15,6 +15,7 @@ typedef struct RfRenderSizes
     int width, height;
     int eyes; // of a full group
     int threads;
+    int passes;           // of a full group that may be traced at once
     int films;            // frames whose films are held at once
     int buffers;          // finished frames held at once, if there is room
     int ring;             // and the size of the table of them
@@ -45,6 +46,10 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
 
 // Batches at once that keep all threads busy.
 int rf_batches_wanted( const RfRenderSizes* sizes );
+
+// What is kept at once of batches for frames (RfEstimator.land): of as many batches for each of `films` frames. One thread has no bands
+// to share it among.
+int rf_landings( const RfRenderSizes* sizes );
 
 // Batches of a pass of a full group.
 static inline int rf_batches_of_pass( const RfRenderSizes* sizes ) { return sizes->eyes * sizes->of_estimator.jobs; }

@@ -3,6 +3,7 @@
 
 #include "reuse/accumulate/accumulate.h"
 #include "reuse/accumulate/reprojection.h"
+#include "reuse/accumulate/splat.h"
 #include "reuse/harvest/connection_share.h"
 #include "reuse/harvest/glints.h"
 #include "reuse/harvest/harvest_steps.h"
@@ -37,6 +38,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .batch = header_bytes() + rf_batch_bytes( &shape ),
         .trace_scratch = rf_harvest_scratch_bytes( &shape ),
         .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
+        .landing = rf_keeps_landings( &shape ) ? rf_landing_bytes( shape.filtered ) : 0,
         .pass_state = shape.arrivals > 0 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
         .shared = shape.connections ? rf_light_paths_bytes( group ) + rf_connection_share_bytes( group ) : 0,
         .whole_pass = shape.arrivals > 0,
@@ -100,6 +102,11 @@ static uint64_t accumulate( const RfEstimatorGroup* group, RfAccumulateJob job, 
                             void* scratch )
 {
     return rf_accumulate_rows( group, job, batches, batch_count, scratch );
+}
+
+static void land( const RfEstimatorGroup* group, RfAccumulateJob job, const void* batch, void* scratch, void* landing )
+{
+    rf_land_batch( group, job, batch, scratch, landing );
 }
 
 // Camera rays that hit something but have no record: they are listed behind those that missed.
@@ -180,6 +187,8 @@ const RfEstimator rf_reuse_estimator = {
     .is_traced = is_traced,
     .first_hits = first_hits,
     .accumulate = accumulate,
+    .land = land,
+    .add_landings = rf_add_landings,
     .add_own_shares = add_own_shares,
     .count_samples = count_samples,
     .add_glints = add_glints,

@@ -44,6 +44,7 @@ static void assert_same_frames( const Rendered* a, int first_a, const Rendered* 
 {
     assert_memory_equal( frame_rgb( a, first_a ), frame_rgb( b, first_b ), 3 * a->pixels * (size_t)count * sizeof( float ) );
     assert_memory_equal( frame_weight( a, first_a ), frame_weight( b, first_b ), a->pixels * (size_t)count * sizeof( float ) );
+    assert_memory_equal( a->relmse_estimate + first_a, b->relmse_estimate + first_b, (size_t)count * sizeof( double ) );
 }
 
 static void check_plain( RfScene scene, int light_samples, int max_depth )
@@ -157,9 +158,10 @@ static void test_threads_and_runs( void** state )
             settings.tile = tile_of( w == 0 ? "3x3" : w == 1 ? "1" : "rooks9" );
             Twice t;
             begin( &t, &settings );
-            for ( int threads = 1; threads <= 3; threads += group > 0 ? 1 : 2 )
+            static const int threads[] = { 1, 2, 3, 5, 16 }; // more than there are cores or batches, too
+            for ( int k = 0; k < 5; ++k )
             {
-                settings.threads = threads;
+                settings.threads = threads[k];
                 Rendered again = render_all( t.tracer, t.eyes, EYES, &settings );
                 assert_same_frames( &t.whole, 0, &again, 0, EYES );
                 free_rendered( &again );

@@ -1,6 +1,8 @@
 // Runs the pilot, decides by its variances and costs which pixels pay, and renders their extra samples.
 #include "render/adaptive/adaptive.h"
 
+#include "render/accumulation.h"
+
 #include "base/random.h"
 #include "base/system.h"
 #include "render/adaptive/glints.h"
@@ -20,18 +22,8 @@ static double extra_worth( const RfRenderer* r )
 // Adds the first `count` batches, of one frame alone, to its film.
 static void accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, int count )
 {
-    int bands = 2 * r->setup->settings.threads < r->setup->sizes.height ? 2 * r->setup->settings.threads : r->setup->sizes.height;
-#pragma omp parallel for num_threads( r->setup->settings.threads ) schedule( dynamic, 1 )
-    for ( int band = 0; band < bands; ++band )
-    {
-        rf_set_float_mode();
-        RfAccumulateJob job = rf_accumulate_job( r, live, pass, band, bands );
-        job.weight *= pass->group->filter != NULL ? (float)extra_worth( r ) : 1.0f;
-        void* scratch = r->memory.accumulate_scratch[omp_get_thread_num()];
-        uint64_t landed = r->setup->settings.estimator->accumulate( pass->group, job, r->memory.batches, count, scratch );
-#pragma omp atomic
-        live->films[0].landed += landed;
-    }
+    float worth = pass->group->filter != NULL ? (float)extra_worth( r ) : 1.0f;
+    rf_accumulate_batches( r, pass, ( RfFilmRange ){ live, 1 }, worth, 0, count );
 }
 
 // The noise of materials.

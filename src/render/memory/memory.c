@@ -174,6 +174,9 @@ static RfResult alloc_scratch( const RfEstimatorGroup* group, const RfRenderSize
         s->estimator->lay_out_scratch( group, m->trace_scratch[t] );
     if ( result == RF_OK )
         result = alloc_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, &m->accumulate_scratch, error );
+    m->landing_slots = rf_landings( s );
+    if ( result == RF_OK && m->landing_slots > 0 )
+        result = alloc_blocks( m, "scratch", m->landing_slots, s->of_estimator.landing, &m->landings, error );
     if ( result == RF_OK && s->of_estimator.finish_scratch > 0 )
         result = rf_arena_alloc( &m->arena, "scratch", s->of_estimator.finish_scratch, &m->finish_scratch, error );
     if ( result == RF_OK && s->of_estimator.shared > 0 )
@@ -298,6 +301,7 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
     rf_arena_free( &m->arena, "image", m->buffers, (size_t)s->ring * sizeof *m->buffers );
     free_blocks( m, "scratch", s->threads, s->of_estimator.trace_scratch, m->trace_scratch );
     free_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, m->accumulate_scratch );
+    free_blocks( m, "scratch", m->landing_slots, s->of_estimator.landing, m->landings );
     rf_arena_free( &m->arena, "scratch", m->finish_scratch, s->of_estimator.finish_scratch );
     rf_arena_free( &m->arena, SHARED, m->shared, s->of_estimator.shared );
     free_blocks( m, "hit records", m->batch_slots, s->of_estimator.batch, m->batches );

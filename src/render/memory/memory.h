@@ -30,8 +30,10 @@ typedef struct RfRenderMemory
     bool has_moving;           // likewise those of what moves
     void** trace_scratch;      // per thread
     void** accumulate_scratch; // per thread
-    void* finish_scratch;      // NULL: none
-    void* shared;              // by the batches of a pass; NULL: nothing is
+    void** landings;           // of batches in frames; NULL: none
+    int landing_slots;
+    void* finish_scratch; // NULL: none
+    void* shared;         // by the batches of a pass; NULL: nothing is
     void** batches;
     int batch_slots;
     RfLiveFilm* films;

@@ -1,5 +1,4 @@
-// Adds hit records to a film: projects them to the frame's camera, weights them (E1), evaluates glossy hits, and adds each to
-// its pixel, or to the pixels around it by a pixel filter.
+// Adds hit records to a film: projects them to the frame's camera, weights them (E1) and evaluates glossy hits.
 #include "reuse/accumulate/accumulate.h"
 
 #include "base/fault.h"
@@ -8,294 +7,11 @@
 #include "reuse/accumulate/covering.h"
 #include "reuse/accumulate/pass_light.h"
 #include "reuse/accumulate/reprojection.h"
+#include "reuse/accumulate/splat.h"
 #include "reuse/harvest/harvest.h"
 #include "scene/lens.h"
 
 #include <string.h>
-
-typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
-
-// Only pixels [low, end) belong to this job.
-typedef struct PixelRange
-{
-    float* film;    // 4 per pixel, as in the next two
-    float* glints;  // what glints are added to: the film, or its sums of own-frame light
-    float* counted; // whose weights count the samples of the frame itself; NULL: none
-    int32_t low, end;
-    float* sky; // weight of the camera rays that missed, 1 per pixel; NULL: not asked for
-} PixelRange;
-
-// film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
-// the stack and stall on it.
-static inline void add_to_pixel( float* film, float ratio, const float* value )
-{
-    Float4 v, sum;
-    memcpy( &v, value, sizeof v );
-    memcpy( &sum, film, sizeof sum );
-    sum += v * ratio;
-    memcpy( film, &sum, sizeof sum );
-}
-
-// splat_diffuse for batches with views, whose ways to the camera have filters.
-static uint64_t splat_filtered( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
-{
-    uint64_t landed = 0;
-    for ( int i = 0; i < batch->first[RF_BSDF_FIRST_GLOSSY]; ++i )
-    {
-        int32_t pixel = s->pixel[i];
-        if ( !( s->ratio[i] > 0.0f ) || pixel < range.low || pixel >= range.end )
-            continue;
-        const float* value = batch->radiance + 4 * i;
-        float filtered[4] = { value[0] * s->filter[0][i], value[1] * s->filter[1][i], value[2] * s->filter[2][i], 1.0f };
-        add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], filtered );
-        ++landed;
-    }
-    return landed;
-}
-
-// Hits, by the pixels, ratios and filters of the scratch; glossy ones with its sums. Return how many landed.
-static uint64_t splat_diffuse( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
-{
-    if ( rf_has_views( batch ) )
-        return splat_filtered( batch, s, range );
-    uint64_t landed = 0;
-    int count = batch->first[RF_BSDF_FIRST_GLOSSY];
-    for ( int i = 0; i < count; ++i )
-    {
-        int32_t pixel = s->pixel[i];
-        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
-        {
-            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], batch->radiance + 4 * i );
-            ++landed;
-        }
-    }
-    return landed;
-}
-
-static uint64_t splat_glossy( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range )
-{
-    uint64_t landed = 0;
-    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
-    for ( int i = first; i < batch->count; ++i )
-    {
-        int32_t pixel = s->pixel[i];
-        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
-        {
-            float value[4] = { s->sum[0][i - first], s->sum[1][i - first], s->sum[2][i - first], 1.0f };
-            for ( int c = 0; c < 3 && rf_has_views( batch ); ++c )
-                value[c] *= s->filter[c][i];
-            add_to_pixel( range.film + 4 * (size_t)pixel, s->ratio[i], value );
-            ++landed;
-        }
-    }
-    return landed;
-}
-
-static void splat_sky( const RfHitBatch* batch, float weight, PixelRange range )
-{
-    for ( int i = 0; i < batch->sky_count; ++i )
-    {
-        int32_t pixel = rf_miss_pixel( batch )[i];
-        if ( pixel >= range.low && pixel < range.end )
-            range.sky[pixel] += weight;
-    }
-}
-
-// Misses and specular hits: weight 1 in their own frame, 0 elsewhere. Returns how many landed.
-static uint64_t splat_misses( const RfHitBatch* batch, bool black, float weight, PixelRange range )
-{
-    if ( range.sky != NULL )
-        splat_sky( batch, weight, range );
-    uint64_t landed = 0;
-    for ( int i = 0; i < batch->miss_count; ++i )
-    {
-        int32_t pixel = rf_miss_pixel( batch )[i];
-        if ( pixel >= range.low && pixel < range.end )
-        {
-            if ( black )
-                range.film[4 * (size_t)pixel + 3] += weight;
-            else
-                add_to_pixel( range.film + 4 * (size_t)pixel, weight, rf_miss_radiance( batch ) + 4 * (size_t)i );
-            ++landed;
-        }
-    }
-    return landed;
-}
-
-// Glints: radiance without a sample of its own.
-static void splat_glints( const RfHitBatch* batch, float weight, PixelRange range )
-{
-    for ( int i = 0; i < batch->glint_count; ++i )
-    {
-        int32_t pixel = rf_glint_pixel( batch )[i];
-        if ( pixel >= range.low && pixel < range.end )
-            add_to_pixel( range.glints + 4 * (size_t)pixel, weight, rf_glint_radiance( batch ) + 4 * (size_t)i );
-    }
-}
-
-// Bᵒ: hits and misses in their own frame, with weight 1 whatever others see of them.
-static void count_own( const RfHitBatch* batch, float weight, PixelRange range )
-{
-    for ( int i = 0; i < batch->count + batch->miss_count; ++i )
-    {
-        int32_t pixel = batch->pixel[i];
-        if ( pixel >= range.low && pixel < range.end )
-            range.counted[4 * (size_t)pixel + 3] += weight;
-    }
-}
-
-// Count the samples that land in each pixel.
-static void count_landed( const RfHitBatch* batch, const RfAccumulateScratch* s, PixelRange range, uint32_t* landed )
-{
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        int32_t pixel = s->pixel[i];
-        if ( s->ratio[i] > 0.0f && pixel >= range.low && pixel < range.end )
-            landed[pixel] += 1;
-    }
-}
-
-static void count_misses( const RfHitBatch* batch, PixelRange range, uint32_t* landed )
-{
-    for ( int i = 0; i < batch->miss_count; ++i )
-    {
-        int32_t pixel = rf_miss_pixel( batch )[i];
-        if ( pixel >= range.low && pixel < range.end )
-            landed[pixel] += 1;
-    }
-}
-
-// Where samples go with a pixel filter.
-typedef struct Spread
-{
-    const RfPixelFilter* filter;
-    PixelRange range;
-    int width, height; // of the film
-} Spread;
-
-// The pixels of the range that a sample counts in, and how much.
-typedef struct Footprint
-{
-    int left, columns; // the first one, and how many
-    int top, rows;
-    float across[RF_FILTER_TAPS]; // by column
-    float down[RF_FILTER_TAPS];   // by row
-    bool in_range;                // the sample's own pixel
-} Footprint;
-
-// Of `reach` pixels around q those within [low, end).
-static int clip_footprint( int q, int reach, int low, int end, float* weights, int* count )
-{
-    int first = q - reach > low ? q - reach : low, last = q + reach < end - 1 ? q + reach : end - 1;
-    int skipped = first - ( q - reach );
-    *count = last - first + 1;
-    for ( int k = 0; k < *count && skipped > 0; ++k )
-        weights[k] = weights[k + skipped];
-    return first;
-}
-
-// False where no pixel of the range is in reach.
-static bool find_footprint( const Spread* s, int32_t pixel, float u, float v, Footprint* f )
-{
-    int reach = s->filter->reach, y = pixel / s->width, x = pixel - y * s->width;
-    int low = s->range.low / s->width, end = s->range.end / s->width;
-    if ( y + reach < low || y - reach >= end )
-        return false;
-    rf_filter_weights( s->filter, x, u, s->width, f->across );
-    rf_filter_weights( s->filter, y, v, s->height, f->down );
-    f->left = clip_footprint( x, reach, 0, s->width, f->across, &f->columns );
-    f->top = clip_footprint( y, reach, low, end, f->down, &f->rows );
-    f->in_range = y >= low && y < end;
-    return true;
-}
-
-// sums += weight · (value, 1) in each pixel.
-static void add_to_footprint( const Spread* s, const Footprint* f, float weight, const float* value, float* sums )
-{
-    Float4 v;
-    memcpy( &v, value, sizeof v );
-    v *= weight;
-    for ( int row = 0; row < f->rows; ++row )
-    {
-        float* film = sums + 4 * ( (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left );
-        Float4 of_row = v * f->down[row];
-        for ( int k = 0; k < f->columns; ++k )
-        {
-            Float4 sum;
-            memcpy( &sum, film + 4 * k, sizeof sum );
-            sum += of_row * f->across[k];
-            memcpy( film + 4 * k, &sum, sizeof sum );
-        }
-    }
-}
-
-static void add_sky_to_footprint( const Spread* s, const Footprint* f, float weight )
-{
-    for ( int row = 0; row < f->rows; ++row )
-    {
-        float* sky = s->range.sky + (size_t)( f->top + row ) * (size_t)s->width + (size_t)f->left;
-        for ( int k = 0; k < f->columns; ++k )
-            sky[k] += weight * f->down[row] * f->across[k];
-    }
-}
-
-// Hits, by the pixels, offsets, ratios and filters of the scratch; glossy ones with its sums. Returns how many landed in the
-// range itself.
-static uint64_t spread_hits( const RfHitBatch* batch, const RfAccumulateScratch* scratch, Spread s )
-{
-    uint64_t landed = 0;
-    int first_glossy = batch->first[RF_BSDF_FIRST_GLOSSY];
-    Footprint f;
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        if ( !( scratch->ratio[i] > 0.0f ) ||
-             !find_footprint( &s, scratch->pixel[i], scratch->offset[0][i], scratch->offset[1][i], &f ) )
-            continue;
-        float value[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
-        for ( int c = 0; c < 3; ++c )
-        {
-            value[c] = i < first_glossy ? batch->radiance[4 * i + c] : scratch->sum[c][i - first_glossy];
-            value[c] *= batch->has_views ? scratch->filter[c][i] : 1.0f;
-        }
-        add_to_footprint( &s, &f, scratch->ratio[i], value, s.range.film );
-        landed += f.in_range;
-    }
-    return landed;
-}
-
-static const float only_weight[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
-
-// count_own with a pixel filter.
-static void spread_own_count( const RfHitBatch* batch, float weight, Spread s )
-{
-    Footprint f;
-    for ( int i = 0; i < batch->count + batch->miss_count; ++i )
-    {
-        if ( find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
-            add_to_footprint( &s, &f, weight, only_weight, s.range.counted );
-    }
-}
-
-// Misses and specular hits, with weight 1 in their own frame, and glints. Returns how many but glints landed in the range.
-static uint64_t spread_own_frame( const RfHitBatch* batch, bool black, float weight, Spread s )
-{
-    uint64_t landed = 0;
-    int others = batch->miss_count + batch->glint_count;
-    Footprint f;
-    for ( int k = 0; k < others; ++k )
-    {
-        int i = batch->count + k;
-        if ( !find_footprint( &s, batch->pixel[i], batch->offset[0][i], batch->offset[1][i], &f ) )
-            continue;
-        bool miss = k < batch->miss_count;
-        add_to_footprint( &s, &f, weight, black && miss ? only_weight : batch->radiance + 4 * (size_t)i,
-                          miss ? s.range.film : s.range.glints );
-        if ( s.range.sky != NULL && k < batch->sky_count )
-            add_sky_to_footprint( &s, &f, weight );
-        landed += miss && f.in_range;
-    }
-    return landed;
-}
 
 // Pixels of the hits at a camera, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
 static void reprojection_weights( const RfAccumulation* a, int eye_index, const RfHitBatch* batch, RfAccumulateScratch* scratch )
@@ -480,7 +196,7 @@ static bool reaches_rows( const RfAccumulation* a, const RfHitBatch* batch, RfAc
 }
 
 // For RF_WEIGHTS_EQ15: which cameras' hits landed in each pixel of the job's rows.
-static void note_landed_eyes( const RfAccumulation* a, RfAccumulateJob job, PixelRange range, RfAccumulateScratch* s )
+static void note_landed_eyes( const RfAccumulation* a, RfAccumulateJob job, RfPixelRange range, RfAccumulateScratch* s )
 {
     for ( int k = 0; k < a->batch_count; ++k )
     {
@@ -492,41 +208,12 @@ static void note_landed_eyes( const RfAccumulation* a, RfAccumulateJob job, Pixe
     }
 }
 
-// Spreads the samples of a batch by the pixel filter.
-static uint64_t spread( const RfAccumulation* a, int eye, const RfHitBatch* batch, PixelRange range,
-                        const RfAccumulateScratch* scratch )
-{
-    Spread s = { .filter = a->filter, .range = range, .width = a->eyes[eye].width, .height = a->eyes[eye].height };
-    uint64_t landed = spread_hits( batch, scratch, s );
-    if ( eye != batch->eye )
-        return landed;
-    if ( range.counted != NULL )
-        spread_own_count( batch, a->weight, s );
-    return landed + spread_own_frame( batch, !a->shape.own_frame_light, a->weight, s );
-}
-
-// Adds each sample of a batch to its own pixel.
-static uint64_t splat( const RfAccumulation* a, int eye, const RfHitBatch* batch, PixelRange range,
-                       const RfAccumulateScratch* scratch )
-{
-    uint64_t landed = splat_diffuse( batch, scratch, range );
-    if ( rf_glossy_count( batch ) > 0 )
-        landed += splat_glossy( batch, scratch, range );
-    if ( eye != batch->eye )
-        return landed;
-    landed += splat_misses( batch, !a->shape.own_frame_light, a->weight, range );
-    splat_glints( batch, a->weight, range );
-    if ( range.counted != NULL )
-        count_own( batch, a->weight, range );
-    return landed;
-}
-
 // The pixels of a job in one of its films. Where own-frame light has sums of its own, they get the glints of groups and the count of
 // own samples, but not extra ones.
-static PixelRange find_range( const RfAccumulation* a, RfAccumulateJob job, const RfFilm* film, int width )
+static RfPixelRange find_range( const RfAccumulation* a, RfAccumulateJob job, const RfFilm* film, int width )
 {
     float *half = film->half[job.half], *own = rf_film_own( film, job.half );
-    return ( PixelRange ){
+    return ( RfPixelRange ){
         .film = half,
         .glints = own != NULL && a->shape.own_light ? own : half,
         .counted = a->extra ? NULL : own,
@@ -539,7 +226,7 @@ static PixelRange find_range( const RfAccumulation* a, RfAccumulateJob job, cons
 // Adds what is taken out to a film of its own, whose weights do not matter. Caustics count in their own frame alone.
 static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
-    PixelRange range = find_range( a, job, job.films + 1, a->eyes[job.eye].width );
+    RfPixelRange range = find_range( a, job, job.films + 1, a->eyes[job.eye].width );
     RfHitBatch removed = *batch;
     bool clamped = a->shape.clamped;
     if ( !clamped && job.eye != batch->eye )
@@ -554,10 +241,7 @@ static void add_removed( const RfAccumulation* a, RfAccumulateJob job, const RfH
         light_glossy( a, job.eye, &removed, &light, scratch );
     for ( int c = 0; c < 3 && !clamped; ++c )
         memset( scratch->sum[c], 0, (size_t)rf_glossy_count( batch ) * sizeof( float ) );
-    if ( rf_has_filter( a->filter ) )
-        spread( a, job.eye, &removed, range, scratch );
-    else
-        splat( a, job.eye, &removed, range, scratch );
+    rf_splat( a, job.eye, &removed, range, scratch );
 }
 
 // The light of each group, by base part: s->lit.
@@ -640,15 +324,12 @@ static void add_groups( const RfAccumulation* a, RfAccumulateJob job, const RfHi
     {
         RfHitBatch of_group = *batch;
         of_group.radiance = (float*)(uintptr_t)scratch->lit[base];
-        PixelRange range = find_range( a, job, job.groups + rf_group_of_part( base, count ), a->eyes[job.eye].width );
+        RfPixelRange range = find_range( a, job, job.groups + rf_group_of_part( base, count ), a->eyes[job.eye].width );
         range.counted = NULL;
         range.sky = NULL;
         if ( rf_glossy_count( batch ) > 0 )
             memcpy( scratch->sum, scratch->sums[base], sizeof scratch->sum );
-        if ( rf_has_filter( a->filter ) )
-            spread( a, job.eye, &of_group, range, scratch );
-        else
-            splat( a, job.eye, &of_group, range, scratch );
+        rf_splat( a, job.eye, &of_group, range, scratch );
     }
 }
 
@@ -701,19 +382,16 @@ static void add_passes( const RfAccumulation* a, RfAccumulateJob job, const RfHi
         if ( ( a->passes & RF_AOV_BIT( pass ) ) == 0 )
             continue;
         RfHitBatch of_pass = *given;
-        PixelRange range = find_range( a, job, film++, a->eyes[job.eye].width );
+        RfPixelRange range = find_range( a, job, film++, a->eyes[job.eye].width );
         range.counted = NULL;
         range.sky = NULL;
         rf_light_pass( lit, pass, s );
         of_pass.radiance = s->pass;
-        if ( rf_has_filter( a->filter ) )
-            spread( a, job.eye, &of_pass, range, s );
-        else
-            splat( a, job.eye, &of_pass, range, s );
+        rf_splat( a, job.eye, &of_pass, range, s );
     }
 }
 
-static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* given, PixelRange range,
+static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* given, RfPixelRange range,
                            RfAccumulateScratch* scratch )
 {
     RfHitBatch lit = *given, *batch = &lit;
@@ -729,8 +407,7 @@ static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const R
         light_glossy_groups( a, job.eye, given, &light, scratch );
     else if ( rf_glossy_count( batch ) > 0 )
         light_glossy( a, job.eye, batch, &light, scratch );
-    uint64_t landed =
-        rf_has_filter( a->filter ) ? spread( a, job.eye, batch, range, scratch ) : splat( a, job.eye, batch, range, scratch );
+    uint64_t landed = rf_splat( a, job.eye, batch, range, scratch );
     if ( job.covering != NULL )
         rf_cover_rows( a, job, batch, scratch );
     if ( job.passes != NULL )
@@ -740,16 +417,15 @@ static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const R
     if ( batch->removed != NULL && batch->any_removed )
         add_removed( a, job, given, scratch );
     if ( job.landed != NULL )
-        count_landed( batch, scratch, range, job.landed );
+        rf_count_landed( batch, scratch, range, job.landed );
     if ( job.landed != NULL && job.eye == batch->eye )
-        count_misses( batch, range, job.landed );
+        rf_count_misses( batch, range, job.landed );
     return landed;
 }
 
-uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
-                             RfAccumulateScratch* scratch )
+static RfAccumulation make_accumulation( const RfEstimatorGroup* group, RfAccumulateJob job )
 {
-    RfAccumulation a = {
+    return ( RfAccumulation ){
         .eyes = group->eyes,
         .mirrors = rf_tracer_mirrors( group->tracer ),
         .shape = rf_batch_shape( group ),
@@ -759,10 +435,16 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
         .passes = group->settings->aovs,
         .weight = job.weight,
         .lights = rf_tracer_lights( group->tracers != NULL ? group->tracers[job.eye] : group->tracer ),
-        .batches = batches,
-        .batch_count = batch_count,
     };
-    PixelRange range = find_range( &a, job, job.films, group->width );
+}
+
+uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
+                             RfAccumulateScratch* scratch )
+{
+    RfAccumulation a = make_accumulation( group, job );
+    a.batches = batches;
+    a.batch_count = batch_count;
+    RfPixelRange range = find_range( &a, job, job.films, group->width );
     if ( a.shape.arrivals > 0 )
         note_landed_eyes( &a, job, range, scratch );
     uint64_t landed = 0;
@@ -771,6 +453,48 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
         const RfHitBatch* batch = batches[k];
         if ( reaches_rows( &a, batch, job ) )
             landed += add_batch( &a, job, batch, range, scratch );
+    }
+    return landed;
+}
+
+bool rf_keeps_landings( const RfBatchShape* shape )
+{
+    return shape->arrivals == 0 && shape->groups == 0 && !shape->passes && !shape->clamped && !shape->caustics &&
+           !rf_has_covering( shape );
+}
+
+void rf_land_batch( const RfEstimatorGroup* group, RfAccumulateJob job, const RfHitBatch* given, RfAccumulateScratch* scratch,
+                    void* landing )
+{
+    RfAccumulation a = make_accumulation( group, job );
+    RfLandedHits* hits = rf_lay_out_landing( landing, rf_has_filter( a.filter ) );
+    RfHitBatch lit = *given;
+    if ( !reaches_rows( &a, given, job ) )
+        return;
+    FrameLight light = find_light( &a, given, false );
+    lit.radiance = add_dimmed( &a, &light, given, scratch );
+    reproject( &a, job.eye, &lit, scratch );
+    if ( rf_glossy_count( &lit ) > 0 )
+        light_glossy( &a, job.eye, &lit, &light, scratch );
+    rf_keep_landing( &lit, scratch, hits );
+}
+
+uint64_t rf_add_landings( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, void* const* landings,
+                          int batch_count )
+{
+    RfAccumulation a = make_accumulation( group, job );
+    RfPixelRange range = find_range( &a, job, job.films, group->width );
+    uint64_t landed = 0;
+    for ( int k = 0; k < batch_count; ++k )
+    {
+        const RfHitBatch* batch = batches[k];
+        if ( !reaches_rows( &a, batch, job ) )
+            continue;
+        landed += rf_splat_landing( &a, job.eye, batch, landings[k], range );
+        if ( job.landed != NULL )
+            rf_count_landing( landings[k], range, job.landed );
+        if ( job.landed != NULL && job.eye == batch->eye )
+            rf_count_misses( batch, range, job.landed );
     }
     return landed;
 }

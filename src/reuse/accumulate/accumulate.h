@@ -70,4 +70,15 @@ static inline RfEye rf_eye_of( const RfAccumulation* a, int eye, const RfHitBatc
 uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch );
 
+// Can hits be projected once for all rows? Not where films of some of the light, or what covers pixels, want more of them.
+bool rf_keeps_landings( const RfBatchShape* shape );
+
+// Projects and lights the hits of a batch for a frame, whole, and keeps those that land (splat.h).
+void rf_land_batch( const RfEstimatorGroup* group, RfAccumulateJob job, const RfHitBatch* batch, RfAccumulateScratch* scratch,
+                    void* landing );
+
+// rf_accumulate_rows with what rf_land_batch kept of each batch.
+uint64_t rf_add_landings( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, void* const* landings,
+                          int batch_count );
+
 #endif
