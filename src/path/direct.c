@@ -463,13 +463,16 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
     RfPaneLanes panes = { .probability = scratch->pdf, .weight = { scratch->f[0], scratch->f[1], scratch->f[2] } };
-    if ( rf_tracer_has_panes( settings->tracer ) )
+    bool past_panes = rf_tracer_has_panes( settings->tracer );
+    if ( settings->occluders != NULL )
+        rf_trace_shadow_rays( settings->tracer, settings->occluders, kept, o, d, scratch->visible, past_panes ? &panes : NULL );
+    else if ( past_panes )
         rf_trace_segments_past_panes( settings->tracer, kept, o, d, scratch->visible, &panes );
     else
         rf_trace_segments( settings->tracer, kept, o, d, scratch->visible );
     if ( points.non_area_count > 0 && rf_has_sky( lights ) )
         look_up_sky( lights, &points, kept, out, scratch );
-    if ( rf_tracer_has_panes( settings->tracer ) )
+    if ( past_panes )
         dim_behind_panes( kept, &panes, out, scratch );
     if ( settings->own != NULL && settings->own->caustics )
         rf_find_lit_caustics( settings->own, vertices, out->touched );

@@ -5,6 +5,7 @@
 #define REFRAME_PATH_WAVEFRONT_H
 
 #include "path/own_light.h"
+#include "trace/occluders.h"
 
 #include <string.h>
 
@@ -63,6 +64,7 @@ typedef struct RfPathSettings
     int max_depth;     // path vertices after the camera, ≥ 1
     int light_samples; // K ≥ 1 per vertex
     RfLightSampling light_sampling;
+    RfOccluders* occluders;       // of the thread; NULL: none
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
     RfOwnLight* own; // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
     bool parts;      // keeps that of each part apart (light/light.h); else it is as in the tracer's frame

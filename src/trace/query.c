@@ -291,8 +291,45 @@ void rf_trace_nearest_through_panes( const RfTracer* tracer, int count, const fl
     trace_nearest( tracer, count, o, d, false, true, triangle, u, v, panes );
 }
 
-static void trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible,
-                            const RfPaneLanes* panes )
+// The segments of a packet that are listed from `first` on.
+static void gather_segments( struct RTCRay16* ray, int lanes, const float* const o[3], const float* const d[3],
+                             const int32_t* listed, float scale )
+{
+    for ( int i = 0; i < lanes; ++i )
+    {
+        int32_t from = listed[i];
+        ray->org_x[i] = scale * o[0][from];
+        ray->org_y[i] = scale * o[1][from];
+        ray->org_z[i] = scale * o[2][from];
+        ray->dir_x[i] = scale * d[0][from];
+        ray->dir_y[i] = scale * d[1][from];
+        ray->dir_z[i] = scale * d[2][from];
+    }
+    for ( int i = 0; i < RF_PACKET; ++i )
+        ray->tfar[i] = i < lanes ? 1.0f : NO_RAY;
+}
+
+static void scatter_panes( RfQuery* query, int lanes, const int32_t* to, const RfPaneLanes* panes )
+{
+    for ( int i = 0; i < lanes; ++i )
+    {
+        panes->probability[to[i]] = query->pane_probability[i];
+        for ( int c = 0; c < 3; ++c )
+            panes->weight[c][to[i]] = query->pane_weight[c][i];
+    }
+    if ( query->notes_first )
+    {
+        for ( int i = 0; i < lanes; ++i )
+            panes->first[to[i]] = query->first_pane[i];
+        reset_first( query );
+    }
+    if ( query->passed )
+        reset_panes( query );
+}
+
+// `listed`: which; NULL: the first `count`.
+static void trace_segments( const RfTracer* tracer, int count, const int32_t* listed, const float* const o[3],
+                            const float* const d[3], float* visible, const RfPaneLanes* panes )
 {
     RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
     begin_first( &query, panes );
@@ -302,28 +339,42 @@ static void trace_segments( const RfTracer* tracer, int count, const float* cons
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_origins( &ray, lanes, o, first, tracer->bvh.base.scale );
-        set_ray( &ray, lanes, d, first, tracer->bvh.base.scale, 1.0f );
+        if ( listed == NULL )
+        {
+            set_origins( &ray, lanes, o, first, tracer->bvh.base.scale );
+            set_ray( &ray, lanes, d, first, tracer->bvh.base.scale, 1.0f );
+        }
+        else
+            gather_segments( &ray, lanes, o, d, listed + first, tracer->bvh.base.scale );
         occlude_world( valid, &query, &ray );
         for ( int i = 0; i < lanes; ++i )
-            visible[first + i] = ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
+            visible[listed == NULL ? first + i : listed[first + i]] =
+                ray.tfar[i] < 0.0f ? 0.0f : query.transmittance[i]; // −inf if occluded
         reset_transmittance( tracer, &query );
-        if ( panes != NULL )
+        if ( panes != NULL && listed == NULL )
             take_panes( &query, lanes, first, panes );
-        if ( query.notes_first )
+        else if ( panes != NULL )
+            scatter_panes( &query, lanes, listed + first, panes );
+        if ( query.notes_first && listed == NULL )
             take_first( &query, lanes, first, panes );
     }
 }
 
 void rf_trace_segments( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float* visible )
 {
-    trace_segments( tracer, count, o, d, visible, NULL );
+    trace_segments( tracer, count, NULL, o, d, visible, NULL );
 }
 
 void rf_trace_segments_past_panes( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3],
                                    float* visible, const RfPaneLanes* panes )
 {
-    trace_segments( tracer, count, o, d, visible, panes );
+    trace_segments( tracer, count, NULL, o, d, visible, panes );
+}
+
+void rf_trace_listed_segments( const RfTracer* tracer, int count, const int32_t* listed, const float* const o[3],
+                               const float* const d[3], float* visible, const RfPaneLanes* panes )
+{
+    trace_segments( tracer, count, listed, o, d, visible, panes );
 }
 
 // Fills the segments of a packet; returns the number of lanes to test.
@@ -343,11 +394,43 @@ static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int la
     return tested;
 }
 
+static void clear_panes( int count, const RfPaneLanes* panes )
+{
+    for ( int i = 0; i < count; ++i )
+        panes->probability[i] = panes->weight[0][i] = panes->weight[1][i] = panes->weight[2][i] = 1.0f;
+    for ( int i = 0; i < count && panes->first != NULL; ++i )
+        panes->first[i] = RF_MISS;
+}
+
+// Fills a packet with the segments to the next points to test, from *at on. Returns how many.
+static int gather_points( struct RTCRay16* ray, RfVec3 origin, int count, const float* const point[3], const float* weight,
+                          float scale, int* at, int32_t to[RF_PACKET] )
+{
+    int lanes = 0, i = *at;
+    for ( ; i < count && lanes < RF_PACKET; ++i )
+    {
+        to[lanes] = i;
+        lanes += weight[i] > 0.0f;
+    }
+    *at = i;
+    for ( int k = 0; k < lanes; ++k )
+    {
+        ray->dir_x[k] = scale * ( point[0][to[k]] - origin.x );
+        ray->dir_y[k] = scale * ( point[1][to[k]] - origin.y );
+        ray->dir_z[k] = scale * ( point[2][to[k]] - origin.z );
+    }
+    for ( int k = 0; k < RF_PACKET; ++k )
+        ray->tfar[k] = k >= lanes ? NO_RAY : RF_FAULT( sides ) ? 0.9999f : 1.0f;
+    return lanes;
+}
+
+// Packets are filled with points that have a weight: Embree traces incoherent ones of less than 15 rays one by one. Coherent ones
+// share a traversal by their frustum. It shows the filter some hits several times, so what multiplies there must not be coherent.
 static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
                               const RfPaneLanes* panes )
 {
-    // although these rays are coherent, Embree's incoherent packet traversal is faster here
-    RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
+    bool coherent = panes == NULL && !tracer->bvh.blended;
+    RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, coherent, panes != NULL );
     begin_first( &query, panes );
     float scale = tracer->bvh.base.scale;
     _Alignas( 64 ) int valid[RF_PACKET];
@@ -359,28 +442,25 @@ static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, 
         ray.org_y[i] = scale * origin.y;
         ray.org_z[i] = scale * origin.z;
     }
-    int sum = 0;
-    for ( int first = 0; first < count; first += RF_PACKET )
+    if ( panes != NULL )
+        clear_panes( count, panes );
+    int sum = 0, lanes = RF_PACKET;
+    for ( int at = 0; at < count; sum += lanes )
     {
-        int lanes = set_valid( valid, first, count );
-        int tested = set_segments( &ray, valid, origin, lanes, point, first, scale, weight );
-        if ( tested > 0 )
+        int32_t to[RF_PACKET];
+        lanes = gather_points( &ray, origin, count, point, weight, scale, &at, to );
+        if ( lanes == 0 )
+            break;
+        set_valid( valid, 0, lanes );
+        occlude_world( valid, &query, &ray );
+        for ( int i = 0; i < lanes; ++i )
         {
-            for ( int i = 0; i < RF_PACKET; ++i )
-                ray.tfar[i] = valid[i] == 0 ? NO_RAY : RF_FAULT( sides ) ? 0.9999f : 1.0f;
-            occlude_world( valid, &query, &ray );
-            for ( int i = 0; i < lanes; ++i )
-            {
-                bool hidden = ray.tfar[i] < 0.0f && !RF_FAULT( occlusion ); // −inf
-                weight[first + i] = hidden ? 0.0f : weight[first + i] * query.transmittance[i];
-            }
-            reset_transmittance( tracer, &query );
-            sum += tested;
+            bool hidden = ray.tfar[i] < 0.0f && !RF_FAULT( occlusion ); // −inf
+            weight[to[i]] = hidden ? 0.0f : weight[to[i]] * query.transmittance[i];
         }
+        reset_transmittance( tracer, &query );
         if ( panes != NULL )
-            take_panes( &query, lanes, first, panes );
-        if ( query.notes_first )
-            take_first( &query, lanes, first, panes );
+            scatter_panes( &query, lanes, to, panes );
     }
     return sum;
 }

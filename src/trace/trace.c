@@ -99,6 +99,10 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out,
         result = build_bvh( tracer, error );
     if ( result == RF_OK )
         result = rf_fill_records( tracer, error );
+    if ( result == RF_OK )
+        tracer->occluders = rf_find_occluders( tracer );
+    if ( result == RF_OK && tracer->occluders == NULL )
+        result = rf_fail( error, RF_ERROR_MEMORY, "no memory for the largest occluders" );
     if ( result != RF_OK )
     {
         rf_destroy_tracer( tracer );
@@ -123,6 +127,7 @@ void rf_destroy_tracer( RfTracer* tracer )
     rf_destroy_mirrors( &tracer->mirrors );
     rtcReleaseDevice( tracer->device );
     rf_destroy_lights( &tracer->lights );
+    free( (void*)tracer->occluders );
     free( tracer->triangles );
     free( tracer );
 }

@@ -7,6 +7,7 @@
 #include "scene/chain_bounds.h"
 #include "scene/placement.h"
 #include "trace/bvh.h"
+#include "trace/occluders.h"
 #include "trace/trace.h"
 
 struct RfGhosts
@@ -29,8 +30,9 @@ struct RfTracer
     RfLights lights;
     RfMirrors mirrors;
     RfChainBounds chain_bounds;
-    RTCScene mirror_scene;       // the triangles of the mirrors alone; NULL: none
-    RfTriangleRecord* triangles; // `known`, owned
+    const RfOccluderList* occluders; // of what stands still; posed tracers share them
+    RTCScene mirror_scene;           // the triangles of the mirrors alone; NULL: none
+    RfTriangleRecord* triangles;     // `known`, owned
     bool textured;
     long bytes;
     char text[64];
@@ -42,6 +44,10 @@ static inline const char* rf_tracer_error( const RfTracer* tracer )
 {
     return tracer->still != NULL ? rf_tracer_error( tracer->still ) : tracer->message;
 }
+
+// As rf_trace_segments and rf_trace_segments_past_panes (trace/trace.h), of those segments that are listed; NULL: the first `count`.
+void rf_trace_listed_segments( const RfTracer* tracer, int count, const int32_t* listed, const float* const o[3],
+                               const float* const d[3], float* visible, const RfPaneLanes* panes );
 
 // Frees what a posed tracer does not share.
 void rf_destroy_posed_tracer( RfTracer* tracer );

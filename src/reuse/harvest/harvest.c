@@ -110,6 +110,7 @@ RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, R
 {
     RfHarvest at = *harvest;
     at.path.tracer = rf_harvest_tracer( harvest, eye );
+    at.path.occluders = &scratch->occluders;
     if ( !rf_is_blurred_shape( &harvest->shape ) )
         return at;
     for ( int l = 0; l < harvest->shape.eyes; ++l )

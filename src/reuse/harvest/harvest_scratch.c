@@ -92,6 +92,7 @@ size_t rf_harvest_scratch_bytes( const RfBatchShape* shape )
 RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory )
 {
     RfHarvestScratch* scratch = memory;
+    scratch->occluders = ( RfOccluders ){ .of = NULL };
     scratch->eyes = (RfEye*)(void*)( (char*)memory + scratch_struct_bytes() );
     char* tracers = (char*)memory + scratch_struct_bytes() + eyes_bytes( shape );
     scratch->tracers = shape->moments ? (const RfTracer**)(void*)tracers : NULL;

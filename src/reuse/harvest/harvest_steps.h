@@ -46,6 +46,7 @@ typedef struct RfOwnHits
 struct RfHarvestScratch
 {
     RfWavefront wavefront;
+    RfOccluders occluders; // learned from the thread's shadow rays
     RfRayLanes camera_rays;
     RfVertexLanes first;                // hits of the camera rays
     RfSurfaceLanes* surfaces;           // that these hit; NULL unless the shape has them
