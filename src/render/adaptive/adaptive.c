@@ -284,6 +284,19 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
     r->memory.noise_known = true;
 }
 
+// Sets a value of each pixel.
+static void fill( const RfRenderer* r, float value, float* pixels )
+{
+    size_t width = (size_t)r->setup->sizes.width;
+#pragma omp parallel for num_threads( r->setup->settings.threads ) schedule( static )
+    for ( int y = 0; y < r->setup->sizes.height; ++y )
+    {
+        rf_set_float_mode();
+        for ( size_t i = (size_t)y * width; i < ( (size_t)y + 1 ) * width; ++i )
+            pixels[i] = value;
+    }
+}
+
 // The pilot.
 
 #define PILOT_PASSES 2
@@ -343,8 +356,7 @@ static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* li
 {
     size_t pixels = (size_t)r->setup->sizes.width * (size_t)r->setup->sizes.height;
     float *drawn = live->films[0].extra[0], *samples = live->films[0].extra[1];
-    for ( size_t i = 0; i < pixels; ++i )
-        drawn[i] = (float)fmax( LOOK_SHARE, LOOK_PIXELS / (double)pixels );
+    fill( r, (float)fmax( LOOK_SHARE, LOOK_PIXELS / (double)pixels ), drawn );
     group.need = drawn;
     run_pilot_pass( r, &group, PILOT_PASSES, live, samples );
     RfPilotSums sums = { .share = live->need,
@@ -356,7 +368,7 @@ static bool look_for_gain( RfRenderer* r, RfEstimatorGroup group, RfLiveFilm* li
                          .wary = true,
                          .worth = extra_worth( r ) };
     bool pays = rf_extra_may_pay( &sums );
-    memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
+    fill( r, 0.0f, live->need );
     rf_clear_film( live->films );
     return pays;
 }
@@ -382,7 +394,7 @@ static void find_need( RfRenderer* r, RfLiveFilm* live )
 
 void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
 {
-    memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
+    fill( r, 0.0f, live->need );
     live->most_need = 0.0f;
     if ( r->setup->plan.eyes > 1 )
     {
