@@ -424,13 +424,12 @@ static int gather_points( struct RTCRay16* ray, RfVec3 origin, int count, const 
     return lanes;
 }
 
-// Packets are filled with points that have a weight: Embree traces incoherent ones of less than 15 rays one by one. Coherent ones
-// share a traversal by their frustum. It shows the filter some hits several times, so what multiplies there must not be coherent.
+// Packets are filled with points that have a weight: Embree traces those of less than 15 rays one by one. They are not coherent ones to
+// Embree: its traversal by a frustum shows the filter some hits several times, and with instances it may not end.
 static int trace_from_origin( const RfTracer* tracer, RfVec3 origin, int count, const float* const point[3], float* weight,
                               const RfPaneLanes* panes )
 {
-    bool coherent = panes == NULL && !tracer->bvh.blended;
-    RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, coherent, panes != NULL );
+    RfQuery query = begin_query( tracer, RF_QUERY_SEGMENTS, false, panes != NULL );
     begin_first( &query, panes );
     float scale = tracer->bvh.base.scale;
     _Alignas( 64 ) int valid[RF_PACKET];

@@ -1,4 +1,4 @@
-// Shadow rays with occluders that are learned on the way, and segments from a common origin in full coherent packets: both find just
+// Shadow rays with occluders that are learned on the way, and segments from a common origin in full packets: both find just
 // what segments traced in the order they come do, with masked and blended surfaces, panes and what moves as well.
 #include "base/random.h"
 #include "render/worlds.h"
