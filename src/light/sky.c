@@ -260,8 +260,13 @@ static bool make_tables( RfSky* sky, const RfEnvironment* e )
         return false;
     for ( int y = 0; y <= e->height; ++y )
         sky->row_cosine[y] = cos( (double)y / e->height * 3.14159265358979324 );
+    // in directions of the map, whatever its rotation, which may change
+    sky->cos_rotation = 1.0f;
+    sky->sin_rotation = 0.0f;
     if ( !fill_cells( sky, e ) )
         return false;
+    sky->cos_rotation = cosf( e->rotation );
+    sky->sin_rotation = sinf( e->rotation );
     sky->mean_luminance = sky->total[RF_SKY_SPHERE] * 0.25f * RF_INV_PI;
     sky->luminance_moment = luminance_moment( sky, e );
     return true;
@@ -275,8 +280,6 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
     sky->mean_luminance = rf_luminance( e->radiance );
     sky->cos_rotation = cosf( e->rotation );
     sky->sin_rotation = sinf( e->rotation );
-    sky->made_cos = sky->cos_rotation;
-    sky->made_sin = sky->sin_rotation;
     if ( e->map != NULL && !make_tables( sky, e ) )
     {
         rf_destroy_sky( sky );
@@ -354,9 +357,8 @@ typedef struct Lobes
 
 static Lobes find_lobes( const RfSky* sky, RfVec3 n )
 {
-    // as the map has turned since the tables were made
-    float c = sky->cos_rotation * sky->made_cos + sky->sin_rotation * sky->made_sin,
-          s = sky->sin_rotation * sky->made_cos - sky->cos_rotation * sky->made_sin;
+    // in directions of the map
+    float c = sky->cos_rotation, s = sky->sin_rotation;
     float x = n.x * c - n.z * s, z = n.x * s + n.z * c;
     Lobes lobes = { .of = { x < 0.0f, 2 + ( n.y < 0.0f ), 4 + ( z < 0.0f ) },
                     .weight = { fabsf( x ), fabsf( n.y ), fabsf( z ) } };

@@ -25,8 +25,7 @@ typedef struct RfSky
     float cos_rotation, sin_rotation;
     float mean_luminance;    // over the sphere, W/(m² sr)
     RfVec3 luminance_moment; // mean of luminance times direction over the sphere, W/(m² sr)
-    // of a map, as it was turned when they were made:
-    float made_cos, made_sin;
+    // of a map, in its own directions, before it is turned:
     double* row_cosine;                // height + 1 cosines with +y: of the upper ends of the rows, and of the lowest end
     int column_bits, row_bits;         // a cell has 2^column_bits × 2^row_bits pixels, of which some may lie outside of the map
     int cells_across, cells;           // cells in a row of them, and in all
