@@ -14,7 +14,7 @@ static double f1_squared_of( const RfPairNow* pair, double end, double shared, d
 }
 
 // (E13) with the passes to come: those of both frames make errors and their product smaller, those of the later frame alone
-// are independent of what the earlier one has.
+// are taken as independent of what the earlier one has.
 double rf_final_flicker( const RfStopRule* rule, const RfPairNow* pair )
 {
     const RfFrameNoise *before = pair->before, *now = pair->now;
@@ -26,7 +26,8 @@ double rf_final_flicker( const RfStopRule* rule, const RfPairNow* pair )
     double rate = before->weight / ( whole - both ); // passes of a share so far
     double end = before->weight + rate * both, shared = now->weight + rate * both, now_end = shared + rate * alone;
     double planned = f1_squared_of( pair, end, shared, now_end );
-    return fmax( fmax( planned, f1_squared_of( pair, end, shared, now_end + pair->spare ) ), 0.0 ) * end;
+    return isnan( planned ) ? planned
+                            : fmax( fmax( planned, f1_squared_of( pair, end, shared, now_end + pair->spare ) ), 0.0 ) * end;
 }
 
 // The passes of the later frame are spread unevenly where there are few, and follow what other frames need.

@@ -37,7 +37,7 @@ typedef struct RfPairNow
 } RfPairNow;
 
 // The likely F1² of the finished pair, times the weight of the earlier frame: falls as 1 over that weight. With `spare` it
-// is the larger one of those with and without.
+// is the larger one of those with and without. NaN: the flicker is not known.
 double rf_final_flicker( const RfStopRule* rule, const RfPairNow* pair );
 
 // The same to stop by, with doubts and the passes that the later frame may get beyond what is planned (pair->spare is set).

@@ -218,14 +218,17 @@ static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done,
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
 }
 
-// A frame that ends here with a half of its film empty.
+// A frame that ends here with a half of its film empty, or whose flicker is unknown as the film of the next one has an empty half.
 static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int done )
 {
     for ( int i = 0; i < look->count; ++i )
     {
-        int first, last;
+        int first, last, passes = look->frames[i].passes;
         rf_groups_of_frame( &stop->rule.plan, look->frames[i].frame, &first, &last );
-        if ( last == look->group && look->frames[i].passes + done - look->done < LEAST_PASSES )
+        bool paired = stop->rule.goals.flicker > 0.0 && i + 1 < look->count &&
+                      look->frames[i + 1].frame == look->frames[i].frame + 1 && look->frames[i + 1].passes < passes;
+        passes = paired ? look->frames[i + 1].passes : passes;
+        if ( last == look->group && passes + done - look->done < LEAST_PASSES )
             return true;
     }
     return false;
