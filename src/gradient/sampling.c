@@ -354,6 +354,7 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
         find_sources( batch, scratch );
         at.path_source = scratch->source;
     }
+    scratch->harvest->wavefront.lattice.vertex = 0;
     set_tile_keys( key, count, scratch );
     find_hits( &at, group->filter, count, scratch, rays );
     set_path_keys( key, group, batch, scratch );

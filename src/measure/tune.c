@@ -40,7 +40,7 @@ typedef struct TuneWork
 
 // Plans the rounds. Decisions depend on the arguments only, not on a clock.
 
-#define REGION_FRAMES 7   // approximately, for trying small groups
+#define REGION_FRAMES 7   // at least
 #define MIN_PIXELS 2500.0 // four pieces, and what is traced around them
 #define MAX_REGIONS 24
 
@@ -52,20 +52,20 @@ static const int s_passes[RF_TUNE_ROUNDS] = { 2, 4, 4, 4 };
 #define FEW 4    // with this many settings left, a round may use all the remaining time
 #define HOPE 0.5 // fraction of the best efficiency below which a row is dropped
 
-int rf_tune_groups( int eyes ) { return eyes < REGION_FRAMES ? ( REGION_FRAMES + eyes / 2 ) / eyes : 1; }
+int rf_tune_passes( int eyes, int passes )
+{
+    return eyes < REGION_FRAMES ? passes * ( ( REGION_FRAMES + eyes / 2 ) / eyes ) : passes;
+}
 
 int rf_tune_region_frames( const RfTune* tune, const bool* candidate )
 {
-    int frames = 1;
+    int frames = REGION_FRAMES;
     for ( int i = 0; i < tune->count; ++i )
-    {
-        int wanted = tune->rows[i].eyes * rf_tune_groups( tune->rows[i].eyes );
-        frames = candidate[i] && wanted > frames ? wanted : frames;
-    }
+        frames = candidate[i] && tune->rows[i].eyes > frames ? tune->rows[i].eyes : frames;
     return frames;
 }
 
-double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * passes * row->eyes * rf_tune_groups( row->eyes ); }
+double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * row->eyes * rf_tune_passes( row->eyes, passes ); }
 
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second )
 {
@@ -181,9 +181,8 @@ static RfResult try_row( TuneWork* w, int region, int k, RfError* error )
     const RfTuneRow* row = w->tune->rows + w->rows[k];
     RfRenderSettings settings = rf_tune_settings( row, &w->settings );
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( w->first_position + region ) ) );
-    int index = region * w->row_count + k;
-    RfResult result =
-        rf_run_trial( w->regions + region, rf_tune_groups( row->eyes ), w->round->passes, &settings, w->trials + index, error );
+    int index = region * w->row_count + k, passes = rf_tune_passes( row->eyes, w->round->passes );
+    RfResult result = rf_run_trial( w->regions + region, 1, passes, &settings, w->trials + index, error );
     w->done[index] = result == RF_OK;
     return result;
 }

@@ -23,11 +23,11 @@ void rf_predict_tune_rows( RfTune* tune, double pixels, int frames );
 // How many trials may run in parallel so that half of the memory of each is left for films.
 int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common );
 
-// How many adjacent groups of `eyes` frames a test region holds: a single small group would
-// cover too few frames.
-int rf_tune_groups( int eyes );
+// Passes of a trial with groups of `eyes` frames in a round of so many: more in small groups, so that frames get about as many
+// samples in all trials. Errors fall faster than the samples grow while these are few (src/reuse/estimators.md, section 24).
+int rf_tune_passes( int eyes, int passes );
 
-// Frames that a test region needs to hold the groups of all candidates.
+// Frames that a test region has: it holds the groups of all candidates.
 int rf_tune_region_frames( const RfTune* tune, const bool* candidate );
 
 // Own-frame samples per pixel traced that a trial of the row takes.

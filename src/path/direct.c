@@ -110,9 +110,12 @@ static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32
                                  RfVec3 from, RfVec3 n )
 {
     uint32_t own = dimension & ~RF_DIMENSION_OPPOSITE, half = own == dimension ? 0 : 0x80000000u;
-    uint32_t bits[2] = { rf_random_bits( key, ( own + 1 ) | RF_DIMENSION_TWIN ) ^ half,
+    uint32_t bits[2] = { (uint32_t)( u[0] * 0x1p24f ) << 8 | rf_random_bits( key, ( own + 1 ) | RF_DIMENSION_TWIN ) >> 24,
                          rf_random_bits( key, ( own + 2 ) | RF_DIMENSION_TWIN ) ^ half };
-    RfSkySample sky = rf_sample_sky_direction_at( &lights->sky, n, bits, u );
+    const float within[2] = { rf_random( key, ( own + 1 ) | RF_DIMENSION_WITHIN ),
+                              rf_random( key, ( own + 2 ) | RF_DIMENSION_WITHIN ) };
+    bool even = lights->sky.environment->map == NULL;
+    RfSkySample sky = rf_sample_sky_direction_at( &lights->sky, n, bits, even ? u : within );
     return ( NonAreaSample ){
         .wi = sky.wi,
         .radiance = rf_vec3( 1.0f, 1.0f, 1.0f ),
@@ -123,7 +126,7 @@ static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32
 }
 
 // Samples the light selected at `from`, which must not be a triangle. `u`: the
-// numbers of the two dimensions after `dimension`; the sky uses their twins too.
+// numbers of the two dimensions after `dimension`; the sky uses others as well.
 static NonAreaSample sample_non_area( const RfLights* lights, RfLightSelection selection, RfRandomKey key, uint32_t dimension,
                                       const float u[2], RfVec3 from, RfVec3 n )
 {

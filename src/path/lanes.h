@@ -5,6 +5,7 @@
 #ifndef REFRAME_PATH_LANES_H
 #define REFRAME_PATH_LANES_H
 
+#include "base/lattice.h"
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "light/light.h"
@@ -132,12 +133,38 @@ enum
 #define RF_DIMENSION_CHAINS 0x20000000u
 // Russian roulette on the paths of a tile.
 #define RF_DIMENSION_CONNECTIONS 0x40000000u
+// The lens and the shutter, three.
+#define RF_DIMENSION_LENS 0x01000000u
+// The place within a pixel of the sky: of a light sample's second and third number.
+#define RF_DIMENSION_WITHIN 0x04000000u
 // A second word of a dimension, where 32 bits are not enough.
 #define RF_DIMENSION_TWIN 0x80000000u
 
 static inline uint32_t rf_vertex_dimension( int vertex, int light_samples )
 {
     return (uint32_t)( RF_DIMENSION_FIRST_VERTEX + ( vertex - 1 ) * ( RF_DIMENSION_LIGHTS + 3 * light_samples ) );
+}
+
+// The numbers that stand for random ones where paths begin (src/reuse/estimators.md, section 24), of a pass of a frame.
+typedef struct RfLattice
+{
+    RF_ALIGN uint32_t x[RF_LANES]; // by slot: the pixel
+    uint32_t y[RF_LANES];
+    uint32_t key_a[RF_LANES]; // of its block of pixels (rf_set_lattice_pixel)
+    uint32_t key_b[RF_LANES];
+    uint64_t half;        // the key of one half of (E2)
+    uint32_t pass, frame; // the pass, of those of its half
+    uint32_t vertex;      // dimensions of a vertex; 0: all numbers are random
+} RfLattice;
+
+// The pixel of a slot. `half` is set.
+static inline void rf_set_lattice_pixel( RfLattice* lattice, int slot, uint32_t x, uint32_t y )
+{
+    RfRandomKey key = rf_pixel_key( lattice->half, y / RF_LATTICE_BLOCK << 16 | x / RF_LATTICE_BLOCK );
+    lattice->x[slot] = x;
+    lattice->y[slot] = y;
+    lattice->key_a[slot] = key.a;
+    lattice->key_b[slot] = key.b;
 }
 
 #endif

@@ -81,6 +81,7 @@ typedef struct RfWavefront
     // in, by slot
     RF_ALIGN uint32_t key_a[RF_LANES];
     uint32_t key_b[RF_LANES];
+    RfLattice lattice;
     float roulette_scale[RF_LANES]; // largest channel of the path's weight up to where throughput starts
     const int32_t* spent;           // vertices before the first one, which max_depth counts as well, or −1: the first
                                     // is a pane that was passed, which it does not count; NULL: none
@@ -249,7 +250,7 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
 const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayLanes* rays, int first_past,
                                           RfVertexLanes* vertices, RfLaneScratch* scratch );
 
-// `numbers` uniform random numbers per lane, from `dimension` on.
+// `numbers` uniform numbers per lane, from `dimension` on: random, or of keys->lattice.
 void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, int numbers,
                     float random[][RF_LANES] );
 

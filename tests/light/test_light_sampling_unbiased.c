@@ -80,7 +80,7 @@ static void check_same_mean( const RfTracer* tracer, int light_samples, int grou
     RfEye eyes[EYES];
     make_eyes( eyes );
     RfRenderSettings settings = plain_settings();
-    settings.spp = 24;
+    settings.spp = 40;
     settings.group = group;
     settings.light_samples = light_samples;
     settings.max_depth = 4;
@@ -139,10 +139,13 @@ static void test_tree_is_the_plain_tracer_to_the_bit( void** state )
         for ( int frame = 0; frame < EYES; ++frame )
         {
             float plain[3 * SIDE * SIDE];
-            ReferenceSettings s = {
-                settings.spp, settings.max_depth, settings.light_samples, settings.seed, frame, settings.light_sampling, false,
-                false
-            };
+            ReferenceSettings s = { .spp = settings.spp,
+                                    .max_depth = settings.max_depth,
+                                    .light_samples = settings.light_samples,
+                                    .seed = settings.seed,
+                                    .frame = frame,
+                                    .light_sampling = settings.light_sampling,
+                                    .stratified = true };
             reference_image( tracer, eyes + frame, &s, plain );
             assert_memory_equal( plain, frame_rgb( &r, frame ), sizeof plain );
         }

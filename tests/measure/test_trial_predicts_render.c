@@ -175,8 +175,8 @@ static void test_sums_hold_for_any_samples( void** state )
     end( &s );
 }
 
-// More passes: the error of one is the same.
-static void test_more_passes_same_error( void** state )
+// More passes: the error of one does not grow. It falls, as numbers are stratified, and most where nearly all light is direct, as here.
+static void test_more_passes_no_more_error( void** state )
 {
     (void)state;
     Setup s;
@@ -190,8 +190,9 @@ static void test_more_passes_same_error( void** state )
         rf_add_trial( &few, &a );
         rf_add_trial( &many, &b );
     }
-    expect_near( "16 passes", rf_trial_relmse( &many, 1.0 ), rf_trial_relmse( &few, 1.0 ), 0.1 );
-    expect_near( "squares", many.mse, few.mse, 0.1 );
+    double error = rf_trial_relmse( &many, 1.0 ) / rf_trial_relmse( &few, 1.0 ), square = many.mse / few.mse;
+    printf( "error of a sample, 16 passes over 4: %.3f, squares %.3f\n", error, square );
+    assert_true( error > 0.5 && error < 1.0 && square > 0.5 && square < 1.0 );
     end( &s );
 }
 
@@ -268,7 +269,7 @@ static Truth render_truth( const Setup* s, const RfRenderSettings* settings )
 }
 
 // One window's figures against those of the path's windows together.
-static void check_long_path( int group, const char* tile )
+static void check_long_path( int group, const char* tile, int passes )
 {
     Setup s;
     begin( &s, 2.0f, MIDDLE, EYES );
@@ -277,10 +278,10 @@ static void check_long_path( int group, const char* tile )
     for ( int k = 0; k < SEEDS; ++k )
     {
         settings.seed = (uint64_t)k;
-        RfTrial trial = trial_of( &s, 1, 4, &settings );
+        RfTrial trial = trial_of( &s, 1, passes, &settings );
         rf_add_trial( &sum, &trial );
     }
-    settings.spp = 4 * ( 2 * group + 1 );
+    settings.spp = passes * ( 2 * group + 1 );
     Truth truth = render_truth( &s, &settings );
     printf( "group %d tile %s: relMSE %.5f of %.5f, F1 %.5f of %.5f, phi %.3f of %.3f\n", group, tile,
             rf_trial_relmse( &sum, settings.spp ), truth.relmse, rf_trial_f1( &sum, settings.spp ), truth.f1,
@@ -294,9 +295,11 @@ static void check_long_path( int group, const char* tile )
 static void test_long_path_has_the_predicted_error( void** state )
 {
     (void)state;
-    check_long_path( 1, "1" );
-    check_long_path( 2, "2x2" );
-    check_long_path( 3, "3x3" );
+    check_long_path( 0, "1", 4 );
+    check_long_path( 0, "1", 16 );
+    check_long_path( 1, "1", 4 );
+    check_long_path( 2, "2x2", 4 );
+    check_long_path( 3, "3x3", 4 );
 }
 
 static bool refuse( void* user )
@@ -339,7 +342,7 @@ int main( void )
         cmocka_unit_test( test_region_is_cut_at_the_ends_of_the_path ),
         cmocka_unit_test( test_clamped_and_exact_come_from_one_render ),
         cmocka_unit_test( test_sums_hold_for_any_samples ),
-        cmocka_unit_test( test_more_passes_same_error ),
+        cmocka_unit_test( test_more_passes_no_more_error ),
         cmocka_unit_test( test_equal_eyes_average_their_samples ),
         cmocka_unit_test( test_long_path_has_the_predicted_error ),
         cmocka_unit_test( test_wrong_settings_are_refused ),

@@ -254,8 +254,18 @@ static void test_places_are_spread_evenly( void** state )
         parts[(int)( 16.0 * rf_tune_position( i ) )] += 1;
     for ( int i = 1; i < 16; ++i ) // evenly
         assert_int_equal( parts[i], 1 );
+}
+
+// Frames get about as many samples in all trials.
+static void test_small_groups_get_more_passes( void** state )
+{
+    (void)state;
     for ( int eyes = 1; eyes < 50; ++eyes )
-        assert_true( rf_tune_groups( eyes ) >= 1 && ( eyes >= 7 || abs( rf_tune_groups( eyes ) * eyes - 7 ) <= eyes / 2 + 1 ) );
+    {
+        int passes = rf_tune_passes( eyes, 2 );
+        assert_true( passes >= 2 && ( eyes >= 7 || abs( passes * eyes - 2 * 7 ) <= eyes + 2 ) );
+        assert_int_equal( rf_tune_passes( eyes, 4 ), 2 * passes );
+    }
 }
 
 static RfTuneOutlook outlook_of( int number, double left )
@@ -333,8 +343,8 @@ int main( void )
         cmocka_unit_test( test_every_setting_is_a_row ),       cmocka_unit_test( test_excluded_rows_say_why ),
         cmocka_unit_test( test_most_efficient_row_is_chosen ), cmocka_unit_test( test_least_flicker_is_chosen ),
         cmocka_unit_test( test_smoothing_follows_the_model ),  cmocka_unit_test( test_cutting_keeps_the_most_efficient ),
-        cmocka_unit_test( test_places_are_spread_evenly ),     cmocka_unit_test( test_time_is_never_overdrawn ),
-        cmocka_unit_test( test_little_memory_smaller_pieces ),
+        cmocka_unit_test( test_places_are_spread_evenly ),     cmocka_unit_test( test_small_groups_get_more_passes ),
+        cmocka_unit_test( test_time_is_never_overdrawn ),      cmocka_unit_test( test_little_memory_smaller_pieces ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

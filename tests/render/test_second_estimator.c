@@ -45,9 +45,13 @@ static int plain_trace( const RfEstimatorGroup* group, RfTraceJob job, void* bat
     (void)scratch;
     Row* row = batch;
     const RfRenderSettings* s = group->settings;
-    ReferenceSettings settings = {
-        s->spp, group->max_depth, s->light_samples, s->seed, group->first_frame + job.eye, s->light_sampling, false, false
-    };
+    ReferenceSettings settings = { .spp = s->spp,
+                                   .max_depth = group->max_depth,
+                                   .light_samples = s->light_samples,
+                                   .seed = s->seed,
+                                   .frame = group->first_frame + job.eye,
+                                   .light_sampling = s->light_sampling,
+                                   .stratified = true };
     row->eye = job.eye;
     row->row = job.job;
     row->count = group->width;

@@ -1,5 +1,6 @@
 // Pixels that stand out from the noise are told apart: glints of a lamp on beads smaller than a pixel, and light of a small
 // lamp that a metal plate throws on the walls, which paths find by chance.
+#include "cli/render/specks_json.h"
 #include "support/render_support.h"
 
 #include <math.h>
@@ -201,8 +202,13 @@ static void test_what_cannot_be_told( void** state )
     for ( int k = 0; k < 3; ++k )
     {
         settings.spp = 4;
-        render( scenes[k], &settings, 0, 1, &kept );
-        assert_true( kept.specks[0].pixels == 0 && kept.specks[0].part_count == 0 && isfinite( kept.specks[0].rest ) );
+        for ( settings.seed = 1; settings.seed < 6; ++settings.seed )
+        {
+            render( scenes[k], &settings, 0, 1, &kept );
+            assert_true( kept.specks[0].share < RF_SPECKS_STAND_OUT && isfinite( kept.specks[0].rest ) );
+            assert_true( k == 2 ||
+                         ( kept.specks[0].pixels == 0 && kept.specks[0].part_count == 0 ) ); // no error, but for the sky
+        }
         settings.spp = 1;
         render( scenes[k], &settings, 0, 1, &kept );
         assert_true( kept.specks[0].pixels == 0 && isnan( kept.specks[0].rest ) );

@@ -61,7 +61,7 @@ static void pass_nonspecular( Walk* w, const Point* x, const Onward* onward )
 
 bool scatter_walk( Walk* w, const Point* x )
 {
-    Onward onward = scatter_at( x, w->key, w->dimension );
+    Onward onward = scatter_at( x, ( Numbers ){ .key = w->key }, w->dimension );
     uint32_t roulette = w->dimension + 3;
     w->dimension += DIMENSIONS;
     if ( onward.side == 0.0f || !( onward.pdf > 0.0f ) )

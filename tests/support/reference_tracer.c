@@ -144,13 +144,27 @@ RfVec3 evaluate_point( const Point* x, RfVec3 wi, float* pdf )
     return f;
 }
 
-Onward scatter_at( const Point* x, RfRandomKey key, uint32_t dimension )
+// A point of the lattice of src/reuse/estimators.md, section 24, for the film and the first vertex.
+static uint32_t word( Numbers n, uint32_t dimension )
+{
+    static const int s_coordinates[] = { 3, 4, 0, 1, 2, -1, 2, 0, 1 }; // film; scattering and its roulette; light
+    uint32_t place = dimension < 9 ? dimension : 6 + dimension % 3;
+    if ( dimension >= 2 + n.block || s_coordinates[place] < 0 || n.block == 0 )
+        return rf_random_bits( n.key, dimension );
+    const RfLatticeSteps* step = rf_lattice_steps + s_coordinates[place];
+    RfRandomKey block = rf_pixel_key( rf_pass_key( n.seed ^ 0x1a771ce00000u, 0, 0, n.pass % 2 ), n.y / 16 * 65536 + n.x / 16 );
+    return rf_random_bits( block, dimension ) + n.pass / 2 * step->pass + n.frame * step->frame + n.x * step->x + n.y * step->y;
+}
+
+static float number( Numbers n, uint32_t dimension ) { return (float)( word( n, dimension ) >> 8 ) * 0x1p-24f; }
+
+Onward scatter_at( const Point* x, Numbers key, uint32_t dimension )
 {
     Lane lane;
     fill_point_lane( x, &lane );
     float random[3];
     for ( uint32_t k = 0; k < 3; ++k )
-        random[k] = rf_random( key, dimension + k );
+        random[k] = number( key, dimension + k );
     const float* wo[3] = { &x->wo.x, &x->wo.y, &x->wo.z };
     const float* u[3] = { random, random + 1, random + 2 };
     Onward out = { 0 };
@@ -158,7 +172,7 @@ Onward scatter_at( const Point* x, RfRandomKey key, uint32_t dimension )
     float* weight[3] = { &out.weight.x, &out.weight.y, &out.weight.z };
     if ( is_translucent( x ) )
     {
-        bool through = rf_random( key, dimension + SIDE_DIMENSION ) < 0.5f;
+        bool through = number( key, dimension + SIDE_DIMENSION ) < 0.5f;
         Point side = through ? other_side( x ) : *x;
         fill_point_lane( &side, &lane );
         rf_bsdf_sample( through ? RF_BSDF_LAMBERT : RF_BSDF_GGX, 1, &lane.lanes, wo, u, wi );
@@ -246,9 +260,9 @@ static RfVec3 part_open( const RfTracer* tracer, const ReferenceSettings* s, RfV
 }
 
 // Uniform by area on a unit ball, or with `flat` on the half of it about the axis, as it is seen along that.
-static RfVec3 on_ball( RfVec3 axis, bool flat, RfRandomKey key, uint32_t dimension )
+static RfVec3 on_ball( RfVec3 axis, bool flat, Numbers key, uint32_t dimension )
 {
-    float u = rf_random( key, dimension + 1 ), phi = 2.0f * RF_PI * rf_random( key, dimension + 2 );
+    float u = number( key, dimension + 1 ), phi = 2.0f * RF_PI * number( key, dimension + 2 );
     float along = flat ? sqrtf( 1.0f - u ) : 1.0f - 2.0f * u, across = sqrtf( rf_maxf( 1.0f - along * along, 0.0f ) );
     RfVec3 t, b;
     rf_basis( axis, &t, &b );
@@ -257,7 +271,7 @@ static RfVec3 on_ball( RfVec3 axis, bool flat, RfRandomKey key, uint32_t dimensi
 
 // A sample of a punctual light, of those with a size by area and not as the renderer does it, or of the sky.
 static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfLightSelection pick,
-                                  RfRandomKey key, uint32_t dimension, RfVec3* wi, float* pdf )
+                                  Numbers key, uint32_t dimension, RfVec3* wi, float* pdf )
 {
     const RfLights* lights = rf_tracer_lights( tracer );
     RfVec3 from = rf_madd( x->p, x->ng, x->offset ), radiance;
@@ -265,9 +279,10 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSetting
     int k = (int)( pick.light - lights->triangle_count );
     if ( k == lights->punctual_count )
     {
-        uint32_t bits[2] = { rf_random_bits( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ),
-                             rf_random_bits( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
-        float place[2] = { rf_random( key, dimension + 1 ), rf_random( key, dimension + 2 ) };
+        uint32_t bits[2] = { ( word( key, dimension + 1 ) & ~255u ) | word( key, ( dimension + 1 ) | RF_DIMENSION_TWIN ) >> 24,
+                             word( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
+        uint32_t within = lights->sky.environment->map != NULL ? RF_DIMENSION_WITHIN : 0;
+        float place[2] = { number( key, ( dimension + 1 ) | within ), number( key, ( dimension + 2 ) | within ) };
         RfSkySample sky = rf_sample_sky_direction_at( &lights->sky, x->n, bits, place );
         *wi = sky.wi;
         *pdf = sky.pdf_solid_angle * pick.probability;
@@ -315,23 +330,23 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSetting
 }
 
 // A light sample at x: direction, density, and what arrives, times the cosine.
-static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key,
-                            uint32_t dimension, RfVec3* wi, float* pdf )
+static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, Numbers key, uint32_t dimension,
+                            RfVec3* wi, float* pdf )
 {
     RfVec3 black = rf_vec3( 0, 0, 0 );
     const RfLights* lights = rf_tracer_lights( tracer );
     if ( lights->count == 0 )
         return black;
     RfVec3 from = rf_madd( x->p, x->ng, x->offset );
-    uint32_t bits[2] = { rf_random_bits( key, dimension ), rf_random_bits( key, dimension | RF_DIMENSION_TWIN ) };
+    uint32_t bits[2] = { word( key, dimension ), word( key, dimension | RF_DIMENSION_TWIN ) };
     RfLightSelection pick = rf_select_light( lights, s->light_sampling, from, x->n, bits );
     if ( pick.light == RF_NO_LIGHT )
         return black;
     if ( pick.light >= lights->triangle_count )
         return sample_other_light( tracer, s, x, pick, key, dimension, wi, pdf );
     const RfLight* light = lights->light + pick.light;
-    float root = sqrtf( rf_random( key, dimension + 1 ) );
-    float b1 = 1.0f - root, b2 = rf_random( key, dimension + 2 ) * root;
+    float root = sqrtf( number( key, dimension + 1 ) );
+    float b1 = 1.0f - root, b2 = number( key, dimension + 2 ) * root;
     RfVec3 z = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
     RfVec3 way = rf_sub( z, from );
     float d2 = rf_dot( way, way );
@@ -353,7 +368,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, 
 static int samples_at( const ReferenceSettings* s, const Point* x ) { return s->light_samples * ( is_translucent( x ) ? 2 : 1 ); }
 
 // Number j of them.
-static RfVec3 sample_side( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key, int vertex, int j,
+static RfVec3 sample_side( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, Numbers key, int vertex, int j,
                            RfVec3* wi, float* pdf )
 {
     int k = s->light_samples;
@@ -363,7 +378,7 @@ static RfVec3 sample_side( const RfTracer* tracer, const ReferenceSettings* s, c
 }
 
 // Light that leaves x towards wo by the light samples.
-static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, RfRandomKey key, int vertex,
+static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const Point* x, Numbers key, int vertex,
                       RfVec3 throughput, RfVec3 sum )
 {
     int k = s->light_samples;
@@ -453,7 +468,7 @@ static bool meet( const RfTracer* tracer, const ReferenceSettings* s, const Ray*
     return true;
 }
 
-static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, Ray ray, RfVec3 throughput,
+static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings* s, Numbers key, Ray ray, RfVec3 throughput,
                                 float roulette_scale, const Point* first, float first_pdf )
 {
     bool native = is_native_point( first );
@@ -496,7 +511,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         throughput = is_native_point( &x ) ? rf_mul( throughput, onward.weight )
                                            : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
         float q = vertex < RF_ROULETTE_VERTEX ? 1.0f : rf_survival( rf_max_component( throughput ) * roulette_scale );
-        if ( !( onward.side != 0.0f && rf_random( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
+        if ( !( onward.side != 0.0f && number( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );
         ray = ( Ray ){ onward_start( &x, &onward ), onward.wi, onward_normal( &x, &onward ) };
@@ -513,7 +528,7 @@ static bool passes_pane( const ReferenceSettings* s, const Point* x, const Onwar
            rf_pane_of_lane( x->material.kind, &lane.lanes, 0, x->wo ).probability > 0.0f;
 }
 
-static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* x )
+static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* s, Numbers key, const Point* x )
 {
     Onward onward = scatter_at( x, key, rf_vertex_dimension( 1, s->light_samples ) + RF_DIMENSION_SCATTER );
     if ( onward.side == 0.0f )
@@ -534,33 +549,33 @@ static RfVec3 scattered_light( const RfTracer* tracer, const ReferenceSettings* 
 }
 
 // Through a point of a sphere around the eye, the film of a panorama.
-static Ray panoramic_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+static Ray panoramic_ray( const RfEye* eye, Numbers key, int x, int y )
 {
-    double longitude = 6.283185307179586 * ( ( x + (double)rf_random( key, RF_DIMENSION_FILM_X ) ) / eye->width - 0.5 );
-    double polar = 3.141592653589793 * ( y + (double)rf_random( key, RF_DIMENSION_FILM_Y ) ) / eye->height;
+    double longitude = 6.283185307179586 * ( ( x + (double)number( key, RF_DIMENSION_FILM_X ) ) / eye->width - 0.5 );
+    double polar = 3.141592653589793 * ( y + (double)number( key, RF_DIMENSION_FILM_Y ) ) / eye->height;
     RfVec3 level = rf_madd( rf_scale( eye->forward, (float)cos( longitude ) ), eye->right, (float)sin( longitude ) );
     RfVec3 d = rf_madd( rf_scale( level, (float)sin( polar ) ), eye->up, (float)cos( polar ) );
     return ( Ray ){ eye->origin, rf_normalize( d ), rf_vec3( 0, 0, 0 ) };
 }
 
 // From a point of the plane through the origin.
-static Ray parallel_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+static Ray parallel_ray( const RfEye* eye, Numbers key, int x, int y )
 {
-    float right = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) / eye->focal_x;
-    float down = ( (float)y + rf_random( key, RF_DIMENSION_FILM_Y ) - eye->axis_y ) / eye->focal;
+    float right = ( (float)x + number( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) / eye->focal_x;
+    float down = ( (float)y + number( key, RF_DIMENSION_FILM_Y ) - eye->axis_y ) / eye->focal;
     return ( Ray ){ rf_madd( rf_madd( eye->origin, eye->right, right ), eye->up, -down ), eye->forward, rf_vec3( 0, 0, 0 ) };
 }
 
-static RfVec3 first_direction( const RfEye* eye, RfRandomKey key, int x, int y )
+static RfVec3 first_direction( const RfEye* eye, Numbers key, int x, int y )
 {
     float inverse_x = 1.0f / eye->focal_x, inverse_y = 1.0f / eye->focal;
-    float fx = ( (float)x + rf_random( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) * inverse_x;
-    float fy = ( eye->axis_y - (float)y - rf_random( key, RF_DIMENSION_FILM_Y ) ) * inverse_y;
+    float fx = ( (float)x + number( key, RF_DIMENSION_FILM_X ) - eye->axis_x ) * inverse_x;
+    float fy = ( eye->axis_y - (float)y - number( key, RF_DIMENSION_FILM_Y ) ) * inverse_y;
     RfVec3 d = rf_madd( rf_madd( eye->forward, eye->right, fx ), eye->up, fy );
     return rf_scale( d, 1.0f / sqrtf( rf_dot( d, d ) ) );
 }
 
-static Ray first_ray( const RfEye* eye, RfRandomKey key, int x, int y )
+static Ray first_ray( const RfEye* eye, Numbers key, int x, int y )
 {
     if ( eye->projection == RF_PANORAMIC )
         return panoramic_ray( eye, key, x, y );
@@ -598,27 +613,33 @@ static RfEye moved_eye( const RfEye* eye, float t )
 }
 
 // A ray through a round lens: the one through its middle leads to the point in focus.
-static void bend_ray( const RfEye* eye, RfRandomKey key, Ray* ray )
+static void bend_ray( const RfEye* eye, Numbers key, Ray* ray )
 {
     RfVec3 sharp = rf_madd( ray->o, ray->d, eye->focus / rf_dot( ray->d, eye->forward ) );
-    float radius = eye->lens_radius * sqrtf( rf_random( key, LENS_DIMENSION ) );
-    float angle = 6.28318531f * rf_random( key, LENS_DIMENSION + 1 );
+    float radius = eye->lens_radius * sqrtf( number( key, LENS_DIMENSION ) );
+    float angle = 6.28318531f * number( key, LENS_DIMENSION + 1 );
     ray->o = rf_madd( rf_madd( ray->o, eye->right, radius * cosf( angle ) ), eye->up, radius * sinf( angle ) );
     ray->d = rf_normalize( rf_sub( sharp, ray->o ) );
 }
 
 // Light that leaves a point that the camera sees.
-static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit );
+static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, Numbers key, const Point* hit );
 
 RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, int pass, int x, int y )
 {
     uint64_t pass_key = rf_pass_key( s->seed, (uint32_t)s->frame, (uint32_t)s->frame, (uint32_t)pass );
-    RfRandomKey key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) );
+    Numbers key = { .key = rf_pixel_key( pass_key, (uint32_t)( y * eye->width + x ) ),
+                    .block = s->stratified ? 4 + 3 * (uint32_t)s->light_samples : 0,
+                    .seed = s->seed,
+                    .pass = (uint32_t)( s->frame * s->spp + pass ),
+                    .frame = (uint32_t)s->frame,
+                    .x = (uint32_t)x,
+                    .y = (uint32_t)y };
     Point hit;
     RfEye moved;
     if ( eye->moves )
     {
-        moved = moved_eye( eye, 2.0f * rf_random( key, LENS_DIMENSION + 2 ) - 1.0f );
+        moved = moved_eye( eye, 2.0f * number( key, LENS_DIMENSION + 2 ) - 1.0f );
         eye = &moved;
     }
     Ray ray = first_ray( eye, key, x, y );
@@ -634,7 +655,7 @@ RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const Referen
     return rf_mul( sum, part_left_at( &hit, ray.o ) );
 }
 
-static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, RfRandomKey key, const Point* hit )
+static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, Numbers key, const Point* hit )
 {
     RfVec3 sum = hit->emission;
     if ( s->max_depth == 1 )

@@ -2,6 +2,7 @@
 #ifndef REFRAME_TESTS_REFERENCE_TRACER_H
 #define REFRAME_TESTS_REFERENCE_TRACER_H
 
+#include "base/lattice.h"
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "scene/eye.h"
@@ -31,6 +32,15 @@ typedef struct Panes
     RfVec3 weight;
 } Panes;
 
+// The random numbers of a path.
+typedef struct Numbers
+{
+    RfRandomKey key;
+    uint32_t block; // dimensions of a vertex; 0: all are random, else those where it begins are of a lattice
+    uint64_t seed;
+    uint32_t pass, frame, x, y;
+} Numbers;
+
 // Parameters of a point as one lane.
 typedef struct Lane
 {
@@ -58,7 +68,7 @@ bool is_native_point( const Point* x );
 RfVec3 evaluate_point( const Point* x, RfVec3 wi, float* pdf );
 
 // Samples by three random numbers from this dimension on.
-Onward scatter_at( const Point* x, RfRandomKey key, uint32_t dimension );
+Onward scatter_at( const Point* x, Numbers key, uint32_t dimension );
 
 RfVec3 onward_start( const Point* x, const Onward* onward );
 
@@ -80,6 +90,7 @@ typedef struct ReferenceSettings
     int frame; // of the path: it goes into the random numbers
     RfLightSampling light_sampling;
     bool panes_are_vertices; // thin panes scatter by their delta lobes and stop light samples, as other glass does
+    bool stratified;         // takes the numbers that the renderer has; else random ones, whatever the renderer does
     bool without_caustics;   // light that mirrors, glass and smooth metals throw on other surfaces does not count
 } ReferenceSettings;
 

@@ -367,14 +367,16 @@ static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, 
 static void start_at_coats( const RfPathSettings* path, const RfVertexLanes* first, RfWavefront* wavefront, RfChains* chains )
 {
     RfVertexLanes* at = &chains->at;
-    for ( int i = first->first[RF_BSDF_GGX]; i < first->first[RF_BSDF_GGX + 1]; ++i )
+    int ggx = first->first[RF_BSDF_GGX], count = first->first[RF_BSDF_GGX + 1] - ggx;
+    float u[1][RF_LANES];
+    rf_draw_lanes( wavefront, count, first->slot + ggx, RF_DIMENSION_CHAINS, 1, u );
+    for ( int i = ggx; i < ggx + count; ++i )
     {
         if ( !rf_is_smooth_coat( first, i ) )
             continue;
         int slot = first->slot[i];
-        RfRandomKey key = { wavefront->key_a[slot], wavefront->key_b[slot] };
         float base = rf_base_probability_of( first, i );
-        chains->view[slot] = rf_random( key, RF_DIMENSION_CHAINS ) < base ? RF_VIEW_BASE : RF_VIEW_CHAIN;
+        chains->view[slot] = u[0][i - ggx] < base ? RF_VIEW_BASE : RF_VIEW_CHAIN;
         if ( chains->view[slot] == RF_VIEW_BASE )
             continue;
         RfVec3 emission = rf_emission_in_frame( path, first, i );

@@ -203,6 +203,7 @@ static Block trace_block( const RfHarvest* at, int x0, int y0, int side, int cop
 {
     const RfEye* eye = at->eyes;
     RfWavefront* wavefront = &scratch->wavefront;
+    wavefront->lattice.vertex = 0;
     Block b = { .x0 = x0, .y0 = y0, .copies = copies };
     b.width = eye->width - x0 < side ? eye->width - x0 : side;
     b.height = eye->height - y0 < side ? eye->height - y0 : side;

@@ -9,7 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-#define LENS_SALT 0x1e4500000000u // keeps the random numbers of the lens apart
+#define LATTICE_SALT 0x1a771ce00000u // keeps the keys of lattices apart
+#define LENS_SALT 0x1e4500000000u    // keeps the random numbers of the lens apart
 // Light samples per first hit with tiles, at least. Tiles share all other light, and these samples are cheap beside the rest of
 // a path (scripts/bench/RESULTS.md).
 #define DIRECT_SAMPLES 2
@@ -99,11 +100,39 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
     };
 }
 
+// The passes of a half in their order, of which a lattice has a point for each: what is no pass of the path, and extra samples, have
+// random numbers.
+static bool find_point( const RfHarvest* harvest, int eye, int pass, RfLattice* lattice )
+{
+    if ( harvest->passes_before < 0 || harvest->need != NULL )
+        return false;
+    int64_t number = harvest->passes_before + pass;
+    lattice->half = rf_pass_key( harvest->seed ^ LATTICE_SALT, 0, 0, (uint32_t)( number & 1 ) );
+    lattice->pass = (uint32_t)( number >> 1 );
+    lattice->frame = (uint32_t)( harvest->first_frame + eye );
+    return true;
+}
+
 RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job )
 {
     uint64_t pass_key = rf_harvest_key( harvest, job.eye, job.pass ) ^ LENS_SALT;
     RfRandomKey key = rf_pixel_key( rf_mix64( pass_key + (uint64_t)harvest->round ), (uint32_t)job.job );
-    return ( RfLensSample ){ rf_random( key, 0 ), rf_random( key, 1 ), rf_random( key, 2 ) };
+    float u[3];
+    for ( uint32_t c = 0; c < 3; ++c )
+        u[c] = rf_random( key, c );
+    RfLattice lattice;
+    if ( find_point( harvest, job.eye, job.pass, &lattice ) )
+    {
+        // A pixel is in another patch in every pass, so all patches have the lattice's points, moved by up to a quarter.
+        RfRandomKey half = rf_pixel_key( lattice.half, 0 );
+        for ( uint32_t c = 0; c < 3; ++c )
+        {
+            RfLatticeSteps step = rf_lattice_steps[RF_LATTICE_LENS + c];
+            uint32_t word = rf_random_bits( half, RF_DIMENSION_LENS + c ) + step.pass * lattice.pass + step.frame * lattice.frame;
+            u[c] = rf_fraction( word + ( rf_random_bits( key, c ) >> 2 ) );
+        }
+    }
+    return ( RfLensSample ){ u[0], u[1], u[2] };
 }
 
 RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, RfHarvestScratch* scratch )
@@ -407,6 +436,15 @@ static void make_keys( uint64_t pass_key, int count, const int32_t* pixel, RfWav
     }
 }
 
+static void set_lattice( const RfHarvest* harvest, RfTraceJob job, int count, const int32_t* pixel, RfLattice* lattice )
+{
+    uint32_t width = (uint32_t)harvest->eyes[job.eye].width;
+    bool found = find_point( harvest, job.eye, job.pass, lattice );
+    lattice->vertex = found ? RF_DIMENSION_LIGHTS + 3u * (uint32_t)harvest->path.light_samples : 0;
+    for ( int i = 0; found && i < count; ++i )
+        rf_set_lattice_pixel( lattice, i, (uint32_t)pixel[i] % width, (uint32_t)pixel[i] / width );
+}
+
 // Extra samples of a pixel take the random numbers of later passes.
 static void make_copies_keys( const RfHarvest* harvest, RfTraceJob job, int count, const int32_t* copy,
                               RfHarvestScratch* scratch )
@@ -617,6 +655,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     else if ( harvest->pieces != NULL )
         count = choose_traced( harvest, job.eye, count, scratch );
     make_keys( key, count, scratch->pixel, wavefront );
+    set_lattice( harvest, job, count, scratch->pixel, &wavefront->lattice );
     if ( rf_is_adaptive( harvest ) && harvest->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
     rf_make_camera_rays( harvest->drawn_by, eye, count, scratch->pixel, wavefront, &scratch->camera_rays );
@@ -627,7 +666,7 @@ static int harvest_first_hits( const RfHarvest* harvest, RfTraceJob job, RfHitBa
     if ( scratch->own != NULL )
         rf_note_moving_hits( harvest->path.tracer, scratch );
     rf_follow_camera_rays( harvest, scratch );
-    rf_draw_hit_sides( harvest, job, scratch );
+    rf_draw_sides( wavefront, 1, scratch->hits );
     rf_list_hits( harvest, count, scratch, batch );
     if ( batch->surface != NULL )
         rf_note_surfaces( harvest, count, scratch, batch );

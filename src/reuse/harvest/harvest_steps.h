@@ -158,10 +158,6 @@ void rf_note_surfaces_seen( const RfHarvest* harvest, int eye, const float* dens
 // Follows camera rays through mirrors and glass: scratch->hits.
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
 
-// Draws the sides of translucent hits (rf_draw_sides), before they are listed. In the passes of the path the numbers of a pixel's
-// passes in one half are a sequence of low discrepancy, and those of neighbouring pixels in a pass as well.
-void rf_draw_hit_sides( const RfHarvest* harvest, RfTraceJob job, RfHarvestScratch* scratch );
-
 // Turns ng of translucent hits to the cameras, which are on the side that is seen, wherever light arrives.
 void rf_face_cameras( const RfVertexLanes* v, RfHitBatch* batch );
 
