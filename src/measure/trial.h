@@ -8,7 +8,8 @@
 // such groups. A frame of the long path is the mean over the 2n+1 groups that contain it, in
 // each of which it has a different position. So the error averaged over the positions within
 // one group, v with P passes, predicts the frame in the middle of a long path: v·P/S with S
-// own-frame samples per pixel, at the same cost per sample. The extra cost of the ends of the
+// own-frame samples per pixel, at the same cost per sample. Errors fall a little faster than that
+// (src/reuse/estimators.md, section 24), so it is rather too high than too low. The extra cost of the ends of the
 // path, of several sweeps or of a selection of frames is not measured here: see
 // RfPlanRow.samples.
 //

@@ -40,7 +40,7 @@ typedef struct TuneWork
 
 // Plans the rounds. Decisions depend on the arguments only, not on a clock.
 
-#define REGION_FRAMES 7   // at least
+#define REGION_FRAMES 7   // of a test region, at least
 #define MIN_PIXELS 2500.0 // four pieces, and what is traced around them
 #define MAX_REGIONS 24
 

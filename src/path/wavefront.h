@@ -259,10 +259,8 @@ void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uin
 void rf_draw_light_numbers( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, RfLaneScratch* scratch );
 
 // Draws the sides on which light arrives at TRANSLUCENT lanes, the paths' `vertex`-th (src/reuse/estimators.md, section 20): where
-// it is not the side that is seen, n and ng are turned over. rf_turn_sides does it by numbers in [0, 1), by lane from the first
-// of them. After rf_face_rays ng is on the side of wo again.
+// it is not the side that is seen, n and ng are turned over. After rf_face_rays ng is on the side of wo again.
 void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* vertices );
-void rf_turn_sides( const float* u, RfVertexLanes* vertices );
 void rf_face_rays( RfVertexLanes* vertices );
 
 // Takes one light sample per vertex lane and tests its visibility. Random numbers:

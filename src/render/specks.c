@@ -115,7 +115,6 @@ static void make_ray( const Shape* shape, int pixel, int s, int lane, RfWavefron
     }
     wavefront->rays.pdf_solid_angle[lane] = RF_DELTA_PDF;
     wavefront->rays.slot[lane] = lane;
-    wavefront->lattice.vertex = 0;
     wavefront->key_a[lane] = key.a;
     wavefront->key_b[lane] = key.b;
     wavefront->roulette_scale[lane] = 1.0f;

@@ -139,13 +139,7 @@ static void test_tree_is_the_plain_tracer_to_the_bit( void** state )
         for ( int frame = 0; frame < EYES; ++frame )
         {
             float plain[3 * SIDE * SIDE];
-            ReferenceSettings s = { .spp = settings.spp,
-                                    .max_depth = settings.max_depth,
-                                    .light_samples = settings.light_samples,
-                                    .seed = settings.seed,
-                                    .frame = frame,
-                                    .light_sampling = settings.light_sampling,
-                                    .stratified = true };
+            ReferenceSettings s = reference_settings_of( &settings, frame );
             reference_image( tracer, eyes + frame, &s, plain );
             assert_memory_equal( plain, frame_rgb( &r, frame ), sizeof plain );
         }

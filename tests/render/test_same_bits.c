@@ -62,13 +62,7 @@ static void check_plain( RfScene scene, int light_samples, int max_depth )
     double sum = 0.0;
     for ( int k = 0; k < 2; ++k )
     {
-        ReferenceSettings plain = { .spp = settings.spp,
-                                    .max_depth = max_depth,
-                                    .light_samples = light_samples,
-                                    .seed = settings.seed,
-                                    .frame = frames[k],
-                                    .light_sampling = settings.light_sampling,
-                                    .stratified = true };
+        ReferenceSettings plain = reference_settings_of( &settings, frames[k] );
         reference_image( tracer, eyes + frames[k], &plain, reference );
         assert_memory_equal( frame_rgb( &rendered, k ), reference, 3 * rendered.pixels * sizeof( float ) );
         for ( size_t i = 0; i < 3 * rendered.pixels; ++i )

@@ -45,13 +45,8 @@ static int plain_trace( const RfEstimatorGroup* group, RfTraceJob job, void* bat
     (void)scratch;
     Row* row = batch;
     const RfRenderSettings* s = group->settings;
-    ReferenceSettings settings = { .spp = s->spp,
-                                   .max_depth = group->max_depth,
-                                   .light_samples = s->light_samples,
-                                   .seed = s->seed,
-                                   .frame = group->first_frame + job.eye,
-                                   .light_sampling = s->light_sampling,
-                                   .stratified = true };
+    ReferenceSettings settings = reference_settings_of( s, group->first_frame + job.eye );
+    settings.max_depth = group->max_depth;
     row->eye = job.eye;
     row->row = job.job;
     row->count = group->width;

@@ -339,13 +339,7 @@ static void check_plain( RfScene scene )
     float* reference = malloc( 3 * r.pixels * sizeof( float ) );
     for ( int k = 0; k < 3; ++k )
     {
-        ReferenceSettings plain = { .spp = settings.spp,
-                                    .max_depth = settings.max_depth,
-                                    .light_samples = settings.light_samples,
-                                    .seed = settings.seed,
-                                    .frame = k,
-                                    .light_sampling = settings.light_sampling,
-                                    .stratified = true };
+        ReferenceSettings plain = reference_settings_of( &settings, k );
         reference_image( tracer, eyes + k, &plain, reference );
         assert_memory_equal( frame_rgb( &r, k ), reference, 3 * r.pixels * sizeof( float ) );
     }

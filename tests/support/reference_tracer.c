@@ -1,6 +1,7 @@
 #include "support/reference_tracer.h"
 
 #include "light/punctual.h"
+#include "base/lattice.h"
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "light/light.h"
@@ -624,6 +625,17 @@ static void bend_ray( const RfEye* eye, Numbers key, Ray* ray )
 
 // Light that leaves a point that the camera sees.
 static RfVec3 seen_light( const RfTracer* tracer, const ReferenceSettings* s, Numbers key, const Point* hit );
+
+ReferenceSettings reference_settings_of( const RfRenderSettings* settings, int frame )
+{
+    return ( ReferenceSettings ){ .spp = settings->spp,
+                                  .max_depth = settings->max_depth,
+                                  .light_samples = settings->light_samples,
+                                  .seed = settings->seed,
+                                  .frame = frame,
+                                  .light_sampling = settings->light_sampling,
+                                  .stratified = true };
+}
 
 RfVec3 reference_sample( const RfTracer* tracer, const RfEye* eye, const ReferenceSettings* s, int pass, int x, int y )
 {

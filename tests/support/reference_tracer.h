@@ -2,9 +2,9 @@
 #ifndef REFRAME_TESTS_REFERENCE_TRACER_H
 #define REFRAME_TESTS_REFERENCE_TRACER_H
 
-#include "base/lattice.h"
 #include "base/random.h"
 #include "bsdf/bsdf.h"
+#include "reframe/render_settings.h"
 #include "scene/eye.h"
 #include "trace/trace.h"
 
@@ -93,6 +93,9 @@ typedef struct ReferenceSettings
     bool stratified;         // takes the numbers that the renderer has; else random ones, whatever the renderer does
     bool without_caustics;   // light that mirrors, glass and smooth metals throw on other surfaces does not count
 } ReferenceSettings;
+
+// For a frame of a render of single pixels and frames, with its numbers.
+ReferenceSettings reference_settings_of( const RfRenderSettings* settings, int frame );
 
 // Mean radiance of one path through a pixel of one pass: frame, pass and pixel
 // choose the random numbers as the renderer does without groups.

@@ -100,8 +100,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
     };
 }
 
-// The passes of a half in their order, of which a lattice has a point for each: what is no pass of the path, and extra samples, have
-// random numbers.
+// The lattice of a pass of a frame: its half and its number in that. False for pilots and extra samples, whose numbers are random.
 static bool find_point( const RfHarvest* harvest, int eye, int pass, RfLattice* lattice )
 {
     if ( harvest->passes_before < 0 || harvest->need != NULL )
