@@ -1,4 +1,5 @@
 // The program: finds the command and runs it.
+#define _XOPEN_SOURCE 700 // setenv, readlink
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/options/options.h"
@@ -6,9 +7,12 @@
 #include "cli/signals.h"
 #include "trace/trace.h"
 
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const RfCommand s_commands[] = {
     { "render", rf_command_render, "render a camera animation to EXR files" },
@@ -109,6 +113,25 @@ static bool check_cpu( void )
     return true;
 }
 
+// Threads that wait do so asleep, unless the user has chosen otherwise. By default libgomp's spin, which on a machine with other
+// work takes several times the CPU time. It reads the environment before main(), so that the program has to be started again.
+static void wait_asleep( char** argv )
+{
+    static const char* const choices[] = { "OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "KMP_BLOCKTIME", "KMP_LIBRARY" };
+    char program[PATH_MAX];
+    for ( size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i )
+    {
+        if ( getenv( choices[i] ) != NULL )
+            return; // also the second time
+    }
+    // by its own name: a program started as /proc/self/exe is listed as "exe"
+    ssize_t length = readlink( "/proc/self/exe", program, sizeof program - 1 );
+    if ( length <= 0 || setenv( choices[0], "passive", 1 ) != 0 )
+        return;
+    program[length] = '\0';
+    execv( program, argv ); // where this fails, they spin
+}
+
 int main( int argc, char** argv )
 {
     if ( !check_cpu() )
@@ -137,5 +160,6 @@ int main( int argc, char** argv )
     }
     if ( strcmp( argv[1], "help" ) == 0 )
         return run_help( argc - 1, argv + 1 );
+    wait_asleep( argv );
     return run_command( argc - 1, argv + 1 );
 }

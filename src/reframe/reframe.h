@@ -45,6 +45,8 @@
 //   - Frames are counted from 0 in the API and from 1 in file names and messages.
 //   - Nothing is printed and nothing exits. Different scenes may be used from different threads;
 //     one scene may be rendered by one thread at a time (which uses all cores by itself).
+//   - Threads that wait do so as OpenMP has it: with GCC's libgomp they spin, unless the environment has
+//     OMP_WAIT_POLICY=passive when the process starts. Set it where other work runs on the machine.
 #ifndef REFRAME_REFRAME_H
 #define REFRAME_REFRAME_H
 

@@ -102,11 +102,21 @@ static void check_interrupted_json( const char* name, int kept )
     json_decref( json );
 }
 
+// How the threads of what was started wait: what its environment was when it began.
+static void expect_wait_policy( const char* wanted )
+{
+    char command[256];
+    snprintf( command, sizeof command, "cd '%s'; tr '\\0' '\\n' < /proc/$(cat pid)/environ | grep -qx '%s'", cli_folder(),
+              wanted );
+    assert_int_equal( system( command ), 0 );
+}
+
 static void test_interrupted_frames_stay_and_resume( void** state )
 {
     (void)state;
-    cli_start( "exec $R render $VASE -o i/f.####.exr --json i.json " SLOW );
+    cli_start( "echo $$ > pid; unset OMP_WAIT_POLICY; exec $R render $VASE -o i/f.####.exr --json i.json " SLOW );
     wait_for_another( "i/f.0001.exr", 0 );
+    expect_wait_policy( "OMP_WAIT_POLICY=passive" );
     int kept = interrupt( "frames are finished and kept, --resume goes on" );
     assert_int_equal( cli_count_files( ".exr", "i" ), kept );
     check_interrupted_json( "i.json", kept );
@@ -189,8 +199,10 @@ static void test_interrupted_overwrite_resumes( void** state )
     (void)state;
     cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --seed 2 --size 48x27 --frames 1-8 --spp 1 --group 0 --quiet" ), 0,
                 NULL );
-    cli_start( "exec $R render $VASE -o o/f.####.exr --overwrite --json o.json " SLOW );
+    cli_start(
+        "echo $$ > pid; export OMP_WAIT_POLICY=active; exec $R render $VASE -o o/f.####.exr --overwrite --json o.json " SLOW );
     wait_for_another( "o/f.0001.exr", inode_of( "o/f.0001.exr" ) );
+    expect_wait_policy( "OMP_WAIT_POLICY=active" );
     int kept = interrupt( "frames are finished and kept, --resume --overwrite goes on" );
     check_interrupted_json( "o.json", kept );
     uintmax_t first = inode_of( "o/f.0001.exr" );
