@@ -165,6 +165,8 @@ RfResult rf_flush_output( RfError* error )
 
 double rf_noise_percent( double relmse ) { return 100.0 * sqrt( relmse / 3.0 ); }
 
+double rf_relmse_of_noise( double percent ) { return 3.0 * ( percent / 100.0 ) * ( percent / 100.0 ); }
+
 void rf_format_noise( double relmse, char text[RF_NOISE_TEXT_SIZE] )
 {
     double percent = rf_noise_percent( relmse );

@@ -57,6 +57,7 @@ double rf_json_number_of( const json_t* object, const char* key );
 
 // The relative RMS error of a channel, percent, of a relMSE, which adds up three channels. All commands call it noise.
 double rf_noise_percent( double relmse );
+double rf_relmse_of_noise( double percent );
 
 // The same as text: "15 %", "1.2 %", "0.034 %"; "unknown" where it is not finite.
 #define RF_NOISE_TEXT_SIZE 32

@@ -1,6 +1,8 @@
 // The option table: every type, every way to get one wrong, and the help text.
+#include "cli/messages.h"
 #include "cli/options/options.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -53,7 +55,7 @@ static const RfOption s_options[] = {
       .max = 32,
       .meta = "E",
       .help = "stops" },
-    { .name = "noise", .type = RF_OPTION_RATIO, .value = &s_values.noise, .max = 100, .meta = "E", .help = "relMSE" },
+    { .name = "noise", .type = RF_OPTION_NOISE, .value = &s_values.noise, .max = 100, .meta = "E", .help = "relMSE" },
     { .name = "time", .type = RF_OPTION_TIME, .value = &s_values.time, .max = 1e6, .meta = "T", .help = "seconds" },
     { .name = "size", .type = RF_OPTION_SIZE, .value = &s_values.size, .min = 1, .max = 32768, .meta = "WxH", .help = "pixels" },
     { .name = "memory", .type = RF_OPTION_MEMORY, .value = &s_values.memory, .min = 1048576, .meta = "SIZE", .help = "budget" },
@@ -233,7 +235,7 @@ static void test_units_that_users_type( void** state )
     } times[] = { { "20", 20.0 },     { "20s", 20.0 },    { "5m", 300.0 },  { "1h30m", 5400.0 }, { "1h0m2.5s", 3602.5 },
                   { "1.5h", 5400.0 }, { "2h3s", 7203.0 }, { "1e2", 100.0 }, { "0", 0.0 } };
     static const char* const wrong[] = { "20x", "s", "5m5m", "3s2m", "1h30", "-5s", "20 s", "5M", "1h-3m", "nan", "300h", "" };
-    static const char* const not_percent[] = { "1%%", "%", "1 %", "1%x", "-1%", "10001%" };
+    static const char* const not_percent[] = { "1%%", "%", "1 %", "1%x", "-1%", "578%" };
     for ( size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i )
     {
         char line[64];
@@ -258,8 +260,9 @@ static void test_units_that_users_type( void** state )
                   wrong[i] );
         assert_string_equal( error.text, text );
     }
-    expect_ok( "a --noise 1%" );
-    assert_true( s_values.noise == 0.01 );
+    expect_ok( "a --noise 10%" ); // √(relMSE / 3)
+    assert_true( fabs( s_values.noise - 0.03 ) < 1e-15 && fabs( rf_noise_percent( s_values.noise ) - 10.0 ) < 1e-12 );
+    expect_ok( "a --noise 577%" );
     expect_ok( "a --noise 0.25" );
     assert_true( s_values.noise == 0.25 );
     for ( size_t i = 0; i < sizeof not_percent / sizeof not_percent[0]; ++i )

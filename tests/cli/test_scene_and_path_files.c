@@ -102,6 +102,7 @@ static void test_render_faults( void** state )
         { "{\"output\":\"a.exr\"}", "scene.json: render.output: unknown key, the keys here are: frames, fps" },
         { "{\"threads\":3}", "scene.json: render.threads: unknown key" },
         { "{\"seed\":-1}", "scene.json: render.seed: must be a whole number from 0" },
+        { "{\"noise\":\"0.01\"}", "scene.json: render.noise: must be a relMSE from 0 to 1e+06, or the noise of a channel" },
         { "{\"tile\":\"9x9\"}", "scene.json: render.tile: expected 1, WxH such as 3x3, or rooksN" },
         { "{\"aov\":\"depht\"}", "scene.json: render.aov: 'depht' is no AOV, did you mean depth?" },
         { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: AOV depth is given twice" },
@@ -352,7 +353,7 @@ static void test_schema_has_the_limits_of_the_options( void** state )
         ++checked;
         if ( option->type == RF_OPTION_INT )
             expect_limits( of_type( property, "integer" ), option );
-        else if ( option->type == RF_OPTION_REAL || option->type == RF_OPTION_RATIO || option->type == RF_OPTION_TIME )
+        else if ( option->type == RF_OPTION_REAL || option->type == RF_OPTION_NOISE || option->type == RF_OPTION_TIME )
             expect_limits( of_type( property, "number" ), option );
         else if ( option->type == RF_OPTION_SIZE )
             expect_limits( json_object_get( property, "items" ), option );

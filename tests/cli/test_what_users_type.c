@@ -36,11 +36,11 @@ static void test_words_of_other_programs( void** state )
 static void test_units_and_patterns( void** state )
 {
     (void)state;
-    cli_expect( cli_run( "$R tune $VASE --budget 0 --size 360p --noise 1%% --time 1m1s --frames 1 --json tune.json > table" ), 0,
-                NULL );
+    cli_expect( cli_run( "$R tune $VASE --budget 0 --size 360p --noise 5.8%% --time 1m1s --frames 1 --json tune.json > table" ),
+                0, NULL );
     cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10" TINY ), 0, NULL );
     assert_true( cli_exists( "p/f.0009.exr" ) && cli_exists( "p/f.0010.exr" ) );
-    cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10 --noise 300%% --time 30s --size 16x9 --overwrite "
+    cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10 --noise 100%% --time 30s --size 16x9 --overwrite "
                          "--quiet --json r.json" ),
                 0, NULL );
     json_t* json = cli_read_json( "r.json" );

@@ -230,7 +230,7 @@ static void test_command_says_what_json_says( void** state )
 {
     (void)state;
     cli_enter();
-    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 4 --group 1 --noise 0.05,0.5 --frames 5-9 --quiet --json c.json "
+    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 4 --group 1 --noise 12.91%%,0.5 --frames 5-9 --quiet --json c.json "
                          "--svg c.svg > c.txt" ),
                 0, NULL );
     size_t size;
@@ -290,6 +290,7 @@ static void test_wrong_commands_are_refused( void** state )
     cli_expect( cli_run( "$R cost" ), 2, "SCENE" );
     cli_expect( cli_run( "$R cost $VASE --noise 0.1,x" ), 2, "--noise: expected numbers above 0" );
     cli_expect( cli_run( "$R cost $VASE --noise 0" ), 2, "--noise: expected numbers above 0" );
+    cli_expect( cli_run( "$R cost $VASE --flicker 0.1,2%%" ), 2, "--flicker: expected numbers above 0" );
     cli_expect( cli_run( "$R cost $VASE --noise 0.1," ), 2, "--noise: expected numbers above 0" );
     cli_expect( cli_run( "$R cost $VASE --budget 0" ), 2, "--budget" );
     cli_expect( cli_run( "$R cost $VASE --group 0 --tile 1" ), 2, "path tracing" );

@@ -211,6 +211,7 @@ static void test_wrong_values_are_refused( void** state )
     (void)state;
     static const char* const wrong[][2] = { { "--flicker -1", "--flicker: expected" },
                                             { "--flicker low", "--flicker: expected" },
+                                            { "--flicker 2%", "--flicker: expected" },
                                             { "--flicker 1e9", "--flicker: expected" },
                                             { "--flicker 0.1 --estimator gradient",
                                               "the estimator 'gradient' has no estimate of flicker" } };

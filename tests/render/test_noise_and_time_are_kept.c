@@ -85,7 +85,7 @@ static void test_what_is_not_reached_is_reported( void** state )
 {
     (void)state;
     const CliResult* result = cli_run( "$R render $VASE -o m.####.exr --frames 1-4 --noise 1e-6 --spp 9 --json m.json " SMALL );
-    cli_expect( result, 0, "--noise 1e-06: not reached in 4 of 4 frames" );
+    cli_expect( result, 0, "--noise: 0.058 % (relMSE 1e-06) not reached in 4 of 4 frames" );
     json_t* json = cli_read_json( "m.json" );
     assert_int_equal( value_of( json_object_get( json, "noise" ), "missed" ), 4 );
     assert_true( json_is_false( json_object_get( frame_of( json, 0 ), "reached" ) ) );
@@ -205,11 +205,12 @@ static void test_wrong_values_are_refused( void** state )
 static void test_defaults_of_a_scene_file( void** state )
 {
     (void)state;
-    static const char scene[] = "{\"scene\":\"room.glb\",\"render\":{\"noise\":0.012,\"spp\":3}}";
+    static const char scene[] = "{\"scene\":\"room.glb\",\"render\":{\"noise\":\"6.3%\",\"spp\":3}}";
     cli_expect( cli_run( "ln -sf $VASE room.glb" ), 0, NULL );
     cli_write( "scene.json", scene, sizeof scene - 1 );
     cli_expect( cli_run( "$R render scene.json -o d.exr --frames 5 --json d.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "d.json" );
+    assert_true( fabs( value_of( json_object_get( json, "noise" ), "wanted" ) - 3.0 * 0.063 * 0.063 ) < 1e-15 );
     assert_true( value_of( frame_of( json, 0 ), "native_spp" ) > 3.0 );
     assert_true( value_of( frame_of( json, 0 ), "relmse_estimate" ) <= 0.012 );
     json_decref( json );

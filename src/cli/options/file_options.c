@@ -56,8 +56,11 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
             if ( string != NULL && ( is_same( string, option->keyword ) || is_same( string, option->negated ) ) )
                 return string;
             return print_number( json, text, size ) ? text : NULL;
+        case RF_OPTION_NOISE:
+            if ( string != NULL && strchr( string, '%' ) != NULL )
+                return string;
+            return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_UINT64:
-        case RF_OPTION_RATIO:
         case RF_OPTION_TIME: return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_SIZE: return print_size( json, text, size ) ? text : NULL;
         case RF_OPTION_FPS: return string != NULL ? string : print_number( json, text, size ) ? text : NULL;
@@ -87,7 +90,10 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
                       option->keyword != NULL ? "\"" : "", option->keyword != NULL ? option->keyword : "",
                       option->keyword != NULL ? "\" or " : "", option->min, option->max );
             break;
-        case RF_OPTION_RATIO:
+        case RF_OPTION_NOISE:
+            snprintf( words, size, "a relMSE from %g to %g, or the noise of a channel in percent, such as \"5%%\"", option->min,
+                      option->max );
+            break;
         case RF_OPTION_TIME: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
         case RF_OPTION_SIZE:
             snprintf( words, size, "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",

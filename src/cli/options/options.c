@@ -2,6 +2,7 @@
 #include "cli/options/options.h"
 
 #include "base/words.h"
+#include "cli/messages.h"
 #include "image/sequence.h"
 #include "reframe/error.h"
 #include "reframe/types.h"
@@ -237,15 +238,23 @@ static bool parse_real( const RfOption* option, const char* text, double* value 
     return true;
 }
 
-static bool parse_ratio( const RfOption* option, const char* text, double* value )
+bool rf_parse_noise( const char* text, double* relmse, const char** rest )
+{
+    if ( !parse_decimal( text, relmse, rest ) )
+        return false;
+    if ( **rest != '%' )
+        return true;
+    *rest += 1;
+    bool positive = *relmse >= 0.0;
+    *relmse = rf_relmse_of_noise( *relmse );
+    return positive;
+}
+
+static bool parse_noise( const RfOption* option, const char* text, double* value )
 {
     const char* rest;
     double number;
-    if ( !parse_decimal( text, &number, &rest ) )
-        return false;
-    if ( *rest == '%' )
-        number /= 100.0;
-    if ( rest[*rest == '%'] != '\0' || number < option->min || number > option->max )
+    if ( !rf_parse_noise( text, &number, &rest ) || *rest != '\0' || number < option->min || number > option->max )
         return false;
     *value = number;
     return true;
@@ -410,8 +419,9 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
                       option->negated != NULL ? ", " : "", option->keyword != NULL ? option->keyword : "",
                       option->keyword != NULL ? " or " : "", option->min, option->max );
             break;
-        case RF_OPTION_RATIO:
-            snprintf( words, size, "a number from %g to %g, or percent such as 1%%", option->min, option->max );
+        case RF_OPTION_NOISE:
+            snprintf( words, size, "a relMSE from %g to %g, or the noise of a channel in percent, such as 5%%", option->min,
+                      option->max );
             break;
         case RF_OPTION_TIME:
             snprintf( words, size, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m", option->min, option->max );
@@ -437,7 +447,7 @@ static bool parse_value( const RfOption* option, const char* text )
         case RF_OPTION_INT: return parse_int( option, text, option->value );
         case RF_OPTION_UINT64: return parse_unsigned( text, option->value );
         case RF_OPTION_REAL: return parse_real( option, text, option->value );
-        case RF_OPTION_RATIO: return parse_ratio( option, text, option->value );
+        case RF_OPTION_NOISE: return parse_noise( option, text, option->value );
         case RF_OPTION_TIME: return parse_time( option, text, option->value );
         case RF_OPTION_SIZE: return parse_size( option, text, option->value );
         case RF_OPTION_MEMORY: return parse_memory( option, text, option->value );
@@ -624,7 +634,7 @@ static size_t value_size( RfOptionType type )
         case RF_OPTION_CHOICE: return sizeof( int );
         case RF_OPTION_UINT64: return sizeof( uint64_t );
         case RF_OPTION_REAL:
-        case RF_OPTION_RATIO:
+        case RF_OPTION_NOISE:
         case RF_OPTION_TIME: return sizeof( double );
         case RF_OPTION_SIZE: return sizeof( RfSize );
         case RF_OPTION_MEMORY: return sizeof( size_t );

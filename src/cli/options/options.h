@@ -24,7 +24,7 @@ typedef enum RfOptionType
     RF_OPTION_INT,    // int, from min to max
     RF_OPTION_UINT64, // uint64_t, any
     RF_OPTION_REAL,   // double, from min to max, finite
-    RF_OPTION_RATIO,  // the same, or in percent: "0.01" or "1%"
+    RF_OPTION_NOISE,  // double, relMSE, from min to max, or the relative RMS error of a channel in percent: "0.01" or "5.8%"
     RF_OPTION_TIME,   // double, seconds, from min to max: "20", "20s", "5m", "1h30m"
     RF_OPTION_SIZE,   // RfSize, "960x540", each from min to max, or "1080p"
     RF_OPTION_MEMORY, // size_t, bytes, "512M", "4G", "1.5G", from min on (a plain number is bytes)
@@ -124,6 +124,9 @@ const char* rf_file_dots( const RfCommandTable* table, int i );
 
 // Parses one value by the option's type.
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
+
+// A relMSE, or the noise of a channel with %, at the start of `text`; `rest`: what follows.
+bool rf_parse_noise( const char* text, double* relmse, const char** rest );
 
 // Parses a whole number from min to max, with nothing before or after it; false otherwise.
 bool rf_parse_whole( const char* text, long long min, long long max, long long* value );

@@ -192,7 +192,8 @@ static const RfOption s_options[] = {
     RF_LENS_OPTIONS( render_parse.options ),
     RF_MOVEMENT_OPTIONS( render_parse.options ),
     RF_STOP_OPTIONS(
-        render_parse.options, "render each frame until its estimated relMSE is at most E; 1% is 0.01",
+        render_parse.options,
+        "render each frame until its estimated relMSE is at most E, or the noise of a channel in percent: 5.8% is relMSE 0.01",
         "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
         "average time per frame: seconds, or 20s, 5m, 1h30m; with --noise or --flicker, whichever is reached first" ),
     RF_ADAPTIVE_OPTION( render_parse.options,

@@ -134,7 +134,7 @@ extern RfDefaultTexts rf_default_texts;
       .help = RF_SPP_HELP "; the limit with --noise, --flicker and --time" },                                                    \
         { .name = "noise",                                                                                                       \
           .in_file = true,                                                                                                       \
-          .type = RF_OPTION_RATIO,                                                                                               \
+          .type = RF_OPTION_NOISE,                                                                                               \
           .value = &( o ).settings.noise,                                                                                        \
           .min = 0,                                                                                                              \
           .max = RF_MAX_NOISE,                                                                                                   \
@@ -144,7 +144,7 @@ extern RfDefaultTexts rf_default_texts;
           .help = ( noise_help ) },                                                                                              \
         { .name = "flicker",                                                                                                     \
           .in_file = true,                                                                                                       \
-          .type = RF_OPTION_RATIO,                                                                                               \
+          .type = RF_OPTION_REAL,                                                                                                \
           .value = &( o ).settings.flicker,                                                                                      \
           .min = 0,                                                                                                              \
           .max = RF_MAX_FLICKER,                                                                                                 \

@@ -119,10 +119,14 @@ static void warn_of_solves( const RfFrameErrors* errors, RfLog* log )
 static void warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* settings, const RfRenderStats* stats,
                           int frame_count, int run_count, RfLog* log )
 {
+    char wanted[RF_NOISE_TEXT_SIZE], worst[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( settings->noise, wanted );
+    rf_format_noise( errors->worst_relmse, worst );
     if ( stats->missed > 0 )
-        rf_warn( log, "--noise %g: not reached in %d of %d frames, frame %d %shas %.3g: allow more %s", settings->noise,
-                 stats->missed, frame_count, errors->worst_frame, errors->worst_is_lower_bound ? "likely " : "",
-                 errors->worst_relmse, settings->time > 0.0 ? "--time or --spp" : "--spp" );
+        rf_warn( log, "--noise: %s (relMSE %.3g) not reached in %d of %d frames, frame %d %shas %s (relMSE %.3g): allow more %s",
+                 wanted, settings->noise, stats->missed, frame_count, errors->worst_frame,
+                 errors->worst_is_lower_bound ? "likely " : "", worst, errors->worst_relmse,
+                 settings->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( stats->flicker_missed > 0 )
         rf_warn( log, "--flicker %g: not reached in %d of %d frames, frames %d and %d have a likely F1 of %.3g: allow more %s",
                  settings->flicker, stats->flicker_missed, frame_count, errors->worst_pair - 1, errors->worst_pair,

@@ -177,7 +177,7 @@ static void format_goal( Goal goal, char* text, size_t size )
     if ( goal.is_flicker )
         snprintf( text, size, "F1 %g", goal.value );
     else
-        snprintf( text, size, "%s noise (relMSE %g)", noise, goal.value );
+        snprintf( text, size, "%s noise (relMSE %.3g)", noise, goal.value );
 }
 
 static void print_goal( const CostReport* r, Goal goal )
@@ -399,7 +399,7 @@ static const RfOption s_options[] = {
       .type = RF_OPTION_STRING,
       .value = &s_parsed.noise,
       .meta = "E[,...]",
-      .help = "predict the time to reach each relMSE; 1% is 0.01" },
+      .help = "predict the time to reach each relMSE, or noise of a channel in percent: 5.8% is relMSE 0.01" },
     { .name = "flicker",
       .type = RF_OPTION_STRING,
       .value = &s_parsed.flicker,
@@ -434,22 +434,20 @@ static const RfCommandTable s_table = {
     .option_count = sizeof s_options / sizeof s_options[0]
 };
 
-// The numbers of an option.
-static RfResult parse_list( const char* name, const char* text, double values[COST_ERRORS], int* count, RfError* error )
+// The numbers of an option; those of relMSE may be in percent.
+static RfResult parse_list( const char* name, const char* text, bool is_noise, double values[COST_ERRORS], int* count,
+                            RfError* error )
 {
     const char* all = text;
     *count = 0;
     for ( ; text != NULL; )
     {
-        char* end;
-        double value = strtod( text, &end );
-        if ( end != text && *end == '%' )
-        {
-            value /= 100.0;
-            end += 1;
-        }
-        if ( end == text || !( value > 0.0 ) || !isfinite( value ) || ( *end != ',' && *end != '\0' ) )
-            return rf_fail( error, RF_ERROR_USAGE, "%s: expected numbers above 0 with commas between them, got '%s'", name, all );
+        const char* end;
+        double value;
+        bool is_number = rf_parse_noise( text, &value, &end );
+        if ( !is_number || !( value > 0.0 ) || ( *end != ',' && *end != '\0' ) || ( !is_noise && end[-1] == '%' ) )
+            return rf_fail( error, RF_ERROR_USAGE, "%s: expected numbers above 0%s with commas between them, got '%s'", name,
+                            is_noise ? ", or percent such as 5%," : "", all );
         if ( *count == COST_ERRORS )
             return rf_fail( error, RF_ERROR_USAGE, "%s: more than %d numbers", name, COST_ERRORS );
         values[( *count )++] = value;
@@ -473,9 +471,9 @@ static RfResult parse( const RfField* defaults, int argc, char** argv, CostOptio
     rf_settle_filter( &s_parsed.render );
     result = rf_parse_tile_option( &s_parsed.render, error );
     if ( result == RF_OK )
-        result = parse_list( "--noise", s_parsed.noise, s_parsed.errors, &s_parsed.error_count, error );
+        result = parse_list( "--noise", s_parsed.noise, true, s_parsed.errors, &s_parsed.error_count, error );
     if ( result == RF_OK )
-        result = parse_list( "--flicker", s_parsed.flicker, s_parsed.flickers, &s_parsed.flicker_count, error );
+        result = parse_list( "--flicker", s_parsed.flicker, false, s_parsed.flickers, &s_parsed.flicker_count, error );
     *options = s_parsed;
     return result;
 }

@@ -424,10 +424,11 @@ static const RfOption s_options[] = {
       .value = &s_parsed.goal,
       .choices = s_goals,
       .help = "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" },
-    RF_STOP_OPTIONS(
-        s_parsed.render,
-        "of a render that stops at this relMSE: its memory; time and rays are upper limits, cost --noise predicts them",
-        "the same for a render that stops at this F1", "the same for a render that stops after this time per frame" ),
+    RF_STOP_OPTIONS( s_parsed.render,
+                     "of a render that stops at this relMSE, or noise in percent: its memory; time and rays are upper limits, "
+                     "cost --noise predicts them",
+                     "the same for a render that stops at this F1",
+                     "the same for a render that stops after this time per frame" ),
     RF_ADAPTIVE_OPTION( s_parsed.render, "include the memory for extra samples; their time is not predicted" ),
     RF_CLAMP_OPTION( s_parsed.render, "include the memory of a clamp; cost says what it saves" ),
     RF_FILTER_OPTIONS( s_parsed.render ),
