@@ -97,7 +97,7 @@ bool rf_scene_light( const RfScene* scene, int index, RfLightInfo* info );
 typedef struct RfCameraInfo
 {
     const char* name;       // unique, never empty; the scene's
-    int frames;             // of its path at the frame rate asked for; 1 where it stands still
+    int frames;             // of its path at the frame rate asked for; 1 where it stands still and nothing moves
     int shots;              // between the cuts of its path; 1: there are none
     bool animated;          // false also where it stands still in all its frames
     int first, step;        // number of its first frame, and from a frame's number to the next one's

@@ -149,64 +149,62 @@ RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfE
     return rf_fail( error, RF_ERROR_USAGE, "%s: has no camera '%.60s': choose one of %s", path, name, names );
 }
 
-// Blames the file: most often its times are wrong.
-static RfResult fail_too_long( const RfCamera* camera, double fps, RfError* error )
+// Times are in the camera's unit: seconds, or frames where its path counts these.
+static bool counts_frames( const RfCamera* camera ) { return camera->track != NULL && camera->track->in_frames; }
+
+// The time of the first frame: 0 s, and of a path by frame numbers that of its first. One key alone names no range: where something
+// moves, its frames begin with 1.
+static double first_time( const RfScene* scene, const RfCamera* camera )
 {
-    double seconds = camera->end - camera->start;
+    if ( !counts_frames( camera ) )
+        return 0.0;
+    bool still = !camera->animated && camera->track->kind == RF_TRACK_KEYED && scene->movement != NULL;
+    int step = camera->track->step;
+    return still && camera->start > 0.0 ? camera->start - step * floor( camera->start / step ) : camera->start;
+}
+
+// The time up to which there are frames: to the camera's last key and that of all that moves, unless its path says how long it is.
+static double last_time( const RfScene* scene, const RfCamera* camera, double fps )
+{
+    const RfCameraTrack* track = camera->track;
+    bool counts = counts_frames( camera ), moves = camera->animated && camera->end > camera->start;
+    bool is_given = track != NULL && ( track->kind != RF_TRACK_KEYED || ( counts && camera->animated ) );
+    double end = moves || counts ? camera->end : 0.0;
+    if ( is_given || scene->movement == NULL )
+        return end;
+    return fmax( end, counts ? scene->movement->end * fps : scene->movement->end );
+}
+
+// Blames the file: most often its times are wrong.
+static RfResult fail_too_long( const RfScene* scene, const RfCamera* camera, double fps, double duration, RfError* error )
+{
     if ( camera->track != NULL )
         return rf_fail( error, RF_ERROR_SCENE,
                         "%s: %g s at %g frames/s are more than %d frames: shorten it or lower the frames per second",
-                        camera->track->clock, seconds, fps, MAX_FRAMES );
-    return rf_fail(
-        error, RF_ERROR_SCENE,
-        "camera '%.60s': its animation of %g s at %g frames/s is more than %d frames: shorten it or lower the frames per second",
-        camera->name, seconds, fps, MAX_FRAMES );
+                        camera->track->clock, duration, fps, MAX_FRAMES );
+    return rf_fail( error, RF_ERROR_SCENE,
+                    "%s: camera '%.60s': its animation of %g s at %g frames/s is more than %d frames: shorten it or lower the "
+                    "frames per second",
+                    scene->path != NULL ? scene->path : "scene", camera->name, duration, fps, MAX_FRAMES );
 }
 
-RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, RfError* error )
+RfResult rf_camera_frames( const RfScene* scene, const RfCamera* camera, double fps, RfCameraFrames* frames, RfError* error )
 {
-    *count = 0;
+    bool counts = counts_frames( camera );
+    double first = first_time( scene, camera );
+    *frames = ( RfCameraFrames ){ .first = floor( first ) == first ? (int)first + 1 : 1, .step = 1, .count = 1 };
     if ( isfinite( fps ) == 0 || fps <= 0.0 )
         return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': frames per second must be above 0, got %g", camera->name, fps );
-    *count = 1;
-    if ( camera->animated == false )
-        return RF_OK;
+    frames->step = counts ? camera->track->step : 1;
+    double duration = last_time( scene, camera, fps ) - first;
     // key times written as floats miss their frame slightly
-    double rate = camera->track != NULL && camera->track->in_frames ? 1.0 / camera->track->step : fps;
-    double frames = floor( ( camera->end - camera->start ) * rate + 1e-3 ) + 1.0;
+    double count = floor( duration * ( counts ? 1.0 / frames->step : fps ) + 1e-3 ) + 1.0;
     if ( camera->edit != NULL && camera->edit->in_frames )
-        frames = fmax( frames, floor( camera->edit->shots[camera->edit->count - 1].from ) + 1.0 );
-    if ( ( frames <= (double)MAX_FRAMES ) == false )
-    {
-        *count = 0;
-        return fail_too_long( camera, fps, error );
-    }
-    *count = frames > 1.0 ? (int)frames : 1;
+        count = fmax( count, floor( camera->edit->shots[camera->edit->count - 1].from ) + 1.0 );
+    if ( ( count <= (double)MAX_FRAMES ) == false )
+        return fail_too_long( scene, camera, fps, duration, error );
+    frames->count = count > 1.0 ? (int)count : 1;
     return RF_OK;
-}
-
-// A camera that stands still is there as long as something moves.
-static RfCamera with_span_of_scene( const RfScene* scene, const RfCamera* camera )
-{
-    RfCamera spanned = *camera;
-    if ( scene->movement == NULL || camera->animated || camera->track != NULL )
-        return spanned;
-    spanned.animated = true;
-    spanned.start = scene->movement->start;
-    spanned.end = scene->movement->end;
-    return spanned;
-}
-
-RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error )
-{
-    RfError fault = { 0 };
-    RfCamera spanned = with_span_of_scene( scene, camera );
-    RfResult result = rf_camera_frame_count( &spanned, fps, count, &fault );
-    if ( result == RF_OK )
-        return RF_OK;
-    if ( result == RF_ERROR_SCENE && camera->track == NULL )
-        return rf_fail( error, result, "%s: %s", scene->path, fault.text );
-    return rf_fail( error, result, "%s", fault.text );
 }
 
 void rf_node_world_matrix( const RfScene* scene, int node, double time, RfMat4* matrix )
@@ -360,34 +358,29 @@ RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width,
     return result == RF_OK ? eye_at_time( &sampling, time, eye, error ) : result;
 }
 
-// The time of frame `frame` of a camera's path, counted from 0: seconds, or frames for a path that counts these.
+// The time of frame `frame` of a camera's path, counted from 0, in its unit.
 static double camera_time( const RfCameraSampling* sampling, double frame )
 {
     const RfCamera* camera = sampling->camera;
-    if ( camera->track != NULL && camera->track->in_frames )
-        return camera->start + frame * camera->track->step;
+    if ( counts_frames( camera ) )
+        return first_time( sampling->scene, camera ) + frame * camera->track->step;
     // A single division of integers, so that the time of a frame does not depend on how it is
     // computed.
-    return camera->start + frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
+    return frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
 }
 
 // The moment of the scene that a camera sees in a frame. The frame that a path calls 1 is at 0 s.
 static double scene_time( const RfCameraSampling* sampling, double frame )
 {
-    const RfCamera* camera = sampling->camera;
-    double seconds = frame * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
-    if ( camera->track != NULL && camera->track->in_frames )
-        return camera_time( sampling, frame ) * (double)sampling->fps.denominator / (double)sampling->fps.numerator;
-    bool still = camera->track == NULL && !camera->animated && sampling->scene->movement != NULL;
-    return still ? sampling->scene->movement->start + seconds : camera_time( sampling, frame );
+    double time = camera_time( sampling, frame );
+    return counts_frames( sampling->camera ) ? time * (double)sampling->fps.denominator / (double)sampling->fps.numerator : time;
 }
 
 // Frames of a path for each unit of its time.
 static double frames_per_unit( const RfCameraSampling* sampling )
 {
-    const RfCameraTrack* track = sampling->camera->track;
-    bool counts = track != NULL && track->in_frames;
-    return counts ? 1.0 / track->step : (double)sampling->fps.numerator / sampling->fps.denominator;
+    const RfCamera* camera = sampling->camera;
+    return counts_frames( camera ) ? 1.0 / camera->track->step : (double)sampling->fps.numerator / sampling->fps.denominator;
 }
 
 // The shot that a frame is in, as a path of its own.
@@ -417,20 +410,17 @@ static int find_edit_shot( const RfCameraSampling* sampling, double frame )
 
 static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath* shot );
 
-// That camera alone, whose own ends are those of the shot.
+// That camera alone: like the edit, it counts its frames from 0 s.
 static void find_shot_of_edit( const RfCameraSampling* sampling, double frame, ShotPath* shot )
 {
-    const RfCamera* edit = sampling->camera;
     int number = find_edit_shot( sampling, frame );
-    const RfCamera* shown = sampling->scene->cameras + edit->edit->shots[number].camera;
-    double rate = frames_per_unit( sampling ), first = ( shown->start - edit->start ) * rate;
+    const RfCamera* shown = sampling->scene->cameras + sampling->camera->edit->shots[number].camera;
     RfCameraSampling own = *sampling;
     own.camera = shown;
-    find_shot( &own, frame - first, shot );
+    find_shot( &own, frame, shot );
     shot->number += (int64_t)number << 32;
-    shot->camera.start = edit->start; // by which frames are counted
-    shot->first = shown->animated ? shot->first + first : -(double)INFINITY;
-    shot->last = shown->animated ? shot->last + first : (double)INFINITY;
+    shot->first = shown->animated ? shot->first : -(double)INFINITY;
+    shot->last = shown->animated ? shot->last : (double)INFINITY;
     shot->camera.animated = true;
 }
 
@@ -444,12 +434,12 @@ static void find_step( const RfCamera* camera, double time, double rate, ShotPat
     if ( number > 0 )
     {
         shot->begin = camera->cuts[number - 1];
-        shot->first = ( shot->begin - camera->start ) * rate;
+        shot->first = shot->begin * rate;
     }
     if ( number < camera->cut_count )
     {
         shot->end = nextafter( camera->cuts[number], -(double)INFINITY );
-        shot->last = ( shot->end - camera->start ) * rate;
+        shot->last = shot->end * rate;
     }
 }
 
@@ -461,8 +451,15 @@ static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath*
         find_shot_of_edit( sampling, frame, shot );
         return;
     }
-    double start = camera->start, rate = frames_per_unit( sampling );
-    *shot = ( ShotPath ){ .sampling = *sampling, .camera = *camera, .last = ( camera->end - start ) * rate };
+    double start = first_time( sampling->scene, camera ), rate = frames_per_unit( sampling );
+    double fps = (double)sampling->fps.numerator / sampling->fps.denominator;
+    double first = ( camera->start - start ) * rate, last = ( camera->end - start ) * rate;
+    bool waits = first > FRAME_SLACK, stays = ( last_time( sampling->scene, camera, fps ) - start ) * rate > last + FRAME_SLACK;
+    // it is held before its first key and after its last, up to a cut
+    *shot = ( ShotPath ){ .sampling = *sampling,
+                          .camera = *camera,
+                          .first = waits ? -(double)INFINITY : first,
+                          .last = stays ? (double)INFINITY : last };
     shot->begin = -(double)INFINITY;
     shot->end = (double)INFINITY;
     shot->sampling.camera = &shot->camera;
@@ -471,12 +468,11 @@ static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath*
         shot->number = rf_track_shot( camera->track, start + ( frame + FRAME_SLACK ) / rate );
         shot->track = rf_shot_of_track( camera->track, (int)shot->number );
         shot->camera.track = &shot->track;
-        shot->first = ( shot->track.start - start ) * rate;
-        shot->last = ( shot->track.end - start ) * rate;
+        shot->first = shot->number > 0 ? ( shot->track.start - start ) * rate : shot->first;
+        shot->last = shot->number < camera->track->cut_count ? ( shot->track.end - start ) * rate : shot->last;
     }
     if ( camera->track == NULL && camera->cut_count > 0 )
         find_step( camera, start + ( frame + FRAME_SLACK ) / rate, rate, shot );
-    // it is held before its first key and after its last, up to a cut
     if ( frame < shot->first - FRAME_SLACK )
         shot->first = -(double)INFINITY;
     if ( frame > shot->last + FRAME_SLACK )
@@ -505,13 +501,6 @@ int rf_camera_shots( const RfCamera* camera )
     if ( camera->edit != NULL )
         return camera->edit->count;
     return 1 + ( camera->track != NULL ? camera->track->cut_count : camera->cut_count );
-}
-
-void rf_camera_numbers( const RfCamera* camera, int* first, int* step )
-{
-    bool counts = camera->track != NULL && camera->track->in_frames;
-    *first = counts && floor( camera->start ) == camera->start ? (int)camera->start + 1 : 1;
-    *step = counts ? camera->track->step : 1;
 }
 
 // Takes ownership of the track, or frees it on failure.

@@ -9,16 +9,18 @@
 // first animated camera, else the first. Fails with RF_ERROR_USAGE, listing the cameras.
 RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfError* error );
 
-// Number of frames of a camera's animation at `fps`: one at its first key, then one
-// every 1/fps s up to and including the last key (to within 1e-3 of a frame); 1 for a
-// static camera. A camera path keyed by frame numbers has the same count at any fps.
-// Fails above 1,000,000 frames (RF_ERROR_SCENE; the message gives the file and the
-// position in it, or just the camera's name if it belongs to the scene) and unless
-// fps > 0 (RF_ERROR_USAGE).
-RfResult rf_camera_frame_count( const RfCamera* camera, double fps, int* count, RfError* error );
+// Frames of a camera: frame i has the number first + i · step, and the frame that is called 1 is at 0 s.
+typedef struct RfCameraFrames
+{
+    int first, step, count;
+} RfCameraFrames;
 
-// The same, but the message names the file for every camera.
-RfResult rf_scene_frame_count( const RfScene* scene, const RfCamera* camera, double fps, int* count, RfError* error );
+// They begin at 0 s, number 1, and go on to the last key of the camera and of all that moves (to within 1e-3 of a frame); the camera
+// is held before its first key and after its last. A path that says how long it is, by frame numbers of two keys or more, by a
+// duration or a count of frames, ends there, and one by frame numbers begins with its first. Without movement, a camera that stands
+// still has one frame. Fails above 1,000,000 frames (RF_ERROR_SCENE; the message gives the file and the position in it, or the
+// camera's name if it belongs to the scene) and unless fps > 0 (RF_ERROR_USAGE).
+RfResult rf_camera_frames( const RfScene* scene, const RfCamera* camera, double fps, RfCameraFrames* frames, RfError* error );
 
 // `camera` at `time` seconds, on a film of width × height pixels.
 // Follows animated ancestors, also mirrored or scaled ones; the axes are
@@ -52,10 +54,6 @@ RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* e
 // what moves is blurred up to there. Fails with RF_ERROR_SCENE for a lens without a focus, and where the node in focus does not
 // exist or is not before the camera; with RF_ERROR_USAGE where a focus is asked for but there is no aperture.
 RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
-
-// What the camera calls its frames: the number of the first, and the step to the next. 1 and 1 unless
-// its path is keyed by frame numbers.
-void rf_camera_numbers( const RfCamera* camera, int* first, int* step );
 
 // Finds the cuts of a camera that moves with its node: keys of STEP interpolation at which it, an ancestor or its zoom jumps, if no key of the
 // same channel is nearer than 0.25 s. Fails with RF_ERROR_MEMORY.

@@ -60,6 +60,10 @@ RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraIn
     if ( camera->track != NULL && !rf_camera_track_moves( camera->track ) )
         info->animated = false;
     info->projection = g_rf_projection_names[camera->track != NULL ? (int)camera->track->projection : camera->projection];
-    rf_camera_numbers( camera, &info->first, &info->step );
-    return rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &info->frames, error );
+    RfCameraFrames frames;
+    RfResult result = rf_camera_frames( scene, camera, (double)fps.numerator / (double)fps.denominator, &frames, error );
+    info->frames = frames.count;
+    info->first = frames.first;
+    info->step = frames.step;
+    return result;
 }

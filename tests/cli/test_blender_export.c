@@ -90,10 +90,10 @@ static void check_scene( const RfScene* scene, bool is_4 )
     assert_string_equal( scene->cameras[0].name, "Eye" );
     assert_string_equal( scene->view.transform, is_4 ? "AgX" : "Filmic" );
     assert_true( scene->view.exposure == 0.0 && scene->view.gamma == 1.0 );
-    int frames;
+    RfCameraFrames frames;
     RfError error;
-    assert_int_equal( rf_camera_frame_count( scene->cameras, 24.0, &frames, &error ), RF_OK );
-    assert_int_equal( frames, 5 );
+    assert_int_equal( rf_camera_frames( scene, scene->cameras, 24.0, &frames, &error ), RF_OK );
+    assert_int_equal( frames.count, 5 );
     RfEye eye;
     assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ scene, scene->cameras, NULL, { 24, 1 }, 64, 36 }, 4.0, &eye, &error ),
                       RF_OK );

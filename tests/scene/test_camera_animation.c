@@ -2,6 +2,8 @@
 
 #include "scene/animation.h"
 #include "scene/camera.h"
+#include "scene/camera_path/camera_track.h"
+#include "scene/movement.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -191,26 +193,81 @@ static void test_cameras_are_found_by_name( void** state )
     assert_non_null( strstr( error.text, "has no camera" ) );
 }
 
-static void test_frame_count_covers_the_animation( void** state )
+static void check_frames( const RfScene* scene, const RfCamera* camera, RfCameraFrames wanted )
+{
+    RfCameraFrames frames;
+    assert_int_equal( rf_camera_frames( scene, camera, 24.0, &frames, NULL ), RF_OK );
+    assert_int_equal( frames.first, wanted.first );
+    assert_int_equal( frames.step, wanted.step );
+    assert_int_equal( frames.count, wanted.count );
+}
+
+static void test_frames_cover_the_animation( void** state )
 {
     (void)state;
     RfCamera camera = { .name = "c", .animated = true, .start = 0.0, .end = (double)( 47.0f / 24.0f ) };
+    RfScene scene = { .path = "file.glb" };
     RfError error;
-    int count;
-    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
-    assert_int_equal( count, 48 );
-    assert_int_equal( rf_camera_frame_count( &camera, 12.0, &count, &error ), RF_OK );
-    assert_int_equal( count, 24 );
+    RfCameraFrames frames;
+    check_frames( &scene, &camera, ( RfCameraFrames ){ 1, 1, 48 } );
+    assert_int_equal( rf_camera_frames( &scene, &camera, 12.0, &frames, &error ), RF_OK );
+    assert_int_equal( frames.count, 24 );
+    camera.start = 1.0; // they begin at 0 s
+    check_frames( &scene, &camera, ( RfCameraFrames ){ 1, 1, 48 } );
     camera.start = camera.end;
-    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
-    assert_int_equal( count, 1 );
+    check_frames( &scene, &camera, ( RfCameraFrames ){ 1, 1, 1 } );
     camera.animated = false;
-    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_OK );
-    assert_int_equal( count, 1 );
+    check_frames( &scene, &camera, ( RfCameraFrames ){ 1, 1, 1 } );
     camera = ( RfCamera ){ .name = "c", .animated = true, .end = 1e9 };
-    assert_int_equal( rf_camera_frame_count( &camera, 24.0, &count, &error ), RF_ERROR_SCENE );
-    assert_int_equal( rf_camera_frame_count( &camera, 0.0, &count, &error ), RF_ERROR_USAGE );
-    assert_int_equal( rf_camera_frame_count( &camera, NAN, &count, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_frames( &scene, &camera, 24.0, &frames, &error ), RF_ERROR_SCENE );
+    assert_non_null( strstr( error.text, "file.glb: camera 'c'" ) );
+    assert_int_equal( rf_camera_frames( &scene, &camera, 0.0, &frames, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_frames( &scene, &camera, NAN, &frames, &error ), RF_ERROR_USAGE );
+}
+
+// Something moves from 0.5 s to 2 s: up to frame 49.
+static void test_frames_cover_what_moves( void** state )
+{
+    (void)state;
+    RfMovement movement = { .start = 0.5, .end = 2.0 };
+    RfScene scene = { .path = "file.glb", .movement = &movement };
+    RfCamera still = { .name = "still" }, early = { .name = "early", .animated = true, .start = 0.5, .end = 1.0 },
+             late = { .name = "late", .animated = true, .start = 1.0, .end = 3.0 };
+    check_frames( &scene, &still, ( RfCameraFrames ){ 1, 1, 49 } );
+    check_frames( &scene, &early, ( RfCameraFrames ){ 1, 1, 49 } );
+    check_frames( &scene, &late, ( RfCameraFrames ){ 1, 1, 73 } );
+    RfEditShot shots[] = { { 0, 0.0 }, { 0, 60.0 } };
+    RfEdit edit = { 2, shots, true };
+    check_frames( &scene, &( RfCamera ){ .name = "edit", .edit = &edit, .animated = true }, ( RfCameraFrames ){ 1, 1, 61 } );
+
+    RfCameraTrack track = { .kind = RF_TRACK_KEYED, .step = 1 };
+    RfCamera path = { .name = "path", .track = &track };
+    check_frames( &scene, &path, ( RfCameraFrames ){ 1, 1, 49 } ); // one key
+    path.animated = true;
+    path.end = 1.0;
+    check_frames( &scene, &path, ( RfCameraFrames ){ 1, 1, 49 } );
+    track.kind = RF_TRACK_ORBIT; // which has a duration
+    check_frames( &scene, &path, ( RfCameraFrames ){ 1, 1, 25 } );
+
+    // keys by frame numbers: 13 to 37 in steps of 2; 13 alone; 12 alone; 101 alone; −3 alone
+    track = ( RfCameraTrack ){ .kind = RF_TRACK_KEYED, .in_frames = true, .step = 2 };
+    path = ( RfCamera ){ .name = "path", .track = &track, .animated = true, .start = 12, .end = 36 };
+    check_frames( &scene, &path, ( RfCameraFrames ){ 13, 2, 13 } );
+    path = ( RfCamera ){ .name = "path", .track = &track, .start = 12, .end = 12 };
+    check_frames( &scene, &path, ( RfCameraFrames ){ 1, 2, 25 } );
+    path.start = path.end = 11;
+    check_frames( &scene, &path, ( RfCameraFrames ){ 2, 2, 24 } );
+    track.step = 1;
+    path.start = path.end = 100;
+    check_frames( &scene, &path, ( RfCameraFrames ){ 1, 1, 101 } );
+    path.start = path.end = -4;
+    check_frames( &scene, &path, ( RfCameraFrames ){ -3, 1, 53 } );
+    scene.movement = NULL;
+    check_frames( &scene, &path, ( RfCameraFrames ){ -3, 1, 1 } );
+    track = ( RfCameraTrack ){ .kind = RF_TRACK_DOLLY, .in_frames = true, .step = 1 }; // of one frame
+    scene.movement = &movement;
+    path.start = path.end = 0;
+    check_frames( &scene, &path, ( RfCameraFrames ){ 1, 1, 1 } );
 }
 
 static void test_eye_looks_down_minus_z( void** state )
@@ -316,22 +373,20 @@ static void test_destroying_nothing_is_allowed( void** state )
 // Three shots of two cameras: each frame is what its camera alone shows at that moment, with its own shutter.
 static void check_edit( const RfScene* scene, RfEdit edit )
 {
-    RfCamera film = { .name = "edit", .edit = &edit, .animated = true, .start = 0.5, .end = 2.5 };
+    RfCamera film = { .name = "edit", .edit = &edit, .animated = true, .end = 2.5 };
     RfLens lens = { .has_shutter = true, .shutter = { -0.5, 0.5 } };
-    int count;
     assert_int_equal( rf_camera_shots( &film ), 3 );
-    assert_int_equal( rf_camera_frame_count( &film, 24.0, &count, NULL ), RF_OK );
-    assert_int_equal( count, 49 );
-    for ( int i = 0; i < count; ++i )
+    check_frames( scene, &film, ( RfCameraFrames ){ 1, 1, 61 } );
+    for ( int i = 0; i < 61; ++i )
     {
-        int shot = i < 12 ? 0 : i < 36 ? 1 : 2;
+        int shot = i < 24 ? 0 : i < 48 ? 1 : 2;
         const RfCamera* shown = scene->cameras + ( shot == 1 );
         RfEye eye, alone;
         RfCameraSampling whole = { scene, &film, &lens, { 24, 1 }, 64, 36 }, own = { scene, shown, &lens, { 24, 1 }, 64, 36 };
         assert_int_equal( rf_camera_lens_eye( &whole, i, &eye, NULL ), RF_OK );
-        assert_int_equal( rf_camera_lens_eye( &own, i + 12, &alone, NULL ), RF_OK ); // it begins at 0 s
+        assert_int_equal( rf_camera_lens_eye( &own, i, &alone, NULL ), RF_OK );
         assert_int_equal( (int)( eye.shot >> 32 ), shot );
-        assert_int_equal( eye.moves, i < 12 || i == 36 ); // to its last key, at 2 s
+        assert_int_equal( eye.moves, i < 24 || i == 48 ); // to its last key, at 2 s
         assert_int_equal( alone.moves, eye.moves );
         assert_vec( eye.origin, (double)alone.origin.x, (double)alone.origin.y, (double)alone.origin.z );
         if ( eye.moves )
@@ -358,7 +413,7 @@ static void test_cameras_of_an_edit( void** state )
     RfScene scene = make_scene( nodes, 2, cameras, 2 );
     scene.channels = &channel;
     scene.channel_count = 1;
-    RfEditShot by_time[] = { { 0, 0.0 }, { 1, 1.00001 }, { 0, 2.0 } }, by_frame[] = { { 0, 0.0 }, { 1, 12.0 }, { 0, 35.5 } };
+    RfEditShot by_time[] = { { 0, 0.0 }, { 1, 1.00001 }, { 0, 2.0 } }, by_frame[] = { { 0, 0.0 }, { 1, 24.0 }, { 0, 47.5 } };
     check_edit( &scene, ( RfEdit ){ 3, by_time, false } );
     check_edit( &scene, ( RfEdit ){ 3, by_frame, true } );
 }
@@ -428,7 +483,8 @@ int main( void )
         cmocka_unit_test( test_cubicspline_scales_tangents ),
         cmocka_unit_test( test_cubicspline_rotation_is_unit ),
         cmocka_unit_test( test_cameras_are_found_by_name ),
-        cmocka_unit_test( test_frame_count_covers_the_animation ),
+        cmocka_unit_test( test_frames_cover_the_animation ),
+        cmocka_unit_test( test_frames_cover_what_moves ),
         cmocka_unit_test( test_eye_looks_down_minus_z ),
         cmocka_unit_test( test_parents_move_cameras ),
         cmocka_unit_test( test_scale_and_mirror_keep_the_view ),

@@ -118,16 +118,19 @@ static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path,
     const RfScene* scene = sampling->scene;
     const RfCamera* camera = sampling->camera;
     RfFps fps = sampling->fps;
-    RfResult result = rf_scene_frame_count( scene, camera, (double)fps.numerator / (double)fps.denominator, &path->count, error );
+    RfCameraFrames frames;
+    RfResult result = rf_camera_frames( scene, camera, (double)fps.numerator / (double)fps.denominator, &frames, error );
     if ( result != RF_OK )
         return result;
+    path->first = frames.first;
+    path->step = frames.step;
+    path->count = frames.count;
     path->name = strdup( camera->name );
     path->eyes = malloc( (size_t)path->count * sizeof *path->eyes );
     if ( path->eyes == NULL || path->name == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", camera->name, path->count );
     path->fps = fps;
     memcpy( path->origin, scene->origin, sizeof path->origin );
-    rf_camera_numbers( camera, &path->first, &path->step );
     path->hash = RF_HASH_START;
     if ( camera->track != NULL )
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );

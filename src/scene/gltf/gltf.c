@@ -276,21 +276,10 @@ static RfResult check_asset( const RfGltf* gltf )
 double rf_gltf_first_time( const RfScene* scene )
 {
     int index;
-    double first = (double)INFINITY, start, end;
     const RfCamera* camera = rf_find_camera( scene, NULL, &index, NULL ) == RF_OK ? scene->cameras + index : NULL;
     RfFps fps = rf_scene_fps( scene );
-    if ( camera != NULL && camera->track != NULL && camera->track->in_frames )
-        return camera->start * (double)fps.denominator / (double)fps.numerator;
-    if ( camera != NULL && ( camera->track != NULL || camera->animated ) )
-        return camera->start;
-    for ( int i = 0; i < scene->channel_count; ++i )
-    {
-        rf_channel_span( scene->channels + i, &start, &end );
-        first = fmin( first, start );
-    }
-    if ( scene->change_end > scene->change_start )
-        first = fmin( first, scene->change_start );
-    return isfinite( first ) ? first : 0.0;
+    bool counts = camera != NULL && camera->track != NULL && camera->track->in_frames;
+    return counts ? camera->start * (double)fps.denominator / (double)fps.numerator : 0.0;
 }
 
 static RfResult read_document( RfGltf* gltf )

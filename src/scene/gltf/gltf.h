@@ -29,7 +29,7 @@ typedef struct RfGltfOptions
     const double* frozen_at;        // seconds; NULL: as in the first frame of its own default camera
 } RfGltfOptions;
 
-// When the default camera has its first frame, which spans all movement unless it moves itself.
+// When the default camera has its first frame: at 0 s, unless its path begins with the number of another.
 double rf_gltf_first_time( const RfScene* scene );
 
 // Fails with RF_ERROR_USAGE, naming those there are, if no animation or variant has the name asked for.

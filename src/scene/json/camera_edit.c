@@ -4,7 +4,6 @@
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/camera_path/camera_track_read.h"
-#include "scene/movement.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -61,24 +60,15 @@ static RfResult read_shot( const RfField* item, int index, const RfScene* scene,
     return result == RF_OK ? read_begin( item, index, edit ) : result;
 }
 
-// From the first key to the last of all that moves, and to the last cut.
-static void find_span( const RfScene* scene, RfCamera* camera )
+// To the last key of the cameras that it shows, and to the last cut.
+static void find_end( const RfScene* scene, RfCamera* camera )
 {
-    double start = INFINITY, end = -INFINITY;
     const RfEdit* edit = camera->edit;
     for ( int i = 0; i < edit->count; ++i )
     {
         const RfCamera* shown = scene->cameras + edit->shots[i].camera;
-        start = shown->animated ? fmin( start, shown->start ) : start;
-        end = shown->animated ? fmax( end, shown->end ) : end;
+        camera->end = shown->animated ? fmax( camera->end, shown->end ) : camera->end;
     }
-    if ( scene->movement != NULL )
-    {
-        start = fmin( start, scene->movement->start );
-        end = fmax( end, scene->movement->end );
-    }
-    camera->start = isfinite( start ) ? start : 0.0;
-    camera->end = isfinite( end ) ? end : camera->start;
     if ( !edit->in_frames )
         camera->end = fmax( camera->end, edit->shots[edit->count - 1].from );
 }
@@ -109,6 +99,6 @@ RfResult rf_read_camera_edit( const RfField* list, const RfScene* scene, const c
     camera->edit->count = (int)count;
     const RfCamera* first = scene->cameras + camera->edit->shots[0].camera; // by which `info` describes it
     camera->projection = first->track != NULL ? (int)first->track->projection : first->projection;
-    find_span( scene, camera );
+    find_end( scene, camera );
     return RF_OK;
 }

@@ -164,13 +164,13 @@ static void test_shutters_see_beyond_the_ends( void** state )
     camera = load_path( "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":[{\"time\":1,\"position\":[0,0,0],\"fov\":40,"
                         "\"rotation\":{\"yaw\":0}},{\"time\":2,\"position\":[0,0,0],\"fov\":60,\"rotation\":{\"yaw\":120}}],"
                         "\"lens\":{\"shutter\":[0,2]}}" );
-    for ( int frame = 0; frame <= 24; frame += 24 )
+    for ( int frame = 24; frame <= 48; frame += 24 )
     {
         RfEye eye = eye_of( &camera, frame );
         const RfVec3 seen[3] = { eye.open.forward, eye.forward, eye.close.forward };
         for ( int k = 0; k < 3; ++k )
         {
-            double yaw = 3.14159265358979 / 180.0 * 5.0 * ( frame + k );
+            double yaw = 3.14159265358979 / 180.0 * 5.0 * ( frame - 24 + k );
             assert_close( (double)seen[k].x, -sin( yaw ), 1e-5 );
             assert_close( (double)seen[k].z, -cos( yaw ), 1e-5 );
         }
@@ -178,6 +178,15 @@ static void test_shutters_see_beyond_the_ends( void** state )
         assert_close( (double)rf_length( eye.right ), 1.0, 1e-6 );
         assert_close( (double)rf_dot( eye.right, eye.forward ), 0.0, 1e-6 );
     }
+    rf_destroy_camera( &camera );
+    // around the first key of a path that has waited for it
+    camera =
+        load_path( "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"rotation\":{},\"keys\":[{\"time\":1,\"position\":[0,0,0]},"
+                   "{\"time\":2,\"position\":[24,0,0]}],\"lens\":{\"shutter\":1}}" );
+    RfEye eye = eye_of( &camera, 24 );
+    assert_close( (double)eye.open.origin.x, 0.0, 1e-5 );
+    assert_close( (double)eye.close.origin.x, 0.5, 1e-5 );
+    assert_false( eye_of( &camera, 12 ).moves );
     rf_destroy_camera( &camera );
     camera = load_path( KEYED( "\"keys\":[{\"frame\":1," PLACE "}],\"lens\":{\"shutter\":0.5}" ) );
     assert_false( eye_of( &camera, 0 ).moves ); // it stands still

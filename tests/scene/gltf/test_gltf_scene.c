@@ -205,11 +205,12 @@ static void test_scenes_of_others_are_read( void** state )
         for ( uint32_t m = 0; m < scene.material_count; ++m )
             brightest = rf_maxf( brightest, scene.materials[m].emission.x );
         assert_true( fabsf( brightest - s_scenes[i].power ) < 0.1f );
-        int camera, frames;
+        int camera;
+        RfCameraFrames frames;
         RfError error;
         assert_int_equal( rf_find_camera( &scene, "Camera", &camera, &error ), RF_OK );
-        assert_int_equal( rf_camera_frame_count( scene.cameras + camera, 24.0, &frames, &error ), RF_OK );
-        assert_int_equal( frames, 48 );
+        assert_int_equal( rf_camera_frames( &scene, scene.cameras + camera, 24.0, &frames, &error ), RF_OK );
+        assert_int_equal( frames.count, 48 );
         assert_string_equal( gltf_warnings, "" );
         int glass = 0;
         for ( uint32_t m = 0; m < scene.material_count; ++m )

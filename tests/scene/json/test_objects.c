@@ -634,8 +634,8 @@ static void test_what_loops_counts_one_round( void** state )
     RfError error = { 0 };
     RfScene scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"figure.glb\",\"start\":1,\"repeat\":\"loop\"}]" );
     assert_int_equal( try_path( &scene, ( RfFps ){ 24, 1 }, NULL, &path, &error ), RF_OK );
-    assert_int_equal( path.count, 25 );
-    assert_true( path.eyes[0].time == 1.0 );
+    assert_int_equal( path.count, 49 ); // from 0 s
+    assert_true( path.eyes[24].time == 1.0 );
     rf_destroy_camera_path( &path );
     rf_destroy_scene( &scene );
 }
