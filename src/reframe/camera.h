@@ -104,7 +104,10 @@ typedef struct RfCameraPath
     RfFps fps;        // that it was sampled at
     double origin[3]; // of the scene (RfSceneInfo): the cameras are relative to it
     int overscan[2];  // pixels that films have beyond the picture, on the left and the right, above and below
-    uint64_t hash;    // of all cameras: a frame is made of its neighbours' samples too
+    // Aspect ratio that the camera was made for, where the picture has another one, which shows more or less at its sides: the height
+    // is as the camera has it. 0: the picture has it, or the camera does not say.
+    double unmet_aspect;
+    uint64_t hash; // of all cameras: a frame is made of its neighbours' samples too
 
     // Frames in a row with the same camera are a run, which needs to be rendered only once.
     int run_count;
@@ -151,7 +154,7 @@ typedef struct RfPathOptions
                          // asks for, else the first animated one, else the first
     const RfLens* lens;  // NULL: the camera's own
     RfFps fps;           // 0/0: the scene's own (RfSceneInfo), else 24
-    int width, height;   // of the picture, pixels; 0 × 0: likewise, else 960 × 540
+    int width, height;   // of the picture, pixels; 0 × 0: likewise, else as many as 960 × 540 in the camera's aspect ratio
     RfOverscan overscan; // makes films larger than the picture
 } RfPathOptions;
 

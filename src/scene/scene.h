@@ -154,6 +154,7 @@ typedef struct RfCamera
     int projection;              // RfProjectionKind
     double yfov;                 // perspective: vertical field of view, radians
     double ymag;                 // orthographic: half the height of the picture, m
+    double aspect;               // of the picture that it is meant for, width over height; 0: it does not say
     struct RfChange* zoom;       // owned: yfov or ymag where that changes (scene/movement.h); NULL: it does not
     struct RfOptics* optics;     // owned: lens and shutter where there is no path; NULL: a pinhole
     bool animated;               // a channel animates its node or an ancestor, or its field of view

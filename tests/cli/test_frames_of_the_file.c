@@ -413,6 +413,22 @@ static void test_wrong_shots_are_errors( void** state )
     cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: must be a whole number" );
 }
 
+// Of a camera for pictures that are higher than wide.
+static void test_another_aspect_ratio_is_said( void** state )
+{
+    (void)state;
+    write_room( "" );
+    cli_run( "sed 's/\"yfov\":/\"aspectRatio\":0.5,\"yfov\":/' room.gltf > tall.gltf" );
+    const CliResult* run = cli_run( "$R render tall.gltf -o f.exr --frames 1 --spp 1 --size 32x16 --quiet --json f.json" );
+    expect_among( run, 0,
+                  "is for pictures of an aspect ratio of 0.5, and 32x16 has 2: the vertical field of view is kept, and the sides "
+                  "show more (--size 8x16 has the camera's)" );
+    json_t* json = cli_read_json( "f.json" );
+    assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), 1 );
+    json_decref( json );
+    cli_expect( cli_run( "$R render tall.gltf -o f.exr --frames 1 --spp 1 --size 8x16 --overwrite --quiet" ), 0, NULL );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -426,6 +442,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_variants_are_listed, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_another_aspect_ratio_is_said, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -96,6 +96,33 @@ RfResult rf_parse_path_options( const RfRenderOptions* options, RfLens* lens, Rf
     return result == RF_OK && options->overscan != NULL ? parse_overscan( options->overscan, &path->overscan, error ) : result;
 }
 
+static void warn_of_aspect( const RfCameraPath* path, RfLog* log )
+{
+    int width = path->eyes->width - 2 * path->overscan[0], height = path->eyes->height - 2 * path->overscan[1];
+    double aspect = path->unmet_aspect, fit = fmax( round( height * aspect ), 1.0 );
+    if ( aspect > 0.0 )
+        rf_warn(
+            log,
+            "camera '%.60s' is for pictures of an aspect ratio of %.4g, and %dx%d has %.4g: %s is kept, and the sides show %s "
+            "(--size %.0fx%d has the camera's)",
+            path->name, aspect, width, height, (double)width / height,
+            path->eyes->projection == RF_ORTHOGRAPHIC ? "ymag" : "the vertical field of view",
+            (double)width / height > aspect ? "more" : "less", fit, height );
+}
+
+RfResult rf_create_asked_path( const RfRenderOptions* options, const RfScene* scene, RfCameraPath* path, RfLog* log,
+                               RfError* error )
+{
+    RfLens lens;
+    RfPathOptions asked;
+    RfResult result = rf_parse_path_options( options, &lens, &asked, error );
+    if ( result == RF_OK )
+        result = rf_create_camera_path( scene, &asked, path, error );
+    if ( result == RF_OK )
+        warn_of_aspect( path, log );
+    return result;
+}
+
 const char* const rf_effects_words[] = { "auto", "all", NULL };
 
 // What decides on effects that cannot be left out of a scene, and what to type instead.

@@ -73,6 +73,10 @@ bool rf_is_port( const char* text, int* port );
 // RF_ERROR_USAGE.
 RfResult rf_parse_path_options( const RfRenderOptions* options, RfLens* lens, RfPathOptions* path, RfError* error );
 
+// Creates the path that they ask for, and warns where the picture has not the camera's aspect ratio.
+RfResult rf_create_asked_path( const RfRenderOptions* options, const RfScene* scene, RfCameraPath* path, RfLog* log,
+                               RfError* error );
+
 // Takes the filter that was given, or that of the estimator.
 void rf_settle_filter( RfRenderOptions* options );
 

@@ -49,7 +49,7 @@ extern RfDefaultTexts rf_default_texts;
           .min = 1,                                                                                                              \
           .max = RF_MAX_IMAGE_SIDE,                                                                                              \
           .meta = "WxH",                                                                                                         \
-          .default_text = "the scene's, else 960x540",                                                                           \
+          .default_text = "the scene's, else the pixels of 960x540 in the camera's aspect ratio",                                \
           .help = "resolution in pixels; also 720p, 1080p, 1440p, 2160p or 4k" },                                                \
     {                                                                                                                            \
         .name = "overscan", .in_file = true, .type = RF_OPTION_STRING, .value = &( o ).overscan, .meta = "N|N%",                 \

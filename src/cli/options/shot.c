@@ -61,8 +61,6 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
 {
     *shot = ( RfLoadedShot ){ .frame_count = 0 };
     RfLog log = rf_stderr_log( command );
-    RfLens lens;
-    RfPathOptions asked;
     RfResult result = rf_open_scene_file( options->scene, &shot->file, error );
     if ( result != RF_OK )
         return result;
@@ -78,9 +76,7 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
     if ( result == RF_OK )
         result = rf_take_effect_options( options, &shot->scene, &log, error );
     if ( result == RF_OK )
-        result = rf_parse_path_options( options, &lens, &asked, error );
-    if ( result == RF_OK )
-        result = rf_create_camera_path( &shot->scene, &asked, &shot->path, error );
+        result = rf_create_asked_path( options, &shot->scene, &shot->path, &log, error );
     if ( result == RF_OK )
     {
         options->size = ( RfSize ){ shot->path.eyes[0].width, shot->path.eyes[0].height };

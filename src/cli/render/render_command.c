@@ -357,13 +357,9 @@ static void list_effects( RfRenderJob* job )
 // With --check nothing is settled of the files.
 static RfResult load_render_job( RfRenderJob* job, RfError* error )
 {
-    RfLens lens;
-    RfPathOptions asked;
     RfResult result = load_scene( job, error );
     if ( result == RF_OK )
-        result = rf_parse_path_options( &job->options, &lens, &asked, error );
-    if ( result == RF_OK )
-        result = rf_create_camera_path( &job->scene, &asked, &job->path, error );
+        result = rf_create_asked_path( &job->options, &job->scene, &job->path, &job->log, error );
     if ( result == RF_OK )
         result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
     if ( result != RF_OK )

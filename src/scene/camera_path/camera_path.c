@@ -147,7 +147,43 @@ static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path,
     return result == RF_OK ? find_runs( scene, path, error ) : result;
 }
 
-// Fills in the scene's own frames per second and film, and checks both.
+// The aspect ratio of a camera's picture, 0 where it does not say: neither a camera path nor a panorama has one.
+static double aspect_of( const RfCamera* camera )
+{
+    return camera->track == NULL && camera->projection != RF_PANORAMIC ? camera->aspect : 0.0;
+}
+
+// The camera that shows shot `i`.
+static const RfCamera* shown_camera( const RfCameraSampling* sampling, int i )
+{
+    const RfEdit* edit = sampling->camera->edit;
+    return edit != NULL ? sampling->scene->cameras + edit->shots[i].camera : sampling->camera;
+}
+
+// The size where neither the user nor the file says: as many pixels as the default in the camera's aspect ratio, with even sides.
+static void default_size( double aspect, int* width, int* height )
+{
+    const double pixels = (double)DEFAULT_WIDTH * DEFAULT_HEIGHT, most = (double)RF_MAX_IMAGE_SIDE;
+    double high = 2.0 * fmin( fmax( round( 0.5 * sqrt( pixels / aspect ) ), 1.0 ), 0.5 * most );
+    *height = (int)high;
+    *width = 2 * (int)fmin( fmax( round( 0.5 * high * aspect ), 1.0 ), 0.5 * most );
+}
+
+// The first aspect ratio of a camera that the picture does not have, to within a pixel.
+static double unmet_aspect( const RfCameraSampling* sampling )
+{
+    int count = sampling->camera->edit != NULL ? sampling->camera->edit->count : 1;
+    for ( int i = 0; i < count; ++i )
+    {
+        double aspect = aspect_of( shown_camera( sampling, i ) );
+        if ( aspect > 0.0 && fabs( sampling->width - sampling->height * aspect ) > 1.0 &&
+             fabs( sampling->height - sampling->width / aspect ) > 1.0 )
+            return aspect;
+    }
+    return 0.0;
+}
+
+// Fills in frames per second and film as the scene has them, and checks both.
 static RfResult complete( RfCameraSampling* sampling, RfError* error )
 {
     const RfScene* scene = sampling->scene;
@@ -155,8 +191,11 @@ static RfResult complete( RfCameraSampling* sampling, RfError* error )
         sampling->fps = rf_scene_fps( scene );
     if ( sampling->width == 0 && sampling->height == 0 )
     {
+        double aspect = aspect_of( shown_camera( sampling, 0 ) );
         sampling->width = scene->film_width > 0 ? scene->film_width : DEFAULT_WIDTH;
         sampling->height = scene->film_width > 0 ? scene->film_height : DEFAULT_HEIGHT;
+        if ( scene->film_width == 0 && aspect > 0.0 )
+            default_size( aspect, &sampling->width, &sampling->height );
     }
     RfFps fps = sampling->fps, keys = scene->key_fps;
     if ( fps.numerator < 1 || fps.denominator < 1 )
@@ -196,11 +235,7 @@ RfResult rf_create_camera_path( const RfScene* scene, const RfPathOptions* optio
     RfCamera loaded = { 0 };
     RfCameraSampling sampling = { scene, &loaded, options->lens, options->fps, options->width, options->height };
     *path = rf_empty_camera_path();
-    RfResult result = complete( &sampling, error );
-    if ( result == RF_OK )
-        result = find_overscan( &options->overscan, &sampling, path->overscan, error );
-    if ( result != RF_OK )
-        return result;
+    RfResult result = RF_OK;
     if ( is_path_file( options->camera ) )
         result = rf_load_camera( options->camera, &loaded, error );
     else
@@ -210,7 +245,14 @@ RfResult rf_create_camera_path( const RfScene* scene, const RfPathOptions* optio
         sampling.camera = result == RF_OK ? scene->cameras + index : NULL;
     }
     if ( result == RF_OK )
+        result = complete( &sampling, error );
+    if ( result == RF_OK )
+        result = find_overscan( &options->overscan, &sampling, path->overscan, error );
+    if ( result == RF_OK )
+    {
+        path->unmet_aspect = unmet_aspect( &sampling );
         result = make_eyes( &sampling, path, error );
+    }
     rf_destroy_camera( &loaded );
     if ( result != RF_OK )
         rf_destroy_camera_path( path );

@@ -35,7 +35,24 @@ static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* w
     return result;
 }
 
-// The width follows from the shape of the picture.
+// The shape of the picture, which perspective cameras may leave open.
+static RfResult read_aspect( const RfGltf* gltf, const json_t* json, const char* where, double* aspect )
+{
+    const json_t* object = json_object_get( json, "perspective" );
+    RfResult result = rf_gltf_get_number( gltf, object, where, "aspectRatio", aspect );
+    if ( result == RF_OK && json_object_get( object, "aspectRatio" ) != NULL && !( *aspect > 0.0 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "aspectRatio is %g, it must be more than 0", *aspect );
+    return result;
+}
+
+static RfResult read_xmag( const RfGltf* gltf, const json_t* json, const char* where, double ymag, double* aspect )
+{
+    double xmag = 0.0;
+    RfResult result = rf_gltf_get_number( gltf, json_object_get( json, "orthographic" ), where, "xmag", &xmag );
+    *aspect = fabs( xmag ) / ymag;
+    return result;
+}
+
 static RfResult read_ymag( const RfGltf* gltf, const json_t* json, const char* where, double* ymag )
 {
     RfResult result = read_extent( gltf, json, where, "orthographic", "ymag", ymag );
@@ -73,8 +90,12 @@ static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
     camera->projection = kind;
     switch ( (RfProjectionKind)kind )
     {
-        case RF_PERSPECTIVE: return read_yfov( gltf, json, where.text, &camera->yfov );
-        case RF_ORTHOGRAPHIC: return read_ymag( gltf, json, where.text, &camera->ymag );
+        case RF_PERSPECTIVE:
+            result = read_yfov( gltf, json, where.text, &camera->yfov );
+            return result == RF_OK ? read_aspect( gltf, json, where.text, &camera->aspect ) : result;
+        case RF_ORTHOGRAPHIC:
+            result = read_ymag( gltf, json, where.text, &camera->ymag );
+            return result == RF_OK ? read_xmag( gltf, json, where.text, camera->ymag, &camera->aspect ) : result;
         case RF_PANORAMIC: break; // glTF has none
     }
     return RF_OK;

@@ -471,6 +471,50 @@ static void test_a_camera_that_zooms( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Two cameras, of which an edit shows the second first; the default has as many pixels as 960x540.
+static void test_the_shape_of_the_picture( void** state )
+{
+    (void)state;
+#define TALL "{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1,\"aspectRatio\":0.5625}}"
+#define EVEN "{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":-3,\"ymag\":3,\"znear\":0,\"zfar\":9}}"
+    GltfBuilder b = make_keys();
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"camera\":0,\"name\":\"tall\"},{\"camera\":1,\"name\":\"even\"}],\"scenes\":[{\"nodes\":[0,1]}],"
+            "\"cameras\":[" TALL "," EVEN "]" );
+    RfEditShot shots[] = { { 1, 0.0 }, { 0, 1.0 } };
+    RfCamera cameras[] = { scene.cameras[0], scene.cameras[1], { .name = "edit", .edit = &( RfEdit ){ 2, shots, false } } };
+    RfScene edited = scene;
+    edited.cameras = cameras;
+    edited.camera_count = 3;
+    static const struct
+    {
+        const char* camera;
+        int asked[2], size[2];
+        double unmet;
+    } cases[] = {
+        { "tall", { 0, 0 }, { 540, 960 }, 0.0 },    { "even", { 0, 0 }, { 720, 720 }, 0.0 },
+        { "tall", { 9, 16 }, { 9, 16 }, 0.0 },      { "tall", { 360, 641 }, { 360, 641 }, 0.0 }, // to a pixel
+        { "tall", { 64, 36 }, { 64, 36 }, 0.5625 }, { "even", { 64, 36 }, { 64, 36 }, 1.0 },
+        { "edit", { 0, 0 }, { 720, 720 }, 0.5625 }, { "edit", { 64, 36 }, { 64, 36 }, 1.0 },
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        RfCameraPath path;
+        RfPathOptions options = { .camera = cases[i].camera, .width = cases[i].asked[0], .height = cases[i].asked[1] };
+        assert_int_equal( rf_create_camera_path( &edited, &options, &path, NULL ), RF_OK );
+        assert_int_equal( path.eyes->width, cases[i].size[0] );
+        assert_int_equal( path.eyes->height, cases[i].size[1] );
+        gltf_assert_near( path.unmet_aspect, cases[i].unmet );
+        rf_destroy_camera_path( &path );
+    }
+    edited.film_width = edited.film_height = 32; // the file's own goes before
+    RfCameraPath path;
+    assert_int_equal( rf_create_camera_path( &edited, &( RfPathOptions ){ .camera = "tall" }, &path, NULL ), RF_OK );
+    assert_int_equal( path.eyes->height, 32 );
+    rf_destroy_camera_path( &path );
+    rf_destroy_scene( &scene );
+}
+
 static void test_a_camera_that_jumps_to_another_lens( void** state )
 {
     (void)state;
@@ -582,6 +626,7 @@ int main( void )
         cmocka_unit_test( test_what_is_said_to_change ),
         cmocka_unit_test( test_what_is_left_out ),
         cmocka_unit_test( test_a_camera_that_zooms ),
+        cmocka_unit_test( test_the_shape_of_the_picture ),
         cmocka_unit_test( test_a_camera_that_jumps_to_another_lens ),
         cmocka_unit_test( test_broken_files ),
         cmocka_unit_test( test_mutated_files ),
