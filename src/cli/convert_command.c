@@ -73,7 +73,7 @@ static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary = "Converts OBJ, PLY, FBX or Collada to .glb.",
                                         .files = s_files,
                                         .file_count = 2,
-                                        .writes_last = true,
+                                        .writes_last = ".glb",
                                         .options = s_options,
                                         .option_count = (int)( sizeof s_options / sizeof s_options[0] ) };
 

@@ -5,6 +5,7 @@
 #include "convert/glb_write.h"
 #include "convert/ply_read.h"
 #include "convert/run_importer.h"
+#include "image/atomic_file.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -48,7 +49,7 @@ static RfResult check_files( const char* from, const char* to, bool overwrite, c
     struct stat status;
     if ( !overwrite && lstat( to, &status ) == 0 )
         return rf_advise( rf_fail( error, RF_ERROR_IO, "%s: is there already", to ), RF_REMEDY_OVERWRITE, 0, error );
-    return RF_OK;
+    return rf_try_output_file( to, error );
 }
 
 static RfResult convert_by_assimp( const char* from, const char* to, const RfConvertOptions* options, RfModelCounts* counts,

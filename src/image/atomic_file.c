@@ -122,6 +122,44 @@ RfResult rf_open_atomic_file( const char* path, RfAtomicFile* file, RfError* err
     return result;
 }
 
+RfResult rf_folder_of_file( const char* path, char* folder, size_t size, RfError* error )
+{
+    const char* slash = strrchr( path, '/' );
+    size_t length = slash == NULL ? 1 : slash == path ? 1 : (size_t)( slash - path );
+    if ( length >= size )
+        return rf_fail( error, RF_ERROR_USAGE, "%.80s...: the name is too long", path );
+    memcpy( folder, slash == NULL ? "." : path, length );
+    folder[length] = '\0';
+    return RF_OK;
+}
+
+// Makes the last part of a folder's name where it is missing.
+static RfResult make_folder( const char* folder, RfError* error )
+{
+    struct stat status;
+    if ( stat( folder, &status ) == 0 )
+        return S_ISDIR( status.st_mode ) ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: is not a folder", folder );
+    if ( errno == ENOENT && ( mkdir( folder, 0777 ) == 0 || errno == EEXIST ) )
+        return RF_OK;
+    if ( errno == ENOENT )
+        return rf_fail( error, RF_ERROR_IO, "%s: this folder cannot be made, the one that it is to be in is missing", folder );
+    return rf_fail( error, RF_ERROR_IO, "%s: the folder cannot be used: %s", folder, strerror( errno ) );
+}
+
+RfResult rf_try_output_file( const char* path, RfError* error )
+{
+    char folder[4096];
+    RfAtomicFile file;
+    RfResult result = rf_folder_of_file( path, folder, sizeof folder, error );
+    if ( result == RF_OK )
+        result = make_folder( folder, error );
+    if ( result == RF_OK )
+        result = rf_open_atomic_file( path, &file, error );
+    if ( result == RF_OK )
+        rf_discard_atomic_file( &file );
+    return result;
+}
+
 RfResult rf_append_atomic_file( RfAtomicFile* file, const void* bytes, size_t size, RfError* error )
 {
     int failure = write_all( file->fd, bytes, size );
@@ -191,12 +229,10 @@ RfResult rf_write_file_atomic( const char* path, const void* bytes, size_t size,
     return result;
 }
 
-// ".reframe-1234-5.tmp", or an empty ".reframe-probe-ABCDEF".
+// ".reframe-1234-5.tmp".
 static bool is_temporary( const char* name )
 {
-    static const char prefix[] = ".reframe-", probe[] = ".reframe-probe-";
-    if ( strncmp( name, probe, sizeof probe - 1 ) == 0 )
-        return strlen( name ) == sizeof probe - 1 + 6;
+    static const char prefix[] = ".reframe-";
     if ( strncmp( name, prefix, sizeof prefix - 1 ) != 0 )
         return false;
     const char* rest = name + sizeof prefix - 1;

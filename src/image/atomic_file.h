@@ -23,6 +23,13 @@ typedef struct RfAtomicFile
 // target that is not a regular file (a folder, a device) is rejected.
 RfResult rf_open_atomic_file( const char* path, RfAtomicFile* file, RfError* error );
 
+// The folder of a file name, "." where it has none. Fails with RF_ERROR_USAGE where it has no room.
+RfResult rf_folder_of_file( const char* path, char* folder, size_t size, RfError* error );
+
+// Tries, before the work, whether a file can be written later, and leaves one that is there as it is. Makes its folder where it is
+// missing: the last part only, since a mistyped path should not leave a tree behind.
+RfResult rf_try_output_file( const char* path, RfError* error );
+
 // Appends bytes. After a failure the caller discards the file.
 RfResult rf_append_atomic_file( RfAtomicFile* file, const void* bytes, size_t size, RfError* error );
 

@@ -36,7 +36,7 @@ typedef struct RfModelCounts
 } RfModelCounts;
 
 // Reads `source`, whose format is recognised by its content, and writes `target`, which must end in ".glb", whole
-// or not at all. `counts` and `log` may be NULL. Fails with RF_ERROR_USAGE (a target of another
+// or not at all; its folder is made where it is missing. `counts` and `log` may be NULL. Fails with RF_ERROR_USAGE (a target of another
 // name, a source that is glTF already), RF_ERROR_IO, RF_ERROR_FORMAT (also where assimp crashes on
 // it or takes too long), RF_ERROR_UNSUPPORTED, RF_ERROR_MEMORY, RF_ERROR_INTERRUPTED.
 RfResult rf_convert_model( const char* source, const char* target, const RfConvertOptions* options, RfModelCounts* counts,

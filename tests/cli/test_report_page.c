@@ -302,7 +302,7 @@ static void test_wrong_input_is_refused( void** state )
     cli_expect( cli_run( "$R report x/two/f.####.exr -o x.html" ), 0, NULL );
     cli_expect( cli_run( "$R report x/a -o x.html" ), 1, "x.html: is there already: --overwrite replaces it" );
     cli_expect( cli_run( "$R report x/a -o x.html --overwrite" ), 0, NULL );
-    cli_expect( cli_run( "$R report x/a -o no/such/x.html" ), 1, "no/such/x.html" );
+    cli_expect( cli_run( "$R report x/a -o no/such/x.html" ), 1, "no/such: this folder cannot be made" );
     cli_expect( cli_run( "$R report x/a -o y.html --frames 7-9" ), 2, "--frames" );
     cli_expect( cli_run( "$R report x/a -o y.html --frames 1-2 --exposure 9" ), 2, "--exposure" );
     page_write_frame( "x/a/f.0003.exr", 41, 30, 1.0f, NULL, 0 );

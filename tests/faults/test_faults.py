@@ -233,7 +233,7 @@ class Faults(Renders):
             for more in ([], ["--resume"], ["--overwrite"]):
                 status, message = run(command(folder, *more, spp=4000))
                 self.assertGreater(status, 0)
-                self.assertRegex(message, "^[^\n]*no files can be made in this folder: (Read-only|Permission)[^\n]*$")
+                self.assertRegex(message, "^[^\n]*cannot be written: (Read-only|Permission)[^\n]*$")
             self.assertLess(time.monotonic() - start, PATIENCE / 4, "told before the work, not after it")
             self.assertEqual(frames(folder), {})
         finally:

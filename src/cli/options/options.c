@@ -3,6 +3,7 @@
 
 #include "base/words.h"
 #include "cli/messages.h"
+#include "image/atomic_file.h"
 #include "image/sequence.h"
 #include "reframe/error.h"
 #include "reframe/types.h"
@@ -99,10 +100,6 @@ const char* rf_find_synonym( const char* word, const char* const* words, int cou
     return NULL;
 }
 
-// Endings that belong to one kind of file: --json scene.glb is a mistake.
-static const char* const s_kinds[] = { ".json", ".svg", ".png", ".html", ".exr", ".hdr", ".glb", ".gltf",
-                                       ".bin",  ".obj", ".ply", ".fbx",  ".dae", ".jpg", ".jpeg" };
-
 // A file named on the command line.
 typedef struct Named
 {
@@ -117,15 +114,39 @@ static bool is_file( const char* path )
     return path != NULL && strcmp( path, "-" ) != 0 && ( stat( path, &status ) != 0 || S_ISREG( status.st_mode ) );
 }
 
-static RfResult check_kind( const Named* file, RfError* error )
+// The ending of a name, ".exr": a dot, a letter and up to four more letters or digits, which "frame.####" and "tmp.ab3x7q" have not.
+static const char* find_ending( const char* path )
 {
-    for ( size_t i = 0; i < sizeof s_kinds / sizeof s_kinds[0] && file->writes[0] != '\0'; ++i )
-    {
-        if ( rf_has_extension( file->path, s_kinds[i] ) && strcmp( s_kinds[i], file->writes ) != 0 )
-            return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: ends as a file of another kind: name it %s", file->option,
-                            file->path, file->writes );
-    }
-    return RF_OK;
+    const char *dot = strrchr( path, '.' ), *slash = strrchr( path, '/' );
+    if ( dot == NULL || dot < slash || !isalpha( (unsigned char)dot[1] ) )
+        return NULL;
+    size_t length = 1;
+    while ( isalnum( (unsigned char)dot[length] ) )
+        ++length;
+    return dot[length] == '\0' && length <= 6 ? dot : NULL;
+}
+
+static RfResult check_ending( const Named* file, RfError* error )
+{
+    const char* option = file->option;
+    if ( file->writes[0] == '\0' || find_ending( file->path ) == NULL || rf_has_extension( file->path, file->writes ) )
+        return RF_OK;
+    return rf_fail( error, RF_ERROR_USAGE, "%s%s%s%s: ends as a file of another kind: name it %s", option != NULL ? "--" : "",
+                    option != NULL ? option : "", option != NULL ? ": " : "", file->path, file->writes );
+}
+
+// Tries to write, before there is work for nothing. A port of --preview is no file.
+static RfResult try_file( const Named* file, RfError* error )
+{
+    struct stat status;
+    long long port;
+    RfError reason = { 0 };
+    bool is_special = stat( file->path, &status ) == 0 && !S_ISREG( status.st_mode ) && !S_ISDIR( status.st_mode );
+    if ( strcmp( file->path, "-" ) == 0 || is_special ||
+         rf_parse_whole( file->path + ( file->path[0] == ':' ), 0, 65535, &port ) )
+        return RF_OK;
+    RfResult result = rf_try_output_file( file->path, &reason );
+    return result == RF_OK ? RF_OK : rf_fail( error, result, "--%s: %.900s", file->option, reason.text );
 }
 
 static RfResult check_pair( const Named* file, const Named* other, RfError* error )
@@ -146,7 +167,7 @@ static int collect( const RfCommandTable* table, const char* const* files, int f
 {
     int count = 0;
     for ( int i = 0; i < file_count && count < room; ++i )
-        named[count++] = ( Named ){ .path = files[i], .writes = table->writes_last && i == file_count - 1 ? "" : NULL };
+        named[count++] = ( Named ){ .path = files[i], .writes = i == file_count - 1 ? table->writes_last : NULL };
     for ( int i = 0; i < table->option_count && count < room; ++i )
     {
         const RfOption* option = table->options + i;
@@ -168,12 +189,19 @@ static RfResult check_written_files( const RfCommandTable* table, const char* co
     {
         if ( named[i].writes == NULL || !is_file( named[i].path ) )
             continue;
-        RfResult result = check_kind( named + i, error );
+        RfResult result = check_ending( named + i, error );
         for ( int k = 0; k < count && result == RF_OK; ++k )
         {
             if ( k != i && is_file( named[k].path ) )
                 result = check_pair( named + i, named + k, error );
         }
+        if ( result != RF_OK )
+            return result;
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        bool is_tried = named[i].option != NULL && named[i].path != NULL && named[i].writes != NULL && named[i].writes[0] != '\0';
+        RfResult result = is_tried ? try_file( named + i, error ) : RF_OK;
         if ( result != RF_OK )
             return result;
     }

@@ -70,7 +70,8 @@ typedef struct RfOption
     bool* given;                // set where the option was given; or NULL
     bool in_file;               // a scene file may give it too, see file_options.h
     bool reads;                 // STRING: it names a file, or may, that is read
-    const char* writes;         // STRING: it names a file that is written, with this ending (".json"; "": any); or NULL
+    const char* writes;         // STRING: it names a file that is written, with this ending (".json"), tried before the command
+                                // runs; "": the command tries it, and checks its ending; NULL: none
     RfHeading heading;
 } RfOption;
 
@@ -82,16 +83,17 @@ typedef struct RfCommandTable
     const char* summary;      // one line
     const char* const* files; // names of the positional arguments: "SCENE"
     int file_count;
-    int file_max;     // of files in all; 0: as many as have names
-    int* file_total;  // where file_max > 0: how many were given
-    bool writes_last; // the last file is written
+    int file_max;            // of files in all; 0: as many as have names
+    int* file_total;         // where file_max > 0: how many were given
+    const char* writes_last; // the last file is written, with this ending; NULL: it is read
     const RfOption* options;
     int option_count;
 } RfCommandTable;
 
 // Parses argv[1 …] (argv[0] is the command's name) into the options' values and
 // files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
-// *help, and nothing else counts. What is written may not be what is read.
+// *help, and nothing else counts. What is written may not be what is read, nor have the ending of another kind of file, and it is
+// tried: its folder is made where it is missing (the last part only), RF_ERROR_IO where it cannot be written.
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error );
 
 // Prints the help of a command. The values must be the defaults.

@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #define COMMAND "png"
 
@@ -73,7 +72,7 @@ static const RfCommandTable s_table = { .command = COMMAND,
                                             "which is made where it is missing.",
                                         .files = s_files,
                                         .file_count = 2,
-                                        .writes_last = true,
+                                        .writes_last = ".png",
                                         .options = s_options,
                                         .option_count = sizeof s_options / sizeof s_options[0] };
 
@@ -106,9 +105,6 @@ static RfResult name_output( const char* to, Job* job, RfError* error )
         used = snprintf( job->to, sizeof job->to, "%s", to );
     if ( used >= (int)sizeof job->to )
         return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", to );
-    dot = strrchr( job->to, '.' );
-    if ( dot != NULL && strcasecmp( dot, ".exr" ) == 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: ends as a file of another kind: name it .png", to );
     if ( job->from.count > 1 && !rf_is_sequence( job->to ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: has no #### for the number, but there are %d frames", to, job->from.count );
     return RF_OK;

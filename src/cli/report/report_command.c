@@ -12,6 +12,7 @@
 #include "cli/report/report_input.h"
 #include "cli/report/report_verdict.h"
 #include "cli/signals.h"
+#include "image/atomic_file.h"
 #include "image/sequence.h"
 #include "page/page.h"
 
@@ -495,7 +496,9 @@ static RfResult write_page( RfPageRun* report, RfError* error )
 {
     RfPage page;
     const char* title = title_of( report );
-    RfResult result = rf_open_page( report->output, title, &page, error );
+    RfResult result = rf_try_output_file( report->output, error );
+    if ( result == RF_OK )
+        result = rf_open_page( report->output, title, &page, error );
     if ( result != RF_OK )
         return result;
     result = add_tracks( report, &page, error );
