@@ -12,6 +12,11 @@ extern const char* const rf_compression_words[];
 // the size of a pixel over all channels: 2 for each half channel, 4 for each float.
 size_t rf_exr_work_bytes( int width, int height, RfExrCompression compression, int pixel_bytes );
 
+// Whether a file is whole: decodes all pixels of all parts, and compares them with the checksums that rf_write_exr puts into the
+// header, where there are any. Fails where that is not possible; *same is false, and `error` filled, where the pixels are not those
+// that were written. RF_ERROR_UNSUPPORTED: all that can be read is whole.
+RfResult rf_verify_exr( const char* path, bool* same, RfError* error );
+
 // A channel of a file.
 typedef struct RfExrName
 {

@@ -1,6 +1,7 @@
 // Reads EXR files: the pixels of a part, headers, whole images.
 #include "image/exr.h"
 
+#include "base/file.h"
 #include "image/atomic_file.h"
 #include "image/exr_dwa.h"
 #include "image/exr_layer.h"
@@ -30,6 +31,8 @@ typedef struct Reader
     int64_t x, y; // origin of the current chunk in the image
     exr_decode_pipeline_t pipeline;
     bool started; // the pipeline is initialised
+    bool hashes;  // all that is read goes into the hash, see RF_EXR_CHECKSUM
+    uint64_t hash;
 } Reader;
 
 static const char* compression_name( exr_compression_t compression )
@@ -151,11 +154,14 @@ static bool unpack_line( const Reader* reader, const exr_coding_channel_info_t* 
 // buffer and image.
 static exr_result_t unpack_channels( exr_decode_pipeline_t* pipeline )
 {
-    const Reader* reader = pipeline->decoding_user_data;
+    Reader* reader = pipeline->decoding_user_data;
     const uint8_t* next = pipeline->unpacked_buffer;
     uint64_t left = next != NULL ? pipeline->chunk.unpacked_size : 0;
+    if ( reader->hashes && reader->part->dwa )
+        reader->hash = rf_hash_bytes( reader->hash, pipeline->packed_buffer, (size_t)pipeline->chunk.packed_size );
     for ( int64_t line = 0; line < pipeline->chunk.height; ++line )
     {
+        const uint8_t* begin = next;
         for ( int i = 0; i < pipeline->channel_count; ++i )
         {
             const exr_coding_channel_info_t* channel = pipeline->channels + i;
@@ -170,6 +176,8 @@ static exr_result_t unpack_channels( exr_decode_pipeline_t* pipeline )
             next += bytes;
             left -= bytes;
         }
+        if ( reader->hashes && !reader->part->dwa )
+            reader->hash = rf_hash_bytes( reader->hash, begin, (size_t)( next - begin ) );
     }
     return EXR_ERR_SUCCESS;
 }
@@ -247,23 +255,94 @@ static RfResult read_tiles( Reader* reader, RfError* error )
     return RF_OK;
 }
 
+static RfResult read_lines( Reader* reader, RfError* error )
+{
+    const RfExrPart* part = reader->part;
+    for ( int c = 0; c < reader->count; ++c )
+    {
+        RfResult result = rf_check_exr_channel( part->stream, part->channels, reader->names[c], error );
+        if ( result != RF_OK )
+            return result;
+    }
+    reader->line = malloc( (size_t)part->width * sizeof( float ) );
+    if ( reader->line == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to read it", part->stream->path );
+    RfResult result = part->tiled ? read_tiles( reader, error ) : read_scanlines( reader, error );
+    if ( reader->started )
+        exr_decoding_destroy( part->context, &reader->pipeline );
+    free( reader->line );
+    return result;
+}
+
 RfResult rf_read_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
                             RfError* error )
 {
     Reader reader = { .part = part, .names = names, .count = count, .take = take, .user = user };
-    for ( int c = 0; c < count; ++c )
+    return read_lines( &reader, error );
+}
+
+// The text after `kind` in the part's checksum, if that is of this kind; else NULL.
+static const char* checksum_of( const RfExrPart* part, const char* kind )
+{
+    int32_t length = 0;
+    const char* text = NULL;
+    size_t begin = strlen( kind );
+    bool found = exr_attr_get_string( part->context, part->index, RF_EXR_CHECKSUM, &length, &text ) == EXR_ERR_SUCCESS &&
+                 text != NULL && strncmp( text, kind, begin ) == 0;
+    return found ? text + begin : NULL;
+}
+
+RfResult rf_verify_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
+                              bool* same, RfError* error )
+{
+    Reader reader = { .part = part, .names = names, .count = count, .take = take, .user = user };
+    const char* wanted = part->tiled ? NULL : checksum_of( part, part->dwa ? RF_EXR_CHUNKS_SUM : RF_EXR_SAMPLES_SUM );
+    char found[RF_EXR_SUM_SIZE];
+    reader.hashes = wanted != NULL;
+    RfResult result = read_lines( &reader, error );
+    snprintf( found, sizeof found, RF_EXR_SUM_FORMAT, (unsigned long long)reader.hash );
+    *same = wanted == NULL || strcmp( wanted, found ) == 0;
+    return result;
+}
+
+static RfResult verify_part( RfExrStream* stream, int index, int* count, bool* same, RfError* error )
+{
+    RfExrPart part;
+    const char* name = NULL;
+    RfResult result = rf_open_exr_part( stream, index, &part, error );
+    *count = part.count;
+    *same = true;
+    if ( result != RF_OK )
+        return result;
+    result = rf_verify_exr_lines( &part, NULL, 0, NULL, NULL, same, error );
+    if ( part.count < 2 || exr_get_name( part.context, index, &name ) != EXR_ERR_SUCCESS )
+        name = NULL;
+    if ( result == RF_OK && !*same )
+        rf_fail( error, RF_ERROR_FORMAT,
+                 "%s: the pixels%s%.255s do not match their checksum: damaged, or changed by another program", stream->path,
+                 name != NULL ? " of part " : "", name != NULL ? name : "" );
+    rf_close_exr_part( &part );
+    return result;
+}
+
+RfResult rf_verify_exr( const char* path, bool* same, RfError* error )
+{
+    RfExrStream stream;
+    *same = true;
+    RfResult result = rf_open_exr_file( path, &stream, error );
+    if ( result != RF_OK )
+        return result;
+    for ( int i = 0, count = 1; i < count && ( result == RF_OK || result == RF_ERROR_UNSUPPORTED ); ++i )
     {
-        RfResult result = rf_check_exr_channel( part->stream, part->channels, names[c], error );
-        if ( result != RF_OK )
-            return result;
+        RfError reason = { 0 };
+        bool is_same;
+        RfResult one = verify_part( &stream, i, &count, &is_same, &reason );
+        if ( ( one != RF_OK && one != RF_ERROR_UNSUPPORTED ) || ( one != RF_OK && result == RF_OK ) || ( !is_same && *same ) )
+            rf_fail( error, reason.code, "%s", reason.text );
+        result = one != RF_OK ? one : result;
+        *same = *same && is_same;
     }
-    reader.line = malloc( (size_t)part->width * sizeof( float ) );
-    if ( reader.line == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to read it", part->stream->path );
-    RfResult result = part->tiled ? read_tiles( &reader, error ) : read_scanlines( &reader, error );
-    if ( reader.started )
-        exr_decoding_destroy( part->context, &reader.pipeline );
-    free( reader.line );
+    close( stream.fd );
     return result;
 }
 

@@ -79,4 +79,16 @@ typedef void RfExrLineFn( void* user, int channel, int x, int y, const float* va
 RfResult rf_read_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
                             RfError* error );
 
+// The attribute of a part with a checksum of its pixels, rf_hash_bytes: of the samples, line by line, which another lossless
+// compression leaves as they are; with DWA, where decoders may round differently, of its compressed chunks.
+#define RF_EXR_CHECKSUM "reframe/checksum"
+#define RF_EXR_SAMPLES_SUM "samples:"
+#define RF_EXR_CHUNKS_SUM "chunks:"
+#define RF_EXR_SUM_FORMAT "%016llx"
+#define RF_EXR_SUM_SIZE 17
+
+// The same, and decodes all other channels too; *same is false where the part has a checksum for its compression and other pixels.
+RfResult rf_verify_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
+                              bool* same, RfError* error );
+
 #endif

@@ -1,13 +1,16 @@
 // Writes EXR files, and reads back what was written.
 #include "image/exr.h"
 
+#include "base/file.h"
 #include "image/atomic_file.h"
 #include "image/exr_dwa.h"
 #include "image/exr_stream.h"
 #include "image/half.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 // Verifies a written EXR.
 
@@ -30,6 +33,7 @@ typedef struct Part
     const char* name;
     RfExrCompression compression;
     int first, count; // of the writer's channels, by name
+    uint64_t hash;    // of what is written, for its checksum
 } Part;
 
 typedef struct Writer
@@ -122,14 +126,15 @@ static RfResult verify_part( const Writer* writer, int index, RfError* error )
         .width = size->width,
         .same = part.width == size->width && part.height == size->height,
     };
+    bool same = true;
     if ( check.same )
-        result = rf_read_exr_lines( &part, names, written->count, compare_line, &check, error );
+        result = rf_verify_exr_lines( &part, names, written->count, compare_line, &check, &same, error );
     bool within = is_dwa_within( &check, &part, written->count, writer->options->dwa_level );
     rf_close_exr_part( &part );
     if ( result != RF_OK )
         return result;
     size_t all = (size_t)size->width * (size_t)size->height * (size_t)written->count;
-    if ( !check.same || !within || check.values != all )
+    if ( !check.same || !same || !within || check.values != all )
         return rf_fail( error, RF_ERROR_IO, "%s: cannot be written: what was read back differs", stream.path );
     return RF_OK;
 }
@@ -390,6 +395,14 @@ static exr_result_t set_window( Writer* writer )
                                          s_core_compressions[writer->parts[writer->part].compression] );
 }
 
+#define CHECKSUM_SIZE 32
+
+static void format_checksum( const Part* part, char text[CHECKSUM_SIZE] )
+{
+    snprintf( text, CHECKSUM_SIZE, "%s" RF_EXR_SUM_FORMAT,
+              rf_is_dwa( part->compression ) ? RF_EXR_CHUNKS_SUM : RF_EXR_SAMPLES_SUM, (unsigned long long)part->hash );
+}
+
 static exr_result_t write_part_header( Writer* writer )
 {
     int index = 0;
@@ -399,7 +412,11 @@ static exr_result_t write_part_header( Writer* writer )
         code = set_window( writer );
     if ( code == EXR_ERR_SUCCESS )
         code = add_channels( writer );
-    return code == EXR_ERR_SUCCESS ? set_attributes( writer ) : code;
+    if ( code == EXR_ERR_SUCCESS )
+        code = set_attributes( writer );
+    char text[CHECKSUM_SIZE];
+    format_checksum( writer->parts + writer->part, text );
+    return code == EXR_ERR_SUCCESS ? exr_attr_set_string( writer->context, writer->part, RF_EXR_CHECKSUM, text ) : code;
 }
 
 // Names beyond 31 characters need a flag that old readers reject.
@@ -468,11 +485,13 @@ static bool is_finite_line( const float* values, const exr_coding_channel_info_t
 static exr_result_t pack( exr_encode_pipeline_t* pipeline )
 {
     Writer* writer = pipeline->encoding_user_data;
-    const RfExrChannel* sources = writer->channels + writer->parts[writer->part].first;
-    const bool* changes = writer->changes + writer->parts[writer->part].first;
+    Part* part = writer->parts + writer->part;
+    const RfExrChannel* sources = writer->channels + part->first;
+    const bool* changes = writer->changes + part->first;
     uint8_t* packed = pipeline->packed_buffer;
     for ( int32_t line = 0; line < pipeline->chunk.height; ++line )
     {
+        const uint8_t* begin = packed;
         for ( int i = 0; i < pipeline->channel_count; ++i )
         {
             const exr_coding_channel_info_t* channel = pipeline->channels + i;
@@ -485,6 +504,8 @@ static exr_result_t pack( exr_encode_pipeline_t* pipeline )
             }
             packed = pack_line( sources + i, channel, values, changes[i], packed );
         }
+        if ( !rf_is_dwa( part->compression ) )
+            part->hash = rf_hash_bytes( part->hash, begin, (size_t)( packed - begin ) );
     }
     pipeline->packed_bytes = (size_t)( packed - (uint8_t*)pipeline->packed_buffer );
     return EXR_ERR_SUCCESS;
@@ -496,10 +517,16 @@ static exr_result_t pack( exr_encode_pipeline_t* pipeline )
 static exr_result_t compress( exr_encode_pipeline_t* pipeline )
 {
     Writer* writer = pipeline->encoding_user_data;
-    const Part* part = writer->parts + writer->part;
+    Part* part = writer->parts + writer->part;
+    exr_result_t code;
     if ( rf_is_dwa( part->compression ) )
-        return rf_compress_dwa_chunk( pipeline, &writer->stream, writer->changes + part->first, writer->options->dwa_level );
-    exr_result_t code = writer->compress( pipeline );
+    {
+        code = rf_compress_dwa_chunk( pipeline, &writer->stream, writer->changes + part->first, writer->options->dwa_level );
+        if ( code == EXR_ERR_SUCCESS )
+            part->hash = rf_hash_bytes( part->hash, pipeline->compressed_buffer, pipeline->compressed_bytes );
+        return code;
+    }
+    code = writer->compress( pipeline );
     if ( code == EXR_ERR_SUCCESS && pipeline->compressed_bytes == pipeline->packed_bytes &&
          pipeline->compressed_buffer != pipeline->packed_buffer )
         memcpy( pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes );
@@ -573,6 +600,44 @@ static RfResult write_stream( Writer* writer, RfError* error )
     return RF_OK;
 }
 
+#define SEARCHED ( (size_t)1 << 16 ) // bytes at a time
+
+// The offset of the next such bytes in the file, -1 where there are none or it cannot be read.
+static off_t find_bytes( int fd, off_t from, const char* bytes, size_t size )
+{
+    char block[SEARCHED];
+    for ( ssize_t count; ( count = pread( fd, block, sizeof block, from ) ) >= (ssize_t)size; from += count - (ssize_t)size + 1 )
+    {
+        const char* end = block + count - size + 1;
+        for ( const char* at = block; ( at = memchr( at, bytes[0], (size_t)( end - at ) ) ) != NULL; ++at )
+        {
+            if ( memcmp( at, bytes, size ) == 0 )
+                return from + ( at - block );
+            if ( at + 1 == end )
+                break;
+        }
+    }
+    return -1;
+}
+
+// Puts the checksums, which are known only now, into the headers, where an attribute is its name, its type, a size and the value.
+static RfResult write_checksums( Writer* writer, RfError* error )
+{
+    static const char attribute[] = RF_EXR_CHECKSUM "\0string";
+    RfExrStream* stream = &writer->stream;
+    off_t at = 0;
+    for ( int p = 0; p < writer->part_count && at >= 0; ++p )
+    {
+        char text[CHECKSUM_SIZE];
+        format_checksum( writer->parts + p, text );
+        at = find_bytes( stream->fd, at, attribute, sizeof attribute );
+        at += at >= 0 ? (off_t)( sizeof attribute + sizeof( int32_t ) ) : 0;
+        if ( at >= 0 && pwrite( stream->fd, text, strlen( text ), at ) != (ssize_t)strlen( text ) )
+            at = -1;
+    }
+    return at >= 0 ? RF_OK : rf_fail_io( stream->path, "cannot be written", errno, error );
+}
+
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
 {
     RfResult result = check_options( path, image, options, error );
@@ -588,6 +653,8 @@ RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOption
         return result;
     writer.stream.fd = file.fd;
     result = write_stream( &writer, error );
+    if ( result == RF_OK )
+        result = write_checksums( &writer, error );
     for ( int p = 0; p < writer.part_count && result == RF_OK; ++p )
         result = verify_part( &writer, p, error );
     if ( result == RF_OK )

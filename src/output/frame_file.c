@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "film/aov.h"
 #include "image/atomic_file.h"
+#include "image/exr.h"
 #include "output/matte_strings.h"
 #include "output/names.h"
 #include "output/passes.h"
@@ -120,26 +121,6 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
 }
 
-RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileState* state, RfError* error )
-{
-    char name[MAX_NAME], found[64], wanted[RF_FINGERPRINT_SIZE];
-    struct stat status;
-    *state = RF_FRAME_FILE_MISSING;
-    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
-    if ( result != RF_OK )
-        return result;
-    if ( stat( name, &status ) != 0 )
-        return errno == ENOENT ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
-    if ( S_ISDIR( status.st_mode ) ) // reported before the work, and no matter what may be replaced
-        return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
-    *state = RF_FRAME_FILE_UNREADABLE;
-    if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, error ) != RF_OK )
-        return RF_OK;
-    rf_frame_fingerprint( output, frame, wanted );
-    *state = strcmp( found, wanted ) == 0 ? RF_FRAME_FILE_SAME : RF_FRAME_FILE_OTHER;
-    return RF_OK;
-}
-
 static const char* const s_names[RF_KEY_COUNT] = {
 #define RF_KEY_NAME( constant, name ) name,
     RF_KEY_LIST( RF_KEY_NAME )
@@ -157,6 +138,61 @@ __attribute__( ( format( printf, 3, 4 ) ) ) static void put( Attributes* a, RfKe
     vsnprintf( a->texts[key], ATTRIBUTE_SIZE, format, args );
     va_end( args );
     a->values[key] = a->texts[key];
+}
+
+static void put_files( Attributes* a, const RfFrameFiles* files )
+{
+    if ( files->names != RF_NAMES_REFRAME )
+        put_text( a, RF_KEY_NAMES, rf_pass_names_words[files->names] );
+    put_text( a, RF_KEY_TIMECODE, files->time_code );
+    if ( files->compression != RF_EXR_ZIP )
+        put( a, RF_KEY_COMPRESSION, files->compression >= RF_EXR_DWAA ? "%s:%.9g" : "%s",
+             rf_compression_words[files->compression], (double)files->dwa_level );
+    if ( files->parts != RF_PARTS_ONE )
+        put_text( a, RF_KEY_PARTS, rf_parts_words[files->parts] );
+    put_text( a, RF_KEY_FLOAT, files->half ? NULL : "yes" );
+}
+
+// Whether the file of a frame has the format asked for, so that no sequence is mixed.
+static bool is_same_format( const RfOutput* output, const char* name )
+{
+    static const RfKey keys[] = { RF_KEY_COMPRESSION, RF_KEY_PARTS, RF_KEY_FLOAT };
+    Attributes wanted = { .count = 0 };
+    char found[64];
+    bool same = true;
+    put_files( &wanted, &output->settings.files );
+    for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
+    {
+        const char* here = wanted.values[keys[i]];
+        bool is_there = rf_read_exr_string( name, s_names[keys[i]], found, sizeof found, NULL ) == RF_OK;
+        same = same && is_there == ( here != NULL ) && ( here == NULL || strcmp( found, here ) == 0 );
+    }
+    return same;
+}
+
+RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileState* state, RfError* error )
+{
+    char name[MAX_NAME], found[64], wanted[RF_FINGERPRINT_SIZE];
+    struct stat status;
+    *state = RF_FRAME_FILE_MISSING;
+    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
+    if ( result != RF_OK )
+        return result;
+    if ( stat( name, &status ) != 0 )
+        return errno == ENOENT ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
+    if ( S_ISDIR( status.st_mode ) ) // reported before the work, and no matter what may be replaced
+        return rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name );
+    *state = RF_FRAME_FILE_UNREADABLE;
+    if ( rf_read_exr_string( name, "reframe/fingerprint", found, sizeof found, error ) != RF_OK )
+        return RF_OK;
+    rf_frame_fingerprint( output, frame, wanted );
+    *state = RF_FRAME_FILE_OTHER;
+    if ( strcmp( found, wanted ) != 0 || !is_same_format( output, name ) )
+        return RF_OK;
+    bool same;
+    result = rf_verify_exr( name, &same, error );
+    *state = result == RF_OK && same ? RF_FRAME_FILE_SAME : RF_FRAME_FILE_DAMAGED;
+    return result == RF_ERROR_MEMORY ? result : RF_OK;
 }
 
 static void put_settings( Attributes* a, const RfRenderSettings* s )
@@ -204,9 +240,7 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put_text( a, RF_KEY_KERNEL_NORMALIZATION, rf_kernel_normalization_name( s->kernel_normalization ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         put_text( a, RF_KEY_RECONSTRUCTION, rf_reconstruction_name( s->reconstruction ) );
-    if ( s->files.names != RF_NAMES_REFRAME )
-        put_text( a, RF_KEY_NAMES, rf_pass_names_words[s->files.names] );
-    put_text( a, RF_KEY_TIMECODE, s->files.time_code );
+    put_files( a, &s->files );
 }
 
 // Of options: nothing where none was given.
@@ -334,6 +368,9 @@ static const char* absent_value( RfKey key )
         case RF_KEY_NO_EFFECT: return "none";
         case RF_KEY_NAMES: return rf_pass_names_words[RF_NAMES_REFRAME];
         case RF_KEY_TIMECODE: return "none";
+        case RF_KEY_COMPRESSION: return rf_compression_words[RF_EXR_ZIP];
+        case RF_KEY_PARTS: return rf_parts_words[RF_PARTS_ONE];
+        case RF_KEY_FLOAT: return "no";
         case RF_KEY_EFFECTS: return "auto";
         case RF_KEY_FILTER: return rf_filter_name( RF_FILTER_BOX );
         case RF_KEY_FILTER_WIDTH: return "1";
@@ -374,7 +411,7 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
         RF_KEY_AOV,       RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
         RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
         RF_KEY_CLAMP,     RF_KEY_BLUR_STEPS,    RF_KEY_LIGHT_GROUPS,   RF_KEY_CRYPTOMATTE, RF_KEY_OVERSCAN,
-        RF_KEY_NAMES,     RF_KEY_TIMECODE
+        RF_KEY_NAMES,     RF_KEY_TIMECODE,      RF_KEY_COMPRESSION,    RF_KEY_PARTS,       RF_KEY_FLOAT
     };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;

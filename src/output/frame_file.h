@@ -19,6 +19,9 @@
     X( OVERSCAN, "reframe/overscan" )                                                                                            \
     X( NAMES, "reframe/names" )                                                                                                  \
     X( TIMECODE, "reframe/timecode" )                                                                                            \
+    X( COMPRESSION, "reframe/compression" )                                                                                      \
+    X( PARTS, "reframe/parts" )                                                                                                  \
+    X( FLOAT, "reframe/float" )                                                                                                  \
     X( BLUR_STEPS, "reframe/blur-steps" )                                                                                        \
     X( GROUP, "reframe/group" )                                                                                                  \
     X( SPP, "reframe/spp" )                                                                                                      \
@@ -80,7 +83,7 @@ const char* rf_key_name( RfKey key );
 
 // What a frame that is there was rendered with, where that is not what is asked for.
 
-#define RF_MAX_DIFFERENCES 33
+#define RF_MAX_DIFFERENCES 36
 #define RF_DIFFERENCE_SIZE 256
 
 typedef struct RfFrameDifference

@@ -118,7 +118,7 @@ bool rf_has_dwa( void );
 // scale of v^(1/2.2) up to 1 and 1 + ln v / 2.2 beyond, and by roundings to half floats; they are clamped to ±30000. A part
 // without such channels is compressed by ZIP.
 //
-// Writes R, G, B and the additional channels of `options`. A file of several parts begins with that of R, G and B, then come the
+// Writes R, G, B and the additional channels of `options`, and in each part a checksum of its pixels, the string "reframe/checksum". A file of several parts begins with that of R, G and B, then come the
 // others in the order of their first channels; the strings, the camera, the frames per second and the attributes are in the
 // first, a time code in all. A failure (RF_ERROR_IO, RF_ERROR_MEMORY,
 // RF_ERROR_USAGE) neither creates nor changes a file of that name and leaves no temporary file.

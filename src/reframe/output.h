@@ -64,12 +64,13 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
 typedef enum RfFrameFileState
 {
     RF_FRAME_FILE_MISSING,
-    RF_FRAME_FILE_SAME,       // the very frame: it need not be rendered again
-    RF_FRAME_FILE_OTHER,      // a frame of another scene, path, version or settings
+    RF_FRAME_FILE_SAME,       // the very frame, all of its pixels whole: it need not be rendered again
+    RF_FRAME_FILE_OTHER,      // a frame of another scene, path, version or settings, or another format of file
+    RF_FRAME_FILE_DAMAGED,    // the very frame, but its pixels are cut off or changed; `error` says where
     RF_FRAME_FILE_UNREADABLE, // no frame of a render; `error` says what is wrong with it
 } RfFrameFileState;
 
-// Looks at the file that frame `frame` (from 0) is written to. Fails with RF_ERROR_USAGE for a
+// Looks at the file that frame `frame` (from 0) is written to, and reads all of it. Fails with RF_ERROR_USAGE for a
 // pattern that is none, with RF_ERROR_IO for a name that cannot be looked at or is a folder.
 RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileState* state, RfError* error );
 

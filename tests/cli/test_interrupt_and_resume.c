@@ -328,6 +328,8 @@ static void test_resume_names_what_differs( void** state )
         { "--spp 2 --group 0 --size 24x9 --seed 3", "--seed 1 (here 3), --size 16x9 (here 24x9): give the same" },
         { "--spp 2 --group 0 --size 16x9 --noise 0.5 --aov depth", "--noise 0 (here 0.5), --aov none (here depth): give" },
         { "--spp 2 --group 0 --size 16x9 --adaptive --tile 2x2", "--tile 3x3 (here 2x2), --adaptive off (here on): give" },
+        { "--spp 2 --group 0 --size 16x9 --compression dwaa:30 --parts each --float",
+          "--compression zip (here dwaa:30), --parts one (here each), --float no (here yes): give the same" },
         { "--spp 2 --group 0 --size 16x9 --fps 12", "frames in the path 48 (here 24): give the same" },
     };
     cli_expect( cli_run( "$R render $VASE -o d/f.####.exr --frames 2 --size 16x9 --spp 2 --group 0 --quiet" ), 0, NULL );

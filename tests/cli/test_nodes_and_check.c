@@ -5,6 +5,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -40,10 +41,66 @@ static void test_check_tells_what_is_there( void** state )
     // a frame that lost its end, and one of other settings
     cli_expect( cli_run( "truncate -s 1500 c/f.0002.exr" ), 0, NULL );
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 3 --seed 7 --overwrite >told" ), 0, NULL );
-    line = "1 of 3 frames are finished; of another render: 3; no whole frame: 2: --resume --overwrite replaces the rest";
+    line = "1 of 3 frames are finished; of another render: 3; no frame: 2: --resume --overwrite replaces the rest";
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3 --check" ), 1, line );
     cli_expect( cli_run( "$R render " SHOT "-o none/f.####.exr --frames 1 --check" ), 1, "0 of 1 frames are finished" );
     assert_false( cli_exists( "none" ) ); // it only looks
+}
+
+// Frame 2 is cut, frame 3 has one bit flipped, in the last pixels of the file: of the depth, where there are parts.
+static void test_damaged_frames_are_found_and_rendered_again( void** state )
+{
+    (void)state;
+    static const char* const formats[] = { "none", "zip", "piz", "dwaa" };
+    for ( size_t i = 0; i < 2 * sizeof formats / sizeof formats[0]; ++i )
+    {
+        char shot[256];
+        snprintf( shot, sizeof shot,
+                  "$R render " SHOT "--frames 1-4 --aov depth,normal --compression %s --parts %s -o d/f.####.exr", formats[i / 2],
+                  i % 2 == 0 ? "one" : "each" );
+        cli_expect( cli_run( "rm -rf d whole; %s >told && cp -r d whole", shot ), 0, NULL );
+        cli_expect( cli_run( "%s --check >told", shot ), 0, NULL );
+        cli_expect( cli_run( "truncate -s -20 d/f.0002.exr" ), 0, NULL );
+        size_t size;
+        char* bytes = cli_read( "d/f.0003.exr", &size );
+        bytes[size - 5] ^= 1;
+        cli_write( "d/f.0003.exr", bytes, size );
+        free( bytes );
+        cli_expect( cli_run( "%s --check --json check.json", shot ), 1,
+                    "2 of 4 frames are finished; damaged: 2, 3: --resume goes on" );
+        json_t* json = cli_read_json( "check.json" );
+        assert_int_equal( count_of( json, "damaged" ), 2 );
+        assert_int_equal( number_of( json, "finished" ), 2 );
+        json_decref( json );
+        const CliResult* done = cli_run( "%s --resume%s --json again.json", shot, i % 3 == 0 ? " --overwrite" : "" );
+        cli_expect( done, 0, "warning: --resume: damaged, rendered again: 2, 3: d/f.0002.exr: " );
+        json = cli_read_json( "again.json" );
+        assert_int_equal( number_of( json, "kept_frames" ), 2 );
+        assert_int_equal( count_of( json, "warnings" ), 1 );
+        json_decref( json );
+        cli_expect( cli_run( "for f in whole/*; do cmp $f d/${f#*/} || exit 1; done" ), 0, NULL );
+    }
+}
+
+// A page has the others, and names what is damaged; where the pixels can be read, it shows them.
+static void test_a_report_names_damaged_frames( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "$R render " SHOT "--frames 1-4 --aov depth --compression none --parts each -o g/f.####.exr >told" ), 0,
+                NULL );
+    size_t size;
+    char* bytes = cli_read( "g/f.0003.exr", &size );
+    bytes[size - 5] ^= 1;
+    cli_write( "g/f.0003.exr", bytes, size );
+    free( bytes );
+    cli_expect( cli_run( "truncate -s -20 g/f.0002.exr; $R report g -o g.html --quiet --json g.json" ), 0,
+                "warning: g: damaged: 2, 3: g/f.0002.exr: its pixels cannot be read" );
+    json_t* json = cli_read_json( "g.json" );
+    const json_t* sequence = json_array_get( json_object_get( json, "sequences" ), 0 );
+    assert_int_equal( count_of( sequence, "damaged_frames" ), 2 );
+    assert_int_equal( number_of( sequence, "frames" ), 3 );
+    assert_non_null( strstr( text_of( json, "warnings", 0, "text" ), "damaged: 2, 3: " ) );
+    json_decref( json );
 }
 
 static void test_a_report_tells_unfinished_frames( void** state )
@@ -91,6 +148,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_check_tells_what_is_there ),
+        cmocka_unit_test( test_damaged_frames_are_found_and_rendered_again ),
+        cmocka_unit_test( test_a_report_names_damaged_frames ),
         cmocka_unit_test( test_a_report_tells_unfinished_frames ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );

@@ -311,7 +311,7 @@ static void test_wrong_input_is_refused( void** state )
     cli_expect( cli_run( "$R report x/two/f.0001.exr --reference x/other.exr -o y.html --quiet" ), 1,
                 "x/other.exr: has 39x30 pixels" );
     cli_write( "x/a/f.0003.exr", "EXR", 3 );
-    cli_expect( cli_run( "$R report x/a -o y.html --quiet" ), 1, "f.0003.exr: not a readable EXR file" );
+    cli_expect( cli_run( "$R report x/a/f.0003.exr -o y.html --quiet" ), 1, "f.0003.exr: not a readable EXR file" );
     cli_expect( cli_run( "ulimit -f 8; $R report x/two/f.####.exr -o y.html --quiet" ), 1, "y.html" );
     assert_false( cli_exists( "y.html" ) );
     assert_int_equal( cli_count_files( ".tmp", "." ), 0 );

@@ -74,6 +74,92 @@ static void test_parts_hold_what_one_part_does( void** state )
     rf_destroy_image( &image );
 }
 
+// Where the first chunk begins: what the first offset of the table of chunks names, which is the end of the table.
+static size_t find_pixels( const char* bytes, size_t size )
+{
+    for ( size_t at = 64; at + 8 < size; ++at )
+    {
+        uint64_t offset;
+        memcpy( &offset, bytes + at, sizeof offset );
+        if ( offset > at && offset < size && offset - at <= 8 * 5 * HEIGHT && ( offset - at ) % 8 == 0 )
+            return (size_t)offset;
+    }
+    fail_msg( "no table of chunks" );
+    return 0;
+}
+
+static RfResult verify( const char* bytes, size_t size, bool* same )
+{
+    RfError error;
+    save_file( temp_path( "damaged.exr" ), bytes, size );
+    return rf_verify_exr( temp_path( "damaged.exr" ), same, &error );
+}
+
+// Any bit of the pixels, of any part, and any cut; a file without a checksum is judged by decoding.
+static void test_damage_is_found( void** state )
+{
+    (void)state;
+    static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
+    RfImage image = make_image( WIDTH, HEIGHT, 4 );
+    char sums[2][64] = { "" };
+    uint32_t seed = 99;
+    for ( int way = 0; rf_compression_words[way / 2] != NULL; ++way )
+    {
+        RfExrChannel channels[4];
+        RfExrOptions options = make_options( channels, way % 2 == 1 ? parts : NULL );
+        RfError error;
+        options.compression = (RfExrCompression)( way / 2 );
+        size_t size;
+        bool same;
+        assert_int_equal( rf_write_exr( temp_path( "whole.exr" ), &image, &options, &error ), RF_OK );
+        char* bytes = load_file( temp_path( "whole.exr" ), &size );
+        size_t begin = find_pixels( bytes, size );
+        assert_true( verify( bytes, size, &same ) == RF_OK && same );
+        for ( int i = 0; i < 30; ++i )
+        {
+            size_t at = i == 0 ? begin : i == 1 ? size - 1 : begin + next_random( &seed ) % ( size - begin );
+            bytes[at] ^= (char)( 1 << i % 8 );
+            if ( verify( bytes, size, &same ) == RF_OK && same )
+                fail_msg( "%s: byte %zu of %zu", rf_compression_words[way / 2], at, size );
+            bytes[at] ^= (char)( 1 << i % 8 );
+            size_t left = i == 0 ? begin : i == 1 ? size - 1 : at;
+            assert_int_not_equal( verify( bytes, left, &same ), RF_OK );
+        }
+        // lossless compressions have one checksum, of the samples
+        char sum[64];
+        assert_int_equal( rf_read_exr_string( temp_path( "whole.exr" ), "reframe/checksum", sum, sizeof sum, &error ), RF_OK );
+        if ( options.compression < RF_EXR_DWAA && sums[way % 2][0] != '\0' )
+            assert_string_equal( sum, sums[way % 2] );
+        if ( options.compression < RF_EXR_DWAA )
+            strcpy( sums[way % 2], sum );
+        free( bytes );
+    }
+    rf_destroy_image( &image );
+}
+
+static void test_without_checksum_decoding_decides( void** state )
+{
+    (void)state;
+    RfImage image = make_image( WIDTH, HEIGHT, 4 );
+    RfExrOptions options = rf_default_exr_options();
+    RfError error;
+    options.compression = RF_EXR_NONE;
+    assert_int_equal( rf_write_exr( temp_path( "whole.exr" ), &image, &options, &error ), RF_OK );
+    size_t size, at = 0;
+    bool same;
+    char* bytes = load_file( temp_path( "whole.exr" ), &size );
+    while ( memcmp( bytes + at, "reframe/checksum", 16 ) != 0 )
+        ++at;
+    bytes[at] = 'R'; // an attribute that means nothing
+    bytes[size - 5] ^= 1;
+    assert_true( verify( bytes, size, &same ) == RF_OK && same );
+    assert_int_not_equal( verify( bytes, size - 1, &same ), RF_OK );
+    bytes[at] = 'r';
+    assert_true( verify( bytes, size, &same ) == RF_OK && !same );
+    free( bytes );
+    rf_destroy_image( &image );
+}
+
 // The names, the order and the shared attributes that the specification asks of parts.
 static void test_parts_are_named_and_share_attributes( void** state )
 {
@@ -213,10 +299,9 @@ static void test_full_disk_leaves_no_part( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_parts_hold_what_one_part_does ),
-        cmocka_unit_test( test_parts_are_named_and_share_attributes ),
-        cmocka_unit_test( test_many_channels_and_long_names ),
-        cmocka_unit_test( test_full_disk_leaves_no_part ),
+        cmocka_unit_test( test_parts_hold_what_one_part_does ),     cmocka_unit_test( test_damage_is_found ),
+        cmocka_unit_test( test_without_checksum_decoding_decides ), cmocka_unit_test( test_parts_are_named_and_share_attributes ),
+        cmocka_unit_test( test_many_channels_and_long_names ),      cmocka_unit_test( test_full_disk_leaves_no_part ),
     };
     return cmocka_run_group_tests_name( "parts of EXR files", tests, make_temp_folder, remove_temp_folder );
 }

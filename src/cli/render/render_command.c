@@ -380,7 +380,7 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--timecode: %.1000s", reason.text );
     if ( job->options.check )
         return RF_OK;
-    result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, error );
+    result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, &job->log, error );
     job->kept_count = asked_count - job->frame_count;
     if ( result == RF_OK )
         result = find_runs( job, error ); // of what is left

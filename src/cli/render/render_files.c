@@ -7,6 +7,7 @@
 #include "cli/render/render_command.h"
 #include "cli/render/render_json.h"
 #include "cli/report/report_input.h"
+#include "cli/signals.h"
 #include "image/sequence.h"
 #include "output/frame_file.h"
 #include "reframe/image.h"
@@ -28,6 +29,7 @@ typedef enum Kind
     MISSING,
     OTHER,
     UNREADABLE,
+    DAMAGED,
     FINISHED,
     KINDS
 } Kind;
@@ -38,18 +40,21 @@ typedef struct Check
     int counts[KINDS];
     int *left, *left_eyes; // all but the finished: their numbers and their runs
     int left_count;
+    RfFrameFileState* states; // of the frames asked for
 } Check;
 
 static bool create( int count, Check* check )
 {
     bool good = true;
-    *check = ( Check ){ .left = malloc( (size_t)count * sizeof( int ) ), .left_eyes = malloc( (size_t)count * sizeof( int ) ) };
+    *check = ( Check ){ .left = malloc( (size_t)count * sizeof( int ) ),
+                        .left_eyes = malloc( (size_t)count * sizeof( int ) ),
+                        .states = malloc( (size_t)count * sizeof( RfFrameFileState ) ) };
     for ( int k = 0; k < KINDS; ++k )
     {
         check->lists[k] = malloc( (size_t)count * sizeof( int ) );
         good = good && check->lists[k] != NULL;
     }
-    return good && check->left != NULL && check->left_eyes != NULL;
+    return good && check->left != NULL && check->left_eyes != NULL && check->states != NULL;
 }
 
 static void destroy( Check* check )
@@ -58,43 +63,58 @@ static void destroy( Check* check )
         free( check->lists[k] );
     free( check->left );
     free( check->left_eyes );
+    free( check->states );
 }
 
-// A frame of this render is there under its name only once it is whole; whether it still is, only reading it shows.
-static RfResult look_at( const RfRenderJob* job, int frame, Kind* kind, RfError* error )
+#define READERS 4 // threads at most: reading is bound by the disk, and each takes memory
+
+static RfResult look_at( const RfOutput* output, int frame, bool inside, RfFrameFileState* state, RfError* error )
 {
     char name[MAX_NAME];
-    RfFrameFileState state;
-    RfImage image = { 0 };
-    RfResult result = rf_sequence_name( job->options.output, rf_frame_number( &job->path, frame ), name, sizeof name, error );
-    if ( result == RF_OK )
-        result = rf_check_frame_file( &job->output, frame, &state, error );
-    if ( result != RF_OK )
-        return result;
-    static const Kind kinds[] = { [RF_FRAME_FILE_MISSING] = MISSING,
-                                  [RF_FRAME_FILE_SAME] = FINISHED,
-                                  [RF_FRAME_FILE_OTHER] = OTHER,
-                                  [RF_FRAME_FILE_UNREADABLE] = UNREADABLE };
-    *kind = kinds[state];
-    if ( *kind == FINISHED )
+    struct stat status;
+    if ( inside )
+        return rf_check_frame_file( output, frame, state, error );
+    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
+    bool is_there = result == RF_OK && stat( name, &status ) == 0;
+    *state = is_there ? RF_FRAME_FILE_OTHER : RF_FRAME_FILE_MISSING;
+    return is_there && S_ISDIR( status.st_mode ) ? rf_fail( error, RF_ERROR_IO, "%s: is a folder: choose another name", name )
+                                                 : result;
+}
+
+// The states of the files of frames: all pixels are read, or with `inside` false only whether there is a file.
+static RfResult look_at_files( const RfOutput* output, const int* frames, int count, bool inside, RfFrameFileState* states,
+                               RfError* error )
+{
+    RfResult result = RF_OK;
+    int threads = output->settings.threads < READERS ? output->settings.threads : READERS;
+#pragma omp parallel for schedule( dynamic ) num_threads( threads )
+    for ( int i = 0; i < count; ++i )
     {
-        result = rf_read_exr( name, &image, error );
-        *kind = result == RF_OK ? FINISHED : UNREADABLE;
-        rf_destroy_image( &image );
+        RfError reason = { 0 };
+        RfResult one = rf_is_interrupted() ? rf_fail( &reason, RF_ERROR_INTERRUPTED, "interrupted before the first frame" )
+                                           : look_at( output, frames[i], inside, states + i, &reason );
+#pragma omp critical
+        if ( one != RF_OK && result == RF_OK )
+        {
+            result = one;
+            *error = reason;
+        }
     }
-    return result == RF_ERROR_MEMORY ? result : RF_OK;
+    return result;
 }
 
 static RfResult look_at_all( const RfRenderJob* job, Check* check, RfError* error )
 {
-    RfResult result = RF_OK;
+    static const Kind kinds[] = { [RF_FRAME_FILE_MISSING] = MISSING,
+                                  [RF_FRAME_FILE_SAME] = FINISHED,
+                                  [RF_FRAME_FILE_OTHER] = OTHER,
+                                  [RF_FRAME_FILE_DAMAGED] = DAMAGED,
+                                  [RF_FRAME_FILE_UNREADABLE] = UNREADABLE };
+    RfResult result = look_at_files( &job->output, job->frames, job->frame_count, true, check->states, error );
     for ( int i = 0; i < job->frame_count && result == RF_OK; ++i )
     {
         int frame = job->frames[i], number = rf_frame_number( &job->path, frame );
-        Kind kind;
-        result = look_at( job, frame, &kind, error );
-        if ( result != RF_OK )
-            break;
+        Kind kind = kinds[check->states[i]];
         check->lists[kind][check->counts[kind]++] = number;
         if ( kind == FINISHED )
             continue;
@@ -107,13 +127,16 @@ static RfResult look_at_all( const RfRenderJob* job, Check* check, RfError* erro
 static json_t* state_json( const RfRenderJob* job, const Check* check, const RfRanges* ranges )
 {
     const RfRenderSettings* settings = &job->options.settings;
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &settings->tile, tile );
     json_t* json =
-        json_pack( "{s:s, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:i, s:i, s:s}", "version", rf_version(), "scene",
+        json_pack( "{s:s, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:i, s:i, s:s, s:s}", "version", rf_version(), "scene",
                    rf_json_text( job->options.scene ), "complete", check->left_count == 0, "asked", job->frame_count, "finished",
                    check->counts[FINISHED], "missing", rf_json_frames( check->lists[MISSING], check->counts[MISSING] ), "other",
                    rf_json_frames( check->lists[OTHER], check->counts[OTHER] ), "unreadable",
-                   rf_json_frames( check->lists[UNREADABLE], check->counts[UNREADABLE] ), "group", settings->group, "spp",
-                   settings->spp, "adaptive_mode", rf_adaptive_name( settings->adaptive ) );
+                   rf_json_frames( check->lists[UNREADABLE], check->counts[UNREADABLE] ), "damaged",
+                   rf_json_frames( check->lists[DAMAGED], check->counts[DAMAGED] ), "group", settings->group, "spp",
+                   settings->spp, "tile", tile, "adaptive_mode", rf_adaptive_name( settings->adaptive ) );
     if ( ranges->list != NULL )
         json_object_set_new( json, "nodes", rf_ranges_json( ranges ) );
     return json;
@@ -130,11 +153,12 @@ static void add_list( const Check* check, Kind kind, const char* words, char* te
 
 static RfResult fail_incomplete( const RfRenderJob* job, const Check* check, RfError* error )
 {
-    char text[4 * MOST_TEXT] = "";
+    char text[5 * MOST_TEXT] = "";
     bool in_the_way = check->counts[OTHER] + check->counts[UNREADABLE] > 0;
     add_list( check, MISSING, "not there", text, sizeof text );
     add_list( check, OTHER, "of another render", text, sizeof text );
-    add_list( check, UNREADABLE, "no whole frame", text, sizeof text );
+    add_list( check, UNREADABLE, "no frame", text, sizeof text );
+    add_list( check, DAMAGED, "damaged", text, sizeof text );
     return rf_fail( error, RF_ERROR_IO, "%.300s: %d of %d frames are finished%s: %s", job->options.output,
                     check->counts[FINISHED], job->frame_count, text,
                     in_the_way ? "--resume --overwrite replaces the rest" : "--resume goes on" );
@@ -315,30 +339,30 @@ static RfResult refuse( RfFrameFileState state, const RfRenderOptions* options, 
     return refuse_other( output, frame, name, error );
 }
 
-static RfResult keep_or_refuse( const RfOutput* output, const RfRenderOptions* options, int frame, bool* keep, RfError* error )
+// Why a file that is there may not be replaced.
+static RfResult refuse_state( RfFrameFileState state, const RfRenderOptions* options, const RfOutput* output, int frame,
+                              RfError* error )
 {
     char name[MAX_NAME];
     RfError reason = { 0 };
-    RfFrameFileState state;
-    *keep = false;
     RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_check_frame_file( output, frame, &state, &reason );
-    if ( result != RF_OK )
-        return rf_fail( error, result, "%s", reason.text );
-    if ( state == RF_FRAME_FILE_MISSING )
-        return RF_OK;
-    *keep = options->resume && state == RF_FRAME_FILE_SAME;
-    return *keep || options->overwrite ? RF_OK : refuse( state, options, output, frame, name, &reason, error );
+    if ( result == RF_OK && state == RF_FRAME_FILE_UNREADABLE )
+        result = rf_check_frame_file( output, frame, &state, &reason ); // for the reason
+    return result == RF_OK ? refuse( state, options, output, frame, name, &reason, error ) : result;
 }
 
-static RfResult check_json( const char* name, RfError* error )
+// Of damaged frames, which hold nothing that is to be kept.
+static void warn_of_damaged( const RfOutput* output, int* damaged, int count, RfLog* log )
 {
-    struct stat status;
-    if ( name != NULL && strcmp( name, "-" ) != 0 && stat( name, &status ) == 0 && S_ISDIR( status.st_mode ) )
-        return rf_fail( error, RF_ERROR_IO, "--json: %s: is a folder: choose another name", name );
-    return RF_OK;
+    char frames[MOST_TEXT];
+    RfError reason = { 0 };
+    RfFrameFileState state;
+    if ( count == 0 || rf_check_frame_file( output, damaged[0], &state, &reason ) != RF_OK )
+        return;
+    for ( int i = 0; i < count; ++i )
+        damaged[i] = rf_frame_number( output->path, damaged[i] );
+    rf_format_frames( damaged, count, frames, sizeof frames );
+    rf_warn( log, "--resume: damaged, rendered again: %s: %.800s", frames, reason.text );
 }
 
 // The folder is there, or is made, and files can be made in it.
@@ -352,7 +376,7 @@ static RfResult prepare_folder( const char* pattern, RfError* error )
 }
 
 RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* options, int* frames, int* count, int* kept,
-                            RfError* error )
+                            RfLog* log, RfError* error )
 {
     RfResult result = RF_OK;
     if ( *count > 1 && !rf_is_sequence( output->pattern ) )
@@ -360,18 +384,30 @@ RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* optio
                           output->pattern, *count );
     if ( result == RF_OK )
         result = prepare_folder( output->pattern, error );
+    size_t room = (size_t)*count;
+    RfFrameFileState* states = malloc( room * sizeof *states );
+    int *damaged = malloc( room * sizeof *damaged ), left = 0, damaged_count = 0;
+    if ( result == RF_OK && ( states == NULL || damaged == NULL ) )
+        result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", *count );
     if ( result == RF_OK )
-        result = check_json( options->json, error );
-    int left = 0;
+        result = look_at_files( output, frames, *count, options->resume, states, error );
     for ( int i = 0; i < *count && result == RF_OK; ++i )
     {
-        bool keep;
-        result = keep_or_refuse( output, options, frames[i], &keep, error );
-        if ( result == RF_OK && keep )
-            kept[i - left] = frames[i];
-        else if ( result == RF_OK )
-            frames[left++] = frames[i];
+        bool may_replace = states[i] == RF_FRAME_FILE_MISSING || states[i] == RF_FRAME_FILE_DAMAGED || options->overwrite;
+        int frame = frames[i];
+        if ( states[i] == RF_FRAME_FILE_DAMAGED )
+            damaged[damaged_count++] = frame;
+        if ( states[i] == RF_FRAME_FILE_SAME )
+            kept[i - left] = frame;
+        else if ( may_replace )
+            frames[left++] = frame;
+        else
+            result = refuse_state( states[i], options, output, frame, error );
     }
+    if ( result == RF_OK )
+        warn_of_damaged( output, damaged, damaged_count, log );
+    free( states );
+    free( damaged );
     *count = result == RF_OK ? left : *count;
     return result;
 }

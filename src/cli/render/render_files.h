@@ -15,9 +15,9 @@
 // missing) and can be written, and that no frame is in the way: an error
 // without --resume or --overwrite. With --resume moves the frames that are there
 // and of this very render from the list to `kept`, which has room for them all;
-// one that is not of it is an error, or stays in the list with --overwrite.
+// one that is not of it is an error, or stays in the list with --overwrite; a damaged one stays in it and is warned of.
 RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* options, int* frames, int* count, int* kept,
-                            RfError* error );
+                            RfLog* log, RfError* error );
 
 // The films that an interrupted render left for the first of these frames: *films is their file, for --resume, or NULL where there
 // are none. An error without --resume, and where they are of another render, unless with --overwrite: then they are not used.

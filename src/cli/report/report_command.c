@@ -58,7 +58,7 @@ static RfResult add_fine_values( RfPageRun* report, const RfPageData* data, RfPa
         RfExrWindow window = rf_page_window( &track->sequence->header );
         int factor = rf_values_factor( window.width, window.height, fine_share( report, track ) - BLOCK_BYTES );
         bool is_finer = factor > 0 && ( track->value_factor == 0 || factor < track->value_factor );
-        if ( is_finer && rf_has_page_frame( track->sequence, number ) )
+        if ( is_finer && track->frames[worst >= 0 ? worst : 0].shown )
             result = rf_add_page_fine_values( page, track, number, factor, error );
     }
     return result;
@@ -187,16 +187,16 @@ static json_t* page_result_json( const RfPageData* data, const char* output, uin
         for ( int k = 0; k < track->count; ++k )
             shown += track->frames[k].shown;
         json_array_append_new(
-            tracks,
-            json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name",
-                       rf_json_text( track->sequence->name ), "files", rf_json_text( track->sequence->pattern ), "reference",
-                       track->sequence->is_reference, "frames", shown, "missing", lacking, "missing_frames",
-                       rf_json_frames( missing, lacking ), "picture_bytes", json_integer( (json_int_t)track->picture_bytes ),
-                       "value_bytes", json_integer( (json_int_t)track->value_bytes ), "aov_bytes",
-                       json_integer( (json_int_t)track->layer_bytes ), "relmse",
-                       rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
-                       rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
-                       rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
+            tracks, json_pack( "{s:o, s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "damaged_frames",
+                               rf_page_damaged_json( track ), "name", rf_json_text( track->sequence->name ), "files",
+                               rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "frames",
+                               shown, "missing", lacking, "missing_frames", rf_json_frames( missing, lacking ), "picture_bytes",
+                               json_integer( (json_int_t)track->picture_bytes ), "value_bytes",
+                               json_integer( (json_int_t)track->value_bytes ), "aov_bytes",
+                               json_integer( (json_int_t)track->layer_bytes ), "relmse",
+                               rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
+                               rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
+                               rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
         if ( track->sequence->progress != NULL )
             json_object_set( json_array_get( tracks, (size_t)i ), "progress", track->sequence->progress );
         free( missing );
@@ -484,6 +484,12 @@ static RfResult report_result( const RfPageRun* report, const RfPageData* data, 
     for ( int i = 0; i < report->place_count && prints; ++i )
         rf_tell_unfinished( report->sequences[i].name, report->sequences[i].progress );
     RfLog log = rf_stderr_log( COMMAND );
+    for ( int i = 0; i < report->sequence_count; ++i )
+    {
+        char text[RF_DAMAGE_SIZE];
+        if ( rf_format_damage( report->tracks + i, text ) )
+            rf_warn( &log, "%.256s: %s", report->sequences[i].name, text );
+    }
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: %s is slow to open in a browser: --width makes the pictures smaller, --frames selects some",
                  report->output, weight );

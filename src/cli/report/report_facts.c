@@ -95,6 +95,34 @@ static void warn_of_missing( const List* list, const RfPageTrack* track )
     free( missing );
 }
 
+json_t* rf_page_damaged_json( const RfPageTrack* track )
+{
+    json_t* list = json_array();
+    for ( int i = 0; i < track->count; ++i )
+    {
+        if ( track->frames[i].damaged )
+            json_array_append_new( list, json_integer( track->numbers[i] ) );
+    }
+    return list;
+}
+
+bool rf_format_damage( const RfPageTrack* track, char text[RF_DAMAGE_SIZE] )
+{
+    char frames[240];
+    json_t* list = rf_page_damaged_json( track );
+    rf_format_left( list, frames, sizeof frames );
+    json_decref( list );
+    snprintf( text, RF_DAMAGE_SIZE, "damaged: %s: %s", frames, track->damage );
+    return track->damage[0] != '\0';
+}
+
+static void add_damage( const List* list, const RfPageTrack* track )
+{
+    char text[RF_DAMAGE_SIZE];
+    if ( rf_format_damage( track, text ) )
+        add( list, text );
+}
+
 static void add_bad( const List* list, const RfPageTrack* track )
 {
     size_t bad = 0;
@@ -155,6 +183,7 @@ json_t* rf_page_warnings_json( const RfPageData* data )
             add_unfinished( &list, track->sequence->progress );
         else
             warn_of_missing( &list, track );
+        add_damage( &list, track );
         add_bad( &list, track );
         add_bounds( &list, track );
         warn_of_passes( &list, track );
@@ -492,6 +521,9 @@ static const struct
     { "reframe/cryptomatte", "Settings", "Cryptomatte" },
     { "reframe/light-groups", "Settings", "Light groups" },
     { "reframe/names", "Settings", "Names of channels" },
+    { "reframe/compression", "Settings", "Compression" },
+    { "reframe/parts", "Settings", "Parts" },
+    { "reframe/float", "Settings", "32-bit floats" },
     { "reframe/version", "Settings", "Reframe" },
     { "reframe/view", "Scene", "View" },
     { "reframe/look", "Scene", "Look" },

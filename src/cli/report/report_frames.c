@@ -3,6 +3,7 @@
 
 #include "cli/messages.h"
 #include "cli/report/report_input.h"
+#include "image/exr.h"
 #include "measure/image_error.h"
 #include "measure/flicker.h"
 #include "measure/flicker_sequence.h"
@@ -541,6 +542,35 @@ static RfResult measure_flicker( Work* work, int i, RfError* error )
     return RF_OK;
 }
 
+// Reads all of a file. Where that is not possible, *readable is false: the page goes on without it.
+static RfResult find_damage( RfPageTrack* track, RfPageFrame* figures, const char* path, bool* readable, RfError* error )
+{
+    RfError reason = { 0 };
+    bool same;
+    RfResult whole = rf_verify_exr( path, &same, &reason );
+    *readable = whole == RF_OK || whole == RF_ERROR_UNSUPPORTED; // of which the rest is shown
+    figures->damaged = !*readable || !same;
+    if ( whole == RF_ERROR_MEMORY )
+        return rf_fail( error, whole, "%s", reason.text );
+    if ( figures->damaged && track->damage[0] == '\0' )
+        snprintf( track->damage, sizeof track->damage, "%.511s", reason.text );
+    return RF_OK;
+}
+
+// Reads the frame of the reference; one that is damaged is none, and named where the reference is shown.
+static RfResult read_reference( const RfPageTrack* track, int number, RfImage* image, RfError* error )
+{
+    char path[RF_PAGE_NAME_SIZE];
+    bool same;
+    RfResult result = rf_page_frame_path( track->reference, number, path, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_read_aligned( path, track->reference->layer, &track->sequence->header, track->sequence->first, image, error );
+    if ( result != RF_OK && result != RF_ERROR_MEMORY && rf_verify_exr( path, &same, NULL ) != RF_OK )
+        return RF_OK;
+    return result;
+}
+
 static RfResult add_frame( Work* work, int i, RfError* error )
 {
     RfPageTrack* track = work->track;
@@ -552,7 +582,12 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     work->has_frame[i % 2] = false;
     if ( !rf_has_page_frame( track->sequence, number ) )
         return RF_OK;
+    bool readable = true;
     RfResult result = rf_page_frame_path( track->sequence, number, path, error );
+    if ( result == RF_OK )
+        result = find_damage( track, figures, path, &readable, error );
+    if ( !readable )
+        return result;
     if ( result == RF_OK )
         result = rf_read_flicker_frame( path, &work->layers, &track->sequence->header, track->sequence->first, frame, error );
     if ( result == RF_OK )
@@ -563,7 +598,6 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     figures->bad = count_bad( &frame->signal );
     frame->number = number;
     frame->is_finite = figures->bad == 0;
-    bool has_reference = track->reference != NULL && rf_has_page_frame( track->reference, number );
     take_said( track->sequence, number, path, figures );
     if ( track->reference != NULL || track->sequence->is_reference ) // an estimate would not belong there
     {
@@ -571,11 +605,9 @@ static RfResult add_frame( Work* work, int i, RfError* error )
         figures->at_least = false;
     }
     RfImage reference = { 0 };
-    if ( has_reference )
-        result = rf_page_frame_path( track->reference, number, path, error );
-    if ( result == RF_OK && has_reference )
-        result =
-            rf_read_aligned( path, track->reference->layer, &track->sequence->header, track->sequence->first, &reference, error );
+    if ( track->reference != NULL && rf_has_page_frame( track->reference, number ) )
+        result = read_reference( track, number, &reference, error );
+    bool has_reference = reference.rgb != NULL;
     if ( result == RF_OK && has_reference )
         result = measure_error( work, figures, frame, &reference, error );
     rf_destroy_image( &reference );
@@ -619,6 +651,8 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
         if ( result == RF_OK && track->frames[i].shown && !progress( user ) )
             result = rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: no page is written" );
     }
+    if ( result == RF_OK && track->picture_width == 0 && track->damage[0] != '\0' )
+        result = rf_fail( error, RF_ERROR_FORMAT, "%s", track->damage );
     if ( result == RF_OK )
         sum_up( &work );
     rf_destroy_flicker_frame( work.ring );

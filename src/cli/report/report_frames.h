@@ -38,6 +38,7 @@ typedef struct RfPageFrame
 {
     bool has_layers;        // pictures of its passes
     bool shown;             // its picture is in the page
+    bool damaged;           // its file is not whole; it may be shown, where its pixels can be read
     double relmse;          // against the reference, or an estimate
     bool at_least;          // the estimate is a lower bound only
     double worst_ten_share; // of the estimate: what the ten worst pixels carry
@@ -62,6 +63,7 @@ typedef struct RfPageTrack
 
     RfPageLayers layers;
     RfPageFrame* frames; // `count` of them
+    char damage[512];    // what is wrong with the first of those that are damaged
     int picture_width, picture_height;
     uint64_t picture_bytes;
     bool compensated, has_variance; // of the flicker without reference
