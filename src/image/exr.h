@@ -17,6 +17,17 @@ size_t rf_exr_work_bytes( int width, int height, RfExrCompression compression, i
 // that were written. RF_ERROR_UNSUPPORTED: all that can be read is whole.
 RfResult rf_verify_exr( const char* path, bool* same, RfError* error );
 
+// How many pixels have a value beyond the range of their channel in a file written with these options, which clamps it there:
+// ±65504 of half floats, ±30000 of colours that DWA changes. `clipped`: which channels, R, G and B first, then those of the options.
+size_t rf_count_clipped( const RfImage* image, const RfExrOptions* options, bool clipped[RF_EXR_MAX_CHANNELS] );
+
+// rf_read_exr_layer and rf_read_exr_channels; *clipped: pixels with ±65504 or infinity in a channel of half floats, which is where
+// larger values end.
+RfResult rf_read_exr_picture( const char* path, const char* layer, RfImage* image, RfExrWindow* window, size_t* clipped,
+                              RfError* error );
+RfResult rf_read_exr_values( const char* path, const char* const* names, int count, RfExrWindow* window, float** values,
+                             size_t* clipped, RfError* error );
+
 // A channel of a file.
 typedef struct RfExrName
 {

@@ -4,7 +4,9 @@
 #include "base/remedy.h"
 #include "image/exr.h"
 #include "image/exr_stream.h"
+#include "image/half.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -260,6 +262,26 @@ RfResult rf_open_exr_layer( RfExrStream* stream, const char* layer, RfExrPart* p
     return layer != NULL ? find_layer( stream, layer, part, channels, error ) : find_colour( stream, part, channels, error );
 }
 
+static bool is_half_channel( const RfExrPart* part, const char* name )
+{
+    const exr_attr_chlist_entry_t* entry = find_channel( part->channels, "", 0, name );
+    return entry != NULL && entry->pixel_type == EXR_PIXEL_HALF;
+}
+
+// Pixels with a value at the end of the range of half floats, or beyond.
+static size_t count_clipped( const float* values, size_t pixels, const bool* half, int channels )
+{
+    size_t count = 0;
+    for ( size_t i = 0; i < pixels; ++i, values += channels )
+    {
+        bool any = false;
+        for ( int c = 0; c < channels; ++c )
+            any = any || ( half[c] && fabsf( values[c] ) >= RF_HALF_MAX ); // false for NaN
+        count += any;
+    }
+    return count;
+}
+
 static void take_value( void* user, int channel, int x, int y, const float* values, int count )
 {
     RfImage* image = user;
@@ -268,7 +290,8 @@ static void take_value( void* user, int channel, int x, int y, const float* valu
         out[3 * i] = values[i];
 }
 
-static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels, RfImage* image, RfError* error )
+static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels, RfImage* image, size_t* clipped,
+                            RfError* error )
 {
     RfResult result = rf_create_image( part->width, part->height, image, error );
     // duplicate channels are read once, then copied
@@ -281,19 +304,26 @@ static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels
             like[c] = strcmp( channels->names[d], channels->names[c] ) == 0 ? d : like[c];
     }
     size_t pixels = (size_t)part->width * (size_t)part->height;
+    bool half[3];
+    for ( int c = 0; c < 3; ++c )
+        half[c] = is_half_channel( part, channels->names[like[c]] );
     for ( size_t i = 0; result == RF_OK && i < pixels; ++i )
     {
         image->rgb[3 * i + 1] = image->rgb[3 * i + (size_t)like[1]];
         image->rgb[3 * i + 2] = image->rgb[3 * i + (size_t)like[2]];
     }
-    if ( result != RF_OK )
+    if ( result == RF_OK )
+        *clipped = count_clipped( image->rgb, pixels, half, 3 );
+    else
         rf_destroy_image( image );
     return result;
 }
 
-RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image, RfExrWindow* window, RfError* error )
+RfResult rf_read_exr_picture( const char* path, const char* layer, RfImage* image, RfExrWindow* window, size_t* clipped,
+                              RfError* error )
 {
     *image = ( RfImage ){ 0 };
+    *clipped = 0;
     RfExrStream stream;
     RfResult result = rf_open_exr_file( path, &stream, error );
     if ( result != RF_OK )
@@ -303,12 +333,18 @@ RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image,
     result = rf_open_exr_layer( &stream, layer, &part, &channels, error );
     if ( result == RF_OK )
     {
-        result = read_image( &part, &channels, image, error );
+        result = read_image( &part, &channels, image, clipped, error );
         *window = ( RfExrWindow ){ part.window.min.x, part.window.min.y, part.width, part.height };
         rf_close_exr_part( &part );
     }
     close( stream.fd );
     return result;
+}
+
+RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image, RfExrWindow* window, RfError* error )
+{
+    size_t clipped;
+    return rf_read_exr_picture( path, layer, image, window, &clipped, error );
 }
 
 // Reads channels by name, from whichever parts hold them.
@@ -321,6 +357,7 @@ typedef struct Interleaved
     const char* names[RF_EXR_MAX_CHANNELS];
     int places[RF_EXR_MAX_CHANNELS];
     int count;
+    bool half[RF_EXR_MAX_CHANNELS]; // by place
 } Interleaved;
 
 static void take_channel( void* user, int channel, int x, int y, const float* values, int count )
@@ -337,6 +374,8 @@ static RfResult read_part( RfExrStream* stream, int index, Interleaved* to, RfEr
     RfResult result = rf_open_exr_part( stream, index, &part, error );
     if ( result != RF_OK )
         return result;
+    for ( int i = 0; i < to->count; ++i )
+        to->half[to->places[i]] = is_half_channel( &part, to->names[i] );
     result = rf_read_exr_lines( &part, to->names, to->count, take_channel, to, error );
     rf_close_exr_part( &part );
     return result;
@@ -385,7 +424,8 @@ static RfResult find_wanted( const char* path, const RfExrHeader* header, const 
     return RF_OK;
 }
 
-static RfResult read_wanted( const char* path, const RfExrName* const* wanted, int count, float** values, RfError* error )
+static RfResult read_wanted( const char* path, const RfExrName* const* wanted, int count, float** values, size_t* clipped,
+                             RfError* error )
 {
     const RfExrWindow* window = &wanted[0]->window;
     RfExrStream stream;
@@ -399,17 +439,21 @@ static RfResult read_wanted( const char* path, const RfExrName* const* wanted, i
     else
         result = read_parts( &stream, wanted, count, &to, error );
     close( stream.fd );
-    if ( result == RF_OK )
-        *values = to.values;
-    else
+    if ( result != RF_OK )
+    {
         free( to.values );
-    return result;
+        return result;
+    }
+    *values = to.values;
+    *clipped = count_clipped( to.values, (size_t)window->width * (size_t)window->height, to.half, count );
+    return RF_OK;
 }
 
-RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, RfExrWindow* window, float** values,
-                               RfError* error )
+RfResult rf_read_exr_values( const char* path, const char* const* names, int count, RfExrWindow* window, float** values,
+                             size_t* clipped, RfError* error )
 {
     *values = NULL;
+    *clipped = 0;
     *window = ( RfExrWindow ){ 0 };
     if ( count < 1 || count > RF_EXR_MAX_CHANNELS )
         return rf_fail( error, RF_ERROR_USAGE, "%s: cannot read %d channels: ask for 1 to %d", path, count, RF_EXR_MAX_CHANNELS );
@@ -420,9 +464,16 @@ RfResult rf_read_exr_channels( const char* path, const char* const* names, int c
         return result;
     result = find_wanted( path, &header, names, count, wanted, error );
     if ( result == RF_OK )
-        result = read_wanted( path, wanted, count, values, error );
+        result = read_wanted( path, wanted, count, values, clipped, error );
     if ( result == RF_OK )
         *window = wanted[0]->window;
     rf_destroy_exr_header( &header );
     return result;
+}
+
+RfResult rf_read_exr_channels( const char* path, const char* const* names, int count, RfExrWindow* window, float** values,
+                               RfError* error )
+{
+    size_t clipped;
+    return rf_read_exr_values( path, names, count, window, values, &clipped, error );
 }

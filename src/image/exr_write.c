@@ -8,6 +8,7 @@
 #include "image/half.h"
 
 #include <errno.h>
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -327,6 +328,48 @@ static RfResult list_channels( Writer* writer, RfError* error )
     for ( int p = 0; p < writer->part_count && rf_is_dwa( options->compression ) && result == RF_OK; ++p )
         result = settle_dwa( writer, writer->parts + p, error );
     return result;
+}
+
+// Whether value i of a channel is beyond what the file holds. Infinity is kept.
+static bool is_clipped( const Writer* writer, int c, size_t i )
+{
+    const RfExrChannel* channel = writer->channels + c;
+    float size = fabsf( channel->values[(size_t)channel->stride * i] );
+    return size > ( writer->changes[c] ? RF_DWA_MOST : RF_HALF_MAX ) && size <= FLT_MAX;
+}
+
+static void mark_clipped( const Writer* writer, const char* name, bool clipped[RF_EXR_MAX_CHANNELS] )
+{
+    for ( int i = 0; i < writer->channel_count; ++i )
+        clipped[i] = clipped[i] || name == ( i < 3 ? writer->colour[i] : writer->options->channels[i - 3].name );
+}
+
+size_t rf_count_clipped( const RfImage* image, const RfExrOptions* options, bool clipped[RF_EXR_MAX_CHANNELS] )
+{
+    Writer writer = { .stream = { .path = "" }, .image = image, .options = options };
+    size_t pixels = (size_t)image->width * (size_t)image->height, count = 0;
+    int found[RF_EXR_MAX_CHANNELS], found_count = 0;
+    memset( clipped, 0, RF_EXR_MAX_CHANNELS * sizeof *clipped );
+    if ( list_channels( &writer, NULL ) != RF_OK )
+        return 0; // nothing is written
+    for ( int c = 0; c < writer.channel_count; ++c )
+    {
+        bool any = false;
+        for ( size_t i = 0; i < pixels && !any && ( writer.channels[c].half || writer.changes[c] ); ++i )
+            any = is_clipped( &writer, c, i );
+        if ( any )
+            mark_clipped( &writer, writer.channels[c].name, clipped );
+        found[found_count] = c;
+        found_count += any;
+    }
+    for ( size_t i = 0; i < pixels && found_count > 0; ++i )
+    {
+        bool any = false;
+        for ( int k = 0; k < found_count && !any; ++k )
+            any = is_clipped( &writer, found[k], i );
+        count += any;
+    }
+    return count;
 }
 
 static exr_result_t set_camera( exr_context_t context, const RfExrOptions* options )

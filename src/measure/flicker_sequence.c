@@ -271,7 +271,7 @@ static RfResult read_colour( const char* path, const RfFlickerLayers* layers, co
                              RfFlickerFrame* frame, RfError* error )
 {
     RfExrWindow window;
-    RfResult result = rf_read_exr_layer( path, layers->colour, &frame->signal, &window, error );
+    RfResult result = rf_read_exr_picture( path, layers->colour, &frame->signal, &window, &frame->clipped, error );
     return result == RF_OK ? check_window( path, &window, first_path, first,
                                            "all frames of a sequence need the same size and data window", error )
                            : result;

@@ -477,6 +477,31 @@ static int list_standard_attributes( const RfOutput* output, int frame, RfExrAtt
     return count;
 }
 
+// How many pixels are beyond the range of the file's channels, and in which layers, by their names in the file.
+static void add_clipped( const RfImage* image, const RfExrOptions* exr, const RfPassChannels* passes, Attributes* a )
+{
+    bool clipped[RF_EXR_MAX_CHANNELS];
+    size_t pixels = rf_count_clipped( image, exr, clipped ), used = 0;
+    char* text = a->texts[RF_KEY_CLIPPED_LAYERS];
+    const char* last = "";
+    if ( pixels == 0 )
+        return;
+    for ( int i = 0; i < 3 + passes->count; ++i )
+    {
+        const char* layer = i < 3 ? RF_COLOUR_LAYER : passes->parts[i - 3];
+        if ( !clipped[i] || strcmp( layer, last ) == 0 )
+            continue;
+        bool fits = used + strlen( layer ) + 5 < ATTRIBUTE_SIZE; // and "..."
+        used += (size_t)snprintf( text + used, ATTRIBUTE_SIZE - used, "%s%s", used > 0 ? "," : "", fits ? layer : "..." );
+        last = layer;
+        if ( !fits )
+            break;
+    }
+    put( a, RF_KEY_CLIPPED_PIXELS, "%zu", pixels );
+    a->strings[a->count++] = ( RfExrString ){ s_names[RF_KEY_CLIPPED_PIXELS], a->values[RF_KEY_CLIPPED_PIXELS] };
+    a->strings[a->count++] = ( RfExrString ){ s_names[RF_KEY_CLIPPED_LAYERS], text };
+}
+
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error )
 {
     char name[MAX_NAME];
@@ -520,14 +545,15 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.attributes = standard;
     exr.attribute_count = list_standard_attributes( output, frame->frame, standard );
     rf_eye_matrices_around( &eye, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
-    exr.strings = attributes.strings;
-    exr.string_count = attributes.count;
     if ( output->settings.files.names == RF_NAMES_BLENDER ) // a layer of no name would be none
         exr.layer = exr.part = RF_BLENDER_LAYER ".Combined";
     exr.channels = passes.channels;
     exr.channel_count = passes.count;
     // The writer only reads the pixels; RfImage has no const flavour.
     RfImage image = { .width = frame->width, .height = frame->height, .rgb = (float*)frame->rgb };
+    add_clipped( &image, &exr, &passes, &attributes );
+    exr.strings = attributes.strings;
+    exr.string_count = attributes.count;
     result = rf_write_exr( name, &image, &exr, error );
     rf_free_matte_strings( &mattes );
     return result;

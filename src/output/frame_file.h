@@ -66,6 +66,8 @@
     X( LOOK, "reframe/look" )                                                                                                    \
     X( EXPOSURE, "reframe/exposure" )                                                                                            \
     X( GAMMA, "reframe/gamma" )                                                                                                  \
+    X( CLIPPED_PIXELS, "reframe/clipped-pixels" )                                                                                \
+    X( CLIPPED_LAYERS, "reframe/clipped-layers" )                                                                                \
     X( DEVICE, "reframe/device" )                                                                                                \
     X( FINGERPRINT, "reframe/fingerprint" )
 
@@ -80,6 +82,8 @@ typedef enum RfKey
 
 // The name of an attribute, such as "reframe/spp".
 const char* rf_key_name( RfKey key );
+
+#define RF_COLOUR_LAYER "colour" // in RF_KEY_CLIPPED_LAYERS: R, G and B, whatever they are called
 
 // What a frame that is there was rendered with, where that is not what is asked for.
 

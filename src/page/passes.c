@@ -304,8 +304,8 @@ void rf_name_passes( const RfFilePasses* passes, char* text, size_t size )
     }
 }
 
-RfResult rf_read_passes( const char* path, const RfFilePass* passes, int count, RfExrWindow* window, float** values, int* stride,
-                         RfError* error )
+static RfResult read_passes( const char* path, const RfFilePass* passes, int count, RfExrWindow* window, float** values,
+                             int* stride, size_t* clipped, RfError* error )
 {
     const char* names[RF_EXR_MAX_CHANNELS];
     bool negated[RF_EXR_MAX_CHANNELS];
@@ -318,7 +318,7 @@ RfResult rf_read_passes( const char* path, const RfFilePass* passes, int count, 
             negated[*stride] = ( passes[i].negated >> c & 1u ) != 0;
         }
     }
-    RfResult result = rf_read_exr_channels( path, names, *stride, window, values, error );
+    RfResult result = rf_read_exr_values( path, names, *stride, window, values, clipped, error );
     size_t pixels = (size_t)window->width * (size_t)window->height;
     for ( int c = 0; c < *stride && result == RF_OK; ++c )
     {
@@ -326,6 +326,13 @@ RfResult rf_read_passes( const char* path, const RfFilePass* passes, int count, 
             ( *values )[i * (size_t)*stride + (size_t)c] *= -1.0f;
     }
     return result;
+}
+
+RfResult rf_read_passes( const char* path, const RfFilePass* passes, int count, RfExrWindow* window, float** values, int* stride,
+                         RfError* error )
+{
+    size_t clipped;
+    return read_passes( path, passes, count, window, values, stride, &clipped, error );
 }
 
 // Three channels or one, in the words of rf_read_exr_layer.
@@ -357,13 +364,14 @@ const char* rf_layer_of_file( const char* path, const char* name, char* text )
     return found ? text : name;
 }
 
-static RfResult read_three( const char* path, const RfFilePass* pass, RfImage* image, RfExrWindow* window, RfError* error )
+static RfResult read_three( const char* path, const RfFilePass* pass, RfImage* image, RfExrWindow* window, size_t* clipped,
+                            RfError* error )
 {
     RfFilePass three = *pass;
     float* values;
     int stride;
     three.channel_count = pass->all_channels < 3 ? pass->all_channels : 3;
-    RfResult result = rf_read_passes( path, &three, 1, window, &values, &stride, error );
+    RfResult result = read_passes( path, &three, 1, window, &values, &stride, clipped, error );
     if ( result == RF_OK )
         result = rf_create_image( window->width, window->height, image, error );
     size_t pixels = (size_t)image->width * (size_t)image->height;
@@ -376,7 +384,8 @@ static RfResult read_three( const char* path, const RfFilePass* pass, RfImage* i
     return result;
 }
 
-RfResult rf_read_pass_image( const char* path, const char* name, RfImage* image, RfExrWindow* window, RfError* error )
+RfResult rf_read_pass_image( const char* path, const char* name, RfImage* image, RfExrWindow* window, size_t* clipped,
+                             RfError* error )
 {
     RfExrHeader header;
     RfFilePasses passes = { 0 };
@@ -385,15 +394,15 @@ RfResult rf_read_pass_image( const char* path, const char* name, RfImage* image,
     *image = ( RfImage ){ 0 };
     RfResult result = name != NULL ? rf_read_exr_header( path, NULL, &header, error ) : RF_OK;
     if ( name == NULL )
-        return rf_read_exr_layer( path, NULL, image, window, error );
+        return rf_read_exr_picture( path, NULL, image, window, clipped, error );
     if ( result == RF_OK )
         result = rf_list_passes( &header, &passes, error );
     const RfFilePass* pass = result == RF_OK ? rf_find_pass( &passes, name ) : NULL;
     if ( pass != NULL && pass->look != RF_LOOK_MATTES )
-        result = read_three( path, pass, image, window, error );
+        result = read_three( path, pass, image, window, clipped, error );
     else if ( result == RF_OK )
     {
-        result = rf_read_exr_layer( path, name, image, window, &here );
+        result = rf_read_exr_picture( path, name, image, window, clipped, &here );
         if ( passes.count > 0 )
             rf_name_passes( &passes, all, sizeof all );
         if ( result == RF_ERROR_FORMAT && pass != NULL )

@@ -45,9 +45,10 @@ void rf_name_passes( const RfFilePasses* passes, char* text, size_t size );
 #define RF_PASS_LAYER_SIZE ( 3 * RF_PASS_NAME_SIZE )
 const char* rf_layer_of_file( const char* path, const char* name, char* text );
 
-// rf_read_exr_layer by the names of passes as well, in the signs of Reframe; the third channel is 0 where a pass has two. The error
+// rf_read_exr_picture by the names of passes as well, in the signs of Reframe; the third channel is 0 where a pass has two. The error
 // lists the passes of the file.
-RfResult rf_read_pass_image( const char* path, const char* name, RfImage* image, RfExrWindow* window, RfError* error );
+RfResult rf_read_pass_image( const char* path, const char* name, RfImage* image, RfExrWindow* window, size_t* clipped,
+                             RfError* error );
 
 // Reads the channels of passes one behind the other, *stride floats a pixel, in the signs of Reframe: no more than
 // RF_EXR_MAX_CHANNELS, with one data window. The caller frees *values.

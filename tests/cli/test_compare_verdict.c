@@ -9,10 +9,12 @@
 
 #include <cmocka.h>
 
+static size_t s_clipped[2];
+
 static void check_verdict( const RfErrorMetrics* metrics, int frame, const char* wanted )
 {
     char text[1024];
-    rf_error_verdict( metrics, frame, text, sizeof text );
+    rf_error_verdict( metrics, s_clipped, frame, text, sizeof text );
     assert_string_equal( text, wanted );
 }
 
@@ -51,6 +53,12 @@ static void test_verdict_says_bias_noise_and_worst_pixel( void** state )
     m.bias = -0.08; // more than half of it stands still
     check_verdict( &m, -1,
                    "mean error -0.08 (too few pixels to tell bias from noise); relMSE 0.03 (about 10 % error per pixel)" );
+    s_clipped[1] = 3; // what is missing there is no bias of A
+    check_verdict(
+        &m, -1,
+        "no verdict on bias, clipped pixels are compared (0 of A, 3 of B): mean error -0.08; relMSE 0.03 (about 10 % error "
+        "per pixel)" );
+    s_clipped[1] = 0;
     m = ( RfErrorMetrics ){ .worst = { .frame = -1 } };
     check_verdict( &m, -1, "no difference: all pixels are identical" );
     m.nan = 1;

@@ -10,7 +10,9 @@
 #include "image/sequence.h"
 #include "measure/image_error.h"
 #include "measure/sequences.h"
+#include "output/frame_file.h"
 #include "page/passes.h"
+#include "reframe/effects.h"
 #include "reframe/image.h"
 #include "reframe/measure.h"
 
@@ -44,6 +46,7 @@ typedef struct CompareFrames
 // Two images of the same pixels, and their window.
 typedef struct ComparePair
 {
+    size_t clipped[2]; // pixels
     char names[2][COMPARE_NAME_SIZE];
     RfImage images[2];
     RfExrWindow window;
@@ -76,6 +79,12 @@ static void set_metrics( json_t* object, const RfErrorMetrics* metrics )
     json_object_set_new( object, "reference_nan", json_integer( (json_int_t)metrics->reference_nan ) );
     json_object_set_new( object, "reference_inf", json_integer( (json_int_t)metrics->reference_inf ) );
     json_object_set_new( object, "reference_mean", rf_json_number( metrics->reference_mean ) );
+}
+
+static void set_clipped( json_t* object, const size_t clipped[2] )
+{
+    json_object_set_new( object, "clipped", json_integer( (json_int_t)clipped[0] ) );
+    json_object_set_new( object, "reference_clipped", json_integer( (json_int_t)clipped[1] ) );
 }
 
 static json_t* worst_json( int frame, const RfWorstPixel* worst )
@@ -112,14 +121,17 @@ static void append( char* text, size_t size, const char* more )
     snprintf( text + used, size - used, "%s", more );
 }
 
-// In percent of the reference's brightness, where it has one.
-static void say_bias( const RfErrorMetrics* m, char* text, size_t size )
+// In percent of the reference's brightness, where it has one. Clipped pixels lack light, so their bias is not that of the renders.
+static void say_bias( const RfErrorMetrics* m, const size_t clipped[2], char* text, size_t size )
 {
     bool relative = m->reference_mean > 0.0;
     double scale = relative ? 100.0 / m->reference_mean : 1.0, bias = m->bias * scale;
     const char* unit = relative ? " %" : "";
     char part[256];
-    if ( !isfinite( m->bias_low ) )
+    if ( clipped[0] + clipped[1] > 0 )
+        snprintf( part, sizeof part, "no verdict on bias, clipped pixels are compared (%zu of A, %zu of B): mean error %+.2g%s",
+                  clipped[0], clipped[1], bias, unit );
+    else if ( !isfinite( m->bias_low ) )
         snprintf( part, sizeof part, "mean error %+.2g%s (too few pixels to tell bias from noise)", bias, unit );
     else
     {
@@ -150,7 +162,7 @@ static void say_noise( const RfErrorMetrics* m, char* text, size_t size )
     append( text, size, ")" );
 }
 
-void rf_error_verdict( const RfErrorMetrics* m, int worst_frame, char* text, size_t size )
+void rf_error_verdict( const RfErrorMetrics* m, const size_t clipped[2], int worst_frame, char* text, size_t size )
 {
     text[0] = '\0';
     if ( rf_has_no_error( m ) )
@@ -161,9 +173,11 @@ void rf_error_verdict( const RfErrorMetrics* m, int worst_frame, char* text, siz
     if ( m->max == 0.0 )
     {
         append( text, size, "no difference: all pixels are identical" );
+        if ( clipped[0] > 0 )
+            append( text, size, ", clipped ones too" );
         return;
     }
-    say_bias( m, text, size );
+    say_bias( m, clipped, text, size );
     say_noise( m, text, size );
     char part[128], frame[32] = "";
     if ( worst_frame >= 0 )
@@ -405,6 +419,21 @@ static RfResult align( bool overlap, ComparePair* pair, const RfExrWindow window
     return RF_OK;
 }
 
+// Clipped pixels that only the header tells of, since DWA changes their values.
+static size_t hidden_clipped( const char* name, const char* layer )
+{
+    char layers[RF_EFFECTS_TEXT_SIZE];
+    const char* wanted = layer != NULL ? layer : RF_COLOUR_LAYER;
+    size_t length = strlen( wanted );
+    bool listed = false;
+    if ( rf_read_exr_string( name, rf_key_name( RF_KEY_CLIPPED_LAYERS ), layers, sizeof layers, NULL ) != RF_OK )
+        return 0;
+    for ( const char* word = layers; *word != '\0' && !listed; word += strcspn( word, "," ), word += *word == ',' )
+        listed = strncmp( word, wanted, length ) == 0 && ( word[length] == ',' || word[length] == '\0' );
+    double pixels = listed ? rf_read_exr_number( name, rf_key_name( RF_KEY_CLIPPED_PIXELS ) ) : 0.0;
+    return isgreater( pixels, 0.0 ) && pixels < 1e15 ? (size_t)pixels : 0;
+}
+
 static RfResult read_compare_pair( const CompareFrames* frames, int frame, ComparePair* pair, RfError* error )
 {
     RfExrWindow windows[2] = { { 0 }, { 0 } };
@@ -414,7 +443,10 @@ static RfResult read_compare_pair( const CompareFrames* frames, int frame, Compa
     {
         result = compare_name( frames, frames->patterns[i], frame, pair->names[i], error );
         if ( result == RF_OK )
-            result = rf_read_pass_image( pair->names[i], frames->layers[i], pair->images + i, windows + i, error );
+            result =
+                rf_read_pass_image( pair->names[i], frames->layers[i], pair->images + i, windows + i, pair->clipped + i, error );
+        if ( result == RF_OK && pair->clipped[i] == 0 )
+            pair->clipped[i] = hidden_clipped( pair->names[i], frames->layers[i] );
     }
     return result == RF_OK ? align( frames->overlap, pair, windows, error ) : result;
 }
@@ -437,6 +469,7 @@ typedef struct Compare
     RfErrorSummary all;
     bool has_all;       // `all` has been created, for the first frame's size
     RfWorstPixel worst; // of all frames so far, where the files have it
+    size_t clipped[2];  // pixels of A and B, over all frames
     json_t* rows;
 } Compare;
 
@@ -551,7 +584,11 @@ static RfResult measure( Compare* compare, int frame, const ComparePair* pair, R
         print_error_head();
     if ( compare->table )
         print_error_row( number, &metrics );
-    json_array_append_new( compare->rows, error_frame_json( frame, &metrics ) );
+    json_t* row = error_frame_json( frame, &metrics );
+    set_clipped( row, pair->clipped );
+    json_array_append_new( compare->rows, row );
+    for ( int i = 0; i < 2; ++i )
+        compare->clipped[i] += pair->clipped[i];
     return RF_OK;
 }
 
@@ -589,7 +626,7 @@ static RfResult finish( Compare* compare, RfError* error )
         metrics.worst.frame = -1;
     int worst = metrics.worst.frame >= 0 ? frame_number( compare, metrics.worst.frame ) : -1;
     char verdict[1024];
-    rf_error_verdict( &metrics, compare->in.frames != NULL ? worst : -1, verdict, sizeof verdict );
+    rf_error_verdict( &metrics, compare->clipped, compare->in.frames != NULL ? worst : -1, verdict, sizeof verdict );
     if ( compare->table )
         print_error_row( "all", &metrics );
     if ( compare->table && isfinite( metrics.bias_low ) )
@@ -603,6 +640,7 @@ static RfResult finish( Compare* compare, RfError* error )
     {
         json_t* json = error_json( json_incref( compare->rows ), &metrics, worst, verdict );
         set_missing( json, &compare->in );
+        set_clipped( json, compare->clipped );
         result = rf_write_json( compare->json, json, error );
     }
     if ( result == RF_OK )

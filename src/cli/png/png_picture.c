@@ -336,7 +336,7 @@ static RfResult read_picture( const RfPngPicture* picture, const PngFile* file, 
     {
         case RF_PNG_COLOUR: return rf_read_exr_layer( file->path, NULL, image, window, error );
         case RF_PNG_PASS: return draw_pass( picture, file, image, window, error );
-        case RF_PNG_VALUES: return rf_read_pass_image( file->path, picture->layer, image, window, error );
+        case RF_PNG_VALUES: return rf_read_pass_image( file->path, picture->layer, image, window, &( size_t ){ 0 }, error );
         case RF_PNG_MIX: return mix_groups( picture, file, image, window, error );
         case RF_PNG_MATTE: return draw_matte( picture, file, image, window, error );
     }

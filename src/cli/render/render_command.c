@@ -8,6 +8,7 @@
 #include "cli/options/render_options.h"
 #include "cli/options/shot.h"
 #include "cli/render/changes_json.h"
+#include "cli/render/clipped_pixels.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
 #include "cli/render/render_json.h"
@@ -433,19 +434,21 @@ static void warn_if_black( RfRenderJob* job, const RfFrameResult* result )
 
 static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int same_as, RfError* error )
 {
+    int number = rf_frame_number( &job->path, result->frame );
     RfResult written = rf_write_frame( &job->output, result, error );
     if ( written != RF_OK )
         return written;
     rf_remove_films_file( &job->output, result->frame ); // of no use any more
-    rf_note_live_frame( &job->preview, rf_frame_number( &job->path, result->frame ) );
+    rf_note_live_frame( &job->preview, number );
     pthread_mutex_lock( &job->speech );
     ++job->frames_done;
-    note_frame_error( &job->errors, result, rf_frame_number( &job->path, result->frame ) );
+    note_frame_error( &job->errors, result, number );
     warn_if_black( job, result );
-    rf_show_frame( &job->line, result, rf_frame_number( &job->path, result->frame ), job->frames_done, job->frame_count,
-                   now() - job->start - job->seconds_scene );
+    rf_show_frame( &job->line, result, number, job->frames_done, job->frame_count, now() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
-    json_array_append_new( job->frames_json, rf_frame_json( result, &job->scene, &job->path, &job->options.settings, same_as ) );
+    json_t* row = rf_frame_json( result, &job->scene, &job->path, &job->options.settings, same_as );
+    rf_add_clipped( job->options.output, number, row );
+    json_array_append_new( job->frames_json, row );
     return RF_OK;
 }
 
@@ -632,6 +635,8 @@ static RfResult run( RfRenderJob* job, RfError* error )
         result = render( job, error );
     if ( result == RF_OK )
         rf_clean_output_folder( job->options.output );
+    if ( result == RF_OK || result == RF_ERROR_INTERRUPTED )
+        rf_warn_of_clipped( job );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )
     {
         RfResult written = write_json( job, true, error ); // `error` keeps the line about the interruption

@@ -4,6 +4,7 @@
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/options/render_options.h"
+#include "cli/render/clipped_pixels.h"
 #include "cli/render/render_command.h"
 #include "cli/render/render_json.h"
 #include "cli/report/report_input.h"
@@ -266,6 +267,7 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* s
     json_t* json = rf_frame_json( &said, scene, path, &options->settings, -1 );
     json_object_set_new( json, "specks", specks != NULL ? json_deep_copy( specks ) : json_null() );
     json_object_set_new( json, "kept", json_true() );
+    rf_add_clipped( options->output, number, json );
     return json;
 }
 

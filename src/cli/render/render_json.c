@@ -3,6 +3,7 @@
 
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
+#include "cli/render/clipped_pixels.h"
 #include "cli/render/specks_json.h"
 #include "output/names.h"
 #include "reframe/scene.h"
@@ -139,6 +140,7 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
         json_object_set_new( json, "timecode", rf_json_text( files->time_code ) );
     json_t* specks = rf_sum_specks( run->frames );
     json_object_set_new( json, "specks", specks != NULL ? specks : json_null() );
+    json_object_set_new( json, "clipped_pixels", rf_sum_clipped( run->frames ) );
     json_object_set_new( json, "repeated_frames", json_integer( run->repeated ) );
     RfAdaptive adaptive = options->settings.adaptive;
     json_object_set_new( json, "adaptive", json_boolean( adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0 ) );

@@ -141,6 +141,23 @@ static void add_bad( const List* list, const RfPageTrack* track )
     add( list, text );
 }
 
+// Where the JSON of the render warns of them, it has been reported already.
+static void add_clipped( const List* list, const RfPageTrack* track )
+{
+    size_t clipped = 0;
+    int count = 0;
+    for ( int i = 0; i < track->count; ++i )
+    {
+        clipped += track->frames[i].clipped;
+        count += track->frames[i].clipped > 0;
+    }
+    char text[160];
+    snprintf( text, sizeof text, "%zu pixel%s clipped by the range of the file's channels, in %d frame%s", clipped,
+              clipped == 1 ? " is" : "s are", count, count == 1 ? "" : "s" );
+    if ( count > 0 && track->sequence->render == NULL )
+        add( list, text );
+}
+
 // Estimates of heavy-tailed noise.
 static void add_bounds( const List* list, const RfPageTrack* track )
 {
@@ -185,6 +202,7 @@ json_t* rf_page_warnings_json( const RfPageData* data )
             warn_of_missing( &list, track );
         add_damage( &list, track );
         add_bad( &list, track );
+        add_clipped( &list, track );
         add_bounds( &list, track );
         warn_of_passes( &list, track );
         add_lines( &list, json_object_get( track->sequence->render, "export_warnings" ) );
@@ -619,7 +637,7 @@ static void add_missing( json_t* facts, const RfPageTrack* track )
 static void add_frames( json_t* facts, const RfPageTrack* track )
 {
     int shown = 0, first = 0, last = 0;
-    size_t bad = 0;
+    size_t bad = 0, clipped = 0;
     for ( int i = 0; i < track->count; ++i )
     {
         if ( !track->frames[i].shown )
@@ -627,6 +645,7 @@ static void add_frames( json_t* facts, const RfPageTrack* track )
         first = shown == 0 ? track->numbers[i] : first;
         last = track->numbers[i];
         bad += track->frames[i].bad;
+        clipped += track->frames[i].clipped;
         ++shown;
     }
     char text[96];
@@ -636,6 +655,8 @@ static void add_frames( json_t* facts, const RfPageTrack* track )
         add_missing( facts, track );
     if ( bad > 0 )
         add_fact_number( facts, "Picture", "No numbers", "%.0f pixels with NaN or infinity", (double)bad );
+    if ( clipped > 0 )
+        add_fact_number( facts, "Picture", "Clipped", "%.0f pixels, by the range of the file's channels", (double)clipped );
 }
 
 static void add_picture( json_t* facts, const RfPageTrack* track )

@@ -511,6 +511,9 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
         figures->samples = rf_read_exr_number( path, "reframe/native-spp" );
     if ( isnan( figures->effective ) )
         figures->effective = rf_read_exr_number( path, "reframe/effective-spp" );
+    double clipped = rf_read_exr_number( path, "reframe/clipped-pixels" );
+    if ( isgreater( clipped, (double)figures->clipped ) && clipped < 1e15 )
+        figures->clipped = (size_t)clipped;
 }
 
 // The pair of this frame and the one before, if both are there. Along the motion only
@@ -596,6 +599,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
         return result;
     figures->shown = true;
     figures->bad = count_bad( &frame->signal );
+    figures->clipped = frame->clipped;
     frame->number = number;
     frame->is_finite = figures->bad == 0;
     take_said( track->sequence, number, path, figures );

@@ -46,6 +46,7 @@ typedef struct RfPageFrame
     double samples, effective; // traced per pixel; landed in a pixel
     double phi, f1;            // of this frame and the one before
     size_t bad;                // pixels with NaN or infinity
+    size_t clipped;            // pixels at the end of the range of the file's channels, or beyond as its header says
 } RfPageFrame;
 
 typedef struct RfPageTrack
