@@ -72,7 +72,7 @@ static void test_what_cannot_be_shown( void** state )
         const char* preview;
         int status;
         const char* words;
-    } cases[] = { { "none/x.png", 1, "--preview: none/x.png: its folder cannot be opened" },
+    } cases[] = { { "no/such/x.png", 1, "--preview: no/such: this folder cannot be made" },
                   { "folder.png", 1, "--preview: folder.png: is a folder" },
                   { "x.jpg", 2, "--preview: x.jpg: ends as a file of another kind: name it .png" },
                   { "x", 2, "--preview: expected a name that ends in .png or a port from 0 to 65535, got 'x'" },

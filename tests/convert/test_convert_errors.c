@@ -32,8 +32,8 @@ static void test_wrong_files_and_options_are_refused( void** state )
     cli_expect( cli_run( "$R convert empty.obj a.glb" ), 1, "empty.obj: is empty" );
     cli_expect( cli_run( "$R convert points.obj a.glb --quiet" ), 1, "points.obj: " );
     cli_expect( cli_run( "$R convert . a.glb" ), 1, ".: is no regular file" );
-    cli_expect( cli_run( "$R convert a.obj a.gltf" ), 2, "a.gltf: only .glb is written" );
-    cli_expect( cli_run( "$R convert a.obj none/a.glb" ), 1, "none/a.glb: " );
+    cli_expect( cli_run( "$R convert a.obj a.gltf" ), 2, "a.gltf: ends as a file of another kind: name it .glb" );
+    cli_expect( cli_run( "$R convert a.obj no/such/a.glb" ), 1, "no/such: this folder cannot be made" );
     cli_expect( cli_run( "$R convert $VASE a.glb" ), 2, "is glTF already and needs no conversion" );
     cli_expect( cli_run( "cp $VASE vase.obj; $R convert vase.obj a.glb" ), 2, "vase.obj: is glTF already" );
     cli_expect( cli_run( "$R convert a.obj" ), 2, "OUT.glb" );

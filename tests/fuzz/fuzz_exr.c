@@ -75,6 +75,8 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     RfExrHeader header = { 0 };
     size_t sum = 0;
     char value[64];
+    bool same;
+    fuzz_check( rf_verify_exr( path, &same, &error ), &error );
     fuzz_check( rf_read_exr( path, &image, &error ), &error );
     rf_destroy_image( &image );
     RfResult result = rf_read_exr_header( path, NULL, &header, &error );
