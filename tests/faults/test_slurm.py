@@ -24,7 +24,7 @@ NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "scontrol")
 # a task takes seconds, so that it can be killed on the way
 SPP = "480"
 SHOT = ["--camera", CAMERA, "--size", "32x18", "--spp", SPP, "--group", "1", "--frames", "1-16", "--threads", "1"]
-PATIENCE = 60.0
+PATIENCE = 240.0  # against hanging alone: a machine may be busy
 
 CONFIGURATION = """
 ClusterName=reframe
@@ -238,6 +238,35 @@ class SlurmRender(unittest.TestCase):
         other = self.slurm_render("waited", spp="483")
         self.assertEqual(other.returncode, 1)
         self.assertIn("of another render", other.stderr)
+
+    def test_a_damaged_frame_is_rendered_again(self):
+        done = self.slurm_render("100%a", "--wait")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("complete: 16 frames", self.log("check.log"))  # sbatch expands % in names of logs
+        self.log("task-1-0.log")
+        with open(os.path.join(self.folder, "f.0003.exr"), "r+b") as file:
+            file.truncate(os.path.getsize(file.name) - 20)
+        done = self.slurm_render("100%a", "--wait")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(frames(self.folder), self.right)
+        self.assertEqual(self.job()["round"], 2)
+
+    def test_group_and_tile_are_settled_once(self):
+        self.folder = os.path.join(self.cluster.folder, "auto")
+        shot = ["25" if word == SPP else "auto" if before == "--group" else word for before, word in zip([None] + SHOT, SHOT)]
+        words = [SCRIPT, SCENE, *shot, "-o", self.folder + "/f.####.exr", "--nodes", "2", "--binary",
+                 PROGRAM]
+        done = subprocess.run([*words, "--wait"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        job = self.job()
+        self.assertEqual(job["settled"][::2], ["--group", "--tile", "--adaptive"])
+        # as a machine of other memory would have settled them: what was settled first holds
+        job["settled"][1] = "0"
+        with open(os.path.join(self.folder, "slurm", "job.json"), "w") as file:
+            json.dump(job, file)
+        done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("of another render", done.stderr)
 
     def test_a_render_that_cannot_go_on_gives_up_and_a_cancelled_one_stays_cancelled(self):
         done = self.slurm_render("hopeless", "--memory", "1M", "--wait")
