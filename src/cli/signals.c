@@ -1,4 +1,4 @@
-// SIGINT and SIGTERM ask a render to stop in good order; a second signal ends the program at once.
+// Signals ask a render to stop in good order; a second SIGINT or SIGTERM ends the program at once.
 #define _GNU_SOURCE // RTLD_DEFAULT
 
 #include "cli/signals.h"
@@ -37,13 +37,20 @@ static void on_signal( int number )
 
 void rf_catch_interrupts( void )
 {
-    struct sigaction action = { .sa_handler = on_signal };
-    sigemptyset( &action.sa_mask );
-    // Reset: the second signal has its default action. Restart: the first does not
-    // interrupt a write.
-    action.sa_flags = (int)SA_RESETHAND | SA_RESTART;
-    sigaction( SIGINT, &action, NULL );
-    sigaction( SIGTERM, &action, NULL );
+    static const int numbers[] = { SIGINT, SIGTERM, SIGHUP, SIGPIPE };
+    for ( size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i )
+    {
+        // These two may come several times: from the shell and the terminal, and with every line to a closed pipe.
+        bool repeats = numbers[i] == SIGHUP || numbers[i] == SIGPIPE;
+        struct sigaction action = { .sa_handler = on_signal }, before;
+        sigemptyset( &action.sa_mask );
+        // Reset: the second signal has its default action. Restart: the first does not
+        // interrupt a write.
+        action.sa_flags = SA_RESTART | ( repeats ? 0 : (int)SA_RESETHAND );
+        if ( repeats && sigaction( numbers[i], NULL, &before ) == 0 && before.sa_handler == SIG_IGN )
+            continue; // by nohup
+        sigaction( numbers[i], &action, NULL );
+    }
 }
 
 bool rf_is_interrupted( void ) { return s_interrupted != 0; }

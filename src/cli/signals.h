@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-// SIGINT and SIGTERM set a flag: the work stops at the next progress call and keeps what is
-// finished. A second signal ends the program at once.
+// SIGINT, SIGTERM, SIGHUP and SIGPIPE set a flag: the work stops at the next progress call and keeps what is finished. A second
+// SIGINT or SIGTERM ends the program at once. SIGHUP and SIGPIPE stay ignored where they are.
 
 void rf_catch_interrupts( void );
 bool rf_is_interrupted( void );

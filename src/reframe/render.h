@@ -185,6 +185,9 @@ typedef struct RfPreview
 // frames in work, which `load` gives back to a render of the frames that were left, in the same pieces. It goes on from there
 // with the same bits, for any number of threads. The caller sees to it that scene, path and settings are the same
 // (rf_frame_fingerprint). `save` failing ends the saving alone; `load` failing fails the render.
+//
+// `saves` is asked after each chunk of batches whether the state is to be saved now, too, for a render that may be killed: the
+// state takes up to `bytes`. If so, all finished frames are handed over, `save` gets the state, and NULL at its end.
 typedef struct RfRenderCallbacks
 {
     void* user;
@@ -192,6 +195,7 @@ typedef struct RfRenderCallbacks
     bool ( *progress )( void* user, const RfProgress* progress );
     void ( *preview )( void* user, const RfPreview* preview );
     RfResult ( *save )( void* user, const void* bytes, size_t size, RfError* error );
+    bool ( *saves )( void* user, size_t bytes );
     RfResult ( *load )( void* user, void* bytes, size_t size, RfError* error );
 } RfRenderCallbacks;
 

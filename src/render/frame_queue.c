@@ -121,6 +121,18 @@ RfResult rf_check_frame_queue( RfFrameQueue* q, RfError* error )
     return result;
 }
 
+RfResult rf_drain_frame_queue( RfFrameQueue* q, RfError* error )
+{
+    if ( !q->threaded )
+        return failure( q, error );
+    pthread_mutex_lock( &q->mutex );
+    while ( q->waiting > 0 )
+        pthread_cond_wait( &q->changed, &q->mutex );
+    RfResult result = failure( q, error );
+    pthread_mutex_unlock( &q->mutex );
+    return result;
+}
+
 RfResult rf_end_frame_queue( RfFrameQueue* q, RfError* error )
 {
     if ( q->threaded )

@@ -55,6 +55,9 @@ void rf_queue_frame( RfFrameQueue* queue );
 // The caller's failure so far, or RF_OK. Calls from the render's thread.
 RfResult rf_check_frame_queue( RfFrameQueue* queue, RfError* error );
 
+// Waits until all frames so far are handed over; returns the caller's failure or RF_OK.
+RfResult rf_drain_frame_queue( RfFrameQueue* queue, RfError* error );
+
 // Waits until all frames are handed over, ends the thread, and returns the
 // caller's failure or RF_OK.
 RfResult rf_end_frame_queue( RfFrameQueue* queue, RfError* error );

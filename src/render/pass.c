@@ -6,6 +6,7 @@
 #include "render/adaptive/adaptive.h"
 #include "render/preview.h"
 #include "render/settings.h"
+#include "render/state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -89,13 +90,27 @@ static bool report_progress( RfRenderer* r, int count )
     return r->setup->callbacks.progress( r->setup->callbacks.user, &progress );
 }
 
+// Saves the state where the caller wants it. What fails there is the caller's, but for frames that it did not take.
+static RfResult save_if_asked( RfRenderer* r, RfError* error )
+{
+    const RfRenderCallbacks* callbacks = &r->setup->callbacks;
+    if ( callbacks->saves == NULL || !callbacks->saves( callbacks->user, rf_state_bytes( r ) ) )
+        return RF_OK;
+    RfResult result = rf_drain_frame_queue( &r->queue, error );
+    RfError own = { 0 };
+    if ( result == RF_OK && rf_save_state( r, &own ) == RF_OK )
+        callbacks->save( callbacks->user, NULL, 0, &own );
+    return result;
+}
+
 // Fails where the caller interrupts, or failed to take a frame.
 static RfResult end_chunk( RfRenderer* r, int count, RfError* error )
 {
     if ( !report_progress( r, count ) )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d of %d frames", r->frames_done,
                         r->setup->shot.frame_count );
-    return rf_check_frame_queue( &r->queue, error );
+    RfResult result = rf_check_frame_queue( &r->queue, error );
+    return result == RF_OK ? save_if_asked( r, error ) : result;
 }
 
 // What the batches of a pass share.

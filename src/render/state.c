@@ -17,6 +17,7 @@ typedef struct Stream
 {
     RfRenderer* r;
     bool loading;
+    size_t* counted; // instead of moving
     RfResult result;
     RfError* error;
 } Stream;
@@ -24,7 +25,9 @@ typedef struct Stream
 static void move( Stream* s, void* bytes, size_t size )
 {
     const RfRenderCallbacks* callbacks = &s->r->setup->callbacks;
-    if ( s->result != RF_OK || size == 0 )
+    if ( s->counted != NULL )
+        *s->counted += size;
+    if ( s->counted != NULL || s->result != RF_OK || size == 0 )
         return;
     s->result = s->loading ? callbacks->load( callbacks->user, bytes, size, s->error )
                            : callbacks->save( callbacks->user, bytes, size, s->error );
@@ -145,6 +148,15 @@ static Shape shape_of( const RfRenderer* r )
     for ( int i = 0; i < r->memory.film_slots; ++i )
         shape.live += r->memory.films[i].frame != -1;
     return shape;
+}
+
+size_t rf_state_bytes( RfRenderer* r )
+{
+    size_t shared = 0, film = 0;
+    move_renderer( &( Stream ){ .r = r, .counted = &shared } );
+    move_live_film( &( Stream ){ .r = r, .counted = &film }, r->memory.films );
+    film += sizeof *r->memory.noise_estimates; // of which there may be more later
+    return sizeof( Shape ) + (size_t)r->setup->shot.frame_count * sizeof( int ) + shared + (size_t)r->memory.film_slots * film;
 }
 
 RfResult rf_save_state( RfRenderer* r, RfError* error )

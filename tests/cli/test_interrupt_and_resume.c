@@ -172,14 +172,61 @@ static void test_films_of_other_frames( void** state )
 {
     (void)state;
     cli_expect( cli_run( "rm -rf w w.png" ), 0, NULL );
-    interrupt_group( "", SIGINT );
+    interrupt_group( "", SIGHUP );
     cli_expect( cli_run( GROUP "--frames 1-3 " LIKE "--resume" ), 0,
                 "are films for frames 1 to 4 (4), and frames 1 to 3 (3) are left to be rendered: not used" );
     assert_int_equal( cli_count_files( "", "w" ), 3 );
     cli_expect( cli_run( "rm -rf w" ), 0, NULL );
-    interrupt_group( "", SIGINT );
+    interrupt_group( "", SIGPIPE );
     cli_expect( cli_run( GROUP "--frames 1-2 --size 16x9 --spp 2 --group 0 --overwrite" ), 0, NULL );
     assert_int_equal( cli_count_files( "", "w" ), 2 );
+}
+
+#ifdef REFRAME_SANITIZED
+#define KILLED "$R render $VASE -o q/f.####.exr --frames 1-6 --size 32x18 --spp 60 --group 2 --threads 2 --aov depth "
+#else
+#define KILLED "$R render $VASE -o q/f.####.exr --frames 1-6 --size 32x18 --spp 420 --group 2 --threads 2 --aov depth "
+#endif
+
+// A killed render goes on from the films it saved. Frames that were finished after that are made again, and no others.
+static void test_killed_render_goes_on( void** state )
+{
+    (void)state;
+    static const char compare[] = "for f in killed/*; do cmp $f q/${f#*/} || exit 1; done";
+    cli_expect( cli_run( "rm -rf q; " KILLED "--quiet && mv q killed" ), 0, NULL );
+    cli_start( "exec " KILLED "--autosave 0.001s --quiet" );
+    wait_for_another( "q/f.0001.films", 0 );
+    assert_int_equal( cli_wait( SIGKILL )->status, 1000 + SIGKILL );
+    cli_expect( cli_run( "cp q/f.0001.films films; " KILLED
+                         "--resume --autosave 0 2> said && grep -q 'from the films of frame 1' said && %s",
+                         compare ),
+                0, NULL );
+    assert_int_equal( cli_count_files( ".films", "q" ), 0 );
+    cli_expect( cli_run( "cp films q/f.0001.films; rm q/f.000[3-6].exr; " KILLED
+                         "--resume --json q.json 2> said && grep -q 'from the films of frame 1' said && %s",
+                         compare ),
+                0, NULL );
+    assert_int_equal( cli_count_files( ".films", "q" ), 0 );
+    json_t* json = cli_read_json( "q.json" );
+    assert_int_equal( (int)value_of( json, "kept_frames" ), 0 );
+    json_decref( json );
+    cli_expect( cli_run( "cp films q/f.0001.films; " KILLED "--resume --quiet && ! test -e q/f.0001.films" ), 0,
+                NULL ); // none are left
+}
+
+// A reader that is gone does not end the render before the films are kept; a hang-up that nohup ignores does not end it at all.
+static void test_closed_pipes_and_hang_ups( void** state )
+{
+    (void)state;
+    const CliResult* result = cli_run(
+        "mkfifo go; ( read x < go; $R render $VASE -o p/f.####.exr --frames 1-48 --size 48x27 --spp 8 --group 0 --threads 1 "
+        "2>&1; "
+        "echo $? > status ) | ( exec < /dev/null; echo > go ); until test -s status; do sleep 0.01; done; cat status; ls p" );
+    assert_string_equal( result->out, "130\n"
+                                      "f.0001.exr\nf.0002.films\n" );
+    cli_start( "trap '' HUP; exec $R render $VASE -o h/f.####.exr " SLOW );
+    wait_for_another( "h/f.0001.exr", 0 );
+    cli_expect( cli_wait( SIGHUP ), 0, NULL );
 }
 
 // No room for the films: named, and what is finished stays.
@@ -388,6 +435,7 @@ int main( void )
         cmocka_unit_test( test_interrupted_overwrite_resumes ), cmocka_unit_test( test_interrupted_with_time_resumes ),
         cmocka_unit_test( test_resume_and_overwrite ),          cmocka_unit_test( test_resume_of_a_whole_sequence ),
         cmocka_unit_test( test_a_line_for_each_frame ),         cmocka_unit_test( test_resume_names_what_differs ),
+        cmocka_unit_test( test_killed_render_goes_on ),         cmocka_unit_test( test_closed_pipes_and_hang_ups ),
         cmocka_unit_test( test_no_temporary_file_is_left ),     cmocka_unit_test( test_seconds_of_a_group_are_shared ),
     };
     return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );

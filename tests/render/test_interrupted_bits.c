@@ -1,5 +1,6 @@
 // A render that is interrupted again and again, and each time goes on from the films it kept, has the same bits as one that is
-// not: pictures and AOVs, with other threads and another budget in between. So has one that shows previews.
+// not: pictures and AOVs, with other threads and another budget in between. So has one that is killed and goes on from films that
+// it saved some time before, and one that shows previews.
 #include "scene/light_groups.h"
 #include "support/moving_rooms.h"
 #include "support/render_support.h"
@@ -32,6 +33,8 @@ typedef struct Memory
 {
     unsigned char* bytes;
     size_t size, room, read;
+    bool whole; // saved some time before the end, which is to be as if the process had been killed there
+    int done;   // frames that were handed over before
 } Memory;
 
 typedef struct Run
@@ -39,7 +42,9 @@ typedef struct Run
     Kept frames[EYES];
     int done;
     int chunks, most; // until it is interrupted
+    int saved;        // chunks before it is saved; −1: when it is interrupted
     Memory state;
+    size_t most_bytes; // that it says to take
     int previews, preview_frame;
     double preview_spp;
 } Run;
@@ -78,6 +83,14 @@ static RfResult save( void* user, const void* bytes, size_t size, RfError* error
 {
     (void)error;
     Memory* m = &( (Run*)user )->state;
+    if ( m->whole )
+        return RF_OK;
+    if ( bytes == NULL )
+    {
+        m->whole = true;
+        m->done = ( (Run*)user )->done;
+        return RF_OK;
+    }
     if ( m->size + size > m->room )
     {
         m->room = 2 * ( m->size + size );
@@ -87,6 +100,13 @@ static RfResult save( void* user, const void* bytes, size_t size, RfError* error
     memcpy( m->bytes + m->size, bytes, size );
     m->size += size;
     return RF_OK;
+}
+
+static bool saves( void* user, size_t bytes )
+{
+    Run* run = user;
+    run->most_bytes = bytes;
+    return run->chunks == run->saved;
 }
 
 static RfResult load( void* user, void* bytes, size_t size, RfError* error )
@@ -126,7 +146,7 @@ static RfResult render( const RfTracer* tracer, const RfEye* eyes, RfRenderSetti
     int frames[EYES];
     for ( int i = first; i < EYES; ++i )
         frames[i - first] = i;
-    RfRenderCallbacks callbacks = { .user = run, .frame = keep, .progress = count_chunk, .save = save };
+    RfRenderCallbacks callbacks = { .user = run, .frame = keep, .progress = count_chunk, .save = save, .saves = saves };
     callbacks.load = resumes ? load : NULL;
     callbacks.preview = run->previews >= 0 ? look : NULL;
     RfError error = { 0 };
@@ -161,6 +181,8 @@ static int interrupt_often( const RfTracer* tracer, const RfEye* eyes, const Cas
             settings.memory *= 2;
         run->chunks = 0;
         run->most = chunks;
+        run->saved = times % 2 == 0 ? chunks - 1 : -1;
+        run->state.whole = false;
         if ( render( tracer, eyes, settings, run->done, run, resumes ) == RF_OK )
             break;
         assert_true( run->state.size > 0 );
@@ -171,6 +193,9 @@ static int interrupt_often( const RfTracer* tracer, const RfEye* eyes, const Cas
             run->state.size -= run->state.read;
         }
         run->state.read = 0;
+        for ( ; run->state.whole && run->done > run->state.done; --run->done )
+            memset( run->frames + run->done - 1, 0, sizeof( Kept ) ); // finished once more
+        assert_true( run->most_bytes == 0 || run->state.size <= run->most_bytes );
         resumes = true;
     }
     return times;

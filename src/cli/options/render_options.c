@@ -296,6 +296,17 @@ static const RfOption s_options[] = {
       .meta = "FILE.png|PORT",
       .help = "show the frame in work from its first pass on: in a file, or with all frames on a page at http://127.0.0.1:PORT/",
       .heading = RF_HEADING_OUTPUT },
+    { .name = "autosave",
+      .in_file = true,
+      .type = RF_OPTION_TIME,
+      .value = &render_parse.options.autosave,
+      .min = 0,
+      .max = RF_MAX_TIME,
+      .meta = "T",
+      .default_text = "5m",
+      .help = "save the films of frames in work this often, for --resume after a crash or power cut: seconds, or 20s, 5m, 1h30m; "
+              "0: never; more seldom where writing would take more than 1% of the time",
+      .heading = RF_HEADING_OUTPUT },
     { .name = "resume",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.resume,
@@ -351,6 +362,7 @@ const RfCommandTable rf_render_table = { .command = "render",
                                          .option_count = sizeof s_options / sizeof s_options[0] };
 
 #define WRITE_QUEUE 2 // frames: one being written, one waiting
+#define AUTOSAVE_SECONDS 300.0
 
 RfDefaultTexts rf_default_texts;
 
@@ -452,7 +464,7 @@ static RfResult check( const RfRenderOptions* options, RfError* error )
 
 RfRenderOptions rf_default_render_options( void )
 {
-    RfRenderOptions options = { .settings = rf_default_render_settings() };
+    RfRenderOptions options = { .settings = rf_default_render_settings(), .autosave = AUTOSAVE_SECONDS };
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
     options.weights = options.settings.weights;

@@ -43,6 +43,7 @@ typedef struct RfRenderOptions
     bool alpha, alpha_given;
     const char* output;
     const char* preview; // NULL: none
+    double autosave;     // seconds; 0: never
     bool resume;
     bool overwrite;
     bool check;       // only look at the frames that are there

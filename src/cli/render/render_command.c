@@ -382,12 +382,14 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     if ( job->options.check )
         return RF_OK;
     result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, &job->log, error );
-    job->kept_count = asked_count - job->frame_count;
+    RfFramesLeft left = { &job->output, job->frames, job->frame_count, job->kept, asked_count - job->frame_count };
+    if ( result == RF_OK && left.count > 0 )
+        result = rf_find_films( &left, &job->options, &job->log, &job->films, error );
+    job->frame_count = left.count;
+    job->kept_count = left.kept_count;
+    job->kept_films = job->films != NULL ? job->frames[0] : -1;
     if ( result == RF_OK )
         result = find_runs( job, error ); // of what is left
-    if ( result == RF_OK && job->frame_count > 0 )
-        result = rf_find_films( &( RfFramesLeft ){ &job->output, job->frames, job->frame_count }, &job->options, &job->log,
-                                &job->films, error );
     if ( result != RF_OK || job->options.quiet )
         return result;
     print_settings( &job->asked, &job->options.settings, &job->fit, &job->path );
@@ -438,7 +440,8 @@ static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int 
     RfResult written = rf_write_frame( &job->output, result, error );
     if ( written != RF_OK )
         return written;
-    rf_remove_films_file( &job->output, result->frame ); // of no use any more
+    if ( result->frame != job->kept_films )
+        rf_remove_films_file( &job->output, result->frame ); // of no use any more
     rf_note_live_frame( &job->preview, number );
     pthread_mutex_lock( &job->speech );
     ++job->frames_done;
@@ -513,17 +516,67 @@ static RfResult start_preview( RfRenderJob* job, RfError* error )
     return result;
 }
 
-// The films of an interrupted render, into a file named after the first frame that is not written.
+// The file is there; what the one before it was named after may be finished.
+static RfResult end_films( RfRenderJob* job, RfError* error )
+{
+    RfResult result = rf_end_films_file( &job->keeping, error );
+    int first = job->frames[job->frames_done];
+    if ( result != RF_OK )
+        return result;
+    if ( job->kept_films >= 0 && job->kept_films != first )
+        rf_remove_films_file( &job->output, job->kept_films );
+    job->kept_films = first;
+    return RF_OK;
+}
+
+// Says how often films are saved, where that is news, or why they could not be.
+static void report_autosave( RfRenderJob* job, const RfError* failure )
+{
+    RfAutosave* autosave = &job->autosave;
+    double interval = rf_note_saved( autosave );
+    bool warns = failure != NULL && !autosave->in_trouble;
+    char size[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( job->keeping.bytes, size );
+    autosave->in_trouble = failure != NULL;
+    pthread_mutex_lock( &job->speech );
+    if ( warns || interval > 0.0 )
+        rf_clear_progress( &job->line );
+    if ( warns )
+        rf_warn( &job->log, "--autosave: the films of frames in work are not saved: %.900s", failure->text );
+    else if ( failure == NULL && interval > 0.0 && !job->options.quiet )
+        fprintf( stderr, "reframe render: --autosave: films of frames in work are saved, %s on disk, and again in %.3g s\n", size,
+                 interval );
+    pthread_mutex_unlock( &job->speech );
+}
+
+// The films of a render, into a file named after the first frame that is not written. NULL: that is all.
 static RfResult on_save( void* user, const void* bytes, size_t size, RfError* error )
 {
     RfRenderJob* job = user;
-    RfFramesLeft left = { &job->output, job->frames + job->frames_done, job->frame_count - job->frames_done };
+    RfFramesLeft left = { .output = &job->output,
+                          .frames = job->frames + job->frames_done,
+                          .count = job->frame_count - job->frames_done };
     RfResult result = job->keeping.open ? RF_OK : rf_create_films_file( &left, &job->keeping, error );
     if ( result == RF_OK )
-        result = rf_append_films( &job->keeping, bytes, size, error );
-    if ( result != RF_OK )
-        job->not_kept = *error;
+        result = bytes != NULL ? rf_append_films( &job->keeping, bytes, size, error ) : end_films( job, error );
+    job->not_kept = result == RF_OK ? ( RfError ){ 0 } : *error;
+    if ( ( result != RF_OK && !rf_is_interrupted() ) || bytes == NULL )
+        report_autosave( job, result != RF_OK ? error : NULL );
     return result;
+}
+
+static bool on_saves( void* user, size_t bytes )
+{
+    RfRenderJob* job = user;
+    RfError error = { 0 };
+    bool due = rf_is_save_due( &job->autosave, &job->output, bytes, &error );
+    if ( error.code == RF_OK )
+        return due;
+    pthread_mutex_lock( &job->speech );
+    rf_clear_progress( &job->line );
+    rf_warn( &job->log, "--autosave: %.1000s", error.text );
+    pthread_mutex_unlock( &job->speech );
+    return due;
 }
 
 static RfResult on_load( void* user, void* bytes, size_t size, RfError* error )
@@ -536,13 +589,15 @@ static RfResult on_load( void* user, void* bytes, size_t size, RfError* error )
 
 static RfResult fail_interrupted( RfRenderJob* job, RfError* error )
 {
-    char films[RF_FILMS_NAME_SIZE + 256] = "";
+    char films[RF_FILMS_NAME_SIZE + 256] = "", name[RF_FILMS_NAME_SIZE];
     if ( job->keeping.open )
-        rf_end_films_file( &job->keeping, &job->not_kept );
+        end_films( job, &job->not_kept );
+    bool kept = job->kept_films >= 0 && rf_films_file_name( &job->output, job->kept_films, name, NULL ) == RF_OK;
     if ( job->not_kept.code != RF_OK )
-        snprintf( films, sizeof films, "; without the films of those in work: %.900s", job->not_kept.text );
-    else if ( job->keeping.bytes > 0 )
-        snprintf( films, sizeof films, " from the films in %.900s", job->keeping.name );
+        snprintf( films, sizeof films, "; without the films of those in work%s: %.900s", kept ? " but older ones" : "",
+                  job->not_kept.text );
+    else if ( kept )
+        snprintf( films, sizeof films, " from the films in %.900s", name );
     return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: %d of %d frames are finished and kept, %s goes on%s",
                     job->kept_count + job->frames_done, job->kept_count + job->frame_count,
                     job->options.overwrite ? "--resume --overwrite" : "--resume", films );
@@ -555,9 +610,12 @@ static RfResult render( RfRenderJob* job, RfError* error )
     RfResult result = start_preview( job, error );
     if ( result != RF_OK )
         return result;
+    rf_clean_output_folder( job->options.output ); // killed in the midst of a file, a render leaves a part
     job->line = rf_create_progress_line( job->options.quiet );
     RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress, .save = on_save };
     callbacks.load = job->films != NULL ? on_load : NULL;
+    job->autosave.interval = job->options.autosave;
+    callbacks.saves = job->options.autosave > 0.0 ? on_saves : NULL;
     RfShot shot = shot_of( job );
     callbacks.preview = job->options.preview != NULL ? on_preview : NULL;
     result = rf_render( &shot, &job->options.settings, &callbacks, &job->stats, error );
@@ -620,6 +678,16 @@ static RfResult report( RfRenderJob* job, RfError* error )
     return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );
 }
 
+// What is of no use after the last frame.
+static void clean_up( const RfRenderJob* job )
+{
+    for ( int i = 0; i < job->kept_count; ++i )
+        rf_remove_films_file( &job->output, job->kept[i] );
+    for ( int i = 0; i < job->frame_count; ++i )
+        rf_remove_films_file( &job->output, job->frames[i] );
+    rf_clean_output_folder( job->options.output );
+}
+
 static RfResult run( RfRenderJob* job, RfError* error )
 {
     RfResult result = load_render_job( job, error );
@@ -634,7 +702,7 @@ static RfResult run( RfRenderJob* job, RfError* error )
     if ( result == RF_OK && job->frame_count > 0 )
         result = render( job, error );
     if ( result == RF_OK )
-        rf_clean_output_folder( job->options.output );
+        clean_up( job );
     if ( result == RF_OK || result == RF_ERROR_INTERRUPTED )
         rf_warn_of_clipped( job );
     if ( result == RF_ERROR_INTERRUPTED && job->options.json != NULL )

@@ -69,9 +69,11 @@ typedef struct RfRenderJob
     bool reported_black; // the warning comes once
     RfFrameErrors errors;
     FILE* films;           // of an interrupted render, which this one goes on from; NULL: from the beginning
-    RfFilmsWriter keeping; // those of this one, where it is interrupted
+    RfFilmsWriter keeping; // those of this one
+    int kept_films;        // the first frame of the last that are in a file; −1: none are
+    RfError not_kept;      // why the last were not; RF_OK: they were, or there are none
+    RfAutosave autosave;
     RfLivePreview preview;
-    RfError not_kept; // why not; RF_OK: they are, or there are none
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;

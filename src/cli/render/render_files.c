@@ -414,7 +414,7 @@ RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* optio
     return result;
 }
 
-RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options, RfLog* log, FILE** films, RfError* error )
+RfResult rf_find_films( RfFramesLeft* left, const RfRenderOptions* options, RfLog* log, FILE** films, RfError* error )
 {
     char name[RF_FILMS_NAME_SIZE];
     RfError reason = { 0 };

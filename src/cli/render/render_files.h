@@ -22,7 +22,7 @@ RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* optio
 // The films that an interrupted render left for the first of these frames: *films is their file, for --resume, or NULL where there
 // are none. An error without --resume, and where they are of another render, unless with --overwrite: then they are not used.
 // Films for other frames of the same render are not used, and warned of.
-RfResult rf_find_films( const RfFramesLeft* left, const RfRenderOptions* options, RfLog* log, FILE** films, RfError* error );
+RfResult rf_find_films( RfFramesLeft* left, const RfRenderOptions* options, RfLog* log, FILE** films, RfError* error );
 
 // The frames that --resume keeps, in the result of the run that keeps them.
 
