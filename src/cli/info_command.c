@@ -83,10 +83,12 @@ typedef struct Facts
     RfSceneFile file;       // which strings of these point into
     json_t* changes;        // rf_add_changes
     RfError unknown;        // why it is not known how light is shared
+    double beyond_depth;    // share of the light; NaN: not known
 } Facts;
 
-// How a render with the file's defaults shares light. Where there is nothing to render, that is not known.
-static RfResult gather_sharing( const RfScene* scene, Facts* facts, RfError* error )
+// How a render with the file's defaults shares light, and how much its limit of depth takes. Where there is nothing to render, that
+// is not known.
+static RfResult gather_light( const RfScene* scene, Facts* facts, RfError* error )
 {
     RfRenderOptions* options = &facts->render;
     RfTracer* tracer = NULL;
@@ -107,7 +109,9 @@ static RfResult gather_sharing( const RfScene* scene, Facts* facts, RfError* err
         RfShot shot = { .tracer = tracer, .eyes = path.runs, .eye_count = path.run_count };
         result = rf_resolve_settings( &shot, &settings, &options->settings, error );
         if ( result == RF_OK )
-            result = rf_add_changes( scene, tracer, options, facts->changes, error );
+            result = rf_find_light_beyond_depth( &shot, &options->settings, &facts->beyond_depth, error );
+        if ( result == RF_OK )
+            result = rf_add_changes( scene, scene->movement != NULL ? tracer : NULL, options, facts->changes, error );
         options->settings = settings;
     }
     rf_destroy_tracer( tracer );
@@ -119,11 +123,15 @@ static RfResult gather_changes( const RfScene* scene, Facts* facts, RfError* err
 {
     bool renders = facts->scene.unrendered_count == 0 || facts->scene.frozen;
     facts->changes = json_object();
-    bool moves = scene->movement != NULL && renders && facts->scene.cameras > 0;
-    if ( moves && facts->scene.stored_triangles > MOST_TRIANGLES )
+    bool cuts = facts->render.settings.max_depth < RF_MAX_DEPTH;
+    bool looks = ( scene->movement != NULL || cuts ) && renders && facts->scene.cameras > 0;
+    facts->beyond_depth = cuts ? (double)NAN : 0.0;
+    if ( looks && facts->scene.stored_triangles > MOST_TRIANGLES )
         rf_fail( &facts->unknown, RF_ERROR_UNSUPPORTED, "more than %d triangles: the JSON of a render says it", MOST_TRIANGLES );
-    else if ( moves && gather_sharing( scene, facts, &facts->unknown ) == RF_OK )
+    else if ( looks && gather_light( scene, facts, &facts->unknown ) == RF_OK )
         return RF_OK;
+    if ( scene->movement == NULL )
+        facts->unknown = ( RfError ){ .code = RF_OK };
     return rf_add_changes( scene, NULL, &facts->render, facts->changes, error );
 }
 
@@ -303,6 +311,15 @@ static void print_cameras( const Facts* facts )
     }
 }
 
+static void print_depth( const Facts* facts )
+{
+    int depth = facts->render.settings.max_depth;
+    if ( depth < RF_MAX_DEPTH && isfinite( facts->beyond_depth ) )
+        rf_print( "max depth  %d: about %.2g %% of the light is beyond and missing\n", depth, 100.0 * facts->beyond_depth );
+    else if ( depth < RF_MAX_DEPTH )
+        rf_print( "max depth  %d: the light beyond is missing\n", depth );
+}
+
 static const char* state_of( const RfEffect* effect )
 {
     return effect->on ? "on" : effect->left_out ? "out" : effect->forced ? "run" : "off";
@@ -347,6 +364,7 @@ static void print_info( const RfScene* scene, const Facts* facts )
     print_moving( s );
     print_changes( facts );
     print_unrendered( s );
+    print_depth( facts );
     print_cameras( facts );
     print_effects( scene, &facts->render.settings );
     print_warnings( s );
@@ -380,6 +398,7 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
     json_object_set_new( json, "export_losses", rf_json_texts( s->export_losses, s->export_loss_count ) );
     json_object_set_new( json, "variants", rf_json_texts( s->variants, s->variant_count ) );
     json_object_set_new( json, "light_groups", light_groups_json( scene, s ) );
+    json_object_set_new( json, "beyond_depth_share", rf_json_number( facts->beyond_depth ) );
     json_object_update( json, facts->changes );
     return json;
 }

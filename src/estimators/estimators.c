@@ -51,7 +51,7 @@ RfRenderSettings rf_default_render_settings( void )
         .weights = RF_WEIGHTS_EXACT,
         .normalize = RF_NORMALIZE_CROSSFIT,
         .filter = rf_default_filter( s_estimators[0] ),
-        .max_depth = 12,
+        .max_depth = RF_MAX_DEPTH,
         .light_samples = 1,
         .seed = 1,
     };

@@ -206,7 +206,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     put_text( a, RF_KEY_WEIGHTS, rf_weights_name( s->weights ) );
     put_text( a, RF_KEY_NORMALIZE, rf_normalize_name( s->normalize ) );
     put( a, RF_KEY_SEED, "%llu", (unsigned long long)s->seed );
-    put( a, RF_KEY_MAX_DEPTH, "%d", s->max_depth );
+    if ( s->max_depth < RF_MAX_DEPTH )
+        put( a, RF_KEY_MAX_DEPTH, "%d", s->max_depth );
     put( a, RF_KEY_LIGHT_SAMPLES, "%d", s->light_samples );
     if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
     {
@@ -316,6 +317,8 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     }
     if ( frame->removes )
         put( a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
+    if ( output->beyond_depth > 0.0 )
+        put( a, RF_KEY_BEYOND_DEPTH_SHARE, "%.6g", output->beyond_depth );
     if ( output->settings.noise > 0.0 || output->settings.flicker > 0.0 )
         put_text( a, RF_KEY_REACHED, frame->reached ? "yes" : "no" );
     put_effects( a, rf_tracer_scene( output->tracer ) );
@@ -364,6 +367,7 @@ static const char* absent_value( RfKey key )
         case RF_KEY_AOV:
         case RF_KEY_CRYPTOMATTE:
         case RF_KEY_LIGHT_GROUPS:
+        case RF_KEY_MAX_DEPTH:
         case RF_KEY_OVERSCAN:
         case RF_KEY_NO_EFFECT: return "none";
         case RF_KEY_NAMES: return rf_pass_names_words[RF_NAMES_REFRAME];

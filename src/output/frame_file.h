@@ -30,6 +30,7 @@
     X( NORMALIZE, "reframe/normalize" )                                                                                          \
     X( SEED, "reframe/seed" )                                                                                                    \
     X( MAX_DEPTH, "reframe/max-depth" )                                                                                          \
+    X( BEYOND_DEPTH_SHARE, "reframe/beyond-depth-share" )                                                                        \
     X( LIGHT_SAMPLES, "reframe/light-samples" )                                                                                  \
     X( FILTER, "reframe/filter" )                                                                                                \
     X( FILTER_WIDTH, "reframe/filter-width" )                                                                                    \

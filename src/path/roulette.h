@@ -12,12 +12,16 @@
 // straight is weighted by the panes' q alone (reuse/harvest/visibility.c).
 #define RF_CHAIN_ROULETTE_BEYOND 4
 
-// Survival probability by the largest channel of the throughput. It falls below 1 late: by the third vertex paths have cost most
-// of their rays, and ending them sooner adds more noise than it saves time.
-static inline float rf_survival( float carried )
+// Survival probability at a vertex by the largest channel of the throughput. It falls below 1 late: by the third vertex paths
+// have cost most of their rays, and ending them sooner adds more noise than it saves time.
+// Where nothing absorbs, throughput never falls. So beyond the 64th vertex at most 1 - 2 / vertex survive: (64 / v)^2 of the
+// paths reach vertex v, twice 64 vertices in the mean. A power of v, since survivors that weigh (v / 64)^2 keep the variance
+// finite at any albedo below 1; a constant probability q does not from the square root of q on.
+static inline float rf_survival( float carried, int vertex )
 {
     const float certain = 0.25f;
-    return rf_minf( carried / certain, 1.0f );
+    const int endless = 64;
+    return rf_minf( carried / certain, vertex > endless ? 1.0f - 2.0f / (float)vertex : 1.0f );
 }
 
 // A factor of the throughput, for roulette, at vertices that other cameras may see: it has a floor, since the path may be nearly

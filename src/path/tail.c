@@ -386,7 +386,7 @@ static float survival( const RfWavefront* wavefront, int vertex, int slot, const
     if ( vertex < RF_ROULETTE_VERTEX )
         return 1.0f;
     float carried = rf_maxf( throughput[0], rf_maxf( throughput[1], throughput[2] ) ) * wavefront->roulette_scale[slot];
-    return rf_survival( carried );
+    return rf_survival( carried, vertex );
 }
 
 // Lanes with a non-specular BSDF.

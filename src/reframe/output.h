@@ -33,6 +33,7 @@ typedef struct RfOutput
     const RfCameraPath* path;
     RfRenderSettings settings; // resolved, the same as for rf_render; `files` has the format of the files
     const char* calls_for;     // for the header of the files, by rf_name_effects; NULL: not reported
+    double beyond_depth;       // likewise, rf_find_light_beyond_depth; 0: not reported
 } RfOutput;
 
 // No names, the settings of rf_default_render_settings.

@@ -247,6 +247,10 @@ typedef struct RfRenderStats
 RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const RfRenderCallbacks* callbacks,
                     RfRenderStats* stats, RfError* error );
 
+// The share of the light of all of a shot's path that is beyond settings->max_depth and is missing in its frames, 0 to 1: about, by
+// small pictures of some frames that are rendered with and without. 0 without a limit. Its seed is its own. Fails as rf_render.
+RfResult rf_find_light_beyond_depth( const RfShot* shot, const RfRenderSettings* settings, double* share, RfError* error );
+
 RF_API_END
 
 #endif

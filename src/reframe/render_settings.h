@@ -193,7 +193,7 @@ typedef struct RfRenderSettings
     RfWeights weights;
     RfNormalize normalize;
     RfReconstruction reconstruction; // of "gradient"
-    int max_depth;                   // path vertices after the camera
+    int max_depth;                   // path vertices after the camera; RF_MAX_DEPTH: Russian roulette alone ends paths
     int light_samples;               // per vertex
     RfFilter filter;                 // of the pixels; depth and motion have the box of one pixel whatever it is
     double filter_width;             // pixels; 0: the filter's default
@@ -224,14 +224,14 @@ typedef struct RfRenderSettings
 #define RF_MAX_TIME 1e9
 #define RF_MAX_CLAMP 1e30
 #define RF_MAX_GROUP ( 1 << 20 )
-#define RF_MAX_DEPTH 1000
+#define RF_MAX_DEPTH ( 1 << 15 )
 #define RF_MAX_LIGHT_SAMPLES 64
 #define RF_MAX_QUEUE 64
 #define RF_MAX_THREADS 1024
 #define RF_MAX_IMAGE_SIDE ( 1 << 15 ) // pixels
 
 // The defaults, which are the program's too: 28 samples, the group that the plan chooses, tiles of 3×3, extra samples where
-// they pay, exact weights, the estimator's filter, depth 12, seed 1, all cores, half of the free memory, no AOVs, no files, no
+// they pay, exact weights, the estimator's filter, paths of any length, seed 1, all cores, half of the free memory, no AOVs, no files, no
 // light paths, no clamp.
 RfRenderSettings rf_default_render_settings( void );
 

@@ -171,15 +171,43 @@ static void test_caustics_are_counted( void** state )
     expect_header( "c.exr", "reframe/clamp-threshold", "1" );
     cli_expect( cli_run( "$R render $VASE -o v.exr " SMALL "--quiet" ), 0, NULL );
     expect_header( "v.exr", "reframe/removed-share", NULL );
+    expect_header( "v.exr", "reframe/max-depth", NULL );
+    expect_header( "v.exr", "reframe/beyond-depth-share", NULL );
+}
+
+// On standard error, in header and JSON; by info where the scene file has the limit.
+static void test_light_beyond_depth_is_told( void** state )
+{
+    (void)state;
+    char line[128];
+    double share = 0.0;
+    write_text( "cut.json", "{\"scene\":\"" REFRAME_VASE_ROOM "\",\"render\":{\"max_depth\":3}}" );
+    const CliResult* done = cli_run( "$R render cut.json -o d.exr --size 24x18 --spp 2 --frames 1 --quiet --json d.json" );
+    cli_expect( done, 0, NULL );
+    json_t* json = cli_read_json( "d.json" );
+    share = json_number_value( json_object_get( json, "beyond_depth_share" ) );
+    assert_true( share > 0.0005 && share < 1.0 );
+    snprintf( line, sizeof line, "warning: --max-depth 3: about %.2g %% of the light is beyond and missing", 100.0 * share );
+    assert_non_null( strstr( done->err, line ) );
+    json_decref( json );
+    expect_header( "d.exr", "reframe/max-depth", "3" );
+    expect_header( "d.exr", "reframe/beyond-depth-share", "0." );
+    assert_non_null( strstr( cli_run( "$R info cut.json 2> said" )->out, "max depth  3: about 1" ) );
+    done = cli_run( "$R tune cut.json --budget 0 --size 24x18 --json -" );
+    cli_expect( done, 0, "--max-depth 3: about" );
+    assert_non_null( strstr( done->out, "beyond_depth_share" ) );
+    done = cli_run( "$R render cut.json -o d.exr --size 24x18 --spp 2 --frames 1 --max-depth none --overwrite --quiet" );
+    cli_expect( done, 0, NULL );
+    assert_null( strstr( done->err, "max-depth" ) );
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_info_tells_all_effects ),   cmocka_unit_test( test_names_are_checked ),
-        cmocka_unit_test( test_renders_say_what_they_do ), cmocka_unit_test( test_resume_knows_effects ),
-        cmocka_unit_test( test_no_lens_is_a_pinhole ),     cmocka_unit_test( test_scene_files_may_leave_out ),
-        cmocka_unit_test( test_caustics_are_counted ),
+        cmocka_unit_test( test_info_tells_all_effects ),     cmocka_unit_test( test_names_are_checked ),
+        cmocka_unit_test( test_light_beyond_depth_is_told ), cmocka_unit_test( test_renders_say_what_they_do ),
+        cmocka_unit_test( test_resume_knows_effects ),       cmocka_unit_test( test_no_lens_is_a_pinhole ),
+        cmocka_unit_test( test_scene_files_may_leave_out ),  cmocka_unit_test( test_caustics_are_counted ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -1,6 +1,7 @@
 // Balance weights sum to 1, light in two parts is divided by all densities that find it, and roulette keeps the mean.
 #include "path/mis.h"
 #include "path/roulette.h"
+#include "reframe/render_settings.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -60,12 +61,19 @@ static void test_roulette_keeps_the_mean( void** state )
     (void)state;
     for ( float carried = 1e-6f; carried < 10.0f; carried *= 3.0f )
     {
-        float survival = rf_survival( carried );
+        float survival = rf_survival( carried, RF_ROULETTE_VERTEX );
         assert_true( survival > 0.0f && survival <= 1.0f && ( survival == 1.0f || carried < 0.25f ) );
         assert_near( carried / survival * survival, carried );
         assert_true( rf_shared_factor( carried ) >= carried && rf_shared_factor( carried ) >= 0.1f );
     }
-    assert_true( rf_survival( 0.0f ) == 0.0f );
+    assert_true( rf_survival( 0.0f, RF_ROULETTE_VERTEX ) == 0.0f );
+    double reached = 1.0, vertices = 0.0; // where throughput never falls
+    for ( int vertex = 1; vertex < RF_MAX_DEPTH; ++vertex )
+    {
+        vertices += reached;
+        reached *= (double)rf_survival( 1.0f, vertex );
+    }
+    assert_true( reached < 1e-5 && vertices < 130.0 );
     for ( float luminance = 0.0f; luminance < 2.0f; luminance += 0.01f )
     {
         float survival = rf_reuse_survival( luminance, 1.0f );

@@ -57,8 +57,7 @@ static RfRenderSettings settings_of( int group, const char* tile, RfNormalize no
     assert_true( rf_parse_tile( tile, &settings.tile ) );
     settings.spp = 14 * ( is_long() ? 8 : 1 );
     settings.normalize = normalize;
-    settings.threads = 1; // the seeds are shared out
-    settings.max_depth = 200;
+    settings.threads = 1;                                 // the seeds are shared out
     settings.seed = (uint64_t)( 100 * group + seed + 1 ); // a group's own: some of its frames draw the same paths
     settings.memory = (size_t)512 << 20;
     return settings;
@@ -152,12 +151,82 @@ static void test_albedo_high( void** state )
     check_albedo( 0.8f );
 }
 
+// A quarter of the light is from beyond the 64th vertex.
+static void test_long_paths( void** state )
+{
+    (void)state;
+    Furnace f;
+    begin( &f, 0.98f );
+    double means[SEED_COUNT], error;
+#pragma omp parallel for schedule( dynamic, 1 )
+    for ( int k = 0; k < SEED_COUNT; ++k )
+    {
+        static const int only = 0;
+        RfRenderSettings settings = settings_of( 0, "1", RF_NORMALIZE_CROSSFIT, k );
+        settings.spp = 2;
+        Rendered r = render_frames( f.tracer, f.eyes, EYES, &only, 1, &settings );
+        means[k] = image_mean( &r, 0 );
+        free_rendered( &r );
+    }
+    double mean = mean_of( means, SEED_COUNT, &error ), away = ( mean - f.radiance ) / error;
+    printf( "albedo 0.98: %.3f of %.3f, %.2f SE (SE %.1e)\n", mean, f.radiance, away, error );
+    assert_true( error < 0.02 * f.radiance );
+    assert_false( is_far_off( away, SEED_COUNT - 1 ) );
+    end( &f );
+}
+
+// Where nothing absorbs, roulette alone ends paths.
+static void test_albedo_1_ends( void** state )
+{
+    (void)state;
+    Furnace f;
+    begin( &f, 1.0f );
+    RfRenderSettings settings = settings_of( 0, "1", RF_NORMALIZE_CROSSFIT, 0 );
+    settings.spp = 1;
+    static const int frames[] = { 0 };
+    Rendered one = render_frames( f.tracer, f.eyes, EYES, frames, 1, &settings );
+    settings.threads = 3;
+    Rendered three = render_frames( f.tracer, f.eyes, EYES, frames, 1, &settings );
+    assert_memory_equal( frame_rgb( &one, 0 ), frame_rgb( &three, 0 ), 3 * one.pixels * sizeof( float ) );
+    assert_true( image_mean( &one, 0 ) > 64.0 * (double)EMISSION && isfinite( image_mean( &one, 0 ) ) );
+    free_rendered( &one );
+    free_rendered( &three );
+    end( &f );
+}
+
+// Beyond vertex D lies the share a^D of the light.
+static void test_light_beyond_depth( void** state )
+{
+    (void)state;
+    Furnace f;
+    begin( &f, 0.8f );
+    static const int only = 0;
+    RfShot shot = { f.tracer, f.eyes, EYES, &only, 1 };
+    for ( int depth = 1; depth <= 16; depth *= 2 )
+    {
+        RfRenderSettings settings = settings_of( 3, "3x3", RF_NORMALIZE_CROSSFIT, depth );
+        double share, again;
+        settings.max_depth = depth;
+        assert_int_equal( rf_find_light_beyond_depth( &shot, &settings, &share, NULL ), RF_OK );
+        printf( "depth %d: %.4f of %.4f beyond\n", depth, share, pow( 0.8, depth ) );
+        assert_true( fabs( share - pow( 0.8, depth ) ) < 0.01 );
+        settings.seed += 1;
+        assert_int_equal( rf_find_light_beyond_depth( &shot, &settings, &again, NULL ), RF_OK );
+        assert_true( share == again );
+    }
+    RfRenderSettings unlimited = rf_default_render_settings();
+    double none = 1.0;
+    assert_int_equal( rf_find_light_beyond_depth( &shot, &unlimited, &none, NULL ), RF_OK );
+    assert_true( none == 0.0 );
+    end( &f );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_emission_only ),
-        cmocka_unit_test( test_albedo_half ),
-        cmocka_unit_test( test_albedo_high ),
+        cmocka_unit_test( test_long_paths ),         cmocka_unit_test( test_albedo_1_ends ),
+        cmocka_unit_test( test_light_beyond_depth ), cmocka_unit_test( test_emission_only ),
+        cmocka_unit_test( test_albedo_half ),        cmocka_unit_test( test_albedo_high ),
     };
     return run_statistical_tests( tests, sizeof tests / sizeof *tests );
 }

@@ -71,7 +71,7 @@ bool scatter_walk( Walk* w, const Point* x )
     else
         pass_nonspecular( w, x, &onward );
     float bright = rf_max_component( w->throughput ) / w->full;
-    float q = w->hits < ROULETTE_AFTER ? 1.0f : rf_survival( bright );
+    float q = w->hits < ROULETTE_AFTER ? 1.0f : rf_survival( bright, w->hits );
     if ( !( bright > 0.0f ) || rf_random( w->key, roulette ) >= q )
         return false;
     w->throughput = rf_scale( w->throughput, 1.0f / q );

@@ -511,7 +511,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         *throws = *throws || ( is_native_point( &x ) && onward.pdf >= RF_DELTA_PDF );
         throughput = is_native_point( &x ) ? rf_mul( throughput, onward.weight )
                                            : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
-        float q = vertex < RF_ROULETTE_VERTEX ? 1.0f : rf_survival( rf_max_component( throughput ) * roulette_scale );
+        float q = vertex < RF_ROULETTE_VERTEX ? 1.0f : rf_survival( rf_max_component( throughput ) * roulette_scale, vertex );
         if ( !( onward.side != 0.0f && number( key, dimension + RF_DIMENSION_ROULETTE ) < q ) )
             break;
         throughput = rf_vec3( throughput.x / q, throughput.y / q, throughput.z / q );

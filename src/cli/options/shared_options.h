@@ -192,9 +192,11 @@ extern RfDefaultTexts rf_default_texts;
       .value = &( o ).settings.max_depth,                                                                                        \
       .min = 1,                                                                                                                  \
       .max = RF_MAX_DEPTH,                                                                                                       \
-      .meta = "D",                                                                                                               \
+      .keyword = "none",                                                                                                         \
+      .keyword_value = RF_MAX_DEPTH,                                                                                             \
+      .meta = "D|none",                                                                                                          \
       .heading = RF_HEADING_QUALITY,                                                                                             \
-      .help = "maximum number of path vertices after the camera" },                                                              \
+      .help = "maximum number of path vertices after the camera; the light beyond is missing" },                                 \
     {                                                                                                                            \
         .name = "light-samples", .in_file = true, .type = RF_OPTION_INT, .value = &( o ).settings.light_samples, .min = 1,       \
         .max = RF_MAX_LIGHT_SAMPLES, .meta = "K", .heading = RF_HEADING_QUALITY,                                                 \

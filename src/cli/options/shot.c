@@ -23,6 +23,17 @@ int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_c
     return runs;
 }
 
+#define LITTLE_LIGHT 0.0005 // of all: JSON and headers alone say it
+
+RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings, RfLog* log, double* share, RfError* error )
+{
+    RfResult result = rf_find_light_beyond_depth( shot, settings, share, error );
+    if ( result == RF_OK && *share >= LITTLE_LIGHT )
+        rf_warn( log, "--max-depth %d: about %.2g %% of the light is beyond and missing: raise it, or leave it out",
+                 settings->max_depth, 100.0 * *share );
+    return result;
+}
+
 // Makes a path of the runs alone.
 static void keep_runs( RfCameraPath* path )
 {
@@ -82,7 +93,10 @@ RfResult rf_load_shot( const char* command, RfRenderOptions* options, RfTakeDefa
         options->size = ( RfSize ){ shot->path.eyes[0].width, shot->path.eyes[0].height };
         result = choose_runs( options, shot, error );
     }
-    return result == RF_OK ? rf_create_tracer_by( options->settings.threads, &shot->scene, &shot->tracer, error ) : result;
+    if ( result == RF_OK )
+        result = rf_create_tracer_by( options->settings.threads, &shot->scene, &shot->tracer, error );
+    RfShot whole = rf_shot_to_render( shot );
+    return result == RF_OK ? rf_warn_of_depth( &whole, &options->settings, &log, &shot->beyond_depth, error ) : result;
 }
 
 #define OVERTIME 0.1 // of the budget, and these seconds, for what is being rendered

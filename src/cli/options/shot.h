@@ -19,6 +19,7 @@ typedef struct RfLoadedShot
     int* asked_runs;
     int asked_count;
     RfTracer* tracer;
+    double beyond_depth; // share of the light (rf_find_light_beyond_depth)
 } RfLoadedShot;
 
 // Takes a scene file's defaults into the options; the command line overrides them.
@@ -39,6 +40,9 @@ static inline RfShot rf_shot_to_render( const RfLoadedShot* loaded )
 // What loading, begun at `start`, has left of a budget of seconds, at least half of it, and when that is well over: both on
 // rf_wall_seconds.
 double rf_budget_left( double budget, double start, double* deadline );
+
+// Warns where max_depth takes light, and says its share; 0 without a limit.
+RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings, RfLog* log, double* share, RfError* error );
 
 // The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
 // caller frees them; NULL where memory ran out.

@@ -402,12 +402,14 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
 }
 
 // What can be warned of before the work.
-static void warn_before_render( RfRenderJob* job )
+static RfResult warn_before_render( RfRenderJob* job, RfError* error )
 {
     warn_of_scene( &job->options, &job->scene, job->tracer, &job->log );
     warn_of_variance( &job->options.settings, &job->path, job->frames, job->frame_count, &job->log );
     warn_of_reconstruction( &job->options.settings, &job->log );
     warn_of_light_paths( &job->options.settings, job->effects + RF_EFFECT_LIGHT_PATHS, &job->log );
+    RfShot shot = shot_of( job );
+    return rf_warn_of_depth( &shot, &job->options.settings, &job->log, &job->output.beyond_depth, error );
 }
 
 static double now( void )
@@ -650,6 +652,7 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
                         .repeated = job->frame_count - job->run_count,
                         .effects = job->effects,
                         .effect_count = job->effect_count,
+                        .beyond_depth = job->output.beyond_depth,
                         .interrupted = interrupted };
     json_t* json = rf_render_json( options, &run );
     const RfScene* scene = &job->scene;
@@ -694,7 +697,7 @@ static RfResult run( RfRenderJob* job, RfError* error )
     if ( result == RF_OK && job->options.check )
         return rf_check_render( job, error );
     if ( result == RF_OK )
-        warn_before_render( job );
+        result = warn_before_render( job, error );
     job->frames_json = json_array();
     job->seconds_scene = now() - job->start;
     // where nothing is rendered: all frames exist already, or an interruption came first

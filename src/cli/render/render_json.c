@@ -147,6 +147,7 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
     json_object_set( json, "warnings", run->warnings );
     json_object_set_new( json, "adaptive_mode", json_string( rf_adaptive_name( adaptive ) ) );
     json_object_set_new( json, "adaptive_frames", json_integer( stats->adaptive_frames ) );
+    json_object_set_new( json, "beyond_depth_share", rf_json_number( run->beyond_depth ) );
     double clamp = options->settings.clamp;
     json_object_set_new( json, "clamp",
                          clamp == RF_CLAMP_AUTO ? json_string( "auto" )

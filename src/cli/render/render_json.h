@@ -20,6 +20,7 @@ typedef struct RfRenderRun
     json_t* frames;                // taken over by rf_render_json
     int kept;                      // of them, from before
     int repeated;                  // of them, the picture of the frame before them once more
+    double beyond_depth;           // share of the light
     bool interrupted;
     json_t* warnings; // lines; stays the caller's
     const RfEffect* effects;

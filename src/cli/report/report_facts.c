@@ -522,6 +522,7 @@ static const struct
     { "reframe/clamp-threshold", "Settings", "Clamp, threshold" },
     { "reframe/clamp-threshold-chains", "Settings", "Clamp, threshold of chains" },
     { "reframe/removed-share", "Settings", "Light removed, share (first frame)" },
+    { "reframe/beyond-depth-share", "Settings", "Light beyond the maximum depth, share" },
     { "reframe/blur-steps", "Settings", "Steps of the shutter" },
     { "reframe/filter", "Settings", "Pixel filter" },
     { "reframe/filter-width", "Settings", "Filter width" },

@@ -41,6 +41,7 @@ typedef struct CostReport
     int threads;
     int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
     double load_seconds; // until rays can be traced: part of a render of all frames
+    double beyond_depth; // share of the light
 } CostReport;
 
 typedef struct NoiseText
@@ -314,6 +315,7 @@ static json_t* cost_json( const CostReport* r )
                                                   rf_json_number( c->error.value ), "bias", c->bias, "missing", c->missing ) );
     }
     json_object_set_new( json, "clamps", clamps );
+    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->beyond_depth ) );
     return json;
 }
 
@@ -532,7 +534,11 @@ static json_t* result_json( const CostReport* r )
 // Reports what was found so far, also after an interruption.
 static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* error )
 {
-    CostReport r = { .options = &job->options, .job = cost_job, .cost = &job->cost, .load_seconds = job->load_seconds };
+    CostReport r = { .options = &job->options,
+                     .job = cost_job,
+                     .cost = &job->cost,
+                     .load_seconds = job->load_seconds,
+                     .beyond_depth = job->shot.beyond_depth };
     RfResult result = count_per_sweep( job, &job->cost.plain, r.per_sweep, &r.threads, error );
     if ( result == RF_OK )
         result = count_per_sweep( job, &job->cost.reuse, r.per_sweep + 1, &r.threads, error );

@@ -42,6 +42,7 @@ typedef struct TuneReport
     int frames;             // asked for
     const RfRanges* ranges; // for --nodes; its list is NULL: none
     RfSplitCosts split;
+    double beyond_depth; // share of the light
 } TuneReport;
 
 static double fit_mib( const RfMemoryFit* fit )
@@ -321,6 +322,7 @@ static json_t* tune_json( const TuneReport* r )
                               at_most( settings ), "bytes_record", record, "seconds", r->tune->seconds, "budget",
                               r->options->budget, "frames", r->frames, "width", size.width, "height", size.height, "command",
                               r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->beyond_depth ) );
     json_object_set_new( json, "split_light", rf_split_costs_json( &r->split ) );
     if ( r->ranges->list != NULL )
         json_object_set_new( json, "nodes", rf_ranges_json( r->ranges ) );
@@ -670,7 +672,9 @@ static RfResult report( Job* job, RfError* error )
     const TuneOptions* options = &job->options;
     const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
     char* command = best != NULL ? tuned_command( job->argc, job->argv, named_estimator( job ), best->group, &best->tile ) : NULL;
-    TuneReport r = { options, &job->plan, &job->tune, command, job->shot.frame_count, &job->ranges, { 0 } };
+    TuneReport r = {
+        options, &job->plan, &job->tune, command, job->shot.frame_count, &job->ranges, { 0 }, job->shot.beyond_depth
+    };
     const char* json = options->render.json;
     RfResult result = find_split_costs( job, &r.split, error );
     if ( result == RF_OK && rf_prints_text( json ) )

@@ -142,7 +142,7 @@ static void append_rays( const Scattering* at, bool end_at_panes, RfChains* chai
         float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
         float side = rf_leaving_side( v, i, direction );
         RfVec3 t = rf_mul( throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
-        float survival = at->roulette ? rf_survival( rf_max_component( t ) ) : 1.0f;
+        float survival = at->roulette ? rf_survival( rf_max_component( t ), at->vertex ) : 1.0f;
         if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival ||
              ends_at_panes( at, chains, i, side ) != end_at_panes )
             continue;
