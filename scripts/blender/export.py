@@ -86,7 +86,7 @@ def main():
     if first == last and cameras.shutter_of(scene) is not None:
         warn("a frame alone has no motion blur: export those before and after it, too, and render it by --frames")
     if first < 1:
-        warn("frame numbers start at 1 in Reframe: frame %d is called 1, and so on" % first)
+        warn("glTF has no time before frame 1: frame %d is called 1, and so on" % first)
     film = {"size": list(cameras.film_of(scene)), "fps": rate_of(scene)}
     if scene.render.film_transparent:
         film["alpha"] = True

@@ -72,39 +72,40 @@ RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t si
     RfResult result = check_pattern( pattern, &parts, error );
     if ( result != RF_OK )
         return result;
-    if ( frame < 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: frame number %d is not possible", pattern, frame );
     int length;
     if ( parts.run == NULL )
         length = snprintf( name, size, "%s", pattern );
     else
-        length = snprintf( name, size, "%.*s%0*d%s", (int)( parts.run - pattern ), pattern, parts.digits, frame, parts.suffix );
+        length = snprintf( name, size, "%.*s%s%0*lld%s", (int)( parts.run - pattern ), pattern, frame < 0 ? "-" : "",
+                           parts.digits, llabs( (long long)frame ), parts.suffix );
     if ( length < 0 || (size_t)length >= size )
         return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", pattern );
     return RF_OK;
 }
 
-// The frame number in a file name, or -1 if the name does not match the pattern.
-static int match_name( const Pattern* parts, const char* name )
+// Whether a file name matches the pattern; *number is that of its frame. A minus is before the digits: -0012.
+static bool match_name( const Pattern* parts, const char* name, int* frame_number )
 {
     size_t prefix = (size_t)( parts->run - parts->base );
     if ( strncmp( name, parts->base, prefix ) != 0 )
-        return -1;
-    const char* number = name + prefix;
+        return false;
+    bool negative = name[prefix] == '-';
+    const char* number = name + prefix + negative;
     size_t digits = strspn( number, "0123456789" );
     if ( strcmp( number + digits, parts->suffix ) != 0 )
-        return -1;
+        return false;
     // more digits than '#' only if the number needs them: 00012 does not match ####
     if ( digits < (size_t)parts->digits || ( digits > (size_t)parts->digits && number[0] == '0' ) )
-        return -1;
+        return false;
     long frame = 0;
     for ( size_t i = 0; i < digits; ++i )
     {
         frame = 10 * frame + ( number[i] - '0' );
         if ( frame > INT_MAX )
-            return -1;
+            return false;
     }
-    return (int)frame;
+    *frame_number = (int)( negative ? -frame : frame );
+    return !negative || frame > 0;
 }
 
 int rf_compare_frames( const void* a, const void* b )
@@ -139,8 +140,8 @@ static RfResult list_folder( const char* pattern, const Pattern* parts, DIR* fol
             return rf_fail_io( pattern, "its folder cannot be read", errno, error );
         if ( entry == NULL )
             break;
-        int frame = match_name( parts, entry->d_name );
-        if ( frame >= 0 && !append( frames, count, &room, frame ) )
+        int frame;
+        if ( match_name( parts, entry->d_name, &frame ) && !append( frames, count, &room, frame ) )
             return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the list of frames", pattern );
     }
     if ( *count == 0 )
@@ -217,11 +218,12 @@ bool rf_may_be_same_file( const char* a, const char* b )
     Pattern x = split( a ), y = split( b );
     if ( strcmp( a, b ) == 0 || is_same_inode( a, b ) )
         return true;
+    int frame;
     bool fits = strcmp( x.base, y.base ) == 0 || is_same_sequence( &x, &y );
     if ( x.run != NULL && y.run == NULL )
-        fits = match_name( &x, y.base ) >= 0;
+        fits = match_name( &x, y.base, &frame );
     if ( y.run != NULL && x.run == NULL )
-        fits = match_name( &y, x.base ) >= 0;
+        fits = match_name( &y, x.base, &frame );
     return fits && is_same_folder( a, b );
 }
 
@@ -274,7 +276,7 @@ void rf_format_frames( const int* frames, int count, char* text, size_t size )
             ++next;
         next = next - i < 3 ? i + 1 : next; // a run of two is listed, not written as a range
         if ( next > i + 1 )
-            snprintf( run, sizeof run, "%d-%d", frames[i], frames[next - 1] );
+            snprintf( run, sizeof run, frames[i] < 0 ? "%d to %d" : "%d-%d", frames[i], frames[next - 1] );
         else
             snprintf( run, sizeof run, "%d", frames[i] );
         if ( used + strlen( run ) + 8 > size ) // leave room for ", ..."

@@ -18,7 +18,7 @@ int rf_compare_frames( const void* a, const void* b );
 // as the regular one: 1, 3, 7 lack 5.
 RfResult rf_missing_frames( const int* frames, int count, int** missing, int* missing_count, RfError* error );
 
-// Formats frame numbers as "3, 4, 8-12", truncated with "..." if too long.
+// Formats frame numbers as "-3 to 1, 3, 4, 8-12", truncated with "..." if too long.
 void rf_format_frames( const int* frames, int count, char* text, size_t size );
 
 #endif

@@ -165,7 +165,7 @@ RfResult rf_write_png( const char* path, const RfImage* image, float exposure_st
 RfResult rf_write_png_alpha( const char* path, const RfImage* image, const float* alpha, float exposure_stops, RfError* error );
 
 // Sequences: in a pattern such as "out/frame.####.exr" the run of '#' stands for the frame number,
-// which counts from 1, zero-padded to the length of the run (longer numbers take more digits).
+// zero-padded to the length of the run (longer numbers take more digits); a minus goes before that: out/frame.-0003.exr.
 // "out/frame.%04d.exr" is the same, and %d is "#".
 
 // True if the last path component has a run of '#' or a %04d. Several runs, or one in the name of a folder,

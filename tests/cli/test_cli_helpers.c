@@ -17,26 +17,27 @@
 
 #include <cmocka.h>
 
-static void expect_frames( const char* text, const char* wanted )
+// Of a sequence with these two numbers.
+static void expect_frames_of( int first, int last, const char* text, const char* wanted )
 {
-    int* frames;
-    int count;
+    int *frames, count, there[2] = { first, last };
     char list[256] = "";
     RfError error = { .code = RF_OK };
-    if ( rf_parse_frames( text, 10, &frames, &count, &error ) != RF_OK )
+    if ( rf_parse_frames( text, there, 2, &frames, &count, &error ) != RF_OK )
         fail_msg( "%s: %s", text, error.text );
     for ( int i = 0, used = 0; i < count; ++i )
-        used += snprintf( list + used, sizeof list - (size_t)used, i > 0 ? " %d" : "%d", frames[i] + 1 );
+        used += snprintf( list + used, sizeof list - (size_t)used, i > 0 ? " %d" : "%d", frames[i] );
     free( frames );
     assert_string_equal( list, wanted );
 }
 
+static void expect_frames( const char* text, const char* wanted ) { expect_frames_of( 3, 10, text, wanted ); }
+
 static void expect_refused( const char* text, const char* part )
 {
-    int* frames;
-    int count;
+    int *frames, count, there[] = { 10 };
     RfError error = { .code = RF_OK };
-    assert_int_equal( rf_parse_frames( text, 10, &frames, &count, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_parse_frames( text, there, 1, &frames, &count, &error ), RF_ERROR_USAGE );
     assert_null( frames );
     if ( strstr( error.text, part ) == NULL )
         fail_msg( "'%s' gave '%s'", text, error.text );
@@ -53,12 +54,19 @@ static void test_frame_lists_as_users_write_them( void** state )
     expect_frames( "1-10x4", "1 5 9" );
     expect_frames( "9,2-3,3,1--1x9", "1 2 3 9 10" );
     expect_frames( "1-3x9223372036854775807", "1" );
+    expect_frames( "@9-10,2", "2 9 10" );
+    expect_frames_of( -3, 3, NULL, "-3 -2 -1 0 1 2 3" );
+    expect_frames_of( -3, 3, "-3", "1" ); // from the end
+    expect_frames_of( -3, 3, "@-3", "-3" );
+    expect_frames_of( -3, 3, "@-2--1,-1,@-3-3x3", "-3 -2 -1 0 3" );
+    expect_frames_of( -9, -7, "-1,@-9", "-9 -7" );
     expect_refused( "0", "no frame 0, the camera's path has 10 frames" );
     expect_refused( "11", "no frame 11" );
     expect_refused( "-11", "no frame -11" );
     expect_refused( "3-2", "runs backwards" );
+    expect_refused( "@-1", "no frame -1" );
     static const char* const wrong[] = {
-        "", "1,", ",1", "a", "1-", "1-3x0", "1-3x-1", "1 - 3", "--1", "1-3x", "99999999999999999999"
+        "", "1,", ",1", "a", "1-", "1-3x0", "1-3x-1", "1 - 3", "--1", "1-3x", "99999999999999999999", "@", "1-@3", "@@1"
     };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
         expect_refused( wrong[i], "expected frames such as" );

@@ -413,6 +413,37 @@ static void test_wrong_shots_are_errors( void** state )
     cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: must be a whole number" );
 }
 
+// A path from frame -2 to frame 2, in files, lists, ranges and the commands that read them.
+static void test_negative_frames( void** state )
+{
+    (void)state;
+    write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( -2, 0, 40 ) "," KEY( 2, 0.9, 60 ) "]}", SHOT );
+#define RENDER_SHOT "$R render room.gltf --spp 2 --tile 1 --group 1 --quiet "
+    cli_expect( cli_run( RENDER_SHOT "-o n/f.####.exr" ), 0, NULL );
+    static const char* const s_names[] = { "n/f.-0002.exr", "n/f.-0001.exr", "n/f.0000.exr", "n/f.0001.exr", "n/f.0002.exr" };
+    for ( int i = 0; i < 5; ++i )
+        assert_true( cli_exists( s_names[i] ) );
+    expect_text( "n/f.-0002.exr", "reframe/frame", "-2" );
+    cli_expect( cli_run( "rm n/f.-0001.exr n/f.-0002.exr; mkdir n/slurm" ), 0, NULL );
+    cli_expect( cli_run( RENDER_SHOT "-o n/f.####.exr --check --nodes 2 --json n/slurm/job.json" ), 1, "not there: -2, -1:" );
+    json_t* json = cli_read_json( "n/slurm/job.json" );
+    const json_t* ranges = json_object_get( json_object_get( json, "nodes" ), "ranges" );
+    assert_string_equal( json_string_value( json_object_get( json_array_get( ranges, 0 ), "frames" ) ), "@-2" );
+    json_decref( json );
+    cli_expect( cli_run( RENDER_SHOT "-o n/f.####.exr --frames @-2 --resume" ), 0, NULL );
+    const CliResult* told = cli_run( "$R report n -o n.html --quiet" ); // of the two that the ranges have
+    assert_int_equal( told->status, 0 );
+    assert_non_null( strstr( told->out, "1 of 2 frames are finished, missing -1" ) );
+    cli_expect( cli_run( RENDER_SHOT "-o m/f.####.exr --frames @-2--1,-1" ), 0, NULL ); // and the last
+    assert_int_equal( cli_count_files( ".exr", "m" ), 3 );
+    assert_true( is_same_picture( "m/f.-0002.exr", "n/f.-0002.exr" ) && is_same_picture( "m/f.0002.exr", "n/f.0002.exr" ) );
+    expect_among( cli_run( RENDER_SHOT "-o n/f.####.exr --frames -6" ), 2, "those of the path are written as @-3-3" );
+    cli_expect( cli_run( "$R compare m m --frames @-2--1 >told && $R png m z.####.png --frames @-2 >told && "
+                         "$R flicker m/f.####.exr --frames @-2--1 >told && $R compare m n >told" ),
+                0, NULL );
+    assert_true( cli_exists( "z.-0002.png" ) );
+}
+
 // Of a camera for pictures that are higher than wide.
 static void test_another_aspect_ratio_is_said( void** state )
 {
@@ -442,6 +473,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_variants_are_listed, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_negative_frames, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_another_aspect_ratio_is_said, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
     };

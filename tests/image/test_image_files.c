@@ -347,7 +347,8 @@ static void test_sequence_names_are_read_and_made( void** state )
     assert_string_equal( name, "plain.exr" );
     assert_int_equal( rf_sequence_name( "#a#", 1, name, sizeof name, &error ), RF_ERROR_USAGE );
     assert_int_equal( rf_sequence_name( "a#/b.#", 1, name, sizeof name, &error ), RF_ERROR_USAGE );
-    assert_int_equal( rf_sequence_name( "####", -1, name, sizeof name, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_sequence_name( "s.#.exr", -1, name, sizeof name, &error ), RF_OK );
+    assert_string_equal( name, "s.-1.exr" );
     assert_int_equal( rf_sequence_name( "####", 1, name, 4, &error ), RF_ERROR_USAGE );
 }
 
@@ -387,18 +388,23 @@ static void test_printf_patterns_are_understood( void** state )
 static void test_sequence_frames( void** state )
 {
     (void)state;
-    const char* const names[] = { "s.0010.exr", "s.0002.exr",  "s.12345.exr", "s.00012.exr",      "s.001.exr",
-                                  "s.0003.ex",  "xs.0004.exr", "s.-001.exr",  "s.99999999999.exr" };
+    const char* const names[] = { "s.0010.exr",  "s.0002.exr", "s.12345.exr",       "s.00012.exr", "s.001.exr",  "s.0003.ex",
+                                  "xs.0004.exr", "s.-001.exr", "s.99999999999.exr", "s.-0012.exr", "s.-0000.exr" };
     RfError error;
-    for ( int i = 0; i < 9; ++i )
+    for ( int i = 0; i < 11; ++i )
         assert_int_equal( rf_write_file_atomic( temp_path( names[i] ), "", 0, &error ), RF_OK );
     int* frames;
     int count;
     assert_int_equal( rf_sequence_frames( temp_path( "s.####.exr" ), &frames, &count, &error ), RF_OK );
-    const int expected[] = { 2, 10, 12345 };
-    assert_int_equal( count, 3 );
+    const int expected[] = { -12, 2, 10, 12345 };
+    assert_int_equal( count, 4 );
     assert_memory_equal( frames, expected, sizeof expected );
     free( frames );
+    char name[64];
+    assert_int_equal( rf_sequence_name( "s.%04d.exr", -12, name, sizeof name, &error ), RF_OK );
+    assert_string_equal( name, "s.-0012.exr" );
+    rf_format_frames( ( const int[] ){ -5, -4, -3, -1, 0, 2 }, 6, name, sizeof name );
+    assert_string_equal( name, "-5 to -3, -1, 0, 2" );
     assert_int_equal( rf_sequence_frames( temp_path( "t.####.exr" ), &frames, &count, &error ), RF_ERROR_IO );
     assert_null( frames );
     assert_int_equal( rf_sequence_frames( temp_path( "none/s.#" ), &frames, &count, &error ), RF_ERROR_IO );

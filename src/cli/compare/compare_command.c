@@ -162,7 +162,7 @@ static void say_noise( const RfErrorMetrics* m, char* text, size_t size )
     append( text, size, ")" );
 }
 
-void rf_error_verdict( const RfErrorMetrics* m, const size_t clipped[2], int worst_frame, char* text, size_t size )
+void rf_error_verdict( const RfErrorMetrics* m, const size_t clipped[2], const int* worst_frame, char* text, size_t size )
 {
     text[0] = '\0';
     if ( rf_has_no_error( m ) )
@@ -180,8 +180,8 @@ void rf_error_verdict( const RfErrorMetrics* m, const size_t clipped[2], int wor
     say_bias( m, clipped, text, size );
     say_noise( m, text, size );
     char part[128], frame[32] = "";
-    if ( worst_frame >= 0 )
-        snprintf( frame, sizeof frame, " in frame %d", worst_frame );
+    if ( worst_frame != NULL )
+        snprintf( frame, sizeof frame, " in frame %d", *worst_frame );
     if ( m->worst.frame >= 0 )
     {
         snprintf( part, sizeof part, "; worst pixel (%d, %d)%s, off by %.2g %%", m->worst.x, m->worst.y, frame,
@@ -227,11 +227,10 @@ static bool has_frame( const int* frames, int count, int frame )
 // Replaces the list by the frames that --frames names, all of which must exist.
 static RfResult choose_frames( CompareFrames* frames, const int* b, int b_count, RfError* error )
 {
-    int *wanted, count, last = frames->frames[frames->count - 1];
-    RfResult result = rf_parse_frames( frames->list, last > 0 ? last : 1, &wanted, &count, error );
+    int *wanted, count;
+    RfResult result = rf_parse_frames( frames->list, frames->frames, frames->count, &wanted, &count, error );
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
-        wanted[i] += 1;
         bool in_a = has_frame( frames->frames, frames->count, wanted[i] );
         if ( !in_a || !has_frame( b, b_count, wanted[i] ) )
             result = rf_fail( error, RF_ERROR_IO, "%s: frame %d is missing", frames->patterns[in_a ? 1 : 0], wanted[i] );
@@ -624,9 +623,10 @@ static RfResult finish( Compare* compare, RfError* error )
     metrics.worst = compare->worst;
     if ( rf_has_no_error( &metrics ) )
         metrics.worst.frame = -1;
-    int worst = metrics.worst.frame >= 0 ? frame_number( compare, metrics.worst.frame ) : -1;
+    bool has_worst = metrics.worst.frame >= 0 && compare->in.frames != NULL;
+    int worst = metrics.worst.frame >= 0 ? frame_number( compare, metrics.worst.frame ) : 0;
     char verdict[1024];
-    rf_error_verdict( &metrics, compare->clipped, compare->in.frames != NULL ? worst : -1, verdict, sizeof verdict );
+    rf_error_verdict( &metrics, compare->clipped, has_worst ? &worst : NULL, verdict, sizeof verdict );
     if ( compare->table )
         print_error_row( "all", &metrics );
     if ( compare->table && isfinite( metrics.bias_low ) )
@@ -677,7 +677,7 @@ int rf_command_compare( int argc, char** argv )
         { .name = "frames",
           .type = RF_OPTION_STRING,
           .value = &compare.in.list,
-          .meta = "A-B[xSTEP][,...]",
+          .meta = "[@]A-B[xSTEP][,...]",
           .default_text = "all",
           .help = "compare only these frames of the sequences" },
         { .name = "layer",

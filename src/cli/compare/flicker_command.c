@@ -65,11 +65,11 @@ static RfResult flicker_path( const char* pattern, int frame, char path[FLICKER_
 // Keeps the frames that --frames names, all of which must exist.
 static RfResult choose_frames( FlickerRun* flicker, RfError* error )
 {
-    int *wanted, count, last = flicker->frames[flicker->frame_count - 1];
-    RfResult result = rf_parse_frames( flicker->frame_list, last > 0 ? last : 1, &wanted, &count, error );
+    int *wanted, count;
+    RfResult result = rf_parse_frames( flicker->frame_list, flicker->frames, flicker->frame_count, &wanted, &count, error );
     for ( int i = 0, from = 0; i < count && result == RF_OK; ++i )
     {
-        int number = wanted[i] + 1;
+        int number = wanted[i];
         while ( from < flicker->frame_count && flicker->frames[from] < number )
             ++from;
         if ( from == flicker->frame_count || flicker->frames[from] != number )
@@ -83,8 +83,6 @@ static RfResult choose_frames( FlickerRun* flicker, RfError* error )
     free( flicker->frames );
     flicker->frames = wanted;
     flicker->frame_count = count;
-    for ( int i = 0; i < count; ++i )
-        wanted[i] += 1;
     return RF_OK;
 }
 
@@ -494,7 +492,7 @@ int rf_command_flicker( int argc, char** argv )
         { .name = "frames",
           .type = RF_OPTION_STRING,
           .value = &flicker.frame_list,
-          .meta = "A-B",
+          .meta = "[@]A-B",
           .default_text = "all",
           .help = "measure only these frames, which must be consecutive" },
         { .name = "layer",

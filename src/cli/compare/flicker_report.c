@@ -28,7 +28,7 @@ RfSeams rf_read_seams( const char* path, int number, int last )
     RfSeams seams = { 0 };
     int group, spp, frame, frames;
     if ( !read_whole( path, "reframe/group", 1, MOST_FRAMES, &group ) || !read_whole( path, "reframe/spp", 1, 1 << 20, &spp ) ||
-         !read_whole( path, "reframe/frame", 1, MOST_FRAMES, &frame ) )
+         !read_whole( path, "reframe/frame", -MOST_FRAMES, MOST_FRAMES, &frame ) )
         return seams;
     seams.first = number - ( frame - 1 );
     if ( !read_whole( path, "reframe/frames", 1, MOST_FRAMES, &frames ) )

@@ -22,7 +22,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define ENTRY 40 // characters of "-1234567890-1234567890x1234567890,"
+#define ENTRY 40 // characters of "@-1234567890--1234567890x1234567890,"
 
 RfResult rf_cut_ranges( int nodes, const RfDividedFrames* frames, const RfRenderSettings* settings, RfRanges* ranges,
                         RfError* error )
@@ -54,7 +54,7 @@ static int series( const int* numbers, int count, int step )
     return length == 2 && numbers[1] - numbers[0] != step ? 1 : length;
 }
 
-// Frames as --frames takes them: "1-24", "1,7,9-15x2". The caller frees the text; NULL where memory ran out.
+// Frames as --frames takes them: "1-24", "1,7,9-15x2", "@-3-24". The caller frees the text; NULL where memory ran out.
 static char* frame_list( const int* numbers, int count, int step )
 {
     char* text = malloc( (size_t)( count > 0 ? count : 1 ) * ENTRY );
@@ -66,7 +66,7 @@ static char* frame_list( const int* numbers, int count, int step )
     {
         length = series( numbers + i, count - i, step );
         int apart = length > 1 ? numbers[i + 1] - numbers[i] : step;
-        used += (size_t)snprintf( text + used, ENTRY, "%s%d", i > 0 ? "," : "", numbers[i] );
+        used += (size_t)snprintf( text + used, ENTRY, "%s%s%d", i > 0 ? "," : "", numbers[i] < 0 ? "@" : "", numbers[i] );
         if ( length > 1 )
             used += (size_t)snprintf( text + used, ENTRY, "-%d", numbers[i + length - 1] );
         if ( apart != step )
@@ -169,7 +169,7 @@ void rf_free_folder_list( RfFolderList* list )
     *list = ( RfFolderList ){ 0 };
 }
 
-// Where the last number of a name before ".exr" is; false where it has none.
+// Where the last number of a name before ".exr" is; false where it has none. A minus belongs to it where no word is before that.
 static bool find_number( const char* name, size_t* begin, size_t* length )
 {
     size_t end = strlen( name ) - strlen( ".exr" );
@@ -178,9 +178,13 @@ static bool find_number( const char* name, size_t* begin, size_t* length )
     *begin = end;
     while ( *begin > 0 && isdigit( (unsigned char)name[*begin - 1] ) )
         --*begin;
+    if ( *begin<end&& * begin> 0 && name[*begin - 1] == '-' && ( *begin == 1 || !isalnum( (unsigned char)name[*begin - 2] ) ) )
+        --*begin;
     *length = end - *begin;
     return *length > 0;
 }
+
+static size_t count_digits( const char* name, size_t begin, size_t length ) { return length - ( name[begin] == '-' ); }
 
 // Of one sequence: the same but for the number.
 static bool is_alike( const char* a, const char* b )
@@ -198,13 +202,13 @@ static void make_pattern( const RfFolderList* list, const char* name, char patte
     snprintf( pattern, NAME_SIZE, "%s", name );
     if ( !find_number( name, &begin, &length ) )
         return;
-    shortest = length;
+    shortest = count_digits( name, begin, length );
     for ( int i = 0; i < list->count; ++i )
     {
         size_t other_begin, other_length;
         if ( is_alike( name, list->names[i] ) && find_number( list->names[i], &other_begin, &other_length ) &&
-             other_length < shortest )
-            shortest = other_length;
+             count_digits( list->names[i], other_begin, other_length ) < shortest )
+            shortest = count_digits( list->names[i], other_begin, other_length );
     }
     used = (size_t)snprintf( pattern, NAME_SIZE, "%.*s", (int)begin, name );
     for ( size_t i = 0; i < shortest && used + 1 < NAME_SIZE; ++i )
@@ -242,7 +246,8 @@ RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size
 
 typedef struct Range
 {
-    long first, last, step; // as written: negative from the end
+    bool is_own;            // written with '@': numbers as the path has them
+    long first, last, step; // as written: else negative from the end
 } Range;
 
 // Parses a whole number with an optional minus sign and advances *text past it.
@@ -258,9 +263,11 @@ static bool take_number( const char** text, long* number )
     return errno == 0;
 }
 
-// Parses "A", "A-B" or either with "xSTEP", up to a comma or the end.
+// Parses "A", "A-B" or either with '@' before it or "xSTEP" behind it, up to a comma or the end.
 static bool take_range( const char** text, Range* range )
 {
+    range->is_own = **text == '@';
+    *text += range->is_own;
     if ( !take_number( text, &range->first ) )
         return false;
     range->last = range->first;
@@ -288,7 +295,7 @@ typedef struct Numbers
 
 static long last_number( const Numbers* numbers ) { return numbers->first + ( numbers->count - 1 ) * numbers->step; }
 
-static RfResult fail_missing( long number, const Numbers* numbers, RfError* error )
+static RfResult fail_missing( long number, bool is_own, const Numbers* numbers, RfError* error )
 {
     if ( numbers->first == 1 && numbers->step == 1 )
         return rf_fail( error, RF_ERROR_USAGE, "--frames: there is no frame %ld, the camera's path has %ld frame%s", number,
@@ -296,25 +303,29 @@ static RfResult fail_missing( long number, const Numbers* numbers, RfError* erro
     char steps[48] = "";
     if ( numbers->step > 1 )
         snprintf( steps, sizeof steps, " in steps of %ld", numbers->step );
-    return rf_fail( error, RF_ERROR_USAGE, "--frames: there is no frame %ld, the camera's path has frames %ld to %ld%s", number,
-                    numbers->first, last_number( numbers ), steps );
+    return rf_fail( error, RF_ERROR_USAGE, "--frames: there is no frame %ld, the camera's path has frames %ld to %ld%s%s", number,
+                    numbers->first, last_number( numbers ), steps,
+                    number < 0 && !is_own && numbers->first < 0 ? "; negative numbers count from the end, those of the path are "
+                                                                  "written as @-3-3"
+                                                                : "" );
 }
 
-// Makes a negative number one of the path; fails beyond its ends.
-static RfResult resolve( long written, const Numbers* numbers, long* number, RfError* error )
+// Makes a number that counts from the end one of the path; fails beyond its ends.
+static RfResult resolve( long written, bool is_own, const Numbers* numbers, long* number, RfError* error )
 {
-    *number = written < 0 ? numbers->first + ( written + numbers->count ) * numbers->step : written;
+    bool from_end = written < 0 && !is_own;
+    *number = from_end ? numbers->first + ( written + numbers->count ) * numbers->step : written;
     bool inside = *number >= numbers->first && *number < last_number( numbers ) + numbers->step;
-    bool counted = written >= 0 || written >= -numbers->count;
-    return inside && counted ? RF_OK : fail_missing( written, numbers, error );
+    bool counted = !from_end || written >= -numbers->count;
+    return inside && counted ? RF_OK : fail_missing( written, is_own, numbers, error );
 }
 
 static RfResult mark_range( Range range, const Numbers* numbers, bool* wanted, RfError* error )
 {
     long first, last;
-    RfResult result = resolve( range.first, numbers, &first, error );
+    RfResult result = resolve( range.first, range.is_own, numbers, &first, error );
     if ( result == RF_OK )
-        result = resolve( range.last, numbers, &last, error );
+        result = resolve( range.last, range.is_own, numbers, &last, error );
     if ( result != RF_OK )
         return result;
     if ( first > last )
@@ -330,7 +341,7 @@ static RfResult mark_range( Range range, const Numbers* numbers, bool* wanted, R
         if ( number >= last )
             break;
     }
-    return any ? RF_OK : fail_missing( first, numbers, error );
+    return any ? RF_OK : fail_missing( first, true, numbers, error );
 }
 
 static RfResult mark_all( const char* text, const Numbers* numbers, bool* wanted, RfError* error )
@@ -344,8 +355,11 @@ static RfResult mark_all( const char* text, const Numbers* numbers, bool* wanted
     {
         Range range;
         if ( !take_range( &next, &range ) )
-            return rf_fail( error, RF_ERROR_USAGE,
-                            "--frames: expected frames such as 7, 1-48, 1-48x2, -5--1 with commas between them, got '%s'", text );
+            return rf_fail(
+                error, RF_ERROR_USAGE,
+                "--frames: expected frames such as 7, 1-48, 1-48x2, -5--1 (the last five) or @-5--1 (by their numbers) "
+                "with commas between them, got '%s'",
+                text );
         RfResult result = mark_range( range, numbers, wanted, error );
         if ( result != RF_OK || *next == '\0' )
             return result;
@@ -379,10 +393,14 @@ static RfResult parse( const char* text, const Numbers* numbers, int** frames, i
     return result;
 }
 
-RfResult rf_parse_frames( const char* text, int frame_count, int** frames, int* count, RfError* error )
+RfResult rf_parse_frames( const char* text, const int* there, int there_count, int** frames, int* count, RfError* error )
 {
-    Numbers numbers = { 1, 1, frame_count };
-    return parse( text, &numbers, frames, count, error );
+    long first = there[0] < 1 ? there[0] : 1, last = there[there_count - 1] > first ? there[there_count - 1] : first;
+    Numbers numbers = { first, 1, last - first + 1 };
+    RfResult result = parse( text, &numbers, frames, count, error );
+    for ( int i = 0; i < *count; ++i )
+        ( *frames )[i] += (int)first;
+    return result;
 }
 
 RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCameraPath* path, int** frames, int* count,
@@ -413,13 +431,12 @@ static bool is_file( const char* path )
 // Replaces the frames by those that --frames names, all of which must be there.
 static RfResult choose_frames( const char* list, RfSequenceInput* input, RfError* error )
 {
-    int *wanted, count, last = input->frames[input->count - 1];
-    RfResult result = rf_parse_frames( list, last > 0 ? last : 1, &wanted, &count, error );
+    int *wanted, count;
+    RfResult result = rf_parse_frames( list, input->frames, input->count, &wanted, &count, error );
     if ( result != RF_OK )
         return result;
     for ( int i = 0, next = 0; i < count && result == RF_OK; ++i )
     {
-        wanted[i] += 1; // rf_parse_frames counts from 0
         while ( next < input->count && input->frames[next] < wanted[i] )
             ++next;
         if ( next == input->count || input->frames[next] != wanted[i] )

@@ -11,14 +11,14 @@
 #include <stddef.h>
 #include <jansson.h>
 
-// Lists of frames: "A", "A-B", "A-BxSTEP", "-5--1", with commas between them.
+// Lists of frames: "A", "A-B", "A-BxSTEP", with commas between them. Negative numbers count from the end, "-5--1", unless the
+// range begins with '@': "@-3-3" are those that have these numbers.
 
-// Parses the frames that `text` names on a path of `frame_count` frames into *frames:
-// *count indices from 0, ascending, each once; the caller frees them. Numbers in the text
-// start at 1, negative ones count from the end. NULL text: all frames.
-RfResult rf_parse_frames( const char* text, int frame_count, int** frames, int* count, RfError* error );
+// Parses the frames that `text` names of a sequence that has those `there`, at least one and ascending: *count numbers, from 1 or
+// the first of it to the last, ascending, each once; the caller frees them. NULL text: all of these.
+RfResult rf_parse_frames( const char* text, const int* there, int there_count, int** frames, int* count, RfError* error );
 
-// The same for the frames of a camera path, by their own numbers, and for text from the command line or
+// The frames of a camera path, as indices from 0, for text from the command line or
 // from the scene file; in the latter case errors name the file. Of a path in steps, A-B are the frames in between.
 RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCameraPath* path, int** frames, int* count,
                            RfError* error );

@@ -215,7 +215,10 @@ static const RfOption s_options[] = {
       .value = &render_parse.options.output,
       .meta = "PATTERN",
       .help = "output files, such as out/frame.####.exr; #### (or %04d) is the frame number; the folder is created if missing" },
-    RF_PATH_OPTIONS( render_parse.options, "frame numbers follow Blender's, else start at 1; negative ones count from the end" ),
+    RF_PATH_OPTIONS(
+        render_parse.options,
+        "frame numbers follow Blender's, else start at 1; negative ones count from the end, with @ they are the path's own: "
+        "@-3-3" ),
     RF_LENS_OPTIONS( render_parse.options ),
     RF_MOVEMENT_OPTIONS( render_parse.options ),
     RF_STOP_OPTIONS(

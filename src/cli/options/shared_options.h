@@ -32,7 +32,7 @@ extern RfDefaultTexts rf_default_texts;
           .in_file = true,                                                                                                       \
           .type = RF_OPTION_STRING,                                                                                              \
           .value = &( o ).frames,                                                                                                \
-          .meta = "A-B[xSTEP][,...]",                                                                                            \
+          .meta = "[@]A-B[xSTEP][,...]",                                                                                         \
           .default_text = "all",                                                                                                 \
           .help = ( frames_help ) },                                                                                             \
         { .name = "fps",                                                                                                         \

@@ -59,7 +59,7 @@ static const RfOption s_options[] = {
     { .name = "frames",
       .type = RF_OPTION_STRING,
       .value = &s_frames,
-      .meta = "A-B[xSTEP][,...]",
+      .meta = "[@]A-B[xSTEP][,...]",
       .default_text = "all",
       .help = "convert only these frames of a sequence" },
     { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no summary" },

@@ -275,9 +275,9 @@ static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_c
     int left = 0;
     for ( int i = 0, k = 0; i < count; ++i )
     {
-        while ( k < wanted_count && wanted[k] + 1 < numbers[i] )
+        while ( k < wanted_count && wanted[k] < numbers[i] )
             ++k;
-        if ( k < wanted_count && wanted[k] + 1 == numbers[i] )
+        if ( k < wanted_count && wanted[k] == numbers[i] )
             numbers[left++] = numbers[i];
     }
     return left;
@@ -285,10 +285,10 @@ static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_c
 
 static RfResult choose_frames( RfPageRun* report, RfError* error )
 {
-    int *wanted, count, last = report->numbers[report->count - 1];
+    int *wanted, count;
     if ( report->frame_list == NULL )
         return RF_OK;
-    RfResult result = rf_parse_frames( report->frame_list, last > 0 ? last : 1, &wanted, &count, error );
+    RfResult result = rf_parse_frames( report->frame_list, report->numbers, report->count, &wanted, &count, error );
     if ( result != RF_OK )
         return result;
     report->count = keep_wanted( report->numbers, report->count, wanted, count );
@@ -582,7 +582,7 @@ int rf_command_report( int argc, char** argv )
         { .name = "frames",
           .type = RF_OPTION_STRING,
           .value = &report.frame_list,
-          .meta = "A-B[xSTEP][,...]",
+          .meta = "[@]A-B[xSTEP][,...]",
           .default_text = "all",
           .help = "show only these frames" },
         { .name = "width",

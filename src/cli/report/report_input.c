@@ -88,13 +88,14 @@ static bool take_number( const char** text, long* number )
     return good;
 }
 
-// Frames of "1-9,12,20-30x2" and how many of them are there; the others are appended to `left`. -1: it is no such text.
+// Frames of "1-9,12,20-30x2" or "@-3-3" and how many of them are there; the others are appended to `left`. -1: it is no such text.
 static int count_frames( const char* text, long step, const RfTaskFrames* there, int* finished, json_t* left )
 {
     int count = 0;
     while ( *text != '\0' )
     {
         long first, last, apart = step;
+        text += *text == '@';
         if ( !take_number( &text, &first ) )
             return -1;
         last = first;

@@ -442,7 +442,8 @@ RfResult rf_read_key_time( const RfField* key, bool in_frames, int index, double
     RfResult result = rf_field_require( key, name, want );
     if ( result == RF_OK )
         result = rf_field_number(
-            &field, in_frames ? rf_range( 0.0, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ), times + index );
+            &field, in_frames ? rf_range( -RF_MAX_TRACK_FRAMES, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ),
+            times + index );
     if ( result != RF_OK )
         return result;
     if ( index > 0 && !( times[index] - times[index - 1] >= MIN_STEP ) )
