@@ -37,13 +37,18 @@ RfResult rf_decode_exr( const RfEncoded* in, RfPixels* out, RfError* error )
         .max_bytes = RF_DECODE_MAX_BYTES,
     };
     RfImage image;
+    RfColourConversion conversion;
     if ( in->header_alone )
         return measure_exr( in, &stream, out, error );
-    RfResult result = rf_read_exr_stream( &stream, &image, error );
+    RfResult result = rf_read_exr_stream( &stream, &image, &conversion, error );
     if ( result != RF_OK )
         return result;
-    *out =
-        ( RfPixels ){ .width = image.width, .height = image.height, .channels = 3, .type = RF_PIXELS_FLOAT, .data = image.rgb };
+    *out = ( RfPixels ){ .width = image.width,
+                         .height = image.height,
+                         .channels = 3,
+                         .type = RF_PIXELS_FLOAT,
+                         .data = image.rgb,
+                         .conversion = conversion };
     return RF_OK;
 }
 
@@ -186,6 +191,23 @@ static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfEr
     return RF_OK;
 }
 
+// Converts to Rec. 709, where light of other colours has negative values: they become 0. Returns their share of the light.
+static double convert_primaries( const RfPixels* pixels, float* rgb )
+{
+    size_t count = 3 * (size_t)pixels->width * (size_t)pixels->height;
+    double light = 0.0, outside = 0.0;
+    if ( !pixels->conversion.needed )
+        return 0.0;
+    rf_convert_colours( &pixels->conversion, RF_COLOUR_LIGHT, rgb, count / 3, 3 );
+    for ( size_t i = 0; i < count; ++i )
+    {
+        light += (double)fabsf( rgb[i] );
+        outside -= fmin( (double)rgb[i], 0.0 );
+        rgb[i] = fmaxf( rgb[i], 0.0f );
+    }
+    return light > 0.0 ? outside / light : 0.0;
+}
+
 // Converts to linear floats; takes ownership of the pixels.
 static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfError* error )
 {
@@ -202,8 +224,9 @@ static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfErro
 }
 
 RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* name, int* width, int* height, float** rgb,
-                                    RfError* error )
+                                    double* outside, RfError* error )
 {
+    *outside = 0.0;
     *width = *height = 0;
     *rgb = NULL;
     RfPixels pixels;
@@ -215,13 +238,15 @@ RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* 
     {
         *width = pixels.width;
         *height = pixels.height;
+        *outside = convert_primaries( &pixels, *rgb );
     }
     rf_destroy_pixels( &pixels );
     return result;
 }
 
-RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, RfError* error )
+RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, double* outside, RfError* error )
 {
+    *outside = 0.0;
     *width = *height = 0;
     *rgb = NULL;
     uint8_t* bytes;
@@ -229,7 +254,7 @@ RfResult rf_load_environment_map( const char* path, int* width, int* height, flo
     RfResult result = rf_read_file( path, MAX_FILE_BYTES, &bytes, &size, error );
     if ( result != RF_OK )
         return result;
-    result = rf_decode_environment_map( bytes, size, path, width, height, rgb, error );
+    result = rf_decode_environment_map( bytes, size, path, width, height, rgb, outside, error );
     free( bytes );
     return result;
 }

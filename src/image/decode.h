@@ -4,6 +4,7 @@
 #ifndef REFRAME_IMAGE_DECODE_H
 #define REFRAME_IMAGE_DECODE_H
 
+#include "image/colour.h"
 #include "reframe/error.h"
 
 #include <stdbool.h>
@@ -26,7 +27,8 @@ typedef struct RfPixels
         RF_PIXELS_U16,
         RF_PIXELS_FLOAT
     } type;
-    void* data; // allocated by malloc
+    void* data;                    // allocated by malloc
+    RfColourConversion conversion; // of colours to Rec. 709, which the user makes: normals and the like are none
 } RfPixels;
 
 // Decodes a whole image. `name` begins the error message. Fails with RF_ERROR_FORMAT if the
@@ -51,11 +53,12 @@ float rf_srgb_to_linear( float encoded );
 
 // Loads an equirectangular environment map as linear RGB, 3 floats per pixel, which the caller
 // frees with free(). EXR and HDR are linear, all else is decoded from sRGB. Negative,
-// infinite or NaN values are rejected; the message gives the pixel.
-RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, RfError* error );
+// infinite or NaN values are rejected; the message gives the pixel. What an EXR has in other primaries is converted to Rec. 709;
+// *outside is the share of its light that is beyond these and lost.
+RfResult rf_load_environment_map( const char* path, int* width, int* height, float** rgb, double* outside, RfError* error );
 
 // The same from the bytes of a file; `name` begins the message.
 RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* name, int* width, int* height, float** rgb,
-                                    RfError* error );
+                                    double* outside, RfError* error );
 
 #endif

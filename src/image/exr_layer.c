@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 // Finds the channel whose name is the first `length` characters of `prefix` followed by
@@ -290,10 +291,57 @@ static void take_value( void* user, int channel, int x, int y, const float* valu
         out[3 * i] = values[i];
 }
 
+// Is it the letter of red (0), green or blue?
+static bool is_letter( const char* word, int c )
+{
+    static const char* const s_words[3][3] = { { "R", "r", "red" }, { "G", "g", "green" }, { "B", "b", "blue" } };
+    return strcmp( word, s_words[c][0] ) == 0 || strcmp( word, s_words[c][1] ) == 0 || strcmp( word, s_words[c][2] ) == 0;
+}
+
+// What three channels are by their names, which begin with that of the part where there are several.
+static RfColourKind kind_of( const char* const names[3] )
+{
+    const char* dots[3];
+    for ( int c = 0; c < 3; ++c )
+    {
+        dots[c] = strrchr( names[c], '.' );
+        if ( !is_letter( dots[c] != NULL ? dots[c] + 1 : names[c], c ) )
+            return RF_COLOUR_NONE;
+        size_t length = dots[0] != NULL ? (size_t)( dots[0] - names[0] ) : 0,
+               here = dots[c] != NULL ? (size_t)( dots[c] - names[c] ) : 0;
+        if ( here != length || strncmp( names[c], names[0], length ) != 0 )
+            return RF_COLOUR_NONE;
+    }
+    static const char ids[] = "crypto", variance[] = "variance";
+    const char *end = dots[0], *layer = names[0];
+    for ( const char* c = names[0]; end != NULL && c < end; ++c ) // any part of the name
+    {
+        if ( ( c == names[0] || c[-1] == '.' ) && strncasecmp( c, ids, strlen( ids ) ) == 0 )
+            return RF_COLOUR_NONE;
+        layer = c == names[0] || c[-1] == '.' ? c : layer;
+    }
+    bool of_variance =
+        end != NULL && (size_t)( end - layer ) == strlen( variance ) && strncmp( layer, variance, strlen( variance ) ) == 0;
+    return of_variance ? RF_COLOUR_VARIANCE : RF_COLOUR_LIGHT;
+}
+
+// The conversion of three channels of a part.
+static RfResult find_conversion( const RfExrPart* part, const char* const names[3], RfColourKind* kind,
+                                 RfColourConversion* conversion, RfError* error )
+{
+    *kind = kind_of( names );
+    *conversion = ( RfColourConversion ){ .needed = false };
+    return *kind != RF_COLOUR_NONE ? rf_read_exr_colours( part, conversion, error ) : RF_OK;
+}
+
 static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels, RfImage* image, size_t* clipped,
                             RfError* error )
 {
-    RfResult result = rf_create_image( part->width, part->height, image, error );
+    RfColourKind kind = RF_COLOUR_NONE;
+    RfColourConversion conversion = { .needed = false };
+    RfResult result = channels->count == 3 ? find_conversion( part, channels->names, &kind, &conversion, error ) : RF_OK;
+    if ( result == RF_OK )
+        result = rf_create_image( part->width, part->height, image, error );
     // duplicate channels are read once, then copied
     if ( result == RF_OK )
         result = rf_read_exr_lines( part, channels->names, channels->count, take_value, image, error );
@@ -313,7 +361,10 @@ static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels
         image->rgb[3 * i + 2] = image->rgb[3 * i + (size_t)like[2]];
     }
     if ( result == RF_OK )
+    {
         *clipped = count_clipped( image->rgb, pixels, half, 3 );
+        rf_convert_colours( &conversion, kind, image->rgb, pixels, 3 );
+    }
     else
         rf_destroy_image( image );
     return result;
@@ -357,7 +408,9 @@ typedef struct Interleaved
     const char* names[RF_EXR_MAX_CHANNELS];
     int places[RF_EXR_MAX_CHANNELS];
     int count;
-    bool half[RF_EXR_MAX_CHANNELS]; // by place
+    bool half[RF_EXR_MAX_CHANNELS];                      // by place
+    RfColourConversion conversions[RF_EXR_MAX_CHANNELS]; // of three channels from a place on
+    RfColourKind kinds[RF_EXR_MAX_CHANNELS];
 } Interleaved;
 
 static void take_channel( void* user, int channel, int x, int y, const float* values, int count )
@@ -368,7 +421,22 @@ static void take_channel( void* user, int channel, int x, int y, const float* va
         out[(size_t)i * (size_t)to->channels] = values[i];
 }
 
-static RfResult read_part( RfExrStream* stream, int index, Interleaved* to, RfError* error )
+// Colours among the channels: three of a layer that follow each other.
+static RfResult find_colours( const RfExrPart* part, const RfExrName* const* wanted, Interleaved* to, RfError* error )
+{
+    RfResult result = RF_OK;
+    for ( int i = 0; i + 2 < to->count && result == RF_OK; ++i )
+    {
+        int place = to->places[i];
+        if ( to->places[i + 2] != place + 2 )
+            continue;
+        const char* const names[3] = { wanted[place]->text, wanted[place + 1]->text, wanted[place + 2]->text };
+        result = find_conversion( part, names, to->kinds + place, to->conversions + place, error );
+    }
+    return result;
+}
+
+static RfResult read_part( RfExrStream* stream, int index, const RfExrName* const* wanted, Interleaved* to, RfError* error )
 {
     RfExrPart part;
     RfResult result = rf_open_exr_part( stream, index, &part, error );
@@ -376,7 +444,9 @@ static RfResult read_part( RfExrStream* stream, int index, Interleaved* to, RfEr
         return result;
     for ( int i = 0; i < to->count; ++i )
         to->half[to->places[i]] = is_half_channel( &part, to->names[i] );
-    result = rf_read_exr_lines( &part, to->names, to->count, take_channel, to, error );
+    result = find_colours( &part, wanted, to, error );
+    if ( result == RF_OK )
+        result = rf_read_exr_lines( &part, to->names, to->count, take_channel, to, error );
     rf_close_exr_part( &part );
     return result;
 }
@@ -400,7 +470,7 @@ static RfResult read_parts( RfExrStream* stream, const RfExrName* const* wanted,
             to->names[to->count] = wanted[k]->own;
             to->places[to->count++] = k;
         }
-        result = read_part( stream, wanted[i]->part, to, error );
+        result = read_part( stream, wanted[i]->part, wanted, to, error );
     }
     return result;
 }
@@ -445,7 +515,10 @@ static RfResult read_wanted( const char* path, const RfExrName* const* wanted, i
         return result;
     }
     *values = to.values;
-    *clipped = count_clipped( to.values, (size_t)window->width * (size_t)window->height, to.half, count );
+    size_t pixels = (size_t)window->width * (size_t)window->height;
+    *clipped = count_clipped( to.values, pixels, to.half, count );
+    for ( int i = 0; i + 2 < count; ++i )
+        rf_convert_colours( to.conversions + i, to.kinds[i], to.values + i, pixels, (size_t)count );
     return RF_OK;
 }
 

@@ -376,7 +376,31 @@ static void spread_luminance( RfImage* image )
         image->rgb[3 * i + 1] = image->rgb[3 * i + 2] = image->rgb[3 * i];
 }
 
-RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error )
+RfResult rf_read_exr_colours( const RfExrPart* part, RfColourConversion* conversion, RfError* error )
+{
+    exr_attr_chromaticities_t read;
+    RfChromaticities given;
+    exr_result_t code = EXR_ERR_NO_ATTR_BY_NAME;
+    *conversion = ( RfColourConversion ){ .needed = false };
+    for ( int i = -1; i < part->count && code == EXR_ERR_NO_ATTR_BY_NAME; ++i )
+        code = exr_attr_get_chromaticities( part->context, i < 0 ? part->index : i, "chromaticities", &read );
+    if ( code == EXR_ERR_NO_ATTR_BY_NAME )
+        return RF_OK;
+    memcpy( &given, &read, sizeof given );
+    if ( code == EXR_ERR_SUCCESS && rf_convert_between( &given, rf_chromaticities_of( RF_REC709 ), conversion ) )
+        return RF_OK;
+    if ( code != EXR_ERR_SUCCESS )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: its attribute chromaticities cannot be read: correct it",
+                        part->stream->path );
+    return rf_fail(
+        error, RF_ERROR_FORMAT,
+        "%.600s: its chromaticities are no colour space (red %g %g, green %g %g, blue %g %g, white %g %g): correct or "
+        "remove this attribute",
+        part->stream->path, (double)given.xy[0][0], (double)given.xy[0][1], (double)given.xy[1][0], (double)given.xy[1][1],
+        (double)given.xy[2][0], (double)given.xy[2][1], (double)given.xy[3][0], (double)given.xy[3][1] );
+}
+
+RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfColourConversion* conversion, RfError* error )
 {
     *image = ( RfImage ){ 0 };
     RfExrPart part;
@@ -385,6 +409,9 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error
         return result;
     RfExrChannels channels;
     result = rf_find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
+    *conversion = ( RfColourConversion ){ .needed = false };
+    if ( result == RF_OK && channels.count == 3 )
+        result = rf_read_exr_colours( &part, conversion, error );
     if ( result == RF_OK )
         result = rf_create_image( part.width, part.height, image, error );
     if ( result == RF_OK )
@@ -404,7 +431,10 @@ RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
     RfResult result = rf_open_exr_file( path, &stream, error );
     if ( result != RF_OK )
         return result;
-    result = rf_read_exr_stream( &stream, image, error );
+    RfColourConversion conversion;
+    result = rf_read_exr_stream( &stream, image, &conversion, error );
+    if ( result == RF_OK )
+        rf_convert_colours( &conversion, RF_COLOUR_LIGHT, image->rgb, (size_t)image->width * (size_t)image->height, 3 );
     close( stream.fd );
     return result;
 }

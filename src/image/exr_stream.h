@@ -5,6 +5,7 @@
 #ifndef REFRAME_IMAGE_EXR_STREAM_H
 #define REFRAME_IMAGE_EXR_STREAM_H
 
+#include "image/colour.h"
 #include "reframe/image.h"
 
 #include <openexr.h>
@@ -48,8 +49,8 @@ RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* 
 // Opens a file for reading; after success the caller closes `fd`.
 RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error );
 
-// Reads the image from the beginning of the stream.
-RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfError* error );
+// Reads the image from the beginning of the stream, in the colours of the file; *conversion is that to Rec. 709.
+RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfColourConversion* conversion, RfError* error );
 
 // A part of a file that is being read.
 typedef struct RfExrPart
@@ -69,6 +70,9 @@ RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfEr
 
 // Closes a part.
 void rf_close_exr_part( RfExrPart* part );
+
+// The conversion of a part's colours to Rec. 709. Where the part lacks the attribute, another has it for all.
+RfResult rf_read_exr_colours( const RfExrPart* part, RfColourConversion* conversion, RfError* error );
 
 // Receives `count` values of a channel (an index into the names), starting at pixel (x, y) of
 // the data window and going right.

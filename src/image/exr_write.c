@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "image/atomic_file.h"
+#include "image/colour.h"
 #include "image/exr_dwa.h"
 #include "image/exr_stream.h"
 #include "image/half.h"
@@ -26,7 +27,14 @@ static bool is_half_of( float half, float value )
     return fabsf( half - value ) <= bound;
 }
 
-static float stored( const RfExrChannel* channel, float value ) { return channel->negated ? -value : value; }
+// The value of a pixel that the file has, where the channel's is at `value`.
+static float stored( const RfExrChannel* channel, const RfColourConversion* conversion, const float* value )
+{
+    RfColourKind kind = channel->meaning == RF_EXR_VARIANCE ? RF_COLOUR_VARIANCE : RF_COLOUR_LIGHT;
+    bool converts = conversion->needed && channel->meaning != RF_EXR_DATA;
+    float is = converts ? rf_convert_component( conversion, kind, channel->component, value - channel->component ) : *value;
+    return channel->negated ? -is : is;
+}
 
 // A part of the file that is written.
 typedef struct Part
@@ -51,6 +59,7 @@ typedef struct Writer
     bool changes[RF_EXR_MAX_CHANNELS]; // channels that DWA changes
     bool not_finite;                   // one of these has a NaN or an infinite value
     char colour[3][256];               // names of R, G and B
+    RfColourConversion conversion;     // to the file's colour space
     exr_encode_pipeline_t pipeline;
     exr_result_t ( *compress )( exr_encode_pipeline_t* ); // the library's function
     bool started;                                         // the pipeline is initialised
@@ -60,6 +69,7 @@ typedef struct Writer
 typedef struct Check
 {
     const RfExrChannel* channels;
+    const RfColourConversion* conversion;
     const bool* changes; // by DWA
     int width;
     bool same;
@@ -96,7 +106,7 @@ static void compare_line( void* user, int c, int x, int y, const float* values, 
     const float* source = channel->values + (size_t)channel->stride * ( (size_t)y * (size_t)check->width + (size_t)x );
     for ( int i = 0; i < count && check->same; ++i )
     {
-        float value = stored( channel, source[(size_t)channel->stride * (size_t)i] );
+        float value = stored( channel, check->conversion, source + (size_t)channel->stride * (size_t)i );
         if ( check->changes[c] )
         {
             add_error( check->sums[c], value, values[i] );
@@ -123,6 +133,7 @@ static RfResult verify_part( const Writer* writer, int index, RfError* error )
         names[c] = writer->channels[written->first + c].name;
     Check check = {
         .channels = writer->channels + written->first,
+        .conversion = &writer->conversion,
         .changes = writer->changes + written->first,
         .width = size->width,
         .same = part.width == size->width && part.height == size->height,
@@ -167,6 +178,8 @@ static RfResult check_options( const char* path, const RfImage* image, const RfE
     if ( rf_is_dwa( options->compression ) && !( options->dwa_level >= 0.0f && options->dwa_level <= RF_EXR_MAX_DWA_LEVEL ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: a level of DWA is 0 to %g, not %g", path, (double)RF_EXR_MAX_DWA_LEVEL,
                         (double)options->dwa_level );
+    if ( (unsigned)options->colour_space > RF_ACESCG )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: there is no colour space %d", path, (int)options->colour_space );
     if ( options->channel_count < 0 || options->channel_count > RF_EXR_MAX_CHANNELS - 3 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be written: at most %d and R, G, B", path,
                         options->channel_count, RF_EXR_MAX_CHANNELS - 3 );
@@ -312,6 +325,8 @@ static RfResult list_channels( Writer* writer, RfError* error )
                 .stride = 3,
                 .half = options->half,
                 .lossy = true,
+                .meaning = RF_EXR_COLOUR,
+                .component = i,
             };
         }
         else
@@ -324,6 +339,7 @@ static RfResult list_channels( Writer* writer, RfError* error )
             writer->parts[p].first = writer->channel_count;
         insert_channel( writer, p, &channel );
     }
+    rf_convert_between( rf_chromaticities_of( RF_REC709 ), rf_chromaticities_of( options->colour_space ), &writer->conversion );
     RfResult result = RF_OK;
     for ( int p = 0; p < writer->part_count && rf_is_dwa( options->compression ) && result == RF_OK; ++p )
         result = settle_dwa( writer, writer->parts + p, error );
@@ -334,7 +350,7 @@ static RfResult list_channels( Writer* writer, RfError* error )
 static bool is_clipped( const Writer* writer, int c, size_t i )
 {
     const RfExrChannel* channel = writer->channels + c;
-    float size = fabsf( channel->values[(size_t)channel->stride * i] );
+    float size = fabsf( stored( channel, &writer->conversion, channel->values + (size_t)channel->stride * i ) );
     return size > ( writer->changes[c] ? RF_DWA_MOST : RF_HALF_MAX ) && size <= FLT_MAX;
 }
 
@@ -401,9 +417,10 @@ static exr_result_t set_attribute( Writer* writer, const RfExrAttribute* attribu
 // OpenEXR Files", technical introduction to OpenEXR); readers look for the rest in the first.
 static exr_result_t set_attributes( Writer* writer )
 {
-    static const exr_attr_chromaticities_t rec709 = { 0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f };
     const RfExrOptions* options = writer->options;
-    exr_result_t code = exr_attr_set_chromaticities( writer->context, writer->part, "chromaticities", &rec709 );
+    exr_attr_chromaticities_t chromaticities;
+    memcpy( &chromaticities, rf_chromaticities_of( options->colour_space ), sizeof chromaticities );
+    exr_result_t code = exr_attr_set_chromaticities( writer->context, writer->part, "chromaticities", &chromaticities );
     for ( int i = 0; i < options->attribute_count && code == EXR_ERR_SUCCESS; ++i )
         code = set_attribute( writer, options->attributes + i );
     if ( code == EXR_ERR_SUCCESS && rf_is_dwa( writer->parts[writer->part].compression ) )
@@ -502,12 +519,13 @@ static void set_channel_sources( Writer* writer, int y )
 
 // Packs one line of a channel as stored. Stored values are little-endian, like the supported
 // machines.
-static uint8_t* pack_line( const RfExrChannel* source, const exr_coding_channel_info_t* channel, const float* values,
-                           bool changes, uint8_t* packed )
+static uint8_t* pack_line( const RfExrChannel* source, const RfColourConversion* conversion,
+                           const exr_coding_channel_info_t* channel, const float* values, bool changes, uint8_t* packed )
 {
     for ( int x = 0; x < channel->width; ++x, values += source->stride, packed += channel->bytes_per_element )
     {
-        float value = changes ? clamp_dwa( stored( source, *values ) ) : stored( source, *values );
+        float value = stored( source, conversion, values );
+        value = changes ? clamp_dwa( value ) : value;
         uint16_t half = channel->data_type == EXR_PIXEL_HALF ? rf_float_to_half( rf_clamp_half( value ) ) : 0;
         memcpy( packed, channel->data_type == EXR_PIXEL_HALF ? (const void*)&half : &value, (size_t)channel->bytes_per_element );
     }
@@ -545,7 +563,7 @@ static exr_result_t pack( exr_encode_pipeline_t* pipeline )
                 writer->not_finite = true;
                 return EXR_ERR_INVALID_ARGUMENT;
             }
-            packed = pack_line( sources + i, channel, values, changes[i], packed );
+            packed = pack_line( sources + i, &writer->conversion, channel, values, changes[i], packed );
         }
         if ( !rf_is_dwa( part->compression ) )
             part->hash = rf_hash_bytes( part->hash, begin, (size_t)( packed - begin ) );

@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "film/aov.h"
 #include "image/atomic_file.h"
+#include "image/colour.h"
 #include "image/exr.h"
 #include "output/matte_strings.h"
 #include "output/names.h"
@@ -109,6 +110,8 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     snprintf( settings, sizeof settings, "overscan %dx%d", path->overscan[0], path->overscan[1] );
     if ( ( path->overscan[0] | path->overscan[1] ) != 0 )
         hash = hash_text( hash, settings );
+    if ( s->files.colour_space != RF_REC709 )
+        hash = hash_text( hash_text( hash, "colour space" ), rf_colour_space_words[s->files.colour_space] );
     if ( s->files.names != RF_NAMES_REFRAME ) // one sequence, one naming and one time code
         hash = hash_text( hash, rf_pass_names_words[s->files.names] );
     if ( s->files.time_code != NULL )
@@ -151,6 +154,8 @@ static void put_files( Attributes* a, const RfFrameFiles* files )
     if ( files->parts != RF_PARTS_ONE )
         put_text( a, RF_KEY_PARTS, rf_parts_words[files->parts] );
     put_text( a, RF_KEY_FLOAT, files->half ? NULL : "yes" );
+    if ( files->colour_space != RF_REC709 )
+        put_text( a, RF_KEY_COLORSPACE, rf_colour_space_words[files->colour_space] );
 }
 
 // Whether the file of a frame has the format asked for, so that no sequence is mixed.
@@ -375,6 +380,7 @@ static const char* absent_value( RfKey key )
         case RF_KEY_COMPRESSION: return rf_compression_words[RF_EXR_ZIP];
         case RF_KEY_PARTS: return rf_parts_words[RF_PARTS_ONE];
         case RF_KEY_FLOAT: return "no";
+        case RF_KEY_COLORSPACE: return rf_colour_space_words[RF_REC709];
         case RF_KEY_EFFECTS: return "auto";
         case RF_KEY_FILTER: return rf_filter_name( RF_FILTER_BOX );
         case RF_KEY_FILTER_WIDTH: return "1";
@@ -415,7 +421,8 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
         RF_KEY_AOV,       RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
         RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
         RF_KEY_CLAMP,     RF_KEY_BLUR_STEPS,    RF_KEY_LIGHT_GROUPS,   RF_KEY_CRYPTOMATTE, RF_KEY_OVERSCAN,
-        RF_KEY_NAMES,     RF_KEY_TIMECODE,      RF_KEY_COMPRESSION,    RF_KEY_PARTS,       RF_KEY_FLOAT
+        RF_KEY_NAMES,     RF_KEY_TIMECODE,      RF_KEY_COMPRESSION,    RF_KEY_PARTS,       RF_KEY_FLOAT,
+        RF_KEY_COLORSPACE
     };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
@@ -535,6 +542,7 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.compression = output->settings.files.compression;
     exr.dwa_level = output->settings.files.dwa_level;
     exr.half = output->settings.files.half;
+    exr.colour_space = output->settings.files.colour_space;
     exr.fps_numerator = output->path->fps.numerator;
     exr.fps_denominator = (unsigned int)output->path->fps.denominator;
     exr.has_camera = true;

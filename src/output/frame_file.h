@@ -22,6 +22,7 @@
     X( COMPRESSION, "reframe/compression" )                                                                                      \
     X( PARTS, "reframe/parts" )                                                                                                  \
     X( FLOAT, "reframe/float" )                                                                                                  \
+    X( COLORSPACE, "reframe/colorspace" )                                                                                        \
     X( BLUR_STEPS, "reframe/blur-steps" )                                                                                        \
     X( GROUP, "reframe/group" )                                                                                                  \
     X( SPP, "reframe/spp" )                                                                                                      \
@@ -88,7 +89,7 @@ const char* rf_key_name( RfKey key );
 
 // What a frame that is there was rendered with, where that is not what is asked for.
 
-#define RF_MAX_DIFFERENCES 36
+#define RF_MAX_DIFFERENCES 37
 #define RF_DIFFERENCE_SIZE 256
 
 typedef struct RfFrameDifference

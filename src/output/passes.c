@@ -25,6 +25,8 @@ static RfResult add_pass( const RfPass* pass, const RfFrameFiles* files, RfPassC
         strcpy( part, name );
         if ( pass->layer != NULL )
             *strrchr( part, '.' ) = '\0';
+        bool is_colour = strcmp( pass->letters, "RGB" ) == 0,
+             is_variance = pass->layer != NULL && strcmp( pass->layer, rf_aov_name( RF_AOV_VARIANCE ) ) == 0;
         bool zero = pass->zero[channel.component % 4];
         list->channels[list->count++] = ( RfExrChannel ){
             .name = name,
@@ -32,7 +34,11 @@ static RfResult add_pass( const RfPass* pass, const RfFrameFiles* files, RfPassC
             .stride = zero ? 0 : letters,
             .half = files->half && pass->half,
             .negated = channel.negated && !zero,
-            .lossy = pass->half && strcmp( pass->letters, "RGB" ) == 0,
+            .lossy = pass->half && is_colour,
+            .meaning = !is_colour    ? RF_EXR_DATA
+                       : is_variance ? RF_EXR_VARIANCE
+                                     : RF_EXR_COLOUR,
+            .component = channel.component,
             .part = files->parts == RF_PARTS_EACH && pass->layer != NULL ? part : NULL,
         };
     }

@@ -29,6 +29,21 @@ RfResult rf_create_image( int width, int height, RfImage* image, RfError* error 
 // Frees the pixels and empties the struct.
 void rf_destroy_image( RfImage* image );
 
+// Linear colour in files: ITU-R BT.709 with the white D65, or ACEScg, the primaries AP1 with the white of ACES.
+typedef enum RfColourSpace
+{
+    RF_REC709,
+    RF_ACESCG,
+} RfColourSpace;
+
+// What a channel holds.
+typedef enum RfExrMeaning
+{
+    RF_EXR_DATA,
+    RF_EXR_COLOUR,   // red, green or blue of a colour
+    RF_EXR_VARIANCE, // or of its variance
+} RfExrMeaning;
+
 typedef enum RfExrCompression
 {
     RF_EXR_NONE,
@@ -72,6 +87,10 @@ typedef struct RfExrChannel
     bool negated;     // the file has the values with the opposite sign
     bool lossy;       // a colour, which DWA may change: R, G or B of a layer of which all three may
     const char* part; // the part of the file that it is in; NULL: the first, with R, G and B
+    // Of a colour or its variance: the file has it in options->colour_space. `values` is then number `component` of three floats that
+    // lie together, of red, green and blue in Rec. 709. Of a variance the root is converted as a colour.
+    RfExrMeaning meaning;
+    int component;
 } RfExrChannel;
 
 #define RF_EXR_DWA_LEVEL 45.0f // by default
@@ -88,13 +107,14 @@ typedef struct RfExrWindow
 typedef struct RfExrOptions
 {
     RfExrCompression compression;
-    float dwa_level;     // 0 to RF_EXR_MAX_DWA_LEVEL: the more, the smaller the file and the larger the error
-    bool half;           // R, G, B as half floats, clamped to ±65504; else 32-bit floats
-    const char* layer;   // whose channels R, G, B are, such as "ViewLayer.Combined"; NULL: of none
-    const char* part;    // the name of the part with R, G, B where there are several; NULL: "rgba"
-    int x, y;            // origin of the data window
-    RfExrWindow display; // window; without pixels: the data window
-    int fps_numerator;   // framesPerSecond; numerator 0: not written
+    float dwa_level;            // 0 to RF_EXR_MAX_DWA_LEVEL: the more, the smaller the file and the larger the error
+    RfColourSpace colour_space; // of the file, which the image in Rec. 709 is converted to
+    bool half;                  // R, G, B as half floats, clamped to ±65504; else 32-bit floats
+    const char* layer;          // whose channels R, G, B are, such as "ViewLayer.Combined"; NULL: of none
+    const char* part;           // the name of the part with R, G, B where there are several; NULL: "rgba"
+    int x, y;                   // origin of the data window
+    RfExrWindow display;        // window; without pixels: the data window
+    int fps_numerator;          // framesPerSecond; numerator 0: not written
     unsigned int fps_denominator;
     float pixel_aspect;         // width of a pixel over its height; 0 stands for 1
     bool has_camera;            // write the two matrices (rf_eye_matrices)
@@ -123,6 +143,10 @@ bool rf_has_dwa( void );
 // first, a time code in all. A failure (RF_ERROR_IO, RF_ERROR_MEMORY,
 // RF_ERROR_USAGE) neither creates nor changes a file of that name and leaves no temporary file.
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error );
+
+// Reading converts colours to Rec. 709 from what the attribute `chromaticities` says (none: Rec. 709), with Bradford's adaptation to
+// its white: channels R, G and B of a layer that are read together. Cryptomattes and single channels stay as they are, variances (a
+// layer of this name) are converted as RfExrChannel has it. Chromaticities that are no colour space are RF_ERROR_FORMAT.
 
 // Reads the data window of the first part: R, G, B, or Y copied to all three. The file may be
 // scan-line or tiled, of half, float or uint channels. If all channels share one layer prefix, such as

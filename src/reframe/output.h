@@ -59,7 +59,8 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
 #define RF_FINGERPRINT_SIZE 17
 
 // What decides the colour and the AOVs of frame `frame` (from 0), as 16 hexadecimal digits: scene,
-// camera path, settings, version of the library; not threads, memory or file format.
+// camera path, settings, version of the library, names of the channels, time code and colour space of the files; not threads,
+// memory, or how files are stored.
 void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGERPRINT_SIZE] );
 
 typedef enum RfFrameFileState

@@ -146,7 +146,8 @@ typedef struct RfFrameFiles
     bool written; // else the rest does not matter
     bool half;    // 16-bit floats for colour, albedo and normal; else 32 bits for all
     RfExrCompression compression;
-    float dwa_level; // of DWAA and DWAB
+    float dwa_level;            // of DWAA and DWAB
+    RfColourSpace colour_space; // of colours, variances too
     RfPassNames names;
     RfFileParts parts;
     const char* time_code; // of the path's first frame, "01:00:00:00" (rf_check_time_code); NULL: 0 is that of number 0

@@ -35,7 +35,7 @@ static RfResult widen( const char* where, const RfPixels* pixels, bool srgb, RfT
     return RF_OK;
 }
 
-static RfResult take_floats( const char* where, RfPixels* pixels, RfTexture* out, RfError* error )
+static RfResult take_floats( const char* where, RfPixels* pixels, bool colour, RfTexture* out, RfError* error )
 {
     size_t count = value_count( out ), channels = (size_t)out->channels, width = (size_t)out->width;
     out->floats = pixels->data;
@@ -45,8 +45,11 @@ static RfResult take_floats( const char* where, RfPixels* pixels, RfTexture* out
         if ( !isfinite( out->floats[i] ) )
             return rf_fail( error, RF_ERROR_SCENE, "%s: pixel (%zu, %zu) is not finite: repair the image", where,
                             i / channels % width, i / channels / width );
-        out->floats[i] = fmaxf( out->floats[i], 0.0f );
     }
+    if ( colour && channels >= 3 )
+        rf_convert_colours( &pixels->conversion, RF_COLOUR_LIGHT, out->floats, count / channels, channels );
+    for ( size_t i = 0; i < count; ++i )
+        out->floats[i] = fmaxf( out->floats[i], 0.0f );
     return RF_OK;
 }
 
@@ -72,8 +75,8 @@ RfResult rf_make_texture( const char* where, RfPixels* pixels, bool srgb, RfText
         pixels->data = NULL;
     }
     else
-        result =
-            pixels->type == RF_PIXELS_U16 ? widen( where, pixels, srgb, out, error ) : take_floats( where, pixels, out, error );
+        result = pixels->type == RF_PIXELS_U16 ? widen( where, pixels, srgb, out, error )
+                                               : take_floats( where, pixels, srgb, out, error );
     if ( result == RF_OK )
         find_largest( out );
     return result;

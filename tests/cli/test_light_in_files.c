@@ -1,4 +1,4 @@
-// The light that files can hold: values beyond the range of half floats are counted and reported.
+// The light in files: values beyond the range of half floats are counted and reported, and other primaries converted both ways.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
 
@@ -75,13 +75,84 @@ static void test_clipped_pixels_are_named( void** state )
     }
     // within the range
     write_text( "bright.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[65000,1,1]}}" );
-    assert_int_equal( clipped_pixels( "--spp 1", NULL ), 0 );
+    assert_int_equal( clipped_pixels( "", NULL ), 0 );
+}
+
+// An EXR of the same light in a colour space.
+static void write_sky( const char* name, RfColourSpace space, const float rgb[3] )
+{
+    char path[512];
+    float pixels[3 * 8];
+    for ( int i = 0; i < 24; ++i )
+        pixels[i] = rgb[i % 3] * (float)( 1 + i / 12 );
+    RfExrOptions options = rf_default_exr_options();
+    options.half = false;
+    options.colour_space = space;
+    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
+    assert_int_equal( rf_write_exr( path, &( RfImage ){ .width = 4, .height = 2, .rgb = pixels }, &options, NULL ), RF_OK );
+    char json[256];
+    snprintf( json, sizeof json, "{\"scene\":\"room.gltf\",\"environment\":{\"map\":\"%s\"}}", name );
+    write_text( "sky.json", json );
+}
+
+// The most that two files differ by, of their mean.
+static double difference( const char* a, const char* b, const char* layer )
+{
+    const CliResult* result = cli_run( "$R compare %s %s --json - %s %s", a, b, layer[0] != '\0' ? "--layer" : "", layer );
+    cli_expect( result, 0, NULL );
+    json_t* json = json_loads( result->out, 0, NULL );
+    double most = number( json, "max" ) / number( json, "reference_mean" );
+    json_decref( json );
+    return most;
+}
+
+static void test_a_sky_in_acescg_lights_as_in_rec709( void** state )
+{
+    (void)state;
+    const float rgb[3] = { 0.9f, 0.4f, 0.1f };
+    write_room( "" );
+    write_sky( "s.exr", RF_REC709, rgb );
+    cli_expect( cli_run( "$R render sky.json -o s709.exr --float " SMALL ), 0, NULL );
+    write_sky( "s.exr", RF_ACESCG, rgb );
+    cli_expect( cli_run( "$R render sky.json -o scg.exr --float " SMALL ), 0, NULL );
+    assert_true( difference( "scg.exr", "s709.exr", "" ) < 1e-5 );
+    // light beyond Rec. 709 is no light here
+    write_sky( "s.exr", RF_ACESCG, ( float[3] ){ -0.05f, 1.0f, 0.0f } );
+    cli_expect( cli_run( "$R render sky.json -o scg.exr --overwrite " SMALL ), 0,
+                "the environment has colours outside Rec. 709, which are clipped: 4.8 % of its light" );
+}
+
+static void test_frames_in_acescg( void** state )
+{
+    (void)state;
+    static const char* const layers[] = { "", "albedo", "variance", "direct", "emission", "light_sky", "normal" };
+    const char* options = SMALL " --aov albedo,variance,normal,direct,emission --light-groups all --cryptomatte object";
+    write_room( "" );
+    write_text( "sky.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[0.9,0.4,0.1],\"light_group\":\"sky\"}}" );
+    cli_expect( cli_run( "$R render sky.json -o r.exr %s", options ), 0, NULL );
+    cli_expect( cli_run( "$R render sky.json -o a.exr --colorspace acescg --json a.json %s", options ), 0, NULL );
+    expect_header( "a.exr", "reframe/colorspace", "acescg" );
+    expect_header( "r.exr", "reframe/colorspace", "" );
+    for ( size_t i = 0; i < sizeof layers / sizeof layers[0]; ++i )
+        assert_true( difference( "a.exr", "r.exr", layers[i] ) < 4e-3 ); // both are halves
+    json_t* json = cli_read_json( "a.json" );
+    assert_string_equal( json_string_value( json_object_get( json, "colorspace" ) ), "acescg" );
+    json_decref( json );
+    // another sequence than that in Rec. 709, which a scene file may ask for
+    cli_expect( cli_run( "$R render sky.json -o a.exr --resume %s", options ), 1, "--colorspace acescg (here rec709)" );
+    cli_expect( cli_run( "$R render sky.json -o a.exr --resume --colorspace acescg %s", options ), 0, NULL );
+    write_text( "asks.json",
+                "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,1,1]},\"render\":{\"colorspace\":\"acescg\"}}" );
+    cli_expect( cli_run( "$R render asks.json -o b.exr " SMALL ), 0, NULL );
+    expect_header( "b.exr", "reframe/colorspace", "acescg" );
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_clipped_pixels_are_named ),
+        cmocka_unit_test( test_a_sky_in_acescg_lights_as_in_rec709 ),
+        cmocka_unit_test( test_frames_in_acescg ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

@@ -21,7 +21,8 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     rf_destroy_pixels( &pixels );
     int width, height;
     float* rgb = NULL;
-    fuzz_check( rf_decode_environment_map( data, size, "input.webp", &width, &height, &rgb, &error ), &error );
+    double outside;
+    fuzz_check( rf_decode_environment_map( data, size, "input.webp", &width, &height, &rgb, &outside, &error ), &error );
     free( rgb );
     return 0;
 }

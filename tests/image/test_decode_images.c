@@ -312,9 +312,10 @@ static void test_environment_map( void** state )
     size_t size;
     int width, height;
     float* rgb;
+    double outside;
     RfError error = { 0 };
     uint8_t* bytes = encode_exr( 4, 2, reals, &size );
-    assert_int_equal( rf_load_environment_map( save( bytes, size ), &width, &height, &rgb, &error ), RF_OK );
+    assert_int_equal( rf_load_environment_map( save( bytes, size ), &width, &height, &rgb, &outside, &error ), RF_OK );
     assert_int_equal( width, 4 );
     assert_int_equal( height, 2 );
     assert_memory_equal( rgb, reals, sizeof reals );
@@ -326,7 +327,8 @@ static void test_environment_map( void** state )
     {
         reals[3 * 6 + 1] = bad[k]; // pixel (2, 1)
         bytes = encode_exr( 4, 2, reals, &size );
-        assert_int_equal( rf_load_environment_map( save( bytes, size ), &width, &height, &rgb, &error ), RF_ERROR_FORMAT );
+        assert_int_equal( rf_load_environment_map( save( bytes, size ), &width, &height, &rgb, &outside, &error ),
+                          RF_ERROR_FORMAT );
         assert_non_null( strstr( error.text, "pixel (2, 1) is" ) );
         assert_null( rgb );
         free( bytes );
@@ -335,14 +337,14 @@ static void test_environment_map( void** state )
     // 8 bits are sRGB, and grey is spread
     uint8_t grey[] = { 0, 128, 255 };
     bytes = encode_png( 3, 1, 1, grey, &size );
-    assert_int_equal( rf_load_environment_map( save( bytes, size ), &width, &height, &rgb, &error ), RF_OK );
+    assert_int_equal( rf_load_environment_map( save( bytes, size ), &width, &height, &rgb, &outside, &error ), RF_OK );
     assert_true( rgb[0] == 0.0f && fabsf( rgb[8] - 1.0f ) < 1e-6f );
     for ( int c = 3; c < 6; ++c )
         assert_true( fabsf( rgb[c] - 0.2158605f ) < 1e-6f );
     free( rgb );
     free( bytes );
     unlink( save( grey, 3 ) );
-    assert_int_equal( rf_load_environment_map( "/nowhere/sky.exr", &width, &height, &rgb, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_load_environment_map( "/nowhere/sky.exr", &width, &height, &rgb, &outside, &error ), RF_ERROR_IO );
 }
 
 int main( void )

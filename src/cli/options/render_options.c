@@ -5,6 +5,7 @@
 #include "cli/options/file_options.h"
 #include "cli/options/options.h"
 #include "cli/options/shared_options.h"
+#include "image/colour.h"
 #include "image/exr.h"
 #include "output/names.h"
 #include "reframe/camera.h"
@@ -280,6 +281,13 @@ static const RfOption s_options[] = {
       .default_text = "frame 0 is 00:00:00:00",
       .help = "time code of the first frame of the camera path; HH:MM:SS;FF: drop frame, at 29.97 and 59.94 frames per second",
       .heading = RF_HEADING_OUTPUT },
+    { .name = "colorspace",
+      .in_file = true,
+      .type = RF_OPTION_CHOICE,
+      .value = &render_parse.options.colour_space,
+      .choices = rf_colour_space_words,
+      .help = "linear colour space of the colours in the files, in the attribute chromaticities too",
+      .heading = RF_HEADING_OUTPUT },
     { .name = "half",
       .type = RF_OPTION_BOOL,
       .value = &render_parse.options.settings.files.half,
@@ -476,6 +484,7 @@ RfRenderOptions rf_default_render_options( void )
     options.reconstruction = options.settings.reconstruction;
     options.light_paths = options.settings.light_paths;
     options.kernel_normalization = options.settings.kernel_normalization;
+    options.colour_space = options.settings.files.colour_space;
     options.filter = -1;
     options.blur_steps = RF_BLUR_STEPS;
     print_default_texts( &options.settings );
@@ -499,6 +508,7 @@ static void take_words( RfRenderOptions* options )
     options->settings.reconstruction = (RfReconstruction)options->reconstruction;
     options->settings.light_paths = (RfLightPathsUse)options->light_paths;
     options->settings.kernel_normalization = (RfKernelNormalization)options->kernel_normalization;
+    options->settings.files.colour_space = (RfColourSpace)options->colour_space;
 }
 
 void rf_settle_filter( RfRenderOptions* options )

@@ -5,6 +5,7 @@
 #include "cli/options/render_options.h"
 #include "cli/render/clipped_pixels.h"
 #include "cli/render/specks_json.h"
+#include "image/colour.h"
 #include "output/names.h"
 #include "reframe/scene.h"
 
@@ -134,6 +135,8 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
     const RfFrameFiles* files = &options->settings.files;
     if ( files->names != RF_NAMES_REFRAME )
         json_object_set_new( json, "names", json_string( rf_pass_names_words[files->names] ) );
+    if ( files->colour_space != RF_REC709 )
+        json_object_set_new( json, "colorspace", json_string( rf_colour_space_words[files->colour_space] ) );
     if ( options->overscan != NULL )
         json_object_set_new( json, "overscan", json_string( options->overscan ) );
     if ( files->time_code != NULL )

@@ -543,6 +543,7 @@ static const struct
     { "reframe/compression", "Settings", "Compression" },
     { "reframe/parts", "Settings", "Parts" },
     { "reframe/float", "Settings", "32-bit floats" },
+    { "reframe/colorspace", "Settings", "Colour space" },
     { "reframe/version", "Settings", "Reframe" },
     { "reframe/view", "Scene", "View" },
     { "reframe/look", "Scene", "Look" },

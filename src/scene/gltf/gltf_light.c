@@ -408,7 +408,7 @@ static RfResult load_environment( RfGltf* gltf, const RfField* object )
     else if ( result == RF_OK && text.map != NULL )
         result = load_map( gltf, object, &text );
     if ( result == RF_OK )
-        result = rf_give_environment( object, &text, scene );
+        result = rf_give_environment( object, &text, scene, gltf->log );
     if ( result == RF_OK && text.in_frames )
         scene->key_fps = rf_scene_fps( scene );
     rf_destroy_environment_text( &text );

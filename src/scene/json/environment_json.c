@@ -148,7 +148,7 @@ RfResult rf_load_environment( const RfField* object, const char* path, RfEnviron
 {
     RfError error = { 0 };
     RfEnvironment* e = &text->environment;
-    RfResult result = rf_load_environment_map( path, &e->width, &e->height, &e->map, &error );
+    RfResult result = rf_load_environment_map( path, &e->width, &e->height, &e->map, &text->outside, &error );
     return check_map( object, "map", result, &error, text );
 }
 
@@ -156,7 +156,7 @@ RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t
 {
     RfError error = { 0 };
     RfEnvironment* e = &text->environment;
-    RfResult result = rf_decode_environment_map( bytes, size, "the map", &e->width, &e->height, &e->map, &error );
+    RfResult result = rf_decode_environment_map( bytes, size, "the map", &e->width, &e->height, &e->map, &text->outside, &error );
     return check_map( object, "bufferView", result, &error, text );
 }
 
@@ -180,7 +180,7 @@ static bool varies( const RfChannel* channel )
     return false;
 }
 
-RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene )
+RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene, RfLog* log )
 {
     static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_SKY_STRENGTH, RF_CHANGED_SKY_RADIANCE,
                                                           RF_CHANGED_SKY_ROTATION };
@@ -203,6 +203,9 @@ RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, Rf
         if ( !rf_add_change( scene, &change ) )
             result = rf_fail( object->error, RF_ERROR_MEMORY, "%s: no memory left for %s", object->file, object->path );
     }
+    if ( text->outside > 1e-4 )
+        rf_warn( log, "%s: the environment has colours outside Rec. 709, which are clipped: %.2g %% of its light", object->file,
+                 100.0 * text->outside );
     free( scene->environment.map ); // it is replaced
     scene->environment = text->environment;
     text->environment.map = NULL;

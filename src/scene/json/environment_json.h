@@ -13,6 +13,7 @@ typedef struct RfEnvironmentText
     int view;                  // of a glTF: the "bufferView" in its place; −1: none
     const char* light_group;   // likewise
     RfChannel changes[3];      // by keys: strength, a factor on the radiance; radiance; rotation, radians
+    double outside;            // share of the map's light that is outside Rec. 709 and was clipped
     bool in_frames;            // keys are numbers of frames
 } RfEnvironmentText;
 
@@ -29,7 +30,7 @@ RfResult rf_load_environment( const RfField* object, const char* path, RfEnviron
 RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t size, RfEnvironmentText* text );
 
 // Gives the scene the environment and what changes it, out of the text. A constant one does not turn.
-RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene );
+RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene, RfLog* log );
 
 // Lets an environment that changes be as it is at `time`, and lists that in scene->unrendered.
 RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error );

@@ -247,7 +247,7 @@ static RfResult tag_environment( const RfField* field, RfScene* scene )
                : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left for %s", field->file, field->path );
 }
 
-static RfResult load_environment( const RfField* root, RfScene* scene )
+static RfResult load_environment( const RfField* root, RfScene* scene, RfLog* log )
 {
     RfField field = rf_field_member( root, "environment" );
     RfEnvironmentText text;
@@ -264,7 +264,7 @@ static RfResult load_environment( const RfField* root, RfScene* scene )
     if ( result == RF_OK )
         scene->content_hash = rf_hash_environment( scene->content_hash, &text.environment );
     if ( result == RF_OK )
-        result = rf_give_environment( &field, &text, scene );
+        result = rf_give_environment( &field, &text, scene, log );
     if ( result == RF_OK && text.in_frames && scene->key_fps.numerator == 0 )
         scene->key_fps = fps;
     if ( result == RF_OK && text.in_frames && given )
@@ -381,7 +381,7 @@ static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfSce
     *first = result == RF_OK ? rf_gltf_first_time( scene ) : 0.0;
     double before = *first;
     if ( result == RF_OK )
-        result = load_environment( &root, scene );
+        result = load_environment( &root, scene, reading->log );
     if ( result == RF_OK )
         result = load_camera( &root, scene );
     if ( result == RF_OK )
