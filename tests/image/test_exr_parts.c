@@ -102,6 +102,7 @@ static void test_damage_is_found( void** state )
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
     RfImage image = make_image( WIDTH, HEIGHT, 4 );
     char sums[2][64] = { "" };
+    int alike = 0;
     uint32_t seed = 99;
     for ( int way = 0; rf_compression_words[way / 2] != NULL; ++way )
     {
@@ -119,8 +120,12 @@ static void test_damage_is_found( void** state )
         {
             size_t at = i == 0 ? begin : i == 1 ? size - 1 : begin + next_random( &seed ) % ( size - begin );
             bytes[at] ^= (char)( 1 << i % 8 );
-            if ( verify( bytes, size, &same ) == RF_OK && same )
-                fail_msg( "%s: byte %zu of %zu", rf_compression_words[way / 2], at, size );
+            if ( verify( bytes, size, &same ) == RF_OK && same ) // zlib has several streams for the same samples
+            {
+                assert_true( options.compression < RF_EXR_DWAA );
+                check_values( temp_path( "damaged.exr" ), &image, false, true );
+                ++alike;
+            }
             bytes[at] ^= (char)( 1 << i % 8 );
             size_t left = i == 0 ? begin : i == 1 ? size - 1 : at;
             assert_int_not_equal( verify( bytes, left, &same ), RF_OK );
@@ -134,6 +139,7 @@ static void test_damage_is_found( void** state )
             strcpy( sums[way % 2], sum );
         free( bytes );
     }
+    assert_true( alike < 5 );
     rf_destroy_image( &image );
 }
 
