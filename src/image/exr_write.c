@@ -687,6 +687,7 @@ static RfResult write_checksums( Writer* writer, RfError* error )
     static const char attribute[] = RF_EXR_CHECKSUM "\0string";
     RfExrStream* stream = &writer->stream;
     off_t at = 0;
+    errno = EIO; // where no call says otherwise
     for ( int p = 0; p < writer->part_count && at >= 0; ++p )
     {
         char text[CHECKSUM_SIZE];
