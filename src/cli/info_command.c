@@ -5,6 +5,7 @@
 #include "cli/options/shared_options.h"
 #include "cli/render/changes_json.h"
 #include "cli/render/render_json.h"
+#include "film/cryptomatte.h"
 #include "reframe/scene.h"
 #include "scene/json/scene_file.h"
 
@@ -435,6 +436,8 @@ static RfResult load( const char* name, RfSceneFile* file, RfScene* scene, RfRen
         result = rf_load_scene_file( file, &options->movement, scene, &log, error );
     if ( result == RF_OK )
         result = rf_check_file_light_groups( options, file, scene, error );
+    if ( result == RF_OK )
+        rf_warn_of_equal_ids( scene, RF_CRYPTOMATTE_OBJECT | RF_CRYPTOMATTE_MATERIAL | RF_CRYPTOMATTE_ASSET, &log );
     return result == RF_OK ? rf_take_effect_options( options, scene, &log, error ) : result;
 }
 

@@ -232,22 +232,38 @@ static void append_string( Text* text, const char* string )
     append( text, "\"", 1 );
 }
 
+// The names of a kind that surfaces have, some more than once; NULL: there is no memory.
+static const char** list_names( const RfScene* scene, int kind, int* listed )
+{
+    int count = names_of( scene, kind );
+    bool materials = 1u << kind == RF_CRYPTOMATTE_MATERIAL;
+    const char** names = malloc( ( (size_t)count + 1 ) * sizeof *names );
+    bool* marked = malloc( ( (size_t)scene->node_count + 1 ) * sizeof *marked );
+    *listed = 0;
+    if ( names == NULL || marked == NULL )
+    {
+        free( names );
+        free( marked );
+        return NULL;
+    }
+    if ( !materials )
+        rf_mark_objects( scene, marked );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( materials || marked[i] )
+            names[( *listed )++] = name_of( scene, (unsigned)kind, i );
+    }
+    free( marked );
+    return names;
+}
+
 static int compare_texts( const void* a, const void* b ) { return strcmp( *(const char* const*)a, *(const char* const*)b ); }
 
 char* rf_cryptomatte_manifest( const RfScene* scene, int kind )
 {
-    int count = names_of( scene, kind ), listed = 0;
-    bool materials = 1u << kind == RF_CRYPTOMATTE_MATERIAL;
-    const char** names = malloc( ( (size_t)count + 1 ) * sizeof *names );
-    bool* marked = malloc( ( (size_t)scene->node_count + 1 ) * sizeof *marked );
-    Text text = { names != NULL && marked != NULL ? malloc( 64 ) : NULL, 0, 64 };
-    if ( text.bytes != NULL && !materials )
-        rf_mark_objects( scene, marked );
-    for ( int i = 0; i < count && text.bytes != NULL; ++i )
-    {
-        if ( materials || marked[i] )
-            names[listed++] = name_of( scene, (unsigned)kind, i );
-    }
+    int listed;
+    const char** names = list_names( scene, kind, &listed );
+    Text text = { names != NULL ? malloc( 64 ) : NULL, 0, 64 };
     if ( listed > 0 )
         qsort( names, (size_t)listed, sizeof *names, compare_texts );
     append( &text, "{", 1 );
@@ -262,6 +278,53 @@ char* rf_cryptomatte_manifest( const RfScene* scene, int kind )
     }
     append( &text, "}", 1 );
     free( names );
-    free( marked );
     return text.bytes;
+}
+
+// A name with its id, in the kinds that have it.
+typedef struct Named
+{
+    uint32_t id;
+    unsigned kinds;
+    const char* name;
+} Named;
+
+static int compare_named( const void* a, const void* b )
+{
+    const Named *first = a, *second = b;
+    return first->id != second->id ? ( first->id > second->id ) - ( first->id < second->id )
+                                   : strcmp( first->name, second->name );
+}
+
+void rf_warn_of_equal_ids( const RfScene* scene, unsigned kinds, RfLog* log )
+{
+    size_t count = 0, kept = 0;
+    Named* all = NULL;
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+    {
+        int listed = 0;
+        const char** names = ( kinds & 1u << k ) != 0 ? list_names( scene, k, &listed ) : NULL;
+        Named* grown = realloc( all, ( count + (size_t)listed + 1 ) * sizeof *all );
+        all = grown != NULL ? grown : all;
+        for ( int i = 0; i < listed && grown != NULL; ++i )
+            all[count++] = ( Named ){ rf_cryptomatte_id( names[i] ), 1u << k, names[i] };
+        free( names );
+    }
+    if ( count > 0 )
+        qsort( all, count, sizeof *all, compare_named );
+    for ( size_t i = 0; i < count; ++i )
+    {
+        bool known = kept > 0 && compare_named( all + kept - 1, all + i ) == 0;
+        if ( known )
+            all[kept - 1].kinds |= all[i].kinds;
+        else
+            all[kept++] = all[i];
+    }
+    for ( size_t i = 1; i < kept; ++i )
+    {
+        if ( all[i].id == all[i - 1].id && ( all[i].kinds & all[i - 1].kinds ) != 0 )
+            rf_warn( log, "%s: '%.200s' and '%.200s' have one Cryptomatte id, %08x, and so one matte: rename one of them",
+                     scene->path, all[i - 1].name, all[i].name, all[i].id );
+    }
+    free( all );
 }

@@ -34,6 +34,9 @@ typedef struct RfCryptomatteIds
 RfResult rf_make_cryptomatte_ids( const RfScene* scene, int kind, RfCryptomatteIds* ids, RfError* error );
 void rf_destroy_cryptomatte_ids( RfCryptomatteIds* ids );
 
+// Warns of different names with one id, once for each pair of the set of kinds: a matte of one is that of the other, too.
+void rf_warn_of_equal_ids( const RfScene* scene, unsigned kinds, RfLog* log );
+
 // The ranks of a frame: layer k has RGBA for each pixel, the ids and coverages of ranks 2 k and 2 k + 1, in descending order of
 // coverage, which is the share of the weight of all samples. Ranks without a surface are 0. Surfaces of one name are one.
 void rf_finish_cryptomatte( const RfCovering* pixels, size_t count, const RfCryptomatteIds* ids,

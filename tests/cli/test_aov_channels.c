@@ -1,5 +1,6 @@
 // reframe render --aov as a user sees it: the channels in the files, and what is refused.
 #include "support/cli_run.h"
+#include "support/scene_files.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -197,6 +198,21 @@ static void test_mattes_are_found_by_name( void** state )
                 "the estimator 'gradient' has no Cryptomatte" );
 }
 
+// MurmurHash3 of "c100368" and "c119089" is the same.
+static void test_names_of_one_id_are_named( void** state )
+{
+    (void)state;
+    const char* warning = "warning: two.gltf: 'c100368' and 'c119089' have one Cryptomatte id, 51d7b4d8, and so one matte";
+    write_room( "" ); // equal names are one thing
+    cli_expect( cli_run( "sed 's/wood floor/c100368/;s/\"lamp\"/\"c119089\"/' room.gltf >two.gltf" ), 0, NULL );
+    cli_expect( cli_run( "$R info two.gltf" ), 0, warning ); // one line
+    cli_expect( cli_run( "$R info room.gltf 2>&1 >told | { ! grep Cryptomatte; }" ), 0, NULL );
+    const CliResult* result = cli_run( "$R render two.gltf -o t.exr --size 8x6 --spp 1 --group 0 --quiet --cryptomatte object" );
+    assert_null( strstr( result->err, "Cryptomatte" ) ); // materials alone have these names
+    cli_expect( cli_run( "$R render two.gltf -o u.exr --size 8x6 --spp 1 --group 0 --quiet --cryptomatte object,material" ), 0,
+                warning );
+}
+
 static void test_variance_of_one_pass( void** state )
 {
     (void)state;
@@ -218,7 +234,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_every_channel_is_written ),   cmocka_unit_test( test_wrong_names_are_refused ),
         cmocka_unit_test( test_resume_wants_the_same_aovs ), cmocka_unit_test( test_mattes_are_found_by_name ),
-        cmocka_unit_test( test_variance_of_one_pass ),
+        cmocka_unit_test( test_variance_of_one_pass ),       cmocka_unit_test( test_names_of_one_id_are_named ),
     };
     return cmocka_run_group_tests_name( "aov", tests, cli_enter_group, cli_leave_group );
 }

@@ -14,6 +14,7 @@
 #include "cli/render/render_json.h"
 #include "cli/render/specks_json.h"
 #include "cli/signals.h"
+#include "film/cryptomatte.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
 #include "reframe/output.h"
@@ -405,6 +406,7 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
 static RfResult warn_before_render( RfRenderJob* job, RfError* error )
 {
     warn_of_scene( &job->options, &job->scene, job->tracer, &job->log );
+    rf_warn_of_equal_ids( &job->scene, job->options.settings.cryptomatte, &job->log );
     warn_of_variance( &job->options.settings, &job->path, job->frames, job->frame_count, &job->log );
     warn_of_reconstruction( &job->options.settings, &job->log );
     warn_of_light_paths( &job->options.settings, job->effects + RF_EFFECT_LIGHT_PATHS, &job->log );
