@@ -113,7 +113,7 @@ static RfResult read_image( const RfImageSequence* s, int number, char name[PATH
     return result == RF_OK ? rf_read_file( name, RF_MAX_IMAGE_BYTES, bytes, size, error ) : result;
 }
 
-static size_t texture_bytes( const RfPixels* pixels )
+size_t rf_texture_bytes( const RfPixels* pixels )
 {
     return rf_pixels_bytes( pixels ) * ( pixels->type == RF_PIXELS_U16 ? sizeof( float ) / sizeof( uint16_t ) : 1 );
 }
@@ -134,7 +134,7 @@ RfResult rf_measure_sequence( RfImageSequence* s, uint64_t* hash, RfError* error
         free( bytes );
         if ( result != RF_OK )
             return result;
-        size_t texture = texture_bytes( &header ), scratch = size + rf_pixels_bytes( &header ) + texture;
+        size_t texture = rf_texture_bytes( &header ), scratch = size + rf_pixels_bytes( &header ) + texture;
         s->bytes = texture > s->bytes ? texture : s->bytes;
         s->scratch = scratch > s->scratch ? scratch : s->scratch;
     }

@@ -16,6 +16,9 @@ RfResult rf_make_texture( const char* where, RfPixels* pixels, bool srgb, RfText
 
 void rf_destroy_texture( RfTexture* texture );
 
+// Bytes of the texture that it makes of such pixels.
+size_t rf_texture_bytes( const RfPixels* pixels );
+
 // One image for each number, shown at its time until the next is.
 typedef struct RfImageSequence
 {

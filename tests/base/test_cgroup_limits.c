@@ -2,6 +2,7 @@
 // cgroup folder.
 #include "base/system.h"
 #include "support/cli_run.h"
+#include "support/image_files.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -9,6 +10,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -117,6 +119,55 @@ static void test_a_limit_below_the_need_is_an_error_at_the_start( void** state )
 #undef RENDER
 }
 
+static void write_textured( const char* name, int images )
+{
+    static const float corners[15] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1 };
+    char text[16384] = "", parts[4][4096] = { "", "", "", "" };
+    for ( int i = 0; i < images; ++i )
+    {
+        const char* comma = i > 0 ? "," : "";
+        size_t used[4];
+        for ( int k = 0; k < 4; ++k )
+            used[k] = strlen( parts[k] );
+        snprintf( parts[0] + used[0], 4096 - used[0], "%s{\"uri\":\"t.png\"}", comma );
+        snprintf( parts[1] + used[1], 4096 - used[1], "%s{\"source\":%d}", comma, i );
+        snprintf( parts[2] + used[2], 4096 - used[2],
+                  "%s{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":%d}}}", comma, i );
+        snprintf( parts[3] + used[3], 4096 - used[3], "%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"material\":%d}",
+                  comma, i );
+    }
+    snprintf( text, sizeof text,
+              "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"t.bin\",\"byteLength\":60}],"
+              "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":24}],"
+              "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],"
+              "\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
+              "\"images\":[%s],\"textures\":[%s],\"materials\":[%s],\"meshes\":[{\"primitives\":[%s]}],"
+              "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]}",
+              parts[0], parts[1], parts[2], parts[3] );
+    cli_write( "t.bin", corners, sizeof corners );
+    cli_write( name, text, strlen( text ) );
+}
+
+static void test_textures_beyond_memory_are_an_error( void** state )
+{
+    (void)state;
+#ifdef REFRAME_SANITIZED
+    skip();
+#endif
+    uint8_t header[64], grey[4] = { 0 };
+    cli_write( "t.png", header, promise_png( header, 8192, 8192 ) ); // nothing is decoded
+    write_textured( "many.gltf", 16 );
+    cli_expect( cli_run( "ulimit -v 700000; $R info many.gltf" ), 1,
+                "many.gltf: its 16 textures need 4096 MiB of memory, of which" );
+    cli_expect( cli_run( "ulimit -v 700000; $R info many.gltf" ), 1,
+                "MiB are available: scale them down, first images[0] 't.png' (8192x8192, 256 MiB), images[1]" );
+    size_t size;
+    uint8_t* png = encode_png( 2, 2, 1, grey, &size );
+    cli_write( "t.png", png, size );
+    free( png );
+    cli_expect( cli_run( "ulimit -v 700000; $R info many.gltf" ), 0, NULL );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -126,6 +177,7 @@ int main( void )
         cmocka_unit_test( test_threads_and_cpu_sets_are_respected ),
         cmocka_unit_test( test_the_quota_of_the_own_group_counts ),
         cmocka_unit_test( test_a_limit_below_the_need_is_an_error_at_the_start ),
+        cmocka_unit_test( test_textures_beyond_memory_are_an_error ),
     };
     return cmocka_run_group_tests_name( "cgroup", tests, cli_enter_group, cli_leave_group );
 }

@@ -3,6 +3,7 @@
 #include "scene/gltf/gltf_materials.h"
 
 #include "base/file.h"
+#include "base/system.h"
 #include "image/decode.h"
 #include "scene/image_sequence.h"
 #include "scene/textured.h"
@@ -20,6 +21,7 @@ typedef struct Encoded
     const uint8_t* bytes;
     size_t size;
     uint8_t* owned;
+    bool outside; // in a file of its own, which the hash of the scene lacks
 } Encoded;
 
 static RfResult read_uri( RfGltf* gltf, const char* where, const char* uri, Encoded* out )
@@ -33,10 +35,8 @@ static RfResult read_uri( RfGltf* gltf, const char* where, const char* uri, Enco
     RfError error;
     result = rf_read_file( path, RF_MAX_IMAGE_BYTES, &out->owned, &out->size, &error );
     free( path );
-    if ( result != RF_OK )
-        return rf_gltf_fail( gltf, result, where, "%.560s", error.text );
-    gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, out->owned, out->size );
-    return RF_OK;
+    out->outside = result == RF_OK;
+    return result == RF_OK ? RF_OK : rf_gltf_fail( gltf, result, where, "%.560s", error.text );
 }
 
 static RfResult read_view( const RfGltf* gltf, const char* where, int view, Encoded* out )
@@ -79,6 +79,8 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
     if ( result != RF_OK || plays )
         return result;
     result = read_encoded( gltf, index, where.text, &encoded );
+    if ( encoded.outside )
+        gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, encoded.owned, encoded.size );
     if ( result == RF_OK )
     {
         result = rf_decode_image( encoded.bytes, encoded.size, where.text, &pixels, &error );
@@ -133,6 +135,99 @@ static RfResult check_emission( RfGltf* gltf, uint32_t index )
     return rf_gltf_check_limit( gltf, where.text, "emission with its texture", most, RF_GLTF_MAX_EMISSION );
 }
 
+// An image as a texture.
+typedef struct ImageSize
+{
+    int image, width, height;
+    size_t bytes, scratch; // scratch: besides, while it is decoded
+} ImageSize;
+
+// By its header. What cannot be read has no bytes, and an error when it is decoded.
+static ImageSize measure_image( RfGltf* gltf, int image )
+{
+    RfWhere where = rf_where( "images[%d]", image );
+    Encoded encoded = { 0 };
+    RfPixels header = { 0 };
+    RfError none = { 0 }, *error = gltf->error;
+    gltf->error = &none;
+    RfResult result = read_encoded( gltf, image, where.text, &encoded );
+    if ( result == RF_OK )
+        result = rf_measure_image( encoded.bytes, encoded.size, where.text, &header, &none );
+    gltf->error = error;
+    size_t owned = encoded.owned != NULL ? encoded.size : 0;
+    free( encoded.owned );
+    if ( result != RF_OK )
+        return ( ImageSize ){ .image = image };
+    size_t pixels = rf_pixels_bytes( &header ), bytes = rf_texture_bytes( &header );
+    return ( ImageSize ){ image, header.width, header.height, bytes, owned + ( bytes > pixels ? pixels : 0 ) };
+}
+
+#define NAMED 3
+
+// Keeps the largest, in descending order.
+static void keep_largest( const ImageSize* size, ImageSize largest[NAMED] )
+{
+    for ( int i = 0; i < NAMED; ++i )
+    {
+        if ( size->bytes <= largest[i].bytes )
+            continue;
+        memmove( largest + i + 1, largest + i, (size_t)( NAMED - 1 - i ) * sizeof *largest );
+        largest[i] = *size;
+        return;
+    }
+}
+
+static RfResult fail_memory( const RfGltf* gltf, int count, size_t need, size_t available, const ImageSize largest[NAMED] )
+{
+    char list[512] = "";
+    for ( int i = 0; i < NAMED && largest[i].bytes > 0; ++i )
+    {
+        const json_t* json = rf_gltf_item( gltf, RF_GLTF_IMAGES, largest[i].image );
+        const char *name = json_string_value( json_object_get( json, "name" ) ),
+                   *uri = json_string_value( json_object_get( json, "uri" ) );
+        name = name == NULL && uri != NULL && !rf_is_data_uri( uri ) ? uri : name;
+        size_t used = strlen( list );
+        snprintf( list + used, sizeof list - used, "%s%s%s%.80s%s (%dx%d, %zu MiB)", used > 0 ? ", " : "",
+                  rf_where( "images[%d]", largest[i].image ).text, name != NULL ? " '" : "", name != NULL ? name : "",
+                  name != NULL ? "'" : "", largest[i].width, largest[i].height, largest[i].bytes >> 20 );
+    }
+    return rf_fail( gltf->error, RF_ERROR_MEMORY,
+                    "%.300s: its %d textures need %zu MiB of memory, of which %zu MiB are available: scale them down, first %s",
+                    gltf->path, count, need >> 20, available >> 20, list );
+}
+
+// All textures fit into the memory that is available: reported before the first is decoded.
+static RfResult check_memory( RfGltf* gltf, const bool* used )
+{
+    const RfScene* scene = gltf->scene;
+    size_t uses = 2 * (size_t)gltf->counts[RF_GLTF_IMAGES], need = 0, scratch = 0, available = rf_free_memory();
+    ImageSize largest[NAMED] = { { 0 } };
+    int count = 0;
+    bool* wanted = calloc( uses + 1, sizeof *wanted );
+    if ( wanted == NULL )
+        return rf_gltf_no_memory( gltf, "images" );
+    for ( uint32_t m = 0; m < scene->material_count; ++m )
+    {
+        const RfTextured* textured = scene->materials[m].textured;
+        for ( int slot = 0; used[m] && textured != NULL && slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+        {
+            if ( textured->refs[slot].texture >= 0 )
+                wanted[textured->refs[slot].texture] = true;
+        }
+    }
+    for ( size_t i = 0; i < uses; i += 2 ) // in two colour spaces: two textures
+    {
+        int times = wanted[i] + wanted[i + 1];
+        ImageSize size = times > 0 ? measure_image( gltf, (int)i / 2 ) : ( ImageSize ){ 0 };
+        count += times;
+        need += (size_t)times * size.bytes;
+        scratch = size.scratch > scratch ? size.scratch : scratch;
+        keep_largest( &size, largest );
+    }
+    free( wanted );
+    return need + scratch <= available ? RF_OK : fail_memory( gltf, count, need + scratch, available, largest );
+}
+
 RfResult rf_gltf_load_images( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
@@ -149,6 +244,8 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
         for ( uint32_t i = 0; i < t->count; ++i )
             used[t->material[i]] = true;
     }
+    if ( result == RF_OK && uses > 0 )
+        result = check_memory( gltf, used );
     for ( uint32_t m = 0; result == RF_OK && m < scene->material_count; ++m )
     {
         RfMaterial* material = scene->materials + m;
