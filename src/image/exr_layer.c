@@ -298,7 +298,23 @@ static bool is_letter( const char* word, int c )
     return strcmp( word, s_words[c][0] ) == 0 || strcmp( word, s_words[c][1] ) == 0 || strcmp( word, s_words[c][2] ) == 0;
 }
 
-// What three channels are by their names, which begin with that of the part where there are several.
+// What R, G and B of a layer are: ids of a Cryptomatte, by any word of its name, a variance by the last, or a colour.
+static RfColourKind kind_of_layer( const char* layer, size_t length )
+{
+    static const char ids[] = "crypto", variance[] = "variance";
+    const char *end = layer + length, *word = layer;
+    for ( const char* c = layer; c < end; ++c )
+    {
+        bool begins = c == layer || c[-1] == '.';
+        if ( begins && strncasecmp( c, ids, strlen( ids ) ) == 0 )
+            return RF_COLOUR_NONE;
+        word = begins ? c : word;
+    }
+    bool is_variance = (size_t)( end - word ) == strlen( variance ) && strncmp( word, variance, strlen( variance ) ) == 0;
+    return is_variance ? RF_COLOUR_VARIANCE : RF_COLOUR_LIGHT;
+}
+
+// What three channels are by their names.
 static RfColourKind kind_of( const char* const names[3] )
 {
     const char* dots[3];
@@ -312,25 +328,19 @@ static RfColourKind kind_of( const char* const names[3] )
         if ( here != length || strncmp( names[c], names[0], length ) != 0 )
             return RF_COLOUR_NONE;
     }
-    static const char ids[] = "crypto", variance[] = "variance";
-    const char *end = dots[0], *layer = names[0];
-    for ( const char* c = names[0]; end != NULL && c < end; ++c ) // any part of the name
-    {
-        if ( ( c == names[0] || c[-1] == '.' ) && strncasecmp( c, ids, strlen( ids ) ) == 0 )
-            return RF_COLOUR_NONE;
-        layer = c == names[0] || c[-1] == '.' ? c : layer;
-    }
-    bool of_variance =
-        end != NULL && (size_t)( end - layer ) == strlen( variance ) && strncmp( layer, variance, strlen( variance ) ) == 0;
-    return of_variance ? RF_COLOUR_VARIANCE : RF_COLOUR_LIGHT;
+    return kind_of_layer( names[0], dots[0] != NULL ? (size_t)( dots[0] - names[0] ) : 0 );
 }
 
 // The conversion of three channels of a part.
 static RfResult find_conversion( const RfExrPart* part, const char* const names[3], RfColourKind* kind,
                                  RfColourConversion* conversion, RfError* error )
 {
+    const char* name = NULL;
     *kind = kind_of( names );
     *conversion = ( RfColourConversion ){ .needed = false };
+    if ( *kind == RF_COLOUR_LIGHT && strchr( names[0], '.' ) == NULL && part->count > 1 &&
+         exr_get_name( part->context, part->index, &name ) == EXR_ERR_SUCCESS && name != NULL ) // the part is the layer
+        *kind = kind_of_layer( name, strlen( name ) );
     return *kind != RF_COLOUR_NONE ? rf_read_exr_colours( part, conversion, error ) : RF_OK;
 }
 

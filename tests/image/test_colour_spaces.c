@@ -59,10 +59,10 @@ static void write_layers( const char* path, RfColourSpace space )
     static const char* const s_names[5][3] = { { "light_key.R", "light_key.G", "light_key.B" },
                                                { "variance.R", "variance.G", "variance.B" },
                                                { "normal.X", "normal.Y", "normal.Z" },
-                                               { "crypto_object00.R", "crypto_object00.G", "crypto_object00.B" },
+                                               { "R", "G", "B" }, // of a part that is the layer
                                                { "V.CryptoMaterial00.r", "V.CryptoMaterial00.g", "V.CryptoMaterial00.b" } };
     static const RfExrMeaning s_meanings[5] = { RF_EXR_COLOUR, RF_EXR_VARIANCE };
-    static const char* const s_parts[5] = { NULL, "variance", NULL, "mattes", NULL };
+    static const char* const s_parts[5] = { NULL, "variance", NULL, "crypto_object00", NULL };
     RfExrChannel channels[15];
     for ( int i = 0; i < 3 * PIXELS; ++i )
     {
