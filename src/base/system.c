@@ -4,9 +4,11 @@
 #include <limits.h>
 #include <math.h>
 #include <omp.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
@@ -223,4 +225,26 @@ int rf_core_count( void )
     int cores = omp_get_num_procs(); // of the CPU set
     double quota = ceil( own_cgroup_cores() );
     return quota >= 1.0 && quota < cores ? (int)quota : cores;
+}
+
+static void* wait_for( void* mutex )
+{
+    pthread_mutex_lock( mutex );
+    pthread_mutex_unlock( mutex );
+    return NULL;
+}
+
+int rf_possible_threads( int wanted )
+{
+    pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+    pthread_t* threads = malloc( (size_t)wanted * sizeof *threads );
+    int count = 1; // this one
+    pthread_mutex_lock( &mutex );
+    while ( threads != NULL && count < wanted && pthread_create( threads + count, NULL, wait_for, &mutex ) == 0 )
+        ++count;
+    pthread_mutex_unlock( &mutex );
+    for ( int i = 1; i < count; ++i )
+        pthread_join( threads[i], NULL );
+    free( threads );
+    return count;
 }

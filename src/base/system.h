@@ -28,6 +28,10 @@ void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] );
 // Cores this process may use, ≥ 1: those of its CPU set (taskset), or as many as the quota of its control groups is worth.
 int rf_core_count( void );
 
+// How many threads can be at work at the same time, at most `wanted`: the limits of the process (ulimit -u, -v) and of its control
+// groups bound them. OpenMP and TBB end the program where they do not get theirs.
+int rf_possible_threads( int wanted );
+
 // Bytes that the group `path` ("/a/b") below the mount point `root`, and all its ancestors,
 // may still allocate: the limit minus what is in use, where inactive file pages count as
 // free. SIZE_MAX if unlimited.

@@ -34,6 +34,7 @@ static const char* hint_of( const RfError* error )
         case RF_REMEDY_MEMORY:
             return error->least_memory > 0 ? ": give --memory %zuM or more, or lower --size"
                                            : ": raise --memory, or lower --size or --group";
+        case RF_REMEDY_THREADS: return ": lower --threads, or raise ulimit -v or -u";
         case RF_REMEDY_LIMIT: return ": lower --size, --group or --memory, or raise that limit";
         case RF_REMEDY_ESTIMATOR: return ": choose another by --estimator, or leave that option out";
         case RF_REMEDY_LAYER: return ": name one by --layer";

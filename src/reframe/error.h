@@ -30,6 +30,7 @@ typedef enum RfRemedy
 {
     RF_REMEDY_NONE,            // the text says it all
     RF_REMEDY_MEMORY,          // a larger RfRenderSettings.memory, smaller frames or a smaller group
+    RF_REMEDY_THREADS,         // fewer threads, or higher limits
     RF_REMEDY_LIMIT,           // smaller frames, a smaller group or a smaller RfRenderSettings.memory, or a higher limit
     RF_REMEDY_ESTIMATOR,       // another estimator, or none of what this one lacks
     RF_REMEDY_LAYER,           // the name of one of the layers of a file that has several

@@ -3,6 +3,7 @@
 #include "trace/tracer.h"
 
 #include "base/float_traps.h"
+#include "base/remedy.h"
 #include "base/system.h"
 #include "light/light.h"
 #include "scene/leave_out.h"
@@ -65,13 +66,25 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     return rf_create_tracer_by( 0, scene, out, error );
 }
 
+// Those of the render, and as many of Embree's.
+static RfResult check_threads( int threads, RfError* error )
+{
+    int possible = rf_possible_threads( 2 * threads ) / 2;
+    if ( possible >= threads )
+        return RF_OK;
+    rf_fail( error, RF_ERROR_MEMORY, "the limits of the system leave room for %d of %d threads", possible, threads );
+    return rf_advise( RF_ERROR_MEMORY, RF_REMEDY_THREADS, 0, error );
+}
+
 RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out, RfError* error )
 {
     char configuration[64];
-    snprintf( configuration, sizeof configuration, "frequency_level=simd512,threads=%d",
-              threads > 0 ? threads : rf_core_count() );
+    threads = threads > 0 ? threads : rf_core_count();
+    snprintf( configuration, sizeof configuration, "frequency_level=simd512,threads=%d", threads );
     *out = NULL;
     RfResult result = rf_check_rendered( scene, error );
+    if ( result == RF_OK )
+        result = check_threads( threads, error );
     if ( result != RF_OK )
         return result;
     RfTracer* tracer = calloc( 1, sizeof *tracer );

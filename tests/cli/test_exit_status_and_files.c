@@ -167,6 +167,15 @@ static void test_bad_scenes_exit_1( void** state )
     assert_int_equal( cli_count_files( ".exr", "." ), 0 );
 }
 
+#ifndef REFRAME_SANITIZED // which needs far more
+static void test_more_threads_than_the_limits_allow( void** state )
+{
+    (void)state;
+    cli_expect( cli_run( "ulimit -v 2000000; $R render $VASE -o t.exr --frames 1 --size 16x9 --spp 1 --threads 256" ), 1,
+                "of 256 threads: lower --threads, or raise ulimit -v or -u" );
+}
+#endif
+
 static void test_black_pictures_warn( void** state )
 {
     (void)state;
@@ -413,6 +422,9 @@ int main( void )
         cmocka_unit_test( test_help_and_version ),
         cmocka_unit_test( test_usage_errors_exit_2 ),
         cmocka_unit_test( test_bad_scenes_exit_1 ),
+#ifndef REFRAME_SANITIZED
+        cmocka_unit_test( test_more_threads_than_the_limits_allow ),
+#endif
         cmocka_unit_test( test_black_pictures_warn ),
         cmocka_unit_test( test_small_paths_and_images ),
         cmocka_unit_test( test_folders_that_cannot_be_written ),

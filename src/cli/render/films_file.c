@@ -251,7 +251,10 @@ static bool has_room( RfAutosave* autosave, const RfOutput* output, size_t bytes
     struct statvfs disk;
     snprintf( folder, sizeof folder, "%s", output->pattern );
     char* slash = strrchr( folder, '/' );
-    strcpy( slash != NULL ? slash + 1 : folder, "." );
+    if ( slash == NULL )
+        strcpy( folder, "." );
+    else
+        slash[slash == folder] = '\0';
     if ( statvfs( folder, &disk ) != 0 )
         return true; // writing will tell
     double room = (double)disk.f_bavail * (double)disk.f_frsize;
