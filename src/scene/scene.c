@@ -6,6 +6,8 @@
 #include "scene/image_sequence.h"
 #include "scene/movement.h"
 
+#include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +16,44 @@ void rf_destroy_punctual( RfPunctual* punctual )
     free( punctual->name );
     rf_release_profile( punctual->profile );
     memset( punctual, 0, sizeof *punctual );
+}
+
+#define MAX_WHOLE_FPS 1000000
+#define MAX_FPS_PART 100000000
+#define MAX_BROADCAST_FPS 240
+
+bool rf_broadcast_fps( double decimal, RfFps* fps )
+{
+    double whole = round( 1.001 * decimal ), exact = whole / 1.001;
+    bool stands = false;
+    if ( !( whole >= 1.0 && whole <= MAX_BROADCAST_FPS ) || ( (int)whole % 24 != 0 && (int)whole % 30 != 0 ) )
+        return false;
+    for ( double unit = 100.0; unit < 1e16 && !stands; unit *= 10.0 )
+        stands = fabs( round( exact * unit ) / unit - decimal ) < 1e-12 * decimal;
+    if ( stands )
+        *fps = ( RfFps ){ 1000 * (int)whole, 1001 };
+    return stands;
+}
+
+bool rf_parse_fps( const char* text, RfFps* fps )
+{
+    size_t length = strspn( text, "0123456789" );
+    char* end;
+    if ( length == 0 || length > 9 )
+        return false;
+    long whole = strtol( text, &end, 10 ), part = 1;
+    if ( *end == '.' && isdigit( (unsigned char)end[1] ) && strspn( end + 1, "0123456789" ) == strlen( end + 1 ) )
+        return rf_broadcast_fps( strtod( text, NULL ), fps );
+    if ( *end == '/' )
+    {
+        length = strspn( end + 1, "0123456789" );
+        part = length > 0 && length <= 9 ? strtol( end + 1, &end, 10 ) : 0;
+    }
+    long most = part == 1 ? MAX_WHOLE_FPS : MAX_FPS_PART;
+    if ( *end != '\0' || whole < 1 || whole > most || part < 1 || part > MAX_FPS_PART )
+        return false;
+    *fps = ( RfFps ){ (int)whole, (int)part };
+    return true;
 }
 
 RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }

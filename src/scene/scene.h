@@ -326,6 +326,13 @@ void rf_destroy_channel( RfChannel* channel );
 void rf_destroy_camera( RfCamera* camera );
 void rf_destroy_punctual( RfPunctual* punctual );
 
+// Parses frames per second: "24" to "1000000", "30000/1001", or a decimal of the rates n · 1000/1001 (rf_broadcast_fps).
+bool rf_parse_fps( const char* text, RfFps* fps );
+
+// The fraction that a decimal such as 23.976, 23.98, 29.97, 59.94 or 119.88 stands for: 24, 30 and multiples of them by 1000/1001,
+// rounded to two digits or more. False: it is none.
+bool rf_broadcast_fps( double decimal, RfFps* fps );
+
 // The frames per second that the file asks for, else 24.
 RfFps rf_scene_fps( const RfScene* scene );
 

@@ -142,6 +142,20 @@ static void test_defaults_and_keywords( void** state )
     assert_int_equal( s_values.group, -1 );
     assert_int_equal( s_values.fps.numerator, 25 );
     assert_int_equal( s_values.fps.denominator, 1 );
+    static const struct
+    {
+        const char* text;
+        int whole;
+    } rates[] = { { "23.976", 24 }, { "23.98", 24 }, { "23.9760239760", 24 }, { "29.97", 30 },  { "29.970", 30 },
+                  { "47.952", 48 }, { "59.94", 60 }, { "119.88", 120 },       { "239.76", 240 } };
+    for ( size_t i = 0; i < sizeof rates / sizeof rates[0]; ++i )
+    {
+        char line[64];
+        snprintf( line, sizeof line, "a.glb --fps %s", rates[i].text );
+        expect_ok( line );
+        assert_int_equal( s_values.fps.numerator, 1000 * rates[i].whole );
+        assert_int_equal( s_values.fps.denominator, 1001 );
+    }
     expect_ok( "--memory 512m -- --odd-name.glb" );
     assert_string_equal( s_file, "--odd-name.glb" );
     assert_true( s_values.memory == (size_t)512 << 20 );
@@ -195,8 +209,17 @@ static void test_wrong_words_are_refused( void** state )
                   memories[i] );
         expect_error( line, text );
     }
-    expect_error( "a --fps 24/0", "--fps: expected frames per second, such as 24, or 30000/1001 for 29.97, got '24/0'" );
-    expect_error( "a --fps 0", "--fps: expected frames per second, such as 24, or 30000/1001 for 29.97, got '0'" );
+    static const char* const rates[] = {
+        "24/0", "0", "24.5", "23.97", "29.98", "29.97x", "29.", ".5", "1e3", "24/", "/1", "25.00"
+    };
+    for ( size_t i = 0; i < sizeof rates / sizeof rates[0]; ++i )
+    {
+        char line[64], wanted[128];
+        snprintf( line, sizeof line, "a --fps %s", rates[i] );
+        snprintf( wanted, sizeof wanted, "--fps: expected frames per second, such as 24, 29.97 or 30000/1001, got '%s'",
+                  rates[i] );
+        expect_error( line, wanted );
+    }
     expect_error( "a --weights Exact", "--weights: expected exact, eq15 or unweighted, got 'Exact'" );
 }
 

@@ -91,8 +91,8 @@ static void test_render_faults( void** state )
           "1 to 32768, got [20, 1000000000]" },
         { "{\"size\":[20.5,10]}", "got [20.5, 10]" },
         { "{\"size\":[20,10,5]}", "from 1 to 32768, got an array of 3" },
-        { "{\"fps\":0}",
-          "scene.json: render.fps: must be a whole number from 1 to 1000000, or a string such as \"24000/1001\", got 0" },
+        { "{\"fps\":0}", "scene.json: render.fps: must be a whole number from 1 to 1000000, 29.97 and the like, or a string such "
+                         "as \"24000/1001\", got 0" },
         { "{\"fps\":\"24/0\"}", "such as \"24000/1001\", got \"24/0\"" },
         { "{\"adaptive\":\"yes\"}", "scene.json: render.adaptive: must be true, false, or one of auto, on, off, got \"yes\"" },
         { "{\"adaptive\":1}", "scene.json: render.adaptive: must be true, false, or one of auto, on, off, got 1" },

@@ -100,7 +100,7 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
                       option->min, option->max );
             break;
         case RF_OPTION_FPS:
-            snprintf( words, size, "a whole number from 1 to 1000000, or a string such as \"24000/1001\"" );
+            snprintf( words, size, "a whole number from 1 to 1000000, 29.97 and the like, or a string such as \"24000/1001\"" );
             break;
         case RF_OPTION_CHOICE:
             used = (size_t)snprintf( words, size, "%sone of", option->bare != NULL ? "true, false, or " : "" );

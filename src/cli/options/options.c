@@ -7,6 +7,7 @@
 #include "image/sequence.h"
 #include "reframe/error.h"
 #include "reframe/types.h"
+#include "scene/scene.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -376,18 +377,6 @@ static bool parse_size( const RfOption* option, const char* text, RfSize* size )
     return parse_pair( text, 'x', (long long)option->min, (long long)option->max, &size->width, &size->height );
 }
 
-static bool parse_fps( const char* text, RfFps* fps )
-{
-    RfFps parsed = { 0, 1 };
-    long long whole;
-    if ( rf_parse_whole( text, 1, 1000000, &whole ) )
-        parsed.numerator = (int)whole;
-    else if ( !parse_pair( text, '/', 1, 100000000, &parsed.numerator, &parsed.denominator ) )
-        return false;
-    *fps = parsed;
-    return true;
-}
-
 static bool parse_int( const RfOption* option, const char* text, int* value )
 {
     if ( option->keyword != NULL && strcmp( text, option->keyword ) == 0 )
@@ -461,7 +450,7 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
         case RF_OPTION_MEMORY:
             snprintf( words, size, "a size such as 512M, 4G or 1.5G, at least %.0f bytes", option->min );
             break;
-        case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24, or 30000/1001 for 29.97" ); break;
+        case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24, 29.97 or 30000/1001" ); break;
         case RF_OPTION_CHOICE: describe_choices( option, words, size ); break;
         case RF_OPTION_STRING: snprintf( words, size, "a value that is not empty" ); break;
         case RF_OPTION_BOOL: snprintf( words, size, "no value" ); break;
@@ -479,7 +468,7 @@ static bool parse_value( const RfOption* option, const char* text )
         case RF_OPTION_TIME: return parse_time( option, text, option->value );
         case RF_OPTION_SIZE: return parse_size( option, text, option->value );
         case RF_OPTION_MEMORY: return parse_memory( option, text, option->value );
-        case RF_OPTION_FPS: return parse_fps( text, option->value );
+        case RF_OPTION_FPS: return rf_parse_fps( text, option->value );
         case RF_OPTION_CHOICE: return parse_choice( option, text, option->value );
         case RF_OPTION_STRING: *(const char**)option->value = text; return text[0] != '\0';
         case RF_OPTION_BOOL: return false;

@@ -28,7 +28,7 @@ typedef enum RfOptionType
     RF_OPTION_TIME,   // double, seconds, from min to max: "20", "20s", "5m", "1h30m"
     RF_OPTION_SIZE,   // RfSize, "960x540", each from min to max, or "1080p"
     RF_OPTION_MEMORY, // size_t, bytes, "512M", "4G", "1.5G", from min on (a plain number is bytes)
-    RF_OPTION_FPS,    // RfFps, "24" or "24000/1001"
+    RF_OPTION_FPS,    // RfFps, "24", "24000/1001" or "23.976"
     RF_OPTION_CHOICE, // int, index into choices
     RF_OPTION_STRING, // const char*, points into argv; may not be empty
     RF_OPTION_BOOL,   // bool

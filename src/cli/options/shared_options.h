@@ -41,7 +41,7 @@ extern RfDefaultTexts rf_default_texts;
           .value = &( o ).fps,                                                                                                   \
           .meta = "R",                                                                                                           \
           .default_text = "the scene's, else 24",                                                                                \
-          .help = "frames per second of the camera animation: 24, or 30000/1001 for 29.97" },                                    \
+          .help = "frames per second of the camera animation: 24, 30000/1001; 23.976, 29.97, 59.94 stand for such fractions" },  \
         { .name = "size",                                                                                                        \
           .in_file = true,                                                                                                       \
           .type = RF_OPTION_SIZE,                                                                                                \

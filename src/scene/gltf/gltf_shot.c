@@ -42,6 +42,8 @@ static RfResult read_fps( const RfField* field, RfFps* fps )
     if ( field->json == NULL )
         return RF_OK;
     fps->denominator = 1;
+    if ( json_is_real( field->json ) && rf_broadcast_fps( json_real_value( field->json ), fps ) )
+        return RF_OK;
     if ( !json_is_array( field->json ) )
         return read_whole( field, 1e6, &fps->numerator );
     RfResult result = rf_field_array( field, "whole number", 2, 2 );

@@ -19,8 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_FPS 1000000
-
 static const char* const s_keys[] = {
     "scene", "environment", "materials", "lights", "objects", "camera", "render", "view", NULL
 };
@@ -117,21 +115,16 @@ typedef struct Reading
 static RfResult read_fps( const RfField* root, bool* given, RfFps* fps )
 {
     RfField render = rf_field_member( root, "render" ), field = rf_field_member( &render, "fps" );
-    int64_t whole;
-    char rest;
+    char number[40];
     *given = field.json != NULL;
     *fps = ( RfFps ){ 24, 1 };
     if ( field.json == NULL )
         return RF_OK;
     const char* text = json_string_value( field.json );
-    int parts = text != NULL ? sscanf( text, "%9d/%9d%c", &fps->numerator, &fps->denominator, &rest ) : 0;
-    if ( text == NULL && rf_json_integer( field.json, &whole ) && whole > 0 && whole <= MAX_FPS )
-    {
-        fps->numerator = (int)whole;
-        parts = 1;
-    }
-    bool sound = parts > 0 && parts < 3 && fps->numerator > 0 && fps->denominator > 0;
-    return sound ? RF_OK : rf_field_must_be( &field, "a whole number, or a fraction such as \"30000/1001\"" );
+    snprintf( number, sizeof number, "%.9g", json_number_value( field.json ) );
+    return rf_parse_fps( text != NULL ? text : number, fps )
+               ? RF_OK
+               : rf_field_must_be( &field, "a whole number, 29.97 and the like, or a fraction such as \"30000/1001\"" );
 }
 
 static RfResult load_gltf( const RfField* root, const Reading* reading, const RfObjects* objects, RfScene* scene )

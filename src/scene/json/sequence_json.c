@@ -3,6 +3,7 @@
 
 #include "reframe/image.h"
 #include "scene/camera_path/camera_track_read.h"
+#include "scene/scene.h"
 
 #include <limits.h>
 
@@ -55,6 +56,9 @@ RfResult rf_read_sequence( const RfField* object, RfImageSequence* s, const char
         result = rf_field_number( &fps, rf_range( 1e-6, 1e6 ), &s->fps );
     if ( result == RF_OK )
         result = rf_field_choice( &loops, s_repeats, &repeat );
+    RfFps exact;
+    if ( rf_broadcast_fps( s->fps, &exact ) )
+        s->fps = (double)exact.numerator / exact.denominator;
     s->loops = repeat == 1;
     return result;
 }
