@@ -70,8 +70,9 @@ typedef struct RfEye
 } RfEye;
 
 // A right-handed camera at `origin` that looks along `forward`, with `up` orthogonalised against it;
-// `yfov` is the vertical field of view in radians. `forward` and `up` need not be unit vectors but
-// must not be zero or parallel.
+// `yfov` is the vertical field of view in radians. `forward` and `up` need not be unit vectors but must not be zero or parallel.
+// Here and below, what cannot be a camera (such vectors, a field of view that is not between 0 and pi, numbers that are not finite)
+// gives one that whatever renders refuses with RF_ERROR_USAGE.
 // Pixels are square and the lens is centred.
 RfEye rf_make_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double yfov, int width, int height );
 

@@ -96,18 +96,18 @@ typedef struct RfEffect
     char why[160];  // the material, lamp, camera or setting that calls for it, or why nothing does
 } RfEffect;
 
-typedef struct RfScene RfScene;
-typedef struct RfEye RfEye;
+struct RfScene; // not typedefs: C99 has each once
+struct RfEye;
 struct RfRenderSettings;
 struct RfShot;
 
 // Fills `effects` in the order of the list with those that a scene alone decides; returns their number, on or off.
-int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
+int rf_list_effects( const struct RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] );
 
 // Fills `effects` with all of the list; returns their number, on or off. The cameras of the path decide on camera effects; without
 // any (eye_count 0) all cameras of the scene do.
-int rf_list_render_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const struct RfRenderSettings* settings,
-                            RfEffect effects[RF_MAX_EFFECTS] );
+int rf_list_render_effects( const struct RfScene* scene, const struct RfEye* eyes, int eye_count,
+                            const struct RfRenderSettings* settings, RfEffect effects[RF_MAX_EFFECTS] );
 
 // The name of an effect, such as "panes".
 const char* rf_effect_name( RfEffectId effect );
@@ -138,7 +138,7 @@ void rf_name_effects( const struct RfShot* shot, const struct RfRenderSettings* 
 
 // Leaves effects out of a scene, and runs the code of others whether or not something calls for them. Once, before the scene
 // has a path or a tracer. Fails with RF_ERROR_USAGE for effects that cannot be left out or forced.
-RfResult rf_choose_effects( RfScene* scene, uint64_t forced, uint64_t left_out, RfError* error );
+RfResult rf_choose_effects( struct RfScene* scene, uint64_t forced, uint64_t left_out, RfError* error );
 
 RF_API_END
 

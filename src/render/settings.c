@@ -8,6 +8,7 @@
 #include "math/vec3.h"
 #include "render/estimator.h"
 #include "scene/leave_out.h"
+#include "scene/projection.h"
 
 #include <math.h>
 
@@ -141,10 +142,16 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
 
 static bool is_finite3( RfVec3 v ) { return isfinite( v.x ) && isfinite( v.y ) && isfinite( v.z ); }
 
+// Unit vectors at right angles; not so where a direction was zero, no number, or parallel to up.
+static bool is_perpendicular( RfVec3 a, RfVec3 b )
+{
+    return fabsf( rf_dot( a, a ) - 1.0f ) < 1e-3f && fabsf( rf_dot( b, b ) - 1.0f ) < 1e-3f && fabsf( rf_dot( a, b ) ) < 1e-3f;
+}
+
 static bool is_usable_pose( const RfPose* p )
 {
-    return is_finite3( p->origin ) && is_finite3( p->forward ) && is_finite3( p->up ) && p->focal > 0.0f &&
-           isfinite( p->focal ) && isfinite( p->axis_x ) && isfinite( p->axis_y );
+    return is_finite3( p->origin ) && is_perpendicular( p->forward, p->up ) && p->focal > 0.0f && isfinite( p->focal ) &&
+           isfinite( p->axis_x ) && isfinite( p->axis_y );
 }
 
 static bool has_usable_moments( const RfEye* e )
@@ -157,8 +164,9 @@ static bool has_usable_moments( const RfEye* e )
 static bool is_usable( const RfEye* e )
 {
     RfPose own = { e->origin, e->forward, e->up, e->focal, e->axis_x, e->axis_y };
-    return is_usable_pose( &own ) && is_finite3( e->right ) && e->focal_x > 0.0f && isfinite( e->focal_x ) &&
-           has_usable_moments( e ) && ( !e->moves || ( is_usable_pose( &e->open ) && is_usable_pose( &e->close ) ) ) &&
+    return e->projection >= 0 && e->projection < RF_PROJECTION_COUNT && is_usable_pose( &own ) &&
+           is_perpendicular( e->right, e->forward ) && e->focal_x > 0.0f && isfinite( e->focal_x ) && has_usable_moments( e ) &&
+           ( !e->moves || ( is_usable_pose( &e->open ) && is_usable_pose( &e->close ) ) ) &&
            ( ( e->lens_radius <= 0.0f && !RF_FAULT( lens_sharp ) ) ||
              ( e->focus != 0.0f && isfinite( rf_maxf( e->focal, e->focal_x ) * e->lens_radius / e->focus ) ) );
 }
@@ -177,10 +185,11 @@ static RfResult check_eyes( const RfEye* eyes, int count, RfError* error )
         if ( k > 0 && eyes[k].shot < eyes[k - 1].shot )
             return rf_fail( error, RF_ERROR_USAGE, "frame %d of the path is of an earlier shot than the one before it", k );
         if ( !is_usable( eyes + k ) && !RF_FAULT( usable_eyes ) )
-            return rf_fail( error, RF_ERROR_USAGE,
-                            "the camera of frame %d of the path cannot be used: all of it must be finite, its focal length and, "
-                            "with a lens, its focus above 0",
-                            k );
+            return rf_fail(
+                error, RF_ERROR_USAGE,
+                "the camera of frame %d of the path cannot be used: all of it must be finite, its axes unit vectors at "
+                "right angles, its focal length and, with a lens, its focus above 0",
+                k );
     }
     return RF_OK;
 }

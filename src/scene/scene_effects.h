@@ -5,6 +5,6 @@
 #include "reframe/effects.h"
 
 // Completes a row whose id, `on` and `why` are set: its name, and what rf_choose_effects has chosen.
-void rf_finish_effect( const RfScene* scene, RfEffect* effect );
+void rf_finish_effect( const struct RfScene* scene, RfEffect* effect );
 
 #endif

@@ -132,10 +132,34 @@ static HardInput unusable_eyes( void )
             rf_set_lens( &eye, k == 5 ? INFINITY : 0.1, k == 3 ? 0.0 : k == 4 ? NAN : 1.0, 0, 0.0 );
         refused += rf_render( &( RfShot ){ tracer, &eye, 1, &( int ){ 0 }, 1 }, &s, NULL, NULL, &error ) == RF_ERROR_USAGE;
     }
-    out.holds = refused == 6;
+    const RfVec3 o = h.eyes[3].origin, z = rf_vec3( 0, 0, -1 ), y = rf_vec3( 0, 1, 0 ), none = rf_vec3( 0, 0, 0 );
+    const int width = h.eyes[3].width, height = h.eyes[3].height;
+    RfEye made[] = { rf_make_eye( o, none, y, 1.0, width, height ),
+                     rf_make_eye( o, z, none, 1.0, width, height ),
+                     rf_make_eye( o, z, rf_vec3( 0, 0, 3 ), 1.0, width, height ),
+                     rf_make_eye( o, rf_vec3( 0, NAN, 0 ), y, 1.0, width, height ),
+                     rf_make_eye( o, z, y, 0.0, width, height ),
+                     rf_make_eye( o, z, y, -1.0, width, height ),
+                     rf_make_eye( o, z, y, 1.0, 0, height ),
+                     rf_make_orthographic_eye( o, z, y, 0.0, width, height ),
+                     rf_make_orthographic_eye( o, none, y, 1.0, width, height ),
+                     rf_make_panoramic_eye( o, y, y, width, height ),
+                     rf_make_eye( o, z, y, 1.0, width, height ),
+                     rf_make_eye( o, z, y, 1.0, width, height ),
+                     rf_make_eye( o, z, y, 1.0, width, height ) };
+    const int count = (int)( sizeof made / sizeof made[0] );
+    rf_shift_eye( made + count - 1, 0.0, 0.0, 0.0 );
+    rf_set_shutter( made + count - 2, made, made + count - 3 );
+    made[count - 3].projection = 7;
+    for ( int k = 0; k < count; ++k )
+    {
+        RfError error;
+        refused += rf_render( &( RfShot ){ tracer, made + k, 1, &( int ){ 0 }, 1 }, &s, NULL, NULL, &error ) == RF_ERROR_USAGE;
+    }
+    out.holds = refused == 6 + count;
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
-    HARD_TELL( "a focus of 0, eyes that are not finite: %d of 6 refused by a message", refused );
+    HARD_TELL( "a focus of 0, eyes that are not finite or degenerate: %d of %d refused by a message", refused, 6 + count );
 }
 
 const HardCase g_hard_projections[] = {
@@ -143,8 +167,8 @@ const HardCase g_hard_projections[] = {
       HARD_INPUT, 0, NULL, film_corners },
     { "eye-frames", "up vectors as good as parallel to the view", "a cross product that cancels", HARD_INPUT, 0, NULL,
       eye_frames },
-    { "focus-0", "a lens focused at 0 m, eyes that are not finite", "x/0 in the shear of the film; rays that are no numbers",
-      HARD_INPUT, 0, NULL, unusable_eyes },
+    { "focus-0", "a lens focused at 0 m, eyes that are not finite or without a direction",
+      "x/0 in the shear of the film; rays that are no numbers", HARD_INPUT, 0, NULL, unusable_eyes },
     { "density-range", "points at any distance, any normal", "products and quotients of densities beyond floats", HARD_INPUT, 0,
       NULL, projections_untrapped },
     { 0 },

@@ -71,7 +71,7 @@ use_library()
 
     step="compiling every header by itself ($name)"
     for header in "$prefix/include/reframe/"*.h; do
-        for language in "$compiler -xc -std=c11" "$cpp -xc++ -std=c++17"; do
+        for language in "$compiler -xc -std=c99" "$compiler -xc -std=c11" "$cpp -xc++ -std=c++11" "$cpp -xc++ -std=c++17"; do
             # shellcheck disable=SC2046,SC2086
             echo "#include <reframe/$(basename "$header")>" | $language $warnings -fsyntax-only $(pkg-config --cflags reframe) -
         done
