@@ -509,7 +509,6 @@ typedef struct Parse
     int next; // argument to be read
     const char** files;
     int file_count;
-    bool seen[MAX_OPTIONS];
     Value defaults[MAX_OPTIONS];
 } Parse;
 
@@ -582,9 +581,6 @@ static const char* optional_value( Parse* parse, const RfOption* option )
 static RfResult take_option( Parse* parse, int index, bool negated, const char* value, RfError* error )
 {
     const RfOption* option = parse->table->options + index;
-    if ( parse->seen[index] )
-        return rf_fail( error, RF_ERROR_USAGE, "--%s: given twice", option->name );
-    parse->seen[index] = true;
     if ( option->given != NULL )
         *option->given = true;
     if ( option->type == RF_OPTION_BOOL )

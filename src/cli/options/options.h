@@ -2,9 +2,10 @@
 // and the help is printed, so that the two cannot disagree.
 //
 // `--name value` and `--name=value` in any order, mixed with files; booleans
-// are `--name` and `--no-name`, and some choices have these forms too; `--` ends the options. Nothing is guessed or
-// clamped: what is unknown, of the wrong type, out of range, missing, given
-// twice or too much is one error line, RF_ERROR_USAGE, that starts with the
+// are `--name` and `--no-name`, and some choices have these forms too; `--` ends the options. Of an option that is given twice, the
+// last holds, as a whole where it is a list. Nothing is guessed or
+// clamped: what is unknown, of the wrong type, out of range, missing
+// or too much is one error line, RF_ERROR_USAGE, that starts with the
 // option ("--spp: expected a whole number from 1 to 1048576, got '0'"); the
 // command puts "reframe render: " in front.
 #ifndef REFRAME_CLI_OPTIONS_OPTIONS_H
