@@ -181,24 +181,32 @@ static int bin_of( const RfTreeLight* light, int axis, double low, double scale 
     return bin < 0 ? 0 : ( bin >= BINS ? BINS - 1 : bin );
 }
 
-// The lowest cost of a split between bins.
+// The lowest cost of a split between bins. Most sets are small, and most bins empty: behind those nothing costs anything else.
 static double best_split_of_axis( const RfLightBounds* bin, int* best )
 {
-    double below[BINS], least = INFINITY;
+    double below[BINS], least = INFINITY, cost = 0.0;
     RfLightBounds sum = no_lights();
     for ( int k = 0; k + 1 < BINS; ++k )
     {
-        bound_both( &sum, bin + k );
-        below[k] = bounds_cost( &sum );
+        if ( !is_empty( bin + k ) )
+        {
+            bound_both( &sum, bin + k );
+            cost = bounds_cost( &sum );
+        }
+        below[k] = cost;
     }
     sum = no_lights();
+    cost = 0.0;
     for ( int k = BINS - 1; k > 0; --k )
     {
-        bound_both( &sum, bin + k );
-        double cost = below[k - 1] + bounds_cost( &sum );
-        if ( cost < least )
+        if ( !is_empty( bin + k ) )
         {
-            least = cost;
+            bound_both( &sum, bin + k );
+            cost = bounds_cost( &sum );
+        }
+        if ( below[k - 1] + cost < least )
+        {
+            least = below[k - 1] + cost;
             *best = k;
         }
     }
