@@ -289,16 +289,6 @@ static void warn_of_frozen( const RfGltf* gltf )
              count == 1 ? "s" : "" );
 }
 
-static bool is_moving_node( const RfScene* scene, const char* name ) // or an ancestor of one
-{
-    for ( int i = 0; scene->movement != NULL && i < scene->movement->node_count; ++i )
-    {
-        if ( strcmp( scene->nodes[scene->movement->nodes[i].node].name, name ) == 0 )
-            return true;
-    }
-    return false;
-}
-
 static bool any_material_changes( const RfGltf* gltf, int mesh )
 {
     const json_t* primitives = json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), "primitives" );
@@ -323,16 +313,31 @@ static bool changes_at( const RfGltf* gltf, int node )
            ( light != NULL && rf_gltf_light_changes( gltf, (int)json_integer_value( light ) ) );
 }
 
-static bool changes( const RfGltf* gltf, const char* name )
+// The place of a name in the sorted list; −1: it is not there.
+static ptrdiff_t find_name( const RfScene* scene, const char* name )
 {
-    if ( gltf->change_count == 0 )
-        return false;
-    for ( int i = 0; i < gltf->order_count; ++i )
+    char** found = bsearch( &name, scene->moving, (size_t)scene->moving_count, sizeof *scene->moving, compare_names );
+    return found != NULL ? found - scene->moving : -1;
+}
+
+// Marks the names of what moves, with all that it hangs on, or changes in the file.
+static void mark_moved( const RfGltf* gltf, bool* moved )
+{
+    const RfScene* scene = gltf->scene;
+    int nodes = scene->movement != NULL ? scene->movement->node_count : 0,
+        checked = gltf->change_count > 0 ? gltf->order_count : 0;
+    for ( int i = 0; i < nodes; ++i )
     {
-        if ( strcmp( gltf->scene->nodes[gltf->order[i]].name, name ) == 0 && changes_at( gltf, gltf->order[i] ) )
-            return true;
+        ptrdiff_t at = find_name( scene, scene->nodes[scene->movement->nodes[i].node].name );
+        if ( at >= 0 )
+            moved[at] = true;
     }
-    return false;
+    for ( int i = 0; i < checked; ++i )
+    {
+        ptrdiff_t at = find_name( scene, scene->nodes[gltf->order[i]].name );
+        if ( at >= 0 && !moved[at] )
+            moved[at] = changes_at( gltf, gltf->order[i] );
+    }
 }
 
 // Takes what does not move or change in the file out of the names.
@@ -341,10 +346,15 @@ static RfResult list_unmoved( RfGltf* gltf )
     RfScene* scene = gltf->scene;
     RfResult result = RF_OK;
     int kept = 0, count = scene->moving_count;
+    bool* moved = calloc( (size_t)count + 1, sizeof *moved );
+    if ( moved == NULL )
+        return rf_gltf_no_memory( gltf, "animations" );
+    if ( count > 0 )
+        mark_moved( gltf, moved );
     for ( int i = 0; i < count; ++i )
     {
         char* name = scene->moving[i];
-        if ( is_moving_node( scene, name ) || changes( gltf, name ) )
+        if ( moved[i] )
         {
             scene->moving[kept++] = name;
             continue;
@@ -356,6 +366,7 @@ static RfResult list_unmoved( RfGltf* gltf )
         free( name );
     }
     scene->moving_count = kept;
+    free( moved );
     return result;
 }
 
