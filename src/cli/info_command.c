@@ -6,8 +6,10 @@
 #include "cli/render/changes_json.h"
 #include "cli/render/render_json.h"
 #include "film/cryptomatte.h"
+#include "light/changing.h"
 #include "reframe/scene.h"
 #include "scene/json/scene_file.h"
+#include "scene/pose.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,6 +28,7 @@ static bool s_effects_given, s_group_given;
 #define MAX_CHANGING 64        // lights and materials named: of more no share is known, and materials are not named
 #define MUCH_OWN 0.5           // of the light
 #define MOST_TRIANGLES 4000000 // that a BVH is built of in about two seconds
+#define MOST_CHOICE 2e6        // triangles and lights for which a group is chosen in about three seconds
 
 static const RfOption s_options[] = {
     { .name = "fps",
@@ -120,6 +123,12 @@ static RfResult gather_light( const RfScene* scene, Facts* facts, RfError* error
     return result;
 }
 
+// What choosing a group takes: some 50 frames are posed, and in as many groups, of up to 33 frames, 450 are lit.
+static double work_of_choice( const RfScene* scene )
+{
+    return 50.0 * (double)rf_pose_parts( scene ).triangles + 450.0 * (double)rf_count_moving_emitters( scene );
+}
+
 static RfResult gather_changes( const RfScene* scene, Facts* facts, RfError* error )
 {
     bool renders = facts->scene.unrendered_count == 0 || facts->scene.frozen;
@@ -129,6 +138,10 @@ static RfResult gather_changes( const RfScene* scene, Facts* facts, RfError* err
     facts->beyond_depth = cuts ? (double)NAN : 0.0;
     if ( looks && facts->scene.stored_triangles > MOST_TRIANGLES )
         rf_fail( &facts->unknown, RF_ERROR_UNSUPPORTED, "more than %d triangles: the JSON of a render says it", MOST_TRIANGLES );
+    else if ( looks && scene->movement != NULL && facts->render.settings.group == RF_GROUP_AUTO &&
+              work_of_choice( scene ) > MOST_CHOICE )
+        rf_fail( &facts->unknown, RF_ERROR_UNSUPPORTED,
+                 "so much deforms and shines that choosing a group takes long: give --group N" );
     else if ( looks && gather_light( scene, facts, &facts->unknown ) == RF_OK )
         return RF_OK;
     if ( scene->movement == NULL )

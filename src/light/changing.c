@@ -49,44 +49,53 @@ bool rf_lights_change( const RfScene* scene )
 
 static RfResult no_memory( RfError* error ) { return rf_fail( error, RF_ERROR_MEMORY, "no memory for lights that change" ); }
 
-static int32_t dim_of( const RfChangingLights* changing, uint32_t material )
-{
-    for ( uint32_t i = 0; i < changing->dim_count; ++i )
-    {
-        if ( changing->dim[i] == material )
-            return (int32_t)i;
-    }
-    return -1;
-}
-
-static RfResult list_materials( const RfScene* scene, RfChangingLights* changing, RfError* error )
+// `dim_of`: of each material, its index in changing->dim; −1: it is not there.
+static RfResult list_materials( const RfScene* scene, RfChangingLights* changing, int32_t* dim_of, RfError* error )
 {
     for ( uint32_t i = 0; i < scene->material_count; ++i )
-        changing->dim_count += scene->materials[i].dims && shines( scene->materials + i );
+        dim_of[i] = scene->materials[i].dims && shines( scene->materials + i ) ? (int32_t)changing->dim_count++ : -1;
     changing->dim = malloc( ( (size_t)changing->dim_count + 1 ) * sizeof *changing->dim );
     changing->dim_moves = calloc( (size_t)changing->dim_count + 1, sizeof *changing->dim_moves );
-    if ( changing->dim == NULL || changing->dim_moves == NULL )
+    changing->dimmed_end = calloc( (size_t)changing->dim_count + 1, sizeof *changing->dimmed_end );
+    if ( changing->dim == NULL || changing->dim_moves == NULL || changing->dimmed_end == NULL )
         return no_memory( error );
-    uint32_t count = 0;
     for ( uint32_t i = 0; i < scene->material_count; ++i )
     {
-        if ( scene->materials[i].dims && shines( scene->materials + i ) )
-            changing->dim[count++] = i;
+        if ( dim_of[i] >= 0 )
+            changing->dim[dim_of[i]] = i;
     }
     return RF_OK;
 }
 
-static void list_still_triangles( const RfScene* scene, const RfLights* lights, RfChangingLights* changing )
+// Sorts those of `light` by their materials: RfChangingLights.dimmed.
+static RfResult sort_by_material( RfChangingLights* changing, RfError* error )
+{
+    uint32_t* end = changing->dimmed_end;
+    changing->dimmed = malloc( ( (size_t)changing->count + 1 ) * sizeof *changing->dimmed );
+    if ( changing->dimmed == NULL )
+        return no_memory( error );
+    for ( uint32_t i = 0; i < changing->count; ++i )
+        end[changing->light[i].dim + 1] += 1; // one behind: below, they move on by all of their own
+    for ( uint32_t k = 0; k < changing->dim_count; ++k )
+        end[k + 1] += end[k];
+    for ( uint32_t i = 0; i < changing->count; ++i )
+        changing->dimmed[end[changing->light[i].dim]++] = i;
+    return RF_OK;
+}
+
+static RfResult list_still_triangles( const RfScene* scene, const RfLights* lights, const int32_t* dim_of,
+                                      RfChangingLights* changing, RfError* error )
 {
     for ( uint32_t i = 0; i < changing->still_triangles && changing->dim_count > 0; ++i )
     {
-        int32_t dim = dim_of( changing, scene->triangles.material[lights->light[i].triangle] );
+        int32_t dim = dim_of[scene->triangles.material[lights->light[i].triangle]];
         if ( dim >= 0 )
             changing->light[changing->count++] = ( RfChangingLight ){ i, dim, lights->light[i].radiance };
     }
+    return sort_by_material( changing, error );
 }
 
-static void list_moving_triangles( const RfScene* scene, RfLights* lights, RfChangingLights* changing )
+static void list_moving_triangles( const RfScene* scene, const int32_t* dim_of, RfLights* lights, RfChangingLights* changing )
 {
     uint32_t number = changing->still_triangles;
     for ( uint32_t i = changing->first_moving; i < changing->end_moving; ++i )
@@ -97,7 +106,7 @@ static void list_moving_triangles( const RfScene* scene, RfLights* lights, RfCha
         if ( !shines( m ) )
             continue;
         RfVec3 mean = m->textured != NULL ? rf_mean_emission( scene, m, i ) : m->emission;
-        int32_t dim = dim_of( changing, at.triangles->material[at.index] );
+        int32_t dim = dim_of[at.triangles->material[at.index]];
         if ( dim >= 0 )
             changing->dim_moves[dim] = true;
         // until it is posed, it brings nothing
@@ -108,7 +117,8 @@ static void list_moving_triangles( const RfScene* scene, RfLights* lights, RfCha
     }
 }
 
-static RfResult list_moving( const RfScene* scene, RfLights* lights, RfChangingLights* changing, RfError* error )
+static RfResult list_moving( const RfScene* scene, const int32_t* dim_of, RfLights* lights, RfChangingLights* changing,
+                             RfError* error )
 {
     for ( int k = scene->still_placement_count; k < scene->placement_count; ++k )
     {
@@ -122,31 +132,38 @@ static RfResult list_moving( const RfScene* scene, RfLights* lights, RfChangingL
         malloc( ( (size_t)( changing->end_moving - changing->first_moving ) + 1 ) * sizeof *changing->of_moving );
     if ( changing->of_moving == NULL )
         return no_memory( error );
-    list_moving_triangles( scene, lights, changing );
+    list_moving_triangles( scene, dim_of, lights, changing );
     return RF_OK;
 }
 
-RfResult rf_find_changing_lights( const RfScene* scene, RfLights* lights, RfError* error )
+static RfResult list_lights( const RfScene* scene, int32_t* dim_of, RfLights* lights, RfError* error )
 {
-    RfChangingLights* changing = lights->changing = calloc( 1, sizeof *changing );
-    if ( changing == NULL )
-        return no_memory( error );
+    RfChangingLights* changing = lights->changing;
     uint32_t moving = rf_count_moving_emitters( scene );
     changing->still_triangles = lights->triangle_count - moving;
     changing->light = malloc( ( (size_t)lights->triangle_count + (size_t)lights->punctual_count + 1 ) * sizeof *changing->light );
     if ( changing->light == NULL )
         return no_memory( error );
-    RfResult result = list_materials( scene, changing, error );
-    if ( result != RF_OK )
-        return result;
-    list_still_triangles( scene, lights, changing );
-    if ( moving > 0 )
-        result = list_moving( scene, lights, changing, error );
+    RfResult result = list_materials( scene, changing, dim_of, error );
+    if ( result == RF_OK )
+        result = list_still_triangles( scene, lights, dim_of, changing, error );
+    if ( result == RF_OK && moving > 0 )
+        result = list_moving( scene, dim_of, lights, changing, error );
     for ( int i = 0; i < lights->punctual_count; ++i )
     {
         if ( lights->punctual[i].changes )
             changing->light[changing->count++] = ( RfChangingLight ){ .number = lights->triangle_count + (uint32_t)i, .dim = -1 };
     }
+    return result;
+}
+
+RfResult rf_find_changing_lights( const RfScene* scene, RfLights* lights, RfError* error )
+{
+    int32_t* dim_of = malloc( ( (size_t)scene->material_count + 1 ) * sizeof *dim_of );
+    lights->changing = calloc( 1, sizeof *lights->changing );
+    RfResult result =
+        dim_of != NULL && lights->changing != NULL ? list_lights( scene, dim_of, lights, error ) : no_memory( error );
+    free( dim_of );
     return result;
 }
 
@@ -157,6 +174,8 @@ void rf_destroy_changing_lights( RfChangingLights* changing )
     free( changing->of_moving );
     free( changing->dim );
     free( changing->dim_moves );
+    free( changing->dimmed );
+    free( changing->dimmed_end );
     free( changing->light );
     free( changing );
 }

@@ -20,8 +20,10 @@ typedef struct RfChangingLights
     uint32_t first_moving, end_moving; // triangles among which are all that move and may emit
     uint32_t* of_moving;               // the light of each, or RF_NO_LIGHT
     uint32_t dim_count;
-    uint32_t* dim;   // materials that emit and dim
-    bool* dim_moves; // whether some triangle of it moves
+    uint32_t* dim;        // materials that emit and dim
+    bool* dim_moves;      // whether some triangle of it moves
+    uint32_t* dimmed;     // of those of `light` that are triangles and stand still: by their materials, ascending
+    uint32_t* dimmed_end; // of each material, in that
     uint32_t count;
     RfChangingLight* light; // triangles and punctual lights, by their numbers, ascending
     double still_sum;       // of the intensities in the tree of those that do not change
@@ -82,6 +84,9 @@ typedef struct RfGroupLights
 // scenes of its `count` frames. Fails with RF_ERROR_MEMORY.
 RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
                                  RfGroupLights** out, RfError* error );
+// The same for rf_light_part alone: nothing is placed, and no light can be selected.
+RfResult rf_create_group_parts( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
+                                RfGroupLights** out, RfError* error );
 // NULL is allowed.
 void rf_destroy_group_lights( RfGroupLights* group );
 

@@ -50,7 +50,8 @@ typedef struct Making
     const RfScene* loaded;
     const RfLitFrame* frame;
     RfGroupLights* group;
-    int count; // of frames
+    int count;       // of frames
+    bool parts_only; // nothing is placed, and no selection is made
     int lamp_count;
     Lamp* lamp;
     RfVec3* values;
@@ -149,7 +150,7 @@ static void fill_frame( const Making* m, int at )
     }
     for ( uint32_t i = 0; i < m->changing->dim_count; ++i )
         set_emission( m, at, i, m->frame[at].emission[i] );
-    for ( uint32_t i = 0; i < m->changing->count; ++i )
+    for ( uint32_t i = 0; i < m->changing->count && !m->parts_only; ++i )
     {
         const RfChangingLight* light = m->changing->light + i;
         if ( light->number >= m->changing->still_triangles && light->number < still->triangle_count )
@@ -164,16 +165,23 @@ static void fill_frame( const Making* m, int at )
     lights->sky.sin_rotation = sinf( e->rotation );
 }
 
+// Those of RfChangingLights.dimmed that are of a material.
+static const uint32_t* dimmed_by( const RfChangingLights* changing, uint32_t dim, const uint32_t** end )
+{
+    *end = changing->dimmed + changing->dimmed_end[dim];
+    return changing->dimmed + ( dim > 0 ? changing->dimmed_end[dim - 1] : 0 );
+}
+
 // Triangles of a material that dims, which stand still, in a frame.
 static void fill_dimmed( const Making* m, int at, uint32_t dim, RfVec3 emission )
 {
     RfLights* lights = m->group->lights + at;
+    const uint32_t* end;
     set_emission( m, at, dim, emission );
-    for ( uint32_t i = 0; i < m->changing->count; ++i )
+    for ( const uint32_t* i = dimmed_by( m->changing, dim, &end ); i < end; ++i )
     {
-        const RfChangingLight* light = m->changing->light + i;
-        if ( light->number < m->changing->still_triangles && light->dim == (int32_t)dim )
-            lights->light[light->number].radiance = radiance_of( m, at, light, lights->light + light->number, emission );
+        const RfChangingLight* light = m->changing->light + *i;
+        lights->light[light->number].radiance = radiance_of( m, at, light, lights->light + light->number, emission );
     }
 }
 
@@ -265,14 +273,13 @@ static double power_of( const Making* m, const Lamp* lamp )
     else if ( lamp->kind == LAMP_SKY )
         sum = g_rf_light_models[RF_LIGHT_SKY].selection_power( lights, 0 ) * now /
               (double)rf_luminance( rf_sky_reference( &m->loaded->environment ) );
-    for ( uint32_t i = 0; i < m->changing->count && lamp->kind == LAMP_MATERIAL; ++i )
-    {
-        const RfChangingLight* light = m->changing->light + i;
-        if ( light->dim == (int32_t)lamp->index && light->number < m->changing->still_triangles )
-            sum += g_rf_light_models[RF_LIGHT_TRIANGLE].selection_power( m->still, light->number );
-    }
     if ( lamp->kind == LAMP_MATERIAL )
+    {
+        const uint32_t* end;
+        for ( const uint32_t* i = dimmed_by( m->changing, lamp->index, &end ); i < end; ++i )
+            sum += g_rf_light_models[RF_LIGHT_TRIANGLE].selection_power( m->still, m->changing->light[*i].number );
         now = (double)rf_luminance( m->loaded->materials[m->changing->dim[lamp->index]].emission );
+    }
     return now > 0.0 ? sum * most / now : 0.0;
 }
 
@@ -631,17 +638,17 @@ static bool alloc_group( Making* m )
     const RfLights* still = m->still;
     RfGroupLights* group = m->group;
     size_t count = (size_t)m->count, lamps = lamps_of( still );
-    uint32_t moving = still->triangle_count - m->changing->still_triangles;
+    bool moves = still->triangle_count - m->changing->still_triangles + m->changing->dim_count > 0 && !m->parts_only;
     group->lights = calloc( count, sizeof *group->lights );
     group->environment = calloc( count, sizeof *group->environment );
     group->punctual = malloc( ( count * (size_t)still->punctual_count + 1 ) * sizeof *group->punctual );
-    if ( moving + m->changing->dim_count > 0 )
+    if ( moves )
         group->light = malloc( ( count * still->triangle_count + 1 ) * sizeof *group->light );
     m->lamp = calloc( lamps, sizeof *m->lamp );
     m->values = malloc( lamps * count * sizeof *m->values );
     m->scales = calloc( MOST_DIMMERS * count, sizeof *m->scales );
     return group->lights != NULL && group->environment != NULL && group->punctual != NULL && m->lamp != NULL &&
-           m->values != NULL && m->scales != NULL && ( moving + m->changing->dim_count == 0 || group->light != NULL );
+           m->values != NULL && m->scales != NULL && ( !moves || group->light != NULL );
 }
 
 // Arrays that the frames share. A frame alone has no parts but those of light groups: all holds.
@@ -688,7 +695,7 @@ static RfResult make_group( Making* m, RfError* error )
         return no_memory( error );
     list_lamps( m );
     sort_lamps( m );
-    for ( int k = 0; k < m->lamp_count; ++k )
+    for ( int k = 0; k < m->lamp_count && !m->parts_only; ++k )
         settle_lamp( m, m->lamp + k );
     note_parts( m );
     add_frame_parts( m );
@@ -697,25 +704,39 @@ static RfResult make_group( Making* m, RfError* error )
         if ( m->lamp[k].kind == LAMP_SKY )
             average_sky( m, m->lamp + k );
     }
-    return find_selection( m, error );
+    return m->parts_only ? RF_OK : find_selection( m, error );
 }
 
-RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
-                                 RfGroupLights** out, RfError* error )
+static RfResult create_group( Making m, RfGroupLights** out, RfError* error )
 {
-    RfGroupLights* group = *out = calloc( 1, sizeof *group );
-    if ( group == NULL )
+    m.group = *out = calloc( 1, sizeof *m.group );
+    if ( m.group == NULL )
         return no_memory( error );
-    Making m = { .still = still, .changing = still->changing, .loaded = loaded, .frame = frame, .group = group, .count = count };
     RfResult result = alloc_group( &m ) ? make_group( &m, error ) : no_memory( error );
     free( m.lamp );
     free( m.values );
     free( m.scales );
     if ( result == RF_OK )
         return RF_OK;
-    rf_destroy_group_lights( group );
+    rf_destroy_group_lights( m.group );
     *out = NULL;
     return result;
+}
+
+RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
+                                 RfGroupLights** out, RfError* error )
+{
+    Making m = { .still = still, .changing = still->changing, .loaded = loaded, .frame = frame, .count = count };
+    return create_group( m, out, error );
+}
+
+RfResult rf_create_group_parts( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
+                                RfGroupLights** out, RfError* error )
+{
+    Making m = {
+        .still = still, .changing = still->changing, .loaded = loaded, .frame = frame, .count = count, .parts_only = true
+    };
+    return create_group( m, out, error );
 }
 
 void rf_destroy_group_lights( RfGroupLights* group )

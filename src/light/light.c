@@ -6,7 +6,9 @@
 #include "light/collect.h"
 #include "light/kinds.h"
 #include "scene/leave_out.h"
+#include "scene/movement.h"
 #include "scene/placement.h"
+#include "scene/pose.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -167,7 +169,9 @@ static RfResult create_light_tree( RfLights* lights, RfError* error )
     return result;
 }
 
-static RfResult fill_lights( const RfScene* scene, uint32_t moving, RfLights* lights, uint32_t capacity, RfError* error )
+// `selects`: lights can then be selected; else they are only listed.
+static RfResult fill_lights( const RfScene* scene, uint32_t moving, bool selects, RfLights* lights, uint32_t capacity,
+                             RfError* error )
 {
     double* powers = malloc( capacity * sizeof *powers );
     if ( powers == NULL )
@@ -182,9 +186,9 @@ static RfResult fill_lights( const RfScene* scene, uint32_t moving, RfLights* li
         total += powers[i] = 1.0; // what shines is found out in the lights of a group
     for ( uint32_t i = 0; i < lights->count; ++i )
         lights->power_fraction[i] = (float)( powers[i] / total );
-    RfResult result = lights->count > 0 ? rf_build_alias( lights, powers, total, error ) : RF_OK;
+    RfResult result = lights->count > 0 && selects ? rf_build_alias( lights, powers, total, error ) : RF_OK;
     free( powers );
-    bool by_tree = rf_runs( scene, lights->count > RF_FEW_LIGHTS, RF_EFFECT_LIGHT_TREE );
+    bool by_tree = selects && rf_runs( scene, lights->count > RF_FEW_LIGHTS, RF_EFFECT_LIGHT_TREE );
     if ( result == RF_OK && change && lights->count > 0 )
         result = rf_find_changing_lights( scene, lights, error );
     if ( result == RF_OK && by_tree )
@@ -228,7 +232,7 @@ static RfResult make_sky( const RfScene* scene, RfLights* lights, RfError* error
     return result;
 }
 
-RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error )
+static RfResult collect( const RfScene* scene, bool selects, RfLights* lights, RfError* error )
 {
     *lights = ( RfLights ){ .punctual_count = scene->punctual_count, .punctual = scene->punctuals };
     find_bounding_ball( scene, lights );
@@ -242,10 +246,15 @@ RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* err
         return result;
     result = alloc_lights( scene, lights, emissive, moving, capacity, error );
     if ( result == RF_OK )
-        result = fill_lights( scene, moving, lights, capacity, error );
+        result = fill_lights( scene, moving, selects, lights, capacity, error );
     if ( result != RF_OK )
         rf_destroy_lights( lights );
     return result;
+}
+
+RfResult rf_collect_lights( const RfScene* scene, RfLights* lights, RfError* error )
+{
+    return collect( scene, true, lights, error );
 }
 
 RfResult rf_split_lights( const RfScene* scene, const RfLightGroups* groups, RfLights* lights, RfError* error )
@@ -313,12 +322,42 @@ static uint32_t count_stored( const RfScene* scene )
     return count;
 }
 
+// The area of the lights that are triangles. Those that move are where they are at the first key; hidden there, they have none.
+static RfResult add_areas( const RfScene* scene, const RfLights* lights, double* area, RfError* error )
+{
+    RfPosedScene pose = { 0 };
+    uint32_t moving = rf_count_moving_emitters( scene ), still = lights->triangle_count - moving;
+    RfResult result = moving > 0 ? rf_pose_scene( scene, scene->movement->start, &pose, error ) : RF_OK;
+    for ( uint32_t i = 0; i < lights->triangle_count && result == RF_OK; ++i )
+    {
+        RfLight light = lights->light[i];
+        if ( i >= still )
+        {
+            RfTriangleAt at = rf_locate_placed_triangle( &pose.scene, light.triangle );
+            if ( !at.placement->shown )
+                continue;
+            rf_shape_light( rf_placed_corner( &pose.scene, light.triangle, 0 ),
+                            rf_placed_corner( &pose.scene, light.triangle, 1 ),
+                            rf_placed_corner( &pose.scene, light.triangle, 2 ), &light );
+        }
+        *area += (double)light.area;
+    }
+    rf_destroy_pose( &pose );
+    return result;
+}
+
 RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error )
 {
     RfLights lights = { 0 };
-    RfResult result = rf_collect_lights( scene, &lights, error );
+    double area = 0.0;
+    RfResult result = collect( scene, false, &lights, error );
+    if ( result == RF_OK )
+        result = add_areas( scene, &lights, &area, error );
     if ( result != RF_OK )
+    {
+        rf_destroy_lights( &lights );
         return result;
+    }
     *info = ( RfSceneInfo ){ .path = scene->path,
                              .triangles = rf_triangle_count( scene ),
                              .stored_triangles = count_stored( scene ),
@@ -326,6 +365,7 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .materials = scene->material_count,
                              .lights = lights.count,
                              .emitting_triangles = lights.triangle_count,
+                             .emitting_area = area,
                              .punctual_lights = scene->punctual_count,
                              .has_sky = rf_has_sky( &lights ),
                              .cameras = scene->camera_count,
@@ -349,8 +389,6 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .export_loss_count = scene->export_loss_count,
                              .export_warnings = (const char* const*)scene->export_warnings,
                              .export_warning_count = scene->export_warning_count };
-    for ( uint32_t i = 0; i < lights.triangle_count; ++i )
-        info->emitting_area += (double)lights.light[i].area;
     rf_destroy_lights( &lights );
     return RF_OK;
 }

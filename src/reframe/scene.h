@@ -55,7 +55,7 @@ typedef struct RfSceneInfo
     uint32_t materials;
     uint32_t lights; // emitting triangles, punctual lights, and the sky as one
     uint32_t emitting_triangles;
-    double emitting_area; // m²
+    double emitting_area; // m²; of what moves as at the first key of the scene
     int punctual_lights;  // point, spot and directional
     bool has_sky;         // an environment that shines
     int cameras;          // may be 0: rf_create_camera_path then needs a path file

@@ -12,6 +12,8 @@
 #include <stdlib.h>
 
 #define PILOT_RUNS 8
+#define LEAST_RUNS 2 // where much is posed and lit for each
+#define MOST_LIT 1e6 // triangles that are posed, and lights that move, in all runs of the pilot: about ten seconds
 #define PILOT_SPP 4
 #define PILOT_PATHS 240000 // in all
 #define PILOT_WIDTH 48     // at most
@@ -53,36 +55,42 @@ typedef struct Look
 
 static RfResult fail_memory( RfError* error ) { return rf_fail( error, RF_ERROR_MEMORY, "no memory for how light is shared" ); }
 
-static int find_item( const Look* look, RfChangingKind kind, int number )
-{
-    for ( int i = 0; i < look->count; ++i )
-    {
-        if ( look->changing[i].kind == kind && look->changing[i].number == number && look->changing[i].shines )
-            return i;
-    }
-    return -1;
-}
-
-static int find_item_of( const Look* look, uint32_t light )
-{
-    const RfLights* lights = look->lights;
-    if ( light >= lights->triangle_count )
-        return find_item( look, RF_CHANGING_LIGHT, (int)( light - lights->triangle_count ) );
-    RfTriangleAt at = rf_locate_triangle( look->scene, lights->light[light].triangle );
-    return find_item( look, RF_CHANGING_MATERIAL, (int)at.triangles->material[at.index] );
-}
-
-static void number_items( Look* look )
+// The item of each light, by those of materials and punctual lights. `of`: room for all of them.
+static void number_items_by( Look* look, int32_t* of )
 {
     const RfChangingLights* changing = look->lights->changing;
+    int32_t *of_material = of, *of_punctual = of + look->scene->material_count, sky = -1;
+    for ( uint32_t i = 0; i < look->scene->material_count + (uint32_t)look->lights->punctual_count; ++i )
+        of[i] = -1;
+    for ( int i = 0; i < look->count; ++i )
+    {
+        const RfChanging* c = look->changing + i;
+        if ( c->shines )
+            *( c->kind == RF_CHANGING_SKY ? &sky : ( c->kind == RF_CHANGING_LIGHT ? of_punctual : of_material ) + c->number ) = i;
+    }
+    for ( uint32_t i = 0; i < changing->count; ++i )
+    {
+        uint32_t light = changing->light[i].number, triangles = look->lights->triangle_count;
+        look->item[light] = light >= triangles ? of_punctual[light - triangles]
+                                               : of_material[rf_material_of( look->scene, look->lights->light[light].triangle )];
+    }
+    if ( rf_has_sky( look->lights ) )
+        look->item[rf_sky_number( look->lights )] = sky;
+}
+
+static RfResult number_items( Look* look, RfError* error )
+{
+    size_t size = (size_t)look->scene->material_count + (size_t)look->lights->punctual_count + 1;
     for ( uint32_t i = 0; i < look->lights->count; ++i )
         look->item[i] = -1;
-    if ( changing == NULL )
-        return;
-    for ( uint32_t i = 0; i < changing->count; ++i )
-        look->item[changing->light[i].number] = find_item_of( look, changing->light[i].number );
-    if ( rf_has_sky( look->lights ) )
-        look->item[rf_sky_number( look->lights )] = find_item( look, RF_CHANGING_SKY, 0 );
+    if ( look->lights->changing == NULL )
+        return RF_OK;
+    int32_t* of = malloc( size * sizeof *of );
+    if ( of == NULL )
+        return fail_memory( error );
+    number_items_by( look, of );
+    free( of );
+    return RF_OK;
 }
 
 // Light that has parts by frame is shared, whatever it is in each.
@@ -145,7 +153,7 @@ static RfResult look_at_group( Look* look, const RfGroupPlan* plan, int run, Pos
         frames[i] = ( RfLitFrame ){ &poses->pose[k].scene, poses->emission + poses->dims * (size_t)k };
     }
     if ( result == RF_OK )
-        result = rf_create_group_lights( look->lights, look->scene, count, frames, &group, error );
+        result = rf_create_group_parts( look->lights, look->scene, count, frames, &group, error );
     if ( result == RF_OK )
         find_ways( look, group->lights );
     rf_destroy_group_lights( group );
@@ -183,6 +191,15 @@ static int runs_to_look_at( const Look* look )
         return runs;
     int some = (int)( MOST_POSED / ( posed * group ) ), least = runs < PILOT_RUNS ? runs : PILOT_RUNS;
     return some < least ? least : some < runs ? some : runs;
+}
+
+// How many of those have pictures, each with a BVH and a tree of all lights.
+static int runs_to_light( const Look* look, int looked )
+{
+    double each = (double)rf_pose_parts( look->scene ).triangles + (double)rf_count_moving_emitters( look->scene ) + 1.0;
+    int some = MOST_LIT / each < PILOT_RUNS ? (int)( MOST_LIT / each ) : PILOT_RUNS;
+    some = some > LEAST_RUNS ? some : LEAST_RUNS;
+    return looked < some ? looked : some;
 }
 
 // The k-th of some of them.
@@ -334,7 +351,7 @@ static void divide_light( const Look* look )
 static RfResult look_along( Look* look, const int* frames, RfError* error )
 {
     RfSharing* sharing = look->sharing;
-    int runs = look->path->run_count, looked = runs_to_look_at( look ), pilots = looked < PILOT_RUNS ? looked : PILOT_RUNS;
+    int runs = look->path->run_count, looked = runs_to_look_at( look ), pilots = runs_to_light( look, looked );
     RfGroupPlan plan = rf_plan_shots( look->path->runs, runs, look->settings->group, 1 );
     Poses poses = { 0 };
     RfResult result = open_poses( look, &poses, error );
@@ -373,8 +390,9 @@ static RfResult look_at_path( Look* look, RfError* error )
     {
         for ( int i = 0; i < path->count; ++i )
             frames[path->run_of_frame[i]] += 1;
-        number_items( look );
-        result = look_along( look, frames, error );
+        result = number_items( look, error );
+        if ( result == RF_OK )
+            result = look_along( look, frames, error );
         divide_light( look );
         rf_destroy_worlds( &look->worlds );
     }

@@ -198,6 +198,57 @@ static void test_info_says_how_lamps_are_shared( void** state )
     cli_expect( cli_run( "grep -q \"light 'moved'.*place; shared; 4\" l.html" ), 0, NULL );
 }
 
+#define PANELS 23
+#define SIDE 10 // tiles of a panel, of 0.1 m by 0.2 m
+
+// Luminous panels on a node that moves.
+static void write_panels( const char* name )
+{
+    static const float s_times[] = { 0, 4 }, s_places[] = { 0, 0, -3, 1, 0, -3 };
+    float corners[( SIDE + 1 ) * ( SIDE + 1 )][3];
+    uint16_t faces[SIDE * SIDE][6];
+    for ( int i = 0; i < ( SIDE + 1 ) * ( SIDE + 1 ); ++i )
+        memcpy( corners[i], ( float[] ){ 0.1f * (float)( i % ( SIDE + 1 ) ), 0.2f * (float)( i / ( SIDE + 1 ) ), 0 }, 12 );
+    for ( int i = 0; i < SIDE * SIDE; ++i )
+    {
+        uint16_t a = (uint16_t)( i % SIDE + i / SIDE * ( SIDE + 1 ) ), b = (uint16_t)( a + 1 ), d = (uint16_t)( a + SIDE + 1 );
+        memcpy( faces[i], ( uint16_t[] ){ a, b, (uint16_t)( d + 1 ), a, (uint16_t)( d + 1 ), d }, 12 );
+    }
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, ( SIDE + 1 ) * ( SIDE + 1 ), corners[0] );
+    add_gltf_u16( &b, 6 * SIDE * SIDE, faces[0] );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
+    add_gltf_floats( &b, "VEC3", 3, 2, s_places );
+    char text[2048 + PANELS * 64], *end = text;
+    end += sprintf( end,
+                    "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.7,\"znear\":0.1}}],\"materials\":[{"
+                    "\"emissiveFactor\":[1,1,1]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
+                    "\"material\":0}]}],\"animations\":[{\"samplers\":[{\"input\":2,\"output\":3}],\"channels\":[{\"sampler\":0,"
+                    "\"target\":{\"node\":1,\"path\":\"translation\"}}]}],\"nodes\":[{\"camera\":0},{\"children\":[2" );
+    for ( int i = 1; i < PANELS; ++i )
+        end += sprintf( end, ",%d", 2 + i );
+    end += sprintf( end, "]}" );
+    for ( int i = 0; i < PANELS; ++i )
+        end += sprintf( end, ",{\"mesh\":0,\"translation\":[%d,0,0]}", 2 * i );
+    sprintf( end, "],\"scenes\":[{\"nodes\":[0,1]}]" );
+    size_t size;
+    uint8_t* bytes = build_glb( &b, text, &size );
+    cli_write( name, bytes, size );
+    free( bytes );
+}
+
+// The area of what moves counts; what is known is said at once, where choosing a group for so many would take long.
+static void test_info_of_many_that_move_and_shine( void** state )
+{
+    (void)state;
+    write_panels( "panels.glb" );
+    const CliResult* told = cli_run( "$R info panels.glb" );
+    assert_non_null( strstr( told->out, "(emissive triangles 4600, 46 m2; " ) );
+    assert_non_null( strstr( told->out, "sharing    not known: " ) && strstr( told->out, ": give --group N\n" ) );
+    told = cli_run( "$R info panels.glb --fps 1 --group 1" );
+    assert_non_null( strstr( told->out, "in groups of 3 frames 0 % of the light is shared, 0 % scaled, 100 % own-frame" ) );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -206,6 +257,7 @@ int main( void )
         cmocka_unit_test( test_info_names_so_many ),
         cmocka_unit_test( test_lamps_at_the_ends_of_a_path ),
         cmocka_unit_test( test_info_says_how_lamps_are_shared ),
+        cmocka_unit_test( test_info_of_many_that_move_and_shine ),
     };
     return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
 }

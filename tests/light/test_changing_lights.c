@@ -236,6 +236,14 @@ static RfGroupLights* group_of( const World* w )
     return group;
 }
 
+static RfGroupLights* parts_of( const World* w )
+{
+    RfGroupLights* group;
+    RfError error;
+    assert_int_equal( rf_create_group_parts( &w->still, &w->loaded, FRAMES, w->frame, &group, &error ), RF_OK );
+    return group;
+}
+
 static uint32_t lamp_number( const RfLights* lights, int lamp ) { return lights->triangle_count + (uint32_t)lamp; }
 
 static int part_of( const RfLights* lights, int lamp ) { return rf_light_part( lights, lamp_number( lights, lamp ) ); }
@@ -244,9 +252,8 @@ static int part_of( const RfLights* lights, int lamp ) { return rf_light_part( l
 
 static bool is_dimmed( int part ) { return part > 0 && part <= RF_DIMMED_MOST; }
 
-static void check_parts( const World* w, SkyKind sky )
+static void check_parts( const World* w, SkyKind sky, RfGroupLights* group )
 {
-    RfGroupLights* group = group_of( w );
     const RfLights* l = group->lights;
     assert_true( part_of( l, STILL ) == 0 && part_of( l, CONSTANT ) == 0 && part_of( l, DARK ) == 0 );
     assert_true( part_of( l, MOVED ) == RF_PART_OWN && part_of( l, SUN ) == RF_PART_OWN );
@@ -278,7 +285,8 @@ static void test_parts( void** state )
     for ( SkyKind sky = NO_SKY; sky <= SKY_STAYS; ++sky )
     {
         World* w = make_world( sky );
-        check_parts( w, sky );
+        check_parts( w, sky, group_of( w ) );
+        check_parts( w, sky, parts_of( w ) );
         free_world( w );
     }
 }
