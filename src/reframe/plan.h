@@ -64,6 +64,18 @@ static inline bool rf_plan_row_fits( const RfPlanRow* row ) { return row->fit.fi
 // RF_ERROR_USAGE for values out of range, and as rf_fit_memory does for a group of one frame.
 RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error );
 
+// What a render of some frames takes beyond their share of a render of the whole path: the groups that hold frames around them.
+typedef struct RfHalo
+{
+    double share; // of its work, 0 to 1
+    int group;    // the smaller one that takes least for these frames and the same error, or that of the settings
+    double saved; // of the work, with that group
+} RfHalo;
+
+// By the model above, in which samples are tested in the frames asked for alone. Settings as resolved, with a group. Where the
+// share is certain to be under `least`, nothing is traced to find it, and no group either. Fails as rf_plan_render.
+RfResult rf_plan_halo( const RfShot* shot, const RfRenderSettings* settings, double least, RfHalo* halo, RfError* error );
+
 // Some of the frames asked for, in a row, for a machine of its own.
 typedef struct RfPlanRange
 {

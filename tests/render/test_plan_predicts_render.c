@@ -300,6 +300,50 @@ static void test_rows_of_several_sweeps_are_not_chosen( void** state )
     end( &s );
 }
 
+// Samples that a frame traces in groups of 2n+1 of which each has a single pass, on average over the path.
+static double all_samples_each( int group )
+{
+    RfGroupPlan plan = rf_plan_groups( MOST_EYES, group, 17 );
+    double samples = 0.0;
+    for ( int g = 0; g < plan.groups; ++g )
+        samples += (double)rf_group( &plan, g ).passes * rf_group( &plan, g ).eyes;
+    return samples / MOST_EYES;
+}
+
+static RfHalo halo_of( const Setup* s, int first, int count, int group, double least )
+{
+    RfHalo halo;
+    RfError error = { 0 };
+    RfRenderSettings settings = settings_of( 17 );
+    settings.group = group;
+    if ( rf_plan_halo( &( RfShot ){ s->tracer, s->eyes, MOST_EYES, s->frames + first, count }, &settings, least, &halo,
+                       &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return halo;
+}
+
+static void test_halo_of_short_ranges( void** state )
+{
+    (void)state;
+    Setup s;
+    begin( &s, ROOM_DIFFUSE, 0.0f );
+    RfHalo all = halo_of( &s, 0, MOST_EYES, 8, 0.0 ), alone = halo_of( &s, 0, MOST_EYES, 0, 0.0 );
+    assert_true( all.share < 1e-9 && all.group == 8 && alone.share < 1e-9 && alone.group == 0 );
+    // by samples alone: one frame takes 17 groups of 17, ten take 26
+    assert_true( fabs( halo_of( &s, 30, 1, 8, 0.99 ).share - ( 1.0 - all_samples_each( 8 ) / ( 17.0 * 17.0 ) ) ) < 1e-9 );
+    assert_true( fabs( halo_of( &s, 30, 10, 8, 0.99 ).share - ( 1.0 - 10.0 * all_samples_each( 8 ) / ( 26.0 * 17.0 ) ) ) < 1e-9 );
+    // reuse costs where frames are wanted; equal cameras make up for all of it
+    RfHalo one = halo_of( &s, 30, 1, 8, 0.0 ), ten = halo_of( &s, 30, 10, 8, 0.0 ), many = halo_of( &s, 20, 20, 8, 0.0 );
+    assert_true( one.share > ten.share && ten.share > many.share && many.share > 0.1 );
+    assert_true( ten.share < halo_of( &s, 30, 10, 8, 0.99 ).share && one.group == 8 && one.saved == 0.0 );
+    end( &s );
+    // cameras that look elsewhere do not
+    begin( &s, ROOM_DIFFUSE, 20.0f );
+    one = halo_of( &s, 30, 1, 8, 0.0 );
+    assert_true( one.group < 4 && one.saved > 0.3 && one.saved < 1.0 );
+    end( &s );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -310,6 +354,7 @@ int main( void )
         cmocka_unit_test( test_choice_by_memory ),
         cmocka_unit_test( test_rows_without_room_stay ),
         cmocka_unit_test( test_rows_of_several_sweeps_are_not_chosen ),
+        cmocka_unit_test( test_halo_of_short_ranges ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -18,6 +18,7 @@
 #include "reframe/camera.h"
 #include "reframe/effects.h"
 #include "reframe/output.h"
+#include "reframe/plan.h"
 #include "reframe/render.h"
 #include "render/estimator.h"
 #include "render/settings.h"
@@ -33,6 +34,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+#define MUCH_HALO 0.25 // of the work
 
 static void note_solve( RfFrameErrors* errors, RfSolved solved, int number )
 {
@@ -237,6 +240,29 @@ static void print_effects( const RfEffect* effects, int count )
              out, forced[0] != '\0' ? "; forced: " : "", forced );
 }
 
+static RfShot shot_of( const RfRenderJob* job )
+{
+    return ( RfShot ){ job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count };
+}
+
+// The halo of the frames that are rendered, which --json tells; it is said where it is much.
+static void note_halo( RfRenderJob* job )
+{
+    const RfRenderOptions* options = &job->options;
+    RfShot shot = shot_of( job );
+    RfError ignored;
+    if ( job->run_count == 0 || ( options->quiet && options->json == NULL ) ||
+         rf_plan_halo( &shot, &options->settings, MUCH_HALO, &job->halo, &ignored ) != RF_OK || job->halo.share < MUCH_HALO ||
+         options->quiet )
+        return;
+    char cheaper[96] = ", which no smaller group saves at the same noise";
+    if ( job->halo.group < options->settings.group )
+        snprintf( cheaper, sizeof cheaper, "; --group %d takes about %.0f %% less time for the same noise", job->halo.group,
+                  100.0 * job->halo.saved );
+    fprintf( stderr, "reframe render: about %.0f %% of the time goes into the halo, frames beside those asked for%s\n",
+             100.0 * job->halo.share, cheaper );
+}
+
 // Says in which of the frames nothing changes, and that these are rendered once, on standard error.
 static void print_runs( const RfCameraPath* path, const int* frames, int frame_count, int run_count )
 {
@@ -285,11 +311,6 @@ static RfOutput output_of( const RfRenderJob* job )
         .settings = job->options.settings,
         .calls_for = job->calls_for,
     };
-}
-
-static RfShot shot_of( const RfRenderJob* job )
-{
-    return ( RfShot ){ job->tracer, job->path.runs, job->path.run_count, job->runs, job->run_count };
 }
 
 // Replaces the settings by those that are used.
@@ -391,9 +412,12 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     job->kept_films = job->films != NULL ? job->frames[0] : -1;
     if ( result == RF_OK )
         result = find_runs( job, error ); // of what is left
+    if ( result == RF_OK && !job->options.quiet )
+        print_settings( &job->asked, &job->options.settings, &job->fit, &job->path );
+    if ( result == RF_OK )
+        note_halo( job );
     if ( result != RF_OK || job->options.quiet )
         return result;
-    print_settings( &job->asked, &job->options.settings, &job->fit, &job->path );
     if ( job->options.verbose )
         print_effects( job->effects, job->effect_count );
     print_runs( &job->path, job->frames, job->frame_count, job->run_count );
@@ -662,6 +686,9 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
                          rf_json_texts( (const char* const*)scene->export_losses, scene->export_loss_count ) );
     json_object_set_new( json, "export_warnings",
                          rf_json_texts( (const char* const*)scene->export_warnings, scene->export_warning_count ) );
+    json_object_set_new(
+        json, "halo",
+        json_pack( "{s:f, s:i, s:f}", "share", job->halo.share, "group", job->halo.group, "saved", job->halo.saved ) );
     if ( job->scene.movement != NULL )
         rf_add_changes( &job->scene, interrupted ? NULL : job->tracer, options, json, NULL );
     return rf_write_json( options->json, json, error );

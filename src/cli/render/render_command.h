@@ -9,6 +9,7 @@
 #include "cli/render/preview.h"
 #include "cli/render/progress.h"
 #include "reframe/output.h"
+#include "reframe/plan.h"
 #include "scene/json/scene_file.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
@@ -47,6 +48,7 @@ typedef struct RfRenderJob
     RfRenderOptions options;
     RfRenderSettings asked; // before they were resolved
     RfMemoryFit fit;
+    RfHalo halo; // of the frames that are rendered
     RfLog log;
     RfReportedWarnings reported;
     RfSceneFile file; // options may point into it
