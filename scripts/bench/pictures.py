@@ -93,9 +93,24 @@ def blur(grey):
     return sum(wide[..., y:y + rows, x:x + columns] for y in range(3) for x in range(3)) / 9
 
 
+def windows(grey, side):
+    """The pixels around each one of a frame, side x side; beyond the border the nearest."""
+    wide, (rows, columns) = np.pad(grey, side // 2, mode="edge"), grey.shape
+    return np.stack([wide[y:y + rows, x:x + columns] for y in range(side) for x in range(side)])
+
+
 def denominators(pictures):
-    """What squared errors are divided by: the squared brightness over 3x3 pixels, and 0.001."""
-    return blur(pictures.mean(-1)) ** 2 + FLOOR
+    """What squared errors are divided by, as in src/film/brightness.h: the squared brightness, the median over 3x3 pixels and of
+    that the mean over 5x5, and 0.001."""
+    grey = pictures.mean(-1)
+    frames = grey.reshape(-1, *grey.shape[-2:])
+    return np.stack([windows(np.median(windows(f, 3), axis=0), 5).mean(0) ** 2 + FLOOR for f in frames]).reshape(grey.shape)
+
+
+def most_accurate(seen):
+    """Of pictures by several ways, each with at least two seeds, the mean over the seeds of those that differ least from seed to
+    seed, in the pixel in the middle: what errors without a reference are divided by."""
+    return np.mean(min(seen, key=lambda made: np.median(squares(made[0].astype(np.float64) - made[1]))), axis=0, dtype=np.float64)
 
 
 def squares(error):

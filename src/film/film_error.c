@@ -1,188 +1,34 @@
 // Estimates the relMSE of a film, and the flicker of two. The relMSE's numerator, the squared difference of the halves, is
-// unbiased in every pixel, with fireflies and with errors that tiles and groups correlate between
-// neighbours. The denominator needs the true value, which a firefly's own value would hide: so it
-// is taken from the surroundings, where it must not depend on the pixel's error.
+// unbiased in every pixel, with fireflies and with errors that tiles and groups correlate between neighbours. The denominator is
+// the brightness of the true picture (film/brightness.h), estimated from the brightness v of the picture, a and b of its halves
+// (src/reuse/estimators.md, E24):
 //
-// - The mean of the 3×3 pixels without the one in the middle, in the half in which this pixel is darker: a
-//   firefly is in the other one, and so are its copies in the pixels of a tile.
-// - Where it is noisy it is drawn towards the mean of 5×5 pixels, this towards that of some 24×24, and that
-//   towards the picture's, by the ratio of signal to noise (a Wiener filter).
-// - The pixel's own value counts by how much more its neighbours differ than their noise explains: all at
-//   clean edges, nothing in even areas (Lee, Digital image enhancement and noise filtering by use of local
-//   statistics, IEEE PAMI 1980).
-// - It is never less than what both halves have: a glint that both have seen is no firefly.
+// - Of noise that is skewed the median is too low, by an amount that falls as one over the samples: v has lost v − (a + b) / 2
+//   more than the truth (the jackknife, Quenouille, Notes on bias in estimation, Biometrika 43, 1956).
+// - A firefly, copied to the pixels of a tile, passes the median. It lies in one half: where the halves differ by much, that in
+//   which the pixel is darker is taken.
+// - Light so rare that most pixels have seen none of it passes no median. A block of pixels is brighter by the mean of what one
+//   half alone has above the median, without the ten largest, which may be a firefly and its copies.
 //
-// A glint in one pixel that one sample in ten hits cannot be distinguished from a firefly. Where the sum hangs on
-// that, in its ten worst pixels, only what it is at least can be reported: those pixels with denominators from
-// their own values.
+// A pixel's error is one squared difference. Where the sum hangs on the ten worst pixels, only what it is at least can be
+// reported: those with denominators from their own values. Where much light is rare, no pixel's brightness is known well, and all
+// are.
 //
 // Specks are counted by a histogram of the terms: all above the lowest edge that is RF_SPECK times the mean term below it.
 #include "film/film_error.h"
 
+#include "film/brightness.h"
 #include "film/normalize.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <string.h>
 
-#define LEAST_SIDE 8 // pixels
-#define REACH 2      // of the window, pixels to each side
-#define NEAR 1       // of the inner one
-#define SIDE ( 2 * REACH + 1 )
-#define STRIP 64 // columns processed together
-#define ROWS 32  // rows of a strip: what a thread looks at before another may go on
-#define COLUMNS ( STRIP + 2 * REACH )
-#define CELLS 32 // across and down, at most
-// The inverse of the squared relative difference that is expected between a window and what is around it:
-// 0.7 and 0.4.
-#define WIDE_PRIOR 2.0
-#define NEAR_PRIOR 6.0
-#define OUTLIER 2.0   // noise counts so many times against what the neighbours differ by
-#define WORST 10      // pixels
-#define AMBIGUOUS 0.7 // part of the sum that must not hang on what the worst pixels are
-// The shrunk values are too large by some 2 %: in eleven scenes other than those of scripts/validate estimate.
-#define CORRECTION 1.05
-
-// A coarse grid over the film, for the surroundings of a pixel beyond its direct neighbours. Sums over the pixels of a cell,
-// each the mean of its channels.
-typedef struct Cell
-{
-    double half[2];
-    double squared; // of the difference of the halves
-    int pixels;
-} Cell;
-
-typedef struct Surroundings
-{
-    int side; // of a cell, pixels
-    int columns, rows;
-    Cell cells[CELLS][CELLS];
-    Cell all;
-    double share;       // rf_film_half_share
-    double correlation; // of errors in neighbouring pixels: variance of a sum over that of independent ones, at least 1
-} Surroundings;
-
-// The wide surroundings of a pixel.
-typedef struct Around
-{
-    double mean;     // in one half, drawn towards the picture's where it is noisy
-    double variance; // of a pixel of the picture
-} Around;
-
-// The part of a deviation from `mean` that is signal where noise has this variance, if the signal
-// deviates by about as much as the mean itself. 0 to 1.
-static inline double signal_share( double mean, double variance )
-{
-    double signal = mean * mean;
-    return signal > 0.0 ? signal / ( signal + variance ) : 0.0;
-}
-
-static void add_to_cell( Cell* cell, const double half[2] )
-{
-    double d = half[0] - half[1];
-    cell->half[0] += half[0];
-    cell->half[1] += half[1];
-    cell->squared += d * d;
-    cell->pixels += 1;
-}
-
-static void add_cell( Cell* sum, const Cell* cell )
-{
-    sum->half[0] += cell->half[0];
-    sum->half[1] += cell->half[1];
-    sum->squared += cell->squared;
-    sum->pixels += cell->pixels;
-}
-
-// Mean of the channels in each half.
-static void grey( const RfFilm* film, RfNormalize normalize, size_t i, double half[2] )
-{
-    RfFilmPixel p = rf_film_pixel( film, i );
-    for ( int h = 0; h < 2; ++h )
-    {
-        half[h] = 0.0;
-        for ( int c = 0; c < 3; ++c )
-            half[h] += rf_film_half_value( &p, normalize, h, c ) / 3.0;
-    }
-}
-
-// Errors that are independent add up in their squares, those of a tile in themselves.
-static double correlation_of( const Surroundings* around )
-{
-    double of_sums = 0.0;
-    for ( int row = 0; row < around->rows; ++row )
-    {
-        for ( int column = 0; column < around->columns; ++column )
-        {
-            const Cell* cell = &around->cells[row][column];
-            double d = cell->half[0] - cell->half[1];
-            of_sums += d * d;
-        }
-    }
-    return around->all.squared > 0.0 ? fmax( of_sums / around->all.squared, 1.0 ) : 1.0;
-}
-
-static void survey_cell( const RfFilm* film, RfNormalize normalize, int side, int column, int row, Cell* cell )
-{
-    int right = ( column + 1 ) * side < film->width ? ( column + 1 ) * side : film->width;
-    int bottom = ( row + 1 ) * side < film->height ? ( row + 1 ) * side : film->height;
-    for ( int y = row * side; y < bottom; ++y )
-    {
-        for ( int x = column * side; x < right; ++x )
-        {
-            double half[2];
-            grey( film, normalize, (size_t)y * (size_t)film->width + (size_t)x, half );
-            add_to_cell( cell, half );
-        }
-    }
-}
-
-// Sums a film up.
-static void survey( const RfFilm* film, RfNormalize normalize, Surroundings* around )
-{
-    int longer = film->width > film->height ? film->width : film->height, side = ( longer + CELLS - 1 ) / CELLS;
-    memset( around, 0, sizeof *around );
-    around->side = side = side > LEAST_SIDE ? side : LEAST_SIDE;
-    around->columns = ( film->width + side - 1 ) / side;
-    around->rows = ( film->height + side - 1 ) / side;
-    around->share = rf_film_half_share( film );
-#pragma omp parallel for schedule( static )
-    for ( int i = 0; i < around->rows * around->columns; ++i )
-    {
-        rf_set_float_mode();
-        survey_cell( film, normalize, side, i % around->columns, i / around->columns,
-                     &around->cells[i / around->columns][i % around->columns] );
-    }
-    for ( int row = 0; row < around->rows; ++row )
-    {
-        for ( int column = 0; column < around->columns; ++column )
-            add_cell( &around->all, &around->cells[row][column] );
-    }
-    around->correlation = correlation_of( around );
-}
-
-// The 3×3 cells around pixel (x, y) without its own values `pixel`, in one half.
-static Around look_wide( const Surroundings* around, int x, int y, int half, const double pixel[2] )
-{
-    int column = x / around->side, row = y / around->side;
-    int left = column > 0 ? column - 1 : 0, right = column + 1 < around->columns ? column + 1 : column;
-    int top = row > 0 ? row - 1 : 0, bottom = row + 1 < around->rows ? row + 1 : row;
-    Cell sum = { .half = { -pixel[0], -pixel[1] }, .squared = -( pixel[0] - pixel[1] ) * ( pixel[0] - pixel[1] ), .pixels = -1 };
-    for ( int i = top; i <= bottom; ++i )
-    {
-        for ( int k = left; k <= right; ++k )
-            add_cell( &sum, &around->cells[i][k] );
-    }
-    double whole = fmax( around->all.half[half] / around->all.pixels, 0.0 );
-    if ( sum.pixels < 1 )
-        return ( Around ){ .mean = whole };
-    double variance = around->share * fmax( sum.squared, 0.0 ) / sum.pixels;
-    double mean = sum.half[half] / sum.pixels;
-    return ( Around ){
-        .mean = whole + signal_share( whole, variance * around->correlation / sum.pixels ) * ( mean - whole ),
-        .variance = variance,
-    };
-}
+#define ROOM RF_BRIGHTNESS_ROOM
+#define REACH RF_BRIGHTNESS_REACH
+#define DIFFERENCE 10.0 // times the squared relative difference of the halves: how much the darker one counts
+#define WORST 10        // pixels
+#define VAGUE 0.1       // light that one half alone has, over the brightness: more leaves the latter unknown
+#define AMBIGUOUS 0.7   // part of the sum that must not hang on what the worst pixels are
 
 // What is kept of a pixel.
 typedef struct Pixel
@@ -191,18 +37,6 @@ typedef struct Pixel
     double value;   // of the picture, likewise
     double error;   // squared difference of the halves, summed over the channels
 } Pixel;
-
-// Columns [first, end) of the film with the rows around the one that is looked
-// at, row y in slot y mod SIDE.
-typedef struct Strip
-{
-    const RfFilm* film;
-    RfNormalize normalize;
-    const float* rgb;
-    int first, end;
-    double share; // rf_film_half_share
-    Pixel pixels[SIDE][COLUMNS];
-} Strip;
 
 // A pixel of the sum, as it is taken and with the denominator from its own value.
 typedef struct Term
@@ -218,7 +52,8 @@ typedef struct Term
 
 typedef struct Sum
 {
-    double likely;
+    double likely, least;
+    double bright, rare; // brightness, and the light that one half alone has above it
     int pixels;
     int count; // of the worst
     int binned[BINS];
@@ -226,12 +61,10 @@ typedef struct Sum
     Term worst[RF_LISTED_SPECKS]; // descending
 } Sum;
 
-static double mean_of_channels( const float* rgb ) { return ( (double)rgb[0] + (double)rgb[1] + (double)rgb[2] ) / 3.0; }
-
 static Pixel load_pixel( const RfFilm* film, RfNormalize normalize, const float* rgb, size_t i )
 {
     RfFilmPixel p = rf_film_pixel( film, i );
-    Pixel pixel = { .value = mean_of_channels( rgb + 3 * i ) };
+    Pixel pixel = { .value = rf_mean_of_channels( rgb + 3 * i ) };
     for ( int c = 0; c < 3; ++c )
     {
         double a = rf_film_half_value( &p, normalize, 0, c ), b = rf_film_half_value( &p, normalize, 1, c );
@@ -242,84 +75,77 @@ static Pixel load_pixel( const RfFilm* film, RfNormalize normalize, const float*
     return pixel;
 }
 
-// The rows around y; those above have been loaded, unless this is the first that is looked at.
-static void go_to_row( Strip* s, int y, bool first )
+// Of a block.
+typedef struct Values
 {
-    int height = s->film->height, top = y > REACH ? y - REACH : 0, bottom = y + REACH < height ? y + REACH : height - 1;
-    for ( int row = first ? top : y + REACH; row <= bottom; ++row )
+    RfBlockValues half[2], value; // means of the channels, with the pixels around it
+    double error[RF_BRIGHTNESS_SIDE * RF_BRIGHTNESS_SIDE];
+    RfBlockValues dark[2], bright; // brightness of the halves and of the picture
+} Values;
+
+static void load_block( const RfFilm* film, RfNormalize normalize, const float* rgb, const RfBlock* block, Values* values )
+{
+    int columns = block->right - block->left, rows = block->bottom - block->top;
+    for ( int j = 0; j < rows + 2 * REACH; ++j )
     {
-        size_t start = (size_t)row * (size_t)s->film->width;
-        for ( int x = s->first; x < s->end; ++x )
-            s->pixels[row % SIDE][x - s->first] = load_pixel( s->film, s->normalize, s->rgb, start + (size_t)x );
-    }
-}
-
-// Variance of a pixel's value as its halves have it.
-static double own_variance( const Strip* s, const Pixel* p )
-{
-    double d = p->half[0] - p->half[1];
-    return s->share * d * d;
-}
-
-// Sums over the window around a pixel, without the pixel.
-typedef struct Window
-{
-    double darker;         // the half in which the pixel is the darker
-    double value, squared; // of the picture
-    double variance;       // own_variance
-    int count;
-} Window;
-
-static Window look_around( const Strip* s, int x, int y, int darker, int reach )
-{
-    int left = x - reach > s->first ? x - reach : s->first, right = x + reach < s->end ? x + reach : s->end - 1;
-    int top = y > reach ? y - reach : 0, bottom = y + reach < s->film->height ? y + reach : s->film->height - 1;
-    Window w = { 0 };
-    for ( int row = top; row <= bottom; ++row )
-    {
-        for ( int i = left; i <= right; ++i )
+        for ( int i = 0; i < columns + 2 * REACH; ++i )
         {
-            const Pixel* p = &s->pixels[row % SIDE][i - s->first];
-            if ( row == y && i == x )
-                continue;
-            w.darker += p->half[darker];
-            w.value += p->value;
-            w.squared += p->value * p->value;
-            w.variance += own_variance( s, p );
-            w.count += 1;
+            Pixel p = load_pixel( film, normalize, rgb, rf_block_pixel( film->width, film->height, block, i, j ) );
+            values->half[0][j * ROOM + i] = p.half[0];
+            values->half[1][j * ROOM + i] = p.half[1];
+            values->value[j * ROOM + i] = p.value;
+            if ( i >= REACH && i < columns + REACH && j >= REACH && j < rows + REACH )
+                values->error[( j - REACH ) * RF_BRIGHTNESS_SIDE + i - REACH] = p.error;
         }
     }
-    return w;
+    for ( int h = 0; h < 2; ++h )
+        rf_block_brightness( film->width, film->height, block, values->half[h], values->dark[h] );
+    rf_block_brightness( film->width, film->height, block, values->value, values->bright );
 }
 
-// The window's mean, drawn towards the mean of a wider area. Noise is at least that of the wider area:
-// a window without a firefly does not know that there are some.
-static Around narrow( const Surroundings* around, Around wide, const Window* w, double prior )
+static void keep_worst( double worst[WORST], double value )
 {
-    double variance = fmax( wide.variance, w->variance / w->count );
-    double share = signal_share( wide.mean, prior * variance * around->correlation / w->count );
-    return ( Around ){ .mean = wide.mean + share * ( w->darker / w->count - wide.mean ), .variance = variance };
+    for ( int k = 0; k < WORST && value > 0.0; ++k )
+    {
+        if ( value <= worst[k] )
+            continue;
+        double next = worst[k];
+        worst[k] = value;
+        value = next;
+    }
 }
 
-// How far a pixel's own value is to be trusted, 0 to 1: by what its neighbours' differ beyond their noise.
-static double own_trust( const Window* near, double own )
+// What has been lost of the brightness of a picture, by those of its halves.
+static double lost_brightness( const Values* v, int at ) { return v->bright[at] - 0.5 * ( v->dark[0][at] + v->dark[1][at] ); }
+
+// The brightness at a pixel that is darker in half `darker`.
+static double likely_brightness( const Values* v, int at, int darker )
 {
-    double n = near->count, mean = near->value / n, noise = near->variance / n;
-    double signal = fmax( near->squared / n - mean * mean - noise, 0.0 );
-    return signal > 0.0 ? signal / ( signal + OUTLIER * fmax( noise, own ) ) : 0.0;
+    double lost = lost_brightness( v, at ), seen = v->bright[at] + lost, dark = fmax( v->dark[darker][at] + 2.0 * lost, 0.0 );
+    double above = fmax( seen - dark, 0.0 ) / ( dark + sqrt( RF_RELMSE_EPSILON ) );
+    return dark + ( seen - dark ) / ( 1.0 + DIFFERENCE * above * above );
 }
 
-// Estimate of a pixel's true value.
-static double likely_value( const Strip* s, const Surroundings* around, const Pixel* p, int x, int y )
+// The mean over a block of what one half alone has above the brightness, and is not known to be lost, without the largest;
+// `all`: the sum with them.
+static double rare_light( const Values* v, int columns, int rows, double* all )
 {
-    int darker = p->half[0] < p->half[1] ? 0 : 1;
-    Window wide = look_around( s, x, y, darker, REACH ), near = look_around( s, x, y, darker, NEAR );
-    if ( near.count == 0 )
-        return p->value;
-    Around found = narrow( around, look_wide( around, x, y, darker, p->half ), &wide, WIDE_PRIOR );
-    found = narrow( around, found, &near, NEAR_PRIOR );
-    double likely = found.mean + own_trust( &near, own_variance( s, p ) ) * ( p->value - found.mean );
-    return fmax( likely, fmax( p->half[darker], 0.0 ) );
+    double sum = 0.0, largest[WORST] = { 0.0 };
+    for ( int j = 0; j < rows; ++j )
+    {
+        for ( int i = 0; i < columns; ++i )
+        {
+            int at = j * ROOM + i, centre = at + REACH * ( ROOM + 1 );
+            double a = v->half[0][centre] - v->bright[at], b = v->half[1][centre] - v->bright[at];
+            double alone = 0.5 * ( a + b ) - fmax( fmin( a, b ), 0.0 );
+            keep_worst( largest, alone );
+            sum += alone - lost_brightness( v, at );
+        }
+    }
+    *all = fmax( sum, 0.0 );
+    for ( int k = 0; k < WORST; ++k )
+        sum -= largest[k];
+    return fmax( sum, 0.0 ) / ( columns * rows );
 }
 
 // The bin of a positive term.
@@ -346,6 +172,7 @@ static void note_worst( Sum* sum, Term term )
 static void add( Sum* sum, Term term )
 {
     sum->likely += term.likely;
+    sum->least += term.least;
     sum->pixels += 1;
     if ( term.likely > 0.0 && isfinite( term.likely ) )
     {
@@ -359,6 +186,9 @@ static void add( Sum* sum, Term term )
 static void add_sum( Sum* sum, const Sum* part )
 {
     sum->likely += part->likely;
+    sum->least += part->least;
+    sum->bright += part->bright;
+    sum->rare += part->rare;
     sum->pixels += part->pixels;
     for ( int bin = 0; bin < BINS; ++bin )
     {
@@ -369,28 +199,23 @@ static void add_sum( Sum* sum, const Sum* part )
         note_worst( sum, part->worst[i] );
 }
 
-// Adds columns [first, end) of rows [top, bottom) of the film.
-static void add_block( Sum* sum, const Surroundings* around, const RfFilm* film, RfNormalize normalize, const float* rgb,
-                       int first, int end, int top, int bottom )
+static void add_block( Sum* sum, const RfFilm* film, RfNormalize normalize, const float* rgb, const RfBlock* block )
 {
-    Strip s = {
-        .film = film,
-        .normalize = normalize,
-        .rgb = rgb,
-        .first = first > REACH ? first - REACH : 0,
-        .end = end + REACH < film->width ? end + REACH : film->width,
-        .share = rf_film_half_share( film ),
-    };
-    for ( int y = top; y < bottom; ++y )
+    Values v;
+    load_block( film, normalize, rgb, block, &v );
+    double all, rare = rare_light( &v, block->right - block->left, block->bottom - block->top, &all );
+    sum->rare += all;
+    for ( int y = block->top; y < block->bottom; ++y )
     {
-        go_to_row( &s, y, y == top );
-        for ( int x = first; x < end; ++x )
+        for ( int x = block->left; x < block->right; ++x )
         {
-            const Pixel* p = &s.pixels[y % SIDE][x - s.first];
-            double likely = likely_value( &s, around, p, x, y ), most = fmax( likely, fabs( p->value ) );
-            add( sum, ( Term ){ .likely = p->error / ( likely * likely + 0.001 ),
-                                .least = p->error / ( most * most + 0.001 ),
-                                .error = p->error,
+            int j = y - block->top, i = x - block->left, at = j * ROOM + i, centre = at + REACH * ( ROOM + 1 );
+            double likely = rare + likely_brightness( &v, at, v.half[0][centre] < v.half[1][centre] ? 0 : 1 );
+            sum->bright += likely;
+            double most = fmax( likely, fabs( v.value[centre] ) ), error = v.error[j * RF_BRIGHTNESS_SIDE + i];
+            add( sum, ( Term ){ .likely = error / rf_relmse_denominator( likely ),
+                                .least = error / rf_relmse_denominator( most ),
+                                .error = error,
                                 .pixel = y * film->width + x } );
         }
     }
@@ -399,7 +224,7 @@ static void add_block( Sum* sum, const Surroundings* around, const RfFilm* film,
 // `share`: rf_film_half_share; `scale`: of the sum of all terms.
 static RfSpeckList find_specks( const Sum* sum, double share, double scale )
 {
-    RfSpeckList specks = { .rest = CORRECTION * scale * sum->likely };
+    RfSpeckList specks = { .rest = scale * sum->likely };
     if ( !isfinite( sum->likely ) )
         return ( RfSpeckList ){ .rest = (double)NAN };
     int most = (int)( RF_MOST_SPECKS * sum->pixels ), above = 0;
@@ -419,7 +244,7 @@ static RfSpeckList find_specks( const Sum* sum, double share, double scale )
     if ( specks.pixels == 0 )
         return specks;
     specks.share = fmin( of_specks / sum->likely, 1.0 );
-    specks.rest = CORRECTION * scale * fmax( sum->likely - of_specks, 0.0 );
+    specks.rest = scale * fmax( sum->likely - of_specks, 0.0 );
     specks.count = specks.pixels < RF_LISTED_SPECKS ? specks.pixels : RF_LISTED_SPECKS;
     for ( int i = 0; i < specks.count; ++i )
     {
@@ -439,11 +264,12 @@ static RfRelmse conclude( const Sum* sum, double share, double scale )
         worst.least += sum->worst[i].least;
     }
     double least = sum->likely - worst.likely + worst.least;
+    bool vague = sum->rare > VAGUE * sum->bright;
     return ( RfRelmse ){
-        .likely = CORRECTION * scale * sum->likely,
-        .least = scale * least,
+        .likely = scale * sum->likely,
+        .least = scale * ( vague ? sum->least : least ),
         .worst_share = sum->likely > 0.0 ? worst.likely / sum->likely : 0.0,
-        .is_lower_bound = least < AMBIGUOUS * sum->likely,
+        .is_lower_bound = vague || least < AMBIGUOUS * sum->likely,
         .specks = find_specks( sum, share, scale ),
     };
 }
@@ -453,18 +279,14 @@ RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const fl
     double share = rf_film_half_share( film );
     if ( share == 0.0 )
         return rf_plain_relmse( (double)NAN );
-    Surroundings around;
-    survey( film, normalize, &around );
     Sum sum = { 0 };
-    int strips = ( film->width + STRIP - 1 ) / STRIP, blocks = strips * ( ( film->height + ROWS - 1 ) / ROWS );
 #pragma omp parallel for schedule( dynamic, 1 ) ordered
-    for ( int i = 0; i < blocks; ++i )
+    for ( int i = 0; i < rf_block_count( film->width, film->height ); ++i )
     {
-        int left = i % strips * STRIP, right = left + STRIP < film->width ? left + STRIP : film->width;
-        int top = i / strips * ROWS, bottom = top + ROWS < film->height ? top + ROWS : film->height;
         Sum part = { 0 };
+        RfBlock block = rf_block( film->width, film->height, i );
         rf_set_float_mode();
-        add_block( &part, &around, film, normalize, rgb, left, right, top, bottom );
+        add_block( &part, film, normalize, rgb, &block );
 #pragma omp ordered
         add_sum( &sum, &part );
     }
@@ -502,18 +324,6 @@ static void load_error( const Errors* errors, size_t i, double error[3] )
     else
         for ( size_t c = 0; c < 3; ++c )
             error[c] = (double)errors->kept[3 * i + c];
-}
-
-static void keep_worst( double worst[WORST], double value )
-{
-    for ( int k = 0; k < WORST && value > 0.0; ++k )
-    {
-        if ( value <= worst[k] )
-            continue;
-        double next = worst[k];
-        worst[k] = value;
-        value = next;
-    }
 }
 
 static void add_errors( Sums* sums, const double before[3], const double now[3] )

@@ -35,7 +35,7 @@ typedef struct RfRelmse
     double likely;       // the best guess; NaN: unknown
     double least;        // what it is at least, if the worst pixels really are as bright as they are now
     double worst_share;  // part of `likely` that its ten worst pixels carry
-    bool is_lower_bound; // `likely` hangs on what these pixels are: only `least` is certain
+    bool is_lower_bound; // `likely` hangs on these pixels, or on light that is rare: only `least` is certain
     RfSpeckList specks;
 } RfRelmse;
 

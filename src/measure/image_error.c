@@ -1,6 +1,7 @@
 // relMSE and its intervals (Student's t over blocks of pixels); the worst pixels are kept in a heap.
 #include "measure/image_error.h"
 
+#include "film/brightness.h"
 #include "reframe/error.h"
 #include "reframe/measure.h"
 
@@ -132,7 +133,8 @@ RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* s
     summary->worst_room = pixels / 1000 * TRIMMED_PER_THOUSAND;
     summary->worst = malloc( ( summary->worst_room + 1 ) * sizeof( double ) );
     summary->block_sums = calloc( (size_t)blocks_of( width ) * (size_t)blocks_of( height ), sizeof( double ) );
-    if ( summary->worst != NULL && summary->block_sums != NULL )
+    summary->below = malloc( (size_t)width * (size_t)height * sizeof( double ) );
+    if ( summary->worst != NULL && summary->block_sums != NULL && summary->below != NULL )
         return RF_OK;
     rf_destroy_summary( summary );
     return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d frames of %dx%d pixels", frames, width, height );
@@ -142,6 +144,7 @@ void rf_destroy_summary( RfErrorSummary* summary )
 {
     free( summary->worst );
     free( summary->block_sums );
+    free( summary->below );
     *summary = ( RfErrorSummary ){ 0 };
 }
 
@@ -198,11 +201,10 @@ static void add_relative( RfErrorSummary* summary, double value, int x, int y )
 }
 
 // Adds a pixel and returns the signed difference, summed over its channels.
-static double add_pixel( RfErrorSummary* summary, const float* image, const float* reference, int x, int y )
+static double add_pixel( RfErrorSummary* summary, const float* image, const float* reference, double below, int x, int y )
 {
     bool is_nan = false, is_inf = false, reference_nan = false, reference_inf = false;
     double squared = 0.0, sum = 0.0;
-    double mean = ( (double)reference[0] + (double)reference[1] + (double)reference[2] ) / 3.0;
     for ( int c = 0; c < 3; ++c )
     {
         is_nan |= isnan( image[c] ) != 0;
@@ -222,8 +224,8 @@ static double add_pixel( RfErrorSummary* summary, const float* image, const floa
         return 0.0;
     summary->squared_sum += squared;
     summary->signed_sum += sum;
-    summary->reference_sum += mean;
-    add_relative( summary, squared / ( mean * mean + RF_RELMSE_EPSILON ), x, y );
+    summary->reference_sum += rf_mean_of_channels( reference );
+    add_relative( summary, squared / below, x, y );
     return sum;
 }
 
@@ -244,13 +246,14 @@ RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const Rf
     if ( result != RF_OK )
         return result;
     int width = summary->width, columns = blocks_of( width );
+    rf_relmse_denominators( reference->rgb, width, summary->height, summary->below );
     for ( int y = 0; y < summary->height; ++y )
     {
         double* sums = summary->block_sums + y / BLOCK_SIDE * columns;
         for ( int x = 0; x < width; ++x )
         {
-            size_t i = 3 * ( (size_t)y * (size_t)width + (size_t)x );
-            sums[x / BLOCK_SIDE] += add_pixel( summary, image->rgb + i, reference->rgb + i, x, y );
+            size_t i = (size_t)y * (size_t)width + (size_t)x;
+            sums[x / BLOCK_SIDE] += add_pixel( summary, image->rgb + 3 * i, reference->rgb + 3 * i, summary->below[i], x, y );
         }
     }
     summary->pixels += (size_t)width * (size_t)summary->height;

@@ -4,6 +4,7 @@
 #include "base/random.h"
 #include "base/remedy.h"
 #include "base/system.h"
+#include "film/brightness.h"
 #include "film/pixel_filter.h"
 #include "measure/image_error.h"
 #include "measure/trial_pieces.h"
@@ -316,27 +317,29 @@ static void end_pair( const TrialPair* p, int passes, RfTrial* trial )
 
 static int clamp( int value, int low, int high ) { return value < low ? low : value > high ? high : value; }
 
-// Sum over the channels of the traced pixels around a pixel, and the count of values.
-static double sum_around( const RfTestRegion* region, const RfFrameResult* frame, int x, int y, int* count )
+// Brightness of the pixels of a cell; a pixel that is not traced counts as the nearest one of the cell.
+static void cell_brightness( const RfTestRegion* region, const RfFrameResult* frame, const RfBlock* cell,
+                             RfBlockValues brightness )
 {
     RfPieces pieces = rf_pieces_from( &region->pieces, frame->frame );
-    double sum = 0.0;
-    *count = 0;
-    for ( int ny = clamp( y - 1, 0, y ); ny <= y + 1 && ny < frame->height; ++ny )
+    RfBlockValues grey;
+    int width = frame->width, reach = RF_BRIGHTNESS_REACH;
+    for ( int j = 0; j < cell->bottom - cell->top + 2 * reach; ++j )
     {
-        for ( int nx = clamp( x - 1, 0, x ); nx <= x + 1 && nx < frame->width; ++nx )
+        for ( int i = 0; i < cell->right - cell->left + 2 * reach; ++i )
         {
-            if ( region->pieces.traced != NULL && !rf_is_traced( &pieces, pieces.cells, nx, ny ) )
-                continue;
-            const float* p = frame->rgb + 3 * ( (size_t)ny * (size_t)frame->width + (size_t)nx );
-            sum += (double)p[0] + (double)p[1] + (double)p[2];
-            *count += 3;
+            size_t pixel = rf_block_pixel( width, frame->height, cell, i, j );
+            int x = (int)( pixel % (size_t)width ), y = (int)( pixel / (size_t)width );
+            if ( region->pieces.traced != NULL && !rf_is_traced( &pieces, pieces.cells, x, y ) )
+                pixel = (size_t)clamp( y, cell->top, cell->bottom - 1 ) * (size_t)width +
+                        (size_t)clamp( x, cell->left, cell->right - 1 );
+            grey[j * RF_BRIGHTNESS_ROOM + i] = rf_mean_of_channels( frame->rgb + 3 * pixel );
         }
     }
-    return sum;
+    rf_block_brightness( width, frame->height, cell, grey, brightness );
 }
 
-// relMSE weights of a frame, from the mean over the channels, blurred over the pixel's neighbours.
+// relMSE weights of a frame.
 static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* error )
 {
     (void)error;
@@ -347,12 +350,18 @@ static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* e
     int32_t pixel[RF_CELL_PIXELS];
     for ( int cell = 0; cell < cells; ++cell )
     {
-        int pixels = slot[cell] >= 0 ? rf_cell_pixels( pieces, cell, pixel ) : 0, count;
+        int pixels = slot[cell] >= 0 ? rf_cell_pixels( pieces, cell, pixel ) : 0;
+        if ( pixels == 0 )
+            continue;
+        RfBlock block = { pixel[0] % frame->width, pixel[0] / frame->width, pixel[pixels - 1] % frame->width + 1,
+                          pixel[pixels - 1] / frame->width + 1 };
+        RfBlockValues brightness;
+        cell_brightness( region, frame, &block, brightness );
         for ( int k = 0; k < pixels; ++k )
         {
-            double mean = sum_around( region, frame, pixel[k] % frame->width, pixel[k] / frame->width, &count ) / count;
+            int x = pixel[k] % frame->width - block.left, y = pixel[k] / frame->width - block.top;
             region->weight[RF_CELL_PIXELS * (size_t)slot[cell] + (size_t)k] =
-                (float)( 1.0 / ( mean * mean + RF_RELMSE_EPSILON ) );
+                (float)( 1.0 / rf_relmse_denominator( brightness[y * RF_BRIGHTNESS_ROOM + x] ) );
         }
     }
     return RF_OK;

@@ -20,7 +20,7 @@
 //
 // relMSE divides by the image. Dividing by each noisy render itself would overweight dark
 // pixels and underweight fireflies, the more so the noisier it is. All settings therefore use
-// the same pilot image of the test region, which is independent of them.
+// the brightness (E23) of the same pilot image of the test region, which is independent of them.
 //
 // With a clamp (src/reuse/estimators.md, E15) one render has both pictures: the clamped one, and with what was removed the
 // exact one. All figures are of the exact picture, but those that say otherwise. The error of the clamped one is its variance,
@@ -53,7 +53,7 @@ typedef struct RfTestRegion
     bool whole;   // the region is the whole path
     RfEye* crops; // of an estimator that renders no pieces: the cameras are these windows (rf_choose_crops); NULL: the path's
     RfTestPieces pieces;
-    float* weight;  // relMSE weight 1 / (r̄² + 0.001) of each pixel of the pilot image, slot after slot
+    float* weight;  // relMSE weight 1 / (b² + 0.001) of each pixel of the pilot image, b its brightness, slot after slot
     double seconds; // CPU seconds spent on the pilot image
     double samples; // own-frame samples traced for it
 } RfTestRegion;

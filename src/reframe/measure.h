@@ -22,8 +22,9 @@ typedef struct RfWorstPixel
 } RfWorstPixel;
 
 // With v the image and r the reference, linear RGB, over all pixels of all frames:
-//   relmse          mean over pixels of Σ_c (v_c − r_c)² / (r̄² + RF_RELMSE_EPSILON), where
-//                   r̄ is the mean over the channels of the reference
+//   relmse          mean over pixels of Σ_c (v_c − r_c)² / (b² + RF_RELMSE_EPSILON), where b is the
+//                   brightness of the reference: of the mean of its channels the median over 3×3
+//                   pixels, and of that the mean over 5×5; at borders the nearest pixel is repeated
 //   relmse_trimmed  relmse without the worst 0.1 % of the pixels
 //   mse, bias       mean over pixels and channels of (v_c − r_c)² and v_c − r_c
 //   max             largest |v_c − r_c|

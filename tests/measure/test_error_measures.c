@@ -1,4 +1,5 @@
 // Error measures against closed forms.
+#include "film/brightness.h"
 #include "measure/image_error.h"
 #include "support/image_support.h"
 
@@ -22,11 +23,13 @@ static RfErrorMetrics measure( const RfImage* image, const RfImage* reference )
     return metrics;
 }
 
-static void check_near( double value, double wanted )
+static void check_within( double value, double wanted, double relative )
 {
-    if ( !( fabs( value - wanted ) <= 1e-12 * fabs( wanted ) + 1e-300 ) )
+    if ( !( fabs( value - wanted ) <= relative * fabs( wanted ) + 1e-300 ) )
         fail_msg( "%.17g, not %.17g", value, wanted );
 }
+
+static void check_near( double value, double wanted ) { check_within( value, wanted, 1e-12 ); }
 
 static void test_identical_images_have_no_error( void** state )
 {
@@ -55,7 +58,40 @@ static void test_constant_offset( void** state )
     rf_destroy_image( &reference );
 }
 
-// r̄ is the mean of the reference's channels, and the sum goes over channels.
+static int near_to( int place, int size ) { return place < 0 ? 0 : place < size ? place : size - 1; }
+
+// The median of 3×3 means of channels by a sort, at the nearest pixel of the picture.
+static double plain_median( const RfImage* image, int x, int y )
+{
+    double grey[9];
+    x = near_to( x, image->width );
+    y = near_to( y, image->height );
+    for ( int k = 0; k < 9; ++k )
+    {
+        const float* p =
+            image->rgb + 3 * ( near_to( y + k / 3 - 1, image->height ) * image->width + near_to( x + k % 3 - 1, image->width ) );
+        grey[k] = ( (double)p[0] + (double)p[1] + (double)p[2] ) / 3.0;
+    }
+    for ( int i = 1; i < 9; ++i )
+        for ( int k = i; k > 0 && grey[k] < grey[k - 1]; --k )
+        {
+            double swapped = grey[k];
+            grey[k] = grey[k - 1];
+            grey[k - 1] = swapped;
+        }
+    return grey[4];
+}
+
+// The denominator as it is defined, without blocks.
+static double plain_denominator( const RfImage* image, int x, int y )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < 25; ++k )
+        sum += plain_median( image, x + k % 5 - 2, y + k / 5 - 2 );
+    return sum * sum / 625.0 + 0.001;
+}
+
+// The mean of the reference's channels divides, and the sum goes over channels.
 static void test_known_pixel_by_hand( void** state )
 {
     (void)state;
@@ -69,6 +105,67 @@ static void test_known_pixel_by_hand( void** state )
     assert_true( isnan( metrics.bias_low ) && isnan( metrics.bias_high ) ); // one block has no spread
     rf_destroy_image( &image );
     rf_destroy_image( &reference );
+}
+
+// A picture with one pixel that is off, by 1 in each channel.
+static double relmse_of_one( RfImage* reference, int pixel )
+{
+    RfImage image = make_constant( reference->width, reference->height, 0.0f );
+    int pixels = image.width * image.height;
+    for ( int i = 0; i < 3 * pixels; ++i )
+        image.rgb[i] = reference->rgb[i] + ( i / 3 == pixel ? 1.0f : 0.0f );
+    double relmse = pixels * measure( &image, reference ).relmse;
+    rf_destroy_image( &image );
+    return relmse;
+}
+
+// A firefly in either picture, and pictures smaller than the windows.
+static void test_denominators_by_hand( void** state )
+{
+    (void)state;
+    RfImage reference = make_constant( 9, 9, 0.5f ), image = make_constant( 9, 9, 0.5f );
+    image.rgb[3 * 40] = 1000.5f;
+    check_near( measure( &image, &reference ).relmse, 1e6 / 0.251 / 81.0 );
+    check_near( measure( &reference, &image ).relmse, 1e6 / 0.251 / 81.0 ); // one bright pixel of the reference, likewise
+    rf_destroy_image( &image );
+    rf_destroy_image( &reference );
+    // an edge between columns 9 and 10: 0, 1, 2 of five columns are bright
+    reference = make_constant( 20, 40, 0.0f );
+    for ( int i = 0; i < 3 * 800; ++i )
+        reference.rgb[i] = i / 3 % 20 >= 10 ? 1.0f : 0.0f;
+    for ( int x = 7; x <= 12; ++x )
+        check_near( relmse_of_one( &reference, 20 * 20 + x ), 3.0 / ( ( x - 7 ) * ( x - 7 ) / 25.0 + 0.001 ) );
+    rf_destroy_image( &reference );
+    reference = make_constant( 1, 1, 2.0f );
+    check_near( relmse_of_one( &reference, 0 ), 3.0 / 4.001 );
+    rf_destroy_image( &reference );
+    // 2x2: a corner is four of its nine, those beside it two, the opposite one
+    reference = make_constant( 2, 2, 1.0f );
+    for ( int c = 0; c < 3; ++c )
+        reference.rgb[c] = 5.0f;
+    for ( int i = 0; i < 4; ++i )
+        check_near( relmse_of_one( &reference, i ), 3.0 / 1.001 );
+    rf_destroy_image( &reference );
+    // 1xN: medians of three
+    reference = make_constant( 1, 7, 0.0f );
+    for ( int i = 0; i < 21; ++i )
+        reference.rgb[i] = (float)( i / 3 * ( i / 3 ) );                         // 0 1 4 9 16 25 36
+    check_near( relmse_of_one( &reference, 0 ), 3.0 / ( 1.0 * 1.0 + 0.001 ) );   // 0 0 0 1 4
+    check_near( relmse_of_one( &reference, 3 ), 3.0 / ( 11.0 * 11.0 + 0.001 ) ); // 1 4 9 16 25
+    check_near( relmse_of_one( &reference, 6 ), 3.0 / ( 29.8 * 29.8 + 0.001 ) ); // 16 25 36 36 36
+    rf_destroy_image( &reference );
+    for ( int k = 0; k < 4; ++k ) // across blocks
+    {
+        static const int sizes[][2] = { { 33, 31 }, { 64, 3 }, { 70, 34 }, { 5, 67 } };
+        int width = sizes[k][0], height = sizes[k][1], pixels = width * height;
+        double* below = malloc( (size_t)pixels * sizeof *below );
+        reference = make_image( width, height, 20 + (unsigned)k );
+        rf_relmse_denominators( reference.rgb, width, height, below );
+        for ( int i = 0; i < pixels; ++i )
+            check_within( below[i], plain_denominator( &reference, i % width, i / width ), 1e-10 );
+        free( below );
+        rf_destroy_image( &reference );
+    }
 }
 
 // Twice the error: twice bias and max, four times the squares. And a known
@@ -144,10 +241,10 @@ static void test_trimmed_heap_is_a_sort( void** state )
     for ( int i = 0; i < PIXELS; ++i )
     {
         const float *v = image.rgb + 3 * i, *r = reference.rgb + 3 * i;
-        double mean = ( (double)r[0] + r[1] + r[2] ) / 3.0, sum = 0.0;
+        values[i] = 0.0;
         for ( int c = 0; c < 3; ++c )
-            sum += ( (double)v[c] - r[c] ) * ( (double)v[c] - r[c] );
-        values[i] = sum / ( mean * mean + 0.001 );
+            values[i] += ( (double)v[c] - r[c] ) * ( (double)v[c] - r[c] );
+        values[i] /= plain_denominator( &reference, i % 200, i / 200 );
     }
     qsort( values, PIXELS, sizeof( double ), descending );
     double kept = 0.0;
@@ -191,7 +288,7 @@ static void test_pixels_not_finite_are_counted( void** state )
 static void test_pooled_frames_are_one_picture( void** state )
 {
     (void)state;
-    RfImage reference = make_image( 48, 96, 5 ), image = make_image( 48, 96, 6 );
+    RfImage reference = make_constant( 48, 96, 0.5f ), image = make_image( 48, 96, 6 ); // frames have borders of their own
     RfErrorMetrics whole = measure( &image, &reference );
     RfErrorSummary summary;
     assert_int_equal( rf_create_summary( 48, 32, 3, &summary, NULL ), RF_OK );
@@ -291,11 +388,10 @@ static void test_worst_pixel_is_found( void** state )
     RfErrorMetrics metrics = measure( &image, &reference );
     assert_int_equal( metrics.worst.frame, -1 );
     image.rgb[3 * ( 7 * 20 + 13 ) + 1] = 5.0f; // off by 3
-    image.rgb[3 * ( 2 * 20 + 4 )] = 9.0f;      // by 7, of a bright reference
-    for ( int c = 0; c < 3; ++c )
-        reference.rgb[3 * ( 2 * 20 + 4 ) + c] = 20.0f;
-    for ( int c = 1; c < 3; ++c )
-        image.rgb[3 * ( 2 * 20 + 4 ) + c] = 20.0f;
+    for ( int i = 0; i < 200; ++i )            // by 7, where the reference is bright
+        for ( int c = 0; c < 3 && i % 20 < 8; ++c )
+            reference.rgb[3 * i + c] = image.rgb[3 * i + c] = 20.0f;
+    image.rgb[3 * ( 2 * 20 + 4 )] = 13.0f;
     metrics = measure( &image, &reference );
     assert_true( metrics.worst.frame == 0 && metrics.worst.x == 13 && metrics.worst.y == 7 );
     check_near( metrics.worst.relative, 9.0 / 4.001 );
@@ -423,6 +519,7 @@ int main( void )
         cmocka_unit_test( test_identical_images_have_no_error ),
         cmocka_unit_test( test_constant_offset ),
         cmocka_unit_test( test_known_pixel_by_hand ),
+        cmocka_unit_test( test_denominators_by_hand ),
         cmocka_unit_test( test_measures_scale ),
         cmocka_unit_test( test_trimmed_leaves_out_the_worst ),
         cmocka_unit_test( test_trimmed_heap_is_a_sort ),

@@ -80,6 +80,22 @@ class Errors(unittest.TestCase):
         # the corner counts its edges twice: rows 0,0,3 of columns 0,0,1
         self.assertAlmostEqual(pictures.blur(np.arange(6.0).reshape(2, 3))[0, 0], (0 + 0 + 1 + 0 + 0 + 1 + 3 + 3 + 4) / 9)
 
+    def test_denominators_by_hand(self):
+        # a firefly has no part in it; beside an edge none to all of five columns are bright; a column of squares has medians of three
+        bright = np.full((2, 9, 9, 3), 0.5)
+        bright[1, 4, 4] = 1000.0
+        self.assertTrue(np.allclose(pictures.denominators(bright), 0.251, rtol=1e-12))
+        edge = np.repeat(np.repeat((np.arange(20) >= 10)[None, :, None] * 1.0, 9, 0), 3, 2)
+        self.assertTrue(np.allclose(pictures.denominators(edge)[4, 7:13], (np.arange(6) / 5) ** 2 + 0.001, rtol=1e-12))
+        column = np.repeat((np.arange(7.0) ** 2)[:, None, None], 3, 2)
+        self.assertTrue(np.allclose(pictures.denominators(column)[[0, 3, 6], 0], np.array([1.0, 11.0, 29.8]) ** 2 + 0.001, rtol=1e-12))
+
+    def test_fireflies_divide_nothing(self):
+        rng = np.random.default_rng(4)
+        seen = {"few": np.stack([noisy(rng, 0.5) for _ in range(2)]), "many": np.stack([noisy(rng, 0.05) for _ in range(2)])}
+        seen["few"][0, :, 10:20, 10:20] = 1e6
+        self.assertTrue(np.array_equal(pictures.most_accurate(seen.values()), seen["many"].mean(0)))
+
 
 class Scenes(unittest.TestCase):
     def test_materials_become_numbers(self):
