@@ -201,6 +201,7 @@ static void test_every_attribute_is_shown( void** state )
         RF_KEY_NATIVE_SPP,
         RF_KEY_EFFECTIVE_SPP,
         RF_KEY_FLICKER_WORST_TEN_SHARE,
+        RF_KEY_CLIPPED_PIXELS,
     };
     RfExrString strings[RF_KEY_COUNT];
     char values[RF_KEY_COUNT][32];

@@ -544,6 +544,7 @@ static const struct
     { "reframe/parts", "Settings", "Parts" },
     { "reframe/float", "Settings", "32-bit floats" },
     { "reframe/colorspace", "Settings", "Colour space" },
+    { "reframe/clipped-layers", "Settings", "Clipped layers (first frame)" },
     { "reframe/version", "Settings", "Reframe" },
     { "reframe/view", "Scene", "View" },
     { "reframe/look", "Scene", "Look" },
