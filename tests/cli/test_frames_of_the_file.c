@@ -3,6 +3,7 @@
 #include "support/cli_run.h"
 #include "support/scene_files.h"
 
+#include "image/exr.h"
 #include "reframe/camera.h"
 #include "reframe/image.h"
 
@@ -444,6 +445,31 @@ static void test_negative_frames( void** state )
     assert_true( cli_exists( "z.-0002.png" ) );
 }
 
+// In a glTF, and in a scene file, which times its keys by the same fraction.
+static void test_decimals_of_broadcast_rates( void** state )
+{
+    (void)state;
+    static const char* const s_rates[] = { "29.97", "\"29.97\"", "\"30000/1001\"" };
+    write_room( ",\"extras\":{\"reframe\":{\"render\":{\"fps\":59.94}}}" );
+    cli_expect( cli_run( "$R render room.gltf -o f.exr --frames 1 --size 8x6 --spp 1 --quiet" ), 0, NULL );
+    char file[512];
+    RfExrHeader header;
+    snprintf( file, sizeof file, "%s/f.exr", cli_folder() );
+    assert_int_equal( rf_read_exr_header( file, NULL, &header, NULL ), RF_OK );
+    assert_int_equal( header.fps_numerator, 60000 );
+    rf_destroy_exr_header( &header );
+    for ( size_t i = 0; i < sizeof s_rates / sizeof s_rates[0]; ++i )
+    {
+        char text[320];
+        int length = snprintf( text, sizeof text,
+                               "{\"scene\":\"room.gltf\",\"render\":{\"fps\":%s},\"environment\":{\"radiance\":[1,1,1],\"keys\":["
+                               "{\"frame\":1,\"strength\":1},{\"frame\":31,\"strength\":0.5}]}}",
+                               s_rates[i] );
+        cli_write( "keyed.json", text, (size_t)length );
+        assert_non_null( strstr( cli_run( "$R info keyed.json" )->out, "31 frames at 29.97 frames/s" ) );
+    }
+}
+
 // Of a camera for pictures that are higher than wide.
 static void test_another_aspect_ratio_is_said( void** state )
 {
@@ -473,6 +499,7 @@ int main( void )
         cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_variants_are_listed, cli_enter_group, cli_leave_group ),
+        cmocka_unit_test_setup_teardown( test_decimals_of_broadcast_rates, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_negative_frames, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_another_aspect_ratio_is_said, cli_enter_group, cli_leave_group ),
         cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
