@@ -138,3 +138,19 @@ void rf_convert_colours( const RfColourConversion* conversion, RfColourKind kind
         memcpy( rgb, out, sizeof out );
     }
 }
+
+double rf_convert_light( const RfColourConversion* conversion, float* rgb, size_t count, size_t stride )
+{
+    double light = 0.0, outside = 0.0;
+    rf_convert_colours( conversion, RF_COLOUR_LIGHT, rgb, count, stride );
+    for ( size_t i = 0; i < count && conversion->needed; ++i, rgb += stride )
+    {
+        for ( int c = 0; c < 3; ++c )
+        {
+            light += (double)fabsf( rgb[c] );
+            outside -= fmin( (double)rgb[c], 0.0 );
+            rgb[c] = fmaxf( rgb[c], 0.0f );
+        }
+    }
+    return light > 0.0 ? outside / light : 0.0;
+}

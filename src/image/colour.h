@@ -39,4 +39,7 @@ float rf_convert_component( const RfColourConversion* conversion, RfColourKind k
 // Converts `count` triples, `stride` floats apart, in place.
 void rf_convert_colours( const RfColourConversion* conversion, RfColourKind kind, float* rgb, size_t count, size_t stride );
 
+// The same of light that a scene is made of: values below 0, of colours beyond the primaries, become 0. Returns their share of the light.
+double rf_convert_light( const RfColourConversion* conversion, float* rgb, size_t count, size_t stride );
+
 #endif

@@ -191,23 +191,6 @@ static RfResult fill( const RfPixels* pixels, const char* path, float* rgb, RfEr
     return RF_OK;
 }
 
-// Converts to Rec. 709, where light of other colours has negative values: they become 0. Returns their share of the light.
-static double convert_primaries( const RfPixels* pixels, float* rgb )
-{
-    size_t count = 3 * (size_t)pixels->width * (size_t)pixels->height;
-    double light = 0.0, outside = 0.0;
-    if ( !pixels->conversion.needed )
-        return 0.0;
-    rf_convert_colours( &pixels->conversion, RF_COLOUR_LIGHT, rgb, count / 3, 3 );
-    for ( size_t i = 0; i < count; ++i )
-    {
-        light += (double)fabsf( rgb[i] );
-        outside -= fmin( (double)rgb[i], 0.0 );
-        rgb[i] = fmaxf( rgb[i], 0.0f );
-    }
-    return light > 0.0 ? outside / light : 0.0;
-}
-
 // Converts to linear floats; takes ownership of the pixels.
 static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfError* error )
 {
@@ -238,7 +221,7 @@ RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* 
     {
         *width = pixels.width;
         *height = pixels.height;
-        *outside = convert_primaries( &pixels, *rgb );
+        *outside = rf_convert_light( &pixels.conversion, *rgb, (size_t)pixels.width * (size_t)pixels.height, 3 );
     }
     rf_destroy_pixels( &pixels );
     return result;

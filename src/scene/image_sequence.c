@@ -47,7 +47,7 @@ static RfResult take_floats( const char* where, RfPixels* pixels, bool colour, R
                             i / channels % width, i / channels / width );
     }
     if ( colour && channels >= 3 )
-        rf_convert_colours( &pixels->conversion, RF_COLOUR_LIGHT, out->floats, count / channels, channels );
+        out->outside = rf_convert_light( &pixels->conversion, out->floats, count / channels, channels );
     for ( size_t i = 0; i < count; ++i )
         out->floats[i] = fmaxf( out->floats[i], 0.0f );
     return RF_OK;

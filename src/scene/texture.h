@@ -13,6 +13,7 @@ typedef struct RfTexture
     float* floats;               // linear
     float table[256];            // linear value of each byte of colour; alpha is stored linearly
     float largest;               // largest colour value
+    double outside;              // share of its light beyond Rec. 709, which was clipped
     bool plays;                  // other images are seen at other times: a pose has that of its time
 } RfTexture;
 

@@ -1,6 +1,7 @@
 // Textures alone and in pictures: look-ups against numbers worked out by hand, rendered
 // values against closed forms, cut-outs for every kind of ray, and `--group 0` against the
 // plain path tracer to the bit.
+#include "scene/image_sequence.h"
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
@@ -417,6 +418,27 @@ static void test_blended_panes_by_closed_form( void** state )
     rf_destroy_scene( &scene );
 }
 
+// Of colours, not of normals and the like; what Rec. 709 cannot hold is clipped.
+static void test_primaries_of_an_image( void** state )
+{
+    (void)state;
+    for ( int colour = 0; colour < 2; ++colour )
+    {
+        RfPixels pixels = {
+            .width = 1, .height = 1, .channels = 3, .type = RF_PIXELS_FLOAT, .data = malloc( 3 * sizeof( float ) )
+        };
+        memcpy( pixels.data, ( float[3] ){ 1.0f, 0.0f, 0.0f }, 3 * sizeof( float ) );
+        assert_true(
+            rf_convert_between( rf_chromaticities_of( RF_ACESCG ), rf_chromaticities_of( RF_REC709 ), &pixels.conversion ) );
+        RfTexture t;
+        assert_int_equal( rf_make_texture( "t", &pixels, colour == 1, &t, NULL ), RF_OK );
+        assert_close( t.floats[0], colour == 1 ? 1.70505 : 1.0, 1e-4 );
+        assert_true( t.floats[1] == 0.0f && t.floats[2] == 0.0f );
+        assert_close( (float)t.outside, colour == 1 ? 0.15426 / ( 1.70505 + 0.15426 ) : 0.0, 1e-4 );
+        rf_destroy_texture( &t );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -430,6 +452,7 @@ int main( void )
         cmocka_unit_test( test_one_bright_texel_is_sampled ),
         cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
         cmocka_unit_test( test_blended_panes_by_closed_form ),
+        cmocka_unit_test( test_primaries_of_an_image ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -91,6 +91,9 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
     free( encoded.owned );
     if ( result == RF_OK )
         result = rf_make_texture( rf_where( "%.100s: %s", gltf->path, where.text ).text, &pixels, srgb, out, gltf->error );
+    if ( result == RF_OK && out->outside > 1e-4 )
+        rf_warn( gltf->log, "%s: %s has colours outside Rec. 709, which are clipped: %.2g %% of its light", gltf->path,
+                 where.text, 100.0 * out->outside );
     rf_destroy_pixels( &pixels );
     return result;
 }
