@@ -42,7 +42,7 @@ done
 
 step="looking for what the packages depend on"
 depends=$(for deb in "${debs[@]}"; do dpkg-deb -f "$deb" Depends; done)
-libraries=(libembree[34] libopenexr libassimp libjansson libfftw3-single libpng libjpeg libgomp libc6)
+libraries=(libembree[34] libopenexr libassimp libjansson libmicrohttpd libfftw3-single libpng libjpeg libgomp libc6)
 [[ "$("$build/reframe" --version)" != *WebP* ]] || libraries+=(libwebp)
 [[ "$("$build/reframe" --version)" != *Draco* ]] || libraries+=(libdraco)
 [[ "$("$build/reframe" --version)" != *meshoptimizer* ]] || libraries+=(libmeshoptimizer)

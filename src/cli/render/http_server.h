@@ -1,11 +1,10 @@
-// A web server for one person on this machine: answers GET on 127.0.0.1, one request at a time, in a thread of its own. Whatever is
-// sent to it, it neither blocks nor ends the program: requests are short, and both sides of a connection have seconds.
+// A web server for one person on this machine: answers GET on 127.0.0.1, one request at a time, in a thread of its own. Connections
+// that send nothing hold nobody up.
 #ifndef REFRAME_CLI_RENDER_HTTP_SERVER_H
 #define REFRAME_CLI_RENDER_HTTP_SERVER_H
 
 #include "reframe/error.h"
 
-#include <pthread.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -23,14 +22,13 @@ typedef bool RfHttpAnswer( void* user, const char* path, RfHttpReply* reply );
 
 typedef struct RfHttpServer
 {
-    int listener, wake[2];
     int port;
     RfHttpAnswer* answer;
     void* user;
-    pthread_t thread;
+    struct MHD_Daemon* daemon;
 } RfHttpServer;
 
-// Port 0: any that is free. server->port is the one in use. Fails with RF_ERROR_IO, where the port is in use, too.
+// Port 0: any that is free. The server may not be moved. server->port is the one in use. Fails with RF_ERROR_IO, where the port is in use, too.
 RfResult rf_start_http_server( int port, RfHttpAnswer* answer, void* user, RfHttpServer* server, RfError* error );
 
 // At once, in the midst of a reply too.
