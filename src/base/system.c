@@ -239,8 +239,10 @@ int rf_possible_threads( int wanted )
     pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     pthread_t* threads = malloc( (size_t)wanted * sizeof *threads );
     int count = 1; // this one
+    if ( threads == NULL )
+        return 1;
     pthread_mutex_lock( &mutex );
-    while ( threads != NULL && count < wanted && pthread_create( threads + count, NULL, wait_for, &mutex ) == 0 )
+    while ( count < wanted && pthread_create( threads + count, NULL, wait_for, &mutex ) == 0 )
         ++count;
     pthread_mutex_unlock( &mutex );
     for ( int i = 1; i < count; ++i )

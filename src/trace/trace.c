@@ -66,10 +66,10 @@ RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error 
     return rf_create_tracer_by( 0, scene, out, error );
 }
 
-// Those of the render, and as many of Embree's.
+// Those of the render, and as many of Embree's; both have this one.
 static RfResult check_threads( int threads, RfError* error )
 {
-    int possible = rf_possible_threads( 2 * threads ) / 2;
+    int possible = ( rf_possible_threads( 2 * threads - 1 ) + 1 ) / 2;
     if ( possible >= threads )
         return RF_OK;
     rf_fail( error, RF_ERROR_MEMORY, "the limits of the system leave room for %d of %d threads", possible, threads );
