@@ -176,13 +176,17 @@ static void fit_clamps( CostStudy* s )
     }
 }
 
+#define LITTLE_LIGHT 0.0005 // of all: a clamp that takes no more is none, and its error differs by chance
+
+static bool takes_light( const RfCostClamp* clamp ) { return clamp->missing > LITTLE_LIGHT; }
+
 const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse )
 {
     const RfCostClamp* best = NULL;
     for ( int i = 0; i < cost->clamp_count; ++i )
     {
         double error = cost->clamps[i].error.value / spp + cost->clamps[i].bias;
-        if ( best != NULL && !isless( error, *relmse ) )
+        if ( !takes_light( cost->clamps + i ) || ( best != NULL && !isless( error, *relmse ) ) )
             continue;
         best = cost->clamps + i;
         *relmse = error;
@@ -228,7 +232,7 @@ RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* co
     {
         const RfCostClamp* c = cost->clamps + i;
         double wanted = c->error.value / ( relmse - c->bias );
-        if ( !isless( c->bias, relmse ) || !isless( wanted, least ) )
+        if ( !takes_light( c ) || !isless( c->bias, relmse ) || !isless( wanted, least ) )
             continue;
         least = wanted;
         *clamp = c;
@@ -271,7 +275,7 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     RfRenderSettings asked = *job->settings;
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
-    asked.clamp = 0.0;
+    asked.clamp = asked.clamp_chains = 0.0;
     asked.aovs &= ~( RF_AOV_BIT( RF_AOV_REMOVED ) | RF_PASS_AOVS );
     asked.light_groups = NULL;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;

@@ -92,7 +92,7 @@ RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurv
 RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* cost, double relmse, int per_sweep,
                                           const RfCostClamp** clamp );
 
-// The clamp with the least relMSE for so many samples, which is set; NULL: there are none.
+// The clamp with the least relMSE for so many samples, which is set; NULL: there is none that takes out light.
 const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse );
 
 // The slope of log y against log x by unweighted least squares, with Student's t for the

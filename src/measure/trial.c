@@ -406,7 +406,7 @@ static RfResult render_pilot( RfTestRegion* region, const RfRenderSettings* sett
     s.normalize = RF_NORMALIZE_CROSSFIT;
     s.aovs = 0;
     s.light_groups = NULL;
-    s.clamp = 0.0;
+    s.clamp = s.clamp_chains = 0.0;
     s.queue = 0;
     s.adaptive = RF_ADAPTIVE_OFF;
     s.seed = rf_mix64( settings->seed ^ rf_mix64( (uint64_t)region->first ) ) ^ 0x5175ull;

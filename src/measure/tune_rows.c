@@ -136,7 +136,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     asked.group = 0; // auto would compute a further plan
     asked.noise = asked.flicker = asked.time = 0.0;
     asked.adaptive = RF_ADAPTIVE_OFF;
-    asked.clamp = 0.0;
+    asked.clamp = asked.clamp_chains = 0.0;
     asked.aovs &= ~RF_AOV_BIT( RF_AOV_REMOVED );
     RfResult result = rf_resolve_settings( &job->shot, &asked, common, error );
     common->spp = asked.spp;
@@ -146,6 +146,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
     listed.time = job->settings->time;
     listed.adaptive = job->settings->adaptive;
     listed.clamp = job->settings->clamp;
+    listed.clamp_chains = job->settings->clamp_chains;
     listed.aovs = job->settings->aovs;
     int tried = 0;
     for ( int t = 0; t < RF_TUNE_TILES && result == RF_OK; ++t )

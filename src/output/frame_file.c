@@ -84,6 +84,9 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     snprintf( settings, sizeof settings, "clamp %.17g", s->clamp );
     if ( s->clamp != 0.0 )
         hash = hash_text( hash, settings );
+    snprintf( settings, sizeof settings, "clamp of chains %.17g", s->clamp_chains );
+    if ( s->clamp_chains > 0.0 )
+        hash = hash_text( hash, settings );
     snprintf( settings, sizeof settings, "filter %s %.17g", rf_filter_name( s->filter ), s->filter_width );
     if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
         hash = hash_text( hash, settings );
@@ -225,6 +228,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put_text( a, RF_KEY_CLAMP, "auto" );
     else if ( s->clamp != 0.0 )
         put( a, RF_KEY_CLAMP, "%.9g", s->clamp );
+    if ( s->clamp_chains > 0.0 )
+        put( a, RF_KEY_CLAMP_CHAINS, "%.9g", s->clamp_chains );
     if ( s->noise > 0.0 )
         put( a, RF_KEY_NOISE, "%.9g", s->noise );
     if ( s->flicker > 0.0 )
@@ -371,6 +376,7 @@ static const char* absent_value( RfKey key )
         case RF_KEY_KERNEL_NORMALIZATION: return rf_kernel_normalization_name( RF_KERNEL_EXACT );
         case RF_KEY_AOV:
         case RF_KEY_CRYPTOMATTE:
+        case RF_KEY_CLAMP_CHAINS:
         case RF_KEY_LIGHT_GROUPS:
         case RF_KEY_MAX_DEPTH:
         case RF_KEY_OVERSCAN:
@@ -415,14 +421,14 @@ static void add_size( const RfOutput* output, const char* name, RfFrameDifferenc
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
     static const RfKey keys[] = {
-        RF_KEY_VERSION,   RF_KEY_FRAME,         RF_KEY_CAMERA,         RF_KEY_FRAMES,      RF_KEY_GROUP,
-        RF_KEY_SPP,       RF_KEY_TILE,          RF_KEY_WEIGHTS,        RF_KEY_NORMALIZE,   RF_KEY_SEED,
-        RF_KEY_MAX_DEPTH, RF_KEY_LIGHT_SAMPLES, RF_KEY_ADAPTIVE,       RF_KEY_NOISE,       RF_KEY_TIME,
-        RF_KEY_AOV,       RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
-        RF_KEY_FILTER,    RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
-        RF_KEY_CLAMP,     RF_KEY_BLUR_STEPS,    RF_KEY_LIGHT_GROUPS,   RF_KEY_CRYPTOMATTE, RF_KEY_OVERSCAN,
-        RF_KEY_NAMES,     RF_KEY_TIMECODE,      RF_KEY_COMPRESSION,    RF_KEY_PARTS,       RF_KEY_FLOAT,
-        RF_KEY_COLORSPACE
+        RF_KEY_VERSION,    RF_KEY_FRAME,         RF_KEY_CAMERA,         RF_KEY_FRAMES,      RF_KEY_GROUP,
+        RF_KEY_SPP,        RF_KEY_TILE,          RF_KEY_WEIGHTS,        RF_KEY_NORMALIZE,   RF_KEY_SEED,
+        RF_KEY_MAX_DEPTH,  RF_KEY_LIGHT_SAMPLES, RF_KEY_ADAPTIVE,       RF_KEY_NOISE,       RF_KEY_TIME,
+        RF_KEY_AOV,        RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
+        RF_KEY_FILTER,     RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
+        RF_KEY_CLAMP,      RF_KEY_BLUR_STEPS,    RF_KEY_LIGHT_GROUPS,   RF_KEY_CRYPTOMATTE, RF_KEY_OVERSCAN,
+        RF_KEY_NAMES,      RF_KEY_TIMECODE,      RF_KEY_COMPRESSION,    RF_KEY_PARTS,       RF_KEY_FLOAT,
+        RF_KEY_COLORSPACE, RF_KEY_CLAMP_CHAINS
     };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;

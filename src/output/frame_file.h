@@ -38,6 +38,7 @@
     X( ADAPTIVE, "reframe/adaptive" )                                                                                            \
     X( NOISE, "reframe/noise" )                                                                                                  \
     X( CLAMP, "reframe/clamp" )                                                                                                  \
+    X( CLAMP_CHAINS, "reframe/clamp-chains" )                                                                                    \
     X( CLAMP_THRESHOLD, "reframe/clamp-threshold" )                                                                              \
     X( CLAMP_THRESHOLD_CHAINS, "reframe/clamp-threshold-chains" )                                                                \
     X( REMOVED_SHARE, "reframe/removed-share" )                                                                                  \
@@ -89,7 +90,7 @@ const char* rf_key_name( RfKey key );
 
 // What a frame that is there was rendered with, where that is not what is asked for.
 
-#define RF_MAX_DIFFERENCES 37
+#define RF_MAX_DIFFERENCES 38
 #define RF_DIFFERENCE_SIZE 256
 
 typedef struct RfFrameDifference

@@ -234,6 +234,7 @@ typedef struct RfRenderStats
     bool hurried;        // settings.time was too short for the least: two passes of a frame
     int adaptive_frames; // finished frames with extra samples
     double clamp;        // threshold of the first frame asked for; 0: none was needed, or found
+    double clamp_chains; // likewise that of lights found by mirrors and glass
     int entry_count;     // of the entries
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;

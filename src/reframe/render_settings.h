@@ -190,6 +190,7 @@ typedef struct RfRenderSettings
     int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
     RfTile tile;                  // pixels of a frame that reuse each other's paths
     double clamp;                 // what one path may bring to a hit, luminance; RF_CLAMP_AUTO: found by a pilot; 0: any light
+    double clamp_chains;          // likewise a light that camera rays find by mirrors and glass; 0: as `clamp`
     RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;

@@ -1,4 +1,4 @@
-// Finds the threshold of the clamp. A pilot traces some patches of frames all over a shot, each in two halves, and lists what their
+// Finds the threshold of the clamp. A pilot traces some patches of frames all over a path, each in two halves, and lists what their
 // paths bring. For any threshold c that tells the variance that would be left and the light that would be taken out, squared the
 // bias: in blocks of pixels, by the product of what both halves have lost, which is unbiased, relative to the brightness of the
 // block. The least sum for the samples that the render will have is taken. It grows with them, since the
@@ -17,14 +17,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PILOT_GROUP 0x80000000u // no group of the path has this number
-#define PILOT_FRAMES 16         // of a shot, at most
+#define PILOT_SEED 1    // whatever that of the render: its seeds, and so its shots, get the same threshold
+#define PILOT_FRAMES 16 // of a path, at most
 // Samples of the pilot: this part of the path's, within limits.
 #define PILOT_SHARE 0.03
-#define LEAST_PILOT 16e3
-#define MOST_PILOT 256e3
-#define MOST_OF_FRAME 64e3 // whose paths are listed at once
-#define BLOCK 4            // pixels
+#define LEAST_PILOT 128e3
+#define MOST_PILOT 512e3
+#define MOST_OF_FRAME 128e3 // whose paths are listed at once
+#define BLOCK 4             // pixels
 // Thresholds that are tried: by half octaves, in luminance.
 #define LEAST_STEP ( -64 )
 #define STEPS 256
@@ -46,7 +46,7 @@ typedef struct Path
     float luminance;
 } Path;
 
-// Sums over the blocks of a shot, by threshold, of paths of a kind.
+// Sums over the blocks of a path, by threshold, of paths of a kind.
 typedef struct Tally
 {
     double variance[STEPS]; // of a sample, relative to the squared brightness
@@ -57,19 +57,20 @@ typedef struct Tally
 typedef struct Pilot
 {
     RfRenderer* renderer;
-    RfLiveFilm* film;      // borrowed
-    RfClampWatch* watches; // of `slots` batches that are traced at once: as many as there are threads, for their lists
+    RfRenderSettings settings; // the renderer's, with a seed of the pilot's own
+    RfLiveFilm* film;          // borrowed
+    RfClampWatch* watches;     // of `slots` batches that are traced at once: as many as there are threads, for their lists
     int slots;
     Path* paths; // of a frame
     size_t count, capacity;
     int columns, blocks;   // of the film
     double* sums;          // by block and half: samples and luminance
     double* kept;          // by block: luminance without rare paths
-    double samples, light; // of the shot: and the sum of their luminance
+    double samples, light; // of the path: and the sum of their luminance
     Tally tally[RF_CLAMP_KINDS];
 } Pilot;
 
-static float step_threshold( int step ) { return exp2f( 0.5f * (float)( step + LEAST_STEP ) ); }
+static float step_threshold( float step ) { return exp2f( 0.5f * ( step + LEAST_STEP ) ); }
 
 static int block_of( const Pilot* p, int32_t pixel )
 {
@@ -106,9 +107,10 @@ static bool take_paths( Pilot* p, const RfClampWatch* watch, int half )
     return true;
 }
 
-// Traces patches [first, first + count) of a list into one half of the film.
-static bool trace_patches( Pilot* p, RfEstimatorGroup* group, const int* patches, int count, int half )
+// Traces patches [first, first + count) of a list into the half of the film that the pass goes to.
+static bool trace_patches( Pilot* p, RfEstimatorGroup* group, const int* patches, int count, int pass )
 {
+    int half = pass % 2;
     RfRenderer* r = p->renderer;
     const RfEstimator* estimator = r->setup->settings.estimator;
     RfRayCounts rays = { 0 };
@@ -123,7 +125,7 @@ static bool trace_patches( Pilot* p, RfEstimatorGroup* group, const int* patches
             RfEstimatorGroup watched = *group;
             watched.clamp_watch = p->watches + i;
             watched.clamp_watch->count = 0;
-            estimator->trace( &watched, ( RfTraceJob ){ .job = patches[i], .pass = half }, r->memory.batches[i], scratch, &mine );
+            estimator->trace( &watched, ( RfTraceJob ){ .job = patches[i], .pass = pass }, r->memory.batches[i], scratch, &mine );
         }
 #pragma omp critical
         rf_add_rays( &rays, &mine );
@@ -174,7 +176,7 @@ static void add_half( const Path* paths, size_t count, double* squares, double* 
         above += (double)paths[i].luminance;
     for ( int k = 0; k < STEPS; ++k )
     {
-        double c = (double)step_threshold( k );
+        double c = (double)step_threshold( (float)k );
         for ( ; at < count && (double)paths[at].luminance <= c; ++at )
         {
             below += (double)paths[at].luminance * (double)paths[at].luminance;
@@ -217,11 +219,11 @@ static void find_brightness( Pilot* p )
     while ( low < high )
     {
         int middle = ( low + high ) / 2;
-        bool few = (double)count_above( p, step_threshold( middle ) ) <= FEW_PATHS * (double)p->count;
+        bool few = (double)count_above( p, step_threshold( (float)middle ) ) <= FEW_PATHS * (double)p->count;
         low = few ? low : middle + 1;
         high = few ? middle : high;
     }
-    float c = step_threshold( low );
+    float c = step_threshold( (float)low );
     for ( int i = 0; i < p->blocks; ++i )
         p->kept[i] = p->sums[4 * i + 1] + p->sums[4 * i + 3];
     for ( size_t i = 0; i < p->count; ++i )
@@ -267,10 +269,11 @@ static void add_blocks( Pilot* p )
 }
 
 // Patches of a frame, evenly spread over them, from a place that differs from frame to frame.
-static int list_patches( const RfRenderer* r, int frame, int wanted, int* patches )
+static int list_patches( const Pilot* p, int frame, int wanted, int* patches )
 {
+    const RfRenderer* r = p->renderer;
     int jobs = r->setup->sizes.of_estimator.jobs, count = wanted < jobs ? wanted : jobs;
-    uint64_t key = rf_pass_key( r->setup->settings.seed, (uint32_t)frame, PILOT_GROUP, 0 );
+    uint64_t key = rf_pass_key( p->settings.seed, (uint32_t)frame, RF_GROUP_OF_CLAMP, 0 );
     double start = (double)( key >> 40 ) / (double)( 1u << 24 );
     for ( int i = 0; i < count; ++i )
         patches[i] = (int)( ( i + start ) * jobs / count );
@@ -287,20 +290,22 @@ static void clear_films( const Pilot* p )
 static bool look_at_frame( Pilot* p, int frame, int wanted, int* patches )
 {
     RfRenderer* r = p->renderer;
-    RfEstimatorGroup group = rf_frames_as_group( r, frame, 1, (int)PILOT_GROUP );
+    RfEstimatorGroup group = rf_frames_as_group( r, frame, 1, (int)RF_GROUP_OF_CLAMP );
+    group.settings = &p->settings;
     group.filter = NULL;
     group.clamp = NULL;
     group.shared = r->memory.shared;
-    int count = list_patches( r, frame, wanted, patches ), slots = p->slots;
+    int count = list_patches( p, frame, wanted, patches ), slots = p->slots;
     bool listed = true;
     clear_films( p );
     p->count = 0;
-    for ( int half = 0; half < 2 && listed; ++half )
+    int passes = 2 * ( ( wanted + count / 2 ) / count ); // small frames have several
+    for ( int pass = 0; pass < passes && listed; ++pass )
     {
         if ( group.shared != NULL )
-            r->setup->settings.estimator->prepare( &group, half, r->memory.shared, &r->rays );
+            r->setup->settings.estimator->prepare( &group, pass, r->memory.shared, &r->rays );
         for ( int first = 0; first < count && listed; first += slots )
-            listed = trace_patches( p, &group, patches + first, count - first < slots ? count - first : slots, half );
+            listed = trace_patches( p, &group, patches + first, count - first < slots ? count - first : slots, pass );
     }
     if ( listed )
         add_blocks( p );
@@ -322,20 +327,24 @@ static float choose_threshold( const Pilot* p, const Tally* tally )
     const RfRenderer* r = p->renderer;
     const RfRenderSettings* s = &r->setup->settings;
     double worth = worth_of( r ), spp = rf_is_stopping( s ) ? USUAL_SPP : s->spp, cost[STEPS];
-    int least = 0, best;
+    int least = 0;
     for ( int k = 0; k < STEPS; ++k )
     {
         double variance = tally->variance[k] / ( p->samples * worth ), bias = tally->bias[k] / p->samples;
         cost[k] = s->noise > 0.0 ? ( bias < s->noise ? variance / ( s->noise - bias ) : INFINITY ) : variance / spp + bias;
         least = cost[k] < cost[least] ? k : least;
     }
-    best = least;
+    double limit = LITTLE_MORE * cost[least], beyond = 0.0;
+    int best = least;
     for ( int k = least; k < STEPS && k <= least + FAR_STEPS; ++k )
-        best = cost[k] <= LITTLE_MORE * cost[least] ? k : best;
-    best = cost[least] < s_worth_it[tally - p->tally] * cost[STEPS - 1] ? best : STEPS - 1; // also where nothing was found twice
+        best = cost[k] <= limit ? k : best;
+    if ( best < least + FAR_STEPS && best + 1 < STEPS && cost[best + 1] > limit ) // in between: no jumps by the step
+        beyond = ( limit - cost[best] ) / ( cost[best + 1] - cost[best] );
+    if ( !( cost[least] < s_worth_it[tally - p->tally] * cost[STEPS - 1] ) ) // also where nothing was found twice
+        best = STEPS - 1, beyond = 0.0;
     // beyond what the pilot has seen, nothing is known; with more samples larger ones are found
     double seen = worth * spp * r->setup->sizes.width * r->setup->sizes.height / p->samples;
-    return rf_minf( step_threshold( best ), tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
+    return rf_minf( step_threshold( (float)( best + beyond ) ), tally->largest * (float)sqrt( fmax( seen, 1.0 ) ) );
 }
 
 // A kind of which the pilot has seen nothing has the threshold of the other; of neither, there is none. Lights seen by chains are few
@@ -350,37 +359,33 @@ static RfClampThresholds choose_thresholds( const Pilot* p )
 }
 
 // False without memory.
-static bool look_at_shot( Pilot* p, int first, int end, int* patches )
+static bool look_at_path( Pilot* p, int* patches )
 {
     const RfRenderer* r = p->renderer;
-    int frames = end - first < PILOT_FRAMES ? end - first : PILOT_FRAMES;
+    int all = r->setup->plan.frames, frames = all < PILOT_FRAMES ? all : PILOT_FRAMES;
     double pixels = (double)r->setup->sizes.width * (double)r->setup->sizes.height;
-    double samples = fmin( fmax( PILOT_SHARE * pixels * ( end - first ) * r->setup->settings.spp, LEAST_PILOT ), MOST_PILOT );
+    double samples = fmin( fmax( PILOT_SHARE * pixels * all * r->setup->settings.spp, LEAST_PILOT ), MOST_PILOT );
     double of_patch = pixels / r->setup->sizes.of_estimator.jobs;
     int wanted = (int)ceil( fmin( samples / frames, MOST_OF_FRAME ) / ( 2.0 * of_patch ) );
-    memset( p->tally, 0, sizeof p->tally );
-    p->samples = p->light = 0.0;
     for ( int k = 0; k < frames; ++k )
     {
-        int frame = first + (int)( ( 2 * (int64_t)k + 1 ) * ( end - first ) / ( 2 * frames ) );
-        if ( !look_at_frame( p, frame, wanted, patches ) )
+        if ( !look_at_frame( p, (int)( ( 2 * (int64_t)k + 1 ) * all / ( 2 * frames ) ), wanted, patches ) )
             return false;
     }
     return true;
 }
 
+// All frames have the same thresholds: shots of one set would differ in brightness.
 static RfResult run_pilot( RfRenderer* r, Pilot* p, int* patches, RfError* error )
 {
-    const RfGroupPlan* plan = &r->setup->plan;
-    for ( int first = 0, end; first < plan->frames; first = end )
+    if ( !look_at_path( p, patches ) )
+        return fail_memory( error );
+    RfClampThresholds chosen = choose_thresholds( p );
+    for ( int frame = 0; frame < r->setup->plan.frames; ++frame )
     {
-        int start;
-        rf_shot_of_frame( plan, first, &start, &end );
-        if ( !look_at_shot( p, first, end, patches ) )
-            return fail_memory( error );
-        RfClampThresholds chosen = choose_thresholds( p );
-        for ( int frame = first; frame < end; ++frame )
-            r->clamps[frame] = chosen;
+        for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
+            r->clamps[frame].threshold[kind] =
+                r->clamps[frame].threshold[kind] > 0.0f ? r->clamps[frame].threshold[kind] : chosen.threshold[kind];
     }
     return rf_check_worlds( &r->worlds, error );
 }
@@ -394,7 +399,11 @@ static RfResult find_by_pilot( RfRenderer* r, RfError* error )
     int slots = r->memory.batch_slots < threads ? r->memory.batch_slots : threads;
     int columns = ( width + BLOCK - 1 ) / BLOCK, blocks = columns * ( ( height + BLOCK - 1 ) / BLOCK ),
         capacity = list_capacity( r );
-    Pilot p = { .slots = slots, .renderer = r, .film = r->memory.films, .columns = columns, .blocks = blocks };
+    RfRenderSettings settings = r->setup->settings;
+    settings.seed = PILOT_SEED;
+    Pilot p = {
+        .slots = slots, .renderer = r, .settings = settings, .film = r->memory.films, .columns = columns, .blocks = blocks
+    };
     int* patches = malloc( (size_t)r->setup->sizes.of_estimator.jobs * sizeof *patches );
     RfWatchedPath* lists = malloc( (size_t)slots * (size_t)capacity * sizeof *lists );
     p.watches = malloc( (size_t)slots * sizeof *p.watches );
@@ -422,7 +431,8 @@ RfResult rf_find_clamps( RfRenderer* r, RfError* error )
     r->clamps = malloc( (size_t)frames * sizeof *r->clamps );
     if ( r->clamps == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the thresholds of %d frames", frames );
+    double chains = r->setup->settings.clamp_chains > 0.0 ? r->setup->settings.clamp_chains : value;
     for ( int frame = 0; frame < frames; ++frame )
-        r->clamps[frame] = ( RfClampThresholds ){ { (float)value, (float)value } };
+        r->clamps[frame] = ( RfClampThresholds ){ { (float)value, (float)chains } };
     return value == RF_CLAMP_AUTO ? find_by_pilot( r, error ) : RF_OK;
 }

@@ -26,6 +26,15 @@
 #include "render/clamp.h"
 #include "render/traits.h"
 
+// Numbers of groups for what has random numbers of its own; no group of the path has them. Extra samples and glints of group n have
+// n more.
+#define RF_GROUP_OF_PILOT 0x40000000u
+#define RF_GROUP_OF_CLAMP 0x60000000u
+#define RF_GROUP_OF_EXTRA 0x80000000u
+#define RF_GROUP_OF_GLINTS 0xa0000000u
+#define RF_GROUP_OF_NOISE 0xc0000000u
+#define RF_GROUP_OF_SPECKS 0xe0000000u
+
 // A group of frames, as every batch of it sees it.
 typedef struct RfEstimatorGroup
 {

@@ -237,6 +237,7 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .hurried = r->stop.hurried,
         .adaptive_frames = r->adaptive_frames,
         .clamp = r->clamps != NULL ? (double)r->clamps[*r->setup->shot.frames].threshold[RF_CLAMP_PATHS] : 0.0,
+        .clamp_chains = r->clamps != NULL ? (double)r->clamps[*r->setup->shot.frames].threshold[RF_CLAMP_CHAINS] : 0.0,
         .entry_count = r->memory.arena.entry_count,
     };
     memcpy( stats->entries, r->memory.arena.entries, sizeof stats->entries );

@@ -69,6 +69,10 @@ static RfResult check_settings( const RfRenderSettings* s, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "the flicker wanted must be 0 to %g, got %g", RF_MAX_FLICKER, s->flicker );
     if ( s->clamp != RF_CLAMP_AUTO && !( s->clamp >= 0.0 && s->clamp <= RF_MAX_CLAMP ) )
         return rf_fail( error, RF_ERROR_USAGE, "the clamp must be 0 to %g, got %g", RF_MAX_CLAMP, s->clamp );
+    if ( !( s->clamp_chains >= 0.0 && s->clamp_chains <= RF_MAX_CLAMP ) )
+        return rf_fail( error, RF_ERROR_USAGE, "the clamp of chains must be 0 to %g, got %g", RF_MAX_CLAMP, s->clamp_chains );
+    if ( s->clamp_chains > 0.0 && s->clamp == 0.0 )
+        return rf_fail( error, RF_ERROR_USAGE, "a clamp of chains needs a clamp of paths as well" );
     if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
         return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
     if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )

@@ -10,7 +10,6 @@
 #include <omp.h>
 #include <string.h>
 
-#define SPECK_GROUP 0xe0000000u // no other group has this number
 #define LENS_SALT 0x1e4500000000u
 #define RAYS 1024
 #define RAYS_AT_ONCE 64 // of a thread, or those of one pixel
@@ -65,7 +64,7 @@ static Shape make_shape( RfRenderer* r, const RfLiveFilm* live, int pixels )
     const RfRenderSettings* settings = &r->setup->settings;
     // in a group, lights may be others than those of the frame
     bool lights_change = rf_tracer_lights( r->setup->shot.tracer )->changing != NULL;
-    const RfTracer* tracer = lights_change ? rf_frames_as_group( r, live->frame, 1, (int)SPECK_GROUP ).tracer
+    const RfTracer* tracer = lights_change ? rf_frames_as_group( r, live->frame, 1, (int)RF_GROUP_OF_SPECKS ).tracer
                                            : rf_world_tracer( &r->worlds, live->frame );
     tracer = tracer != NULL ? tracer : r->setup->shot.tracer;
     bool lit = rf_tracer_lights( tracer )->count > 0 && settings->max_depth > 1;
@@ -94,8 +93,8 @@ static void make_ray( const Shape* shape, int pixel, int s, int lane, RfWavefron
 {
     const RfRenderSetup* setup = shape->renderer->setup;
     const RfEye* eye = setup->shot.eyes + shape->frame;
-    uint64_t first = rf_pass_key( setup->settings.seed, (uint32_t)shape->frame, SPECK_GROUP, 0 );
-    uint64_t pass = rf_pass_key( setup->settings.seed, (uint32_t)shape->frame, SPECK_GROUP, (uint32_t)s );
+    uint64_t first = rf_pass_key( setup->settings.seed, (uint32_t)shape->frame, RF_GROUP_OF_SPECKS, 0 );
+    uint64_t pass = rf_pass_key( setup->settings.seed, (uint32_t)shape->frame, RF_GROUP_OF_SPECKS, (uint32_t)s );
     RfRandomKey shift = rf_pixel_key( first, (uint32_t)pixel ), key = rf_pixel_key( pass, (uint32_t)pixel );
     RfRandomKey lens = rf_pixel_key( pass ^ LENS_SALT, (uint32_t)pixel );
     float u = rf_random( lens, 0 ), v = rf_random( lens, 1 ), time = rf_random( lens, 2 );

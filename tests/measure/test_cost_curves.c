@@ -197,6 +197,10 @@ static void test_clamps_are_weighed_by_hand( void** state )
     assert_true( rf_best_clamp( &cost, 10.0, &relmse ) == cost.clamps );
     near( relmse, 0.1499 );
     assert_true( rf_best_clamp( &cost, 100.0, &relmse ) == cost.clamps + 1 );
+    cost.clamps[0] = ( RfCostClamp ){ 8.0, { 0.5, 0.4, 0.6 }, 0.0, 0.0 }; // takes out nothing, and seems better by chance
+    assert_true( rf_best_clamp( &cost, 10.0, &relmse ) == cost.clamps + 1 );
+    rf_predict_clamped_cost( &s.job, &cost, 0.1, 20, &clamp );
+    assert_true( clamp == cost.clamps + 1 );
     cost.clamp_count = 0;
     assert_null( rf_best_clamp( &cost, 10.0, &relmse ) );
     end( &s );

@@ -163,7 +163,7 @@ static void test_direct_light_stays( void** state )
 typedef struct Thresholds
 {
     int count;
-    double clamp[EYES], removed[EYES];
+    double clamp[EYES], chains[EYES], removed[EYES];
 } Thresholds;
 
 static RfResult note( void* user, const RfFrameResult* result, RfError* error )
@@ -171,6 +171,7 @@ static RfResult note( void* user, const RfFrameResult* result, RfError* error )
     (void)error;
     Thresholds* t = user;
     t->clamp[t->count] = result->clamp;
+    t->chains[t->count] = result->clamp_chains;
     t->removed[t->count++] = result->removed;
     return RF_OK;
 }
@@ -204,6 +205,16 @@ static void test_automatic_threshold( void** state )
     assert_true( first.clamp[0] > 0.0 && isfinite( first.clamp[0] ) );
     assert_true( alone.clamp[0] == first.clamp[3] && alone.removed[0] == first.removed[3] );
     assert_true( first.removed[3] > 0.0 && first.removed[3] < 0.5 );
+    // all frames have one, whatever the seed of the render, and the values that were found give the same picture
+    assert_true( first.clamp[0] == first.clamp[4] );
+    settings.seed = 7;
+    Thresholds other = find_thresholds( tracer, eyes, one, 1, &settings );
+    assert_true( other.clamp[0] == alone.clamp[0] && other.removed[0] != alone.removed[0] );
+    settings.clamp = alone.clamp[0];
+    settings.clamp_chains = alone.chains[0];
+    assert_true( find_thresholds( tracer, eyes, one, 1, &settings ).removed[0] == other.removed[0] );
+    settings.clamp = RF_CLAMP_AUTO;
+    settings.clamp_chains = 0.0;
     double last = 0.0;
     for ( int spp = 3; spp <= 3072; spp *= 32 ) // of a frame that is not rendered to the end
     {
@@ -241,6 +252,9 @@ static void test_refusals( void** state )
     settings.clamp = (double)NAN;
     expect_refusal( tracer, eyes, &settings, "clamp must be 0 to" );
     settings.clamp = 0.0;
+    settings.clamp_chains = 1.0;
+    expect_refusal( tracer, eyes, &settings, "needs a clamp of paths" );
+    settings.clamp_chains = 0.0;
     settings.aovs = RF_AOV_BIT( RF_AOV_REMOVED );
     expect_refusal( tracer, eyes, &settings, "removed needs a clamp" );
     settings.clamp = 1.0;

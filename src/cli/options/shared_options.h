@@ -164,10 +164,23 @@ extern RfDefaultTexts rf_default_texts;
     }
 
 #define RF_CLAMP_OPTION( o, clamp_help )                                                                                         \
+    { .name = "clamp",                                                                                                           \
+      .in_file = true,                                                                                                           \
+      .type = RF_OPTION_REAL,                                                                                                    \
+      .value = &( o ).settings.clamp,                                                                                            \
+      .min = 0,                                                                                                                  \
+      .max = RF_MAX_CLAMP,                                                                                                       \
+      .keyword = "auto",                                                                                                         \
+      .keyword_value = (int)RF_CLAMP_AUTO,                                                                                       \
+      .negated = "off",                                                                                                          \
+      .meta = "off|auto|VALUE",                                                                                                  \
+      .default_text = "off",                                                                                                     \
+      .heading = RF_HEADING_QUALITY,                                                                                             \
+      .help = ( clamp_help ) },                                                                                                  \
     {                                                                                                                            \
-        .name = "clamp", .in_file = true, .type = RF_OPTION_REAL, .value = &( o ).settings.clamp, .min = 0, .max = RF_MAX_CLAMP, \
-        .keyword = "auto", .keyword_value = (int)RF_CLAMP_AUTO, .negated = "off", .meta = "off|auto|VALUE",                      \
-        .default_text = "off", .heading = RF_HEADING_QUALITY, .help = ( clamp_help )                                             \
+        .name = "clamp-chains", .in_file = true, .type = RF_OPTION_REAL, .value = &( o ).settings.clamp_chains, .min = 0,        \
+        .max = RF_MAX_CLAMP, .meta = "VALUE", .default_text = "as --clamp", .heading = RF_HEADING_QUALITY,                       \
+        .help = "with --clamp: the limit of a light that is seen by mirrors and glass"                                           \
     }
 
 #define RF_FILTER_OPTIONS( o )                                                                                                   \

@@ -105,6 +105,15 @@ static void print_removed( const RfFrameErrors* errors )
         printf( ", %.2g %% of the light taken out", 100.0 * errors->removed_sum / errors->frames );
 }
 
+// The thresholds that a pilot has found, to be given to other shots of the set.
+static void print_clamp( const RfRenderJob* job )
+{
+    const RfRenderStats* stats = &job->stats;
+    if ( job->options.settings.clamp == RF_CLAMP_AUTO && stats->clamp > 0.0 && stats->clamp <= RF_MAX_CLAMP &&
+         stats->clamp_chains <= RF_MAX_CLAMP )
+        printf( "For all shots of a set: --clamp %.4g --clamp-chains %.4g\n", stats->clamp, stats->clamp_chains );
+}
+
 // Warns of reconstructions that did not converge, or failed.
 static void warn_of_solves( const RfFrameErrors* errors, RfLog* log )
 {
@@ -705,6 +714,7 @@ static RfResult report( RfRenderJob* job, RfError* error )
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
+        print_clamp( job );
         print_frame_errors( job );
     }
     return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );

@@ -156,6 +156,8 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
                          clamp == RF_CLAMP_AUTO ? json_string( "auto" )
                          : clamp == 0.0         ? json_string( "off" )
                                                 : rf_json_number( clamp ) );
+    if ( options->settings.clamp_chains > 0.0 )
+        json_object_set_new( json, "clamp_chains", rf_json_number( options->settings.clamp_chains ) );
     if ( options->settings.noise > 0.0 )
         json_object_set_new( json, "noise",
                              json_pack( "{s:f, s:i}", "wanted", options->settings.noise, "missed", stats->missed ) );

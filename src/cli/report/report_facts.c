@@ -519,6 +519,7 @@ static const struct
     { "reframe/tile", "Settings", "Tile" },
     { "reframe/adaptive", "Settings", "Adaptive" },
     { "reframe/clamp", "Settings", "Clamp" },
+    { "reframe/clamp-chains", "Settings", "Clamp of chains" },
     { "reframe/clamp-threshold", "Settings", "Clamp, threshold" },
     { "reframe/clamp-threshold-chains", "Settings", "Clamp, threshold of chains" },
     { "reframe/removed-share", "Settings", "Light removed, share (first frame)" },

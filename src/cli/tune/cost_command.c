@@ -74,6 +74,8 @@ static void print_clamped( const CostReport* r )
         double relmse;
         char noise[RF_NOISE_TEXT_SIZE];
         const RfCostClamp* clamp = rf_best_clamp( r->cost, c->rows[i].spp, &relmse );
+        if ( clamp == NULL )
+            break;
         rf_format_noise( relmse, noise );
         printf( "%-28s %7d %10.3g %10.3g %8s %10.3g  --clamp %.3g, %.2g %% of the light missing\n", "  clamped", c->rows[i].spp,
                 c->rows[i].seconds, c->rows[i].cpu_seconds, rf_is_known( &clamp->error ) ? noise : "?", relmse, clamp->threshold,

@@ -28,9 +28,8 @@ static void accumulate_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* liv
 
 // The noise of materials.
 
-#define NOISE_GROUP 0xc0000000u // no other group has this number
-#define NOISE_FRAMES 8          // of the path that are looked at
-#define BLOCK 8                 // pixels: side of what is drawn
+#define NOISE_FRAMES 8 // of the path that are looked at
+#define BLOCK 8        // pixels: side of what is drawn
 // Pixels that are rendered twice: this share of the camera rays of a whole render, within limits.
 #define PAIR_SHARE 0.004
 #define LEAST_PAIRS 1024.0
@@ -67,7 +66,7 @@ static void add_noise( const RfMaterialNoise* noise, RfFirstHits first, float* s
 static void draw_blocks( const RfRenderer* r, int frame, double share, float* drawn )
 {
     int width = r->setup->sizes.width, across = ( width + BLOCK - 1 ) / BLOCK;
-    uint64_t key = rf_pass_key( r->setup->settings.seed, (uint32_t)frame, NOISE_GROUP, 2 );
+    uint64_t key = rf_pass_key( r->setup->settings.seed, (uint32_t)frame, RF_GROUP_OF_NOISE, 2 );
     for ( int y = 0; y < r->setup->sizes.height; ++y )
     {
         for ( int x = 0; x < width; ++x )
@@ -102,7 +101,7 @@ static void note_classes( RfRenderer* r, const RfPass* pass, int eye, const void
 // Renders the drawn blocks of a frame into both halves of the film.
 static void render_blocks( RfRenderer* r, int frame, RfLiveFilm* live )
 {
-    RfEstimatorGroup group = rf_frames_as_group( r, frame, 1, (int)NOISE_GROUP );
+    RfEstimatorGroup group = rf_frames_as_group( r, frame, 1, (int)RF_GROUP_OF_NOISE );
     group.need = live->need;
     group.filter = NULL;
     live->frame = frame;
@@ -303,14 +302,13 @@ static void fill( const RfRenderer* r, float value, float* pixels )
 // The coarse look before the pilot: this part of a frame's pixels, and so many where it is small.
 #define LOOK_SHARE ( 1.0 / 16.0 )
 #define LOOK_PIXELS 512.0
-#define PILOT_GROUP 0x40000000u // no group of the path has these numbers
 
 // The frames around one, as far as its shot goes.
 static RfEstimatorGroup pilot_group( RfRenderer* r, int frame )
 {
     int eyes = r->setup->plan.eyes, first;
     rf_frames_around( &r->setup->plan, frame, &first, &eyes );
-    RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)PILOT_GROUP );
+    RfEstimatorGroup group = rf_frames_as_group( r, first, eyes, (int)RF_GROUP_OF_PILOT );
     group.first_hits_only = true;
     group.filter = NULL;
     return group;
@@ -412,9 +410,6 @@ void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
 
 // The samples of some tiles of a frame alone.
 
-#define EXTRA_GROUP 0x80000000u // no group of the path has these numbers
-#define GLINT_GROUP 0xa0000000u // likewise
-
 static void count_extra( RfRenderer* r, const RfPass* pass, int eye, const void* batch, const void* scratch, void* user )
 {
     (void)eye;
@@ -469,13 +464,13 @@ static void render_packed( RfRenderer* r, const RfPass* pass, RfLiveFilm* live, 
 static void render_frame_extra( RfRenderer* r, const RfPass* pass, RfLiveFilm* live )
 {
     bool noisy = r->memory.noise != NULL;
-    Extra tiles = { live->need, EXTRA_GROUP, rf_most_extra( noisy ), noisy, false };
+    Extra tiles = { live->need, RF_GROUP_OF_EXTRA, rf_most_extra( noisy ), noisy, false };
     if ( noisy && live->most_need > 0.0f )
         render_packed( r, pass, live, tiles );
     for ( int round = 0; !noisy && (float)round < live->most_need; ++round )
         render_round( r, pass, live, tiles, round );
     if ( live->most_glints > 0.0f )
-        render_packed( r, pass, live, ( Extra ){ live->glints, GLINT_GROUP, RF_MOST_GLINTS, true, true } );
+        render_packed( r, pass, live, ( Extra ){ live->glints, RF_GROUP_OF_GLINTS, RF_MOST_GLINTS, true, true } );
 }
 
 void rf_render_extra( RfRenderer* r, const RfPass* pass )
