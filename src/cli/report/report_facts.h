@@ -31,11 +31,4 @@ void rf_format_bytes( double bytes, char text[32] );
 // whole picture, which comes first.
 json_t* rf_page_warnings_json( const RfPageData* data );
 
-// The numbers of the frames whose files are not whole.
-json_t* rf_page_damaged_json( const RfPageTrack* track );
-
-// The same as a line, with what is wrong with the first; false where there are none.
-#define RF_DAMAGE_SIZE 800
-bool rf_format_damage( const RfPageTrack* track, char text[RF_DAMAGE_SIZE] );
-
 #endif

@@ -680,6 +680,27 @@ int* rf_page_missing_frames( const RfPageTrack* track, int* count )
     return missing;
 }
 
+json_t* rf_page_damaged_json( const RfPageTrack* track )
+{
+    json_t* list = json_array();
+    for ( int i = 0; i < track->count; ++i )
+    {
+        if ( track->frames[i].damaged )
+            json_array_append_new( list, json_integer( track->numbers[i] ) );
+    }
+    return list;
+}
+
+bool rf_format_damage( const RfPageTrack* track, char text[RF_DAMAGE_SIZE] )
+{
+    char frames[240];
+    json_t* list = rf_page_damaged_json( track );
+    rf_format_left( list, frames, sizeof frames );
+    json_decref( list );
+    snprintf( text, RF_DAMAGE_SIZE, "damaged: %s: %s", frames, track->damage );
+    return track->damage[0] != '\0';
+}
+
 void rf_free_page_track( RfPageTrack* track )
 {
     free_page_layers( &track->layers );

@@ -9,6 +9,8 @@
 #include "measure/image_error.h"
 #include "measure/flicker.h"
 
+#include <jansson.h>
+
 #define RF_PAGE_LAYER_BYTES 16e6 // of all passes of the page; pictures are made smaller to stay below,
 
 #define RF_PAGE_LAYER_WIDTH 160 // and passes are left out where they would become narrower, unless frames are
@@ -88,6 +90,13 @@ void rf_free_page_track( RfPageTrack* track );
 // The frames of the page, and the holes between them, that the sequence lacks, ascending, *count of
 // them. The caller frees it; NULL: none, or no memory.
 int* rf_page_missing_frames( const RfPageTrack* track, int* count );
+
+// The numbers of the frames whose files are not whole.
+json_t* rf_page_damaged_json( const RfPageTrack* track );
+
+// The same as a line, with what is wrong with the first; false where there are none.
+#define RF_DAMAGE_SIZE 800
+bool rf_format_damage( const RfPageTrack* track, char text[RF_DAMAGE_SIZE] );
 
 // The id of a frame's block.
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] );
