@@ -313,7 +313,7 @@ static void test_json_has_every_key( void** state )
                  "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                  "normalize threads effects effects_left_out effects_forced kept_frames interrupted clamp adaptive adaptive_mode "
                  "adaptive_frames warnings export_losses export_warnings repeated_frames filter specks "
-                 "beyond_depth_share" );
+                 "beyond_depth_share clipped_pixels halo" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
