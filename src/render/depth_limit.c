@@ -22,8 +22,7 @@ static RfRenderSettings pilot_settings( const RfRenderSettings* settings, int fr
     pilot.adaptive = RF_ADAPTIVE_OFF;
     pilot.light_samples = settings->light_samples;
     pilot.light_sampling = settings->light_sampling;
-    pilot.threads = 1; // pictures are too small to share out
-    pilot.memory = settings->memory;
+    pilot.threads = 1; // pictures are too small to share out, and take little memory, whatever the budget
     return pilot;
 }
 

@@ -319,7 +319,7 @@ static void test_json_has_every_key( void** state )
     json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 2 );
     expect_keys( json_array_get( frames, 1 ), "frame seconds relmse_estimate relmse_is_lower_bound relmse_likely worst_ten_share "
-                                              "native_spp effective_spp kept noise_percent specks" );
+                                              "native_spp effective_spp kept noise_percent specks clipped_pixels" );
     expect_keys( json_object_get( json_array_get( frames, 1 ), "specks" ),
                  "pixels share rest_relmse rest_noise_percent kinds materials" );
     expect_keys( json_object_get( json, "specks" ), "pixels share rest_relmse rest_noise_percent kinds materials frames" );

@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-#define FASTER 1.1 // another group is named where it is so many times as efficient
+// Another group is named where it is so many times as efficient: a tenth is within the error of the model.
+#define FASTER 1.25
 
 // What paths of a group cost and bring: by the rows of a plan, between them by the line through the nearest two.
 typedef struct Costs
