@@ -7,14 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void load( HardScene* h, const char* name )
+// The first frames of its path, `most` of them.
+static void load_frames( HardScene* h, const char* name, int most )
 {
     MovingRoom room = load_moving_room( name, HARD_WIDTH, HARD_HEIGHT );
     h->scene = room.scene;
-    h->eye_count = room.eye_count;
+    h->eye_count = room.eye_count < most ? room.eye_count : most;
     memcpy( h->eyes, room.eyes, sizeof room.eyes );
     h->still = load_still_room( name, h->eye_count / 2, HARD_WIDTH, HARD_HEIGHT ).scene;
 }
+
+static void load( HardScene* h, const char* name ) { load_frames( h, name, MOVING_EYES ); }
 
 static void sweep( HardScene* h ) { load( h, "sweep" ); }
 static void lid( HardScene* h ) { load( h, "shown" ); }
@@ -35,7 +38,7 @@ static void plate( HardScene* h ) { load( h, "plate" ); }
 
 static void short_path( HardScene* h )
 {
-    load( h, "short-path" );
+    load_frames( h, "short-path", 3 );
     h->group = 1 << 20;
 }
 
