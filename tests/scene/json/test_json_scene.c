@@ -391,9 +391,9 @@ static void test_environment_is_frozen( void** state )
     assert_int_equal( rf_check_rendered( &scene, &error ), RF_OK );
     rf_destroy_scene( &scene );
     rf_destroy_scene( &moving );
-    // as the camera begins, which is later
-    moving = load_members( SUNRISE ",\"camera\":{\"kind\":\"keyed\",\"target\":[0,0,0],\"keys\":[{\"time\":1.5,"
-                                   "\"position\":[0,0,5]},{\"time\":2,\"position\":[0,1,5]}]}" );
+    // as in the first frame, which is later: at 1.5 s
+    moving = load_members( SUNRISE ",\"camera\":{\"kind\":\"keyed\",\"target\":[0,0,0],\"keys\":[{\"frame\":37,"
+                                   "\"position\":[0,0,5]},{\"frame\":49,\"position\":[0,1,5]}]}" );
     assert_int_equal( rf_load_scene_with( path, &options, &scene, NULL, &error ), RF_OK );
     assert_rgb( scene.environment.radiance, 2, 4, 6 );
     assert_close( (double)scene.environment.rotation, 3.141592653589793, 1e-6 );
