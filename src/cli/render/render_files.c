@@ -13,6 +13,7 @@
 #include "output/frame_file.h"
 #include "reframe/image.h"
 #include "reframe/output.h"
+#include "trace/trace.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -91,6 +92,7 @@ static RfResult look_at_files( const RfOutput* output, const int* frames, int co
 #pragma omp parallel for schedule( dynamic ) num_threads( threads )
     for ( int i = 0; i < count; ++i )
     {
+        rf_set_float_mode();
         RfError reason = { 0 };
         RfResult one = rf_is_interrupted() ? rf_fail( &reason, RF_ERROR_INTERRUPTED, "interrupted before the first frame" )
                                            : look_at( output, frames[i], inside, states + i, &reason );
