@@ -277,7 +277,7 @@ static size_t count_clipped( const float* values, size_t pixels, const bool* hal
     {
         bool any = false;
         for ( int c = 0; c < channels; ++c )
-            any = any || ( half[c] && fabsf( values[c] ) >= RF_HALF_MAX ); // false for NaN
+            any = any || ( half[c] && isgreaterequal( fabsf( values[c] ), RF_HALF_MAX ) ); // not for NaN
         count += any;
     }
     return count;

@@ -136,7 +136,9 @@ static void test_it_is_planned_and_tuned( void** state )
     assert_true( json_array_size( json_object_get( json, "groups" ) ) == 1 );
     assert_string_equal( json_string_value( json_object_get( json, "why" ) ), "the estimator 'gradient' reuses no frames" );
     json_decref( json );
-    done = cli_run( "$R cost %s --tile 4x4 --budget 4 --json c.json", shot );
+    char cost[256];
+    snprintf( cost, sizeof cost, "$R cost %s --tile 4x4 --json c.json", shot );
+    done = cli_measure( cost, 4 );
     assert_true( done->status == 0 && strstr( done->out, "4x4 tiles" ) != NULL );
     json = cli_read_json( "c.json" );
     assert_true( json_number_value( json_object_get( json, "pixels" ) ) > 1000.0 );

@@ -223,7 +223,7 @@ static void test_render_and_cost_name_what_is_read( void** state )
     char* text = cli_read( "k/r.json", &size );
     assert_non_null( strstr( text, "\"warnings\": [" ) );
     free( text );
-    cli_expect( cli_run( "$R cost $VASE --size 24x16 --frames 1-3 --group 1 --budget 4 --quiet --json k/cost.json" ), 0, NULL );
+    cli_expect( cli_measure( "$R cost $VASE --size 24x16 --frames 1-3 --group 1 --quiet --json k/cost.json", 4 ), 0, NULL );
     cli_expect( cli_run( "$R report k -o k.html --overwrite --quiet" ), 0, NULL );
     cli_expect( cli_run( "sed -i 's/vase-room/still-life/' k/cost.json; $R report k -o k.html --overwrite --quiet" ), 2,
                 "still-life.glb" );

@@ -234,8 +234,9 @@ static void test_command_says_what_json_says( void** state )
 {
     (void)state;
     cli_enter();
-    cli_expect( cli_run( "$R cost $VASE --size 40x30 --budget 4 --group 1 --noise 12.91%%,0.5 --frames 5-9 --quiet --json c.json "
-                         "--svg c.svg > c.txt" ),
+    cli_expect( cli_measure( "$R cost $VASE --size 40x30 --group 1 --noise 12.91%,0.5 --frames 5-9 --quiet --json c.json "
+                             "--svg c.svg > c.txt",
+                             4 ),
                 0, NULL );
     size_t size;
     char* text = cli_read( "c.json", &size );
@@ -280,7 +281,7 @@ static void test_command_says_what_json_says( void** state )
     assert_true( count < 6 || strstr( text, "groups of 3 and 3x3 tiles: relMSE falls as time^-" ) !=
                                   NULL ); // a busy machine may have fewer rows
     free( text );
-    cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 4 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt" ), 0, NULL );
+    cli_expect( cli_measure( "$R cost $VASE --size 8x6 --group 0 --noise 1e-9 --frames 5 --quiet > c.txt", 4 ), 0, NULL );
     text = cli_read( "c.txt", &size );
     assert_non_null( strstr( text, "(relMSE 1e-09): exact more than 1048576 spp, the limit\n" ) );
     free( text );

@@ -228,8 +228,8 @@ static void test_what_it_takes_is_predicted( void** state )
 {
     (void)state;
     cli_expect(
-        cli_run( "$R cost " ROOM " --frames 3-6 --size 48x27 --group 1 --flicker 0.05,0.025 --budget 1 --quiet --json c.json" ),
-        0, NULL );
+        cli_measure( "$R cost " ROOM " --frames 3-6 --size 48x27 --group 1 --flicker 0.05,0.025 --quiet --json c.json", 1 ), 0,
+        NULL );
     cli_expect( cli_run( "$R render " ROOM
                          " -o c.####.exr --frames 3-6 --size 48x27 --group 0 --tile 1 --filter box --no-adaptive "
                          "--flicker 0.025 --quiet --json d.json" ),

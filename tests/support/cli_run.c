@@ -172,6 +172,17 @@ const CliResult* cli_run( const char* format, ... )
     return cli_wait( 0 );
 }
 
+const CliResult* cli_measure( const char* command, int budget )
+{
+    const CliResult* result;
+    do
+    {
+        result = cli_run( "%s --budget %d", command, budget );
+        budget *= 4;
+    } while ( strstr( result->err, "nothing is known within the budget" ) != NULL && budget < 10000 );
+    return result;
+}
+
 void cli_expect( const CliResult* result, int status, const char* part )
 {
     size_t length = strlen( result->err );

@@ -26,6 +26,9 @@ int cli_leave_group( void** state );
 // Runs a shell line in the folder, with $R the program and $VASE the vase room.
 const CliResult* cli_run( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
 
+// Runs what measures for so many seconds, with four times as many where a busy machine makes them too few to know anything.
+const CliResult* cli_measure( const char* command, int budget );
+
 // Starts the same and does not wait; cli_wait does.
 void cli_start( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
 const CliResult* cli_wait( int signal_number ); // sends the signal first unless it is 0

@@ -131,7 +131,8 @@ void rf_format_change( const json_t* change, const json_t* sharing, char text[RF
     json_array_foreach( json_object_get( change, "what" ), i, word )
         append( text, "%s%s", i > 0 ? ", " : "", json_is_string( word ) ? json_string_value( word ) : "" );
     const char* kind = json_string_value( json_object_get( change, "kind" ) );
-    bool grouped = rf_json_number_of( sharing, "group" ) > 0.0, material = kind != NULL && strcmp( kind, "material" ) == 0;
+    bool grouped = isgreater( rf_json_number_of( sharing, "group" ), 0.0 ),
+         material = kind != NULL && strcmp( kind, "material" ) == 0;
     if ( grouped && json_is_object( frames ) )
         append_ways( frames, text );
     else if ( grouped && material )
