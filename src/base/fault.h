@@ -76,6 +76,7 @@
     X( sky_reach, "rays to the sky pass all that moves, however far out", "moves-plate" ) \
     X( snell, "Snell's law from the squared cosine, which has all its digits at grazing angles", "ior-1" ) \
     X( total_reflection, "no root of a negative number at total reflection", "rough-glass absorption-1e-9 ior-1.0001 ior-10-body absorption-1e9 rough-glass-grazing" ) \
+    X( twins, "of lights of the same corners, one is left", "lights-in-one-place" ) \
     X( two_sided, "lights that shine to both sides are seen from behind", "in-an-emitter" ) \
     X( typical, "no 0/0 in the mean of variances that are all below floats", "radiance-1e-30" ) \
     X( unit_cross, "normals of tiny and huge triangles come from products in doubles", "scale-1e-12 scale-1e12 acne-and-leaks" ) \

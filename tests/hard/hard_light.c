@@ -1,5 +1,6 @@
 // Hard cases of lights and of radiance.
 #include "hard/hard.h"
+#include "scene/twins.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -183,6 +184,20 @@ static void in_an_emitter( HardScene* h )
     h->within = 1e-5;
 }
 
+// The light above a second time, in another colour, by the same triangles in another order and from other corners.
+static void one_place( HardScene* h )
+{
+    hard_stage( h, hard_glossy() );
+    SceneBuilder b = hard_reopen( &h->scene );
+    RfMaterial second = make_light( 10.0f, false );
+    second.emission = rf_vec3( 1, 2, 10 );
+    add_quad( &b, add_material( &b, second ), rf_vec3( 0.6f, 2.5f, 0.6f ), rf_vec3( -0.6f, 2.5f, 0.6f ),
+              rf_vec3( -0.6f, 2.5f, -0.6f ), rf_vec3( 0.6f, 2.5f, -0.6f ) );
+    h->scene = finish_scene( &b );
+    if ( rf_take_out_twins( &h->scene, NULL, NULL ) != RF_OK )
+        abort();
+}
+
 const HardCase g_hard_light[] = {
     { "radiance-1e-30", "light of 1e-30 W/(m2 sr)", "products and squares below floats", HARD_DOUBLE, 1.5, dim, NULL },
     { "radiance-1e30", "light of 1e30 W/(m2 sr)", "products and squares beyond floats", HARD_DOUBLE, 1.5, bright, NULL },
@@ -201,6 +216,8 @@ const HardCase g_hard_light[] = {
       bright_texel, NULL },
     { "no-light", "a scene whose lights are black", "sums of powers of 0", HARD_BLACK, 0, no_lights, NULL },
     { "nothing-there", "a scene without triangles", "bounds, BVH and lists of nothing", HARD_BLACK, 0, nothing_there, NULL },
+    { "lights-in-one-place", "two lights of the same corners", "light samples find both of them, rays one", HARD_DOUBLE, 1.5,
+      one_place, NULL },
     { "in-an-emitter", "eyes inside of a light", "lights seen from behind", HARD_VALUE, 0, in_an_emitter, NULL },
     { "dark-room", "a dark room beside and below a lit one", "rays that start beyond walls of no thickness", HARD_BLACK, 0,
       dark_room_1, NULL },

@@ -133,11 +133,64 @@ static void test_placed_files( void** state )
     rf_destroy_scene( &scene );
 }
 
+static void keep_line( void* user, const char* line )
+{
+    char* lines = user;
+    size_t used = strlen( lines );
+    snprintf( lines + used, 1024 - used, "%s\n", line + ( strrchr( line, '/' ) != NULL ? strrchr( line, '/' ) + 1 - line : 0 ) );
+}
+
+// Of plates that shine, "Twin" lies on the first one, "Shifted" and "Turned" partly; others are beside it, above, across, and back
+// to back. "Flipped" lies on one that shines to both sides.
+static void test_emitters_in_one_place( void** state )
+{
+    (void)state;
+    static const float s_plate[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0 };
+    static const float s_flipped[] = { 1, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0 };
+    char lines[1024] = "";
+    RfLog log = { keep_line, lines, 0 };
+    RfError error = { 0 };
+    RfScene scene;
+    RfSceneInfo info;
+    GltfBuilder b = { 0 };
+    add_gltf_floats( &b, "VEC3", 3, 6, s_plate );
+    add_gltf_floats( &b, "VEC3", 3, 6, s_flipped );
+    const char* path =
+        write_gltf( &b, &gltf_folder,
+                    "\"materials\":[{\"emissiveFactor\":[1,1,1]},{\"emissiveFactor\":[1,1,1],\"doubleSided\":true}],"
+                    "\"meshes\":[{\"primitives\":[" TRIANGLE( 0 ) "]},{\"primitives\":[" TRIANGLE(
+                        1 ) "]},"
+                            "{\"primitives\":[{\"attributes\":{\"POSITION\":1},\"material\":1}]}],"
+                            "\"nodes\":[{\"name\":\"Plate\",\"mesh\":0},{\"name\":\"Twin\",\"mesh\":0},"
+                            "{\"name\":\"Shifted\",\"mesh\":0,\"translation\":[0.99,0.5,0]},"
+                            "{\"name\":\"Turned\",\"mesh\":0,\"rotation\":[0,0,1,0],\"translation\":[0.5,0.1,0]},"
+                            "{\"name\":\"Beside\",\"mesh\":0,\"translation\":[-1,1,0]},"
+                            "{\"name\":\"Above\",\"mesh\":0,\"translation\":[0,0,1e-4]},"
+                            "{\"name\":\"Across\",\"mesh\":0,\"rotation\":[0,0.1,0,0.99498743710662],\"translation\":[0,0,0.1]},"
+                            "{\"name\":\"Back\",\"mesh\":0,\"rotation\":[0,1,0,0],\"translation\":[0.7,0.3,0]},"
+                            "{\"name\":\"Sheet\",\"mesh\":1,\"translation\":[5,0,0]},{\"name\":\"Flipped\",\"mesh\":2,"
+                            "\"translation\":[5,0,0]}]" );
+    if ( rf_load_scene_with( path, &( RfSceneOptions ){ 0 }, &scene, &log, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    assert_string_equal(
+        lines, "a.gltf: emitting triangles of 'Twin' lie on those of 'Plate', 2 are left out: delete or move them\n"
+               "a.gltf: emitting triangles of 'Plate' and 'Shifted' overlap in one plane, so their light depends on "
+               "the settings: move one\n"
+               "a.gltf: emitting triangles of 'Plate' and 'Turned' overlap in one plane, so their light depends on the "
+               "settings: move one\n"
+               "a.gltf: emitting triangles of 'Flipped' lie on those of 'Sheet', 2 are left out: delete or move them\n" );
+    assert_int_equal( rf_scene_info( &scene, &info, &error ), RF_OK );
+    assert_int_equal( info.triangles, 20 );
+    assert_int_equal( info.emitting_triangles, 16 );
+    rf_destroy_scene( &scene );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( test_names_of_nodes ),
         cmocka_unit_test( test_extras_go_first ),
+        cmocka_unit_test( test_emitters_in_one_place ),
         cmocka_unit_test_setup_teardown( test_placed_files, cli_enter_group, cli_leave_group ),
     };
     return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );

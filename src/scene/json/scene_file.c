@@ -14,6 +14,7 @@
 #include "scene/json/object_place.h"
 #include "scene/json/view_json.h"
 #include "scene/light_groups.h"
+#include "scene/twins.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -391,7 +392,7 @@ static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfSce
     return result;
 }
 
-RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
+static RfResult load( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
     RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation, .variant = options->variant };
     if ( file->document.root == NULL )
@@ -407,6 +408,17 @@ RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* opti
     Reading again = { options, &first, NULL };
     double same;
     return load_all( file, &again, scene, &moved, &same, error );
+}
+
+RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
+{
+    RfResult result = load( file, options, scene, log, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_take_out_twins( scene, log, error );
+    if ( result != RF_OK )
+        rf_destroy_scene( scene );
+    return result;
 }
 
 RfResult rf_load_scene( const char* path, RfScene* scene, RfLog* log, RfError* error )
