@@ -8,10 +8,11 @@
 
 #include <stdlib.h>
 
-#define FEW 8         // triangles of a box that is not halved
-#define MOST_DEPTH 60 // of boxes in boxes
-#define MOST_PAIRS 8  // of objects that are named
-#define LEAST 1e-3f   // of a triangle's height that reaches into the other
+#define FEW 8              // triangles of a box that is not halved
+#define MOST_DEPTH 60      // of boxes in boxes
+#define MOST_PAIRS 8       // of objects that are named
+#define MOST_WORK 50000000 // comparisons and triangles put into halves: about half a second
+#define LEAST 1e-3f        // of a triangle's height that reaches into the other
 
 typedef struct Emitter
 {
@@ -33,6 +34,8 @@ typedef struct Search
 {
     const RfScene* scene;
     Emitter* emitter;
+    uint64_t work;  // so far
+    bool crowded;   // it was not enough
     int pair_count; // at most one more than are named
     Pair pair[MOST_PAIRS + 1];
 } Search;
@@ -119,6 +122,10 @@ static void search( Search* s, const uint32_t* list, uint32_t count, int depth )
     const Emitter* e = s->emitter;
     float low[3], high[3];
     int axis = 0;
+    s->work += count;
+    s->crowded = s->crowded || s->work > MOST_WORK;
+    if ( s->crowded )
+        return;
     for ( int c = 0; c < 3; ++c )
     {
         low[c] = INFINITY;
@@ -147,7 +154,11 @@ static void search( Search* s, const uint32_t* list, uint32_t count, int depth )
         search( s, half, n, depth + 1 );
     }
     free( half );
-    for ( uint32_t i = 0; i < count && !halve; ++i )
+    if ( halve )
+        return;
+    s->work += (uint64_t)count * count / 2;
+    s->crowded = s->crowded || s->work > MOST_WORK;
+    for ( uint32_t i = 0; i < count && !s->crowded; ++i )
     {
         for ( uint32_t k = i + 1; k < count; ++k )
             compare( s, e + list[i], s->emitter + list[k] );
@@ -188,6 +199,11 @@ static void warn( const Search* s, RfLog* log )
             rf_warn( log, "%s: emitting triangles of '%.200s' lie on those of '%.200s', %u are left out: delete or move them%s",
                      path, second, first, p->taken_out, more );
     }
+    if ( s->crowded )
+        rf_warn(
+            log,
+            "%s: too many emitting triangles lie in one place to compare them all, and their light may depend on the settings",
+            s->scene->path );
 }
 
 RfResult rf_take_out_twins( RfScene* scene, RfLog* log, RfError* error )
