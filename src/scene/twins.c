@@ -124,7 +124,7 @@ static void search( Search* s, const uint32_t* list, uint32_t count, int depth )
     int axis = 0;
     s->work += count;
     s->crowded = s->crowded || s->work > MOST_WORK;
-    if ( s->crowded )
+    if ( s->crowded || count < 2 )
         return;
     for ( int c = 0; c < 3; ++c )
     {
