@@ -66,7 +66,7 @@ static int count_of( const char* text, const char* end, const char* part )
     return count;
 }
 
-// Runs tune with budgets that grow until it has measured so many settings: how many seconds that takes, the machine decides.
+// Runs tune with budgets that grow until it has measured so many settings and chosen one: how many seconds that takes, the machine decides.
 // `command` has a %d for the budget.
 static json_t* tune_settings( const char* command, int budget, int wanted )
 {
@@ -78,7 +78,7 @@ static json_t* tune_settings( const char* command, int budget, int wanted )
         measured = 0;
         for ( size_t i = 0; i < json_array_size( rows ); ++i )
             measured += json_is_number( json_object_get( json_array_get( rows, i ), "efficiency" ) );
-        if ( measured >= wanted )
+        if ( measured >= wanted && json_is_string( json_object_get( tune, "command" ) ) )
             return tune;
         json_decref( tune );
     }
