@@ -23,7 +23,7 @@ RfEye rf_make_orthographic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, double
 {
     RfEye eye = rf_make_eye_inline( origin, forward, up, 1.0, width, height );
     eye.projection = RF_ORTHOGRAPHIC;
-    eye.focal = eye.focal_x = (float)( 0.5 * (double)height / ymag );
+    eye.focal = eye.focal_x = rf_pixels_over( 0.5 * (double)height, ymag );
     return eye;
 }
 
@@ -40,7 +40,9 @@ RfEye rf_make_panoramic_eye( RfVec3 origin, RfVec3 forward, RfVec3 up, int width
 void rf_shift_eye( RfEye* eye, double pixel_aspect, double shift_x, double shift_y )
 {
     double height = (double)eye->height;
-    eye->focal_x = (float)( (double)eye->focal / pixel_aspect );
+    eye->focal_x = rf_pixels_over( (double)eye->focal, pixel_aspect );
+    if ( eye->focal_x == 0.0f ) // which renders refuse
+        return;
     eye->axis_x = (float)( 0.5 * (double)eye->width - shift_x * height / pixel_aspect );
     eye->axis_y = (float)( 0.5 * height + shift_y * height );
 }

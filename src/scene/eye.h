@@ -27,6 +27,12 @@ void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float wor
 // taken off.
 void rf_widen_eye( RfEye* eye, int x, int y );
 
+// A length in pixels over what it spans. An eye whose extent is 0 or no number gets a focal length of 0, which renders refuse.
+static inline float rf_pixels_over( double pixels, double extent )
+{
+    return extent < 0.0 || extent > 0.0 ? (float)( pixels / extent ) : 0.0f;
+}
+
 // What rf_cross3 would be in floats, for a fault of base/fault.h.
 static inline void rf_cross3_in_floats( const double a[3], const double b[3], double out[3] )
 {
@@ -53,7 +59,7 @@ static inline RfEye rf_make_eye_inline( RfVec3 origin, RfVec3 forward, RfVec3 up
     eye.forward = rf_vec3( (float)f[0], (float)f[1], (float)f[2] );
     eye.right = rf_vec3( (float)r[0], (float)r[1], (float)r[2] );
     eye.up = rf_vec3( (float)u[0], (float)u[1], (float)u[2] );
-    eye.focal = eye.focal_x = (float)( 0.5 * (double)height / tan( 0.5 * yfov ) );
+    eye.focal = eye.focal_x = rf_pixels_over( 0.5 * (double)height, tan( 0.5 * yfov ) );
     eye.axis_x = 0.5f * (float)width;
     eye.axis_y = 0.5f * (float)height;
     eye.width = width;
