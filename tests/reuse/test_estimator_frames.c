@@ -46,7 +46,7 @@ static void check_group( const char* what, const RfTracer* tracer, const RfEye* 
     free_images( &rendered );
 }
 
-// Groups of 7 and those of half-width `larger`; 0: of every size, also plain sums and the end of the path. With --long all are.
+// Groups of half-width `larger`; 0: of every size, also plain sums and the end of the path. With REFRAME_LONG all are.
 static void check_scene( const char* what, RfScene scene, int larger )
 {
     enum
@@ -63,8 +63,9 @@ static void check_scene( const char* what, RfScene scene, int larger )
     for ( int k = 0; k < ( thorough ? 2 : 1 ); ++k )
     {
         int f = frames[k];
-        Images reference = reference_images( tracer, eyes, f, 96 * spp, &plain );
-        check_group( what, tracer, eyes, EYES, f, 3, 7 * spp, RF_NORMALIZE_CROSSFIT, &reference );
+        Images reference = reference_images( tracer, eyes, f, is_long() ? 384 : 48, &plain );
+        if ( k == 0 ? thorough : is_long() )
+            check_group( what, tracer, eyes, EYES, f, 3, 7 * spp, RF_NORMALIZE_CROSSFIT, &reference );
         if ( thorough || larger == 6 ) // cut windows
             check_group( what, tracer, eyes, EYES, f, 6, 5 * spp, RF_NORMALIZE_CROSSFIT, &reference );
         if ( thorough || larger == 8 )

@@ -48,8 +48,9 @@ static void check_scene( const char* what, RfScene scene, int light_samples )
     settings.max_depth = 8;
     settings.memory = (size_t)512 << 20;
     int spp = is_long() ? 4 : 1;
-    Images reference = reference_images( tracer, eyes, EYES / 2, 96 * spp, &settings );
-    check_group( what, tracer, eyes, EYES, 1, 12 * spp, &settings, &reference );
+    Images reference = reference_images( tracer, eyes, EYES / 2, is_long() ? 384 : 48, &settings );
+    if ( is_long() )
+        check_group( what, tracer, eyes, EYES, 1, 12 * spp, &settings, &reference );
     check_group( what, tracer, eyes, EYES, 3, 7 * spp, &settings, &reference );
     free_images( &reference );
     rf_destroy_tracer( tracer );

@@ -196,7 +196,7 @@ static void check_room( const char* what, PaneLight light, int light_samples, in
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = settings_of( s_settings[0], max_depth, light_samples );
-    int spp = 96 * ( is_long() ? 4 : 1 );
+    int spp = is_long() ? 384 : 48;
     Images reference = vertices ? pane_vertex_images( tracer, eyes, EYES / 2, spp, &settings )
                                 : reference_images( tracer, eyes, EYES / 2, spp, &settings );
     for ( int k = 0; k < SETTINGS; ++k )
