@@ -400,9 +400,9 @@ static RfVec3 direct( const RfTracer* tracer, const ReferenceSettings* s, const 
 // The vertices of a path: whether they throw caustics.
 typedef struct Course
 {
-    bool keeps; // all light counts
-    int count;
-    bool throws[RF_MAX_DEPTH + 1], native[RF_MAX_DEPTH + 1];
+    bool keeps;          // all light counts
+    bool matte;          // a vertex before the last is neither native nor throws caustics
+    bool throws, native; // the last
 } Course;
 
 static bool throws_all( const Point* x )
@@ -418,10 +418,8 @@ static bool throws_all( const Point* x )
 // those that do.
 static bool counts( const Course* c )
 {
-    bool matte = false;
-    for ( int i = 0; i < c->count; ++i )
-        matte = matte || !( c->throws[i] || c->native[i] );
-    return c->keeps || !matte || !c->throws[c->count - 1];
+    bool matte = c->matte || !( c->throws || c->native );
+    return c->keeps || !matte || !c->throws;
 }
 
 // Light that arrives along a ray: emitted by the first point it finds, and the
@@ -474,9 +472,8 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
 {
     bool native = is_native_point( first );
     Course course = { .keeps = !s->without_caustics,
-                      .count = 1,
-                      .throws = { throws_all( first ) || ( native && first_pdf >= RF_DELTA_PDF ) },
-                      .native = { native } };
+                      .throws = throws_all( first ) || ( native && first_pdf >= RF_DELTA_PDF ),
+                      .native = native };
     Arriving result = { { 0, 0, 0 }, { 0, 0, 0 }, 0.0f };
     float pdf_scatter = 0.0f;
     for ( int vertex = 2; vertex <= s->max_depth; ++vertex )
@@ -498,9 +495,9 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         }
         if ( !surface || vertex == s->max_depth )
             break;
-        bool* throws = course.throws + course.count;
-        *throws = throws_all( &x );
-        course.native[course.count++] = is_native_point( &x );
+        course.matte = course.matte || !( course.throws || course.native );
+        course.throws = throws_all( &x );
+        course.native = is_native_point( &x );
         if ( counts( &course ) )
             result.rest = direct( tracer, s, &x, key, vertex, throughput, result.rest );
         uint32_t dimension = rf_vertex_dimension( vertex, s->light_samples );
@@ -508,7 +505,7 @@ static Arriving arriving_light( const RfTracer* tracer, const ReferenceSettings*
         if ( !( onward.pdf > 0.0f ) )
             break;
         pdf_scatter = onward.pdf;
-        *throws = *throws || ( is_native_point( &x ) && onward.pdf >= RF_DELTA_PDF );
+        course.throws = course.throws || ( course.native && onward.pdf >= RF_DELTA_PDF );
         throughput = is_native_point( &x ) ? rf_mul( throughput, onward.weight )
                                            : rf_scale( rf_mul( throughput, onward.f ), onward.cos_x / onward.pdf );
         float q = vertex < RF_ROULETTE_VERTEX ? 1.0f : rf_survival( rf_max_component( throughput ) * roulette_scale, vertex );
