@@ -76,7 +76,7 @@ static uint32_t mix_bits( uint32_t bits )
     return bits ^ bits >> 16;
 }
 
-// A colour that tells ids apart: hue, saturation and brightness by different bits; 0 is black. It must fit page/assets/15-values.js.
+// A colour that tells ids apart: hue, saturation and brightness by different bits; 0 is black.
 static void color_of( uint32_t bits, const float* light, float out[3] )
 {
     float hue = (float)( bits >> 16 ) / 65536.0f * 6.0f,

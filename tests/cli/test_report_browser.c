@@ -105,21 +105,14 @@ static void test_full_size_loads_and_plays( void** state )
         skip();
 }
 
-// Side by side, with a reference, a frame that is missing, curves of cost, names of any kind.
+// Side by side, with a reference, a frame that is missing, names of any kind.
 static void test_side_by_side_with_holes_and_names( void** state )
 {
     (void)state;
     write_sequence( "a</script>&", 96, 54, 6, 0.3f );
     write_sequence( "b", 90, 60, 6, 0.1f );
     write_sequence( "r", 96, 54, 6, 0.0f );
-    static const char cost[] =
-        "{\"rows\":[{\"reuse\":true,\"spp\":4,\"seconds\":2,\"relmse\":0.5},{\"reuse\":true,\"spp\":8,\"seconds\":4,\"relmse\":0."
-        "2},"
-        "{\"reuse\":false,\"spp\":4,\"seconds\":1,\"relmse\":2.5}],\"slope\":-0.97,\"speedup_at_equal_error\":4.5}";
-    cli_write( "cost.json", cost, strlen( cost ) );
-    cli_expect(
-        cli_run( "rm 'a</script>&/f.0004.exr'; $R report 'a</script>&' --reference r --cost cost.json -o with.html --quiet" ), 0,
-        NULL );
+    cli_expect( cli_run( "rm 'a</script>&/f.0004.exr'; $R report 'a</script>&' --reference r -o with.html --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R report 'a</script>&' b -o two.html --values 40K --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R report b/f.0001.exr -o one.html --quiet" ), 0, NULL );
     if ( !check_page( "with.html", "--quick" ) || !check_page( "two.html", "--coarse" ) || !check_page( "one.html", "" ) )
@@ -185,7 +178,7 @@ static void write_full_frame( const char* folder, int frame, float light )
     rf_destroy_image( &image );
 }
 
-// Verdict, warnings, AOVs, wipe, probe, contact sheet, on a desk and on a phone.
+// Verdict, warnings, AOVs, wipe, probe, on a desk and on a phone.
 static void test_everything_that_a_page_has( void** state )
 {
     (void)state;

@@ -12,6 +12,13 @@
 
 #include <cmocka.h>
 
+// The first warning of a page.
+static const char* warning_of( const json_t* data )
+{
+    const char* text = json_string_value( json_object_get( json_array_get( json_object_get( data, "warnings" ), 0 ), "text" ) );
+    return text != NULL ? text : "";
+}
+
 static void test_missing_frames_are_reported( void** state )
 {
     (void)state;
@@ -30,17 +37,19 @@ static void test_missing_frames_are_reported( void** state )
     page_check_item( a, "f1", 3, 0.5 );
     assert_true( json_is_null( page_item( b, "f1", 2 ) ) );
     page_check_item( b, "f1", 4, 0.0 );
-    assert_string_equal( page_fact( a, "Picture", "Missing" ), "3, 6" );
-    assert_string_equal( page_fact( b, "Picture", "Missing" ), "1-3" );
+    assert_string_equal( warning_of( data ), "frames are missing: 3, 6" );
+    const json_t* second = json_array_get( json_object_get( data, "warnings" ), 1 );
+    assert_string_equal( json_string_value( json_object_get( second, "text" ) ), "frames are missing: 1-3" );
+    assert_int_equal( json_integer_value( json_object_get( second, "sequence" ) ), 1 );
     json_decref( data );
     cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
     data = page_read_data( "m2.html", 2 );
     assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 2 );
-    assert_string_equal( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ), "3" );
+    assert_string_equal( warning_of( data ), "a frame is missing: 3" );
     json_decref( data );
     cli_expect( cli_run( "$R report m/a -o m4.html --frames 1-2,4-5" ), 0, NULL );
     data = page_read_data( "m4.html", 4 );
-    assert_null( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ) ); // 3 is not asked for
+    assert_string_equal( warning_of( data ), "" ); // 3 is not asked for
     json_decref( data );
     // where the reference ends, the error does
     cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
@@ -71,8 +80,8 @@ static void test_files_of_other_programs( void** state )
     assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 30 );
     page_check_item( sequence, "bad", 0, 600.0 );
     assert_true( json_is_null( page_item( sequence, "f1", 1 ) ) );
-    assert_null( page_fact( sequence, "Settings", "Group" ) );
-    assert_non_null( page_fact( sequence, "Picture", "No numbers" ) );
+    assert_null( page_fact( sequence, "Settings", "group" ) );
+    assert_non_null( strstr( warning_of( data ), "1200 pixels are NaN or infinite, in 2 frames from 7 on" ) );
     json_decref( data );
 }
 
@@ -87,14 +96,14 @@ static void test_holes_by_the_smallest_step( void** state )
     assert_int_equal( result->status, 0 );
     assert_non_null( strstr( result->out, "\"missing\": 2" ) );
     json_t* data = page_read_data( "g.html", 3 );
-    assert_string_equal( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ), "3, 4" );
+    assert_string_equal( warning_of( data ), "frames are missing: 3, 4" );
     json_decref( data );
     page_make_folder( "h" );
     for ( int frame = 1; frame <= 9; frame += 2 )
         page_write_frames( "h/f.##.exr", frame, frame, 1.0f, 0.0f );
     cli_expect( cli_run( "$R report h -o h.html" ), 0, NULL );
     data = page_read_data( "h.html", 5 );
-    assert_null( page_fact( page_sequence( data, 0 ), "Picture", "Missing" ) );
+    assert_string_equal( warning_of( data ), "" );
     json_decref( data );
 }
 
@@ -133,18 +142,14 @@ static void test_layers_found_across_parts( void** state )
     page_check_item( sequence, "f1", 1, 1.0 );
     assert_true( json_is_null( page_item( sequence, "f1", 2 ) ) ); // 3 has no motion; where the others lie is known
     page_check_item( sequence, "f1", 3, 1.0 );
-    assert_string_equal( page_fact( sequence, "Error", "Flicker: coverage" ), "75.00 %" );
-    assert_string_equal( page_fact( sequence, "Error", "Flicker: of" ), "3 of 4 pairs, the other frames lack the layers" );
+    assert_string_equal( page_fact( sequence, "Error", "Flicker: F1" ), "1" );
     json_decref( data );
     cli_expect( cli_run( "$R report p --reference p/r -o p2.html" ), 0, NULL );
     data = page_read_data( "p2.html", 10 );
     sequence = page_sequence( data, 0 );
-    page_check_item( sequence, "f1", 2, 1.0 );                                      // plain
-    assert_string_equal( page_fact( sequence, "Error", "Flicker: phi" ), "0.200" ); // 1 / (4 + 1)
-    assert_string_equal( page_fact( sequence, "Error", "Flicker along the motion: phi" ), "0.200" );
-    assert_string_equal( page_fact( sequence, "Error", "Flicker along the motion: of" ),
-                         "3 of 4 pairs, the other frames lack the layers" );
-    assert_null( page_fact( page_sequence( data, 1 ), "Error", "Flicker along the motion: phi" ) );
+    page_check_item( sequence, "f1", 2, 1.0 );                                    // plain
+    assert_string_equal( page_fact( sequence, "Error", "Flicker: phi" ), "0.2" ); // 1 / (4 + 1)
+    assert_null( page_fact( page_sequence( data, 1 ), "Error", "Flicker: phi" ) );
     json_decref( data );
 }
 
@@ -173,7 +178,7 @@ static void test_layers_are_chosen_by_name( void** state )
     json_decref( data );
 }
 
-// Scene values fit their bytes: the worst frame finest, the others as fine as the rest allows.
+// Scene values fit their bytes, as fine as these allow.
 static void test_values_fit_their_bytes( void** state )
 {
     (void)state;
@@ -182,27 +187,21 @@ static void test_values_fit_their_bytes( void** state )
     static const struct
     {
         const char* options;
-        int most, factor, fine_frame, fine_factor;
-    } cases[] = { { "", 30000, 1, 0, 0 },
-                  { "--values 16K", 16384, 3, 1, 1 },
-                  { "--values 6000", 6000, 5, 1, 2 },
-                  { "--values 0", 0, 0, 0, 0 } };
+        int most, factor;
+    } cases[] = { { "", 30000, 1 }, { "--values 16K", 16384, 2 }, { "--values 6000", 6000, 3 }, { "--values 0", 0, 0 } };
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
         const CliResult* result = cli_run( "$R report b -o b.html --overwrite --quiet --json - %s", cases[i].options );
         cli_expect( result, 0, NULL );
         json_t* json = json_loads( result->out, 0, NULL );
         json_int_t bytes = json_integer_value( json_object_get( page_sequence( json, 0 ), "value_bytes" ) );
-        if ( bytes > cases[i].most || bytes < cases[i].most / 2 )
+        if ( bytes > cases[i].most || bytes < cases[i].most * 2 / 5 )
             fail_msg( "%s: %lld bytes", cases[i].options, (long long)bytes );
         json_decref( json );
         json_t* data = page_read_data( "b.html", 3 );
-        const json_t* sequence = page_sequence( data, 0 );
-        int factor = (int)json_integer_value( json_object_get( sequence, "value_factor" ) );
-        int fine = (int)json_integer_value( json_object_get( sequence, "fine_factor" ) );
-        if ( factor != cases[i].factor || fine != cases[i].fine_factor ||
-             json_integer_value( json_object_get( sequence, "fine_frame" ) ) != cases[i].fine_frame )
-            fail_msg( "%s: %d, finer %d", cases[i].options, factor, fine );
+        int factor = (int)json_integer_value( json_object_get( page_sequence( data, 0 ), "value_factor" ) );
+        if ( factor != cases[i].factor )
+            fail_msg( "%s: %d", cases[i].options, factor );
         json_decref( data );
     }
 }

@@ -20,43 +20,31 @@ static const char* samples_of( const char* folder )
     size_t size;
     char* page = cli_read( "n.html", &size ); // as many pictures as frames
     json_t* data = page_read_data( "n.html", page_count( page, "<script type=\"text/plain\" id=\"s" ) );
-    const char* said = page_fact( page_sequence( data, 0 ), "Settings", "Samples a pixel" );
+    const char* said = page_fact( page_sequence( data, 0 ), "Cost", "Samples a pixel" );
     snprintf( text, sizeof text, "%s", said != NULL ? said : "" );
     json_decref( data );
     free( page );
     return text;
 }
 
-// Those traced, from the frames; the bound only where somebody gave it.
-static void test_traced_samples_and_bound( void** state )
+// Those traced, from the frames.
+static void test_traced_samples( void** state )
 {
     (void)state;
-    RfExrString said[] = {
-        { "reframe/spp", "28" }, { "reframe/native-spp", "27.5" }, { "reframe/time", "0.05" }, { "reframe/adaptive", "yes" }
-    };
+    RfExrString said[] = { { "reframe/spp", "28" }, { "reframe/native-spp", "27.5" }, { "reframe/adaptive", "yes" } };
     page_make_folder( "n" );
     page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 1 );
-    assert_string_equal( samples_of( "n" ), "28" ); // of a version that did not count
-    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 2 );
+    assert_string_equal( samples_of( "n" ), "" ); // of a version that did not count
+    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 3 );
     assert_string_equal( samples_of( "n" ), "27.5" );
+    json_t* data = page_read_data( "n.html", 1 );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "spp" ), "28" );
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "adaptive" ), "yes" );
+    json_decref( data );
     said[1].value = "40";
     page_write_frame( "n/f2.exr", 20, 20, 1.0f, said, 2 );
     page_write_frame( "n/f3.exr", 20, 20, 1.0f, NULL, 0 );
     assert_string_equal( samples_of( "n" ), "27.5 to 40" );
-    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 4 );
-    assert_string_equal( samples_of( "n/f1.exr" ), "40, at most 28" );
-    said[0].value = "1048576";
-    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 4 );
-    assert_string_equal( samples_of( "n/f1.exr" ), "40" );
-    json_t* data = page_read_data( "n.html", 1 );
-    assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "Adaptive" ), "yes" );
-    json_decref( data );
-    said[2].name = "reframe/noise";
-    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 3 );
-    assert_string_equal( samples_of( "n/f1.exr" ), "40, at most 1048576" );
-    said[0].value = "65536";
-    page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 3 );
-    assert_string_equal( samples_of( "n/f1.exr" ), "40" );
 }
 
 #define KEPT_JSON                                                                                                                \
@@ -85,25 +73,24 @@ static void test_totals_are_of_the_last_run( void** state )
     page_write_frame( "t/f.0001.exr", 40, 30, 1.0f, &old, 1 );
     json_t* data = report_kept( "false", "false" );
     const json_t* sequence = page_sequence( data, 0 );
-    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ), "of 1 frame rendered last; 1 kept from before" );
-    assert_string_equal( page_fact( sequence, "Rays", "Totals" ), "of 1 frame rendered last; 1 kept from before" );
-    assert_string_equal( page_fact( sequence, "Time and memory", "A frame" ), "6 s" );
-    assert_string_equal( page_fact( sequence, "Settings", "Samples a pixel" ), "2 to 4" );
-    assert_string_equal( page_fact( sequence, "Settings", "Effective samples a pixel" ), "6" );
+    assert_string_equal( page_fact( sequence, "Cost", "Totals" ), "of 1 frame rendered last; 1 kept from before" );
+    assert_string_equal( page_fact( sequence, "Cost", "Time a frame" ), "6 s" );
+    assert_string_equal( page_fact( sequence, "Cost", "Samples a pixel" ), "2 to 4" );
+    assert_string_equal( page_fact( sequence, "Cost", "Effective samples a pixel" ), "6" );
     page_check_item( sequence, "relmse", 0, 0.5 );
     assert_true( json_is_null( page_item( sequence, "seconds", 0 ) ) ); // no times in headers
     page_check_item( sequence, "seconds", 1, 3.0 );
     json_decref( data );
     data = report_kept( "false", "true" );
     sequence = page_sequence( data, 0 );
-    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ),
+    assert_string_equal( page_fact( sequence, "Cost", "Totals" ),
                          "of 1 frame rendered last, then interrupted; 1 kept from before" );
-    assert_null( page_fact( sequence, "Time and memory", "A frame" ) ); // unfinished ones took of it
+    assert_null( page_fact( sequence, "Cost", "Time a frame" ) ); // unfinished ones took of it
     json_decref( data );
     data = report_kept( "true", "false" );
     sequence = page_sequence( data, 0 );
-    assert_string_equal( page_fact( sequence, "Time and memory", "Totals" ), "of 0 frames rendered last; 2 kept from before" );
-    assert_null( page_fact( sequence, "Time and memory", "Memory, peak" ) );
+    assert_string_equal( page_fact( sequence, "Cost", "Totals" ), "of 0 frames rendered last; 2 kept from before" );
+    assert_null( page_fact( sequence, "Cost", "Time a frame" ) );
     json_decref( data );
 }
 
@@ -116,23 +103,19 @@ static void test_render_output_as_it_is( void** state )
                          "&& $R report v -o v.html" ),
                 0, NULL );
     json_t* data = page_read_data( "v.html", 4 );
-    assert_string_equal( page_fact( page_sequence( data, 0 ), "Time and memory", "Totals" ),
+    assert_string_equal( page_fact( page_sequence( data, 0 ), "Cost", "Totals" ),
                          "of 1 frame rendered last; 3 kept from before" );
     for ( size_t i = 0; i < 4; ++i )
         assert_true( json_is_number( page_item( page_sequence( data, 0 ), "seconds", i ) ) &&
                      json_is_number( page_item( page_sequence( data, 0 ), "relmse", i ) ) );
     json_decref( data );
-    // the bound that nobody gave is the header's, but no news
-    cli_expect( cli_run( "$R render $VASE -o y/f.exr --frames 1 --size 48x32 --time 0.02 --group 1 --quiet" ), 0, NULL );
-    const char* said = samples_of( "y" );
-    assert_null( strstr( said, "most" ) );
-    assert_true( atof( said ) >= 2.0 && atof( said ) < 1e5 );
+    assert_true( atof( samples_of( "v" ) ) >= 2.0 );
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_traced_samples_and_bound ),
+        cmocka_unit_test( test_traced_samples ),
         cmocka_unit_test( test_totals_are_of_the_last_run ),
         cmocka_unit_test( test_render_output_as_it_is ),
     };

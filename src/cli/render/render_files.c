@@ -232,7 +232,7 @@ static const json_t* older_row( Older* older, const RfFrameResult* said, int num
 static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* scene, const RfCameraPath* path, int frame,
                                 Older* older )
 {
-    char name[RF_PAGE_NAME_SIZE];
+    char name[RF_FILE_NAME_SIZE];
     int number = rf_frame_number( path, frame );
     RfFrameResult said = { .frame = frame,
                            .relmse_estimate = (double)NAN,

@@ -4,17 +4,12 @@
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/frame_lists.h"
-#include "cli/options/options.h"
 #include "cli/render/progress.h"
 #include "cli/report/report_facts.h"
-#include "cli/report/report_frames.h"
-#include "cli/report/report_input.h"
 #include "cli/report/report_verdict.h"
 #include "cli/signals.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
-#include "page/page.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -24,188 +19,120 @@
 #include <unistd.h>
 
 #define COMMAND "report"
+#define HEAVY_BYTES 100000000 // pages from here on get a hint
 
-#define BLOCK_BYTES 64 // of the markup about a block
-
-// Of the bytes for values each sequence has an equal part. Where not all its frames can have those of each
-// pixel, the one with the largest error shall.
-static double value_share( const RfPageRun* report ) { return (double)report->values / report->sequence_count; }
-
-static double fine_share( const RfPageRun* report, const RfPageTrack* track )
+// Appends to the list of each key what a sequence has of a frame.
+static void add_frame_json( json_t* object, const RfPageTrack* track, int i )
 {
-    RfExrWindow window = rf_page_window( &track->sequence->header );
-    double whole = rf_values_page_bytes( window.width, window.height, 1 ) + BLOCK_BYTES, share = value_share( report );
-    return report->count * whole <= share ? 0.0 : fmin( whole, 0.7 * share );
-}
-
-// The factor by which the values of all frames of a sequence are coarser than its pixels; 0: it has none.
-static int page_value_factor( const RfPageRun* report, const RfPageTrack* track )
-{
-    RfExrWindow window = rf_page_window( &track->sequence->header );
-    double rest = value_share( report ) - fine_share( report, track );
-    return rf_values_factor( window.width, window.height, rest / report->count - BLOCK_BYTES );
-}
-
-// Adds finer values of one frame: of the one that the verdict calls the worst, else of the first.
-static RfResult add_fine_values( RfPageRun* report, const RfPageData* data, RfPage* page, RfError* error )
-{
-    RfResult result = RF_OK;
-    int track_index, worst = rf_worst_page_frame( data, &track_index );
-    int number = report->numbers[worst >= 0 ? worst : 0];
-    for ( int i = 0; i < report->sequence_count && result == RF_OK; ++i )
-    {
-        RfPageTrack* track = report->tracks + i;
-        RfExrWindow window = rf_page_window( &track->sequence->header );
-        int factor = rf_values_factor( window.width, window.height, fine_share( report, track ) - BLOCK_BYTES );
-        bool is_finer = factor > 0 && ( track->value_factor == 0 || factor < track->value_factor );
-        if ( is_finer && track->frames[worst >= 0 ? worst : 0].shown )
-            result = rf_add_page_fine_values( page, track, number, factor, error );
-    }
-    return result;
-}
-
-static json_t* blocks_json( const RfPageTrack* track )
-{
-    json_t* blocks = json_array();
+    const RfPageFrame* frame = track->frames + i;
     char id[32];
-    for ( int i = 0; i < track->count; ++i )
+    rf_page_block_id( track, track->page->numbers[i], id );
+    json_t* row =
+        json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:b}", "relmse", rf_json_number( frame->relmse ), "phi",
+                   rf_json_number( frame->phi ), "f1", rf_json_number( frame->f1 ), "seconds", rf_json_number( frame->seconds ),
+                   "samples", rf_json_number( frame->samples ), "bad", json_integer( (json_int_t)frame->bad ), "at_least",
+                   frame->at_least, "blocks", frame->shown ? json_string( id ) : json_null(), "has_layers", frame->has_layers );
+    const char* key;
+    json_t* value;
+    json_object_foreach( row, key, value )
     {
-        rf_page_block_id( track, track->numbers[i], id );
-        json_array_append_new( blocks, track->frames[i].shown ? json_string( id ) : json_null() );
+        if ( json_object_get( object, key ) == NULL )
+            json_object_set_new( object, key, json_array() );
+        json_array_append( json_object_get( object, key ), value );
     }
-    return blocks;
-}
-
-static void set_curves( json_t* object, const RfPageTrack* track )
-{
-    json_t *relmse = json_array(), *phi = json_array(), *f1 = json_array(), *seconds = json_array(), *samples = json_array(),
-           *bad = json_array(), *at_least = json_array();
-    for ( int i = 0; i < track->count; ++i )
-    {
-        const RfPageFrame* frame = track->frames + i;
-        json_array_append_new( relmse, rf_json_number( frame->relmse ) );
-        json_array_append_new( phi, rf_json_number( frame->phi ) );
-        json_array_append_new( f1, rf_json_number( frame->f1 ) );
-        json_array_append_new( seconds, rf_json_number( frame->seconds ) );
-        json_array_append_new( samples, rf_json_number( frame->samples ) );
-        json_array_append_new( bad, json_integer( (json_int_t)frame->bad ) );
-        json_array_append_new( at_least, json_boolean( frame->at_least ) );
-    }
-    json_object_set_new( object, "relmse", relmse );
-    json_object_set_new( object, "phi", phi );
-    json_object_set_new( object, "f1", f1 );
-    json_object_set_new( object, "seconds", seconds );
-    json_object_set_new( object, "samples", samples );
-    json_object_set_new( object, "bad", bad );
-    json_object_set_new( object, "at_least", at_least );
-}
-
-static json_t* has_layers_json( const RfPageTrack* track )
-{
-    json_t* list = json_array();
-    for ( int i = 0; i < track->count; ++i )
-        json_array_append_new( list, json_boolean( track->frames[i].has_layers ) );
-    return list;
+    json_decref( row );
 }
 
 static json_t* track_json( const RfPageTrack* track )
 {
     RfExrWindow window = rf_page_window( &track->sequence->header );
-    json_t* object = json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:o}", "name", rf_json_text( track->sequence->name ), "path",
-                                rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "width",
-                                track->picture_width, "height", track->picture_height, "blocks", blocks_json( track ), "facts",
-                                rf_page_facts_json( track ) );
-    json_object_set_new( object, "file_width", json_integer( window.width ) );
-    json_object_set_new( object, "file_height", json_integer( window.height ) );
-    json_object_set_new( object, "index", json_integer( track->index ) );
-    json_object_set_new( object, "layers", rf_page_layers_json( &track->layers ) );
-    json_object_set_new( object, "mixes", json_boolean( rf_has_page_mix( &track->layers ) ) );
-    json_object_set_new( object, "has_layers", has_layers_json( track ) );
-    json_object_set_new( object, "value_factor", json_integer( track->value_factor ) );
-    json_object_set_new( object, "fine_frame", json_integer( track->fine_frame ) );
-    json_object_set_new( object, "fine_factor", json_integer( track->fine_factor ) );
-    set_curves( object, track );
+    json_t* object =
+        json_pack( "{s:o, s:o, s:b, s:i, s:i, s:i, s:i, s:o, s:b, s:i, s:o}", "name", rf_json_text( track->sequence->name ),
+                   "path", rf_json_text( track->sequence->input.pattern ), "reference", track->sequence->is_reference, "width",
+                   track->picture_width, "height", track->picture_height, "file_width", window.width, "file_height",
+                   window.height, "layers", rf_page_layers_json( &track->layers ), "mixes", rf_has_page_mix( &track->layers ),
+                   "value_factor", track->value_factor, "facts", rf_page_facts_json( track ) );
+    for ( int i = 0; i < track->page->count; ++i )
+        add_frame_json( object, track, i );
     return object;
 }
 
-static json_t* notes_json( const RfPageData* data )
+// What the curves are of.
+static json_t* notes_json( const RfPageRun* report )
 {
     bool compensated = false, still = false, variance = false;
-    for ( int i = 0; i < data->track_count; ++i )
+    for ( int i = 0; i < report->sequence_count; ++i )
     {
-        compensated |= data->tracks[i].compensated;
-        still |= !data->tracks[i].compensated;
-        variance |= data->tracks[i].has_variance;
+        compensated |= report->tracks[i].compensated;
+        still |= !report->tracks[i].compensated;
+        variance |= report->tracks[i].has_variance;
     }
-    const char* f1 =
-        data->has_reference    ? "How much the error changes from the frame before, root mean square"
-        : compensated && still ? "Change from the frame before, root mean square: along the motion layers where there are any"
-        : compensated          ? "Change from the frame before along the motion layers, root mean square"
-                      : "Change of the picture from the frame before, root mean square: what moves counts too (no motion layers)";
-    const char* phi =
-        data->has_reference ? "1: independent noise in each frame, 0: a frozen error"
-        : variance ? "The change over the variance layers; moving edges and highlights count too, unless there is a reference"
-                   : "";
-    return json_pack( "{s:s, s:s, s:s, s:s, s:s}", "relmse",
-                      data->has_reference ? "Against the reference" : "Estimated by the renderer, without a reference", "phi",
-                      phi, "f1", f1, "seconds", "Each frame's, as the renderer reported", "samples",
-                      "Traced per pixel of each frame" );
+    if ( report->reference != NULL )
+        return json_pack( "{s:s, s:s, s:s}", "relmse", "Against the reference", "phi",
+                          "1: independent noise in each frame, 0: a frozen error", "f1",
+                          "How much the error changes from the frame before, root mean square" );
+    return json_pack( "{s:s, s:s, s:s}", "relmse", "Estimated by the renderer, without a reference", "phi",
+                      variance ? "The change over the variance layers; moving edges and highlights count too" : "", "f1",
+                      compensated && still ? "Change from the frame before, along the motion layers where there are any"
+                      : compensated        ? "Change from the frame before along the motion layers"
+                                           : "Change from the frame before: what moves counts too (no motion layers)" );
 }
 
 // NULL where memory ran out.
-static json_t* page_data_json( const RfPageData* data )
-{
-    json_t *tracks = json_array(), *frames = json_array();
-    for ( int i = 0; i < data->track_count; ++i )
-        json_array_append_new( tracks, track_json( data->tracks + i ) );
-    for ( int i = 0; i < data->count; ++i )
-        json_array_append_new( frames, json_integer( data->numbers[i] ) );
-    char subtitle[96];
-    RfExrWindow window = rf_page_window( &data->tracks[0].sequence->header );
-    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", data->count, data->count == 1 ? "" : "s", window.width,
-              window.height );
-    char view[2 * RF_VIEW_NAME_SIZE + 4];
-    bool has_look = data->view->look[0] != '\0' && strcasecmp( data->view->look, "None" ) != 0;
-    snprintf( view, sizeof view, "%s%s%s", data->view->transform, has_look ? ", " : "", has_look ? data->view->look : "" );
-    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "title", rf_json_text( data->title ), "subtitle",
-                      subtitle, "fps", data->fps, "exposure", data->exposure, "frames", frames, "sequences", tracks, "notes",
-                      notes_json( data ), "cost", rf_page_cost_json( data ), "verdict", rf_page_verdict_json( data ), "view",
-                      rf_json_text( view ), "warnings", rf_page_warnings_json( data ) );
-}
-
-// What `report --json` writes.
-static json_t* page_result_json( const RfPageData* data, const char* output, uint64_t bytes )
+static json_t* page_data_json( const RfPageRun* report, const char* title )
 {
     json_t* tracks = json_array();
-    for ( int i = 0; i < data->track_count; ++i )
-    {
-        const RfPageTrack* track = data->tracks + i;
-        RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
-        bool has_flicker = track->flicker.pairs > 0;
-        int shown = 0, lacking;
-        int* missing = rf_page_missing_frames( track, &lacking );
-        for ( int k = 0; k < track->count; ++k )
-            shown += track->frames[k].shown;
-        json_array_append_new(
-            tracks, json_pack( "{s:o, s:o, s:o, s:b, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "damaged_frames",
-                               rf_page_damaged_json( track ), "name", rf_json_text( track->sequence->name ), "files",
-                               rf_json_text( track->sequence->pattern ), "reference", track->sequence->is_reference, "frames",
-                               shown, "missing", lacking, "missing_frames", rf_json_frames( missing, lacking ), "picture_bytes",
-                               json_integer( (json_int_t)track->picture_bytes ), "value_bytes",
-                               json_integer( (json_int_t)track->value_bytes ), "aov_bytes",
-                               json_integer( (json_int_t)track->layer_bytes ), "relmse",
-                               rf_json_number( track->has_error ? track->error.relmse : NAN ), "relmse_estimate",
-                               rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : NAN ), "phi",
-                               rf_json_number( has_flicker ? flicker.phi : NAN ) ) );
-        if ( track->sequence->progress != NULL )
-            json_object_set( json_array_get( tracks, (size_t)i ), "progress", track->sequence->progress );
-        free( missing );
-    }
-    json_t* verdict = rf_page_verdict_json( data );
-    json_t* json = json_pack( "{s:o, s:o, s:i, s:o, s:O, s:O, s:o}", "output", rf_json_text( output ), "bytes",
-                              json_integer( (json_int_t)bytes ), "frames", data->count, "sequences", tracks, "verdict",
-                              json_object_get( verdict, "text" ), "worst_frame", json_object_get( verdict, "worst_frame" ),
-                              "warnings", rf_page_warnings_json( data ) );
+    for ( int i = 0; i < report->sequence_count; ++i )
+        json_array_append_new( tracks, track_json( report->tracks + i ) );
+    char subtitle[96], view[2 * RF_VIEW_NAME_SIZE + 4];
+    const RfExrHeader* header = &report->sequences[0].header;
+    const RfViewText* shown = &report->shown;
+    RfExrWindow window = rf_page_window( header );
+    bool has_look = shown->look[0] != '\0' && strcasecmp( shown->look, "None" ) != 0;
+    double fps = report->fps.numerator > 0   ? (double)report->fps.numerator / report->fps.denominator
+                 : header->fps_numerator > 0 ? (double)header->fps_numerator / header->fps_denominator
+                                             : 24.0;
+    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", report->page.count, report->page.count == 1 ? "" : "s",
+              window.width, window.height );
+    snprintf( view, sizeof view, "%s%s%s", shown->transform, has_look ? ", " : "", has_look ? shown->look : "" );
+    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "title", rf_json_text( title ), "subtitle", subtitle,
+                      "fps", fps, "exposure", shown->exposure, "frames",
+                      rf_json_frames( report->page.numbers, report->page.count ), "sequences", tracks, "notes",
+                      notes_json( report ), "verdict", rf_page_verdict_json( report ), "view", rf_json_text( view ), "warnings",
+                      rf_page_warnings_json( report ) );
+}
+
+// What `report --json` writes of a sequence.
+static json_t* track_result_json( const RfPageTrack* track )
+{
+    RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
+    bool has_flicker = track->flicker.pairs > 0;
+    json_t* missing = rf_page_missing_json( track );
+    int shown = 0;
+    for ( int k = 0; k < track->page->count; ++k )
+        shown += track->frames[k].shown;
+    json_t* json = json_pack(
+        "{s:o, s:o, s:o, s:b, s:i, s:i, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "damaged_frames", rf_page_damaged_json( track ),
+        "name", rf_json_text( track->sequence->name ), "files", rf_json_text( track->sequence->input.pattern ), "reference",
+        track->sequence->is_reference, "frames", shown, "missing", (int)json_array_size( missing ), "missing_frames", missing,
+        "picture_bytes", (json_int_t)track->picture_bytes, "value_bytes", (json_int_t)track->value_bytes, "aov_bytes",
+        (json_int_t)track->layer_bytes, "relmse", rf_json_number( track->has_error ? track->error.relmse : (double)NAN ),
+        "relmse_estimate", rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : (double)NAN ),
+        "phi", rf_json_number( has_flicker ? flicker.phi : (double)NAN ) );
+    if ( track->sequence->progress != NULL )
+        json_object_set( json, "progress", track->sequence->progress );
+    return json;
+}
+
+static json_t* page_result_json( const RfPageRun* report, uint64_t bytes )
+{
+    json_t *tracks = json_array(), *verdict = rf_page_verdict_json( report );
+    for ( int i = 0; i < report->sequence_count; ++i )
+        json_array_append_new( tracks, track_result_json( report->tracks + i ) );
+    json_t* json =
+        json_pack( "{s:o, s:I, s:i, s:o, s:O, s:O, s:o}", "output", rf_json_text( report->output ), "bytes", (json_int_t)bytes,
+                   "frames", report->page.count, "sequences", tracks, "verdict", json_object_get( verdict, "text" ),
+                   "worst_frame", json_object_get( verdict, "worst_frame" ), "warnings", rf_page_warnings_json( report ) );
     json_decref( verdict );
     return json;
 }
@@ -224,9 +151,7 @@ static RfResult open_sequences( RfPageRun* report, RfError* error )
     }
     if ( result == RF_OK && report->render_file != NULL )
         result = rf_load_render_json( report->render_file, "--render-json", &report->sequences[0].render, error );
-    if ( result == RF_OK && report->cost_file != NULL )
-        result = rf_load_cost_json( report->cost_file, "--cost", &report->cost, error );
-    return result == RF_OK ? rf_check_cost_scene( report, error ) : result;
+    return result;
 }
 
 // Folders of the same name are labelled by the paths that were given.
@@ -244,32 +169,32 @@ static void tell_names_apart( RfPageRun* report )
         snprintf( report->sequences[report->place_count].name, sizeof report->sequences[0].name, "reference" );
 }
 
-// The frames of all sequences, each once.
+// The frames of all sequences, each once, and those that none of them has.
 static RfResult join_frames( RfPageRun* report, RfError* error )
 {
-    int room = 0;
+    RfPageFrames* page = &report->page;
+    int room = 0, all = 0;
     for ( int i = 0; i < report->place_count; ++i )
-        room += report->sequences[i].frame_count;
-    report->numbers = malloc( (size_t)room * sizeof( int ) );
-    if ( report->numbers == NULL )
+        room += report->sequences[i].input.count;
+    page->numbers = malloc( (size_t)room * sizeof( int ) );
+    if ( page->numbers == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", room );
-    int all = 0;
     for ( int i = 0; i < report->place_count; ++i )
     {
-        const RfPageSequence* sequence = report->sequences + i;
-        memcpy( report->numbers + all, sequence->frames, (size_t)sequence->frame_count * sizeof( int ) );
-        all += sequence->frame_count;
+        const RfSequenceInput* input = &report->sequences[i].input;
+        memcpy( page->numbers + all, input->frames, (size_t)input->count * sizeof( int ) );
+        all += input->count;
     }
-    qsort( report->numbers, (size_t)all, sizeof( int ), rf_compare_frames );
+    qsort( page->numbers, (size_t)all, sizeof( int ), rf_compare_frames );
     for ( int i = 0; i < all; ++i )
     {
-        if ( report->count == 0 || report->numbers[report->count - 1] != report->numbers[i] )
-            report->numbers[report->count++] = report->numbers[i];
+        if ( page->count == 0 || page->numbers[page->count - 1] != page->numbers[i] )
+            page->numbers[page->count++] = page->numbers[i];
     }
-    return RF_OK;
+    return rf_missing_frames( page->numbers, page->count, &page->holes, &page->hole_count, error );
 }
 
-// Keeps those of the ascending numbers that are wanted (indices from 0).
+// Keeps those of the numbers that are wanted, both ascending.
 static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_count )
 {
     int left = 0;
@@ -285,30 +210,21 @@ static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_c
 
 static RfResult choose_frames( RfPageRun* report, RfError* error )
 {
+    RfPageFrames* page = &report->page;
     int *wanted, count;
     if ( report->frame_list == NULL )
         return RF_OK;
-    RfResult result = rf_parse_frames( report->frame_list, report->numbers, report->count, &wanted, &count, error );
+    RfResult result = rf_parse_frames( report->frame_list, page->numbers, page->count, &wanted, &count, error );
     if ( result != RF_OK )
         return result;
-    report->count = keep_wanted( report->numbers, report->count, wanted, count );
-    report->hole_count = keep_wanted( report->holes, report->hole_count, wanted, count );
+    page->count = keep_wanted( page->numbers, page->count, wanted, count );
+    page->hole_count = keep_wanted( page->holes, page->hole_count, wanted, count );
     free( wanted );
-    if ( report->count == 0 )
+    if ( page->count == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "--frames: '%s': none of these is there", report->frame_list );
     return result;
 }
 
-static void count_pictures( RfPageRun* report )
-{
-    for ( int i = 0; i < report->sequence_count; ++i )
-    {
-        for ( int k = 0; k < report->count; ++k )
-            report->all += rf_has_page_frame( report->sequences + i, report->numbers[k] );
-    }
-}
-
-// Opens the sequences and lists the frames of the page. destroy_page_run in any case.
 // As the first file has it; values of a layer are shown by the sRGB curve unless another view is asked for.
 static RfResult choose_view( RfPageRun* report, RfError* error )
 {
@@ -317,7 +233,7 @@ static RfResult choose_view( RfPageRun* report, RfError* error )
     report->shown = ( RfViewText ){ .exposure = report->view.exposure };
     if ( report->layer != NULL && report->view.view == NULL )
         return RF_OK;
-    RfResult result = rf_sequence_name( report->sequences[0].pattern, report->numbers[0], name, sizeof name, error );
+    RfResult result = rf_sequence_name( report->sequences[0].input.pattern, report->page.numbers[0], name, sizeof name, error );
     if ( result != RF_OK )
         return result;
     RfLog log = rf_stderr_log( COMMAND );
@@ -326,38 +242,6 @@ static RfResult choose_view( RfPageRun* report, RfError* error )
         rf_close_view( view ); // before there is work for nothing
     return result;
 }
-
-static RfResult prepare_page( RfPageRun* report, RfError* error )
-{
-    RfResult result = open_sequences( report, error );
-    if ( result == RF_OK )
-        result = join_frames( report, error );
-    if ( result == RF_OK )
-        result = rf_missing_frames( report->numbers, report->count, &report->holes, &report->hole_count, error );
-    if ( result == RF_OK )
-        result = choose_frames( report, error );
-    if ( result == RF_OK )
-        result = choose_view( report, error );
-    if ( result != RF_OK )
-        return result;
-    tell_names_apart( report );
-    count_pictures( report );
-    return RF_OK;
-}
-
-static void destroy_page_run( RfPageRun* report )
-{
-    for ( int i = 0; i < report->sequence_count; ++i )
-    {
-        rf_close_page_sequence( report->sequences + i );
-        rf_free_page_track( report->tracks + i );
-    }
-    json_decref( report->cost );
-    free( report->numbers );
-    free( report->holes );
-}
-
-#define HEAVY_BYTES 100000000 // pages from here on get a hint
 
 static RfResult check_options( const RfPageRun* report, RfError* error )
 {
@@ -376,6 +260,36 @@ static RfResult check_options( const RfPageRun* report, RfError* error )
     return RF_OK;
 }
 
+// Opens the sequences and lists the frames of the page. destroy_page_run in any case.
+static RfResult prepare_page( RfPageRun* report, RfError* error )
+{
+    RfResult result = check_options( report, error );
+    if ( result == RF_OK )
+        result = open_sequences( report, error );
+    if ( result == RF_OK )
+        result = join_frames( report, error );
+    if ( result == RF_OK )
+        result = choose_frames( report, error );
+    if ( result == RF_OK )
+        result = choose_view( report, error );
+    if ( result == RF_OK )
+        result = rf_try_output_file( report->output, error );
+    if ( result == RF_OK )
+        tell_names_apart( report );
+    return result;
+}
+
+static void destroy_page_run( RfPageRun* report )
+{
+    for ( int i = 0; i < report->sequence_count; ++i )
+    {
+        rf_close_page_sequence( report->sequences + i );
+        rf_free_page_track( report->tracks + i );
+    }
+    free( report->page.numbers );
+    free( report->page.holes );
+}
+
 static bool on_picture( void* user )
 {
     RfPageRun* report = user;
@@ -389,48 +303,33 @@ static const char* title_of( RfPageRun* report )
         return report->title;
     for ( int i = 0; i < report->place_count; ++i )
     {
-        size_t used = strlen( report->words );
-        snprintf( report->words + used, sizeof report->words - used, "%s%s", i > 0 ? ", " : "", report->sequences[i].name );
+        size_t used = strlen( report->own_title );
+        snprintf( report->own_title + used, sizeof report->own_title - used, "%s%s", i > 0 ? ", " : "",
+                  report->sequences[i].name );
     }
-    return report->words;
-}
-
-static RfPageData data_of( RfPageRun* report, const char* title )
-{
-    const RfExrHeader* header = &report->sequences[0].header;
-    double fps = report->fps.numerator > 0   ? (double)report->fps.numerator / report->fps.denominator
-                 : header->fps_numerator > 0 ? (double)header->fps_numerator / header->fps_denominator
-                                             : 24.0;
-    return ( RfPageData ){ .title = title,
-                           .fps = fps,
-                           .exposure = report->shown.exposure,
-                           .view = &report->shown,
-                           .numbers = report->numbers,
-                           .count = report->count,
-                           .tracks = report->tracks,
-                           .track_count = report->sequence_count,
-                           .has_reference = report->reference != NULL,
-                           .cost = report->cost };
+    return report->own_title;
 }
 
 static RfResult add_tracks( RfPageRun* report, RfPage* page, RfError* error )
 {
     RfResult result = RF_OK;
-    const RfPageSequence* reference = report->reference != NULL ? report->sequences + report->place_count : NULL;
+    RfPageFrames* shared = &report->page;
+    shared->values = (double)report->values / report->sequence_count;
+    shared->layers = (double)report->passes / report->sequence_count;
+    shared->progress = on_picture;
+    shared->user = report;
+    for ( int i = 0; i < report->sequence_count; ++i )
+    {
+        for ( int k = 0; k < shared->count; ++k )
+            report->all += rf_has_page_frame( report->sequences + i, shared->numbers[k] );
+    }
     for ( int i = 0; i < report->sequence_count && result == RF_OK; ++i )
     {
-        const RfPageSequence* sequence = report->sequences + i;
-        report->tracks[i] = ( RfPageTrack ){ .sequence = sequence,
-                                             .reference = sequence->is_reference ? NULL : reference,
-                                             .index = i,
-                                             .width = report->width,
-                                             .numbers = report->numbers,
-                                             .count = report->count,
-                                             .holes = report->holes,
-                                             .hole_count = report->hole_count,
-                                             .layer_share = (double)report->passes / report->sequence_count };
-        report->tracks[i].value_factor = page_value_factor( report, report->tracks + i );
-        result = rf_add_page_track( page, report->tracks + i, on_picture, report, error );
+        const RfPageSequence *sequence = report->sequences + i, *reference = report->sequences + report->place_count;
+        report->tracks[i] = ( RfPageTrack ){ .page = shared, .sequence = sequence, .index = i };
+        if ( report->reference != NULL && sequence != reference )
+            report->tracks[i].reference = reference;
+        result = rf_add_page_track( page, report->tracks + i, error );
     }
     return result;
 }
@@ -459,75 +358,68 @@ static RfResult add_view( const RfViewText* shown, RfPage* page, RfError* error 
     return result;
 }
 
-static RfResult end_page( RfPage* page, const RfPageData* data, RfError* error )
+static RfResult end_page( const RfPageRun* report, RfPage* page, const char* title, RfError* error )
 {
-    json_t* json = page_data_json( data );
+    json_t* json = page_data_json( report, title );
     char* text = json != NULL ? json_dumps( json, JSON_COMPACT | JSON_REAL_PRECISION( 9 ) ) : NULL;
     json_decref( json );
-    if ( text != NULL )
+    if ( text == NULL )
     {
-        RfResult result = rf_end_page( page, text, error );
-        free( text );
-        return result;
+        rf_discard_page( page );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the page's data", report->output );
     }
-    rf_discard_page( page );
-    return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the page's data", page->file.path );
+    RfResult result = rf_end_page( page, text, error );
+    free( text );
+    return result;
 }
 
-static RfResult report_result( const RfPageRun* report, const RfPageData* data, uint64_t bytes, RfError* error )
+static RfResult write_page( RfPageRun* report, uint64_t* bytes, RfError* error )
 {
-    char weight[32];
-    rf_format_bytes( (double)bytes, weight );
+    RfPage page;
+    const char* title = title_of( report );
+    RfResult result = rf_open_page( report->output, title, &page, error );
+    if ( result != RF_OK )
+        return result;
+    result = add_tracks( report, &page, error );
+    if ( result == RF_OK )
+        result = add_view( &report->shown, &page, error );
+    if ( result == RF_OK )
+        result = end_page( report, &page, title, error );
+    else
+        rf_discard_page( &page );
+    *bytes = page.bytes;
+    return result;
+}
+
+static RfResult report_result( const RfPageRun* report, uint64_t bytes, RfError* error )
+{
+    char weight[32], text[RF_DAMAGE_SIZE];
     bool prints = rf_prints_text( report->json );
-    if ( prints )
-        rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
-    for ( int i = 0; i < report->place_count && prints; ++i )
-        rf_tell_unfinished( report->sequences[i].name, report->sequences[i].progress );
     RfLog log = rf_stderr_log( COMMAND );
+    rf_format_bytes( (double)bytes, weight );
+    if ( prints )
+        rf_print( "%s: %d frame%s, %s\n", report->output, report->page.count, report->page.count == 1 ? "" : "s", weight );
     for ( int i = 0; i < report->sequence_count; ++i )
     {
-        char text[RF_DAMAGE_SIZE];
+        if ( prints && rf_format_unfinished( report->sequences[i].progress, text ) )
+            rf_print( "%s: %s\n", report->sequences[i].name, text );
         if ( rf_format_damage( report->tracks + i, text ) )
             rf_warn( &log, "%.256s: %s", report->sequences[i].name, text );
     }
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: %s is slow to open in a browser: --width makes the pictures smaller, --frames selects some",
                  report->output, weight );
-    if ( report->json != NULL )
-        return rf_write_json( report->json, page_result_json( data, report->output, bytes ), error );
-    return rf_flush_output( error );
-}
-
-static RfResult write_page( RfPageRun* report, RfError* error )
-{
-    RfPage page;
-    const char* title = title_of( report );
-    RfResult result = rf_try_output_file( report->output, error );
-    if ( result == RF_OK )
-        result = rf_open_page( report->output, title, &page, error );
-    if ( result != RF_OK )
-        return result;
-    result = add_tracks( report, &page, error );
-    RfPageData data = data_of( report, title );
-    if ( result == RF_OK )
-        result = add_fine_values( report, &data, &page, error );
-    if ( result == RF_OK )
-        result = add_view( &report->shown, &page, error );
-    if ( result != RF_OK )
-    {
-        rf_discard_page( &page );
-        return result;
-    }
-    result = end_page( &page, &data, error );
-    return result == RF_OK ? report_result( report, &data, page.bytes, error ) : result;
+    return report->json != NULL ? rf_write_json( report->json, page_result_json( report, bytes ), error )
+                                : rf_flush_output( error );
 }
 
 static RfResult run( RfPageRun* report, RfError* error )
 {
-    RfResult result = check_options( report, error );
+    uint64_t bytes;
+    RfResult result = prepare_page( report, error );
     if ( result == RF_OK )
-        result = prepare_page( report, error );
-    return result == RF_OK ? write_page( report, error ) : result;
+        result = write_page( report, &bytes, error );
+    return result == RF_OK ? report_result( report, bytes, error ) : result;
 }
 
 int rf_command_report( int argc, char** argv )
@@ -572,13 +464,6 @@ int rf_command_report( int argc, char** argv )
           .meta = "FILE",
           .default_text = "the one in the folder",
           .help = "output of render --json: time, memory, rays, estimated error" },
-        { .name = "cost",
-          .reads = true,
-          .type = RF_OPTION_STRING,
-          .value = &report.cost_file,
-          .meta = "FILE",
-          .default_text = "the one in the folder",
-          .help = "output of cost --json, for the curve of error against time" },
         { .name = "frames",
           .type = RF_OPTION_STRING,
           .value = &report.frame_list,
@@ -587,7 +472,7 @@ int rf_command_report( int argc, char** argv )
           .help = "show only these frames" },
         { .name = "width",
           .type = RF_OPTION_INT,
-          .value = &report.width,
+          .value = &report.page.width,
           .min = 16,
           .max = 65500,
           .meta = "W",

@@ -2,24 +2,22 @@
 #include "cli/report/report_frames.h"
 
 #include "cli/messages.h"
-#include "cli/report/report_input.h"
 #include "image/exr.h"
-#include "measure/image_error.h"
-#include "measure/flicker.h"
 #include "measure/flicker_sequence.h"
-#include "page/page.h"
-#include "page/passes.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define LEAST_BITS 2.5 // per pixel; pictures are made smaller rather than coarser
+#define LEAST_WIDTH 160 // of pictures of passes; passes are left out where they would become narrower, unless frames are
+#define LEAST_BITS 2.5  // per pixel; pictures are made smaller rather than coarser
+#define BLOCK_BYTES 64  // of the markup about a block
 
 #define MOST_NAMES 65535 // of a Cryptomatte, for 16 bits
 #define READ_CHANNELS 24 // at once: a file is decompressed as a whole, but all passes of large frames take much memory
 
+// Does a window lie where the picture does?
 static bool is_at_picture( const RfExrWindow* w, const RfExrHeader* header )
 {
     return w->x == header->x && w->y == header->y && w->width == header->width && w->height == header->height;
@@ -34,12 +32,12 @@ static int batch_of( const RfPageLayers* layers, int first )
     return count;
 }
 
-// As many as find room at no less than RF_PAGE_LAYER_WIDTH pixels.
+// As many as find room at no less than LEAST_WIDTH pixels.
 static void choose_factor( const RfExrHeader* header, int pictures, double share, RfPageLayers* layers )
 {
     RfExrWindow window = rf_page_window( header );
     double pixels = (double)window.width * window.height, bits = 0.0;
-    int most = window.width / RF_PAGE_LAYER_WIDTH;
+    int most = window.width / LEAST_WIDTH;
     most = most > 1 ? most : 1;
     for ( ;; layers->count -= 1 )
     {
@@ -68,12 +66,6 @@ static void sort_out( const RfExrHeader* header, RfPageLayers* layers )
     }
 }
 
-static void name_left_out( RfPageLayers* layers )
-{
-    RfFilePasses rest = { layers->passes.passes + layers->count, layers->passes.count - layers->count, NULL };
-    rf_name_passes( &rest, layers->left_out, sizeof layers->left_out );
-}
-
 // The ranges of values in `typical`. False where it lacks a pass.
 static bool find_ranges( const char* typical, RfPageLayers* layers )
 {
@@ -84,13 +76,12 @@ static bool find_ranges( const char* typical, RfPageLayers* layers )
         count = batch_of( layers, first );
         const RfFilePass* passes = layers->passes.passes + first;
         float* values = NULL;
-        rf_read_passes( typical, passes, count, &window, &values, &stride, NULL );
-        for ( int i = 0; i < count && values != NULL; at += passes[i++].channel_count )
+        if ( rf_read_passes( typical, passes, count, &window, &values, &stride, NULL ) != RF_OK )
+            return false;
+        for ( int i = 0; i < count; at += passes[i++].channel_count )
             layers->ranges[first + i] =
                 rf_pass_range( passes + i, values + at, (size_t)stride, (size_t)window.width * (size_t)window.height );
         free( values );
-        if ( values == NULL )
-            return false;
     }
     return true;
 }
@@ -99,9 +90,6 @@ static bool find_ranges( const char* typical, RfPageLayers* layers )
 static RfResult find_names( const char* typical, RfPageLayers* layers, RfError* error )
 {
     RfResult result = RF_OK;
-    layers->names = calloc( (size_t)layers->count + 1, sizeof *layers->names );
-    if ( layers->names == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", typical );
     for ( int i = 0; i < layers->count && result == RF_OK; ++i )
     {
         if ( layers->passes.passes[i].look == RF_LOOK_MATTES )
@@ -122,70 +110,74 @@ static void free_page_layers( RfPageLayers* layers )
     *layers = ( RfPageLayers ){ 0 };
 }
 
-// Finds the passes of the first file, and the ranges of their values in `typical`. `pictures` is the number
-// of frames that the passes of this sequence will have, `share` its bytes of the page.
-static RfResult find_page_layers( const RfPageSequence* sequence, const char* typical, int pictures, double share,
-                                  RfPageLayers* layers, RfError* error )
+// Finds the passes of the first file; the ranges of their values are those of the middle frame, unless that lacks them: the first
+// has nothing that moves from a frame before.
+static RfResult find_page_layers( RfPageTrack* track, RfError* error )
 {
-    free_page_layers( layers );
-    RfResult result = rf_list_passes( &sequence->header, &layers->passes, error );
+    const RfPageSequence* sequence = track->sequence;
+    RfPageLayers* layers = &track->layers;
+    int pictures = 0, typical = 0;
+    char path[RF_FILE_NAME_SIZE];
+    for ( int i = 0; i < track->page->count; ++i )
+    {
+        int number = track->page->numbers[i];
+        if ( !rf_has_page_frame( sequence, number ) )
+            continue;
+        typical = pictures == 0 || i <= track->page->count / 2 ? number : typical;
+        ++pictures;
+    }
+    if ( pictures == 0 || !( track->page->layers > 0.0 ) )
+        return RF_OK;
+    RfResult result = rf_page_frame_path( sequence, typical, path, error );
+    if ( result == RF_OK )
+        result = rf_list_passes( &sequence->header, &layers->passes, error );
     if ( result != RF_OK )
         return result;
     sort_out( &sequence->header, layers );
     if ( layers->count > 0 )
-        choose_factor( &sequence->header, pictures, share, layers );
-    name_left_out( layers );
+        choose_factor( &sequence->header, pictures, track->page->layers, layers );
     layers->ranges = malloc( (size_t)( layers->count + 1 ) * sizeof *layers->ranges );
-    if ( layers->ranges == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", sequence->pattern );
-    RfResult found = find_names( typical, layers, error );
-    if ( !find_ranges( typical, layers ) )
-        free_page_layers( layers );
-    return found;
+    layers->names = calloc( (size_t)layers->count + 1, sizeof *layers->names );
+    if ( layers->ranges == NULL || layers->names == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", sequence->input.pattern );
+    if ( !find_ranges( path, layers ) && !find_ranges( sequence->first, layers ) )
+        layers->count = 0;
+    return find_names( path, layers, error );
 }
 
-// Crops an image to what the page shows of it; `cropped` is empty where that is all.
-static RfResult crop( const RfExrHeader* header, const RfImage* image, RfImage* cropped, RfError* error )
+// Copies what the page shows of `stride` interleaved values of a file, row by row; in place as well.
+static void crop( const RfExrHeader* header, const float* from, int stride, float* to )
 {
     RfExrWindow window = rf_page_window( header );
-    *cropped = ( RfImage ){ 0 };
-    bool whole = window.width == image->width && window.height == image->height;
-    if ( whole || image->width != header->width || image->height != header->height )
-        return RF_OK;
-    RfResult result = rf_create_image( window.width, window.height, cropped, error );
-    for ( int y = 0; y < window.height && result == RF_OK; ++y )
+    size_t row = (size_t)window.width * (size_t)stride;
+    for ( int y = 0; y < window.height; ++y )
     {
-        size_t from = (size_t)( window.y + y ) * (size_t)image->width + (size_t)window.x;
-        memcpy( cropped->rgb + 3 * (size_t)y * (size_t)window.width, image->rgb + 3 * from,
-                3 * (size_t)window.width * sizeof( float ) );
+        size_t first = (size_t)( window.y + y ) * (size_t)header->width + (size_t)window.x;
+        memmove( to + (size_t)y * row, from + first * (size_t)stride, row * sizeof( float ) );
     }
-    return result;
 }
 
-// Draws a layer at full size, shrinks and adds it.
-static RfResult add_one( RfPage* page, const RfPageSequence* sequence, const RfPageLayers* layers, int index, const char* id,
-                         const float* values, int stride, RfImage* full, const char* path, RfError* error )
+// Adds the image as a picture, smaller by `factor`, in a block; the size of the picture goes to *width and *height.
+static RfResult add_picture( RfPage* page, const char* id, const RfImage* image, int factor, double bits, const char* path,
+                             int* width, int* height, RfError* error )
 {
-    RfImage small = { 0 }, cropped;
+    RfImage small = { 0 };
     unsigned char* bytes = NULL;
     size_t size = 0;
-    rf_draw_pass( layers->passes.passes + index, layers->ranges[index], values, (size_t)stride,
-                  (size_t)full->width * (size_t)full->height, full->rgb );
-    RfResult result = crop( &sequence->header, full, &cropped, error );
-    const RfImage* shown = cropped.rgb != NULL ? &cropped : full;
-    if ( result == RF_OK && layers->factor > 1 )
-        result = rf_shrink_image( shown, layers->factor, &small, error );
+    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
+    const RfImage* picture = factor > 1 ? &small : image;
     if ( result == RF_OK )
-        result = rf_encode_picture_within( layers->factor > 1 ? &small : shown, layers->bits, path, &bytes, &size, error );
+        result = rf_encode_picture_within( picture, bits, path, &bytes, &size, error );
     if ( result == RF_OK )
         result = rf_add_page_block( page, id, bytes, size, error );
+    *width = picture->width;
+    *height = picture->height;
     free( bytes );
     rf_destroy_image( &small );
-    rf_destroy_image( &cropped );
     return result;
 }
 
-// The id that covers most of a pixel comes first.
+// The name that covers most of a pixel comes first; 0: none.
 static int name_at( const RfMatteNames* names, const float* value )
 {
     uint32_t id;
@@ -195,11 +187,9 @@ static int name_at( const RfMatteNames* names, const float* value )
 
 // Adds the names at the centres of the pixels of a picture, as runs. Where these are short, as in grass, they are left out: they
 // would take more than the picture.
-static RfResult add_names( RfPage* page, const RfExrHeader* header, const RfPageLayers* layers, int index, const char* id,
-                           const float* values, int stride, RfError* error )
+static RfResult add_names( RfPage* page, const char* id, const RfPageLayers* layers, const RfMatteNames* names,
+                           const float* values, int stride, const RfImage* image, RfError* error )
 {
-    const RfMatteNames* names = layers->names + index;
-    RfExrWindow window = rf_page_window( header );
     size_t most = (size_t)layers->width * (size_t)layers->height / 2, used = 0; // bytes
     if ( names->count == 0 )
         return RF_OK;
@@ -211,9 +201,9 @@ static RfResult add_names( RfPage* page, const RfExrHeader* header, const RfPage
         int x = i % layers->width * layers->factor + layers->factor / 2,
             y = i / layers->width * layers->factor + layers->factor / 2;
         bool ends = i == layers->width * layers->height;
-        x = window.x + ( x < window.width ? x : window.width - 1 );
-        y = window.y + ( y < window.height ? y : window.height - 1 );
-        int here = ends ? -1 : name_at( names, values + (size_t)stride * ( (size_t)y * (size_t)header->width + (size_t)x ) );
+        x = x < image->width ? x : image->width - 1;
+        y = y < image->height ? y : image->height - 1;
+        int here = ends ? -1 : name_at( names, values + (size_t)stride * ( (size_t)y * (size_t)image->width + (size_t)x ) );
         if ( run > 0 && ( here != name || run == 65535 ) )
         {
             for ( int b = 0; b < 4; ++b )
@@ -228,57 +218,38 @@ static RfResult add_names( RfPage* page, const RfExrHeader* header, const RfPage
     return result;
 }
 
-static bool has_all( const RfPageLayers* layers, const char* path )
+// Adds the passes of a frame from `first` on that are read at once; false in *added where its file lacks one of them.
+static RfResult add_batch( RfPage* page, const RfPageTrack* track, int number, int first, int count, const char* path,
+                           bool* added, RfError* error )
 {
-    RfExrHeader header;
-    bool all = rf_read_exr_header( path, NULL, &header, NULL ) == RF_OK;
-    for ( int i = 0; i < layers->count && all; ++i )
-    {
-        const RfFilePass* pass = layers->passes.passes + i;
-        for ( int c = 0; c < pass->channel_count && all; ++c )
-            all = rf_find_exr_name( &header, pass->channels[c], strlen( pass->channels[c] ) ) != NULL;
-    }
-    rf_destroy_exr_header( &header );
-    return all;
-}
-
-static RfResult add_batch( RfPage* page, const RfPageSequence* sequence, const RfPageLayers* layers, int first, int count,
-                           int track, int number, const char* path, RfError* error )
-{
-    RfExrWindow window;
-    RfImage full;
-    int stride, at = 0;
+    const RfPageLayers* layers = &track->layers;
     const RfFilePass* passes = layers->passes.passes + first;
-    float* values;
+    RfExrWindow window, shown = rf_page_window( &track->sequence->header );
+    RfImage image;
+    float* values = NULL;
+    int stride, at = 0, width, height;
     RfResult result = rf_read_passes( path, passes, count, &window, &values, &stride, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_create_image( window.width, window.height, &full, error );
+    *added = result == RF_OK && is_at_picture( &window, &track->sequence->header );
+    if ( !*added )
+    {
+        free( values );
+        return result == RF_ERROR_MEMORY ? result : RF_OK;
+    }
+    crop( &track->sequence->header, values, stride, values );
+    result = rf_create_image( shown.width, shown.height, &image, error );
     for ( int i = 0; i < count && result == RF_OK; at += passes[i++].channel_count )
     {
         char id[48];
-        snprintf( id, sizeof id, "l%d-%d-%d", track, first + i, number );
-        result = add_one( page, sequence, layers, first + i, id, values + at, stride, &full, path, error );
+        snprintf( id, sizeof id, "l%d-%d-%d", track->index, first + i, number );
+        rf_draw_pass( passes + i, layers->ranges[first + i], values + at, (size_t)stride,
+                      (size_t)image.width * (size_t)image.height, image.rgb );
+        result = add_picture( page, id, &image, layers->factor, layers->bits, path, &width, &height, error );
         id[0] = 'n';
-        if ( result == RF_OK && full.width == sequence->header.width && full.height == sequence->header.height )
-            result = add_names( page, &sequence->header, layers, first + i, id, values + at, stride, error );
+        if ( result == RF_OK )
+            result = add_names( page, id, layers, layers->names + first + i, values + at, stride, &image, error );
     }
-    rf_destroy_image( &full );
+    rf_destroy_image( &image );
     free( values );
-    return result;
-}
-
-// Adds their pictures of a frame; *added is false where its file lacks one of them.
-static RfResult add_page_layers( RfPage* page, const RfPageSequence* sequence, const RfPageLayers* layers, int track, int number,
-                                 const char* path, bool* added, RfError* error )
-{
-    RfResult result = RF_OK;
-    *added = layers->count > 0 && has_all( layers, path );
-    for ( int first = 0, count; *added && first < layers->count && result == RF_OK; first += count )
-    {
-        count = batch_of( layers, first );
-        result = add_batch( page, sequence, layers, first, count, track, number, path, error );
-    }
     return result;
 }
 
@@ -291,15 +262,14 @@ json_t* rf_page_layers_json( const RfPageLayers* layers )
     for ( int i = 0; i < layers->count; ++i )
     {
         const RfFilePass* pass = layers->passes.passes + i;
-        json_array_append_new( list, json_pack( "{s:o, s:s, s:b, s:o, s:o, s:i, s:i, s:i}", "name", rf_json_text( pass->name ),
-                                                "look", looks[pass->look], "group", pass->is_group, "low",
-                                                rf_json_number( layers->ranges[i].low ), "high",
-                                                rf_json_number( layers->ranges[i].high ), "factor", layers->factor, "width",
-                                                layers->width, "height", layers->height ) );
         json_t* names = json_array();
         for ( int k = 0; k < layers->names[i].count; ++k )
             json_array_append_new( names, rf_json_text( layers->names[i].names[k].name ) );
-        json_object_set_new( json_array_get( list, (size_t)i ), "names", names );
+        json_array_append_new( list, json_pack( "{s:o, s:s, s:b, s:o, s:o, s:i, s:i, s:o}", "name", rf_json_text( pass->name ),
+                                                "look", looks[pass->look], "group", pass->is_group, "low",
+                                                rf_json_number( layers->ranges[i].low ), "high",
+                                                rf_json_number( layers->ranges[i].high ), "width", layers->width, "height",
+                                                layers->height, "names", names ) );
     }
     return list;
 }
@@ -317,106 +287,50 @@ bool rf_has_page_mix( const RfPageLayers* layers )
 
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
 
-static RfResult add_picture( RfPage* page, RfPageTrack* track, int number, const RfImage* image, const char* path,
-                             RfError* error )
-{
-    RfImage small = { 0 };
-    int factor = track->width > 0 ? ( image->width + track->width - 1 ) / track->width : 1;
-    unsigned char* bytes = NULL;
-    size_t size = 0;
-    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
-    const RfImage* picture = factor > 1 ? &small : image;
-    if ( result == RF_OK )
-        result = rf_encode_picture( picture, path, &bytes, &size, error );
-    char id[32];
-    rf_page_block_id( track, number, id );
-    if ( result == RF_OK )
-        result = rf_add_page_block( page, id, bytes, size, error );
-    track->picture_width = picture->width;
-    track->picture_height = picture->height;
-    track->picture_bytes += size;
-    free( bytes );
-    rf_destroy_image( &small );
-    return result;
-}
-
-static RfResult add_values( RfPage* page, RfPageTrack* track, const char* id, const RfImage* image, int factor, const char* path,
-                            RfError* error )
+static RfResult add_values( RfPage* page, const char* id, const RfImage* image, int factor, const char* path, RfError* error )
 {
     unsigned char* bytes;
     size_t size;
-    uint64_t before = page->bytes;
     RfResult result = rf_encode_values( image, factor, path, &bytes, &size, error );
     if ( result == RF_OK )
         result = rf_add_page_block( page, id, bytes, size, error );
-    track->value_bytes += page->bytes - before;
     free( bytes );
     return result;
 }
 
-RfResult rf_add_page_fine_values( RfPage* page, RfPageTrack* track, int number, int factor, RfError* error )
-{
-    char path[RF_PAGE_NAME_SIZE], id[32];
-    RfImage image, cropped;
-    RfExrWindow window;
-    RfResult result = rf_page_frame_path( track->sequence, number, path, error );
-    if ( result == RF_OK )
-        result = rf_read_exr_layer( path, track->sequence->layer, &image, &window, error );
-    if ( result != RF_OK )
-        return result;
-    snprintf( id, sizeof id, "w%d-%d", track->index, number );
-    result = crop( &track->sequence->header, &image, &cropped, error );
-    if ( result == RF_OK )
-        result = add_values( page, track, id, cropped.rgb != NULL ? &cropped : &image, factor, path, error );
-    rf_destroy_image( &image );
-    rf_destroy_image( &cropped );
-    track->fine_frame = number;
-    track->fine_factor = factor;
-    return result;
-}
-
-// Adds picture, scene values and passes of a frame, an index into track->numbers; `path` is its file.
+// Adds picture, scene values and passes of a frame, an index on the page; `path` is its file.
 static RfResult add_page_blocks( RfPage* page, RfPageTrack* track, int frame, const RfImage* image, const char* path,
                                  RfError* error )
 {
-    int number = track->numbers[frame];
-    char id[32];
-    RfImage cropped;
-    RfResult result = crop( &track->sequence->header, image, &cropped, error );
-    const RfImage* shown = cropped.rgb != NULL ? &cropped : image;
-    if ( result == RF_OK )
-        result = add_picture( page, track, number, shown, path, error );
-    snprintf( id, sizeof id, "v%d-%d", track->index, number );
-    if ( result == RF_OK && track->value_factor > 0 )
-        result = add_values( page, track, id, shown, track->value_factor, path, error );
-    rf_destroy_image( &cropped );
+    const RfExrHeader* header = &track->sequence->header;
+    RfExrWindow window = rf_page_window( header );
+    int number = track->page->numbers[frame], most = track->page->width;
     uint64_t before = page->bytes;
-    if ( result == RF_OK )
-        result = add_page_layers( page, track->sequence, &track->layers, track->index, number, path,
-                                  &track->frames[frame].has_layers, error );
-    track->layer_bytes += page->bytes - before;
-    return result;
-}
-
-// Finds the passes of the sequence; the ranges of their values are those of the middle frame.
-static RfResult find_page_passes( RfPageTrack* track, RfError* error )
-{
-    int pictures = 0, typical = 0;
-    char path[RF_PAGE_NAME_SIZE];
-    for ( int i = 0; i < track->count; ++i )
+    char id[32];
+    RfImage shown;
+    RfResult result = rf_create_image( window.width, window.height, &shown, error );
+    if ( result != RF_OK )
+        return result;
+    crop( header, image->rgb, 3, shown.rgb );
+    rf_page_block_id( track, number, id );
+    result = add_picture( page, id, &shown, most > 0 ? ( window.width + most - 1 ) / most : 1, RF_PICTURE_MAX_BITS, path,
+                          &track->picture_width, &track->picture_height, error );
+    track->picture_bytes += page->bytes - before;
+    before = page->bytes;
+    id[0] = 'v';
+    if ( result == RF_OK && track->value_factor > 0 )
+        result = add_values( page, id, &shown, track->value_factor, path, error );
+    rf_destroy_image( &shown );
+    track->value_bytes += page->bytes - before;
+    before = page->bytes;
+    bool added = track->layers.count > 0;
+    for ( int first = 0, count; added && first < track->layers.count && result == RF_OK; first += count )
     {
-        if ( !rf_has_page_frame( track->sequence, track->numbers[i] ) )
-            continue;
-        typical = pictures == 0 || i <= track->count / 2 ? track->numbers[i] : typical;
-        ++pictures;
+        count = batch_of( &track->layers, first );
+        result = add_batch( page, track, number, first, count, path, &added, error );
     }
-    if ( pictures == 0 || !( track->layer_share > 0.0 ) )
-        return RF_OK;
-    RfResult result = rf_page_frame_path( track->sequence, typical, path, error );
-    if ( result == RF_OK )
-        result = find_page_layers( track->sequence, path, pictures, track->layer_share, &track->layers, error );
-    if ( result == RF_OK && track->layers.count == 0 ) // the middle frame may lack them
-        result = find_page_layers( track->sequence, track->sequence->first, pictures, track->layer_share, &track->layers, error );
+    track->frames[frame].has_layers = added;
+    track->layer_bytes += page->bytes - before;
     return result;
 }
 
@@ -431,25 +345,22 @@ typedef struct Work
     bool has_summary;
 } Work;
 
-// Chooses motion and depth and, without a reference, the variance of the colour, where the
-// files have them; what `flicker` would refuse is left out.
+// Without a reference flicker follows the motion and rests on the variance of the colour, where the files have them; what `flicker`
+// would refuse is left out.
 static void find_layers( Work* work )
 {
     RfPageTrack* track = work->track;
     const RfPageSequence* sequence = track->sequence;
     RfFlickerLayers* layers = &work->layers;
-    *layers = ( RfFlickerLayers ){ 0 };
-    if ( !sequence->is_reference &&
-         ( rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, layers, NULL ) != RF_OK ||
-           layers->motion[0] == NULL ) )
-        *layers = ( RfFlickerLayers ){ 0 };
     bool alone = track->reference == NULL && !sequence->is_reference;
+    if ( !alone || rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, layers, NULL ) != RF_OK ||
+         layers->motion[0] == NULL )
+        *layers = ( RfFlickerLayers ){ 0 };
     if ( alone && sequence->layer == NULL )
         rf_find_variance_layers( sequence->first, &sequence->header, layers, NULL );
     layers->colour = sequence->layer;
     layers->may_lack = true;
-    track->compensated = alone && layers->motion[0] != NULL;
-    track->follows = !alone && layers->motion[0] != NULL;
+    track->compensated = layers->motion[0] != NULL;
     track->has_variance = layers->variance[0] != NULL;
 }
 
@@ -467,7 +378,7 @@ static RfResult measure_error( Work* work, RfPageFrame* figures, RfFlickerFrame*
     RfResult result = rf_measure_error( &frame->signal, reference, &metrics, error );
     if ( result == RF_OK && !work->has_summary )
     {
-        result = rf_create_summary( frame->signal.width, frame->signal.height, work->track->count, &work->errors, error );
+        result = rf_create_summary( frame->signal.width, frame->signal.height, work->track->page->count, &work->errors, error );
         work->has_summary = result == RF_OK;
     }
     if ( result == RF_OK )
@@ -486,56 +397,48 @@ static RfResult measure_error( Work* work, RfPageFrame* figures, RfFlickerFrame*
 // image file, so that equal renders give equal files.
 static void take_said( const RfPageSequence* sequence, int number, const char* path, RfPageFrame* figures )
 {
+    const struct
+    {
+        const char *key, *attribute;
+        double* value;
+    } numbers[] = { { "relmse_estimate", "reframe/relmse-estimate", &figures->relmse },
+                    { "seconds", NULL, &figures->seconds },
+                    { "native_spp", "reframe/native-spp", &figures->samples },
+                    { "effective_spp", "reframe/effective-spp", &figures->effective },
+                    { "worst_ten_share", "reframe/worst-ten-share", &figures->worst_ten_share } };
     size_t i;
-    const json_t* row;
+    char text[8];
+    const json_t *row, *said = NULL;
     json_array_foreach( json_object_get( sequence->render, "frames" ), i, row )
     {
-        if ( rf_json_number_of( row, "frame" ) != number )
-            continue;
-        figures->relmse = rf_json_number_of( row, "relmse_estimate" );
-        figures->seconds = rf_json_number_of( row, "seconds" );
-        figures->samples = rf_json_number_of( row, "native_spp" );
-        figures->effective = rf_json_number_of( row, "effective_spp" );
-        figures->at_least = json_is_true( json_object_get( row, "relmse_is_lower_bound" ) );
-        figures->worst_ten_share = rf_json_number_of( row, "worst_ten_share" );
+        if ( rf_json_number_of( row, "frame" ) == number )
+            said = row;
     }
-    if ( isnan( figures->relmse ) )
-        figures->relmse = rf_read_exr_number( path, "reframe/relmse-estimate" );
-    char text[8];
-    if ( !figures->at_least )
-        figures->at_least =
-            rf_read_exr_string( path, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
-    if ( isnan( figures->worst_ten_share ) )
-        figures->worst_ten_share = rf_read_exr_number( path, "reframe/worst-ten-share" );
-    if ( isnan( figures->samples ) )
-        figures->samples = rf_read_exr_number( path, "reframe/native-spp" );
-    if ( isnan( figures->effective ) )
-        figures->effective = rf_read_exr_number( path, "reframe/effective-spp" );
+    for ( i = 0; i < sizeof numbers / sizeof numbers[0]; ++i )
+    {
+        *numbers[i].value = rf_json_number_of( said, numbers[i].key );
+        if ( isnan( *numbers[i].value ) && numbers[i].attribute != NULL )
+            *numbers[i].value = rf_read_exr_number( path, numbers[i].attribute );
+    }
+    figures->at_least =
+        json_is_true( json_object_get( said, "relmse_is_lower_bound" ) ) ||
+        ( rf_read_exr_string( path, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK && text[0] == 'y' );
     double clipped = rf_read_exr_number( path, "reframe/clipped-pixels" );
     if ( isgreater( clipped, (double)figures->clipped ) && clipped < 1e15 )
         figures->clipped = (size_t)clipped;
 }
 
-// The pair of this frame and the one before, if both are there. Along the motion only
-// where both have the layers.
+// The pair of this frame and the one before, if both are there and have the layers.
 static RfResult measure_flicker( Work* work, int i, RfError* error )
 {
     RfPageTrack* track = work->track;
-    RfFlickerSums sums, followed;
+    RfFlickerSums sums;
+    const int* numbers = track->page->numbers;
     const RfFlickerFrame *now = work->ring + i % 2, *before = work->ring + ( i + 1 ) % 2;
-    bool pair = i > 0 && work->has_frame[0] && work->has_frame[1] && track->numbers[i] == track->numbers[i - 1] + 1;
-    if ( !pair || rf_is_cut( now, before ) )
-        return RF_OK;
-    track->pair_count += 1;
-    bool has_layers = rf_has_flicker_layers( &work->layers, now, before );
-    if ( !track->follows && !has_layers )
+    bool pair = i > 0 && work->has_frame[0] && work->has_frame[1] && numbers[i] == numbers[i - 1] + 1;
+    if ( !pair || rf_is_cut( now, before ) || !rf_has_flicker_layers( &work->layers, now, before ) )
         return RF_OK;
     RfResult result = rf_measure_flicker( now, before, track->compensated, track->reference != NULL, &sums, error );
-    if ( result == RF_OK && track->follows && has_layers )
-    {
-        result = rf_measure_flicker( now, before, true, true, &followed, error );
-        rf_add_flicker( &track->followed, &followed );
-    }
     if ( result != RF_OK )
         return result;
     RfFlickerMetrics metrics = rf_flicker_metrics( &sums );
@@ -563,7 +466,7 @@ static RfResult find_damage( RfPageTrack* track, RfPageFrame* figures, const cha
 // Reads the frame of the reference; one that is damaged is none, and named where the reference is shown.
 static RfResult read_reference( const RfPageTrack* track, int number, RfImage* image, RfError* error )
 {
-    char path[RF_PAGE_NAME_SIZE];
+    char path[RF_FILE_NAME_SIZE];
     bool same;
     RfResult result = rf_page_frame_path( track->reference, number, path, error );
     if ( result != RF_OK )
@@ -577,10 +480,10 @@ static RfResult read_reference( const RfPageTrack* track, int number, RfImage* i
 static RfResult add_frame( Work* work, int i, RfError* error )
 {
     RfPageTrack* track = work->track;
-    int number = track->numbers[i];
+    int number = track->page->numbers[i];
     RfPageFrame* figures = track->frames + i;
     RfFlickerFrame* frame = work->ring + i % 2;
-    char path[RF_PAGE_NAME_SIZE];
+    char path[RF_FILE_NAME_SIZE];
     rf_destroy_flicker_frame( frame );
     work->has_frame[i % 2] = false;
     if ( !rf_has_page_frame( track->sequence, number ) )
@@ -624,7 +527,7 @@ static void sum_up( Work* work )
     RfPageTrack* track = work->track;
     double sum = 0.0;
     int count = 0;
-    for ( int i = 0; i < track->count; ++i )
+    for ( int i = 0; i < track->page->count; ++i )
     {
         if ( isnan( track->frames[i].relmse ) )
             continue;
@@ -637,22 +540,25 @@ static void sum_up( Work* work )
         track->error = rf_summary_metrics( &work->errors );
 }
 
-RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* progress, void* user, RfError* error )
+RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error )
 {
+    const RfPageFrames* all = track->page;
+    RfExrWindow window = rf_page_window( &track->sequence->header );
     Work work = { .page = page, .track = track };
-    track->frames = malloc( (size_t)track->count * sizeof( RfPageFrame ) );
+    track->frames = malloc( (size_t)all->count * sizeof( RfPageFrame ) );
     if ( track->frames == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->pattern, track->count );
-    for ( int i = 0; i < track->count; ++i )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->input.pattern, all->count );
+    for ( int i = 0; i < all->count; ++i )
         track->frames[i] = ( RfPageFrame ){
             .relmse = NAN, .seconds = NAN, .samples = NAN, .effective = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN
         };
+    track->value_factor = rf_values_factor( window.width, window.height, all->values / all->count - BLOCK_BYTES );
     find_layers( &work );
-    RfResult result = find_page_passes( track, error );
-    for ( int i = 0; i < track->count && result == RF_OK; ++i )
+    RfResult result = find_page_layers( track, error );
+    for ( int i = 0; i < all->count && result == RF_OK; ++i )
     {
         result = add_frame( &work, i, error );
-        if ( result == RF_OK && track->frames[i].shown && !progress( user ) )
+        if ( result == RF_OK && track->frames[i].shown && !all->progress( all->user ) )
             result = rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: no page is written" );
     }
     if ( result == RF_OK && track->picture_width == 0 && track->damage[0] != '\0' )
@@ -666,27 +572,27 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfPageProgressFn* 
     return result;
 }
 
-int* rf_page_missing_frames( const RfPageTrack* track, int* count )
+json_t* rf_page_missing_json( const RfPageTrack* track )
 {
-    *count = 0;
-    int* missing = malloc( (size_t)( track->count + track->hole_count + 1 ) * sizeof( int ) );
-    for ( int i = 0, k = 0; missing != NULL && ( i < track->count || k < track->hole_count ); )
+    const RfPageFrames* all = track->page;
+    json_t* list = json_array();
+    for ( int i = 0, k = 0; i < all->count || k < all->hole_count; )
     {
-        bool is_hole = i == track->count || ( k < track->hole_count && track->holes[k] < track->numbers[i] );
-        int number = is_hole ? track->holes[k++] : track->numbers[i++];
+        bool is_hole = i == all->count || ( k < all->hole_count && all->holes[k] < all->numbers[i] );
+        int number = is_hole ? all->holes[k++] : all->numbers[i++];
         if ( !rf_has_page_frame( track->sequence, number ) )
-            missing[( *count )++] = number;
+            json_array_append_new( list, json_integer( number ) );
     }
-    return missing;
+    return list;
 }
 
 json_t* rf_page_damaged_json( const RfPageTrack* track )
 {
     json_t* list = json_array();
-    for ( int i = 0; i < track->count; ++i )
+    for ( int i = 0; i < track->page->count; ++i )
     {
         if ( track->frames[i].damaged )
-            json_array_append_new( list, json_integer( track->numbers[i] ) );
+            json_array_append_new( list, json_integer( track->page->numbers[i] ) );
     }
     return list;
 }
@@ -695,7 +601,7 @@ bool rf_format_damage( const RfPageTrack* track, char text[RF_DAMAGE_SIZE] )
 {
     char frames[240];
     json_t* list = rf_page_damaged_json( track );
-    rf_format_left( list, frames, sizeof frames );
+    rf_format_numbers( list, frames, sizeof frames );
     json_decref( list );
     snprintf( text, RF_DAMAGE_SIZE, "damaged: %s: %s", frames, track->damage );
     return track->damage[0] != '\0';

@@ -4,11 +4,8 @@
 
 #include "cli/report/report_command.h"
 
-// { text, basis, worst_frame, worst_sequence }: the sentence, what its figures rest on, and the number of the
-// frame with the largest error and the index of its sequence, null where no error is known or there is one frame.
-json_t* rf_page_verdict_json( const RfPageData* data );
-
-// The index of the frame with the largest error of the sequence that the verdict is about; -1: not known.
-int rf_worst_page_frame( const RfPageData* data, int* track );
+// { text, basis, worst_frame }: the sentence, what its figures rest on, and the number of the frame with the largest error, null where
+// no error is known or there is one frame.
+json_t* rf_page_verdict_json( const RfPageRun* report );
 
 #endif

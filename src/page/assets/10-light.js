@@ -60,14 +60,14 @@ const CUBE = 33, CUBE_FROM = -9, CUBE_STOPS = 15;
 
 // What is displayed of a colour at three places in the cube, 0 to CUBE - 1, by interpolation within a tetrahedron: along the axes in the
 // order of the places within a cell.
-function lookUp(cube, r, g, b, out, to) {
+function lookUp(cube, r, g, b, out) {
   const i = Math.min(r | 0, CUBE - 2), j = Math.min(g | 0, CUBE - 2), k = Math.min(b | 0, CUBE - 2);
   const x = r - i, y = g - j, z = b - k, first = 3 * (i + CUBE * (j + CUBE * k)), last = first + 3 * (1 + CUBE + CUBE * CUBE);
   const most = Math.max(x, y, z), least = Math.min(x, y, z), middle = x + y + z - most - least;
   const stepX = 3, stepY = 3 * CUBE, stepZ = 3 * CUBE * CUBE;
   const second = first + (most === x ? stepX : most === y ? stepY : stepZ), third = last - (least === z ? stepZ : least === y ? stepY : stepX);
   for (let c = 0; c < 3; ++c)
-    out[to + c] = cube[first + c] * (1 - most) + cube[second + c] * (most - middle) + cube[third + c] * (middle - least) + cube[last + c] * least + 0.5;
+    out[c] = cube[first + c] * (1 - most) + cube[second + c] * (most - middle) + cube[third + c] * (middle - least) + cube[last + c] * least + 0.5;
 }
 
 // Shows scene light at an exposure in stops: by a table where channels do not mix, or by the view's cube.
@@ -80,13 +80,10 @@ class Tone {
     this.bytes = new Uint8ClampedArray(4);
     this.place = new Float32Array(2 * HALF_TABLE);
     const gain = Math.pow(2, exposure);
-    for (let i = 0; i < 2 * HALF_TABLE; ++i)
-      this.place[i] = this.placeOf(gain * s_lightOfLevel[i]);
-  }
-
-  placeOf(light) {
-    const level = Math.log2(Math.max(light, 0) + FLOOR);
-    return Math.min(Math.max((level - CUBE_FROM) / CUBE_STOPS, 0), 1) * (CUBE - 1);
+    for (let i = 0; i < 2 * HALF_TABLE; ++i) {
+      const level = Math.log2(Math.max(gain * s_lightOfLevel[i], 0) + FLOOR);
+      this.place[i] = Math.min(Math.max((level - CUBE_FROM) / CUBE_STOPS, 0), 1) * (CUBE - 1);
+    }
   }
 
   // Of levels to RGBA pixels.
@@ -95,19 +92,10 @@ class Tone {
     for (let i = 0, from = 0; table && i < count; ++i, from += 3)
       pixels[i] = 0xff000000 | table[levels[from + 2] + HALF_TABLE] << 16 | table[levels[from + 1] + HALF_TABLE] << 8 | table[levels[from] + HALF_TABLE];
     for (let i = 0, from = 0; !table && i < count; ++i, from += 3) {
-      lookUp(cube, place[levels[from] + HALF_TABLE], place[levels[from + 1] + HALF_TABLE], place[levels[from + 2] + HALF_TABLE], bytes, 0);
+      lookUp(cube, place[levels[from] + HALF_TABLE], place[levels[from + 1] + HALF_TABLE], place[levels[from + 2] + HALF_TABLE], bytes);
       pixels[i] = 0xff000000 | bytes[2] << 16 | bytes[1] << 8 | bytes[0];
     }
   }
-}
-
-// The bytes of linear light, exposed.
-function showLight(light, curve, cube) {
-  if (curve !== "view")
-    return light.map(value => encodeSrgb(s_curves[curve](value)));
-  const tone = Tone.prototype, out = [0, 0, 0];
-  lookUp(cube, ...light.map(value => tone.placeOf(Number.isFinite(value) ? value : 0)), out, 0);
-  return out.map(Math.floor);
 }
 
 // The display byte for each level, at an exposure in stops.
@@ -124,6 +112,12 @@ function makeToneTable(exposure, curve) {
 const s_lightOfLevel = new Float32Array(2 * HALF_TABLE);
 for (let level = -HALF_TABLE; level < HALF_TABLE; ++level)
   s_lightOfLevel[level + HALF_TABLE] = Math.pow(2, Math.min(level / STOP, 17)) - FLOOR;
+
+// The two cells whose centres enclose a pixel, and the share of the second, of 2 * cell.
+function cellsAt(pixel, cell, count) {
+  const place = 2 * pixel + 1 - cell, at = Math.floor(place / (2 * cell));
+  return [Math.max(at, 0), Math.min(at + 1, count - 1), place - at * 2 * cell];
+}
 
 // Draws frames on a canvas.
 class Painter {
@@ -146,39 +140,20 @@ class Painter {
     this.pixels = new Uint32Array(this.image.data.buffer);
   }
 
-  // Converts a decoded frame to levels, ready for tone mapping.
-  take(frame) {
-    const { width, height, levels } = this;
-    this.scratch.drawImage(frame.bitmap, 0, 0);
-    const detail = this.scratch.getImageData(0, 0, width, height).data;
-    const { cell, columns, rows, base } = frame, span = 2 * cell, shift = Math.log2(span) * 2, half = 1 << (shift - 1);
-    const row = new Int32Array(3 * columns);
-    for (let y = 0; y < height; ++y) {
-      const place = 2 * y + 1 - cell, at = Math.floor(place / span), down = place - at * span;
-      const upper = 3 * columns * Math.max(at, 0), lower = 3 * columns * Math.min(at + 1, rows - 1);
+  // Converts a decoded frame to levels, ready for tone mapping: the base, interpolated between the centres of cells, and the detail.
+  take({ bitmap, cell, columns, rows, base }) {
+    const { width, height, levels } = this, span = 2 * cell, shift = 2 * Math.log2(span), half = 1 << (shift - 1);
+    this.scratch.drawImage(bitmap, 0, 0);
+    const detail = this.scratch.getImageData(0, 0, width, height).data, row = new Int32Array(3 * columns);
+    for (let y = 0, to = 0, from = 0; y < height; ++y) {
+      const [above, below, down] = cellsAt(y, cell, rows), upper = 3 * columns * above, lower = 3 * columns * below;
       for (let i = 0; i < row.length; ++i)
         row[i] = base[upper + i] * (span - down) + base[lower + i] * down;
-      this.takeRow(y, row, columns, cell, shift, half, detail, levels);
-    }
-  }
-
-  // The base is interpolated linearly between the centres of cells.
-  takeRow(y, row, columns, cell, shift, half, detail, levels) {
-    const width = this.width, span = 2 * cell;
-    let to = 3 * y * width, from = 4 * y * width;
-    for (let x = 0; x < width;) {
-      const place = 2 * x + 1 - cell, at = Math.floor(place / span), share = place - at * span;
-      const left = 3 * Math.max(at, 0), right = 3 * Math.min(at + 1, columns - 1);
-      const end = Math.min(width, x + ((span - share + 1) >> 1));
-      const slopeR = row[right] - row[left], slopeG = row[right + 1] - row[left + 1], slopeB = row[right + 2] - row[left + 2];
-      let r = row[left] * span + slopeR * share + half, g = row[left + 1] * span + slopeG * share + half, b = row[left + 2] * span + slopeB * share + half;
-      for (; x < end; ++x, to += 3, from += 4) {
-        levels[to] = (r >> shift) + s_stepsOfByte[detail[from]];
-        levels[to + 1] = (g >> shift) + s_stepsOfByte[detail[from + 1]];
-        levels[to + 2] = (b >> shift) + s_stepsOfByte[detail[from + 2]];
-        r += 2 * slopeR;
-        g += 2 * slopeG;
-        b += 2 * slopeB;
+      for (let x = 0; x < width;) {
+        const [left, right, share] = cellsAt(x, cell, columns);
+        for (let at = share; at < span && x < width; at += 2, ++x, ++from)
+          for (let c = 0; c < 3; ++c, ++to, ++from)
+            levels[to] = (row[3 * left + c] * (span - at) + row[3 * right + c] * at + half >> shift) + s_stepsOfByte[detail[from]];
       }
     }
   }

@@ -1,104 +1,91 @@
-// The picture and its error are painted from the same blocks.
-const isPictureView = view => view === "picture" || view === "error";
-
-// Player state, shared by all panels: frame, playback, exposure.
+// The frame, view, exposure and playback that all panels share.
 
 const AHEAD = 10;                  // frames decoded ahead, if they are small enough
 const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
 
 class Player {
-  // `panels`: { painter, sequence, source( view, index ), onFrame( index, shown ) }, where the source is { ids, width, height }
-  // of what is shown of a frame, or null; `onChange( player )` is called after each change of frame or setting.
-  constructor(panels, count, fps, onChange) {
-    this.panels = panels;
-    this.count = count;
-    this.fps = fps;
-    this.onChange = onChange;
-    this.index = 0;
-    this.wanted = 0;
-    this.shown = -1;
-    this.playing = false;
-    this.startTime = null; // time of startIndex during playback; null: set at the next tick
-    this.startIndex = 0;
-    this.exposure = 0;
+  // `panels`: { painter, sequence, isReference, source( view, index ), onFrame( index, source ) }; the source of a frame is null or
+  // { ids, width, height, layer, groups } of what is shown. `onChange()` follows each change of frame or setting.
+  constructor(panels, count, fps, exposure, onChange) {
+    Object.assign(this, { panels, count, fps, exposure, onChange, index: 0, shown: -1, turn: 0, playing: false });
     this.curve = "srgb";
     this.cube = null; // of the view, if the frames name one
     this.view = "picture";
     this.factors = {}; // of light groups, by name; 1 where there is none
-    this.ahead = Math.min(Math.max(Math.floor(CACHE_BYTES / 2 / this.bytesOfFrame()), 2), AHEAD);
-    this.cache = new FrameCache(Math.max(CACHE_BYTES, 5 * this.bytesOfFrame()));
-    this.tick = this.tick.bind(this);
+    this.cache = new Map(); // of promised frames by id, the one that was used last behind the others
+    const bytes = Math.max(...panels.map(panel => 4 * panel.sequence.width * panel.sequence.height));
+    this.room = CACHE_BYTES / bytes;
   }
 
-  bytesOfFrame() {
-    return this.panels.reduce((sum, panel) => sum + 4 * panel.painter.width * panel.painter.height, 0);
+  load(id) {
+    const frame = this.cache.get(id) || decodeFrame(id);
+    this.cache.delete(id);
+    this.cache.set(id, frame);
+    return frame;
   }
 
-  ids(index) {
-    return this.panels.map(panel => panel.source(this.view, index)).filter(source => source !== null).flatMap(source => source.ids);
-  }
-
-  isReady(index) {
-    return this.ids(index).every(id => this.cache.has(id));
+  // Releases what was used longest ago, but for the frames that `needed` are.
+  trim(needed) {
+    for (const [id, frame] of this.cache) {
+      if (this.cache.size <= Math.max(this.room, needed))
+        return;
+      this.cache.delete(id);
+      frame.then(({ bitmap }) => bitmap.close()).catch(() => {});
+    }
   }
 
   // Shows a frame once it is decoded, unless another one was requested meanwhile.
   async seek(index) {
-    this.wanted = Math.min(Math.max(index, 0), this.count - 1);
-    const wanted = this.wanted;
-    if (!this.isReady(wanted))
-      await Promise.all(this.ids(wanted).map(id => this.cache.load(id)));
-    if (this.wanted === wanted && this.shown !== wanted) {
-      this.show(wanted);
-      this.restart();
-    }
-    this.prefetch(wanted);
-  }
-
-  show(index) {
-    for (const panel of this.panels) {
-      const source = panel.source(this.view, index), frames = source !== null ? source.ids.map(id => this.cache.get(id)) : [];
-      const has = frames.length > 0 && frames.every(frame => frame !== undefined);
-      if (has) {
-        panel.painter.resize(source.width, source.height);
-        if (source.groups)
-          panel.painter.takeParts(frames);
-        else
-          panel.painter.take(frames[0]);
-      }
-      panel.onFrame(index, has, this.view);
-    }
-    this.index = this.wanted = this.shown = index;
+    const turn = ++this.turn;
+    this.index = Math.min(Math.max(index, 0), this.count - 1);
+    const sources = this.panels.map(panel => panel.source(this.view, this.index));
+    const decoded = await Promise.all(sources.map(source => source && Promise.all(source.ids.map(id => this.load(id)))));
+    if (turn !== this.turn)
+      return;
+    this.panels.forEach(({ painter, onFrame }, i) => {
+      const source = sources[i];
+      if (source)
+        painter.resize(source.width, source.height);
+      if (source && source.groups)
+        painter.takeParts(decoded[i]);
+      else if (source)
+        painter.take(decoded[i][0]);
+      onFrame(this.index, source);
+    });
+    this.sources = sources;
+    this.shown = this.index;
     this.paint();
-    this.onChange(this);
+    this.prefetch();
   }
 
-  // Whether the view is of an AOV that is no light: neither exposure nor curve changes it.
+  prefetch() {
+    const idsOf = i => this.panels.map(panel => panel.source(this.view, i % this.count)).flatMap(source => source ? source.ids : []);
+    const now = idsOf(this.index).length, ahead = Math.min(AHEAD, this.count - 1, this.room / 2 / Math.max(now, 1));
+    this.trim((ahead + 2) * now);
+    for (let i = 1; i <= ahead; ++i)
+      idsOf(this.index + i).forEach(id => this.load(id).catch(() => {})); // reported when the frame is shown
+  }
+
+  // Whether the view is of a pass that is no light: neither exposure nor curve changes it.
   isData() {
-    const layer = this.panels.flatMap(panel => panel.sequence.layers).find(layer => layer.name === this.view);
+    const layer = this.panels.flatMap(panel => panel.sequence.layers).find(({ name }) => name === this.view);
     return layer !== undefined && layer.look !== "light" && layer.look !== "deviation";
   }
 
-  makeTone() {
-    return new Tone(this.exposure, this.curve, this.cube);
-  }
-
   paint() {
-    const data = this.isData(), reference = this.reference();
-    const tone = data ? new Tone(0, "srgb", null) : this.makeTone();
-    if (this.shown < 0)
-      return;
-    for (const panel of this.panels) {
-      const source = panel.source(this.view, this.shown);
-      if (source === null)
-        continue;
-      if (source.groups && panel.painter.parts)
+    const tone = this.isData() ? new Tone(0, "srgb", null) : new Tone(this.exposure, this.curve, this.cube);
+    this.panels.forEach((panel, i) => {
+      const source = this.sources && this.sources[i], reference = this.reference();
+      if (!source)
+        return;
+      if (source.groups)
         panel.painter.mix(source.groups.map(name => this.factorOf(name)));
-      if (this.view === "error" && this.canShowError(panel) && reference.source(this.view, this.shown) !== null)
+      if (this.view === "error" && this.canShowError(panel) && this.sources[this.panels.indexOf(reference)])
         panel.painter.paintError(reference.painter, this.exposure);
       else
         panel.painter.paint(tone);
-    }
+    });
+    this.onChange();
   }
 
   // What the error is of: the reference, else the last sequence, if there are several.
@@ -106,34 +93,26 @@ class Player {
     return this.panels.find(panel => panel.isReference) || (this.panels.length > 1 ? this.panels[this.panels.length - 1] : undefined);
   }
 
-  canShowError(panel) {
+  canShowError({ sequence }) {
     const reference = this.reference();
-    return reference !== undefined && reference !== panel && reference.painter.width === panel.painter.width && reference.painter.height === panel.painter.height;
+    return reference !== undefined && reference.sequence !== sequence && reference.sequence.width === sequence.width && reference.sequence.height === sequence.height;
   }
 
   setView(name) {
-    const samePictures = isPictureView(this.view) && isPictureView(name);
     this.view = name;
-    if (samePictures) {
-      this.paint();
-      this.onChange(this);
-      return;
-    }
     this.shown = -1;
-    this.seek(this.index).catch(showFailure);
-  }
-
-  prefetch(index) {
-    for (let i = 1; i <= Math.min(this.ahead, this.count - 1); ++i) {
-      for (const id of this.ids((index + i) % this.count))
-        this.cache.load(id).catch(() => {}); // reported when the frame is shown
-    }
+    this.sources = null;
+    return this.seek(this.index);
   }
 
   setExposure(stops) {
     this.exposure = Math.min(Math.max(Math.round(10 * stops) / 10, -8), 8);
     this.paint();
-    this.onChange(this);
+  }
+
+  setCurve(name) {
+    this.curve = name;
+    this.paint();
   }
 
   factorOf(group) {
@@ -143,62 +122,17 @@ class Player {
   setFactor(group, factor) {
     this.factors[group] = factor;
     this.paint();
-    this.onChange(this);
   }
 
-  setCurve(name) {
-    this.curve = name;
-    this.paint();
-    this.onChange(this);
-  }
-
-  setFps(fps) {
-    if (fps > 0 && fps <= 240)
-      this.fps = fps;
-    this.restart();
-    this.onChange(this);
-  }
-
-  toggle() {
-    this.playing = !this.playing && this.count > 1;
-    this.restart();
-    this.onChange(this);
-    if (this.playing)
-      requestAnimationFrame(this.tick);
-  }
-
-  restart() {
-    this.startTime = null;
-    this.startIndex = this.index;
-  }
-
-  // Drops late frames, but waits for a frame that is not decoded yet.
-  tick(now) {
-    if (!this.playing)
-      return;
-    if (this.startTime === null)
-      this.startTime = now;
-    const due = (this.startIndex + Math.floor((now - this.startTime) * this.fps / 1000)) % this.count;
-    const seeks = this.wanted !== this.shown;
-    if (!seeks && due !== this.shown) {
-      if (!this.isReady(due)) {
-        this.waitFor(due);
-        return;
-      }
-      this.show(due);
-      this.prefetch(due);
+  // Plays or pauses. Frames that come too late are left out.
+  async toggle() {
+    const playing = this.playing = !this.playing && this.count > 1 ? {} : false;
+    this.onChange();
+    for (let next = performance.now(); playing && this.playing === playing;) {
+      const late = Math.floor(Math.max(0, performance.now() - next) * this.fps / 1000);
+      await this.seek((this.index + 1 + late) % this.count);
+      next += 1000 * (1 + late) / this.fps;
+      await new Promise(done => setTimeout(done, next - performance.now()));
     }
-    requestAnimationFrame(this.tick);
-  }
-
-  waitFor(index) {
-    Promise.all(this.ids(index).map(id => this.cache.load(id))).then(() => {
-      if (!this.playing)
-        return;
-      this.show(index);
-      this.prefetch(index);
-      this.restart();
-      requestAnimationFrame(this.tick);
-    }).catch(showFailure);
   }
 }
