@@ -314,13 +314,8 @@ static RfResult encode_detail( const unsigned char* codes, const RfImage* image,
     return result;
 }
 
-RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned char** bytes, size_t* size, RfError* error )
-{
-    return rf_encode_picture_within( image, RF_PICTURE_MAX_BITS, name, bytes, size, error );
-}
-
-RfResult rf_encode_picture_within( const RfImage* image, double most_bits, const char* name, unsigned char** bytes, size_t* size,
-                                   RfError* error )
+RfResult rf_encode_picture( const RfImage* image, double most_bits, const char* name, unsigned char** bytes, size_t* size,
+                            RfError* error )
 {
     *bytes = NULL;
     *size = 0;

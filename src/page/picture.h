@@ -25,17 +25,13 @@
 
 #define RF_PICTURE_CELL 16
 #define RF_PICTURE_QUALITY 90
-// Limit of the mean bits per pixel; noisier images get a lower quality.
+// A limit of the mean bits per pixel; noisier images get a lower quality.
 #define RF_PICTURE_MAX_BITS 8.5
 
-// Encodes the image; the caller frees *bytes. NaN becomes bright magenta, so that it is
-// noticed, and infinity the brightest value. `name` begins the message. Fails with
-// RF_ERROR_MEMORY, or RF_ERROR_USAGE if the size is out of bounds.
-RfResult rf_encode_picture( const RfImage* image, const char* name, unsigned char** bytes, size_t* size, RfError* error );
-
-// The same with another limit of the mean bits per pixel.
-RfResult rf_encode_picture_within( const RfImage* image, double most_bits, const char* name, unsigned char** bytes, size_t* size,
-                                   RfError* error );
+// Encodes the image with `most_bits` per pixel or fewer; the caller frees *bytes. NaN becomes bright magenta, so that it is noticed, and
+// infinity the brightest value. `name` begins the message. Fails with RF_ERROR_MEMORY, or RF_ERROR_USAGE if the size is out of bounds.
+RfResult rf_encode_picture( const RfImage* image, double most_bits, const char* name, unsigned char** bytes, size_t* size,
+                            RfError* error );
 
 // Averages boxes of `factor` × `factor` pixels, cropped at the right and lower border. The
 // caller destroys the result. NaN stays NaN.

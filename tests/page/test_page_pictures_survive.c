@@ -57,7 +57,7 @@ static RfImage through( const RfImage* image, size_t* size )
 {
     unsigned char* bytes;
     RfError error = { 0 };
-    if ( rf_encode_picture( image, "picture", &bytes, size, &error ) != RF_OK )
+    if ( rf_encode_picture( image, RF_PICTURE_MAX_BITS, "picture", &bytes, size, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     RfImage back = decode( bytes, *size );
     assert_true( back.width == image->width && back.height == image->height );
@@ -171,11 +171,11 @@ static void test_noise_stays_below_40_mb( void** state )
     RfImage image = make_image( 960, 540, 77 );
     unsigned char* bytes;
     size_t size;
-    assert_int_equal( rf_encode_picture( &image, "noise", &bytes, &size, NULL ), RF_OK );
+    assert_int_equal( rf_encode_picture( &image, RF_PICTURE_MAX_BITS, "noise", &bytes, &size, NULL ), RF_OK );
     assert_true( 48.0 * 4.0 / 3.0 * (double)size < 39e6 );
     free( bytes );
     // and keep tighter limits, as AOVs have them
-    assert_int_equal( rf_encode_picture_within( &image, 2.5, "noise", &bytes, &size, NULL ), RF_OK );
+    assert_int_equal( rf_encode_picture( &image, 2.5, "noise", &bytes, &size, NULL ), RF_OK );
     if ( (double)size > 960.0 * 540.0 * 2.6 / 8.0 + 20000.0 )
         fail_msg( "%zu bytes, %.2f bits per pixel", size, 8.0 * (double)size / ( 960.0 * 540.0 ) );
     free( bytes );
@@ -202,7 +202,7 @@ static void test_small_and_refused( void** state )
     size_t size;
     RfError error;
     RfImage wide = { 65501, 1, NULL };
-    assert_int_equal( rf_encode_picture( &wide, "wide", &bytes, &size, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_encode_picture( &wide, RF_PICTURE_MAX_BITS, "wide", &bytes, &size, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "wide: an image of 65501x1" ) );
 }
 

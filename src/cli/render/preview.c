@@ -135,7 +135,7 @@ static bool answer_picture( const RfImage* image, RfHttpReply* reply )
 {
     unsigned char* bytes = NULL;
     size_t size = 0;
-    if ( image->rgb == NULL || rf_encode_picture( image, "preview", &bytes, &size, NULL ) != RF_OK )
+    if ( image->rgb == NULL || rf_encode_picture( image, RF_PICTURE_MAX_BITS, "preview", &bytes, &size, NULL ) != RF_OK )
         return false;
     return take_bytes( bytes, size, "application/octet-stream", reply );
 }

@@ -225,7 +225,7 @@ static void add_costs( json_t* facts, const json_t* render )
     add_number( facts, "Cost", "Tasks", rf_json_number_of( render, "tasks" ), format_count );
     add_number( facts, "Cost", "Threads", rf_json_number_of( render, "threads" ), format_count );
     add_number( facts, "Cost", "Memory, peak", rf_json_number_of( render, "peak_bytes" ), rf_format_bytes );
-    add_number( facts, "Cost", "Rays", rays, format_count );
+    add_number( facts, "Cost", "Rays", rays > 0.0 ? rays : (double)NAN, format_count );
 }
 
 static void format_samples( double samples, char text[32] ) { snprintf( text, 32, samples < 1000.0 ? "%.4g" : "%.0f", samples ); }

@@ -66,24 +66,65 @@ static void sort_out( const RfExrHeader* header, RfPageLayers* layers )
     }
 }
 
-// The ranges of values in `typical`. False where it lacks a pass.
-static bool find_ranges( const char* typical, RfPageLayers* layers )
+// Copies what the page shows of `stride` interleaved values of a file, row by row; in place as well.
+static void crop( const RfExrHeader* header, const float* from, int stride, float* to )
 {
-    RfExrWindow window;
-    for ( int first = 0, count; first < layers->count; first += count )
+    RfExrWindow window = rf_page_window( header );
+    size_t row = (size_t)window.width * (size_t)stride;
+    for ( int y = 0; y < window.height; ++y )
     {
+        size_t first = (size_t)( window.y + y ) * (size_t)header->width + (size_t)window.x;
+        memmove( to + (size_t)y * row, from + first * (size_t)stride, row * sizeof( float ) );
+    }
+}
+
+// A frame, and where it goes.
+typedef struct Target
+{
+    RfPage* page;
+    RfPageTrack* track;
+    int number;
+    const char* path; // of its file
+} Target;
+
+// Takes a pass, an index of those shown: `stride` floats for each pixel that the page shows.
+typedef RfResult VisitPass( const Target* to, int pass, const float* values, int stride, RfError* error );
+
+// Reads the passes of a frame, several at once. *whole: false where its file lacks one of them.
+static RfResult visit_passes( const Target* to, VisitPass* visit, bool* whole, RfError* error )
+{
+    const RfExrHeader* header = &to->track->sequence->header;
+    const RfPageLayers* layers = &to->track->layers;
+    RfResult result = RF_OK;
+    *whole = layers->count > 0;
+    for ( int first = 0, count; first < layers->count && *whole && result == RF_OK; first += count )
+    {
+        const RfFilePass* passes = layers->passes.passes + first;
+        RfExrWindow window;
+        float* values = NULL;
         int stride, at = 0;
         count = batch_of( layers, first );
-        const RfFilePass* passes = layers->passes.passes + first;
-        float* values = NULL;
-        if ( rf_read_passes( typical, passes, count, &window, &values, &stride, NULL ) != RF_OK )
-            return false;
-        for ( int i = 0; i < count; at += passes[i++].channel_count )
-            layers->ranges[first + i] =
-                rf_pass_range( passes + i, values + at, (size_t)stride, (size_t)window.width * (size_t)window.height );
+        result = rf_read_passes( to->path, passes, count, &window, &values, &stride, error );
+        *whole = result == RF_OK && is_at_picture( &window, header );
+        if ( *whole )
+            crop( header, values, stride, values );
+        else if ( result != RF_ERROR_MEMORY )
+            result = RF_OK;
+        for ( int i = 0; i < count && *whole && result == RF_OK; at += passes[i++].channel_count )
+            result = visit( to, first + i, values + at, stride, error );
         free( values );
     }
-    return true;
+    return result;
+}
+
+static RfResult take_range( const Target* to, int pass, const float* values, int stride, RfError* error )
+{
+    RfExrWindow window = rf_page_window( &to->track->sequence->header );
+    RfPageLayers* layers = &to->track->layers;
+    (void)error;
+    layers->ranges[pass] =
+        rf_pass_range( layers->passes.passes + pass, values, (size_t)stride, (size_t)window.width * (size_t)window.height );
+    return RF_OK;
 }
 
 // Names of the ids of Cryptomattes, those of `typical` for all frames.
@@ -140,38 +181,27 @@ static RfResult find_page_layers( RfPageTrack* track, RfError* error )
     layers->names = calloc( (size_t)layers->count + 1, sizeof *layers->names );
     if ( layers->ranges == NULL || layers->names == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", sequence->input.pattern );
-    if ( !find_ranges( path, layers ) && !find_ranges( sequence->first, layers ) )
+    bool whole;
+    Target middle = { .track = track, .path = path }, first = { .track = track, .path = sequence->first };
+    result = visit_passes( &middle, take_range, &whole, error );
+    if ( result == RF_OK && !whole )
+        result = visit_passes( &first, take_range, &whole, error );
+    if ( !whole )
         layers->count = 0;
-    return find_names( path, layers, error );
+    return result == RF_OK ? find_names( path, layers, error ) : result;
 }
 
-// Copies what the page shows of `stride` interleaved values of a file, row by row; in place as well.
-static void crop( const RfExrHeader* header, const float* from, int stride, float* to )
-{
-    RfExrWindow window = rf_page_window( header );
-    size_t row = (size_t)window.width * (size_t)stride;
-    for ( int y = 0; y < window.height; ++y )
-    {
-        size_t first = (size_t)( window.y + y ) * (size_t)header->width + (size_t)window.x;
-        memmove( to + (size_t)y * row, from + first * (size_t)stride, row * sizeof( float ) );
-    }
-}
-
-// Adds the image as a picture, smaller by `factor`, in a block; the size of the picture goes to *width and *height.
-static RfResult add_picture( RfPage* page, const char* id, const RfImage* image, int factor, double bits, const char* path,
-                             int* width, int* height, RfError* error )
+// Adds the image as a picture, smaller by `factor`, in a block.
+static RfResult add_picture( const Target* to, const char* id, const RfImage* image, int factor, double bits, RfError* error )
 {
     RfImage small = { 0 };
     unsigned char* bytes = NULL;
     size_t size = 0;
     RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
-    const RfImage* picture = factor > 1 ? &small : image;
     if ( result == RF_OK )
-        result = rf_encode_picture_within( picture, bits, path, &bytes, &size, error );
+        result = rf_encode_picture( factor > 1 ? &small : image, bits, to->path, &bytes, &size, error );
     if ( result == RF_OK )
-        result = rf_add_page_block( page, id, bytes, size, error );
-    *width = picture->width;
-    *height = picture->height;
+        result = rf_add_page_block( to->page, id, bytes, size, error );
     free( bytes );
     rf_destroy_image( &small );
     return result;
@@ -187,23 +217,23 @@ static int name_at( const RfMatteNames* names, const float* value )
 
 // Adds the names at the centres of the pixels of a picture, as runs. Where these are short, as in grass, they are left out: they
 // would take more than the picture.
-static RfResult add_names( RfPage* page, const char* id, const RfPageLayers* layers, const RfMatteNames* names,
-                           const float* values, int stride, const RfImage* image, RfError* error )
+static RfResult add_names( const Target* to, int pass, const float* values, int stride, RfError* error )
 {
-    size_t most = (size_t)layers->width * (size_t)layers->height / 2, used = 0; // bytes
-    if ( names->count == 0 )
-        return RF_OK;
+    const RfPageLayers* layers = &to->track->layers;
+    const RfMatteNames* names = layers->names + pass;
+    RfExrWindow window = rf_page_window( &to->track->sequence->header );
+    int pixels = layers->width * layers->height;
+    size_t most = (size_t)pixels / 2, used = 0; // bytes
     unsigned char* bytes = malloc( most + 4 );
     if ( bytes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of a Cryptomatte" );
-    for ( int i = 0, name = -1, run = 0; i <= layers->width * layers->height && used <= most; ++i )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of a Cryptomatte", to->path );
+    for ( int i = 0, name = -1, run = 0; i <= pixels && used <= most; ++i )
     {
         int x = i % layers->width * layers->factor + layers->factor / 2,
             y = i / layers->width * layers->factor + layers->factor / 2;
-        bool ends = i == layers->width * layers->height;
-        x = x < image->width ? x : image->width - 1;
-        y = y < image->height ? y : image->height - 1;
-        int here = ends ? -1 : name_at( names, values + (size_t)stride * ( (size_t)y * (size_t)image->width + (size_t)x ) );
+        x = x < window.width ? x : window.width - 1;
+        y = y < window.height ? y : window.height - 1;
+        int here = i < pixels ? name_at( names, values + (size_t)stride * ( (size_t)y * (size_t)window.width + (size_t)x ) ) : -1;
         if ( run > 0 && ( here != name || run == 65535 ) )
         {
             for ( int b = 0; b < 4; ++b )
@@ -213,44 +243,28 @@ static RfResult add_names( RfPage* page, const char* id, const RfPageLayers* lay
         name = here;
         run += 1;
     }
-    RfResult result = used <= most ? rf_add_page_block( page, id, bytes, used, error ) : RF_OK;
+    char id[48];
+    snprintf( id, sizeof id, "n%d-%d-%d", to->track->index, pass, to->number );
+    RfResult result = used <= most ? rf_add_page_block( to->page, id, bytes, used, error ) : RF_OK;
     free( bytes );
     return result;
 }
 
-// Adds the passes of a frame from `first` on that are read at once; false in *added where its file lacks one of them.
-static RfResult add_batch( RfPage* page, const RfPageTrack* track, int number, int first, int count, const char* path,
-                           bool* added, RfError* error )
+static RfResult add_pass( const Target* to, int pass, const float* values, int stride, RfError* error )
 {
-    const RfPageLayers* layers = &track->layers;
-    const RfFilePass* passes = layers->passes.passes + first;
-    RfExrWindow window, shown = rf_page_window( &track->sequence->header );
+    const RfPageLayers* layers = &to->track->layers;
+    RfExrWindow window = rf_page_window( &to->track->sequence->header );
     RfImage image;
-    float* values = NULL;
-    int stride, at = 0, width, height;
-    RfResult result = rf_read_passes( path, passes, count, &window, &values, &stride, error );
-    *added = result == RF_OK && is_at_picture( &window, &track->sequence->header );
-    if ( !*added )
-    {
-        free( values );
-        return result == RF_ERROR_MEMORY ? result : RF_OK;
-    }
-    crop( &track->sequence->header, values, stride, values );
-    result = rf_create_image( shown.width, shown.height, &image, error );
-    for ( int i = 0; i < count && result == RF_OK; at += passes[i++].channel_count )
-    {
-        char id[48];
-        snprintf( id, sizeof id, "l%d-%d-%d", track->index, first + i, number );
-        rf_draw_pass( passes + i, layers->ranges[first + i], values + at, (size_t)stride,
-                      (size_t)image.width * (size_t)image.height, image.rgb );
-        result = add_picture( page, id, &image, layers->factor, layers->bits, path, &width, &height, error );
-        id[0] = 'n';
-        if ( result == RF_OK )
-            result = add_names( page, id, layers, layers->names + first + i, values + at, stride, &image, error );
-    }
+    char id[48];
+    RfResult result = rf_create_image( window.width, window.height, &image, error );
+    if ( result != RF_OK )
+        return result;
+    snprintf( id, sizeof id, "l%d-%d-%d", to->track->index, pass, to->number );
+    rf_draw_pass( layers->passes.passes + pass, layers->ranges[pass], values, (size_t)stride,
+                  (size_t)window.width * (size_t)window.height, image.rgb );
+    result = add_picture( to, id, &image, layers->factor, layers->bits, error );
     rf_destroy_image( &image );
-    free( values );
-    return result;
+    return result == RF_OK && layers->names[pass].count > 0 ? add_names( to, pass, values, stride, error ) : result;
 }
 
 json_t* rf_page_layers_json( const RfPageLayers* layers )
@@ -287,50 +301,46 @@ bool rf_has_page_mix( const RfPageLayers* layers )
 
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
 
-static RfResult add_values( RfPage* page, const char* id, const RfImage* image, int factor, const char* path, RfError* error )
+static RfResult add_values( const Target* to, const char* id, const RfImage* image, RfError* error )
 {
     unsigned char* bytes;
     size_t size;
-    RfResult result = rf_encode_values( image, factor, path, &bytes, &size, error );
+    RfResult result = rf_encode_values( image, to->track->value_factor, to->path, &bytes, &size, error );
     if ( result == RF_OK )
-        result = rf_add_page_block( page, id, bytes, size, error );
+        result = rf_add_page_block( to->page, id, bytes, size, error );
     free( bytes );
     return result;
 }
 
-// Adds picture, scene values and passes of a frame, an index on the page; `path` is its file.
-static RfResult add_page_blocks( RfPage* page, RfPageTrack* track, int frame, const RfImage* image, const char* path,
-                                 RfError* error )
+// Adds picture, scene values and passes of a frame. *whole: false where its file lacks passes.
+static RfResult add_blocks( const Target* to, const RfImage* image, bool* whole, RfError* error )
 {
-    const RfExrHeader* header = &track->sequence->header;
-    RfExrWindow window = rf_page_window( header );
-    int number = track->page->numbers[frame], most = track->page->width;
-    uint64_t before = page->bytes;
+    RfPageTrack* track = to->track;
+    RfExrWindow window = rf_page_window( &track->sequence->header );
+    int most = track->page->width, factor = most > 0 ? ( window.width + most - 1 ) / most : 1;
+    uint64_t ends[4] = { to->page->bytes };
     char id[32];
     RfImage shown;
     RfResult result = rf_create_image( window.width, window.height, &shown, error );
     if ( result != RF_OK )
         return result;
-    crop( header, image->rgb, 3, shown.rgb );
-    rf_page_block_id( track, number, id );
-    result = add_picture( page, id, &shown, most > 0 ? ( window.width + most - 1 ) / most : 1, RF_PICTURE_MAX_BITS, path,
-                          &track->picture_width, &track->picture_height, error );
-    track->picture_bytes += page->bytes - before;
-    before = page->bytes;
+    crop( &track->sequence->header, image->rgb, 3, shown.rgb );
+    rf_page_block_id( track, to->number, id );
+    result = add_picture( to, id, &shown, factor, RF_PICTURE_MAX_BITS, error );
+    ends[1] = to->page->bytes;
     id[0] = 'v';
     if ( result == RF_OK && track->value_factor > 0 )
-        result = add_values( page, id, &shown, track->value_factor, path, error );
+        result = add_values( to, id, &shown, error );
+    ends[2] = to->page->bytes;
     rf_destroy_image( &shown );
-    track->value_bytes += page->bytes - before;
-    before = page->bytes;
-    bool added = track->layers.count > 0;
-    for ( int first = 0, count; added && first < track->layers.count && result == RF_OK; first += count )
-    {
-        count = batch_of( &track->layers, first );
-        result = add_batch( page, track, number, first, count, path, &added, error );
-    }
-    track->frames[frame].has_layers = added;
-    track->layer_bytes += page->bytes - before;
+    if ( result == RF_OK )
+        result = visit_passes( to, add_pass, whole, error );
+    ends[3] = to->page->bytes;
+    track->picture_bytes += ends[1] - ends[0];
+    track->value_bytes += ends[2] - ends[1];
+    track->layer_bytes += ends[3] - ends[2];
+    track->picture_width = ( window.width + factor - 1 ) / factor;
+    track->picture_height = ( window.height + factor - 1 ) / factor;
     return result;
 }
 
@@ -484,6 +494,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     RfPageFrame* figures = track->frames + i;
     RfFlickerFrame* frame = work->ring + i % 2;
     char path[RF_FILE_NAME_SIZE];
+    const Target to = { work->page, track, number, path };
     rf_destroy_flicker_frame( frame );
     work->has_frame[i % 2] = false;
     if ( !rf_has_page_frame( track->sequence, number ) )
@@ -497,7 +508,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     if ( result == RF_OK )
         result = rf_read_flicker_frame( path, &work->layers, &track->sequence->header, track->sequence->first, frame, error );
     if ( result == RF_OK )
-        result = add_page_blocks( work->page, track, i, &frame->signal, path, error );
+        result = add_blocks( &to, &frame->signal, &figures->has_layers, error );
     if ( result != RF_OK )
         return result;
     figures->shown = true;

@@ -21,25 +21,7 @@ static bool is_plan_json( const json_t* json )
     return json_is_string( json_object_get( range, "frames" ) );
 }
 
-static void add_up( json_t* all, const json_t* task, const char* key )
-{
-    double sum = rf_json_number_of( all, key ) + rf_json_number_of( task, key );
-    const json_t *a = json_object_get( all, key ), *b = json_object_get( task, key );
-    if ( json_is_integer( a ) && json_is_integer( b ) )
-        json_object_set_new( all, key, json_integer( json_integer_value( a ) + json_integer_value( b ) ) );
-    else
-        json_object_set_new( all, key, rf_json_number( sum ) );
-}
-
-static void join_rays( json_t* all, const json_t* task )
-{
-    const char* key;
-    json_t* value;
-    json_object_foreach( json_object_get( all, "rays" ), key, value )
-        add_up( json_object_get( all, "rays" ), json_object_get( task, "rays" ), key );
-}
-
-// Joins the render JSON of a task to those before, into *all (NULL at first): frames, seconds, rays and warnings are added up.
+// Joins the render JSON of a task to those before, into *all (NULL at first): frames, seconds and warnings are added up.
 static void join_task( json_t** all, json_t* task )
 {
     if ( *all == NULL )
@@ -47,12 +29,13 @@ static void join_task( json_t** all, json_t* task )
         *all = json_deep_copy( task );
         json_object_set_new( *all, "tasks", json_integer( 1 ) );
         json_object_del( *all, "interrupted" ); // of a task: it may have gone on since
+        json_object_del( *all, "rays" );
         return;
     }
     json_array_extend( json_object_get( *all, "frames" ), json_object_get( task, "frames" ) );
     json_array_extend( json_object_get( *all, "warnings" ), json_object_get( task, "warnings" ) );
-    join_rays( *all, task );
-    add_up( *all, task, "seconds" );
+    json_object_set_new( *all, "seconds",
+                         rf_json_number( rf_json_number_of( *all, "seconds" ) + rf_json_number_of( task, "seconds" ) ) );
     json_object_set_new( *all, "tasks", json_integer( json_integer_value( json_object_get( *all, "tasks" ) ) + 1 ) );
     if ( isgreater( rf_json_number_of( task, "peak_bytes" ), rf_json_number_of( *all, "peak_bytes" ) ) )
         json_object_set( *all, "peak_bytes", json_object_get( task, "peak_bytes" ) );

@@ -8,7 +8,7 @@ const mark = color => {
   dot.style.background = color;
   return dot;
 };
-const markedName = (sequence, index) => make("strong", { title: sequence.path }, mark(colorOf(index)), sequence.name);
+const markedName = (sequence, index) => make("strong", { className: "named", title: sequence.path }, mark(colorOf(index)), sequence.name);
 
 function showFailure(error) {
   element("failure").textContent = `Something went wrong on this page: ${error && error.message || error}`;
