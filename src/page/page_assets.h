@@ -9,6 +9,6 @@ extern const char rf_page_js[]; // all scripts, in alphabetical order of their f
 
 // The page of a render that goes on: a template with the marks {{style}} (of the other) and {{script}}.
 extern const char rf_live_html[];
-extern const char rf_live_js[];
+extern const char rf_live_js[]; // with what decodes, paints and plays frames there
 
 #endif

@@ -212,7 +212,7 @@ static void test_page_shows_what_goes_on( void** state )
     assert_true( json_is_true( json_object_get( albedo, "light" ) ) && json_is_false( json_object_get( depth, "light" ) ) );
     json_decref( json );
     expect_reply( port, "/", "127.0.0.1", "200", "</html>" );
-    expect_reply( port, "/?x", "localhost", "200", "decodePicture" );
+    expect_reply( port, "/?x", "localhost", "200", "decodeFrame" );
     expect_reply( port, "/preview", "localhost", "200", "application/octet-stream" );
     expect_reply( port, "/frame/2", "localhost", "200", "max-age" );
     expect_reply( port, "/frame/2/0", "localhost", "200", "application/octet-stream" ); // a pass

@@ -22,10 +22,17 @@ function bytesOf(id) {
   return bytes;
 }
 
-// Parses a frame: { cell, columns, rows, base, bitmap }. The browser decodes the bitmap asynchronously.
-const decodeFrame = id => decodePicture(bytesOf(id));
+async function fetchBytes(path) {
+  const reply = await fetch(path);
+  if (!reply.ok)
+    throw new Error(`${path}: ${reply.status}`);
+  return new Uint8Array(await reply.arrayBuffer());
+}
 
-async function decodePicture(bytes) {
+// Parses the frame of a block, or of a path on the server of a live page: { cell, columns, rows, base, bitmap }. The browser decodes the
+// bitmap asynchronously.
+async function decodeFrame(id) {
+  const bytes = id.startsWith("/") ? await fetchBytes(id) : bytesOf(id);
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const cell = view.getUint16(0, true), columns = view.getUint16(2, true), rows = view.getUint16(4, true);
   const base = new Int16Array(3 * columns * rows);
@@ -121,13 +128,12 @@ function cellsAt(pixel, cell, count) {
 
 // Draws frames on a canvas.
 class Painter {
-  constructor(canvas, width, height) {
+  constructor(canvas) {
     this.context = canvas.getContext("2d", { alpha: false });
     this.scratch = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
-    this.resize(width, height);
   }
 
-  // AOVs may be smaller than pictures.
+  // Passes may be smaller than pictures.
   resize(width, height) {
     if (this.width === width && this.height === height)
       return;
@@ -142,6 +148,7 @@ class Painter {
 
   // Converts a decoded frame to levels, ready for tone mapping: the base, interpolated between the centres of cells, and the detail.
   take({ bitmap, cell, columns, rows, base }) {
+    this.resize(bitmap.width, bitmap.height);
     const { width, height, levels } = this, span = 2 * cell, shift = 2 * Math.log2(span), half = 1 << (shift - 1);
     this.scratch.drawImage(bitmap, 0, 0);
     const detail = this.scratch.getImageData(0, 0, width, height).data, row = new Int32Array(3 * columns);

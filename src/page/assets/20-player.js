@@ -5,7 +5,7 @@ const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
 
 class Player {
   // `panels`: { painter, sequence, isReference, source( view, index ), onFrame( index, source ) }; the source of a frame is null or
-  // { ids, width, height, layer, groups } of what is shown. `onChange()` follows each change of frame or setting.
+  // { ids, layer, groups } of what is shown. `onChange()` follows each change of frame or setting.
   constructor(panels, count, fps, exposure, onChange) {
     Object.assign(this, { panels, count, fps, exposure, onChange, index: 0, shown: -1, turn: 0, playing: false });
     this.curve = "srgb";
@@ -13,14 +13,14 @@ class Player {
     this.view = "picture";
     this.factors = {}; // of light groups, by name; 1 where there is none
     this.cache = new Map(); // of promised frames by id, the one that was used last behind the others
-    const bytes = Math.max(...panels.map(panel => 4 * panel.sequence.width * panel.sequence.height));
-    this.room = CACHE_BYTES / bytes;
+    this.room = Infinity; // in frames
   }
 
   load(id) {
     const frame = this.cache.get(id) || decodeFrame(id);
     this.cache.delete(id);
     this.cache.set(id, frame);
+    frame.catch(() => this.cache.delete(id));
     return frame;
   }
 
@@ -44,8 +44,8 @@ class Player {
       return;
     this.panels.forEach(({ painter, onFrame }, i) => {
       const source = sources[i];
-      if (source)
-        painter.resize(source.width, source.height);
+      for (const { bitmap } of decoded[i] || [])
+        this.room = Math.min(this.room, CACHE_BYTES / (4 * bitmap.width * bitmap.height));
       if (source && source.groups)
         painter.takeParts(decoded[i]);
       else if (source)

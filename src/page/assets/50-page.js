@@ -34,18 +34,18 @@ function showWarnings({ warnings, sequences }) {
   }
 }
 
-// What a view shows of a frame of a sequence: { ids, width, height, layer, groups }, or null. The mix has a block for each light group.
+// What a view shows of a frame of a sequence: { ids, layer, groups }, or null. The mix has a block for each light group.
 function sourceOf(sequence, data, view, i) {
-  const { width, height, blocks, layers, index } = sequence, mixes = view === "mix" && sequence.mixes;
+  const { blocks, layers, index } = sequence, mixes = view === "mix" && sequence.mixes;
   if (blocks[i] === null)
     return null;
   if (view === "picture" || view === "error")
-    return { ids: [blocks[i]], width, height };
+    return { ids: [blocks[i]] };
   const shown = layers.filter(layer => mixes ? layer.group : layer.name === view);
   if (shown.length === 0 || !sequence.has_layers[i])
     return null;
-  const ids = shown.map(layer => `l${index}-${layers.indexOf(layer)}-${data.frames[i]}`), size = { width: shown[0].width, height: shown[0].height };
-  return mixes ? { ids, ...size, layer: { name: "mix", look: "light" }, groups: shown.map(layer => layer.name) } : { ids: ids.slice(0, 1), ...size, layer: shown[0] };
+  const ids = shown.map(layer => `l${index}-${layers.indexOf(layer)}-${data.frames[i]}`);
+  return mixes ? { ids, layer: { name: "mix", look: "light" }, groups: shown.map(layer => layer.name) } : { ids: ids.slice(0, 1), layer: shown[0] };
 }
 
 function makePanel(sequence, index, data) {
@@ -72,7 +72,7 @@ function makePanel(sequence, index, data) {
     words.textContent = said.join("   ");
     bad.textContent = sequence.bad[i] > 0 ? `${sequence.bad[i]} pixels are NaN or infinite` : "";
   };
-  return { figure, stage, content, cross, sequence, painter: new Painter(canvas, sequence.width, sequence.height), source: (view, i) => sourceOf(sequence, data, view, i), isReference: sequence.reference, onFrame };
+  return { figure, stage, content, cross, sequence, painter: new Painter(canvas), source: (view, i) => sourceOf(sequence, data, view, i), isReference: sequence.reference, onFrame };
 }
 
 // Curves of what any sequence has.

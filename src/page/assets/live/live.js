@@ -1,67 +1,34 @@
 // The page of a render that goes on: asks for its state once a second, shows the frame in work, and plays those that are finished.
 const element = id => document.getElementById(id);
-const POLL = 1000;       // milliseconds between two questions
-const MOST_KEPT = 200;   // decoded frames
+const POLL = 1000;     // milliseconds between two questions
+const MOST_KEPT = 100; // finished frames that are fetched while they can be had
 
-const live = {
-  status: null, ended: false, following: true, index: 0, playing: false,
-  shown: "", version: 0, work: null, frames: new Map(), painter: null, drawn: null, pass: -1, // of the frames, the picture
-};
+const live = { status: null, ended: false, following: true, shown: "", version: 0 };
 window.reframeLive = live; // for tests
 
-async function fetchPicture(path) {
-  const reply = await fetch(path);
-  if (!reply.ok)
-    throw new Error(`${path}: ${reply.status}`);
-  return decodePicture(new Uint8Array(await reply.arrayBuffer()));
+const finished = () => live.status ? live.status.finished : [];
+const ignore = () => {}; // what cannot be had now may be there the next time
+
+// The chosen pass of a finished frame, or the frame. The one in work has no passes yet: the last that is finished.
+function sourceOf(view, i) {
+  const pass = panel.sequence.layers.findIndex(layer => layer.name === view), frames = finished();
+  const number = frames[live.following ? frames.length - 1 : i];
+  if (live.following && pass < 0)
+    return live.status && live.status.version > 0 ? { ids: [`/preview#${live.status.version}`], name: "work" } : null;
+  return number === undefined ? null : { ids: [`/frame/${number}${pass < 0 ? "" : `/${pass}`}`], name: live.following ? "pass" : "frame" };
 }
 
-// A finished frame, or the chosen pass of it, fetched once.
-function finishedFrame(number) {
-  const path = live.pass < 0 ? `/frame/${number}` : `/frame/${number}/${live.pass}`;
-  if (!live.frames.has(path)) {
-    live.frames.set(path, fetchPicture(path).catch(() => {
-      live.frames.delete(path);
-      return null;
-    }));
-    if (live.frames.size > MOST_KEPT)
-      live.frames.delete(live.frames.keys().next().value);
-  }
-  return live.frames.get(path);
-}
-
-// Passes that are no light are shown as they are.
-function paint() {
-  const data = live.pass >= 0 && !live.status.passes[live.pass].light;
-  element("exposure").disabled = element("curve").disabled = data;
-  if (live.painter)
-    live.painter.paint(data ? new Tone(0, "srgb", null) : new Tone(Number(element("exposure").value), element("curve").value, null));
-}
-
-// The passes that the finished frames have.
-function showPasses() {
-  const { passes } = live.status, select = element("pass");
-  for (const [i, { name }] of passes.entries()) {
-    if (select.options.length <= i + 1)
-      select.append(new Option(name, i));
-  }
-  select.parentElement.hidden = passes.length === 0;
-}
-
-function draw(picture, name) {
-  const { width, height } = picture.bitmap;
-  if (live.painter)
-    live.painter.resize(width, height);
-  else
-    live.painter = new Painter(element("picture"), width, height);
-  live.painter.take(picture);
-  live.shown = name;
+function onFrame(i, source) {
+  if (!source)
+    return;
+  live.version = source.name === "work" ? Number(source.ids[0].split("#")[1]) : live.version;
+  live.shown = `${source.name} ${source.ids[0]}`;
   element("picture").hidden = false;
   element("waiting").hidden = true;
-  paint();
 }
 
-const finished = () => live.status ? live.status.finished : [];
+const panel = { painter: new Painter(element("picture")), sequence: { layers: [] }, source: sourceOf, onFrame };
+const player = new Player([panel], 1, 24, 0, showControls);
 
 function duration(seconds) {
   const whole = Math.ceil(seconds), two = n => String(n).padStart(2, "0");
@@ -85,110 +52,65 @@ function showProgress() {
 }
 
 function showControls() {
-  const frames = finished(), last = frames.length - 1, slider = element("scrubber");
-  slider.max = Math.max(last, 0);
-  slider.disabled = element("play").disabled = last < 0;
-  live.index = Math.min(live.index, Math.max(last, 0));
-  slider.value = live.following ? slider.max : live.index;
+  const frames = finished(), slider = element("scrubber");
+  slider.max = Math.max(frames.length - 1, 0);
+  slider.disabled = element("play").disabled = frames.length === 0;
+  slider.value = live.following ? slider.max : player.index;
+  element("frame-number").textContent = live.following || frames.length === 0 ? "" : `frame ${frames[player.index]}`;
   element("follow").setAttribute("aria-pressed", String(live.following));
-  element("play").setAttribute("aria-label", live.playing ? "Pause" : "Play");
-  element("play-icon").setAttribute("d", live.playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
-  element("frame-number").textContent = live.following ? "" : `frame ${frames[live.index]}`;
+  element("exposure").disabled = element("curve").disabled = player.isData();
+  element("exposure-value").textContent = player.exposure.toFixed(1);
+  element("play").setAttribute("aria-label", player.playing ? "Pause" : "Play");
+  element("play-icon").setAttribute("d", player.playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
 }
 
-// The frame in work, or where all are finished the last of them.
-async function showWork() {
-  const s = live.status;
-  if (s.version > live.version) {
-    try {
-      live.work = await fetchPicture("/preview");
-      live.version = s.version;
-    } catch (error) { return; } // the next time
-  }
-  if (live.following && live.pass >= 0)
-    await showLast();
-  else if (live.following && live.work)
-    draw(live.work, `work ${live.version}`);
-}
-
-// The frame in work has no passes yet: the last that is finished.
-async function showLast() {
-  const number = finished()[finished().length - 1], pass = live.pass, picture = number === undefined ? null : await finishedFrame(number);
-  if (picture && live.following && live.pass === pass)
-    draw(picture, `pass ${number}`);
-}
-
-async function showFrame() {
-  const number = finished()[live.index];
-  const picture = number === undefined ? null : await finishedFrame(number);
-  if (picture && !live.following && finished()[live.index] === number)
-    draw(picture, `frame ${number}`);
-  showControls();
-}
-
-function follow(following) {
-  live.following = following;
-  live.playing = live.playing && !following;
-  showControls();
-  if (following && live.pass >= 0)
-    showLast();
-  else if (following && live.work)
-    draw(live.work, `work ${live.version}`);
-}
-
+// Shows a frame from the moment on at which it is decoded; -1: the one in work.
 function seek(index) {
-  live.index = index;
-  follow(false);
-  return showFrame();
+  live.following = index < 0;
+  player.playing = false;
+  return player.seek(Math.max(index, 0)).catch(ignore);
 }
 
-async function play() {
-  if (finished().length === 0)
-    return;
-  live.playing = !live.playing;
-  let next = performance.now();
-  while (live.playing) {
-    await seek((live.following ? 0 : live.index + 1) % finished().length);
-    next = Math.max(next + 1000 / live.status.fps, performance.now());
-    await new Promise(done => setTimeout(done, next - performance.now()));
-  }
-  showControls();
+function play() {
+  if (live.following && finished().length > 0)
+    seek(0);
+  player.toggle().catch(ignore);
+}
+
+function take(status) {
+  const select = element("pass");
+  live.status = status;
+  live.ended = false;
+  player.count = Math.max(status.finished.length, 1);
+  player.fps = status.fps;
+  panel.sequence.layers = status.passes.map(({ name, light }) => ({ name, look: light ? "light" : "depth" }));
+  for (const { name } of status.passes.slice(select.options.length - 1))
+    select.append(new Option(name));
+  select.parentElement.hidden = status.passes.length === 0;
 }
 
 async function ask() {
   try {
-    const reply = await fetch("/status");
-    live.status = await reply.json();
-    live.ended = false;
-    showProgress();
+    take(await (await fetch("/status")).json());
     showControls();
-    showPasses();
-    if (live.following)
-      await showWork();
-    for (const number of finished().slice(-MOST_KEPT / 2)) // while they can be had
-      await finishedFrame(number);
+    if (live.following && (live.status.version > live.version || player.view !== "picture"))
+      await player.seek(0).catch(ignore);
+    for (const number of finished().slice(-MOST_KEPT))
+      await player.load(`/frame/${number}`).catch(ignore);
   } catch (error) {
     live.ended = true;
-    showProgress();
   }
+  showProgress();
   setTimeout(ask, POLL);
 }
 
-element("play").addEventListener("click", play);
-element("follow").addEventListener("click", () => follow(true));
-element("scrubber").addEventListener("input", event => { live.playing = false; seek(Number(event.target.value)); });
-element("exposure").addEventListener("input", event => {
-  element("exposure-value").textContent = Number(event.target.value).toFixed(1);
-  paint();
-});
-element("curve").addEventListener("change", paint);
-element("pass").addEventListener("change", event => {
-  live.pass = Number(event.target.value);
-  if (live.following)
-    follow(true);
-  else
-    showFrame();
-});
+const on = (id, name, act) => element(id).addEventListener(name, event => act(event.target.value));
+on("play", "click", play);
+on("follow", "click", () => seek(-1));
+on("scrubber", "input", value => seek(Number(value)));
+on("exposure", "input", value => player.setExposure(Number(value)));
+on("curve", "change", value => player.setCurve(value));
+on("pass", "change", value => player.setView(value).catch(ignore));
 document.addEventListener("keydown", event => {
   if (event.target.matches("input, select, button") && event.key === " ")
     return;
@@ -196,6 +118,6 @@ document.addEventListener("keydown", event => {
     event.preventDefault();
     play();
   } else if (event.key === "End")
-    follow(true);
+    seek(-1);
 });
 ask();
