@@ -322,37 +322,17 @@ typedef struct Strings
 // An attribute of the first file, unless it is of that frame alone, or of the part.
 static void take_string( void* user, const char* name, const char* value )
 {
-    static const char own[] = "reframe/", *const s_left_out[] = {
-        "type",
-        "name",
-        "reframe/frame",
-        "reframe/frames",
-        "reframe/shot",
-        "reframe/step",
-        "reframe/effects",
-        "reframe/calls-for",
-        "reframe/fingerprint",
-        "reframe/checksum",
-        "reframe/relmse-estimate",
-        "reframe/relmse-is-lower-bound",
-        "reframe/relmse-likely",
-        "reframe/worst-ten-share",
-        "reframe/flicker-estimate",
-        "reframe/flicker-is-lower-bound",
-        "reframe/flicker-likely",
-        "reframe/flicker-worst-ten-share",
-        "reframe/reached",
-        "reframe/native-spp",
-        "reframe/effective-spp",
-        "reframe/clipped-pixels",
-    };
+    static const char own[] = "reframe/";
+    static const char left_out[] =
+        " type name reframe/frame reframe/frames reframe/shot reframe/step reframe/effects reframe/calls-for reframe/fingerprint "
+        "reframe/checksum reframe/relmse-estimate reframe/relmse-is-lower-bound reframe/relmse-likely reframe/worst-ten-share "
+        "reframe/flicker-estimate reframe/flicker-is-lower-bound reframe/flicker-likely reframe/flicker-worst-ten-share "
+        "reframe/reached reframe/native-spp reframe/effective-spp reframe/clipped-pixels ";
     Strings* strings = user;
     bool is_own = strncmp( name, own, sizeof own - 1 ) == 0;
-    for ( size_t i = 0; i < sizeof s_left_out / sizeof s_left_out[0]; ++i )
-    {
-        if ( strcmp( name, s_left_out[i] ) == 0 )
-            return;
-    }
+    char word[64];
+    if ( snprintf( word, sizeof word, " %s ", name ) < (int)sizeof word && strstr( left_out, word ) != NULL )
+        return;
     if ( is_own )
         add_fact( strings->facts, "Settings", name + sizeof own - 1, value );
     else if ( strings->count++ < MOST_STRINGS )
