@@ -158,6 +158,7 @@ RfResult rf_add_page_block( RfPage* page, const char* id, const void* bytes, siz
     if ( text == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %zu bytes of the page", page->file.path, size );
     size_t length = encode_base64( bytes, size, text );
+    page->raw += size;
     RfResult result = put_text( page, head, error );
     if ( result == RF_OK )
         result = put( page, text, length, error );

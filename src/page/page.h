@@ -14,6 +14,7 @@ typedef struct RfPage
 {
     RfAtomicFile file;
     uint64_t bytes; // written so far
+    uint64_t raw;   // of the blocks in them, before base64
 } RfPage;
 
 // Begins the page. `path` must outlive it. After success end or discard it.

@@ -318,7 +318,7 @@ static RfResult add_blocks( const Target* to, const RfImage* image, bool* whole,
     RfPageTrack* track = to->track;
     RfExrWindow window = rf_page_window( &track->sequence->header );
     int most = track->page->width, factor = most > 0 ? ( window.width + most - 1 ) / most : 1;
-    uint64_t ends[4] = { to->page->bytes };
+    uint64_t before = to->page->raw, ends[3];
     char id[32];
     RfImage shown;
     RfResult result = rf_create_image( window.width, window.height, &shown, error );
@@ -327,18 +327,18 @@ static RfResult add_blocks( const Target* to, const RfImage* image, bool* whole,
     crop( &track->sequence->header, image->rgb, 3, shown.rgb );
     rf_page_block_id( track, to->number, id );
     result = add_picture( to, id, &shown, factor, RF_PICTURE_MAX_BITS, error );
-    ends[1] = to->page->bytes;
+    track->picture_bytes += to->page->raw - before;
+    ends[0] = to->page->bytes;
     id[0] = 'v';
     if ( result == RF_OK && track->value_factor > 0 )
         result = add_values( to, id, &shown, error );
-    ends[2] = to->page->bytes;
+    ends[1] = to->page->bytes;
     rf_destroy_image( &shown );
     if ( result == RF_OK )
         result = visit_passes( to, add_pass, whole, error );
-    ends[3] = to->page->bytes;
-    track->picture_bytes += ends[1] - ends[0];
-    track->value_bytes += ends[2] - ends[1];
-    track->layer_bytes += ends[3] - ends[2];
+    ends[2] = to->page->bytes;
+    track->value_bytes += ends[1] - ends[0];
+    track->layer_bytes += ends[2] - ends[1];
     track->picture_width = ( window.width + factor - 1 ) / factor;
     track->picture_height = ( window.height + factor - 1 ) / factor;
     return result;

@@ -69,9 +69,10 @@ typedef struct RfPageTrack
     RfPageFrame* frames; // of the page
     char damage[512];    // what is wrong with the first of those that are damaged
     int picture_width, picture_height;
-    int value_factor;                                 // scene values are means of boxes of so many pixels; 0: none
-    uint64_t picture_bytes, value_bytes, layer_bytes; // of the page
-    bool compensated, has_variance;                   // of the flicker without reference
+    int value_factor;                  // scene values are means of boxes of so many pixels; 0: none
+    uint64_t picture_bytes;            // before base64
+    uint64_t value_bytes, layer_bytes; // of the page
+    bool compensated, has_variance;    // of the flicker without reference
     RfFlickerSums flicker;
     RfErrorMetrics error; // of all frames, against the reference
     bool has_error;
