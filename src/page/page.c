@@ -65,29 +65,30 @@ RfResult rf_encode_values( const RfImage* image, int factor, const char* name, u
     return result;
 }
 
-static RfResult put( RfPage* page, const char* text, size_t size, RfError* error )
+// Nothing once a write has failed.
+static void put( RfPage* page, const char* text, size_t size )
 {
+    if ( page->result != RF_OK )
+        return;
     page->bytes += size;
-    return rf_append_atomic_file( &page->file, text, size, error );
+    page->result = rf_append_atomic_file( &page->file, text, size, page->error );
 }
 
-static RfResult put_text( RfPage* page, const char* text, RfError* error ) { return put( page, text, strlen( text ), error ); }
+static void put_text( RfPage* page, const char* text ) { put( page, text, strlen( text ) ); }
 
 // Writes text with some characters replaced: `replace` returns the replacement, or NULL.
-static RfResult put_escaped( RfPage* page, const char* text, const char* ( *replace )(char), RfError* error )
+static void put_escaped( RfPage* page, const char* text, const char* ( *replace )(char))
 {
-    RfResult result = RF_OK;
-    while ( *text != '\0' && result == RF_OK )
+    while ( *text != '\0' )
     {
         size_t plain = 0;
         while ( text[plain] != '\0' && replace( text[plain] ) == NULL )
             ++plain;
-        result = put( page, text, plain, error );
+        put( page, text, plain );
         text += plain;
-        if ( result == RF_OK && *text != '\0' )
-            result = put_text( page, replace( *text++ ), error );
+        if ( *text != '\0' )
+            put_text( page, replace( *text++ ) );
     }
-    return result;
 }
 
 static const char* escape_html( char c )
@@ -99,39 +100,28 @@ static const char* escape_html( char c )
 // script element.
 static const char* escape_json( char c ) { return c == '<' ? "\\u003c" : NULL; }
 
-// Writes the part of the template between two marks, "{{name}}"; NULL stands for its start or
-// end.
-static RfResult put_frame( RfPage* page, const char* from, const char* to, RfError* error )
+// Writes the template from where it is up to a mark, which is left out; NULL: to its end.
+static void put_until( RfPage* page, const char* mark )
 {
-    const char* begin = rf_page_html;
-    if ( from != NULL )
-        begin = strstr( begin, from ) + strlen( from );
-    const char* end = to != NULL ? strstr( begin, to ) : begin + strlen( begin );
-    return put( page, begin, (size_t)( end - begin ), error );
-}
-
-static RfResult put_head( RfPage* page, const char* title, RfError* error )
-{
-    RfResult result = put_frame( page, NULL, "{{title}}", error );
-    if ( result == RF_OK )
-        result = put_escaped( page, title, escape_html, error );
-    if ( result == RF_OK )
-        result = put_frame( page, "{{title}}", "{{style}}", error );
-    if ( result == RF_OK )
-        result = put_text( page, rf_page_css, error );
-    return result == RF_OK ? put_frame( page, "{{style}}", "{{blocks}}", error ) : result;
+    const char *begin = page->rest, *end = mark != NULL ? strstr( begin, mark ) : begin + strlen( begin );
+    put( page, begin, (size_t)( end - begin ) );
+    page->rest = mark != NULL ? end + strlen( mark ) : end;
 }
 
 RfResult rf_open_page( const char* path, const char* title, RfPage* page, RfError* error )
 {
-    *page = ( RfPage ){ 0 };
+    *page = ( RfPage ){ .rest = rf_page_html, .error = error };
     RfResult result = rf_open_atomic_file( path, &page->file, error );
     if ( result != RF_OK )
         return result;
-    result = put_head( page, title, error );
-    if ( result != RF_OK )
+    put_until( page, "{{title}}" );
+    put_escaped( page, title, escape_html );
+    put_until( page, "{{style}}" );
+    put_text( page, rf_page_css );
+    put_until( page, "{{blocks}}" );
+    if ( page->result != RF_OK )
         rf_discard_atomic_file( &page->file );
-    return result;
+    return page->result;
 }
 
 static size_t encode_base64( const unsigned char* in, size_t size, char* out )
@@ -159,30 +149,26 @@ RfResult rf_add_page_block( RfPage* page, const char* id, const void* bytes, siz
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %zu bytes of the page", page->file.path, size );
     size_t length = encode_base64( bytes, size, text );
     page->raw += size;
-    RfResult result = put_text( page, head, error );
-    if ( result == RF_OK )
-        result = put( page, text, length, error );
-    if ( result == RF_OK )
-        result = put_text( page, "</script>\n", error );
+    page->error = error;
+    put_text( page, head );
+    put( page, text, length );
+    put_text( page, "</script>\n" );
     free( text );
-    return result;
+    return page->result;
 }
 
 RfResult rf_end_page( RfPage* page, const char* json, RfError* error )
 {
-    RfResult result = put_frame( page, "{{blocks}}", "{{data}}", error );
-    if ( result == RF_OK )
-        result = put_escaped( page, json, escape_json, error );
-    if ( result == RF_OK )
-        result = put_frame( page, "{{data}}", "{{script}}", error );
-    if ( result == RF_OK )
-        result = put_text( page, rf_page_js, error );
-    if ( result == RF_OK )
-        result = put_frame( page, "{{script}}", NULL, error );
-    if ( result == RF_OK )
+    page->error = error;
+    put_until( page, "{{data}}" );
+    put_escaped( page, json, escape_json );
+    put_until( page, "{{script}}" );
+    put_text( page, rf_page_js );
+    put_until( page, NULL );
+    if ( page->result == RF_OK )
         return rf_commit_atomic_file( &page->file, error );
     rf_discard_atomic_file( &page->file );
-    return result;
+    return page->result;
 }
 
 void rf_discard_page( RfPage* page ) { rf_discard_atomic_file( &page->file ); }

@@ -13,8 +13,11 @@
 typedef struct RfPage
 {
     RfAtomicFile file;
-    uint64_t bytes; // written so far
-    uint64_t raw;   // of the blocks in them, before base64
+    uint64_t bytes;   // written so far
+    uint64_t raw;     // of the blocks in them, before base64
+    const char* rest; // of the template
+    RfResult result;  // of the writes so far
+    RfError* error;
 } RfPage;
 
 // Begins the page. `path` must outlive it. After success end or discard it.

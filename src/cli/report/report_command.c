@@ -198,11 +198,9 @@ static RfResult join_frames( RfPageRun* report, RfError* error )
 static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_count )
 {
     int left = 0;
-    for ( int i = 0, k = 0; i < count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        while ( k < wanted_count && wanted[k] < numbers[i] )
-            ++k;
-        if ( k < wanted_count && wanted[k] == numbers[i] )
+        if ( bsearch( numbers + i, wanted, (size_t)wanted_count, sizeof( int ), rf_compare_frames ) != NULL )
             numbers[left++] = numbers[i];
     }
     return left;

@@ -6,6 +6,7 @@
 #include "image/sequence.h"
 
 #include <errno.h>
+#include <libgen.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -212,26 +213,6 @@ static RfResult look_beside( RfPageSequence* sequence, const char* folder, RfErr
     return result;
 }
 
-// Everything before the last component; "." where there is nothing.
-static void folder_of( const char* path, char folder[RF_FILE_NAME_SIZE] )
-{
-    const char* slash = strrchr( path, '/' );
-    int length = slash == NULL || slash == path ? 1 : (int)( slash - path );
-    snprintf( folder, RF_FILE_NAME_SIZE, "%.*s", length, slash == NULL ? "." : path );
-}
-
-// The last component of a folder's name, or of the file's.
-static void name_sequence( const char* place, RfPageSequence* sequence )
-{
-    size_t length = strlen( place );
-    while ( length > 1 && place[length - 1] == '/' )
-        --length;
-    size_t begin = length;
-    while ( begin > 0 && place[begin - 1] != '/' )
-        --begin;
-    snprintf( sequence->name, sizeof sequence->name, "%.*s", (int)( length - begin ), place + begin );
-}
-
 static RfResult find_frames( const char* place, RfPageSequence* sequence, RfError* error )
 {
     RfSequenceInput* input = &sequence->input;
@@ -250,9 +231,10 @@ static RfResult find_frames( const char* place, RfPageSequence* sequence, RfErro
 
 RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error )
 {
-    char folder[RF_FILE_NAME_SIZE];
+    char copy[RF_FILE_NAME_SIZE]; // which basename and dirname may change
     *sequence = ( RfPageSequence ){ .layer = layer };
-    name_sequence( place, sequence );
+    snprintf( copy, sizeof copy, "%s", place );
+    snprintf( sequence->name, sizeof sequence->name, "%.255s", basename( copy ) );
     RfResult result = find_frames( place, sequence, error );
     if ( result == RF_OK )
         result = rf_page_frame_path( sequence, sequence->input.frames[0], sequence->first, error );
@@ -260,9 +242,9 @@ RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequ
         sequence->layer = rf_layer_of_file( sequence->first, layer, sequence->layer_text );
     if ( result == RF_OK )
         result = rf_read_exr_header( sequence->first, sequence->layer, &sequence->header, error );
-    folder_of( sequence->input.pattern, folder );
+    snprintf( copy, sizeof copy, "%s", sequence->input.pattern );
     if ( result == RF_OK )
-        result = look_beside( sequence, folder, error );
+        result = look_beside( sequence, dirname( copy ), error );
     if ( result == RF_OK && sequence->plan != NULL )
         sequence->progress = task_progress_json( sequence );
     return result;
