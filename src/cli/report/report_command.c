@@ -226,16 +226,12 @@ static RfResult choose_frames( RfPageRun* report, RfError* error )
 // As the first file has it; values of a layer are shown by the sRGB curve unless another view is asked for.
 static RfResult choose_view( RfPageRun* report, RfError* error )
 {
-    char name[RF_FILE_NAME_SIZE];
     RfView* view;
     report->shown = ( RfViewText ){ .exposure = report->view.exposure };
     if ( report->layer != NULL && report->view.view == NULL )
         return RF_OK;
-    RfResult result = rf_sequence_name( report->sequences[0].input.pattern, report->page.numbers[0], name, sizeof name, error );
-    if ( result != RF_OK )
-        return result;
     RfLog log = rf_stderr_log( COMMAND );
-    result = rf_open_chosen_view( &report->view, name, &log, &view, &report->shown, error );
+    RfResult result = rf_open_chosen_view( &report->view, report->sequences[0].first, &log, &view, &report->shown, error );
     if ( result == RF_OK )
         rf_close_view( view ); // before there is work for nothing
     return result;
