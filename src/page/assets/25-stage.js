@@ -71,17 +71,20 @@ class Stage {
       this.zoomTo(this.zoom * 2 ** (-event.deltaY / 120), panel, event);
     }, { passive: false });
     stage.addEventListener("scroll", () => {
-      for (const other of this.panels.filter(other => this.leader === panel && other !== panel)) // else the panels would answer each other
-        other.stage.scrollTo(stage.scrollLeft * other.content.clientWidth / content.clientWidth, stage.scrollTop * other.content.clientHeight / content.clientHeight);
+      if (this.leader !== panel) // else the panels would answer each other
+        return;
+      const x = stage.scrollLeft / content.clientWidth, y = stage.scrollTop / content.clientHeight;
+      for (const other of this.panels.filter(other => other !== panel))
+        other.stage.scrollTo(x * other.content.clientWidth, y * other.content.clientHeight);
     });
   }
 
   // The cross at the probed pixel; null: none.
   mark(place) {
     for (const { cross, sequence: { file_width, file_height } } of this.panels) {
+      const middle = (share, size) => `${100 * (Math.floor(share * size) + 0.5) / size}%`, [u, v] = place || [0, 0];
       cross.hidden = place === null;
-      if (place !== null)
-        Object.assign(cross.style, { left: `${100 * (Math.floor(place[0] * file_width) + 0.5) / file_width}%`, top: `${100 * (Math.floor(place[1] * file_height) + 0.5) / file_height}%`, width: `${100 / file_width}%` });
+      Object.assign(cross.style, { left: middle(u, file_width), top: middle(v, file_height), width: `${100 / file_width}%` });
     }
   }
 

@@ -102,8 +102,10 @@ class Probe {
         this.fill(row, this.player.panels[i], this.player.sources && this.player.sources[i]);
     });
     const factor = Math.max(...shown.map(i => this.data.sequences[i].value_factor));
-    this.note.textContent = place === null ? "" : factor === 0 ? "Values are read back from the picture: report --values puts those of the file in."
-      : factor > 1 ? `Values of the file, the mean of ${factor}x${factor} pixels; \u2248 is read back from the picture. report --values gives more.` : "Values of the file, in half precision.";
+    this.note.textContent = place === null ? ""
+      : factor === 0 ? "Values are read back from the picture: report --values puts those of the file in."
+        : factor === 1 ? "Values of the file, in half precision."
+          : `Values of the file, the mean of ${factor}x${factor} pixels; \u2248 is read back from the picture. report --values gives more.`;
   }
 
   fill(row, { sequence, painter }, source) {
@@ -114,8 +116,9 @@ class Probe {
     near.textContent = "";
     if (!source || (!source.layer && values && sequence.value_factor === 1))
       return;
-    const light = painter.lightAt(column, line), layer = source.layer || { look: "light", name: "" }, name = nameAt({ ...source, layer }, column, line);
-    const list = name !== null ? name || "nothing" : s_looks[layer.look].values(layer, light, light.map(value => encodeSrgb(value) / 255)).map(value => formatNumber(value)).join("  ");
-    near.textContent = `${source.layer ? view : ""}${name !== null ? ":" : " \u2248"} ${list}`;
+    const layer = source.layer || { look: "light", name: "" }, name = nameAt({ ...source, layer }, column, line);
+    const light = painter.lightAt(column, line), level = light.map(value => encodeSrgb(value) / 255);
+    const list = s_looks[layer.look].values(layer, light, level).map(value => formatNumber(value)).join("  ");
+    near.textContent = `${source.layer ? view : ""}${name !== null ? `: ${name || "nothing"}` : ` \u2248 ${list}`}`;
   }
 }

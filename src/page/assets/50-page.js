@@ -27,7 +27,8 @@ function showWarnings({ warnings, sequences }) {
   const lost = warnings.filter(warning => warning.loss).length, rest = warnings.length - lost;
   element("warnings").hidden = warnings.length === 0;
   element("warnings").open = warnings.length <= 4 || lost > 0;
-  element("warnings-title").textContent = [lost > 0 ? `Lost by the export: ${lost}` : "", rest > 0 ? `${rest} warning${rest === 1 ? "" : "s"}` : ""].filter(Boolean).join("; ");
+  const titles = [lost > 0 ? `Lost by the export: ${lost}` : "", rest > 0 ? `${rest} warning${rest === 1 ? "" : "s"}` : ""];
+  element("warnings-title").textContent = titles.filter(title => title !== "").join("; ");
   for (const { sequence, text, loss } of warnings) {
     const name = sequences.length > 1 ? [make("strong", { textContent: `${sequences[sequence].name}: ` })] : [];
     element("warnings-list").append(make("li", { className: loss ? "loss" : "" }, ...name, text));
@@ -72,14 +73,16 @@ function makePanel(sequence, index, data) {
     words.textContent = said.join("   ");
     bad.textContent = sequence.bad[i] > 0 ? `${sequence.bad[i]} pixels are NaN or infinite` : "";
   };
-  return { figure, stage, content, cross, sequence, painter: new Painter(canvas), source: (view, i) => sourceOf(sequence, data, view, i), isReference: sequence.reference, onFrame };
+  const source = (view, i) => sourceOf(sequence, data, view, i);
+  return { figure, stage, content, cross, sequence, painter: new Painter(canvas), source, isReference: sequence.reference, onFrame };
 }
 
 // Curves of what any sequence has.
 function addCharts(data, seek) {
   const titles = { relmse: "Error: relMSE", phi: "Flicker: \u03c6", f1: "Flicker: F1", seconds: "Seconds", samples: "Samples" };
   return Object.entries(titles).flatMap(([key, title]) => {
-    const series = data.sequences.map((sequence, index) => ({ name: sequence.name, color: colorOf(index), values: sequence[key] })).filter(one => one.values.some(value => value !== null));
+    const all = data.sequences.map((sequence, index) => ({ name: sequence.name, color: colorOf(index), values: sequence[key] }));
+    const series = all.filter(one => one.values.some(value => value !== null));
     return series.length === 0 ? [] : [new Chart(element("charts"), { id: `chart-${key}`, title, note: data.notes[key], series, frames: data.frames, seek })];
   });
 }
@@ -103,7 +106,8 @@ function addFacts({ sequences }) {
 
 // Sliders of the light groups that any sequence can mix, and what gives the same as a file. Returns what shows their state.
 function fillMix(player, data) {
-  const names = [...new Set(data.sequences.filter(sequence => sequence.mixes).flatMap(sequence => sequence.layers.filter(layer => layer.group).map(layer => layer.name)))];
+  const groups = data.sequences.filter(sequence => sequence.mixes).flatMap(sequence => sequence.layers.filter(layer => layer.group));
+  const names = [...new Set(groups.map(layer => layer.name))];
   const sliders = names.map(name => {
     const slider = make("input", { type: "range", min: 0, max: 4, step: 0.05 }), value = make("output", {});
     slider.addEventListener("input", () => player.setFactor(name, Number(slider.value)));
