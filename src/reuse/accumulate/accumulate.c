@@ -467,7 +467,7 @@ void rf_land_batch( const RfEstimatorGroup* group, RfAccumulateJob job, const Rf
                     void* landing )
 {
     RfAccumulation a = make_accumulation( group, job );
-    RfLandedHits* hits = rf_lay_out_landing( landing, rf_has_filter( a.filter ) );
+    RfLandedHits* hits = rf_place_landing( rf_has_filter( a.filter ), &( RfLayout ){ .memory = landing } );
     RfHitBatch lit = *given;
     if ( !reaches_rows( &a, given, job ) )
         return;

@@ -3,7 +3,7 @@
 #ifndef REFRAME_REUSE_HARVEST_RECORDS_H
 #define REFRAME_REUSE_HARVEST_RECORDS_H
 
-#include "base/arena.h"
+#include "base/layout.h"
 #include "film/covering.h"
 #include "path/lanes.h"
 #include "scene/lens.h"
@@ -198,10 +198,6 @@ RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others );
 // The parameters of the glossy models among `kinds`, a bit per RfBsdfKind.
 uint32_t rf_glossy_params( unsigned kinds );
 
-// The size of one batch, bytes.
-size_t rf_batch_bytes( const RfBatchShape* shape );
-
-// Lays out a batch in `memory`, which has rf_batch_bytes bytes and is aligned to 64.
-RfHitBatch rf_lay_out_batch( const RfBatchShape* shape, void* memory );
+RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout );
 
 #endif
