@@ -46,6 +46,19 @@ typedef struct RfRenderMemory
     int buffer_count;
 } RfRenderMemory;
 
+// Goes through blocks of memory, in the same order each time: their names in the arena, their bytes, and the pointers to them.
+typedef struct RfMemoryWalk
+{
+    void ( *take )( struct RfMemoryWalk* walk, const char* name, size_t bytes, void** block );
+    const RfRenderSizes* sizes;
+} RfMemoryWalk;
+
+// The arrays of a live film and of its films.
+void rf_walk_film_arrays( RfMemoryWalk* walk, RfLiveFilm* live );
+
+// Bytes of the films of all frames held at once, with their AOVs.
+size_t rf_films_bytes( const RfRenderSizes* sizes );
+
 // Settles threads and films for the budget. Fails with RF_ERROR_MEMORY where not even the smallest
 // render fits; fit->least is set then, too.
 RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemoryFit* fit, RfError* error );
