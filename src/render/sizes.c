@@ -14,7 +14,7 @@
 // First hits go to AOVs when they are traced, light paths and pieces are those of a pass, and a goal is looked at after each.
 static int passes_at_once( const RfEstimatorSizes* sizes, const RfGroupPlan* plan, const RfRenderSettings* settings )
 {
-    bool whole = sizes->shared > 0 || sizes->pass_state > 0 || settings->pieces != NULL || rf_is_stopping( settings );
+    bool whole = sizes->shared > 0 || settings->pieces != NULL || rf_is_stopping( settings );
     bool of_pass = whole || ( settings->aovs & RF_FIRST_HIT_AOVS ) != 0;
     return of_pass ? 1 : plan->passes > 0 ? plan->passes : ( settings->spp - 1 ) / plan->eyes + 1;
 }
@@ -119,5 +119,5 @@ int rf_batches_wanted( const RfRenderSizes* s )
 {
     int jobs = rf_batches_of_pass( s ), wanted = s->threads * BATCHES_PER_THREAD;
     int64_t all = (int64_t)jobs * ( s->threads > 1 ? s->passes : 1 );
-    return s->of_estimator.whole_pass ? jobs : all < wanted ? (int)all : wanted;
+    return all < wanted ? (int)all : wanted;
 }

@@ -10,7 +10,7 @@ typedef struct Shape
 {
     int32_t width, height, films, live, frames, of_sweep;
     uint32_t aovs, adaptive, paired, stopping, cryptomatte, covering;
-    uint64_t film_bytes, total_bytes, pass_state, stop;
+    uint64_t film_bytes, total_bytes, stop;
 } Shape;
 
 typedef struct Stream
@@ -145,7 +145,6 @@ static Shape shape_of( const RfRenderer* r )
         .film_bytes = rf_film_half_bytes( sizes->width, sizes->height, sizes->of_estimator.splits ),
         .total_bytes =
             sizes->total_every > 0 ? rf_film_total_bytes( sizes->width, sizes->height, sizes->of_estimator.splits ) : 0,
-        .pass_state = sizes->of_estimator.pass_state,
         .stop = sizeof( RfStop ),
     };
     for ( int i = 0; i < r->memory.film_slots; ++i )

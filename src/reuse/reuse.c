@@ -4,6 +4,7 @@
 #include "reuse/accumulate/accumulate.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/accumulate/splat.h"
+#include "reuse/biased_weights.h"
 #include "reuse/harvest/connection_share.h"
 #include "reuse/harvest/glints.h"
 #include "reuse/harvest/harvest_steps.h"
@@ -12,15 +13,6 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
 {
     if ( !rf_is_tile( &s->tile ) )
         return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
-    if ( s->adaptive == RF_ADAPTIVE_ON && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
-    if ( s->clamp != 0.0 && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "a clamp needs exact weights: --weights exact, or --clamp off" );
-    if ( ( s->aovs & RF_PASS_AOVS ) != 0 && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "the biased weights cannot split light into passes: exact weights, or no passes" );
-    if ( s->light_groups != NULL && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE,
-                        "the biased weights cannot split light by groups: exact weights, or no light groups" );
     return RF_OK;
 }
 
@@ -56,16 +48,14 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         rf_place_landing( shape.filtered, &landing );
     if ( shape.connections )
         place_shared( group, &shared, &pilot );
-    size_t pixels = (size_t)group->width * (size_t)group->height;
     return ( RfEstimatorSizes ){
         .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.scattered, group->width, group->height ).count,
         .batch = batch_bytes( &shape ),
         .trace_scratch = scratch.bytes,
         .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
         .landing = landing.bytes,
-        .pass_state = shape.arrivals > 0 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
         .shared = shared.bytes,
-        .whole_pass = shape.arrivals > 0,
+        .shared_name = "light paths",
         .splits = shape.own_light && !shape.caustics,
         .diffuse_record = record_bytes( &diffuse ),
         .glossy_record = record_bytes( &shape ),
@@ -205,6 +195,7 @@ const RfEstimator rf_reuse_estimator = {
     .has_covering = true,
     .clamps = true,
     .splits_light = true,
+    .other_weights = &rf_biased_estimator,
     .check = check,
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,

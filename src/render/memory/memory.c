@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define SHARED "light paths"
 #define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
 #define MOVING "moving" // what moves: allocated by render/worlds.h and Embree
 
@@ -135,8 +134,6 @@ void rf_walk_film_arrays( RfMemoryWalk* w, RfLiveFilm* live )
         TAKE( w, "adaptive", first->extra[h], s->adaptive ? pixels : 0 );
     TAKE( w, "adaptive", live->need, s->adaptive ? pixels : 0 );
     TAKE( w, "adaptive", live->glints, s->glints ? pixels : 0 );
-    if ( s->of_estimator.pass_state > 0 )
-        w->take( w, "landed cameras", s->of_estimator.pass_state, &live->pass_state );
     TAKE( w, "surfaces", live->covering, s->covering ? pixels : 0 );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
@@ -182,7 +179,7 @@ static void walk_scratch( RfMemoryWalk* w, RfRenderMemory* m )
     if ( s->of_estimator.finish_scratch > 0 )
         w->take( w, "scratch", s->of_estimator.finish_scratch, &m->finish_scratch );
     if ( s->of_estimator.shared > 0 )
-        w->take( w, SHARED, s->of_estimator.shared, &m->shared );
+        w->take( w, s->of_estimator.shared_name, s->of_estimator.shared, &m->shared );
 }
 
 // What they measure.
@@ -241,7 +238,7 @@ static int batch_slots( const RfRenderSizes* s, const RfRenderMemory* m )
 {
     int slots = rf_batches_wanted( s );
     size_t room = rf_arena_room( &m->arena );
-    if ( s->of_estimator.whole_pass || records_bytes( s, slots ) <= room )
+    if ( records_bytes( s, slots ) <= room )
         return slots;
     int fit = (int)( room / ( records_bytes( s, slots ) / (size_t)slots ) ); // upper bound
     while ( fit > 1 && records_bytes( s, fit ) > room )
@@ -274,7 +271,7 @@ static RfResult alloc_batches( const RfEstimatorGroup* group, const RfRenderSize
 static RfResult check_permitted( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
     size_t permitted = rf_permitted_memory();
-    size_t needed = fixed_bytes( s ) + records_bytes( s, s->of_estimator.whole_pass ? rf_batches_wanted( s ) : 1 );
+    size_t needed = fixed_bytes( s ) + records_bytes( s, 1 );
     if ( needed > permitted )
     {
         char needs[RF_BYTES_TEXT_SIZE], may[RF_BYTES_TEXT_SIZE];
@@ -343,7 +340,7 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
 static int batches_needed( const RfRenderSizes* s )
 {
     int wanted = rf_batches_wanted( s );
-    return s->of_estimator.whole_pass || wanted < s->threads ? wanted : s->threads;
+    return wanted < s->threads ? wanted : s->threads;
 }
 
 static size_t needed_bytes( const RfRenderSizes* s ) { return fixed_bytes( s ) + records_bytes( s, batches_needed( s ) ); }

@@ -14,7 +14,6 @@ typedef struct RfLiveFilm
     RfFilm* films; // RfRenderSizes.film_count; the first counts passes and samples
     RfAovFilm aovs;
     RfCovering* covering;              // of the pixels by surfaces; NULL: not asked for
-    void* pass_state;                  // the estimator's, see RfEstimatorSizes; NULL: none
     double noise, flicker, noise_seen; // as `noise`, `flicker` and `seen` in RfFrameNoise
     RfPairNoise pair;
     float* need; // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render

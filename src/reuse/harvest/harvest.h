@@ -19,8 +19,7 @@ typedef struct RfHarvest
     RfPatchLayout patches;
     bool path_roulette;         // see RfTileReuseSettings
     const int32_t* path_source; // its `source`
-    RfWeights weights;
-    bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
+    bool alpha;                 // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;
     const RfPixelFilter* drawn_by; // positions in pixels are drawn by it; NULL: uniformly
     const RfEye* eyes;             // shape.eyes of them

@@ -63,7 +63,6 @@ static void place_glossy( RfLayout* layout, const RfBatchShape* shape, RfHitBatc
         batch->directions = lanes;
         batch->removed_directions = removed;
     }
-    RF_PLACE( layout, batch->arrivals, shape->arrivals / sizeof( float ) );
 }
 
 RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout )
@@ -129,7 +128,6 @@ RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others )
     out.removed_directions = light->removed_directions;
     out.any_removed = light->any_removed;
     out.passes = light->passes != NULL ? light->passes : batch->passes;
-    out.arrivals = NULL;
     out.miss_count = others ? out.miss_count : 0;
     out.glint_count = others ? out.glint_count : 0;
     return out;
