@@ -18,7 +18,6 @@
     X( embree_scale, "Embree gets scenes of ordinary size: its products of four lengths stay within floats", "scale-1e-12 acne-and-leaks" ) \
     X( empty_ball, "no 1/0 for a scene without extent", "nothing-there" ) \
     X( empty_half, "a half of the film without samples has no quotient", "one-sample" ) \
-    X( eq15_mixture, "directions that nobody could have drawn bring no light, by the weights of eq15", "phong-1e7 one-sample" ) \
     X( eye_in_doubles, "the axes of a camera come from products in doubles", "eye-frames path-gimbal" ) \
     X( eye_rounding, "hits are lifted by the rounding of the cameras that look for them", "eyes-far-away" ) \
     X( far_filter, "rays do not find the far triangle that they leave", "far-ground" ) \

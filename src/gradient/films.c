@@ -100,13 +100,12 @@ uint64_t rf_accumulate_gradients( const RfEstimatorGroup* group, RfAccumulateJob
     return landed;
 }
 
-// Images that the solve works on, for each half: the means of the three films and their variances. The solutions.
-enum
+// What the solve works on, by half: means of the three films, 9 floats a pixel, and their variances, 3; the solution, 4.
+typedef struct Work
 {
-    FLOATS_OF_MEANS = 9,
-    FLOATS_OF_HALF = FLOATS_OF_MEANS + 3,
-    FLOATS_OF_SOLUTION = 4,
-};
+    float *means[2], *variance[2], *solution[2];
+    void* solver;
+} Work;
 
 typedef struct Halves
 {
@@ -116,17 +115,27 @@ typedef struct Halves
 
 static size_t pixels_of( const RfFilm* film ) { return (size_t)film->width * (size_t)film->height; }
 
-static size_t image_bytes( int width, int height )
+static Work place_work( int width, int height, RfLayout* layout )
 {
-    size_t bytes = 2 * ( FLOATS_OF_HALF + FLOATS_OF_SOLUTION ) * sizeof( float ) * (size_t)width * (size_t)height;
-    return ( bytes + 63 ) / 64 * 64;
+    size_t pixels = (size_t)width * (size_t)height;
+    Work work;
+    for ( int h = 0; h < 2; ++h )
+    {
+        work.means[h] = rf_take( layout, 9 * pixels, sizeof( float ) );
+        work.variance[h] = rf_take( layout, 3 * pixels, sizeof( float ) );
+        work.solution[h] = rf_take( layout, 4 * pixels, sizeof( float ) );
+    }
+    work.solver = rf_take( layout, rf_reconstruct_bytes( width, height ), 1 );
+    return work;
 }
 
 size_t rf_finish_gradients_bytes( const RfRenderSettings* settings, int width, int height )
 {
     if ( settings->reconstruction == RF_RECONSTRUCTION_NONE )
         return 0;
-    return image_bytes( width, height ) + rf_reconstruct_bytes( width, height );
+    RfLayout layout = { 0 };
+    place_work( width, height, &layout );
+    return layout.bytes;
 }
 
 // Entry i of the sums of a half.
@@ -170,15 +179,14 @@ static void bound_variances( float share, size_t pixels, float* variance )
     }
 }
 
-// Cuts the workspace up and fills the halves that have passes.
-static Halves load_halves( const RfFilm* films, float* memory )
+// Fills the halves that have passes.
+static Halves load_halves( const RfFilm* films, const Work* work )
 {
     size_t pixels = pixels_of( films );
     Halves out;
     for ( int h = 0; h < 2; ++h )
     {
-        float *means = memory, *variance = memory + FLOATS_OF_MEANS * pixels;
-        memory += FLOATS_OF_HALF * pixels;
+        float *means = work->means[h], *variance = work->variance[h];
         for ( int f = 0; f < RF_FILM_SQUARES; ++f )
             find_means( films, f, h, means + 3 * pixels * (size_t)f, variance + pixels * (size_t)f );
         add_unshared_steps( films, h, h, means );
@@ -190,9 +198,8 @@ static Halves load_halves( const RfFilm* films, float* memory )
             .variance_dy = variance + 2 * pixels,
             .passes = films->passes[h],
         };
+        out.solution[h] = work->solution[h];
     }
-    for ( int h = 0; h < 2; ++h )
-        out.solution[h] = memory + FLOATS_OF_SOLUTION * pixels * (size_t)h;
     return out;
 }
 
@@ -269,10 +276,10 @@ RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* fi
     rf_combine_film( primal, RF_NORMALIZE_RATIO, picture->rgb, picture->weight );
     if ( settings->reconstruction == RF_RECONSTRUCTION_NONE )
         return finish_pixels( primal, picture );
-    Halves halves = load_halves( films, scratch );
-    void* work = (char*)scratch + image_bytes( films->width, films->height );
+    Work work = place_work( films->width, films->height, &( RfLayout ){ .memory = scratch } );
+    Halves halves = load_halves( films, &work );
     RfReconstructInfo info;
-    if ( solve( settings, films, &halves, work, picture->rgb, &info ) != RF_OK )
+    if ( solve( settings, films, &halves, work.solver, picture->rgb, &info ) != RF_OK )
     {
         // samples that are not finite: the pixels as they are show where
         picture->solved = RF_SOLVED_NOT;

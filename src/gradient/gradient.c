@@ -27,10 +27,12 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
 
 static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 {
+    RfLayout scratch = { 0 };
+    rf_place_gradient_scratch( group, &scratch );
     return ( RfEstimatorSizes ){
         .jobs = rf_group_tiles( group ).patches,
         .batch = sizeof( RfGradientBatch ),
-        .trace_scratch = rf_gradient_scratch_bytes( group ),
+        .trace_scratch = scratch.bytes,
         .accumulate_scratch = 64,
         .finish_scratch = rf_finish_gradients_bytes( group->settings, group->width, group->height ),
         .diffuse_record = sizeof( float[4] ),
@@ -44,6 +46,11 @@ static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
     (void)group;
     RfGradientBatch* batch = memory;
     batch->tile_count = 0;
+}
+
+static void lay_out_scratch( const RfEstimatorGroup* group, void* memory )
+{
+    rf_place_gradient_scratch( group, &( RfLayout ){ .memory = memory } );
 }
 
 static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays )
@@ -74,7 +81,7 @@ const RfEstimator rf_gradient_estimator = {
     .check = check,
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,
-    .lay_out_scratch = rf_lay_out_gradient_scratch,
+    .lay_out_scratch = lay_out_scratch,
     .trace = trace,
     .first_hits = first_hits,
     .accumulate = accumulate,

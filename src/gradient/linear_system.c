@@ -12,21 +12,15 @@
 // Floats before the first pixel: at least a row, and a multiple of 16 for the alignment.
 static size_t lead( int width ) { return ( (size_t)width + 15 ) / 16 * 16; }
 
-size_t rf_plane_bytes( int width, int height )
+float* rf_place_plane( int width, int height, RfLayout* layout )
 {
-    size_t floats = 2 * lead( width ) + (size_t)width * (size_t)height;
-    return ( floats + 15 ) / 16 * 64;
-}
-
-float* rf_plane( int width, int height, char** memory )
-{
-    size_t bytes = rf_plane_bytes( width, height ), before = lead( width ) * sizeof( float );
-    char* first = *memory;
-    size_t end = before + (size_t)width * (size_t)height * sizeof( float );
-    memset( first, 0, before );
-    memset( first + end, 0, bytes - end );
-    *memory += bytes;
-    return (float*)(void*)( first + before );
+    size_t before = lead( width ), count = (size_t)width * (size_t)height;
+    float* first = rf_take( layout, before + count + before, sizeof *first );
+    if ( first == NULL )
+        return NULL;
+    memset( first, 0, before * sizeof *first );
+    memset( first + before + count, 0, before * sizeof *first );
+    return first + before;
 }
 
 void rf_finish_system( RfGradientSystem* system )
@@ -121,28 +115,6 @@ static int half_of( int n ) { return ( n + 1 ) / 2; }
 
 static bool is_coarsest( int width, int height ) { return width <= 2 && height <= 2; }
 
-size_t rf_multigrid_bytes( int width, int height )
-{
-    size_t bytes = 0;
-    while ( !is_coarsest( width, height ) )
-    {
-        width = half_of( width ), height = half_of( height );
-        bytes += 4 * rf_plane_bytes( width, height );
-    }
-    return bytes;
-}
-
-size_t rf_multigrid_vector_bytes( int width, int height )
-{
-    size_t bytes = rf_plane_bytes( width, height );
-    while ( !is_coarsest( width, height ) )
-    {
-        width = half_of( width ), height = half_of( height );
-        bytes += 3 * rf_plane_bytes( width, height );
-    }
-    return bytes;
-}
-
 static float weight_at( const RfGradientSystem* s, const float* plane, int x, int y )
 {
     return x < s->width && y < s->height ? plane[(size_t)y * (size_t)s->width + (size_t)x] : 0.0f;
@@ -176,7 +148,16 @@ void rf_coarsen_multigrid( RfMultigrid* grid )
         coarsen( grid->levels + k - 1, grid->levels + k );
 }
 
-void rf_build_multigrid( const RfGradientSystem* system, char** memory, RfMultigrid* grid )
+void rf_place_system( int width, int height, RfLayout* layout, RfGradientSystem* system )
+{
+    system->width = width, system->height = height;
+    system->a = rf_place_plane( width, height, layout );
+    system->b_x = rf_place_plane( width, height, layout );
+    system->b_y = rf_place_plane( width, height, layout );
+    system->inverse_diagonal = rf_place_plane( width, height, layout );
+}
+
+void rf_place_multigrid( const RfGradientSystem* system, RfLayout* layout, RfMultigrid* grid )
 {
     grid->count = 1;
     grid->levels[0] = *system;
@@ -184,23 +165,18 @@ void rf_build_multigrid( const RfGradientSystem* system, char** memory, RfMultig
     while ( !is_coarsest( width, height ) && grid->count < RF_MULTIGRID_LEVELS )
     {
         width = half_of( width ), height = half_of( height );
-        RfGradientSystem* level = grid->levels + grid->count++;
-        level->width = width, level->height = height;
-        level->a = rf_plane( width, height, memory );
-        level->b_x = rf_plane( width, height, memory );
-        level->b_y = rf_plane( width, height, memory );
-        level->inverse_diagonal = rf_plane( width, height, memory );
+        rf_place_system( width, height, layout, grid->levels + grid->count++ );
     }
 }
 
-void rf_build_multigrid_vectors( const RfMultigrid* grid, char** memory, RfMultigridVectors* vectors )
+void rf_place_multigrid_vectors( const RfMultigrid* grid, RfLayout* layout, RfMultigridVectors* vectors )
 {
     for ( int k = 0; k < grid->count; ++k )
     {
         int width = grid->levels[k].width, height = grid->levels[k].height;
-        vectors->t[k] = rf_plane( width, height, memory );
-        vectors->x[k] = k > 0 ? rf_plane( width, height, memory ) : NULL;
-        vectors->b[k] = k > 0 ? rf_plane( width, height, memory ) : NULL;
+        vectors->t[k] = rf_place_plane( width, height, layout );
+        vectors->x[k] = k > 0 ? rf_place_plane( width, height, layout ) : NULL;
+        vectors->b[k] = k > 0 ? rf_place_plane( width, height, layout ) : NULL;
     }
 }
 

@@ -1,7 +1,7 @@
 // The linear system of a reconstruction, for one channel: (diag a + Dᵀ B D) u = a I + Dᵀ B Δ, where D takes
 // the differences of neighbours. Matrix-free: the weights are the matrix.
 //
-// A plane is width·height floats with a row of zeros before and after it (rf_plane), so that the
+// A plane is width·height floats with a row of zeros before and after it (rf_place_plane), so that the
 // operator is one loop without borders.
 //
 // Its preconditioner is a multigrid V-cycle. On each level 2x2 pixels become one: their a is
@@ -10,6 +10,7 @@
 #ifndef REFRAME_GRADIENT_LINEAR_SYSTEM_H
 #define REFRAME_GRADIENT_LINEAR_SYSTEM_H
 
+#include "base/layout.h"
 #include "reframe/reconstruct.h"
 
 // Planes of weights. Those of pairs that leave the image are 0: b_x of the last column, b_y of the last row.
@@ -20,11 +21,11 @@ typedef struct RfGradientSystem
     float* inverse_diagonal; // 0 where the diagonal is
 } RfGradientSystem;
 
-// Bytes of a plane with its rows of zeros, a multiple of 64.
-size_t rf_plane_bytes( int width, int height );
+// Zeroes the rows before and after. The plane is aligned to 64.
+float* rf_place_plane( int width, int height, RfLayout* layout );
 
-// Takes a plane from *memory, advances it and zeroes the rows before and after. The plane is aligned to 64.
-float* rf_plane( int width, int height, char** memory );
+// The planes of a system.
+void rf_place_system( int width, int height, RfLayout* layout, RfGradientSystem* system );
 
 // Computes inverse_diagonal from the weights.
 void rf_finish_system( RfGradientSystem* system );
@@ -59,18 +60,13 @@ typedef struct RfMultigridVectors
     float *x[RF_MULTIGRID_LEVELS], *b[RF_MULTIGRID_LEVELS], *t[RF_MULTIGRID_LEVELS];
 } RfMultigridVectors;
 
-// Bytes of the coarse systems, and of the vectors of one solve.
-size_t rf_multigrid_bytes( int width, int height );
-size_t rf_multigrid_vector_bytes( int width, int height );
-
-// Takes the memory of the levels below `system` from *memory; rf_coarsen_multigrid computes them.
-void rf_build_multigrid( const RfGradientSystem* system, char** memory, RfMultigrid* grid );
+// The levels below `system`; rf_coarsen_multigrid computes them.
+void rf_place_multigrid( const RfGradientSystem* system, RfLayout* layout, RfMultigrid* grid );
 
 // Computes the coarse levels from the weights of level 0.
 void rf_coarsen_multigrid( RfMultigrid* grid );
 
-// Takes the memory of the vectors from *memory.
-void rf_build_multigrid_vectors( const RfMultigrid* grid, char** memory, RfMultigridVectors* vectors );
+void rf_place_multigrid_vectors( const RfMultigrid* grid, RfLayout* layout, RfMultigridVectors* vectors );
 
 // z ≈ the solution of (matrix) z = r, by a symmetric positive definite operator.
 void rf_multigrid_cycle( const RfMultigrid* grid, const RfMultigridVectors* vectors, const float* r, float* z );

@@ -92,7 +92,7 @@ int rf_list_extended_tiles( const RfExtendedTiles* l, uint64_t pass_key, int pat
 struct RfGradientScratch
 {
     RfHarvestScratch* harvest;
-    RfHitBatch hits;
+    RfHitBatch* hits;
     int32_t pixel[RF_LANES];     // by slot
     int32_t own_pixel[RF_LANES]; // the same, −1 where the pixel is not its tile's own
     int32_t number[RF_LANES];    // of its tile in the pass
@@ -124,25 +124,19 @@ static void extend( const RfEstimatorGroup* group, ExtendedGroup* out )
     out->group.settings = &out->settings;
 }
 
-static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
-
-size_t rf_gradient_scratch_bytes( const RfEstimatorGroup* group )
+RfGradientScratch* rf_place_gradient_scratch( const RfEstimatorGroup* group, RfLayout* layout )
 {
     ExtendedGroup extended;
     extend( group, &extended );
     RfBatchShape shape = rf_batch_shape( &extended.group );
-    return aligned( sizeof( RfGradientScratch ) ) + aligned( rf_batch_bytes( &shape ) ) + rf_harvest_scratch_bytes( &shape );
-}
-
-void rf_lay_out_gradient_scratch( const RfEstimatorGroup* group, void* memory )
-{
-    ExtendedGroup extended;
-    extend( group, &extended );
-    RfBatchShape shape = rf_batch_shape( &extended.group );
-    RfGradientScratch* scratch = memory;
-    char* rest = (char*)memory + aligned( sizeof *scratch );
-    scratch->hits = rf_lay_out_batch( &shape, rest );
-    scratch->harvest = rf_lay_out_harvest_scratch( &shape, rest + aligned( rf_batch_bytes( &shape ) ) );
+    RfGradientScratch* scratch = rf_take( layout, 1, sizeof *scratch );
+    RfHitBatch* hits = rf_place_batch( &shape, layout );
+    RfHarvestScratch* harvest = rf_place_harvest_scratch( &shape, layout );
+    if ( scratch == NULL )
+        return NULL;
+    scratch->hits = hits;
+    scratch->harvest = harvest;
+    return scratch;
 }
 
 RfExtendedTiles rf_group_tiles( const RfEstimatorGroup* group )
@@ -227,12 +221,12 @@ static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, in
     RfHarvestScratch* h = scratch->harvest;
     RfWavefront* wavefront = &h->wavefront;
     rf_clear_ray_counts( wavefront );
-    rf_make_camera_rays( filter, harvest->eyes + scratch->hits.eye, count, scratch->pixel, wavefront, &h->camera_rays );
+    rf_make_camera_rays( filter, harvest->eyes + scratch->hits->eye, count, scratch->pixel, wavefront, &h->camera_rays );
     rf_find_first_hits( harvest, h );
     rays->primary += (uint64_t)count;
     rf_follow_camera_rays( harvest, h );
     rf_draw_sides( wavefront, 1, h->hits ); // alike in all pixels of a tile
-    rf_list_hits( harvest, count, h, &scratch->hits );
+    rf_list_hits( harvest, count, h, scratch->hits );
     if ( harvest->path.max_depth > 1 )
         rf_sample_direct( harvest, h, rays );
 }
@@ -253,23 +247,23 @@ static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* 
     }
     rays->path += wavefront->path_rays;
     rays->shadow += wavefront->shadow_rays;
-    rf_test_batch_visibility( harvest, &scratch->hits, h, rays );
+    rf_test_batch_visibility( harvest, scratch->hits, h, rays );
 }
 
 // The radiance of every lane, by way of a film with a pixel for each.
 static void add_up( const RfEstimatorGroup* group, const RfHarvest* harvest, float ( *value )[4], RfGradientScratch* scratch )
 {
-    rf_weight_batch( harvest, &scratch->hits, scratch->harvest );
+    rf_weight_batch( harvest, scratch->hits, scratch->harvest );
     if ( harvest->shape.own_frame_light )
-        rf_light_own_frame( harvest, &scratch->hits, scratch->harvest );
+        rf_light_own_frame( harvest, scratch->hits, scratch->harvest );
     memset( value, 0, sizeof( float[RF_LANES][4] ) );
     memset( scratch->missed, 0, sizeof scratch->missed );
     bool alpha = ( group->settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0;
     RfFilm film = { .half = { value[0] } };
     RfAccumulateJob job = {
-        .eye = scratch->hits.eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f, .sky = alpha ? scratch->missed : NULL
+        .eye = scratch->hits->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f, .sky = alpha ? scratch->missed : NULL
     };
-    rf_accumulate_rows( group, job, &( void* ){ &scratch->hits }, 1, &scratch->accumulate );
+    rf_accumulate_rows( group, job, &( void* ){ scratch->hits }, 1, &scratch->accumulate );
     for ( int i = 0; i < RF_LANES; ++i )
         value[i][3] = scratch->missed[i];
 }
@@ -343,10 +337,10 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
     harvest.path_roulette = true;
     uint64_t key = rf_harvest_key( &harvest, job.eye, job.pass );
     RfExtendedTiles layout = rf_group_tiles( group );
-    scratch->hits.eye = batch->eye = job.eye;
+    scratch->hits->eye = batch->eye = job.eye;
     if ( harvest.shape.blurred )
-        scratch->hits.lens = rf_draw_lens( &harvest, job );
-    RfHarvest at = rf_harvest_at( &harvest, job.eye, scratch->hits.lens, scratch->harvest );
+        scratch->hits->lens = rf_draw_lens( &harvest, job );
+    RfHarvest at = rf_harvest_at( &harvest, job.eye, scratch->hits->lens, scratch->harvest );
     batch->tile_count = rf_list_extended_tiles( &layout, key, job.job, batch->tile );
     int count = list_pixels( batch, group->width, layout.pairs, scratch );
     if ( layout.pairs )

@@ -10,6 +10,7 @@
 #ifndef REFRAME_GRADIENT_SAMPLING_H
 #define REFRAME_GRADIENT_SAMPLING_H
 
+#include "base/layout.h"
 #include "base/random.h"
 #include "path/lanes.h"
 #include "reframe/render.h"
@@ -68,8 +69,7 @@ typedef struct RfGradientBatch
 
 // A thread's workspace.
 typedef struct RfGradientScratch RfGradientScratch;
-size_t rf_gradient_scratch_bytes( const RfEstimatorGroup* group );
-void rf_lay_out_gradient_scratch( const RfEstimatorGroup* group, void* memory );
+RfGradientScratch* rf_place_gradient_scratch( const RfEstimatorGroup* group, RfLayout* layout );
 
 // The tiles of a group's films.
 RfExtendedTiles rf_group_tiles( const RfEstimatorGroup* group );

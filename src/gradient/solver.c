@@ -67,21 +67,19 @@ void rf_solve_constant( const RfCosineTransform* transform, double a, double b_x
     fftwf_execute_r2r( transform->backward, plane, plane );
 }
 
-// Bytes of the vectors of a channel.
-static size_t channel_bytes( int width, int height )
+static void place_solver( int width, int height, RfLayout* layout, RfGradientSolver* solver )
 {
-    return 4 * rf_plane_bytes( width, height ) + rf_multigrid_vector_bytes( width, height );
-}
-
-// Takes the vectors from *memory.
-static void build_channel( const RfMultigrid* grid, char** memory, RfGradientChannel* channel )
-{
-    int width = grid->levels[0].width, height = grid->levels[0].height;
-    channel->u = rf_plane( width, height, memory );
-    channel->r = rf_plane( width, height, memory );
-    channel->p = rf_plane( width, height, memory );
-    channel->q = rf_plane( width, height, memory );
-    rf_build_multigrid_vectors( grid, memory, &channel->multigrid );
+    rf_place_system( width, height, layout, &solver->system );
+    rf_place_multigrid( &solver->system, layout, &solver->grid );
+    for ( int c = 0; c < 3; ++c )
+    {
+        RfGradientChannel* channel = solver->channels + c;
+        channel->u = rf_place_plane( width, height, layout );
+        channel->r = rf_place_plane( width, height, layout );
+        channel->p = rf_place_plane( width, height, layout );
+        channel->q = rf_place_plane( width, height, layout );
+        rf_place_multigrid_vectors( &solver->grid, layout, &channel->multigrid );
+    }
 }
 
 static size_t pixels_of( const RfGradientChannel* channel ) { return (size_t)channel->in->width * (size_t)channel->in->height; }
@@ -206,7 +204,10 @@ static void solve_channel( const RfMultigrid* grid, double tolerance, int max_it
 
 size_t rf_reconstruct_bytes( int width, int height )
 {
-    return 4 * rf_plane_bytes( width, height ) + rf_multigrid_bytes( width, height ) + 3 * channel_bytes( width, height );
+    RfGradientSolver solver;
+    RfLayout layout = { 0 };
+    place_solver( width, height, &layout, &solver );
+    return layout.bytes;
 }
 
 RfResult rf_create_solver( const RfGradientImages* in, float scale, const RfReconstructOptions* options, RfGradientSolver* solver,
@@ -215,22 +216,18 @@ RfResult rf_create_solver( const RfGradientImages* in, float scale, const RfReco
     size_t bytes = rf_reconstruct_bytes( in->width, in->height );
     *solver = ( RfGradientSolver ){ 0 };
     solver->own = options->work == NULL ? aligned_alloc( 64, bytes ) : NULL;
-    char* memory = options->work != NULL ? options->work : solver->own;
-    if ( memory == NULL )
+    RfLayout layout = { .memory = options->work != NULL ? options->work : solver->own };
+    if ( layout.memory == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a reconstruction of %dx%d pixels, %zu MiB", in->width,
                         in->height, bytes >> 20 );
-    RfGradientSystem* system = &solver->system;
-    float** const planes[4] = { &system->a, &system->b_x, &system->b_y, &system->inverse_diagonal };
-    system->width = in->width;
-    system->height = in->height;
-    for ( int k = 0; k < 4; ++k )
-        *planes[k] = rf_plane( in->width, in->height, &memory );
-    rf_build_multigrid( system, &memory, &solver->grid );
+    place_solver( in->width, in->height, &layout, solver );
     for ( int c = 0; c < 3; ++c )
     {
-        solver->channels[c] = ( RfGradientChannel ){ .in = in, .index = c, .scale = scale };
-        build_channel( &solver->grid, &memory, solver->channels + c );
-        rf_read_primal( solver->channels + c, solver->channels[c].u );
+        RfGradientChannel* channel = solver->channels + c;
+        channel->in = in;
+        channel->index = c;
+        channel->scale = scale;
+        rf_read_primal( channel, channel->u );
     }
     return RF_OK;
 }

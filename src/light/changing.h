@@ -70,7 +70,7 @@ void rf_note_emission( const RfLights* still, const RfScene* posed, RfVec3* emis
 typedef struct RfGroupLights
 {
     RfLights* lights; // of each frame
-    // what they share, owned
+    // what they share, in the same block of memory but for alias tables and tree
     RfPunctual* punctual;
     RfLight* light;
     RfEnvironment* environment;

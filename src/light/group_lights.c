@@ -1,6 +1,7 @@
 // The lights of a group of frames: what each is in every frame, its part, and how they are selected.
 #include "light/changing.h"
 
+#include "base/layout.h"
 #include "light/collect.h"
 #include "light/kinds.h"
 #include "scene/moments.h"
@@ -633,42 +634,25 @@ static RfResult find_selection( const Making* m, RfError* error )
 
 static size_t lamps_of( const RfLights* still ) { return (size_t)still->changing->dim_count + (size_t)still->punctual_count + 1; }
 
-static bool alloc_group( Making* m )
+// A frame alone has no parts but those of light groups: all holds.
+static RfGroupLights* place_group( Making* m, RfLayout* layout )
 {
     const RfLights* still = m->still;
-    RfGroupLights* group = m->group;
     size_t count = (size_t)m->count, lamps = lamps_of( still );
     bool moves = still->triangle_count - m->changing->still_triangles + m->changing->dim_count > 0 && !m->parts_only;
-    group->lights = calloc( count, sizeof *group->lights );
-    group->environment = calloc( count, sizeof *group->environment );
-    group->punctual = malloc( ( count * (size_t)still->punctual_count + 1 ) * sizeof *group->punctual );
-    if ( moves )
-        group->light = malloc( ( count * still->triangle_count + 1 ) * sizeof *group->light );
-    m->lamp = calloc( lamps, sizeof *m->lamp );
-    m->values = malloc( lamps * count * sizeof *m->values );
-    m->scales = calloc( MOST_DIMMERS * count, sizeof *m->scales );
-    return group->lights != NULL && group->environment != NULL && group->punctual != NULL && m->lamp != NULL &&
-           m->values != NULL && m->scales != NULL && ( !moves || group->light != NULL );
-}
-
-// Arrays that the frames share. A frame alone has no parts but those of light groups: all holds.
-static bool alloc_shared( const Making* m )
-{
-    RfGroupLights* group = m->group;
-    RfLights* first = group->lights;
-    size_t lights = (size_t)first->count + 1, materials = (size_t)m->loaded->material_count + 1;
-    first->alias = first->alias_threshold = NULL;
-    group->power_fraction = malloc( lights * sizeof *group->power_fraction );
-    bool parts = m->count > 1 || m->still->part != NULL;
-    if ( parts )
-    {
-        group->part = calloc( lights, sizeof *group->part );
-        group->material_part = calloc( materials, sizeof *group->material_part );
-    }
-    first->power_fraction = group->power_fraction;
-    first->part = group->part;
-    first->material_part = group->material_part;
-    return group->power_fraction != NULL && ( !parts || ( group->part != NULL && group->material_part != NULL ) );
+    bool parts = m->count > 1 || still->part != NULL;
+    RfGroupLights* group = rf_take( layout, 1, sizeof *group );
+    RF_PLACE( layout, group->lights, count );
+    RF_PLACE( layout, group->environment, count );
+    RF_PLACE( layout, group->punctual, count * (size_t)still->punctual_count );
+    RF_PLACE( layout, group->light, moves ? count * still->triangle_count : 0 );
+    RF_PLACE( layout, group->power_fraction, (size_t)still->count + 1 );
+    RF_PLACE( layout, group->part, parts ? (size_t)still->count + 1 : 0 );
+    RF_PLACE( layout, group->material_part, parts ? (size_t)m->loaded->material_count + 1 : 0 );
+    RF_PLACE( layout, m->lamp, lamps );
+    RF_PLACE( layout, m->values, lamps * count );
+    RF_PLACE( layout, m->scales, MOST_DIMMERS * count );
+    return group;
 }
 
 static void list_lamps( Making* m )
@@ -691,8 +675,11 @@ static RfResult make_group( Making* m, RfError* error )
 {
     for ( int i = 0; i < m->count; ++i )
         fill_frame( m, i );
-    if ( !alloc_shared( m ) )
-        return no_memory( error );
+    RfLights* first = m->group->lights;
+    first->alias = first->alias_threshold = NULL;
+    first->power_fraction = m->group->power_fraction;
+    first->part = m->group->part;
+    first->material_part = m->group->material_part;
     list_lamps( m );
     sort_lamps( m );
     for ( int k = 0; k < m->lamp_count && !m->parts_only; ++k )
@@ -709,13 +696,15 @@ static RfResult make_group( Making* m, RfError* error )
 
 static RfResult create_group( Making m, RfGroupLights** out, RfError* error )
 {
-    m.group = *out = calloc( 1, sizeof *m.group );
-    if ( m.group == NULL )
+    RfLayout measured = { 0 };
+    place_group( &m, &measured );
+    RfLayout placed = { .memory = aligned_alloc( 64, measured.bytes ) };
+    *out = NULL;
+    if ( placed.memory == NULL )
         return no_memory( error );
-    RfResult result = alloc_group( &m ) ? make_group( &m, error ) : no_memory( error );
-    free( m.lamp );
-    free( m.values );
-    free( m.scales );
+    memset( placed.memory, 0, measured.bytes );
+    m.group = *out = place_group( &m, &placed );
+    RfResult result = make_group( &m, error );
     if ( result == RF_OK )
         return RF_OK;
     rf_destroy_group_lights( m.group );
@@ -743,15 +732,8 @@ void rf_destroy_group_lights( RfGroupLights* group )
 {
     if ( group == NULL )
         return;
-    free( group->lights );
-    free( group->punctual );
-    free( group->light );
-    free( group->environment );
-    free( group->power_fraction );
     free( group->alias );
     free( group->alias_threshold );
-    free( group->part );
-    free( group->material_part );
     rf_destroy_light_tree( &group->tree );
     free( group );
 }

@@ -24,8 +24,6 @@
 #define LIGHT_PATHS 0xfffffff1u // in place of a frame, for the random numbers
 #define EVENTS 0x51ed270bu      // makes the key of a chain's events
 
-static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
-
 // The principal axes of how the chain's end moves over the surface at p, longer first.
 static bool find_moves( const RfChain* chain, RfVec3 p, RfVec3 normal, RfVec3 moves[2], float axis[2], float stretch[2] )
 {
@@ -98,26 +96,6 @@ float rf_chance_area( const RfLightPaths* paths, const RfChain* chain, float are
     float starts = e->pdf_light * e->pdf_area * spread / rf_maxf( cosine, 1e-6f ); // per solid angle at p
     float connections = (float)paths->emitted * area * steer_pdf * starts;
     return connections > 0.0f ? 1.0f / connections : INFINITY;
-}
-
-// The bytes of the particles of n light paths, and their layout in memory of that size.
-static size_t scattered_bytes( size_t n )
-{
-    n *= RF_SCATTERED_PER_PATH;
-    return aligned( n * sizeof( RfScatteredPath ) ) + aligned( n * sizeof( uint32_t ) ) +
-           aligned( n * sizeof( RfFootprintNode ) );
-}
-
-static void lay_out_scattered( RfLightPaths* paths, void* memory )
-{
-    size_t n = (size_t)paths->emitted * RF_SCATTERED_PER_PATH;
-    char* at = memory;
-    paths->scattered = (RfScatteredPath*)(void*)at;
-    at += aligned( n * sizeof( RfScatteredPath ) );
-    paths->scattered_tree = ( RfFootprintTree ){ .boxes = (const char*)paths->scattered, .stride = sizeof *paths->scattered };
-    paths->scattered_tree.order = (uint32_t*)(void*)at;
-    paths->scattered_tree.node = (RfFootprintNode*)(void*)( at + aligned( n * sizeof( uint32_t ) ) );
-    paths->vpl_connections = RF_VPL_CONNECTIONS / (float)paths->emitted;
 }
 
 static RfVec3 shading_normal( const RfScene* scene, const RfMaterial* m, const RfTriangleRecord* t, const RfVpl* vpl, float side )
@@ -266,22 +244,24 @@ static uint32_t light_path_count( const RfEstimatorGroup* group )
     return in_blocks( (double)n );
 }
 
-size_t rf_light_paths_bytes( const RfEstimatorGroup* group )
+RfLightPaths* rf_place_light_paths( const RfEstimatorGroup* group, RfLayout* layout )
 {
-    size_t n = light_path_count( group ), s = group->traits.chain_triangles + group->traits.plate_triangles,
-           l = group->traits.most_lights;
-    return aligned( sizeof( RfLightPaths ) ) + aligned( n * sizeof( RfLightPath ) ) + aligned( n * sizeof( uint32_t ) ) +
-           aligned( n * sizeof( RfFootprintNode ) ) + scattered_bytes( n ) + aligned( s * sizeof( uint32_t ) ) +
-           aligned( s * sizeof( double ) ) + aligned( s * sizeof( float ) ) +
-           aligned( ( group->traits.materials + 1 ) * sizeof( bool ) ) + aligned( l * sizeof( uint32_t ) ) +
-           aligned( l * sizeof( double ) );
-}
-
-static void* take( char** at, size_t bytes )
-{
-    void* here = *at;
-    *at += aligned( bytes );
-    return here;
+    size_t n = light_path_count( group ), surfaces = group->traits.chain_triangles + group->traits.plate_triangles,
+           lights = group->traits.most_lights, particles = n * RF_SCATTERED_PER_PATH;
+    RfLightPaths* paths = rf_take( layout, 1, sizeof *paths );
+    RF_PLACE( layout, paths->triangle, surfaces );
+    RF_PLACE( layout, paths->cumulative, surfaces );
+    RF_PLACE( layout, paths->pdf_area, surfaces );
+    RF_PLACE( layout, paths->connected, group->traits.materials + 1 );
+    RF_PLACE( layout, paths->light, lights );
+    RF_PLACE( layout, paths->light_cumulative, lights );
+    RF_PLACE( layout, paths->path, n );
+    RF_PLACE( layout, paths->tree.order, n );
+    RF_PLACE( layout, paths->tree.node, n );
+    RF_PLACE( layout, paths->scattered, particles );
+    RF_PLACE( layout, paths->scattered_tree.order, particles );
+    RF_PLACE( layout, paths->scattered_tree.node, particles );
+    return paths;
 }
 
 static bool is_followed( const RfMaterial* m ) { return rf_is_chain_surface( m ) || rf_is_plate( m ); }
@@ -361,26 +341,18 @@ static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
     paths->light_count = count;
 }
 
-// The surfaces are listed once, or, where something moves, for every group; groups at the ends of a camera's path have fewer light paths than others.
-static RfLightPaths* lay_out( const RfEstimatorGroup* group, void* memory )
+// The surfaces are listed once, or, where something moves, for every group; groups at the ends of a camera's path have fewer light
+// paths than others.
+static RfLightPaths* begin_set( const RfEstimatorGroup* group, void* memory )
 {
-    size_t n = light_path_count( group ), s = group->traits.chain_triangles + group->traits.plate_triangles,
-           l = group->traits.most_lights;
-    char* at = memory;
-    RfLightPaths* paths = take( &at, sizeof *paths );
+    RfLightPaths* paths = rf_place_light_paths( group, &( RfLayout ){ .memory = memory } );
     paths->share = paths->share > 0.0f ? paths->share : 1.0f;
-    paths->emitted = in_blocks( (double)paths->share * (double)n );
-    paths->triangle = take( &at, s * sizeof *paths->triangle );
-    paths->cumulative = take( &at, s * sizeof *paths->cumulative );
-    paths->pdf_area = take( &at, s * sizeof *paths->pdf_area );
-    paths->connected = take( &at, ( group->traits.materials + 1 ) * sizeof *paths->connected );
-    paths->light = take( &at, l * sizeof *paths->light );
-    paths->light_cumulative = take( &at, l * sizeof *paths->light_cumulative );
-    paths->path = take( &at, n * sizeof *paths->path );
-    paths->tree = ( RfFootprintTree ){ .boxes = (const char*)&paths->path->at, .stride = sizeof *paths->path };
-    paths->tree.order = take( &at, n * sizeof *paths->tree.order );
-    paths->tree.node = take( &at, n * sizeof *paths->tree.node );
-    lay_out_scattered( paths, take( &at, scattered_bytes( n ) ) );
+    paths->emitted = in_blocks( (double)paths->share * (double)light_path_count( group ) );
+    paths->tree.boxes = (const char*)&paths->path->at;
+    paths->tree.stride = sizeof *paths->path;
+    paths->scattered_tree.boxes = (const char*)paths->scattered;
+    paths->scattered_tree.stride = sizeof *paths->scattered;
+    paths->vpl_connections = RF_VPL_CONNECTIONS / (float)paths->emitted;
     paths->connections = CONNECTIONS;
     paths->rare_connections = RARE_CONNECTIONS;
     paths->most_radius = MOST_FOOTPRINT * rf_tracer_lights( group->tracer )->radius;
@@ -521,7 +493,7 @@ static uint64_t draw_block( const RfEstimatorGroup* group, RfLightPaths* paths, 
 
 void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory )
 {
-    RfLightPaths* paths = lay_out( group, memory );
+    RfLightPaths* paths = begin_set( group, memory );
     uint64_t key = rf_pass_key( group->settings->seed, LIGHT_PATHS, (uint32_t)group->number, (uint32_t)pass ), rays = 0;
     int blocks = paths->light_count > 0 && paths->surface_count > 0 ? (int)( paths->emitted / RF_CHAIN_BLOCK ) : 0;
 #pragma omp parallel num_threads( group->settings->threads ) reduction( + : rays )

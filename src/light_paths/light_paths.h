@@ -3,6 +3,7 @@
 #ifndef REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
 #define REFRAME_LIGHT_PATHS_LIGHT_PATHS_H
 
+#include "base/layout.h"
 #include "light_paths/footprints.h"
 #include "light_paths/manifold_walk.h"
 #include "path/wavefront.h"
@@ -81,8 +82,8 @@ typedef struct RfLightPaths
     uint64_t rays;            // traced for this set
 } RfLightPaths;
 
-// The bytes of a set, and its layout in memory of that size, aligned to 64.
-size_t rf_light_paths_bytes( const RfEstimatorGroup* group );
+// A set, whose memory is all zero at first.
+RfLightPaths* rf_place_light_paths( const RfEstimatorGroup* group, RfLayout* layout );
 
 // Draws the light paths of a pass of a group. The same bits for any number of threads.
 void rf_draw_light_paths( const RfEstimatorGroup* group, int pass, void* memory );

@@ -103,7 +103,7 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
         hash = hash_text( hash_text( hash, "cryptomatte" ), kinds );
     if ( s->light_groups != NULL )
         hash = hash_text( hash_text( hash, "light groups" ), s->light_groups );
-    if ( s->estimator != rf_default_render_settings().estimator )
+    if ( rf_is_other_estimator( s->estimator ) )
         hash = hash_text( hash, rf_estimator_name( s->estimator ) );
     if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         hash = hash_text( hash, rf_reconstruction_name( s->reconstruction ) );
@@ -243,7 +243,7 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     if ( s->cryptomatte != 0 )
         put( a, RF_KEY_CRYPTOMATTE, "%s", kinds );
     put_text( a, RF_KEY_LIGHT_GROUPS, s->light_groups );
-    if ( s->estimator != rf_default_render_settings().estimator )
+    if ( rf_is_other_estimator( s->estimator ) )
         put_text( a, RF_KEY_ESTIMATOR, rf_estimator_name( s->estimator ) );
     if ( s->light_paths != RF_LIGHT_PATHS_OFF )
         put_text( a, RF_KEY_LIGHT_PATHS, rf_light_paths_name( s->light_paths ) );

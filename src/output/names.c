@@ -3,6 +3,8 @@
 
 #include "film/pixel_filter.h"
 
+#include <string.h>
+
 const char* const rf_weights_words[] = {
     [RF_WEIGHTS_EXACT] = "exact", [RF_WEIGHTS_EQ15] = "eq15", [RF_WEIGHTS_UNWEIGHTED] = "unweighted", NULL
 };
@@ -33,6 +35,11 @@ const char* const rf_pass_names_words[] = {
     [RF_NAMES_REFRAME] = "reframe", [RF_NAMES_BLENDER] = "blender", [RF_NAMES_NUKE] = "nuke", NULL
 };
 const char* const rf_parts_words[] = { [RF_PARTS_ONE] = "one", [RF_PARTS_EACH] = "each", NULL };
+
+bool rf_is_other_estimator( const RfEstimator* estimator )
+{
+    return strcmp( rf_estimator_name( estimator ), rf_estimator_name( rf_default_render_settings().estimator ) ) != 0;
+}
 
 const char* rf_weights_name( RfWeights weights ) { return rf_weights_words[weights]; }
 

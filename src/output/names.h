@@ -14,4 +14,7 @@ extern const char* const rf_adaptive_words[];
 extern const char* const rf_pass_names_words[];
 extern const char* const rf_parts_words[];
 
+// Whether users see another estimator than the usual one: that of the biased weights has its name.
+bool rf_is_other_estimator( const RfEstimator* estimator );
+
 #endif

@@ -12,8 +12,6 @@
 // who found it, as samples of one *mixture* with the density Σ p_k, of which each has the share p_k / Σ p. These sums are densities
 // and remain so with any heuristic; against light sampling the mixture is one technique. (With t(x) = x both are the same, hence
 // the balance heuristic in src/reuse/estimators.md, E1.)
-//
-// The biased weighting eq15 (reuse/accumulate/biased_weights.h) has a formula of its own.
 #ifndef REFRAME_PATH_MIS_H
 #define REFRAME_PATH_MIS_H
 

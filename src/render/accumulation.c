@@ -16,7 +16,7 @@ static int count_bands( const RfRenderer* r, RfFilmRange films, int per_thread )
     int most = r->setup->sizes.filtered ? ( height + LEAST_ROWS - 1 ) / LEAST_ROWS : height;
     for ( int i = 0; i < films.count; ++i )
         live += films.films[i].frame != -1;
-    if ( live == 0 || threads == 1 || r->setup->sizes.of_estimator.whole_pass )
+    if ( live == 0 || threads == 1 )
         return live > 0;
     int bands = ( per_thread * threads + live - 1 ) / live;
     return bands < most ? bands : most;

@@ -78,9 +78,8 @@ typedef struct RfEstimatorSizes
     size_t accumulate_scratch; // workspace of `accumulate`, per thread
     size_t landing;            // what `land` keeps of a batch for a frame; 0: `accumulate` is called instead
     size_t finish_scratch;     // workspace of `finish`; 0: none
-    size_t pass_state;         // per frame, all zero at the start of each pass; 0: none
     size_t shared;             // what all batches of a pass share, all zero at first; 0: nothing
-    bool whole_pass;           // `accumulate` needs all batches of a pass at once, and whole films
+    const char* shared_name;   // of that, in the report of memory
     bool splits;               // films have sums of own-frame light (RfFilm.split)
     // for the report of the plan
     size_t diffuse_record, glossy_record; // bytes of one hit
@@ -108,7 +107,6 @@ typedef struct RfAccumulateJob
     uint32_t* landed;     // samples that landed, per pixel, counted up (RF_AOV_SAMPLES); or NULL
     float* sky;           // weight of the camera rays that missed, per pixel, counted up (RF_AOV_ALPHA); or NULL
     RfCovering* covering; // of the pixels by surfaces, counted up; or NULL
-    void* pass_state;     // of the frame, sizes.pass_state bytes; or NULL
 } RfAccumulateJob;
 
 // How well other frames of a group see the hits of a batch, for the plan.
@@ -143,9 +141,11 @@ struct RfEstimator
                        // whose weights do not matter
     bool splits_light; // it adds each light group (RfSceneTraits.light_groups) to a film of its own, whose weights do not matter,
                        // and each of RF_PASS_AOVS
-    bool has_variance; // `finish` fills RfPicture.variance
-    int usual_passes;  // from which on `finish` works as with many passes; 0: always
-    RfTile tile;       // that it has where none is asked for (rf_default_tile)
+    bool biased;       // for other RfRenderSettings.weights than RF_WEIGHTS_EXACT
+    const RfEstimator* other_weights; // takes its place for those that it does not have, under the same name; NULL: none does
+    bool has_variance;                // `finish` fills RfPicture.variance
+    int usual_passes;                 // from which on `finish` works as with many passes; 0: always
+    RfTile tile;                      // that it has where none is asked for (rf_default_tile)
 
     // May be NULL. Refuses settings that this estimator cannot follow, with RF_ERROR_USAGE.
     RfResult ( *check )( const RfRenderSettings* settings, RfError* error );
@@ -187,8 +187,7 @@ struct RfEstimator
     // estimate of its relMSE (likely: NaN where it is unknown).
     RfRelmse ( *finish )( const RfRenderSettings* settings, const RfFilm* films, RfPicture* picture, void* scratch );
 
-    // Adaptive sampling; both NULL where the estimator has none. It needs an estimator of one film without
-    // pass_state and whole_pass. `add_own_shares` adds, per pixel,
+    // Adaptive sampling; both NULL where the estimator has none. It needs an estimator of one film. `add_own_shares` adds, per pixel,
     // the share of each sample's weight that its own frame keeps (1 where no other frame sees it, or the light holds in one frame alone)
     // for a batch just traced. `count_samples` adds `weight` per own-frame sample, returns their number.
     void ( *add_own_shares )( const void* batch, const void* scratch, float* sum );

@@ -48,7 +48,7 @@ void rf_open_films( RfRenderer* r, int number )
         live->aovs.filter = r->setup->sizes.filtered ? &r->setup->filter : NULL;
         rf_clear_aov_film( &live->aovs, r->setup->sizes.width, r->setup->sizes.height );
         if ( live->covering != NULL )
-            memset( live->covering, 0, rf_covering_bytes( &r->setup->sizes ) );
+            memset( live->covering, 0, rf_film_pixels( &r->setup->sizes ) * sizeof *live->covering );
         if ( r->setup->sizes.adaptive )
             rf_run_pilot( r, live );
     }

@@ -120,17 +120,6 @@ static void prepare_pass( RfRenderer* r, const RfPass* pass )
         r->setup->settings.estimator->prepare( pass->group, pass->number, r->memory.shared, &r->rays );
 }
 
-// Clears what the estimator keeps per pass.
-static void begin_pass( RfRenderer* r )
-{
-    for ( int i = 0; i < r->memory.film_slots; ++i )
-    {
-        RfLiveFilm* live = r->memory.films + i;
-        if ( live->frame != -1 && live->pass_state != NULL )
-            memset( live->pass_state, 0, r->setup->sizes.of_estimator.pass_state );
-    }
-}
-
 // Traces extra samples and counts the pass.
 static void end_pass( RfRenderer* r, const RfPass* pass )
 {
@@ -177,7 +166,6 @@ RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
         r->resuming = false;
     else
     {
-        begin_pass( r );
         r->at.pass = pass->number;
         r->at.batches = 0;
     }

@@ -33,7 +33,6 @@ RfAccumulateJob rf_accumulate_job( const RfRenderer* r, RfLiveFilm* live, const 
         .landed = live->aovs.landed,
         .sky = sky_of_half( r, live, pass->half ),
         .covering = live->covering,
-        .pass_state = live->pass_state,
     };
 }
 

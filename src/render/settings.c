@@ -12,11 +12,10 @@
 
 #include <math.h>
 
-// The biased weightings count hits, which extra samples would only add to.
 static bool can_adapt( const RfRenderSettings* s )
 {
     const RfEstimator* e = s->estimator;
-    return e->add_own_shares != NULL && e->count_samples != NULL && e->films == 1 && s->weights == RF_WEIGHTS_EXACT;
+    return e->add_own_shares != NULL && e->count_samples != NULL && e->films == 1;
 }
 
 static RfResult check_dwa( const RfFrameFiles* files, RfError* error )
@@ -115,6 +114,8 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
                         estimator->films, RF_MAX_FILMS );
     if ( !rf_is_plain_filter( s ) && !estimator->filters )
         return lacks( estimator, "pixel filter but a box of one pixel", error );
+    if ( s->adaptive == RF_ADAPTIVE_ON && estimator->biased )
+        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
     if ( s->adaptive == RF_ADAPTIVE_ON &&
          ( estimator->add_own_shares == NULL || estimator->count_samples == NULL || estimator->films > 1 ) )
         return lacks( estimator, "adaptive sampling", error );
@@ -236,14 +237,17 @@ static RfResult check_passes( const RfShot* shot, const RfRenderSettings* s, RfE
 
 RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* resolved, RfError* error )
 {
-    RfResult result = check_settings( settings, error );
+    *resolved = *settings;
+    const RfEstimator* given = settings->estimator;
+    if ( given != NULL && given->other_weights != NULL && given->biased != ( settings->weights != RF_WEIGHTS_EXACT ) )
+        resolved->estimator = given->other_weights;
+    RfResult result = check_settings( resolved, error );
     if ( result == RF_OK )
-        result = check_estimator( settings, error );
+        result = check_estimator( resolved, error );
     if ( result == RF_OK )
         result = check_eyes( shot->eyes, shot->eye_count, error );
     if ( result != RF_OK )
         return result;
-    *resolved = *settings;
     if ( resolved->group == RF_GROUP_AUTO && !rf_has_groups( resolved->estimator ) ) // its frames share nothing
         resolved->group = 0;
     if ( resolved->tile.kind == RF_TILE_NONE ) // its size does not matter
@@ -255,7 +259,7 @@ RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings
     if ( resolved->filter_width == 0.0 )
         resolved->filter_width = rf_default_filter_width( resolved->filter );
     // the biased weightings count hits, whose expectation is unknown: only the ratio makes sense
-    if ( resolved->weights != RF_WEIGHTS_EXACT )
+    if ( resolved->estimator->biased )
         resolved->normalize = RF_NORMALIZE_RATIO;
     if ( resolved->adaptive == RF_ADAPTIVE_AUTO && !can_adapt( resolved ) )
         resolved->adaptive = RF_ADAPTIVE_OFF;

@@ -1,4 +1,4 @@
-// What a render will allocate, by the byte: memory/memory.h allocates the same sums.
+// What the memory of a render depends on: memory/memory.h measures and allocates it.
 #ifndef REFRAME_RENDER_SIZES_H
 #define REFRAME_RENDER_SIZES_H
 
@@ -54,36 +54,18 @@ int rf_landings( const RfRenderSizes* sizes );
 // Batches of a pass of a full group.
 static inline int rf_batches_of_pass( const RfRenderSizes* sizes ) { return sizes->eyes * sizes->of_estimator.jobs; }
 
-// Bytes of the films of all frames held at once, with their AOVs.
-size_t rf_films_bytes( const RfRenderSizes* sizes );
-// Bytes of one finished frame on its way to the caller.
-size_t rf_image_bytes( const RfRenderSizes* sizes );
-// Bytes of the table of finished frames.
-size_t rf_ring_bytes( const RfRenderSizes* sizes );
-// Bytes of the workspaces of all threads.
-size_t rf_scratch_bytes( const RfRenderSizes* sizes );
+// Kinds of Cryptomatte that are asked for.
+int rf_matte_kinds( const RfRenderSizes* sizes );
+
+static inline size_t rf_film_pixels( const RfRenderSizes* sizes ) { return (size_t)sizes->width * (size_t)sizes->height; }
+
+// Entries of RfRenderMemory.noise: one more for the materials that are alike.
+static inline size_t rf_material_noises( const RfRenderSizes* sizes )
+{
+    return sizes->materials > 0 ? (size_t)sizes->materials + 1 : 0;
+}
+
 // Bytes that writing a frame takes. They are counted, not allocated here.
 size_t rf_writer_bytes( const RfRenderSizes* sizes );
-// Bytes of so many batches of records.
-size_t rf_records_bytes( const RfRenderSizes* sizes, int batches );
-// Bytes of everything but the batches, with one finished frame.
-size_t rf_fixed_bytes( const RfRenderSizes* sizes );
-
-// Bytes of single arrays, 0 where they are not needed: a half of a film, and its totals in doubles; what is known of the
-// frames' noise; the errors of a finished frame; wanted samples and weights of extra samples of an adaptive film; the noise of materials; an
-// AOV while it is rendered and when it is finished.
-size_t rf_half_bytes( const RfRenderSizes* sizes );
-size_t rf_totals_bytes( const RfRenderSizes* sizes );
-size_t rf_noise_estimates_bytes( const RfRenderSizes* sizes );
-size_t rf_kept_errors_bytes( const RfRenderSizes* sizes );
-size_t rf_need_bytes( const RfRenderSizes* sizes );
-size_t rf_glints_bytes( const RfRenderSizes* sizes );
-size_t rf_extra_bytes( const RfRenderSizes* sizes );
-size_t rf_material_noise_bytes( const RfRenderSizes* sizes );
-size_t rf_matte_bytes( const RfRenderSizes* sizes, int kind ); // a layer of Cryptomatte
-size_t rf_layer_list_bytes( const RfRenderSizes* sizes );
-size_t rf_covering_bytes( const RfRenderSizes* sizes ); // surfaces of a film
-size_t rf_aov_film_bytes( const RfRenderSizes* sizes, int aov );
-size_t rf_aov_image_bytes( const RfRenderSizes* sizes, int aov );
 
 #endif

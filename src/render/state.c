@@ -10,7 +10,7 @@ typedef struct Shape
 {
     int32_t width, height, films, live, frames, of_sweep;
     uint32_t aovs, adaptive, paired, stopping, cryptomatte, covering;
-    uint64_t film_bytes, total_bytes, pass_state, stop;
+    uint64_t film_bytes, total_bytes, stop;
 } Shape;
 
 typedef struct Stream
@@ -40,20 +40,25 @@ static RfResult fail_other( RfError* error )
     return rf_fail( error, RF_ERROR_USAGE, "the films that were kept are of other frames or settings, or of another build" );
 }
 
+typedef struct Walk
+{
+    RfMemoryWalk walk;
+    Stream* stream;
+} Walk;
+
+static void move_block( RfMemoryWalk* walk, const char* name, size_t bytes, void** block )
+{
+    (void)name;
+    move( ( (Walk*)walk )->stream, *block, bytes );
+}
+
 static void move_film( Stream* s, RfFilm* film )
 {
-    const RfRenderSizes* sizes = &s->r->setup->sizes;
     MOVE( s, film->total_every );
     MOVE( s, film->passes );
     MOVE( s, film->weight );
     MOVE( s, film->landed );
     MOVE( s, film->extra_samples );
-    for ( int h = 0; h < 2; ++h )
-    {
-        move( s, film->half[h], rf_half_bytes( sizes ) );
-        move( s, film->total[h], film->total[h] != NULL ? rf_totals_bytes( sizes ) : 0 );
-        move( s, film->extra[h], film->extra[h] != NULL ? rf_extra_bytes( sizes ) : 0 );
-    }
 }
 
 static void move_live_film( Stream* s, RfLiveFilm* live )
@@ -65,15 +70,11 @@ static void move_live_film( Stream* s, RfLiveFilm* live )
     MOVE( s, live->noise_seen );
     MOVE( s, live->pair );
     MOVE( s, live->most_need );
-    move( s, live->need, live->need != NULL ? rf_need_bytes( sizes ) : 0 );
     MOVE( s, live->most_glints );
-    move( s, live->glints, rf_glints_bytes( sizes ) );
-    move( s, live->pass_state, sizes->of_estimator.pass_state );
-    move( s, live->covering, rf_covering_bytes( sizes ) );
     for ( int f = 0; f < sizes->film_count; ++f )
         move_film( s, live->films + f );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-        move( s, a == RF_AOV_SAMPLES ? (void*)live->aovs.landed : live->aovs.mean[a], rf_aov_film_bytes( sizes, a ) );
+    Walk walk = { .walk = { .take = move_block, .sizes = sizes }, .stream = s };
+    rf_walk_film_arrays( &walk.walk, live );
     live->aovs.filter = sizes->filtered ? &s->r->setup->filter : NULL;
 }
 
@@ -119,7 +120,8 @@ static void move_renderer( Stream* s )
     MOVE( s, r->batches_all );
     MOVE( s, r->share );
     MOVE( s, r->kept_frame );
-    move( s, r->memory.kept_errors, r->memory.kept_errors != NULL ? rf_kept_errors_bytes( &r->setup->sizes ) : 0 );
+    move( s, r->memory.kept_errors,
+          r->memory.kept_errors != NULL ? 3 * rf_film_pixels( &r->setup->sizes ) * sizeof( float ) : 0 );
     move_times( s );
     move_stop( s );
 }
@@ -140,9 +142,9 @@ static Shape shape_of( const RfRenderer* r )
         .stopping = sizes->stopping,
         .cryptomatte = sizes->cryptomatte,
         .covering = sizes->covering,
-        .film_bytes = rf_half_bytes( sizes ),
-        .total_bytes = sizes->total_every > 0 ? rf_totals_bytes( sizes ) : 0,
-        .pass_state = sizes->of_estimator.pass_state,
+        .film_bytes = rf_film_half_bytes( sizes->width, sizes->height, sizes->of_estimator.splits ),
+        .total_bytes =
+            sizes->total_every > 0 ? rf_film_total_bytes( sizes->width, sizes->height, sizes->of_estimator.splits ) : 0,
         .stop = sizeof( RfStop ),
     };
     for ( int i = 0; i < r->memory.film_slots; ++i )

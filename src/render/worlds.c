@@ -27,6 +27,8 @@ size_t rf_worlds_bytes( const RfScene* scene, int count, int steps )
     if ( count == 0 )
         return 0;
     RfPoseParts own = rf_pose_parts( scene );
+    RfLayout images = { 0 };
+    rf_pose_images( scene, 0.0, &images, NULL, NULL );
     size_t movers = (size_t)( scene->placement_count - scene->still_placement_count );
     size_t moments = (size_t)steps + 1;
     size_t world = moments * ( rf_pose_bytes( scene ) + sizeof( RfPosedScene ) ) + sizeof( RfMoments ) + BYTES_PER_WORLD +
@@ -35,7 +37,7 @@ size_t rf_worlds_bytes( const RfScene* scene, int count, int steps )
                    sizeof( RfMesh ) * (size_t)( scene->mesh_count + own.meshes );
     world += (size_t)steps * ( BYTES_PER_TRIANGLE_STEP * (size_t)own.triangles + BYTES_PER_MESH_STEP * (size_t)own.meshes +
                                BYTES_PER_MOVER_STEP * movers );
-    world -= (size_t)steps * rf_images_bytes( scene ); // which the middle moment alone has
+    world -= (size_t)steps * images.bytes; // which the middle moment alone has
     return (size_t)count * world + BYTES_PER_BUILT_TRIANGLE * (size_t)own.most_triangles + own.image_bytes +
            rf_group_lights_bytes( scene, count );
 }

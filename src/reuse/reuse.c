@@ -4,47 +4,61 @@
 #include "reuse/accumulate/accumulate.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/accumulate/splat.h"
+#include "reuse/biased_weights.h"
 #include "reuse/harvest/connection_share.h"
 #include "reuse/harvest/glints.h"
 #include "reuse/harvest/harvest_steps.h"
-
-static size_t header_bytes( void ) { return ( sizeof( RfHitBatch ) + 63 ) / 64 * 64; }
 
 static RfResult check( const RfRenderSettings* s, RfError* error )
 {
     if ( !rf_is_tile( &s->tile ) )
         return rf_fail( error, RF_ERROR_USAGE, "tiles must have 1 to %d pixels, and rooks a square grid", RF_MAX_TILE_PIXELS );
-    if ( s->adaptive == RF_ADAPTIVE_ON && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
-    if ( s->clamp != 0.0 && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "a clamp needs exact weights: --weights exact, or --clamp off" );
-    if ( ( s->aovs & RF_PASS_AOVS ) != 0 && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE, "the biased weights cannot split light into passes: exact weights, or no passes" );
-    if ( s->light_groups != NULL && s->weights != RF_WEIGHTS_EXACT )
-        return rf_fail( error, RF_ERROR_USAGE,
-                        "the biased weights cannot split light by groups: exact weights, or no light groups" );
     return RF_OK;
 }
 
-static size_t per_lane( size_t bytes ) { return ( bytes + RF_LANES - 1 ) / RF_LANES; }
+static size_t batch_bytes( const RfBatchShape* shape )
+{
+    RfLayout layout = { 0 };
+    rf_place_batch( shape, &layout );
+    return layout.bytes;
+}
+
+// Of one hit.
+static size_t record_bytes( const RfBatchShape* shape )
+{
+    return ( batch_bytes( shape ) - rf_piece_bytes( sizeof( RfHitBatch ) ) + RF_LANES - 1 ) / RF_LANES;
+}
+
+// What all batches of a pass share: light paths, and what their share is chosen in.
+static RfLightPaths* place_shared( const RfEstimatorGroup* group, RfLayout* layout, RfPilot** pilot )
+{
+    RfLightPaths* paths = rf_place_light_paths( group, layout );
+    *pilot = rf_place_pilot( group, layout );
+    return paths;
+}
 
 static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 {
     RfBatchShape shape = rf_batch_shape( group ), diffuse = shape;
+    RfLayout scratch = { 0 }, landing = { 0 }, shared = { 0 };
+    RfPilot* pilot;
     diffuse.params = 0;
-    size_t pixels = (size_t)group->width * (size_t)group->height;
+    rf_place_harvest_scratch( &shape, &scratch );
+    if ( rf_keeps_landings( &shape ) )
+        rf_place_landing( shape.filtered, &landing );
+    if ( shape.connections )
+        place_shared( group, &shared, &pilot );
     return ( RfEstimatorSizes ){
         .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.scattered, group->width, group->height ).count,
-        .batch = header_bytes() + rf_batch_bytes( &shape ),
-        .trace_scratch = rf_harvest_scratch_bytes( &shape ),
+        .batch = batch_bytes( &shape ),
+        .trace_scratch = scratch.bytes,
         .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
-        .landing = rf_keeps_landings( &shape ) ? rf_landing_bytes( shape.filtered ) : 0,
-        .pass_state = shape.arrivals > 0 ? pixels * (size_t)rf_seen_words( shape.eyes ) * sizeof( uint32_t ) : 0,
-        .shared = shape.connections ? rf_light_paths_bytes( group ) + rf_connection_share_bytes( group ) : 0,
-        .whole_pass = shape.arrivals > 0,
+        .landing = landing.bytes,
+        .shared = shared.bytes,
+        .shared_name = "light paths",
         .splits = shape.own_light && !shape.caustics,
-        .diffuse_record = per_lane( rf_batch_bytes( &diffuse ) ),
-        .glossy_record = per_lane( rf_batch_bytes( &shape ) ),
+        .diffuse_record = record_bytes( &diffuse ),
+        .glossy_record = record_bytes( &shape ),
         .directions = rf_direction_count( &shape ),
     };
 }
@@ -52,14 +66,13 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
 {
     RfBatchShape shape = rf_batch_shape( group );
-    RfHitBatch* batch = memory;
-    *batch = rf_lay_out_batch( &shape, (char*)memory + header_bytes() );
+    rf_place_batch( &shape, &( RfLayout ){ .memory = memory } );
 }
 
 static void lay_out_scratch( const RfEstimatorGroup* group, void* memory )
 {
     RfBatchShape shape = rf_batch_shape( group );
-    rf_lay_out_harvest_scratch( &shape, memory );
+    rf_place_harvest_scratch( &shape, &( RfLayout ){ .memory = memory } );
 }
 
 static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays )
@@ -72,7 +85,11 @@ static void prepare( const RfEstimatorGroup* group, int pass, void* shared, RfRa
 {
     RfLightPaths* paths = shared;
     if ( paths->share_of != group->number + 1 )
-        rf_choose_connection_share( group, paths, (char*)shared + rf_light_paths_bytes( group ), rays );
+    {
+        RfPilot* pilot;
+        place_shared( group, &( RfLayout ){ .memory = shared }, &pilot );
+        rf_choose_connection_share( group, paths, pilot, rays );
+    }
     paths->share_of = group->number + 1;
     if ( rf_drawn_light_paths( paths ) == NULL )
         return;
@@ -178,6 +195,7 @@ const RfEstimator rf_reuse_estimator = {
     .has_covering = true,
     .clamps = true,
     .splits_light = true,
+    .other_weights = &rf_biased_estimator,
     .check = check,
     .sizes = sizes,
     .lay_out_batch = lay_out_batch,

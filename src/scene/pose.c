@@ -3,6 +3,7 @@
 
 #include "base/fault.h"
 #include "base/file.h"
+#include "base/layout.h"
 #include "scene/animation.h"
 #include "scene/deformation.h"
 #include "scene/movement.h"
@@ -16,19 +17,6 @@
 // Where the volume of a unit cube is less than this part of the cube of its longest edge, a matrix is not inverted.
 #define FLAT_RATIO 1e-9
 
-// Where the parts of a pose are in its memory, in bytes.
-typedef struct Layout
-{
-    size_t placements, meshes;
-    size_t worlds, shown;             // of moving nodes
-    size_t joints, weights, mirrored; // of one mover at a time
-    size_t arrays;                    // of the meshes that deform
-    size_t changes;                   // lamps and materials
-    size_t images;                    // of textures
-    int own_meshes;
-    size_t total;
-} Layout;
-
 // A pose in the making.
 typedef struct Posing
 {
@@ -38,22 +26,14 @@ typedef struct Posing
     RfPosedScene* pose;
     RfPlacement* placements;
     RfMesh* meshes;
-    int mesh_count;
-    RfMat4* worlds;
+    int mesh_count; // so far
+    RfMat4* worlds; // of moving nodes, as the next
     bool* shown;
-    RfMat4* joints;
+    RfMat4* joints; // of one mover at a time, as the next
     double* weights;
     bool* mirrored;
-    char* arrays; // of the next mesh
     RfError* error;
 } Posing;
-
-static size_t take( size_t* total, size_t count, size_t size )
-{
-    size_t at = *total;
-    *total += ( count * size + 63 ) / 64 * 64;
-    return at;
-}
 
 static const RfMesh* mesh_of( const RfScene* scene, int mover )
 {
@@ -67,57 +47,72 @@ static bool needs_mesh( const RfScene* scene, int mover )
     return self->flattens || self->settles || mesh_of( scene, mover )->deformation != NULL;
 }
 
-// Gives the arrays that deform to a mesh from `memory`, which may be NULL, and returns their bytes.
-static size_t lay_out_mesh( const RfTriangles* from, char* memory, RfTriangles* to )
+// The arrays of a mesh that deform.
+static void place_mesh( const RfTriangles* from, RfLayout* layout, RfTriangles* to )
 {
-    size_t total = 0, vertices = from->vertex_count;
-    size_t positions = take( &total, vertices, 3 * sizeof *to->positions ),
-           normals = take( &total, vertices, 3 * sizeof *to->normals ),
-           tangents = take( &total, from->tangents != NULL ? vertices : 0, 4 * sizeof *to->tangents ),
-           indices = take( &total, from->count, 3 * sizeof *to->indices );
-    if ( memory == NULL )
-        return total;
-    to->positions = (float*)(void*)( memory + positions );
-    to->normals = (float*)(void*)( memory + normals );
-    to->tangents = (float*)(void*)( memory + tangents );
-    to->indices = (uint32_t*)(void*)( memory + indices );
-    return total;
+    RF_PLACE( layout, to->positions, 3 * (size_t)from->vertex_count );
+    RF_PLACE( layout, to->normals, 3 * (size_t)from->vertex_count );
+    RF_PLACE( layout, to->tangents, from->tangents != NULL ? 4 * (size_t)from->vertex_count : 0 );
+    RF_PLACE( layout, to->indices, 3 * (size_t)from->count );
 }
 
 static size_t larger( size_t a, size_t b ) { return a > b ? a : b; }
 
-static Layout lay_out( const RfScene* scene, bool images )
+// What is found on the way, none of the meshes.
+static Posing place_moment( const RfScene* scene, double time, RfLayout* layout, RfError* error )
 {
-    Layout layout = { 0 };
     const RfMovement* movement = scene->movement;
-    size_t vertices = 0, joints = 0, weights = 0, arrays = 0;
+    Posing p = { .scene = scene, .movement = movement, .time = time, .shown_at = time, .error = error };
+    size_t joints = 0, weights = 0;
     for ( int i = 0; i < movement->mover_count; ++i )
     {
         const RfMover* mover = movement->movers + i;
-        const RfTriangles* t = &mesh_of( scene, i )->triangles;
         if ( mover->skin >= 0 )
             joints = larger( joints, (size_t)movement->skins[mover->skin].joint_count );
         weights = larger( weights, (size_t)mover->target_count );
+    }
+    RF_PLACE( layout, p.worlds, movement->node_count );
+    RF_PLACE( layout, p.shown, movement->node_count );
+    RF_PLACE( layout, p.joints, joints );
+    RF_PLACE( layout, p.weights, weights );
+    return p;
+}
+
+// All but what rf_pose_changes and rf_pose_images take after it.
+static Posing place_pose( const RfScene* scene, double time, RfLayout* layout, RfError* error )
+{
+    Posing p = place_moment( scene, time, layout, error );
+    size_t vertices = 0;
+    int own = (int)rf_pose_parts( scene ).meshes;
+    RF_PLACE( layout, p.placements, scene->placement_count );
+    RF_PLACE( layout, p.meshes, scene->mesh_count + own );
+    if ( p.meshes != NULL )
+        memset( p.meshes + scene->mesh_count, 0, (size_t)own * sizeof *p.meshes );
+    p.mesh_count = scene->mesh_count;
+    for ( int i = 0; i < p.movement->mover_count; ++i )
+    {
+        const RfTriangles* t = &mesh_of( scene, i )->triangles;
         if ( !needs_mesh( scene, i ) )
             continue;
         vertices = larger( vertices, t->vertex_count );
-        arrays += lay_out_mesh( t, NULL, NULL );
-        layout.own_meshes += 1;
+        place_mesh( t, layout, p.meshes != NULL ? &p.meshes[p.mesh_count].triangles : NULL );
+        p.mesh_count += 1;
     }
-    layout.placements = take( &layout.total, (size_t)scene->placement_count, sizeof( RfPlacement ) );
-    layout.meshes = take( &layout.total, (size_t)( scene->mesh_count + layout.own_meshes ), sizeof( RfMesh ) );
-    layout.worlds = take( &layout.total, (size_t)movement->node_count, sizeof( RfMat4 ) );
-    layout.shown = take( &layout.total, (size_t)movement->node_count, sizeof( bool ) );
-    layout.joints = take( &layout.total, joints, sizeof( RfMat4 ) );
-    layout.weights = take( &layout.total, weights, sizeof( double ) );
-    layout.mirrored = take( &layout.total, vertices, sizeof( bool ) );
-    layout.arrays = take( &layout.total, arrays, 1 );
-    layout.changes = take( &layout.total, rf_changes_bytes( scene ), 1 );
-    layout.images = take( &layout.total, images ? rf_images_bytes( scene ) : 0, 1 );
-    return layout;
+    RF_PLACE( layout, p.mirrored, vertices );
+    return p;
 }
 
-size_t rf_pose_bytes( const RfScene* scene ) { return scene->movement != NULL ? lay_out( scene, true ).total : 0; }
+static size_t pose_bytes( const RfScene* scene, bool images )
+{
+    RfLayout layout = { 0 };
+    place_pose( scene, 0.0, &layout, NULL );
+    rf_pose_changes( scene, NULL, &layout, NULL, NULL );
+    if ( images )
+        rf_pose_images( scene, 0.0, &layout, NULL, NULL );
+    return layout.bytes;
+}
+
+size_t rf_pose_bytes( const RfScene* scene ) { return scene->movement != NULL ? pose_bytes( scene, true ) : 0; }
 
 RfPoseParts rf_pose_parts( const RfScene* scene )
 {
@@ -281,10 +276,7 @@ static RfResult pose_mover( Posing* p, int i )
     RfPlacement* placement = p->placements + p->scene->still_placement_count + i;
     RfMesh* own = NULL;
     if ( needs_mesh( p->scene, i ) )
-    {
         own = p->meshes + p->mesh_count++;
-        p->arrays += lay_out_mesh( &mesh->triangles, p->arrays, &own->triangles );
-    }
     placement->shown = follow( p, mover, &placement->matrix, &p->pose->hash );
     if ( !placement->shown )
         return RF_OK;
@@ -295,26 +287,6 @@ static RfResult pose_mover( Posing* p, int i )
     if ( extent == GONE || ( mesh->deformation == NULL && !flat ) )
         return check_bounds( p, mover, mesh, &placement->matrix );
     return deform( p, mover, mesh, own, flat, placement );
-}
-
-static Posing begin( const RfScene* scene, double time, const Layout* layout, char* memory, RfError* error )
-{
-    return ( Posing ){
-        .scene = scene,
-        .movement = scene->movement,
-        .time = time,
-        .shown_at = time,
-        .placements = (RfPlacement*)(void*)( memory + layout->placements ),
-        .meshes = (RfMesh*)(void*)( memory + layout->meshes ),
-        .mesh_count = scene->mesh_count,
-        .worlds = (RfMat4*)(void*)( memory + layout->worlds ),
-        .shown = (bool*)( memory + layout->shown ),
-        .joints = (RfMat4*)(void*)( memory + layout->joints ),
-        .weights = (double*)(void*)( memory + layout->weights ),
-        .mirrored = (bool*)( memory + layout->mirrored ),
-        .arrays = memory + layout->arrays,
-        .error = error,
-    };
 }
 
 static RfResult no_memory( const RfScene* scene, RfError* error )
@@ -330,15 +302,15 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
     pose->hash = RF_HASH_START;
     if ( scene->movement == NULL )
         return RF_OK;
-    Layout layout = lay_out( scene, !pose->places_alone );
     if ( pose->memory == NULL )
     {
-        pose->memory = aligned_alloc( 64, layout.total );
+        pose->memory = aligned_alloc( 64, pose_bytes( scene, !pose->places_alone ) );
         pose->owned = true;
     }
     if ( pose->memory == NULL )
         return no_memory( scene, error );
-    Posing p = begin( scene, time, &layout, pose->memory, error );
+    RfLayout layout = { .memory = pose->memory };
+    Posing p = place_pose( scene, time, &layout, error );
     p.pose = pose;
     if ( pose->in_shutter && !pose->places_alone )
         p.shown_at = pose->middle;
@@ -346,11 +318,11 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
         memcpy( p.placements, scene->placements, (size_t)scene->placement_count * sizeof *p.placements );
     if ( scene->mesh_count > 0 )
         memcpy( p.meshes, scene->meshes, (size_t)scene->mesh_count * sizeof *p.meshes );
-    memset( p.meshes + scene->mesh_count, 0, (size_t)layout.own_meshes * sizeof *p.meshes );
     if ( scene->placement_count > 0 )
         pose->scene.placements = p.placements;
     pose->scene.meshes = p.meshes;
-    pose->scene.mesh_count = scene->mesh_count + layout.own_meshes;
+    pose->scene.mesh_count = p.mesh_count;
+    p.mesh_count = scene->mesh_count;
     find_nodes( &p );
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < p.movement->mover_count; ++i )
@@ -363,9 +335,9 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
     RfNodesAt nodes = { time, p.worlds, p.shown };
     pose->hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, pose->hash ) );
     if ( result == RF_OK )
-        result = rf_pose_changes( scene, &nodes, (char*)pose->memory + layout.changes, &pose->scene, error );
+        result = rf_pose_changes( scene, &nodes, &layout, &pose->scene, error );
     if ( result == RF_OK && !pose->places_alone )
-        result = rf_pose_images( scene, time, (char*)pose->memory + layout.images, &pose->scene, error );
+        result = rf_pose_images( scene, time, &layout, &pose->scene, error );
     return result;
 }
 
@@ -382,16 +354,12 @@ static RfResult hash_moment( const RfScene* scene, double time, bool all, uint64
     *hash = RF_HASH_START;
     if ( scene->movement == NULL )
         return RF_OK;
-    // what is found on the way alone, none of the meshes
-    Layout layout = lay_out( scene, false );
-    layout.total = layout.mirrored - layout.worlds;
-    char* memory = layout.total > 0 ? aligned_alloc( 64, layout.total ) : NULL;
-    if ( memory == NULL && layout.total > 0 )
+    RfLayout layout = { 0 };
+    place_moment( scene, time, &layout, error );
+    char* memory = layout.bytes > 0 ? aligned_alloc( 64, layout.bytes ) : NULL;
+    if ( memory == NULL && layout.bytes > 0 )
         return no_memory( scene, error );
-    Layout moved = { .shown = layout.shown - layout.worlds,
-                     .joints = layout.joints - layout.worlds,
-                     .weights = layout.weights - layout.worlds };
-    Posing p = begin( scene, time, &moved, memory, error );
+    Posing p = place_moment( scene, time, &( RfLayout ){ .memory = memory }, error );
     find_nodes( &p );
     for ( int i = 0; i < p.movement->mover_count; ++i )
     {

@@ -11,24 +11,6 @@
 
 #define TURN 6.28318530717958648
 
-static size_t whole_lines( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
-
-static size_t punctual_bytes( const RfScene* scene )
-{
-    return scene->movement->lamp_count > 0 ? whole_lines( (size_t)scene->punctual_count * sizeof( RfPunctual ) ) : 0;
-}
-
-static size_t material_bytes( const RfScene* scene )
-{
-    return scene->movement->material_count > 0 ? whole_lines( scene->material_count * sizeof( RfMaterial ) ) : 0;
-}
-
-size_t rf_changes_bytes( const RfScene* scene )
-{
-    return punctual_bytes( scene ) + material_bytes( scene ) +
-           whole_lines( (size_t)scene->movement->material_count * sizeof( RfTextured ) );
-}
-
 // Lamps.
 
 static RfResult fail_lamp( const RfScene* scene, const RfPunctual* lamp, double time, const char* what, RfError* error )
@@ -92,12 +74,11 @@ static const char* pose_lamp( const RfScene* scene, const RfMovingLamp* lamp, co
     return lamp->node >= 0 ? place_lamp( scene, nodes->worlds + lamp->node, out ) : NULL;
 }
 
-static RfResult pose_lamps( const RfScene* scene, const RfNodesAt* nodes, char* memory, RfScene* posed, RfError* error )
+static RfResult pose_lamps( const RfScene* scene, const RfNodesAt* nodes, RfScene* posed, RfError* error )
 {
     const RfMovement* movement = scene->movement;
     if ( movement->lamp_count == 0 )
         return RF_OK;
-    posed->punctuals = (RfPunctual*)(void*)memory;
     memcpy( posed->punctuals, scene->punctuals, (size_t)scene->punctual_count * sizeof *posed->punctuals );
     for ( int i = 0; i < movement->lamp_count; ++i )
     {
@@ -180,13 +161,11 @@ static void pose_material( const RfScene* scene, const RfMovingMaterial* self, d
         out->emission = emission;
 }
 
-static void pose_materials( const RfScene* scene, double time, char* memory, RfScene* posed )
+static void pose_materials( const RfScene* scene, double time, RfTextured* textured, RfScene* posed )
 {
     const RfMovement* movement = scene->movement;
     if ( movement->material_count == 0 )
         return;
-    RfTextured* textured = (RfTextured*)(void*)( memory + material_bytes( scene ) );
-    posed->materials = (RfMaterial*)(void*)memory;
     memcpy( posed->materials, scene->materials, scene->material_count * sizeof *posed->materials );
     for ( int i = 0; i < movement->material_count; ++i )
     {
@@ -218,11 +197,19 @@ static void pose_sky( const RfScene* scene, double time, RfScene* posed )
     }
 }
 
-RfResult rf_pose_changes( const RfScene* scene, const RfNodesAt* nodes, char* memory, RfScene* posed, RfError* error )
+RfResult rf_pose_changes( const RfScene* scene, const RfNodesAt* nodes, RfLayout* layout, RfScene* posed, RfError* error )
 {
-    RfResult result = pose_lamps( scene, nodes, memory, posed, error );
+    const RfMovement* movement = scene->movement;
+    RfTextured* textured = rf_take( layout, (size_t)movement->material_count, sizeof *textured );
+    if ( movement->lamp_count > 0 )
+        RF_PLACE( layout, posed->punctuals, scene->punctual_count );
+    if ( movement->material_count > 0 )
+        RF_PLACE( layout, posed->materials, scene->material_count );
+    if ( layout->memory == NULL )
+        return RF_OK;
+    RfResult result = pose_lamps( scene, nodes, posed, error );
     if ( result == RF_OK )
-        pose_materials( scene, nodes->time, memory + punctual_bytes( scene ), posed );
+        pose_materials( scene, nodes->time, textured, posed );
     if ( result == RF_OK )
         pose_sky( scene, nodes->time, posed );
     return result;

@@ -2,10 +2,8 @@
 #ifndef REFRAME_SCENE_POSE_CHANGES_H
 #define REFRAME_SCENE_POSE_CHANGES_H
 
+#include "base/layout.h"
 #include "scene/pose.h"
-
-// What a pose has of its own for them, a multiple of 64.
-size_t rf_changes_bytes( const RfScene* scene );
 
 // Where the moving nodes are at a time, and whether they are shown.
 typedef struct RfNodesAt
@@ -15,8 +13,8 @@ typedef struct RfNodesAt
     const bool* shown;
 } RfNodesAt;
 
-// Poses what changes of `scene` into `posed`, in memory of rf_changes_bytes. Fails with RF_ERROR_SCENE.
-RfResult rf_pose_changes( const RfScene* scene, const RfNodesAt* nodes, char* memory, RfScene* posed, RfError* error );
+// Poses what changes of `scene` into `posed`, in the layout; without memory it is only measured. Fails with RF_ERROR_SCENE.
+RfResult rf_pose_changes( const RfScene* scene, const RfNodesAt* nodes, RfLayout* layout, RfScene* posed, RfError* error );
 
 // Extends a hash by all of it, without memory.
 uint64_t rf_hash_changes( const RfScene* scene, const RfNodesAt* nodes, uint64_t hash );

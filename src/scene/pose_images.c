@@ -7,19 +7,6 @@
 
 #include <string.h>
 
-static size_t round_up( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
-
-static size_t list_bytes( const RfScene* scene ) { return round_up( (size_t)scene->texture_count * sizeof( RfTexture ) ); }
-
-size_t rf_images_bytes( const RfScene* scene )
-{
-    const RfMovement* movement = scene->movement;
-    size_t bytes = movement->sequence_count > 0 ? list_bytes( scene ) : 0;
-    for ( int i = 0; i < movement->sequence_count; ++i )
-        bytes += round_up( movement->sequences[i].bytes );
-    return bytes;
-}
-
 size_t rf_image_scratch( const RfScene* scene )
 {
     size_t most = 0;
@@ -28,20 +15,21 @@ size_t rf_image_scratch( const RfScene* scene )
     return most;
 }
 
-RfResult rf_pose_images( const RfScene* scene, double time, char* memory, RfScene* posed, RfError* error )
+RfResult rf_pose_images( const RfScene* scene, double time, RfLayout* layout, RfScene* posed, RfError* error )
 {
     const RfMovement* movement = scene->movement;
     RfResult result = RF_OK;
     if ( movement->sequence_count == 0 )
         return RF_OK;
-    posed->textures = (RfTexture*)(void*)memory;
-    memcpy( posed->textures, scene->textures, (size_t)scene->texture_count * sizeof *posed->textures );
-    memory += list_bytes( scene );
+    RF_PLACE( layout, posed->textures, scene->texture_count );
+    if ( layout->memory != NULL )
+        memcpy( posed->textures, scene->textures, (size_t)scene->texture_count * sizeof *posed->textures );
     for ( int i = 0; result == RF_OK && i < movement->sequence_count; ++i )
     {
         const RfImageSequence* s = movement->sequences + i;
-        result = rf_place_sequence_image( s, rf_sequence_number( s, time ), memory, posed->textures + s->texture, error );
-        memory += round_up( s->bytes );
+        void* image = rf_take( layout, s->bytes, 1 );
+        if ( layout->memory != NULL )
+            result = rf_place_sequence_image( s, rf_sequence_number( s, time ), image, posed->textures + s->texture, error );
     }
     return result;
 }

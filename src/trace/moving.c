@@ -1,5 +1,6 @@
 // Tracers for moments of a scene that moves, and what moves in a group of frames.
 #include "base/fault.h"
+#include "base/layout.h"
 #include "scene/moments.h"
 #include "trace/tracer.h"
 
@@ -102,27 +103,39 @@ typedef struct TracerAt
 {
     RfTracer tracer;
     RfScene scene;
+    RfLight* light;
 } TracerAt;
 
-static size_t tracer_at_bytes( void ) { return ( sizeof( TracerAt ) + 63 ) / 64 * 64; }
+static TracerAt* place_tracer_at( uint32_t lights, RfLayout* layout )
+{
+    TracerAt* at = rf_take( layout, 1, sizeof *at );
+    RF_PLACE( layout, at->light, lights );
+    return at;
+}
 
-size_t rf_tracer_at_bytes( uint32_t lights ) { return tracer_at_bytes() + ( lights * sizeof( RfLight ) + 63 ) / 64 * 64; }
+size_t rf_tracer_at_bytes( uint32_t lights )
+{
+    RfLayout layout = { 0 };
+    place_tracer_at( lights, &layout );
+    return layout.bytes;
+}
 
 const RfTracer* rf_tracer_at( const RfTracer* posed, float moment, void* memory )
 {
     if ( posed->scene->moments == NULL )
         return posed;
-    TracerAt* at = memory;
+    const RfLights* still = &posed->lights;
+    bool moves = still->changing != NULL && still->changing->still_triangles != still->triangle_count;
+    TracerAt* at = place_tracer_at( moves ? still->triangle_count : 0, &( RfLayout ){ .memory = memory } );
     at->tracer = *posed;
     at->scene = *posed->scene;
     at->scene.moment = at->tracer.moment = moment;
     at->tracer.scene = &at->scene;
-    RfLights* lights = &at->tracer.lights;
-    if ( lights->changing == NULL || lights->changing->still_triangles == lights->triangle_count )
+    if ( !moves )
         return &at->tracer;
-    lights->light = (RfLight*)(void*)( (char*)memory + tracer_at_bytes() );
-    memcpy( lights->light, posed->lights.light, lights->triangle_count * sizeof *lights->light );
-    place_moving_lights( &at->tracer, lights->light );
+    memcpy( at->light, still->light, still->triangle_count * sizeof *at->light );
+    at->tracer.lights.light = at->light;
+    place_moving_lights( &at->tracer, at->light );
     return &at->tracer;
 }
 

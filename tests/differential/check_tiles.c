@@ -174,8 +174,10 @@ int check_tiles( long count )
     RfTracer* tracer = make_tracer( &scene );
     RfPathSettings path = { .tracer = tracer, .max_depth = 3, .light_samples = 1, .light_sampling = RF_LIGHTS_BY_POWER };
     RfTileReuseSettings settings = { .path = &path, .tile_pixels = 2 };
-    size_t bytes = ( rf_tile_reuse_bytes( 1, 2, false, false, 0, 0 ) + 63 ) / 64 * 64;
-    RfTileReuse* reuse = rf_lay_out_tile_reuse( 1, 2, false, false, 0, 0, aligned_alloc( 64, bytes ) );
+    RfLayout layout = { 0 };
+    rf_place_tile_reuse( 1, 2, false, false, 0, 0, &layout );
+    layout = ( RfLayout ){ .memory = aligned_alloc( 64, layout.bytes ) };
+    RfTileReuse* reuse = rf_place_tile_reuse( 1, 2, false, false, 0, 0, &layout );
     RfVertexLanes* hits = aligned_alloc( 64, ( sizeof *hits + 63 ) / 64 * 64 );
     RfWavefront* wavefront = aligned_alloc( 64, ( sizeof *wavefront + 63 ) / 64 * 64 );
     static float s_scattered[3][RF_LANES];

@@ -157,10 +157,11 @@ void draw_light_path_set( const RfScene* scene, int width, int height, LightPath
     set->group.traits.materials = scene->material_count;
     set->group.traits.most_lights = scene->triangles.count + 1;
     set->path = ( RfPathSettings ){ .tracer = set->tracer, .max_depth = 12, .light_samples = 1 };
-    size_t bytes = rf_light_paths_bytes( &set->group );
-    set->paths = aligned_alloc( 64, bytes );
+    RfLayout layout = { 0 };
+    rf_place_light_paths( &set->group, &layout );
+    set->paths = aligned_alloc( 64, layout.bytes );
     assert_non_null( set->paths );
-    memset( set->paths, 0, bytes );
+    memset( set->paths, 0, layout.bytes );
     rf_draw_light_paths( &set->group, 0, set->paths );
 }
 

@@ -118,7 +118,7 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
     json_object_set_new(
         json, "filter",
         json_pack( "{s:s, s:f}", "name", rf_filter_name( options->settings.filter ), "width", options->settings.filter_width ) );
-    if ( options->settings.estimator != rf_default_render_settings().estimator )
+    if ( rf_is_other_estimator( options->settings.estimator ) )
     {
         json_object_set_new( json, "estimator", json_string( rf_estimator_name( options->settings.estimator ) ) );
         json_object_set_new( json, "reconstruction", json_string( rf_reconstruction_name( options->settings.reconstruction ) ) );

@@ -240,7 +240,7 @@ static void find_variances( RfMaterialNoise* noise, int materials, int set )
 static void clear_classes( const RfRenderer* r )
 {
     const RfScene* scene = rf_tracer_scene( r->setup->shot.tracer );
-    memset( r->memory.noise, 0, rf_material_noise_bytes( &r->setup->sizes ) );
+    memset( r->memory.noise, 0, rf_material_noises( &r->setup->sizes ) * sizeof *r->memory.noise );
     for ( int k = 0; k < r->setup->sizes.materials; ++k )
     {
         const RfMaterial* material = scene->materials + k;
@@ -276,7 +276,7 @@ static void measure_noise( RfRenderer* r, RfLiveFilm* live )
     live->aovs.landed = landed;
     live->covering = covering;
     live->aovs.mean[RF_AOV_ALPHA] = sky;
-    memset( live->need, 0, rf_need_bytes( &r->setup->sizes ) );
+    memset( live->need, 0, rf_film_pixels( &r->setup->sizes ) * sizeof *live->need );
     for ( int set = 0; set < 2; ++set )
         find_variances( r->memory.noise, r->setup->sizes.materials, set );
     find_costs( r->memory.noise, r->setup->sizes.materials );

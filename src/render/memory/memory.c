@@ -1,142 +1,228 @@
-// How a render fits its budget, and its memory from its arena and back. sizes.c knows the sums.
+// How a render fits its budget, and what it allocates.
 #include "render/memory/memory.h"
 
+#include "base/layout.h"
 #include "base/remedy.h"
 #include "base/system.h"
+#include "render/adaptive/adaptive.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define SHARED "light paths"
 #define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
 #define MOVING "moving" // what moves: allocated by render/worlds.h and Embree
 
-static size_t film_pixels( const RfRenderSizes* s ) { return (size_t)s->width * (size_t)s->height; }
-
 #define MATTES ( RF_CRYPTOMATTE_KINDS * RF_CRYPTOMATTE_LAYERS )
-static size_t group_bytes( const RfRenderSizes* s ) { return film_pixels( s ) * 3 * sizeof( float ); }
+
+// What is allocated is described once, by functions that take the blocks one after the other: to measure, allocate or free them,
+// or to save them (render/state.c). Tables of blocks are left before they are allocated and after they are freed, so those who
+// walk through them have a `none` for their entries.
+
+typedef struct Walk
+{
+    RfMemoryWalk walk;
+    RfArena* arena;
+    size_t bytes;
+    RfResult result;
+    RfError* error;
+} Walk;
+
+static void measure( RfMemoryWalk* walk, const char* name, size_t bytes, void** block )
+{
+    (void)name, (void)block;
+    ( (Walk*)walk )->bytes += rf_arena_size( bytes );
+}
+
+static void allocate( RfMemoryWalk* walk, const char* name, size_t bytes, void** block )
+{
+    Walk* w = (Walk*)walk;
+    if ( w->result == RF_OK )
+        w->result = rf_arena_alloc( w->arena, name, bytes, block, w->error );
+}
+
+static void release( RfMemoryWalk* walk, const char* name, size_t bytes, void** block )
+{
+    rf_arena_free( ( (Walk*)walk )->arena, name, *block, bytes );
+}
+
+static Walk begin_measuring( const RfRenderSizes* s ) { return ( Walk ){ .walk = { .take = measure, .sizes = s } }; }
+
+static Walk begin_allocating( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
+{
+    return ( Walk ){ .walk = { .take = allocate, .sizes = s }, .arena = &m->arena, .error = error };
+}
+
+static Walk begin_freeing( const RfRenderSizes* s, RfRenderMemory* m )
+{
+    return ( Walk ){ .walk = { .take = release, .sizes = s }, .arena = &m->arena };
+}
+
+#define TAKE( walk, name, at, count )                                                                                            \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        if ( ( count ) > 0 )                                                                                                     \
+            ( walk )->take( ( walk ), ( name ), (size_t)( count ) * sizeof *( at ), (void**)&( at ) );                           \
+    } while ( 0 )
+
+// Tables begin as zeros. They are closed after all that is in them.
+#define OPEN_TABLE( walk, name, at, count )                                                                                      \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        if ( ( walk )->take != release )                                                                                         \
+            TAKE( walk, name, at, count );                                                                                       \
+        if ( ( walk )->take == allocate && ( at ) != NULL )                                                                      \
+            memset( ( at ), 0, (size_t)( count ) * sizeof *( at ) );                                                             \
+    } while ( 0 )
+#define CLOSE_TABLE( walk, name, at, count )                                                                                     \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        if ( ( walk )->take == release )                                                                                         \
+            TAKE( walk, name, at, count );                                                                                       \
+    } while ( 0 )
+
+// Blocks of `bytes` each, with a table of pointers to them.
+static void walk_blocks( RfMemoryWalk* w, const char* name, int count, size_t bytes, void*** blocks )
+{
+    OPEN_TABLE( w, name, *blocks, count );
+    for ( int i = 0; i < count; ++i )
+    {
+        void* none = NULL;
+        w->take( w, name, bytes, *blocks != NULL ? *blocks + i : &none );
+    }
+    CLOSE_TABLE( w, name, *blocks, count );
+}
 
 // One frame on its way to the caller.
+static void walk_buffer( RfMemoryWalk* w, RfFrameBuffer* buffer )
+{
+    const RfRenderSizes* s = w->sizes;
+    size_t pixels = rf_film_pixels( s );
+    TAKE( w, "image", buffer->rgb, 3 * pixels );
+    TAKE( w, "image", buffer->weight, pixels );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+        TAKE( w, "layer images", buffer->layers[a],
+              ( s->aovs & RF_AOV_BIT( a ) ) != 0 ? pixels * (size_t)rf_aov_channels( (RfAov)a ) : 0 );
+    for ( int i = 0; i < MATTES; ++i )
+        TAKE( w, "layer images", buffer->mattes[i], ( s->cryptomatte & 1u << i / RF_CRYPTOMATTE_LAYERS ) != 0 ? 4 * pixels : 0 );
+    TAKE( w, "layer images", buffer->list, rf_matte_kinds( s ) * RF_CRYPTOMATTE_LAYERS + s->group_films );
+    for ( int g = 0; g < s->group_films; ++g )
+        TAKE( w, "layer images", buffer->groups[g], 3 * pixels );
+}
+
+static void walk_film( RfMemoryWalk* w, RfFilm* film )
+{
+    const RfRenderSizes* s = w->sizes;
+    bool split = s->of_estimator.splits;
+    size_t sums = rf_film_sums( s->width, s->height, split );
+    if ( w->take == allocate )
+        *film = ( RfFilm ){ .width = s->width, .height = s->height, .split = split, .total_every = s->total_every };
+    for ( int h = 0; h < 2; ++h )
+    {
+        TAKE( w, "films", film->half[h], sums );
+        TAKE( w, "films", film->total[h], s->total_every > 0 ? sums : 0 );
+    }
+}
+
+void rf_walk_film_arrays( RfMemoryWalk* w, RfLiveFilm* live )
+{
+    const RfRenderSizes* s = w->sizes;
+    size_t pixels = rf_film_pixels( s );
+    RfFilm none = { 0 }, *first = live->films != NULL ? live->films : &none;
+    for ( int f = 0; f < s->film_count; ++f )
+        walk_film( w, live->films != NULL ? live->films + f : &none );
+    for ( int h = 0; h < 2; ++h )
+        TAKE( w, "adaptive", first->extra[h], s->adaptive ? pixels : 0 );
+    TAKE( w, "adaptive", live->need, s->adaptive ? pixels : 0 );
+    TAKE( w, "adaptive", live->glints, s->glints ? pixels : 0 );
+    TAKE( w, "surfaces", live->covering, s->covering ? pixels : 0 );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        size_t floats = ( s->aovs & RF_AOV_BIT( a ) ) != 0 ? pixels * (size_t)rf_aov_film_floats( (RfAov)a, s->filtered ) : 0;
+        if ( a == RF_AOV_SAMPLES )
+            TAKE( w, "layers", live->aovs.landed, floats );
+        else
+            TAKE( w, "layers", live->aovs.mean[a], floats );
+    }
+}
+
+static void walk_films( RfMemoryWalk* w, RfRenderMemory* m )
+{
+    const RfRenderSizes* s = w->sizes;
+    OPEN_TABLE( w, "film table", m->films, s->films );
+    TAKE( w, "film table", m->noise_estimates, s->stopping ? s->films : 0 );
+    TAKE( w, "film table", m->kept_errors, s->paired ? 3 * rf_film_pixels( s ) : 0 );
+    TAKE( w, "adaptive", m->noise, rf_material_noises( s ) );
+    for ( int i = 0; i < s->films; ++i )
+    {
+        RfLiveFilm none = { 0 }, *live = m->films != NULL ? m->films + i : &none;
+        OPEN_TABLE( w, "film table", live->films, s->film_count );
+        rf_walk_film_arrays( w, live );
+        CLOSE_TABLE( w, "film table", live->films, s->film_count );
+    }
+    CLOSE_TABLE( w, "film table", m->films, s->films );
+}
+
+static void walk_buffers( RfMemoryWalk* w, RfRenderMemory* m )
+{
+    OPEN_TABLE( w, "image", m->buffers, w->sizes->ring );
+    for ( int i = 0; i < m->buffer_count; ++i )
+        walk_buffer( w, m->buffers + i );
+    CLOSE_TABLE( w, "image", m->buffers, w->sizes->ring );
+}
+
+static void walk_scratch( RfMemoryWalk* w, RfRenderMemory* m )
+{
+    const RfRenderSizes* s = w->sizes;
+    walk_blocks( w, "scratch", s->threads, s->of_estimator.trace_scratch, &m->trace_scratch );
+    walk_blocks( w, "scratch", s->threads, s->of_estimator.accumulate_scratch, &m->accumulate_scratch );
+    walk_blocks( w, "scratch", rf_landings( s ), s->of_estimator.landing, &m->landings );
+    if ( s->of_estimator.finish_scratch > 0 )
+        w->take( w, "scratch", s->of_estimator.finish_scratch, &m->finish_scratch );
+    if ( s->of_estimator.shared > 0 )
+        w->take( w, s->of_estimator.shared_name, s->of_estimator.shared, &m->shared );
+}
+
+// What they measure.
+
+static size_t measured( const RfRenderSizes* s, void ( *walk )( RfMemoryWalk*, RfRenderMemory* ) )
+{
+    RfRenderMemory none = { 0 };
+    Walk w = begin_measuring( s );
+    walk( &w.walk, &none );
+    return w.bytes;
+}
+
+size_t rf_films_bytes( const RfRenderSizes* s ) { return measured( s, walk_films ); }
+
+static size_t image_bytes( const RfRenderSizes* s )
+{
+    RfFrameBuffer none = { 0 };
+    Walk w = begin_measuring( s );
+    walk_buffer( &w.walk, &none );
+    return w.bytes;
+}
+
+static size_t records_bytes( const RfRenderSizes* s, int batches )
+{
+    void** none = NULL;
+    Walk w = begin_measuring( s );
+    walk_blocks( &w.walk, "hit records", batches, s->of_estimator.batch, &none );
+    return w.bytes;
+}
+
+// Of everything but the batches, with one finished frame.
+static size_t fixed_bytes( const RfRenderSizes* s )
+{
+    size_t counted = rf_piece_bytes( rf_writer_bytes( s ) ) + rf_piece_bytes( s->moving );
+    return rf_films_bytes( s ) + measured( s, walk_buffers ) + image_bytes( s ) + measured( s, walk_scratch ) + counted;
+}
+
+// One buffer more.
 static RfResult alloc_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
-    RfFrameBuffer* buffer = m->buffers + m->buffer_count;
-    *buffer = ( RfFrameBuffer ){ 0 };
-    m->buffer_count += 1;
-    RfResult result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * 3 * sizeof( float ), (void**)&buffer->rgb, error );
-    if ( result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "image", film_pixels( s ) * sizeof( float ), (void**)&buffer->weight, error );
-    for ( int a = 0; a < RF_AOV_COUNT && result == RF_OK; ++a )
-    {
-        if ( rf_aov_image_bytes( s, a ) > 0 )
-            result = rf_arena_alloc( &m->arena, "layer images", rf_aov_image_bytes( s, a ), (void**)&buffer->layers[a], error );
-    }
-    for ( int i = 0; i < MATTES && result == RF_OK; ++i )
-    {
-        size_t bytes = rf_matte_bytes( s, i / RF_CRYPTOMATTE_LAYERS );
-        if ( bytes > 0 )
-            result = rf_arena_alloc( &m->arena, "layer images", bytes, (void**)&buffer->mattes[i], error );
-    }
-    if ( rf_layer_list_bytes( s ) > 0 && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "layer images", rf_layer_list_bytes( s ), (void**)&buffer->list, error );
-    for ( int g = 0; g < s->group_films && result == RF_OK; ++g )
-        result = rf_arena_alloc( &m->arena, "layer images", group_bytes( s ), (void**)&buffer->groups[g], error );
-    return result;
-}
-
-static void free_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfFrameBuffer* buffer )
-{
-    rf_arena_free( &m->arena, "image", buffer->rgb, film_pixels( s ) * 3 * sizeof( float ) );
-    rf_arena_free( &m->arena, "image", buffer->weight, film_pixels( s ) * sizeof( float ) );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-        rf_arena_free( &m->arena, "layer images", buffer->layers[a], rf_aov_image_bytes( s, a ) );
-    for ( int i = 0; i < MATTES; ++i )
-        rf_arena_free( &m->arena, "layer images", buffer->mattes[i], rf_matte_bytes( s, i / RF_CRYPTOMATTE_LAYERS ) );
-    rf_arena_free( &m->arena, "layer images", buffer->list, rf_layer_list_bytes( s ) );
-    for ( int g = 0; g < s->group_films; ++g )
-        rf_arena_free( &m->arena, "layer images", buffer->groups[g], group_bytes( s ) );
-}
-
-// The first buffer: at least one is needed.
-static RfResult alloc_first_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
-{
-    size_t bytes = (size_t)s->ring * sizeof *m->buffers;
-    RfResult result = rf_arena_alloc( &m->arena, "image", bytes, (void**)&m->buffers, error );
-    return result == RF_OK ? alloc_buffer( s, m, error ) : result;
-}
-
-static RfResult alloc_aov_film( const RfRenderSizes* s, RfRenderMemory* m, RfAovFilm* aovs, RfError* error )
-{
-    RfResult result = RF_OK;
-    for ( int a = 0; a < RF_AOV_COUNT && result == RF_OK; ++a )
-    {
-        void** where = a == RF_AOV_SAMPLES ? (void**)&aovs->landed : (void**)&aovs->mean[a];
-        if ( rf_aov_film_bytes( s, a ) > 0 )
-            result = rf_arena_alloc( &m->arena, "layers", rf_aov_film_bytes( s, a ), where, error );
-    }
-    return result;
-}
-
-static void free_aov_film( const RfRenderSizes* s, RfRenderMemory* m, const RfAovFilm* aovs )
-{
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-        rf_arena_free( &m->arena, "layers", aovs->mean[a], rf_aov_film_bytes( s, a ) );
-    rf_arena_free( &m->arena, "layers", aovs->landed, rf_aov_film_bytes( s, RF_AOV_SAMPLES ) );
-}
-
-static RfResult alloc_film( const RfRenderSizes* s, RfRenderMemory* m, RfFilm* film, RfError* error )
-{
-    RfResult result = RF_OK;
-    *film = ( RfFilm ){ .width = s->width, .height = s->height, .split = s->of_estimator.splits, .total_every = s->total_every };
-    for ( int h = 0; h < 2 && result == RF_OK; ++h )
-        result = rf_arena_alloc( &m->arena, "films", rf_half_bytes( s ), (void**)&film->half[h], error );
-    for ( int h = 0; h < 2 && result == RF_OK && s->total_every > 0; ++h )
-        result = rf_arena_alloc( &m->arena, "films", rf_totals_bytes( s ), (void**)&film->total[h], error );
-    return result;
-}
-
-static size_t films_table_bytes( const RfRenderSizes* s ) { return (size_t)s->film_count * sizeof( RfFilm ); }
-
-static RfResult alloc_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFilm* live, RfError* error )
-{
-    RfResult result = RF_OK;
-    live->frame = -1;
-    result = rf_arena_alloc( &m->arena, "film table", films_table_bytes( s ), (void**)&live->films, error );
-    if ( result == RF_OK )
-        memset( live->films, 0, films_table_bytes( s ) );
-    for ( int f = 0; f < s->film_count && result == RF_OK; ++f )
-        result = alloc_film( s, m, live->films + f, error );
-    for ( int h = 0; h < 2 && result == RF_OK && s->adaptive; ++h )
-        result = rf_arena_alloc( &m->arena, "adaptive", rf_extra_bytes( s ), (void**)&live->films[0].extra[h], error );
-    if ( s->adaptive && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "adaptive", rf_need_bytes( s ), (void**)&live->need, error );
-    if ( s->glints && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "adaptive", rf_glints_bytes( s ), (void**)&live->glints, error );
-    if ( s->of_estimator.pass_state > 0 && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "landed cameras", s->of_estimator.pass_state, &live->pass_state, error );
-    if ( s->covering && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "surfaces", rf_covering_bytes( s ), (void**)&live->covering, error );
-    if ( result == RF_OK )
-        result = alloc_aov_film( s, m, &live->aovs, error );
-    return result;
-}
-
-static RfResult alloc_films( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
-{
-    size_t bytes = (size_t)s->films * sizeof *m->films;
-    RfResult result = rf_arena_alloc( &m->arena, "film table", bytes, (void**)&m->films, error );
-    if ( result != RF_OK )
-        return result;
-    memset( m->films, 0, bytes );
-    m->film_slots = s->films;
-    if ( s->stopping )
-        result = rf_arena_alloc( &m->arena, "film table", rf_noise_estimates_bytes( s ), (void**)&m->noise_estimates, error );
-    if ( s->paired && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "film table", rf_kept_errors_bytes( s ), (void**)&m->kept_errors, error );
-    if ( s->materials > 0 && result == RF_OK )
-        result = rf_arena_alloc( &m->arena, "adaptive", rf_material_noise_bytes( s ), (void**)&m->noise, error );
-    for ( int i = 0; i < s->films && result == RF_OK; ++i )
-        result = alloc_live_film( s, m, m->films + i, error );
-    return result;
+    Walk w = begin_allocating( s, m, error );
+    walk_buffer( &w.walk, m->buffers + m->buffer_count++ );
+    return w.result;
 }
 
 // Pieces clear their frames only where they are traced. What lands elsewhere is never looked at, but it must not be added to
@@ -147,54 +233,15 @@ static void clear_films( const RfRenderSizes* s, RfRenderMemory* m )
         rf_clear_film( m->films[i / s->film_count].films + i % s->film_count );
 }
 
-// `count` blocks of `bytes` each, with a table of pointers to them.
-static RfResult alloc_blocks( RfRenderMemory* m, const char* name, int count, size_t bytes, void*** blocks, RfError* error )
-{
-    size_t table = (size_t)count * sizeof **blocks;
-    RfResult result = rf_arena_alloc( &m->arena, name, table, (void**)blocks, error );
-    if ( result != RF_OK )
-        return result;
-    memset( *blocks, 0, table );
-    for ( int i = 0; i < count && result == RF_OK; ++i )
-        result = rf_arena_alloc( &m->arena, name, bytes, *blocks + i, error );
-    return result;
-}
-
-static void free_blocks( RfRenderMemory* m, const char* name, int count, size_t bytes, void** blocks )
-{
-    for ( int i = 0; blocks != NULL && i < count; ++i )
-        rf_arena_free( &m->arena, name, blocks[i], bytes );
-    rf_arena_free( &m->arena, name, blocks, (size_t)count * sizeof *blocks );
-}
-
-static RfResult alloc_scratch( const RfEstimatorGroup* group, const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
-{
-    RfResult result = alloc_blocks( m, "scratch", s->threads, s->of_estimator.trace_scratch, &m->trace_scratch, error );
-    for ( int t = 0; t < s->threads && result == RF_OK; ++t )
-        s->estimator->lay_out_scratch( group, m->trace_scratch[t] );
-    if ( result == RF_OK )
-        result = alloc_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, &m->accumulate_scratch, error );
-    m->landing_slots = rf_landings( s );
-    if ( result == RF_OK && m->landing_slots > 0 )
-        result = alloc_blocks( m, "scratch", m->landing_slots, s->of_estimator.landing, &m->landings, error );
-    if ( result == RF_OK && s->of_estimator.finish_scratch > 0 )
-        result = rf_arena_alloc( &m->arena, "scratch", s->of_estimator.finish_scratch, &m->finish_scratch, error );
-    if ( result == RF_OK && s->of_estimator.shared > 0 )
-        result = rf_arena_alloc( &m->arena, SHARED, s->of_estimator.shared, &m->shared, error );
-    if ( result == RF_OK && s->of_estimator.shared > 0 )
-        memset( m->shared, 0, s->of_estimator.shared );
-    return result;
-}
-
 // As many batches at once as serve the threads and fit the budget, at least one.
 static int batch_slots( const RfRenderSizes* s, const RfRenderMemory* m )
 {
     int slots = rf_batches_wanted( s );
     size_t room = rf_arena_room( &m->arena );
-    if ( s->of_estimator.whole_pass || rf_records_bytes( s, slots ) <= room )
+    if ( records_bytes( s, slots ) <= room )
         return slots;
-    int fit = (int)( room / ( rf_records_bytes( s, slots ) / (size_t)slots ) ); // upper bound
-    while ( fit > 1 && rf_records_bytes( s, fit ) > room )
+    int fit = (int)( room / ( records_bytes( s, slots ) / (size_t)slots ) ); // upper bound
+    while ( fit > 1 && records_bytes( s, fit ) > room )
         fit -= 1;
     return fit > 1 ? fit : 1;
 }
@@ -202,29 +249,29 @@ static int batch_slots( const RfRenderSizes* s, const RfRenderMemory* m )
 // More buffers, as long as they leave room for all batches.
 static RfResult alloc_more_buffers( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
-    size_t batches = rf_records_bytes( s, batch_slots( s, m ) );
+    size_t batches = records_bytes( s, batch_slots( s, m ) );
     RfResult result = RF_OK;
     while ( result == RF_OK && m->buffer_count < s->buffers && rf_arena_room( &m->arena ) > batches &&
-            rf_arena_room( &m->arena ) - batches >= rf_image_bytes( s ) )
+            rf_arena_room( &m->arena ) - batches >= image_bytes( s ) )
         result = alloc_buffer( s, m, error );
     return result;
 }
 
 static RfResult alloc_batches( const RfEstimatorGroup* group, const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
+    Walk w = begin_allocating( s, m, error );
     m->batch_slots = batch_slots( s, m );
-    RfResult result = alloc_blocks( m, "hit records", m->batch_slots, s->of_estimator.batch, &m->batches, error );
-    for ( int i = 0; i < m->batch_slots && result == RF_OK; ++i )
+    walk_blocks( &w.walk, "hit records", m->batch_slots, s->of_estimator.batch, &m->batches );
+    for ( int i = 0; i < m->batch_slots && w.result == RF_OK; ++i )
         s->estimator->lay_out_batch( group, m->batches[i] );
-    return result;
+    return w.result;
 }
 
 // A process that goes beyond the limit of its control group is killed in the midst of its work.
 static RfResult check_permitted( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
     size_t permitted = rf_permitted_memory();
-    size_t needed = rf_films_bytes( s ) + rf_image_bytes( s ) + rf_scratch_bytes( s ) + rf_writer_bytes( s ) + s->moving +
-                    rf_records_bytes( s, s->of_estimator.whole_pass ? rf_batches_wanted( s ) : 1 );
+    size_t needed = fixed_bytes( s ) + records_bytes( s, 1 );
     if ( needed > permitted )
     {
         char needs[RF_BYTES_TEXT_SIZE], may[RF_BYTES_TEXT_SIZE];
@@ -249,62 +296,41 @@ RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSi
     if ( result == RF_OK && sizes->moving > 0 )
         result = rf_arena_reserve( &memory->arena, MOVING, sizes->moving, error );
     memory->has_moving = sizes->moving > 0 && result == RF_OK;
-    if ( result == RF_OK )
-        result = alloc_films( sizes, memory, error );
-    if ( result == RF_OK && group->settings->pieces != NULL )
+    if ( result != RF_OK )
+        return result;
+    Walk w = begin_allocating( sizes, memory, error );
+    walk_films( &w.walk, memory );
+    memory->film_slots = memory->films != NULL ? sizes->films : 0;
+    for ( int i = 0; i < memory->film_slots; ++i )
+        memory->films[i].frame = -1;
+    if ( w.result == RF_OK && group->settings->pieces != NULL )
         clear_films( sizes, memory );
-    if ( result == RF_OK )
-        result = alloc_first_buffer( sizes, memory, error );
-    if ( result == RF_OK )
-        result = alloc_scratch( group, sizes, memory, error );
-    if ( result == RF_OK )
-        result = alloc_more_buffers( sizes, memory, error );
-    if ( result == RF_OK )
-        result = alloc_batches( group, sizes, memory, error );
-    return result;
-}
-
-static void free_live_film( const RfRenderSizes* s, RfRenderMemory* m, RfLiveFilm* live )
-{
-    for ( int f = 0; f < s->film_count && live->films != NULL; ++f )
-    {
-        for ( int h = 0; h < 2; ++h )
-        {
-            rf_arena_free( &m->arena, "films", live->films[f].half[h], rf_half_bytes( s ) );
-            rf_arena_free( &m->arena, "films", live->films[f].total[h], rf_totals_bytes( s ) );
-        }
-    }
-    for ( int h = 0; h < 2 && live->films != NULL; ++h )
-        rf_arena_free( &m->arena, "adaptive", live->films[0].extra[h], rf_extra_bytes( s ) );
-    rf_arena_free( &m->arena, "film table", live->films, films_table_bytes( s ) );
-    rf_arena_free( &m->arena, "adaptive", live->need, rf_need_bytes( s ) );
-    rf_arena_free( &m->arena, "adaptive", live->glints, rf_glints_bytes( s ) );
-    rf_arena_free( &m->arena, "landed cameras", live->pass_state, s->of_estimator.pass_state );
-    rf_arena_free( &m->arena, "surfaces", live->covering, rf_covering_bytes( s ) );
-    free_aov_film( s, m, &live->aovs );
+    walk_buffers( &w.walk, memory );
+    if ( w.result == RF_OK )
+        w.result = alloc_buffer( sizes, memory, error ); // at least one is needed
+    memory->landing_slots = rf_landings( sizes );
+    walk_scratch( &w.walk, memory );
+    if ( w.result != RF_OK )
+        return w.result;
+    for ( int t = 0; t < sizes->threads; ++t )
+        sizes->estimator->lay_out_scratch( group, memory->trace_scratch[t] );
+    if ( memory->shared != NULL )
+        memset( memory->shared, 0, sizes->of_estimator.shared );
+    result = alloc_more_buffers( sizes, memory, error );
+    return result == RF_OK ? alloc_batches( group, sizes, memory, error ) : result;
 }
 
 void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
 {
+    Walk w = begin_freeing( s, m );
     if ( m->has_writer )
         rf_arena_release( &m->arena, WRITER, rf_writer_bytes( s ) );
     if ( m->has_moving )
         rf_arena_release( &m->arena, MOVING, s->moving );
-    for ( int i = 0; i < m->film_slots; ++i )
-        free_live_film( s, m, m->films + i );
-    rf_arena_free( &m->arena, "adaptive", m->noise, rf_material_noise_bytes( s ) );
-    rf_arena_free( &m->arena, "film table", m->kept_errors, rf_kept_errors_bytes( s ) );
-    rf_arena_free( &m->arena, "film table", m->noise_estimates, rf_noise_estimates_bytes( s ) );
-    rf_arena_free( &m->arena, "film table", m->films, (size_t)s->films * sizeof *m->films );
-    for ( int i = 0; i < m->buffer_count; ++i )
-        free_buffer( s, m, m->buffers + i );
-    rf_arena_free( &m->arena, "image", m->buffers, (size_t)s->ring * sizeof *m->buffers );
-    free_blocks( m, "scratch", s->threads, s->of_estimator.trace_scratch, m->trace_scratch );
-    free_blocks( m, "scratch", s->threads, s->of_estimator.accumulate_scratch, m->accumulate_scratch );
-    free_blocks( m, "scratch", m->landing_slots, s->of_estimator.landing, m->landings );
-    rf_arena_free( &m->arena, "scratch", m->finish_scratch, s->of_estimator.finish_scratch );
-    rf_arena_free( &m->arena, SHARED, m->shared, s->of_estimator.shared );
-    free_blocks( m, "hit records", m->batch_slots, s->of_estimator.batch, m->batches );
+    walk_films( &w.walk, m );
+    walk_buffers( &w.walk, m );
+    walk_scratch( &w.walk, m );
+    walk_blocks( &w.walk, "hit records", m->batch_slots, s->of_estimator.batch, &m->batches );
 }
 
 // How a render fits its budget: first with fewer batches at once, then with fewer threads or with the films of fewer frames,
@@ -314,10 +340,10 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
 static int batches_needed( const RfRenderSizes* s )
 {
     int wanted = rf_batches_wanted( s );
-    return s->of_estimator.whole_pass || wanted < s->threads ? wanted : s->threads;
+    return wanted < s->threads ? wanted : s->threads;
 }
 
-static size_t needed_bytes( const RfRenderSizes* s ) { return rf_fixed_bytes( s ) + rf_records_bytes( s, batches_needed( s ) ); }
+static size_t needed_bytes( const RfRenderSizes* s ) { return fixed_bytes( s ) + records_bytes( s, batches_needed( s ) ); }
 
 // Most threads that fit the budget, up to sizes.threads; 0: none.
 static int threads_that_fit( size_t budget, RfRenderSizes sizes )
@@ -374,8 +400,8 @@ static int up( int a, int b ) { return ( a + b - 1 ) / b; }
 static int batches_that_fit( size_t budget, const RfRenderSizes* s )
 {
     int batches = rf_batches_wanted( s );
-    size_t room = budget - rf_fixed_bytes( s );
-    while ( batches > batches_needed( s ) && rf_records_bytes( s, batches ) > room )
+    size_t room = budget - fixed_bytes( s );
+    while ( batches > batches_needed( s ) && records_bytes( s, batches ) > room )
         batches -= 1;
     return batches;
 }
@@ -403,9 +429,9 @@ RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemory
     fit->sweeps = sizes->films == wanted ? 1 : up( frames, sizes->films );
     fit->batches = batches_that_fit( budget, sizes );
     fit->chunks = up( rf_batches_of_pass( sizes ), fit->batches );
-    fit->bytes_films = rf_films_bytes( sizes ) + rf_ring_bytes( sizes ) + rf_image_bytes( sizes );
-    fit->bytes_hits = rf_records_bytes( sizes, fit->batches );
-    fit->bytes_lists = rf_scratch_bytes( sizes ) + rf_writer_bytes( sizes ) + sizes->moving;
+    fit->bytes_films = rf_films_bytes( sizes ) + measured( sizes, walk_buffers ) + image_bytes( sizes );
+    fit->bytes_hits = records_bytes( sizes, fit->batches );
+    fit->bytes_lists = measured( sizes, walk_scratch ) + rf_writer_bytes( sizes ) + sizes->moving;
     return RF_OK;
 }
 

@@ -14,7 +14,6 @@ typedef struct RfLiveFilm
     RfFilm* films; // RfRenderSizes.film_count; the first counts passes and samples
     RfAovFilm aovs;
     RfCovering* covering;              // of the pixels by surfaces; NULL: not asked for
-    void* pass_state;                  // the estimator's, see RfEstimatorSizes; NULL: none
     double noise, flicker, noise_seen; // as `noise`, `flicker` and `seen` in RfFrameNoise
     RfPairNoise pair;
     float* need; // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render
@@ -45,6 +44,19 @@ typedef struct RfRenderMemory
     RfFrameBuffer* buffers;        // finished frames on their way to the caller
     int buffer_count;
 } RfRenderMemory;
+
+// Goes through blocks of memory, in the same order each time: their names in the arena, their bytes, and the pointers to them.
+typedef struct RfMemoryWalk
+{
+    void ( *take )( struct RfMemoryWalk* walk, const char* name, size_t bytes, void** block );
+    const RfRenderSizes* sizes;
+} RfMemoryWalk;
+
+// The arrays of a live film and of its films.
+void rf_walk_film_arrays( RfMemoryWalk* walk, RfLiveFilm* live );
+
+// Bytes of the films of all frames held at once, with their AOVs.
+size_t rf_films_bytes( const RfRenderSizes* sizes );
 
 // Settles threads and films for the budget. Fails with RF_ERROR_MEMORY where not even the smallest
 // render fits; fit->least is set then, too.

@@ -4,6 +4,7 @@
 
 #include "base/arena.h"
 #include "render/settings.h"
+#include "render/memory/memory.h"
 #include "render/sizes.h"
 #include "render/worlds.h"
 

@@ -3,7 +3,6 @@
 
 #include "base/fault.h"
 #include "path/mis.h"
-#include "reuse/accumulate/biased_weights.h"
 #include "reuse/accumulate/covering.h"
 #include "reuse/accumulate/pass_light.h"
 #include "reuse/accumulate/reprojection.h"
@@ -14,7 +13,7 @@
 #include <string.h>
 
 // Pixels of the hits at a camera, and their weights r_t = J_t V_t / Σ J_l V_l times `weight` (E1).
-static void reprojection_weights( const RfAccumulation* a, int eye_index, const RfHitBatch* batch, RfAccumulateScratch* scratch )
+static void reproject( const RfAccumulation* a, int eye_index, const RfHitBatch* batch, RfAccumulateScratch* scratch )
 {
     RfEye at = rf_eye_of( a, eye_index, batch );
     const RfEye* eye = &at;
@@ -51,13 +50,6 @@ static void reprojection_weights( const RfAccumulation* a, int eye_index, const 
         ratio[i] = ( seen[i] & bit ) != 0 ? weight * rf_mixture_share( ratio[i], all ) : 0.0f;
     }
     rf_note_weights( ratio, batch->count, weight );
-}
-
-static void reproject( const RfAccumulation* a, int eye, const RfHitBatch* batch, RfAccumulateScratch* scratch )
-{
-    reprojection_weights( a, eye, batch, scratch );
-    if ( a->weights != RF_WEIGHTS_EXACT )
-        rf_count_once( batch->count, a->weight, scratch->ratio );
 }
 
 // Light of a batch in the frame of a film: of dimmed lamps, scaled to it, and the rest.
@@ -193,19 +185,6 @@ static bool reaches_rows( const RfAccumulation* a, const RfHitBatch* batch, RfAc
     int beyond = rf_has_filter( a->filter ) ? a->filter->reach : 0, low = batch->rows[2 * job.eye],
         high = batch->rows[2 * job.eye + 1];
     return low <= high && low - beyond < job.end_row && high + beyond >= job.first_row;
-}
-
-// For RF_WEIGHTS_EQ15: which cameras' hits landed in each pixel of the job's rows.
-static void note_landed_eyes( const RfAccumulation* a, RfAccumulateJob job, RfPixelRange range, RfAccumulateScratch* s )
-{
-    for ( int k = 0; k < a->batch_count; ++k )
-    {
-        const RfHitBatch* batch = a->batches[k];
-        if ( !reaches_rows( a, batch, job ) )
-            continue;
-        reproject( a, job.eye, batch, s );
-        rf_note_landed_eyes( a, batch, s, range.low, range.end, job.pass_state );
-    }
 }
 
 // The pixels of a job in one of its films. Where own-frame light has sums of its own, they get the glints of groups and the count of
@@ -401,9 +380,7 @@ static uint64_t add_batch( const RfAccumulation* a, RfAccumulateJob job, const R
         light_groups( a, given, &light, scratch );
     lit.radiance = add_dimmed( a, &light, given, scratch );
     reproject( a, job.eye, batch, scratch );
-    if ( rf_glossy_count( batch ) > 0 && batch->arrivals != NULL )
-        rf_light_glossy_eq15( a, job.eye, batch, job.pass_state, scratch );
-    else if ( rf_glossy_count( batch ) > 0 && grouped )
+    if ( rf_glossy_count( batch ) > 0 && grouped )
         light_glossy_groups( a, job.eye, given, &light, scratch );
     else if ( rf_glossy_count( batch ) > 0 )
         light_glossy( a, job.eye, batch, &light, scratch );
@@ -429,7 +406,6 @@ static RfAccumulation make_accumulation( const RfEstimatorGroup* group, RfAccumu
         .eyes = group->eyes,
         .mirrors = rf_tracer_mirrors( group->tracer ),
         .shape = rf_batch_shape( group ),
-        .weights = group->settings->weights,
         .filter = group->need == NULL ? group->filter : NULL,
         .extra = group->need != NULL,
         .passes = group->settings->aovs,
@@ -445,8 +421,6 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
     a.batches = batches;
     a.batch_count = batch_count;
     RfPixelRange range = find_range( &a, job, job.films, group->width );
-    if ( a.shape.arrivals > 0 )
-        note_landed_eyes( &a, job, range, scratch );
     uint64_t landed = 0;
     for ( int k = 0; k < batch_count; ++k )
     {
@@ -459,15 +433,14 @@ uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job,
 
 bool rf_keeps_landings( const RfBatchShape* shape )
 {
-    return shape->arrivals == 0 && shape->groups == 0 && !shape->passes && !shape->clamped && !shape->caustics &&
-           !rf_has_covering( shape );
+    return shape->groups == 0 && !shape->passes && !shape->clamped && !shape->caustics && !rf_has_covering( shape );
 }
 
 void rf_land_batch( const RfEstimatorGroup* group, RfAccumulateJob job, const RfHitBatch* given, RfAccumulateScratch* scratch,
                     void* landing )
 {
     RfAccumulation a = make_accumulation( group, job );
-    RfLandedHits* hits = rf_lay_out_landing( landing, rf_has_filter( a.filter ) );
+    RfLandedHits* hits = rf_place_landing( rf_has_filter( a.filter ), &( RfLayout ){ .memory = landing } );
     RfHitBatch lit = *given;
     if ( !reaches_rows( &a, given, job ) )
         return;

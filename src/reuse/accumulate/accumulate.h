@@ -48,7 +48,6 @@ typedef struct RfAccumulation
     const RfEye* eyes;
     const RfMirrors* mirrors;
     RfBatchShape shape;
-    RfWeights weights;
     const RfPixelFilter* filter; // by which samples are spread; NULL: each counts in its own pixel
     unsigned passes;             // RF_PASS_AOVS among others
     bool extra;                  // samples are extra ones of adaptive sampling
@@ -65,8 +64,7 @@ static inline RfEye rf_eye_of( const RfAccumulation* a, int eye, const RfHitBatc
 }
 
 // Adds batches to some rows of a film; returns how many samples landed there. Jobs on
-// different rows or films may run at the same time. RF_WEIGHTS_EQ15 wants job.pass_state:
-// rf_seen_words per pixel of the film, all zero at first, and batches of the whole pass.
+// different rows or films may run at the same time.
 uint64_t rf_accumulate_rows( const RfEstimatorGroup* group, RfAccumulateJob job, void* const* batches, int batch_count,
                              RfAccumulateScratch* scratch );
 

@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-#define LANDING_HEADER ( ( sizeof( RfLandedHits ) + 63 ) / 64 * 64 ) // bytes: what follows is aligned to 64
-
 typedef float Float4 __attribute__( ( vector_size( 16 ) ) );
 
 // film += r · (value, 1), four lanes at once. Spelled out, since the compiler would go through
@@ -320,17 +318,17 @@ uint64_t rf_splat( const RfAccumulation* a, int eye, const RfHitBatch* batch, Rf
 
 // Hits that landed.
 
-RfLandedHits* rf_lay_out_landing( void* memory, bool filtered )
+RfLandedHits* rf_place_landing( bool filtered, RfLayout* layout )
 {
-    RfLandedHits* landing = memory;
-    float* values = (float*)( (char*)memory + LANDING_HEADER );
-    *landing = ( RfLandedHits ){ .value = values, .pixel = (int32_t*)( values + 4 * RF_LANES ) };
-    for ( int c = 0; c < 2 && filtered; ++c )
-        landing->offset[c] = values + ( 5 + c ) * RF_LANES;
+    RfLandedHits* landing = rf_take( layout, 1, sizeof *landing );
+    if ( landing != NULL )
+        *landing = ( RfLandedHits ){ 0 };
+    RF_PLACE( layout, landing->value, 4 * RF_LANES );
+    RF_PLACE( layout, landing->pixel, RF_LANES );
+    for ( int c = 0; c < 2; ++c )
+        RF_PLACE( layout, landing->offset[c], filtered ? RF_LANES : 0 );
     return landing;
 }
-
-size_t rf_landing_bytes( bool filtered ) { return LANDING_HEADER + ( filtered ? 7 : 5 ) * RF_LANES * sizeof( float ); }
 
 static Float4 value_of( const RfHitBatch* batch, const RfAccumulateScratch* s, bool views, int i )
 {

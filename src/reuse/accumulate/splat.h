@@ -29,11 +29,8 @@ typedef struct RfLandedHits
     float* offset[2]; // in the pixel; NULL without a pixel filter
 } RfLandedHits;
 
-// Bytes of a landing.
-size_t rf_landing_bytes( bool filtered );
-
-// Lays out an empty landing in memory that is aligned to 64.
-RfLandedHits* rf_lay_out_landing( void* memory, bool filtered );
+// An empty landing.
+RfLandedHits* rf_place_landing( bool filtered, RfLayout* layout );
 
 // Keeps the hits that landed, by the pixels, ratios, filters and sums of the scratch.
 void rf_keep_landing( const RfHitBatch* batch, const RfAccumulateScratch* scratch, RfLandedHits* landing );

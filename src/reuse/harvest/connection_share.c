@@ -29,7 +29,7 @@ typedef struct Found
     RfChanceOctave chance[RF_CHANCE_OCTAVES];
 } Found;
 
-typedef struct Pilot
+struct RfPilot
 {
     RfEstimatorGroup group;
     RfRenderSettings settings;
@@ -37,34 +37,18 @@ typedef struct Pilot
     RfHarvestScratch* scratch;
     Found *first, *other; // by batch
     uint64_t rays, connection_rays, searched;
-} Pilot;
+};
 
-static size_t aligned( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
-
-size_t rf_connection_share_bytes( const RfEstimatorGroup* group )
+RfPilot* rf_place_pilot( const RfEstimatorGroup* group, RfLayout* layout )
 {
     RfBatchShape shape = rf_batch_shape( group );
-    return aligned( sizeof( Pilot ) ) + aligned( sizeof( RfHitBatch ) ) + aligned( rf_batch_bytes( &shape ) ) +
-           aligned( rf_harvest_scratch_bytes( &shape ) ) + 2 * MOST_JOBS * aligned( sizeof( Found ) );
-}
-
-static Pilot* lay_out( const RfEstimatorGroup* group, void* memory )
-{
-    char* at = memory;
-    Pilot* pilot = memory;
-    RfBatchShape shape = rf_batch_shape( group );
-    *pilot = ( Pilot ){ .group = *group, .settings = *group->settings };
-    pilot->settings.pieces = NULL; // whole frames decide for all of their parts
-    pilot->group.settings = &pilot->settings;
-    pilot->group.need = NULL;
-    at += aligned( sizeof *pilot );
-    pilot->batch = (RfHitBatch*)(void*)at;
-    *pilot->batch = rf_lay_out_batch( &shape, at + aligned( sizeof( RfHitBatch ) ) );
-    at += aligned( sizeof( RfHitBatch ) ) + aligned( rf_batch_bytes( &shape ) );
-    pilot->scratch = rf_lay_out_harvest_scratch( &shape, at );
-    at += aligned( rf_harvest_scratch_bytes( &shape ) );
-    pilot->first = (Found*)(void*)at;
-    pilot->other = (Found*)(void*)( at + MOST_JOBS * aligned( sizeof( Found ) ) );
+    RfPilot* pilot = rf_take( layout, 1, sizeof *pilot );
+    RfHitBatch* batch = rf_place_batch( &shape, layout );
+    RfHarvestScratch* scratch = rf_place_harvest_scratch( &shape, layout );
+    if ( pilot != NULL )
+        *pilot = ( RfPilot ){ .group = *group, .settings = *group->settings, .batch = batch, .scratch = scratch };
+    RF_PLACE( layout, pilot->first, MOST_JOBS );
+    RF_PLACE( layout, pilot->other, MOST_JOBS );
     return pilot;
 }
 
@@ -74,7 +58,7 @@ static float lane_luminance( float ( *light )[RF_LANES], int i )
 }
 
 // Traces the batches, `count` of `all`, evenly spread over the frames.
-static void trace( Pilot* pilot, const RfLightPaths* paths, int pass, int count, int all, Found* found, RfRayCounts* rays )
+static void trace( RfPilot* pilot, const RfLightPaths* paths, int pass, int count, int all, Found* found, RfRayCounts* rays )
 {
     RfHarvestScratch* s = pilot->scratch;
     pilot->group.shared = paths;
@@ -135,7 +119,7 @@ static Pair compare( const Found* a, const Found* b )
 
 // Caps the moment of scattered rays alone (moment 0 of each batch) where fewer than one ray of a picture brings more: most
 // pictures lack such light, and few have the firefly that stands for it. `samples`: of a picture.
-static void cap_chance( Pilot* pilot, int count, double samples )
+static void cap_chance( RfPilot* pilot, int count, double samples )
 {
     double lanes = 0.0, rays = 0.0;
     int cap = RF_CHANCE_OCTAVES;
@@ -158,7 +142,7 @@ static void cap_chance( Pilot* pilot, int count, double samples )
 }
 
 // The relative error of all light, averaged over the batches, and its part that light of connections has with each share.
-static double find_errors( const Pilot* pilot, int count, double* moment )
+static double find_errors( const RfPilot* pilot, int count, double* moment )
 {
     Pair pair[MOST_JOBS];
     double square = 0.0, all = 0.0;
@@ -213,9 +197,11 @@ static float best_share( const double* moment, double error, const Costs* costs,
     return rf_connection_shares[best];
 }
 
-void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* paths, void* memory, RfRayCounts* rays )
+void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* paths, RfPilot* pilot, RfRayCounts* rays )
 {
-    Pilot* pilot = lay_out( group, memory );
+    pilot->settings.pieces = NULL; // whole frames decide for all of their parts
+    pilot->group.settings = &pilot->settings;
+    pilot->group.need = NULL;
     RfHarvest harvest = rf_make_harvest( group );
     int all = harvest.patches.count * group->eye_count, count = (int)fmax( AHEAD * all, LEAST_JOBS );
     count = count > MOST_JOBS ? MOST_JOBS : count > all ? all : count;

@@ -4,11 +4,12 @@
 
 #include "light_paths/light_paths.h"
 
-// The bytes that rf_choose_connection_share works in, aligned to 64.
-size_t rf_connection_share_bytes( const RfEstimatorGroup* group );
+// What rf_choose_connection_share works in, for a group.
+typedef struct RfPilot RfPilot;
+RfPilot* rf_place_pilot( const RfEstimatorGroup* group, RfLayout* layout );
 
 // Sets the share of light paths and connections for all passes of a group, by scene, settings and group alone, and
 // counts the rays traced for it.
-void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* paths, void* memory, RfRayCounts* rays );
+void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* paths, RfPilot* pilot, RfRayCounts* rays );
 
 #endif

@@ -3,7 +3,6 @@
 #include "reuse/harvest/passes.h"
 
 #include "path/roulette.h"
-#include "reuse/accumulate/biased_weights.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -38,7 +37,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     int frames = !group->traits.lamps_alone || !exact || groups > 0 ? 1
                  : group->eye_count < RF_FRAMES_MOST                ? group->eye_count
                                                                     : RF_FRAMES_MOST;
-    RfBatchShape shape = {
+    return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
         .tile_pixels = tile_pixels,
@@ -64,8 +63,6 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .groups = groups,
         .dimmed = dimmed + ( group->eye_count > 1 && exact ? group->traits.dimmable + ( frames > 1 ? frames : 0 ) : 0 ),
     };
-    shape.arrivals = rf_arrivals_bytes( settings->weights, rf_direction_count( &shape ) );
-    return shape;
 }
 
 RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
@@ -79,7 +76,6 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .tracers = group->tracers,
         .shape = rf_batch_shape( group ),
         .patches = rf_lay_out_patches( &settings->tile, group->traits.scattered, group->width, group->height ),
-        .weights = settings->weights,
         .alpha = ( settings->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0,
         .seed = settings->seed,
         .drawn_by = group->need != NULL ? group->filter : NULL,

@@ -19,8 +19,7 @@ typedef struct RfHarvest
     RfPatchLayout patches;
     bool path_roulette;         // see RfTileReuseSettings
     const int32_t* path_source; // its `source`
-    RfWeights weights;
-    bool alpha; // the sky that camera rays see is black: RF_AOV_ALPHA
+    bool alpha;                 // the sky that camera rays see is black: RF_AOV_ALPHA
     uint64_t seed;
     const RfPixelFilter* drawn_by; // positions in pixels are drawn by it; NULL: uniformly
     const RfEye* eyes;             // shape.eyes of them
@@ -47,9 +46,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group );
 
 // A thread's workspace.
 typedef struct RfHarvestScratch RfHarvestScratch;
-size_t rf_harvest_scratch_bytes( const RfBatchShape* shape );
-// Lays out a workspace in memory of that size, aligned to 64.
-RfHarvestScratch* rf_lay_out_harvest_scratch( const RfBatchShape* shape, void* memory );
+RfHarvestScratch* rf_place_harvest_scratch( const RfBatchShape* shape, RfLayout* layout );
 
 // Whether a patch has pixels in the pieces that are traced; its tiles may still have none.
 bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job );

@@ -1,6 +1,5 @@
 // The light of hit records, weighted over the cameras that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3).
-#include "reuse/accumulate/biased_weights.h"
 #include "reuse/harvest/passes.h"
 
 #include <string.h>
@@ -190,28 +189,6 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
     }
 }
 
-// With biased weights: the density of the hits' own camera in the place of P.
-static void take_own_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
-{
-    int first = batch->first[RF_BSDF_FIRST_GLOSSY], eye = batch->eye;
-    int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels;
-    float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
-    const float *wo_in[3] = { wo[0], wo[1], wo[2] }, *wi[3];
-    memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
-    if ( batch->rows[2 * eye] > batch->rows[2 * eye + 1] )
-        return;
-    rf_directions_to( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + eye, eye, batch, wo );
-    for ( int d = 0; d < directions; ++d )
-    {
-        if ( !is_taken( harvest, d ) )
-            continue;
-        direction_lanes( harvest, scratch, d, wi );
-        for ( int c = 0; c < 3; ++c )
-            wi[c] += first;
-        rf_evaluate_glossy( batch, wo_in, wi, NULL, scratch->mixture + (size_t)d * RF_LANES );
-    }
-}
-
 static void store_direction( const RfHitBatch* batch, const RfArrivalLanes* arrival, const float* const wi[3],
                              const float* mixture, RfDirectionLanes* out )
 {
@@ -317,8 +294,6 @@ static void weight_direction( const RfHarvest* harvest, RfHitBatch* batch, RfHar
         rf_pass_glossy( arrival, scratch->mixture + (size_t)direction * RF_LANES, batch, scratch );
     if ( own != NULL )
         rf_add_own_glossy( batch, wi, scratch );
-    if ( batch->arrivals != NULL )
-        rf_keep_arrivals( batch, direction, arrival );
 }
 
 // The light of connections, which no other technique finds: it needs no weight.
@@ -413,17 +388,11 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
     if ( harvest->path.max_depth == 1 )
     {
         rf_clear_directions( batch, rf_direction_count( &harvest->shape ) );
-        if ( batch->arrivals != NULL )
-            memset( batch->arrivals, 0, harvest->shape.arrivals );
         return;
     }
     bool glossy = batch->first[RF_BSDF_FIRST_GLOSSY] < batch->count;
-    if ( glossy && scratch->part > 0 )
-        ; // the mixtures are the same for all parts
-    else if ( glossy && harvest->weights == RF_WEIGHTS_EXACT )
+    if ( glossy && scratch->part == 0 ) // the mixtures are the same for all parts
         mix_densities( harvest, batch, scratch );
-    else if ( glossy )
-        take_own_densities( harvest, batch, scratch );
     if ( rf_reuses_tiles( scratch ) )
         add_diffuse_tile_light( harvest, scratch, batch );
     int directions = rf_first_pairing( &harvest->shape ) + ( glossy ? harvest->shape.tile_pixels : 1 );

@@ -1,144 +1,107 @@
 // The layout of a batch of hit records in one block of memory.
 #include "reuse/harvest/records.h"
 
-// Hands out pieces of a block of memory; with base NULL only counts bytes.
-typedef struct Layout
-{
-    char* base;
-    size_t used;
-} Layout;
+#define PLACE_LANES3( layout, lanes )                                                                                            \
+    for ( int c_ = 0; c_ < 3; ++c_ )                                                                                             \
+    RF_PLACE( layout, ( lanes )[c_], RF_LANES )
 
-static void* take( Layout* layout, size_t bytes )
+// `along`: directions whose wi these have as well, if they have no `own`.
+static RfDirectionLanes* place_directions( RfLayout* layout, int count, bool own, const RfDirectionLanes* along )
 {
-    void* piece = layout->base != NULL ? layout->base + layout->used : NULL;
-    layout->used += ( bytes + 63 ) / 64 * 64;
-    return piece;
-}
-
-static float* take_lanes( Layout* layout ) { return take( layout, RF_LANES * sizeof( float ) ); }
-
-static void take_lanes3( Layout* layout, float* lanes[3] )
-{
-    for ( int c = 0; c < 3; ++c )
-        lanes[c] = take_lanes( layout );
-}
-
-// Further light by the directions of a batch.
-static RfDirectionLanes* take_along( Layout* layout, int directions, const RfHitBatch* batch )
-{
-    RfDirectionLanes* out = take( layout, (size_t)directions * sizeof *out );
-    for ( int d = 0; d < directions; ++d )
+    RfDirectionLanes* out = rf_take( layout, (size_t)count, sizeof *out );
+    for ( int d = 0; d < count; ++d )
     {
-        RfDirectionLanes lanes = { 0 };
-        take_lanes3( layout, lanes.q );
-        if ( layout->base == NULL )
-            continue;
-        for ( int c = 0; c < 3; ++c )
-            lanes.wi[c] = batch->directions[d].wi[c];
-        out[d] = lanes;
+        if ( out != NULL )
+            out[d] = own ? ( RfDirectionLanes ){ .dark = false } : along[d];
+        if ( own )
+            PLACE_LANES3( layout, out[d].wi );
+        PLACE_LANES3( layout, out[d].q );
     }
     return out;
 }
 
-static RfPassLight* take_pass_light( Layout* layout, const RfBatchShape* shape )
+static RfPassLight* place_pass_light( RfLayout* layout, const RfBatchShape* shape )
 {
-    RfPassLight light = { 0 }, *out = take( layout, sizeof *out );
-    take_lanes3( layout, light.emission );
-    take_lanes3( layout, light.direct );
+    RfPassLight* light = rf_take( layout, 1, sizeof *light );
+    if ( light != NULL )
+        *light = ( RfPassLight ){ 0 };
+    PLACE_LANES3( layout, light->emission );
+    PLACE_LANES3( layout, light->direct );
     if ( shape->params != 0 )
-        take_lanes3( layout, light.direct_q );
-    if ( layout->base != NULL )
-        *out = light;
-    return out;
+        PLACE_LANES3( layout, light->direct_q );
+    return light;
 }
 
-static void take_passes( Layout* layout, const RfBatchShape* shape, RfHitBatch* batch )
+// Part `part` of the light, from 1 on.
+static void place_part( RfLayout* layout, const RfBatchShape* shape, int part, size_t listed, RfHitBatch* batch )
 {
-    batch->passes = take_pass_light( layout, shape );
-    batch->event = take( layout, RF_LANES );
-    batch->others = take( layout, RF_OTHER_PASSES * 4 * (size_t)RF_MOST_LISTED * sizeof( float ) );
-    for ( int k = shape->groups > 1 ? shape->groups - 1 : 0; k < shape->dimmed; ++k )
-    {
-        RfPassLight* light = take_pass_light( layout, shape );
-        if ( layout->base != NULL )
-            batch->dimmed[k].passes = light;
-    }
-}
-
-static void take_glossy( Layout* layout, const RfBatchShape* shape, RfHitBatch* batch )
-{
-    take_lanes3( layout, batch->n );
-    take_lanes3( layout, batch->wo );
-    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
-    {
-        if ( rf_has_param( shape->params, (RfBsdfParam)p ) )
-            batch->param[p] = take_lanes( layout );
-    }
-    int directions = rf_direction_count( shape );
-    batch->directions = take( layout, (size_t)directions * sizeof *batch->directions );
-    for ( int d = 0; d < directions; ++d )
-    {
-        RfDirectionLanes lanes = { 0 };
-        take_lanes3( layout, lanes.wi );
-        take_lanes3( layout, lanes.q );
-        if ( layout->base != NULL )
-            batch->directions[d] = lanes;
-    }
+    int directions = shape->params != 0 ? rf_direction_count( shape ) : 0;
+    bool base = part < shape->groups;
+    RfDimmedLight light = { .radiance = rf_take( layout, 4 * ( base ? listed : RF_LANES ), sizeof( float ) ) };
     if ( shape->clamped )
-        batch->removed_directions = take_along( layout, directions, batch );
-    for ( int k = 0; k < shape->dimmed; ++k )
-    {
-        RfDirectionLanes *light = take_along( layout, directions, batch ), *removed = NULL;
-        if ( shape->clamped )
-            removed = take_along( layout, directions, batch );
-        if ( layout->base == NULL )
-            continue;
-        batch->dimmed[k].directions = light;
-        batch->dimmed[k].removed_directions = removed;
-    }
-    if ( shape->arrivals > 0 )
-        batch->arrivals = take( layout, shape->arrivals );
+        light.removed = rf_take( layout, 4 * ( base ? listed : RF_LANES ), sizeof( float ) );
+    const RfDirectionLanes* along = batch != NULL ? batch->directions : NULL;
+    light.directions = place_directions( layout, directions, false, along );
+    light.removed_directions = place_directions( layout, shape->clamped ? directions : 0, false, along );
+    if ( shape->passes && !base )
+        light.passes = place_pass_light( layout, shape );
+    if ( batch != NULL )
+        batch->dimmed[part - 1] = light;
 }
 
-static RfHitBatch lay_out( const RfBatchShape* shape, Layout* layout )
+static void place_glossy( RfLayout* layout, const RfBatchShape* shape, RfHitBatch* batch )
 {
-    RfHitBatch batch = { 0 };
-    take_lanes3( layout, batch.p );
-    take_lanes3( layout, batch.ng );
-    batch.density_sum = take_lanes( layout );
-    size_t listed = shape->chains || shape->own_light ? 2 * RF_LANES : RF_LANES; // a hit may have a glint as well
-    batch.radiance = take( layout, 4 * listed * sizeof( float ) );
-    if ( shape->clamped || shape->caustics )
-        batch.removed = take( layout, 4 * listed * sizeof( float ) );
-    batch.dimmed = shape->dimmed > 0 ? take( layout, (size_t)shape->dimmed * sizeof *batch.dimmed ) : NULL;
-    for ( int k = 0; k < shape->dimmed; ++k )
+    int directions = rf_direction_count( shape );
+    PLACE_LANES3( layout, batch->n );
+    PLACE_LANES3( layout, batch->wo );
+    for ( int p = 0; p < RF_PARAM_COUNT; ++p )
+        RF_PLACE( layout, batch->param[p], rf_has_param( shape->params, (RfBsdfParam)p ) ? RF_LANES : 0 );
+    RfDirectionLanes* lanes = place_directions( layout, directions, true, NULL );
+    RfDirectionLanes* removed = place_directions( layout, shape->clamped ? directions : 0, false, lanes );
+    if ( batch != NULL )
     {
-        size_t lanes = k + 1 < shape->groups ? listed : RF_LANES;
-        RfDimmedLight light = { .radiance = take( layout, 4 * lanes * sizeof( float ) ) };
-        if ( shape->clamped )
-            light.removed = take( layout, 4 * lanes * sizeof( float ) );
-        if ( layout->base != NULL )
-            batch.dimmed[k] = light;
+        batch->directions = lanes;
+        batch->removed_directions = removed;
     }
-    batch.seen = take( layout, (size_t)rf_seen_words( shape->eyes ) * RF_LANES * sizeof( uint32_t ) );
-    if ( rf_is_partial( shape ) )
-        batch.densities = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
-    for ( int c = 0; c < 3 && shape->panes && shape->chains; ++c )
-        batch.panes[c] = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( float ) );
-    batch.pixel = take( layout, listed * sizeof( int32_t ) );
-    for ( int c = 0; c < 2 && shape->filtered; ++c )
-        batch.offset[c] = take( layout, listed * sizeof( float ) );
-    if ( shape->chains )
-        batch.view = take( layout, RF_LANES );
-    if ( rf_has_covering( shape ) )
-        batch.surface = take( layout, RF_LANES * sizeof( uint32_t ) );
-    if ( rf_has_covering( shape ) && shape->chains && shape->eyes > 1 )
-        batch.surface_seen = take( layout, (size_t)shape->eyes * RF_LANES * sizeof( uint32_t ) );
-    batch.rows = take( layout, (size_t)shape->eyes * 2 * sizeof( int32_t ) );
+}
+
+RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout )
+{
+    RfHitBatch* batch = rf_take( layout, 1, sizeof *batch );
+    size_t listed = shape->chains || shape->own_light ? 2 * RF_LANES : RF_LANES; // a hit may have a glint as well
+    int by_eye = shape->eyes * RF_LANES;
+    bool covering = rf_has_covering( shape );
+    if ( batch != NULL )
+        *batch = ( RfHitBatch ){ 0 };
+    PLACE_LANES3( layout, batch->p );
+    PLACE_LANES3( layout, batch->ng );
+    RF_PLACE( layout, batch->density_sum, RF_LANES );
+    RF_PLACE( layout, batch->radiance, 4 * listed );
+    RF_PLACE( layout, batch->removed, shape->clamped || shape->caustics ? 4 * listed : 0 );
+    RF_PLACE( layout, batch->seen, rf_seen_words( shape->eyes ) * RF_LANES );
+    RF_PLACE( layout, batch->densities, rf_is_partial( shape ) ? by_eye : 0 );
+    for ( int c = 0; c < 3; ++c )
+        RF_PLACE( layout, batch->panes[c], shape->panes && shape->chains ? by_eye : 0 );
+    RF_PLACE( layout, batch->pixel, listed );
+    for ( int c = 0; c < 2; ++c )
+        RF_PLACE( layout, batch->offset[c], shape->filtered ? listed : 0 );
+    RF_PLACE( layout, batch->view, shape->chains ? RF_LANES : 0 );
+    RF_PLACE( layout, batch->surface, covering ? RF_LANES : 0 );
+    RF_PLACE( layout, batch->surface_seen, covering && shape->chains && shape->eyes > 1 ? by_eye : 0 );
+    RF_PLACE( layout, batch->rows, 2 * shape->eyes );
     if ( shape->params != 0 )
-        take_glossy( layout, shape, &batch );
+        place_glossy( layout, shape, batch );
     if ( shape->passes )
-        take_passes( layout, shape, &batch );
+    {
+        RfPassLight* light = place_pass_light( layout, shape );
+        if ( batch != NULL )
+            batch->passes = light;
+        RF_PLACE( layout, batch->event, RF_LANES );
+        RF_PLACE( layout, batch->others, RF_OTHER_PASSES * 4 * RF_MOST_LISTED );
+    }
+    RF_PLACE( layout, batch->dimmed, shape->dimmed );
+    for ( int part = 1; part <= shape->dimmed; ++part )
+        place_part( layout, shape, part, listed, batch );
     return batch;
 }
 
@@ -165,21 +128,7 @@ RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others )
     out.removed_directions = light->removed_directions;
     out.any_removed = light->any_removed;
     out.passes = light->passes != NULL ? light->passes : batch->passes;
-    out.arrivals = NULL;
     out.miss_count = others ? out.miss_count : 0;
     out.glint_count = others ? out.glint_count : 0;
     return out;
-}
-
-size_t rf_batch_bytes( const RfBatchShape* shape )
-{
-    Layout layout = { NULL, 0 };
-    lay_out( shape, &layout );
-    return layout.used;
-}
-
-RfHitBatch rf_lay_out_batch( const RfBatchShape* shape, void* memory )
-{
-    Layout layout = { memory, 0 };
-    return lay_out( shape, &layout );
 }

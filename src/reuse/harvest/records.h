@@ -3,7 +3,7 @@
 #ifndef REFRAME_REUSE_HARVEST_RECORDS_H
 #define REFRAME_REUSE_HARVEST_RECORDS_H
 
-#include "base/arena.h"
+#include "base/layout.h"
 #include "film/covering.h"
 #include "path/lanes.h"
 #include "scene/lens.h"
@@ -68,7 +68,6 @@ typedef struct RfHitBatch
     float* wo[3];                 // back along the camera ray
     float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
     RfDirectionLanes* directions; // numbered as by rf_first_pairing
-    float* arrivals;              // likewise; NULL except for research (accumulate/biased_weights.h)
     // what is taken out of the light; NULL where nothing is
     float* removed;                       // like radiance, with r g b 0
     RfDirectionLanes* removed_directions; // like directions, which they share wi with; NULL without a clamp (clamp.h)
@@ -89,7 +88,6 @@ typedef struct RfBatchShape
     int light_frames;       // in each of so many frames, where light may have parts by frame; else 1
     int tile_pixels;        // N, 1 without tiles
     uint32_t params;        // of the glossy models in the scene (rf_glossy_params); 0: it has none
-    size_t arrivals;        // bytes, usually 0: what arrives by direction, as accumulate/biased_weights.h wants it
     bool blended;           // visibility may be between 0 and 1
     bool panes;             // connections and, with chains, the cameras' rays may pass thin panes
     bool own_frame_light;   // misses may be lit: the scene has a sky or specular materials
@@ -198,10 +196,6 @@ RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others );
 // The parameters of the glossy models among `kinds`, a bit per RfBsdfKind.
 uint32_t rf_glossy_params( unsigned kinds );
 
-// The size of one batch, bytes.
-size_t rf_batch_bytes( const RfBatchShape* shape );
-
-// Lays out a batch in `memory`, which has rf_batch_bytes bytes and is aligned to 64.
-RfHitBatch rf_lay_out_batch( const RfBatchShape* shape, void* memory );
+RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout );
 
 #endif

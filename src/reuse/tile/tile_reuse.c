@@ -6,78 +6,30 @@
 
 #include <string.h>
 
-static size_t struct_bytes( void ) { return ( sizeof( RfTileReuse ) + 63 ) / 64 * 64; }
-
-static size_t lanes3_bytes( int tile_pixels ) { return (size_t)tile_pixels * 3 * RF_LANES * sizeof( float ); }
-
-static size_t own_bytes( int tile_pixels )
-{
-    return ( sizeof( RfTileOwn ) + 63 ) / 64 * 64 + lanes3_bytes( tile_pixels ) + (size_t)tile_pixels * RF_LANES;
-}
-
-static size_t dimmed_bytes( int dimmed ) { return dimmed > 0 ? (size_t)dimmed * sizeof( RfTileDimmed ) + 64 : 0; }
-
-static size_t group_bytes( int tile_pixels, bool own, int groups )
-{
-    if ( groups < 2 )
-        return 0;
-    return (size_t)tile_pixels * sizeof( RfTileChains ) + ( own ? (size_t)( groups - 1 ) * sizeof( RfArrivals ) : 0 ) + 64;
-}
-
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups )
-{
-    if ( tile_pixels == 1 )
-        return 0;
-    return dimmed_bytes( dimmed ) + group_bytes( tile_pixels, own, groups ) + struct_bytes() +
-           (size_t)light_lanes * sizeof( RfLightLanes ) + (size_t)tile_pixels * sizeof( RfPairingLanes ) +
-           ( panes ? lanes3_bytes( tile_pixels ) : 0 ) + ( own ? own_bytes( tile_pixels ) + 64 : 0 );
-}
-
-static void lay_out_own( int tile_pixels, char* memory, RfTileReuse* reuse )
-{
-    reuse->own = (RfTileOwn*)(void*)( memory + ( 64 - (uintptr_t)memory % 64 ) % 64 );
-    float( *own )[RF_LANES] = (void*)( (char*)reuse->own + ( sizeof *reuse->own + 63 ) / 64 * 64 );
-    uint8_t* touched = (uint8_t*)( own + 3 * tile_pixels );
-    for ( int s = 0; s < tile_pixels; ++s )
-    {
-        reuse->pairings[s].own = own + 3 * s;
-        reuse->pairings[s].touched = touched + (size_t)s * RF_LANES;
-    }
-}
-
-static void lay_out_groups( int tile_pixels, char* memory, RfTileReuse* reuse )
-{
-    RfTileChains* chains = (RfTileChains*)(void*)( memory + ( 64 - (uintptr_t)memory % 64 ) % 64 );
-    for ( int s = 0; s < tile_pixels; ++s )
-        reuse->pairings[s].chains = chains + s;
-    if ( reuse->own != NULL )
-        reuse->own->beyond.of_groups = (RfArrivals*)(void*)( chains + tile_pixels );
-}
-
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups, void* memory )
+RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups,
+                                  RfLayout* layout )
 {
     if ( tile_pixels == 1 )
         return NULL;
-    RfTileReuse* reuse = memory;
-    reuse->part = 0;
-    reuse->dimmed = NULL;
-    reuse->second.direct = (RfLightLanes*)( (char*)memory + struct_bytes() );
-    reuse->pairings = (RfPairingLanes*)( reuse->second.direct + light_lanes );
-    float( *pane_weight )[RF_LANES] = (void*)( reuse->pairings + tile_pixels );
+    RfTileReuse* reuse = rf_take( layout, 1, sizeof *reuse );
+    RF_PLACE( layout, reuse->second.direct, light_lanes );
+    RF_PLACE( layout, reuse->pairings, tile_pixels );
+    RF_PLACE( layout, reuse->own, own );
+    RF_PLACE( layout, reuse->dimmed, dimmed );
     for ( int s = 0; s < tile_pixels; ++s )
-        reuse->pairings[s].pane_weight = panes ? pane_weight + 3 * s : NULL;
-    reuse->own = NULL;
-    reuse->split = false;
-    if ( own )
-        lay_out_own( tile_pixels, (char*)( pane_weight + ( panes ? 3 * tile_pixels : 0 ) ), reuse );
-    if ( dimmed > 0 )
     {
-        char* end = (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, 0, 0 );
-        reuse->dimmed = (RfTileDimmed*)(void*)( end + ( 64 - (uintptr_t)end % 64 ) % 64 );
+        RF_PLACE( layout, reuse->pairings[s].pane_weight, panes ? 3 : 0 );
+        RF_PLACE( layout, reuse->pairings[s].own, own ? 3 : 0 );
+        RF_PLACE( layout, reuse->pairings[s].touched, own ? RF_LANES : 0 );
+        RF_PLACE( layout, reuse->pairings[s].chains, groups > 1 );
     }
-    if ( groups > 1 )
-        lay_out_groups( tile_pixels, (char*)memory + rf_tile_reuse_bytes( light_lanes, tile_pixels, panes, own, dimmed, 0 ),
-                        reuse );
+    if ( own )
+        RF_PLACE( layout, reuse->own->beyond.of_groups, groups > 1 ? groups - 1 : 0 );
+    if ( reuse != NULL )
+    {
+        reuse->part = 0;
+        reuse->split = false;
+    }
     return reuse;
 }
 

@@ -13,6 +13,7 @@
 #ifndef REFRAME_REUSE_TILE_TILE_REUSE_H
 #define REFRAME_REUSE_TILE_TILE_REUSE_H
 
+#include "base/layout.h"
 #include "path/wavefront.h"
 
 // By path slot.
@@ -126,9 +127,9 @@ typedef struct RfTileReuseSettings
 // `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
 // `own`: with room for light that holds in its own frame alone; `dimmed`: parts of the light (light/light.h), from 1 on; `groups`:
 // light groups among them, or 0.
-size_t rf_tile_reuse_bytes( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups );
-RfTileReuse* rf_lay_out_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups,
-                                    void* memory );
+// NULL for tiles of one pixel.
+RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups,
+                                  RfLayout* layout );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are reused inside their tiles.
 // wavefront->arrivals is as returned there, with the weighted light of pairing 0 in `rest`; pairings from 1 on are in
