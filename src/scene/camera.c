@@ -4,7 +4,7 @@
 #include "scene/animation.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/eye.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/leave_out.h"
 #include "scene/movement.h"
 #include "scene/projection.h"
@@ -532,12 +532,12 @@ RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error )
     return result == RF_OK ? wrap_track( &track, path, camera, error ) : result;
 }
 
-RfResult rf_read_camera( const RfField* object, const char* name, RfCamera* camera, RfError* error )
+RfResult rf_read_camera( const RfField* object, const char* name, RfCamera* camera )
 {
     RfCameraTrack track;
     *camera = ( RfCamera ){ 0 };
-    RfResult result = rf_read_camera_track( object, &track, error );
-    return result == RF_OK ? wrap_track( &track, name, camera, error ) : result;
+    RfResult result = rf_read_camera_track( object, &track );
+    return result == RF_OK ? wrap_track( &track, name, camera, object->error ) : result;
 }
 
 // The lens and the shutter.

@@ -35,7 +35,7 @@ RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
 
 // Reads a camera path from a JSON object inside another file. `name` is copied.
 struct RfField;
-RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamera* camera, RfError* error );
+RfResult rf_read_camera( const struct RfField* object, const char* name, RfCamera* camera );
 
 // How the path of a camera is sampled.
 typedef struct RfCameraSampling

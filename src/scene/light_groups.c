@@ -1,6 +1,7 @@
 // Tags of light, and the groups that a render asks for.
 #include "scene/light_groups.h"
 
+#include "base/json.h"
 #include "base/words.h"
 #include "scene/placement.h"
 
@@ -21,6 +22,15 @@ bool rf_is_light_group_name( const char* name )
             return false;
     }
     return length > 0 && length < RF_LIGHT_GROUP_NAME_SIZE;
+}
+
+RfResult rf_read_light_group( const RfField* object, const char** name )
+{
+    RfField field = rf_field_member( object, "light_group" );
+    *name = json_string_value( field.json );
+    if ( field.json == NULL || ( *name != NULL && rf_is_light_group_name( *name ) ) )
+        return rf_json_result( object );
+    return rf_field_must_be( &field, "a name of 1 to 63 bytes without commas" );
 }
 
 bool rf_tag_light( RfScene* scene, const char* name, uint16_t* tag )

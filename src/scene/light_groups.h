@@ -34,6 +34,10 @@ void rf_destroy_light_groups( RfLightGroups* groups );
 // Can a group be called so? 1 to 63 bytes, without commas and control characters.
 bool rf_is_light_group_name( const char* name );
 
+// Reads the member "light_group" of an object; NULL: there is none.
+struct RfField;
+RfResult rf_read_light_group( const struct RfField* object, const char** name );
+
 // The number of a tag in the scene's list plus 1, added where it is new; 0 for "rest". False: there is no memory, or too many.
 bool rf_tag_light( RfScene* scene, const char* name, uint16_t* tag );
 

@@ -2,7 +2,7 @@
 #include "cli/options/file_options.h"
 
 #include "cli/options/options.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 
 #include <string.h>
 

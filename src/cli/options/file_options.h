@@ -3,7 +3,7 @@
 #define REFRAME_CLI_OPTIONS_FILE_OPTIONS_H
 
 #include "cli/options/options.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 
 // Stores the members of the object in the values of the table's options. A key is
 // the name of an option that a file may give (`in_file`), with '_' for '-'. Numbers

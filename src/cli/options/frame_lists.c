@@ -408,12 +408,14 @@ RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCa
 {
     Numbers numbers = { path->first, path->step, path->count };
     RfResult result = parse( text, &numbers, frames, count, error );
-    RfField defaults = rf_scene_file_defaults( file, error );
+    RfError fault = *error;
+    RfField defaults = rf_scene_file_defaults( file, &fault );
     RfField field = rf_field_member( &defaults, "frames" );
     if ( result != RF_ERROR_USAGE || field.json == NULL || json_string_value( field.json ) != text )
         return result;
-    RfError fault = *error;
-    return rf_fail_file_option( &field, &fault );
+    result = rf_fail_file_option( &field, error );
+    *error = fault;
+    return result;
 }
 
 bool rf_is_folder( const char* path )

@@ -9,7 +9,7 @@
 #include "cli/tune/verdict.h"
 #include "measure/cost.h"
 #include "measure/plot.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/leave_out.h"
 
 #include <jansson.h>

@@ -16,7 +16,7 @@
 #include "output/names.h"
 #include "reframe/plan.h"
 #include "render/settings.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 
 #include <ctype.h>
 #include <jansson.h>

@@ -71,7 +71,7 @@ RfResult rf_load_camera_track( const char* path, RfCameraTrack* track, RfError* 
 
 // Reads a camera path from a JSON object inside another file.
 struct RfField;
-RfResult rf_read_camera_track( const struct RfField* object, RfCameraTrack* track, RfError* error );
+RfResult rf_read_camera_track( const struct RfField* object, RfCameraTrack* track );
 
 // Frees the curves and names of a track and clears it.
 void rf_destroy_camera_track( RfCameraTrack* track );

@@ -19,10 +19,9 @@ static RfResult check_projection( const RfField* object, RfProjectionKind projec
 static RfResult read_projection( const RfField* top, RfCameraTrack* track )
 {
     int index = 0;
-    RfField field = rf_field_member( top, "projection" );
-    RfResult result = rf_field_choice( &field, g_rf_projection_names, &index );
+    rf_get_choice( top, "projection", g_rf_projection_names, &index );
     track->projection = (RfProjectionKind)index;
-    return result == RF_OK ? check_projection( top, track->projection ) : result;
+    return check_projection( top, track->projection );
 }
 
 static RfExtent extent_of( RfProjectionKind projection ) { return rf_projection_traits( projection )->extent; }
@@ -47,7 +46,7 @@ static RfResult check_projection( const RfField* object, RfProjectionKind projec
         return rf_field_fail( &shift, "a panorama cannot be shifted: turn the camera" );
     if ( !traits->takes_shift && aspect.json != NULL )
         return rf_field_fail( &aspect, "a panorama fills its picture, whatever the shape of that: leave it out" );
-    return RF_OK;
+    return rf_json_result( object );
 }
 
 // Reads a field of view in degrees, or ymag in metres, which is required; without a field of view `value` is unchanged.
@@ -71,9 +70,8 @@ static RfRange coordinates( void ) { return rf_range( -MAX_COORDINATE, MAX_COORD
 // Reads a member that is a point, which is required.
 static RfResult read_point( const RfField* object, const char* key, double point[3] )
 {
-    RfField field = rf_field_member( object, key );
-    RfResult result = rf_field_require( object, key, "an array of 3 numbers" );
-    return result == RF_OK ? rf_field_numbers( &field, coordinates(), 3, point ) : result;
+    rf_field_require( object, key, "an array of 3 numbers" );
+    return rf_get_numbers( object, key, coordinates(), 3, point );
 }
 
 // Compares values, not bits: zero has two signs.
@@ -93,20 +91,19 @@ static RfResult read_angles( const RfField* field, double q[4] )
 {
     static const char* const s_keys[] = { "yaw", "pitch", "roll", NULL };
     static const int s_axis[] = { 1, 0, 2 };
-    RfResult result = rf_field_keys( field, s_keys );
+    rf_field_keys( field, s_keys );
     q[0] = q[1] = q[2] = 0.0;
     q[3] = 1.0;
-    for ( int i = 0; i < 3 && result == RF_OK; ++i )
+    for ( int i = 0; i < 3; ++i )
     {
         double degrees = 0.0, turn[4] = { 0 }, before[4];
-        RfField angle = rf_field_member( field, s_keys[i] );
-        result = rf_field_number( &angle, rf_range( -1e6, 1e6 ), &degrees );
+        rf_get_number( field, s_keys[i], rf_range( -1e6, 1e6 ), &degrees );
         turn[s_axis[i]] = sin( 0.5 * degrees * DEGREE );
         turn[3] = cos( 0.5 * degrees * DEGREE );
         memcpy( before, q, sizeof before );
         rf_quat_mul( before, turn, q );
     }
-    return result;
+    return rf_json_result( field );
 }
 
 RfResult rf_read_rotation( const RfField* field, double q[4] )
@@ -137,17 +134,16 @@ static RfResult check_look( const RfField* object, bool rotates )
     RfField rotation = rf_field_member( object, "rotation" );
     if ( !rotates && rotation.json != NULL )
         return rf_field_fail( &rotation, "the keys before it have none: give all of them one, or none" );
-    return RF_OK;
+    return rf_json_result( object );
 }
 
 RfResult rf_read_interpolation( const RfField* top, bool* linear )
 {
     static const char* const s_names[] = { "catmull-rom", "linear", NULL };
     int index = 0;
-    RfField field = rf_field_member( top, "interpolation" );
-    RfResult result = rf_field_choice( &field, s_names, &index );
+    rf_get_choice( top, "interpolation", s_names, &index );
     *linear = index == 1;
-    return result;
+    return rf_json_result( top );
 }
 
 // Names the value that determines the duration.
@@ -156,7 +152,7 @@ static RfResult name_clock( const RfField* field, RfCameraTrack* track )
     char text[1024];
     snprintf( text, sizeof text, "%.800s: %s", field->file, field->path );
     track->clock = strdup( text );
-    return track->clock != NULL ? RF_OK : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+    return track->clock != NULL ? rf_json_result( field ) : rf_field_no_memory( field );
 }
 
 // Reads the duration of a movement: exactly one of `names`, which are "duration", "frames"
@@ -176,6 +172,7 @@ static RfResult read_span( const RfField* top, const char* const* names, RfCamer
                               names[2] != NULL ? " or speed (metres per second)" : "" );
     RfField field = rf_field_member( top, given );
     double value = 0.0;
+    int frames = 1;
     RfResult result = name_clock( &field, track );
     if ( result != RF_OK )
         return result;
@@ -191,33 +188,39 @@ static RfResult read_span( const RfField* top, const char* const* names, RfCamer
     track->in_frames = strcmp( given, "frames" ) == 0;
     if ( !track->in_frames )
         return rf_field_number( &field, rf_above( 0.0, RF_MAX_TRACK_SECONDS ), &track->end );
-    result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &value );
-    track->end = value - 1.0;
-    return result == RF_OK && floor( value ) != value ? rf_field_must_be( &field, "a whole number" ) : result;
+    rf_field_whole( &field, 1.0, RF_MAX_TRACK_FRAMES, &frames );
+    track->end = (double)frames - 1.0;
+    return rf_json_result( &field );
+}
+
+// A curve through values that have been read.
+static RfResult join( const RfField* top, RfCurveKind kind, bool linear, int count, const double* times, const double* values,
+                      RfCurve* curve )
+{
+    RfResult result = rf_json_result( top );
+    return result == RF_OK ? rf_create_curve( kind, linear, count, times, values, curve, top->error ) : result;
 }
 
 // A curve over the fraction of the duration, 0 to 1: constant, or from a first value to a
 // second.
-static RfResult constant_curve( RfCurveKind kind, const double* value, RfCurve* curve, RfError* error )
+static RfResult constant_curve( const RfField* top, RfCurveKind kind, const double* value, RfCurve* curve )
 {
     static const double s_start[1] = { 0.0 };
-    return rf_create_curve( kind, true, 1, s_start, value, curve, error );
+    return join( top, kind, true, 1, s_start, value, curve );
 }
 
 // A curve from the first of two values to the second.
-static RfResult lead_curve( RfCurveKind kind, const double* both, RfCurve* curve, RfError* error )
+static RfResult lead_curve( const RfField* top, RfCurveKind kind, const double* both, RfCurve* curve )
 {
     static const double s_ends[2] = { 0.0, 1.0 };
-    return rf_create_curve( kind, true, 2, s_ends, both, curve, error );
+    return join( top, kind, true, 2, s_ends, both, curve );
 }
 
 // Reads a constant field of view, or {"from": …, "to": …}.
 static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* track )
 {
     static const char* const s_keys[] = { "from", "to", NULL };
-    RfResult known = read_projection( top, track );
-    if ( known != RF_OK )
-        return known;
+    read_projection( top, track );
     bool in_metres = extent_of( track->projection ) == RF_EXTENT_YMAG;
     RfField field = rf_field_member( top, extent_name( track->projection ) );
     double fov[2] = { RF_DEFAULT_FOV, RF_DEFAULT_FOV };
@@ -226,18 +229,17 @@ static RfResult read_lens( const RfField* top, bool must_change, RfCameraTrack* 
                                  in_metres ? "an object of from and to, in metres" : "an object of from and to, in degrees" );
     if ( !json_is_object( field.json ) )
     {
-        RfResult result = read_extent( &field, track->projection, fov );
-        return result == RF_OK ? constant_curve( RF_CURVE_NUMBER, fov, &track->fov, top->error ) : result;
+        read_extent( &field, track->projection, fov );
+        return constant_curve( top, RF_CURVE_NUMBER, fov, &track->fov );
     }
-    RfResult result = rf_field_keys( &field, s_keys );
-    for ( int i = 0; i < 2 && result == RF_OK; ++i )
+    rf_field_keys( &field, s_keys );
+    for ( int i = 0; i < 2; ++i )
     {
         RfField end = rf_field_member( &field, s_keys[i] );
-        result = rf_field_require( &field, s_keys[i], in_metres ? "metres" : "degrees" );
-        if ( result == RF_OK )
-            result = read_extent( &end, track->projection, fov + i );
+        rf_field_require( &field, s_keys[i], in_metres ? "metres" : "degrees" );
+        read_extent( &end, track->projection, fov + i );
     }
-    return result == RF_OK ? lead_curve( RF_CURVE_NUMBER, fov, &track->fov, top->error ) : result;
+    return lead_curve( top, RF_CURVE_NUMBER, fov, &track->fov );
 }
 
 // Reads target and up, or a rotation; `fallback` is the default target, or NULL.
@@ -245,22 +247,18 @@ static RfResult read_look( const RfField* top, const double* fallback, RfCameraT
 {
     RfField rotation = rf_field_member( top, "rotation" ), up_field = rf_field_member( top, "up" );
     double q[4], target[3], up[3] = { 0.0, 1.0, 0.0 };
-    RfResult result = check_look( top, rotation.json != NULL );
-    if ( result == RF_OK && rotation.json != NULL )
+    check_look( top, rotation.json != NULL );
+    if ( rotation.json != NULL )
     {
-        result = rf_read_rotation( &rotation, q );
-        return result == RF_OK ? constant_curve( RF_CURVE_ROTATION, q, &track->rotation, top->error ) : result;
+        rf_read_rotation( &rotation, q );
+        return constant_curve( top, RF_CURVE_ROTATION, q, &track->rotation );
     }
-    if ( result == RF_OK )
-        result = read_up( &up_field, up );
-    if ( result == RF_OK )
-        result = constant_curve( RF_CURVE_POINT, up, &track->up, top->error );
-    if ( result != RF_OK )
-        return result;
+    read_up( &up_field, up );
+    constant_curve( top, RF_CURVE_POINT, up, &track->up );
     if ( fallback != NULL && !rf_has_member( top, "target" ) )
-        return constant_curve( RF_CURVE_POINT, fallback, &track->target, top->error );
-    result = read_point( top, "target", target );
-    return result == RF_OK ? constant_curve( RF_CURVE_POINT, target, &track->target, top->error ) : result;
+        return constant_curve( top, RF_CURVE_POINT, fallback, &track->target );
+    read_point( top, "target", target );
+    return constant_curve( top, RF_CURVE_POINT, target, &track->target );
 }
 
 // Reads the built-in movements: orbit, dolly, zoom, walk.
@@ -276,28 +274,18 @@ static RfResult read_orbit( const RfField* top, RfCameraTrack* track )
                                           "up",   "projection", "fov",    "ymag",   "duration", "frames", "lens",   NULL };
     RfOrbit* orbit = &track->orbit;
     double start = 0.0, turn = 360.0;
-    RfField radius = rf_field_member( top, "radius" ), height = rf_field_member( top, "height" ),
-            start_field = rf_field_member( top, "start" ), turn_field = rf_field_member( top, "turn" );
-    RfResult result = rf_field_keys( top, s_keys );
-    if ( result == RF_OK )
-        result = read_point( top, "center", orbit->center );
-    if ( result == RF_OK )
-        result = rf_field_require( top, "radius", "a number > 0" );
-    if ( result == RF_OK )
-        result = rf_field_number( &radius, rf_above( 0.0, coordinates().high ), &orbit->radius );
-    if ( result == RF_OK )
-        result = rf_field_number( &height, coordinates(), &orbit->height );
-    if ( result == RF_OK )
-        result = rf_field_number( &start_field, rf_range( -1e6, 1e6 ), &start );
-    if ( result == RF_OK )
-        result = rf_field_number( &turn_field, rf_range( -1e6, 1e6 ), &turn );
+    rf_field_keys( top, s_keys );
+    read_point( top, "center", orbit->center );
+    rf_field_require( top, "radius", "a number > 0" );
+    rf_get_number( top, "radius", rf_above( 0.0, MAX_COORDINATE ), &orbit->radius );
+    rf_get_number( top, "height", coordinates(), &orbit->height );
+    rf_get_number( top, "start", rf_range( -1e6, 1e6 ), &start );
+    rf_get_number( top, "turn", rf_range( -1e6, 1e6 ), &turn );
     orbit->start = start * DEGREE;
     orbit->turn = turn * DEGREE;
-    if ( result == RF_OK )
-        result = read_look( top, orbit->center, track );
-    if ( result == RF_OK )
-        result = read_lens( top, false, track );
-    return result == RF_OK ? read_span( top, s_span, track ) : result;
+    read_look( top, orbit->center, track );
+    read_lens( top, false, track );
+    return read_span( top, s_span, track );
 }
 
 // Reads a dolly.
@@ -306,18 +294,13 @@ static RfResult read_dolly( const RfField* top, RfCameraTrack* track )
     static const char* const s_keys[] = { "kind", "from", "to",       "target", "rotation", "up", "projection",
                                           "fov",  "ymag", "duration", "frames", "lens",     NULL };
     double ends[6];
-    RfResult result = rf_field_keys( top, s_keys );
-    if ( result == RF_OK )
-        result = read_point( top, "from", ends );
-    if ( result == RF_OK )
-        result = read_point( top, "to", ends + 3 );
-    if ( result == RF_OK )
-        result = lead_curve( RF_CURVE_POINT, ends, &track->position, top->error );
-    if ( result == RF_OK )
-        result = read_look( top, NULL, track );
-    if ( result == RF_OK )
-        result = read_lens( top, false, track );
-    return result == RF_OK ? read_span( top, s_span, track ) : result;
+    rf_field_keys( top, s_keys );
+    read_point( top, "from", ends );
+    read_point( top, "to", ends + 3 );
+    lead_curve( top, RF_CURVE_POINT, ends, &track->position );
+    read_look( top, NULL, track );
+    read_lens( top, false, track );
+    return read_span( top, s_span, track );
 }
 
 // Reads a zoom.
@@ -326,31 +309,26 @@ static RfResult read_zoom( const RfField* top, RfCameraTrack* track )
     static const char* const s_keys[] = { "kind", "position", "target",   "rotation", "up",   "projection",
                                           "fov",  "ymag",     "duration", "frames",   "lens", NULL };
     double position[3];
-    RfResult result = rf_field_keys( top, s_keys );
-    if ( result == RF_OK )
-        result = read_point( top, "position", position );
-    if ( result == RF_OK )
-        result = constant_curve( RF_CURVE_POINT, position, &track->position, top->error );
-    if ( result == RF_OK )
-        result = read_look( top, NULL, track );
-    if ( result == RF_OK )
-        result = read_lens( top, true, track );
-    return result == RF_OK ? read_span( top, s_span, track ) : result;
+    rf_field_keys( top, s_keys );
+    read_point( top, "position", position );
+    constant_curve( top, RF_CURVE_POINT, position, &track->position );
+    read_look( top, NULL, track );
+    read_lens( top, true, track );
+    return read_span( top, s_span, track );
 }
 
 static RfResult read_waypoints( const RfField* top, RfCameraTrack* track )
 {
     bool linear;
     RfField list = rf_field_member( top, "waypoints" );
-    RfResult result = rf_field_array( &list, "points", 2, MAX_WAYPOINTS );
-    if ( result == RF_OK )
-        result = rf_read_interpolation( top, &linear );
+    rf_field_array( &list, "points", 2, MAX_WAYPOINTS );
+    RfResult result = rf_read_interpolation( top, &linear );
     if ( result != RF_OK )
         return result;
     size_t count = json_array_size( list.json );
     double* points = malloc( 3 * count * sizeof *points );
     if ( points == NULL )
-        return rf_fail( top->error, RF_ERROR_MEMORY, "%s: no memory left for %zu waypoints", top->file, count );
+        return rf_field_no_memory( &list );
     for ( size_t i = 0; i < count && result == RF_OK; ++i )
     {
         RfField item = rf_field_item( &list, i );
@@ -376,10 +354,9 @@ static RfResult read_walk_look( const RfField* top, RfCameraTrack* track )
         return read_look( top, NULL, track );
     double up[3] = { 0.0, 1.0, 0.0 };
     track->look_ahead = 0.1 * track->walk.length;
-    RfResult result = read_up( &up_field, up );
-    if ( result == RF_OK )
-        result = rf_field_number( &ahead, rf_above( 0.0, coordinates().high ), &track->look_ahead );
-    return result == RF_OK ? constant_curve( RF_CURVE_POINT, up, &track->up, top->error ) : result;
+    read_up( &up_field, up );
+    rf_field_number( &ahead, rf_above( 0.0, MAX_COORDINATE ), &track->look_ahead );
+    return constant_curve( top, RF_CURVE_POINT, up, &track->up );
 }
 
 // Reads a walk along waypoints.
@@ -389,14 +366,13 @@ static RfResult read_walk( const RfField* top, RfCameraTrack* track )
                                           "rotation", "up",        "projection",    "fov",        "ymag",
                                           "speed",    "duration",  "frames",        "lens",       NULL };
     static const char* const s_walk_span[] = { "duration", "frames", "speed", NULL };
-    RfResult result = rf_field_keys( top, s_keys );
-    if ( result == RF_OK )
-        result = read_waypoints( top, track );
-    if ( result == RF_OK )
-        result = read_walk_look( top, track );
-    if ( result == RF_OK )
-        result = read_lens( top, false, track );
-    return result == RF_OK ? read_span( top, s_walk_span, track ) : result;
+    rf_field_keys( top, s_keys );
+    RfResult result = read_waypoints( top, track );
+    if ( result != RF_OK )
+        return result;
+    read_walk_look( top, track );
+    read_lens( top, false, track );
+    return read_span( top, s_walk_span, track );
 }
 
 // Reads keyed camera paths.
@@ -424,10 +400,10 @@ typedef struct Keys
 static RfResult read_cut( const RfField* key, int index, RfCameraTrack* track )
 {
     bool cut = false;
-    RfField field = rf_field_member( key, "cut" );
-    RfResult result = rf_field_bool( &field, &cut );
+    RfResult result = rf_get_bool( key, "cut", &cut );
     if ( result != RF_OK || !cut )
         return result;
+    RfField field = rf_field_member( key, "cut" );
     if ( index == 0 )
         return rf_field_fail( &field, "the first key begins the path: a cut needs a key before it" );
     track->cuts[track->cut_count++] = index;
@@ -438,27 +414,22 @@ RfResult rf_read_key_time( const RfField* key, bool in_frames, int index, double
 {
     const char* name = in_frames ? "frame" : "time";
     const char* want = in_frames ? "a frame number" : "a number of seconds";
-    RfField field = rf_field_member( key, name );
-    RfResult result = rf_field_require( key, name, want );
-    if ( result == RF_OK )
-        result = rf_field_number(
-            &field, in_frames ? rf_range( -RF_MAX_TRACK_FRAMES, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS ),
-            times + index );
-    if ( result != RF_OK )
+    RfRange range = in_frames ? rf_range( -RF_MAX_TRACK_FRAMES, RF_MAX_TRACK_FRAMES ) : rf_range( 0.0, RF_MAX_TRACK_SECONDS );
+    rf_field_require( key, name, want );
+    RfResult result = rf_get_number( key, name, range, times + index );
+    if ( result != RF_OK || index == 0 || times[index] - times[index - 1] >= MIN_STEP )
         return result;
-    if ( index > 0 && !( times[index] - times[index - 1] >= MIN_STEP ) )
-        return rf_field_fail( &field, "%g is not later than the key before it, at %g", times[index], times[index - 1] );
-    return RF_OK;
+    RfField field = rf_field_member( key, name );
+    return rf_field_fail( &field, "%g is not later than the key before it, at %g", times[index], times[index - 1] );
 }
 
-static RfResult read_shift( const RfField* field, Keys* keys, int i )
+static void read_shift( const RfField* field, Keys* keys, int i )
 {
     double shift[2] = { 0.0, 0.0 };
-    RfResult result = rf_field_numbers( field, rf_range( -RF_MAX_SHIFT, RF_MAX_SHIFT ), 2, shift );
+    rf_field_numbers( field, rf_range( -RF_MAX_SHIFT, RF_MAX_SHIFT ), 2, shift );
     keys->shifts = keys->shifts || field->json != NULL;
     keys->shift[0][i] = shift[0];
     keys->shift[1][i] = shift[1];
-    return result;
 }
 
 // All keys have such a value, or none.
@@ -471,12 +442,6 @@ static RfResult read_lens_value( const RfField* key, const char* name, double hi
     return rf_field_number( &field, rf_above( 0.0, high ), values + i );
 }
 
-static RfResult read_lens_key( const RfField* key, Keys* keys, int i )
-{
-    RfResult result = read_lens_value( key, "focus", RF_MAX_FOCUS, i, &keys->focuses, keys->focus );
-    return result == RF_OK ? read_lens_value( key, "fstop", RF_MAX_FSTOP, i, &keys->stops, keys->fstop ) : result;
-}
-
 static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, int i, bool rotates, RfCameraTrack* track )
 {
     static const char* const s_seconds[] = { "time", "cut",  "position", "target", "rotation", "up",
@@ -484,31 +449,21 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
     static const char* const s_frames[] = { "frame", "cut",  "position", "target", "rotation", "up",
                                             "fov",   "ymag", "shift",    "focus",  "fstop",    NULL };
     bool in_frames = track->in_frames;
-    RfResult result = rf_field_keys( key, in_frames ? s_frames : s_seconds );
-    if ( result == RF_OK )
-        result = check_projection( key, track->projection );
-    if ( result == RF_OK )
-        result = rf_read_key_time( key, in_frames, i, keys->times );
-    if ( result == RF_OK )
-        result = read_cut( key, i, track );
-    if ( result == RF_OK )
-        result = read_point( key, "position", keys->position + 3 * i );
-    if ( result == RF_OK )
-        result = check_look( key, rotates );
+    rf_field_keys( key, in_frames ? s_frames : s_seconds );
+    check_projection( key, track->projection );
+    rf_read_key_time( key, in_frames, i, keys->times );
+    read_cut( key, i, track );
+    read_point( key, "position", keys->position + 3 * i );
+    check_look( key, rotates );
     RfField fov = inherited( key, top, extent_name( track->projection ) ), up = inherited( key, top, "up" ),
             shift = inherited( key, top, "shift" );
     if ( fov.json == NULL )
         fov = rf_field_member( key, extent_name( track->projection ) );
-    if ( result == RF_OK )
-        result = read_shift( &shift, keys, i );
-    if ( result == RF_OK )
-        result = read_lens_key( key, keys, i );
-    if ( result == RF_OK )
-        result = read_extent( &fov, track->projection, keys->fov + i );
-    if ( result == RF_OK )
-        result = read_up( &up, keys->up + 3 * i );
-    if ( result != RF_OK )
-        return result;
+    read_shift( &shift, keys, i );
+    read_lens_value( key, "focus", RF_MAX_FOCUS, i, &keys->focuses, keys->focus );
+    read_lens_value( key, "fstop", RF_MAX_FSTOP, i, &keys->stops, keys->fstop );
+    read_extent( &fov, track->projection, keys->fov + i );
+    read_up( &up, keys->up + 3 * i );
     if ( rotates )
     {
         RfField rotation = inherited( key, top, "rotation" );
@@ -519,30 +474,28 @@ static RfResult read_key( const RfField* top, const RfField* key, Keys* keys, in
     RfField target = inherited( key, top, "target" );
     if ( target.json == NULL )
         return rf_field_fail( key, "has neither target nor rotation, and the path has none for all keys" );
-    result = rf_field_numbers( &target, coordinates(), 3, keys->target + 3 * i );
+    RfResult result = rf_field_numbers( &target, coordinates(), 3, keys->target + 3 * i );
     if ( result == RF_OK && is_same_point( keys->target + 3 * i, keys->position + 3 * i ) )
         return rf_field_fail( &target, "is at the position of the camera: move one of them" );
     return result;
 }
 
-static RfResult make_curves( const Keys* keys, bool linear, bool rotates, RfCameraTrack* track, RfError* error )
+static RfResult make_curves( const RfField* top, const Keys* keys, bool linear, bool rotates, RfCameraTrack* track )
 {
     int n = keys->count;
     const double* t = keys->times;
-    RfResult result = rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->position, &track->position, error );
-    if ( result == RF_OK )
-        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fov, &track->fov, error );
-    for ( int i = 0; i < 2 && result == RF_OK && keys->shifts; ++i )
-        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->shift[i], track->shift + i, error );
-    if ( result == RF_OK && keys->focuses )
-        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->focus, &track->focus, error );
-    if ( result == RF_OK && keys->stops )
-        result = rf_create_curve( RF_CURVE_NUMBER, linear, n, t, keys->fstop, &track->fstop, error );
-    if ( result == RF_OK && rotates )
-        return rf_create_curve( RF_CURVE_ROTATION, linear, n, t, keys->rotation, &track->rotation, error );
-    if ( result == RF_OK )
-        result = rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->target, &track->target, error );
-    return result == RF_OK ? rf_create_curve( RF_CURVE_POINT, linear, n, t, keys->up, &track->up, error ) : result;
+    join( top, RF_CURVE_POINT, linear, n, t, keys->position, &track->position );
+    join( top, RF_CURVE_NUMBER, linear, n, t, keys->fov, &track->fov );
+    for ( int i = 0; i < 2 && keys->shifts; ++i )
+        join( top, RF_CURVE_NUMBER, linear, n, t, keys->shift[i], track->shift + i );
+    if ( keys->focuses )
+        join( top, RF_CURVE_NUMBER, linear, n, t, keys->focus, &track->focus );
+    if ( keys->stops )
+        join( top, RF_CURVE_NUMBER, linear, n, t, keys->fstop, &track->fstop );
+    if ( rotates )
+        return join( top, RF_CURVE_ROTATION, linear, n, t, keys->rotation, &track->rotation );
+    join( top, RF_CURVE_POINT, linear, n, t, keys->target, &track->target );
+    return join( top, RF_CURVE_POINT, linear, n, t, keys->up, &track->up );
 }
 
 #define NUMBERS 19 // per key
@@ -571,17 +524,12 @@ static Keys split_memory( double* memory, int count )
 // What holds for all keys: the numbers of frames and the shape of a pixel.
 static RfResult read_film( const RfField* top, RfCameraTrack* track )
 {
-    double step = 1.0;
-    RfField field = rf_field_member( top, "step" ), aspect = rf_field_member( top, "pixelAspect" );
-    RfResult result = rf_field_number( &aspect, rf_range( 0.01, 100.0 ), &track->aspect );
-    if ( result == RF_OK )
-        result = rf_field_number( &field, rf_range( 1.0, RF_MAX_TRACK_FRAMES ), &step );
-    if ( result == RF_OK && floor( step ) != step )
-        return rf_field_must_be( &field, "a whole number" );
-    if ( result == RF_OK && field.json != NULL && !track->in_frames )
+    rf_get_number( top, "pixelAspect", rf_range( 0.01, 100.0 ), &track->aspect );
+    rf_get_whole( top, "step", 1.0, RF_MAX_TRACK_FRAMES, &track->step );
+    RfField field = rf_field_member( top, "step" );
+    if ( field.json != NULL && !track->in_frames )
         return rf_field_fail( &field, "must have keys with frames, not times" );
-    track->step = (int)step;
-    return result;
+    return rf_json_result( top );
 }
 
 static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrack* track )
@@ -590,13 +538,10 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     RfField first = rf_field_item( list, 0 );
     bool rotates = rf_has_member( top, "rotation" ) || rf_has_member( &first, "rotation" ), linear;
     track->in_frames = rf_has_member( &first, "frame" );
-    RfResult result = rf_read_interpolation( top, &linear );
-    if ( result == RF_OK )
-        result = read_projection( top, track );
-    if ( result == RF_OK )
-        result = check_look( top, rotates );
-    if ( result == RF_OK )
-        result = read_film( top, track );
+    rf_read_interpolation( top, &linear );
+    read_projection( top, track );
+    check_look( top, rotates );
+    RfResult result = read_film( top, track );
     if ( result != RF_OK )
         return result;
     double* memory = calloc( (size_t)count * NUMBERS, sizeof *memory );
@@ -604,7 +549,7 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     if ( memory == NULL || track->cuts == NULL )
     {
         free( memory );
-        return rf_fail( top->error, RF_ERROR_MEMORY, "%s: no memory left for %d keys", top->file, count );
+        return rf_field_no_memory( list );
     }
     Keys keys = split_memory( memory, count );
     for ( int i = 0; i < count && result == RF_OK; ++i )
@@ -615,7 +560,7 @@ static RfResult read_keys( const RfField* top, const RfField* list, RfCameraTrac
     for ( int i = 0; i < count && track->in_frames; ++i )
         keys.times[i] -= 1.0; // frame 1 is at time 0
     if ( result == RF_OK )
-        result = make_curves( &keys, linear, rotates, track, top->error );
+        result = make_curves( top, &keys, linear, rotates, track );
     if ( result == RF_OK )
         rf_part_track( track );
     track->start = keys.times[0];
@@ -632,9 +577,8 @@ static RfResult read_keyed( const RfField* top, RfCameraTrack* track )
     static const char* const s_keys[] = { "kind", "interpolation", "keys",  "target", "rotation",    "up",   "projection",
                                           "fov",  "ymag",          "shift", "step",   "pixelAspect", "lens", NULL };
     RfField list = rf_field_member( top, "keys" );
-    RfResult result = rf_field_keys( top, s_keys );
-    if ( result == RF_OK )
-        result = rf_field_array( &list, "keys", 1, MAX_KEYS );
+    rf_field_keys( top, s_keys );
+    RfResult result = rf_field_array( &list, "keys", 1, MAX_KEYS );
     return result == RF_OK ? read_keys( top, &list, track ) : result;
 }
 
@@ -648,25 +592,22 @@ static RfResult read_kind( const RfField* top, RfCameraTrack* track )
         read_keyed, read_orbit, read_dolly, read_zoom, read_walk,
     };
     int kind = 0;
-    RfField field = rf_field_member( top, "kind" );
     if ( !json_is_object( top->json ) )
         return rf_field_must_be( top, "an object" );
-    RfResult result = rf_field_require( top, "kind", "one of keyed, orbit, dolly, zoom, walk" );
-    if ( result == RF_OK )
-        result = rf_field_choice( &field, s_kinds, &kind );
+    rf_field_require( top, "kind", "one of keyed, orbit, dolly, zoom, walk" );
+    RfResult result = rf_get_choice( top, "kind", s_kinds, &kind );
     track->kind = (RfTrackKind)kind;
     return result == RF_OK ? s_read[kind]( top, track ) : result;
 }
 
-RfResult rf_read_camera_track( const RfField* object, RfCameraTrack* track, RfError* error )
+RfResult rf_read_camera_track( const RfField* object, RfCameraTrack* track )
 {
     *track = ( RfCameraTrack ){ .step = 1, .aspect = 1.0 };
     char name[1024];
     snprintf( name, sizeof name, "%s%s%s", object->file, object->path[0] != 0 ? ": " : "", object->path );
     track->name = strdup( name );
-    RfResult result = track->name != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", object->file );
+    RfResult result = track->name != NULL ? RF_OK : rf_field_no_memory( object );
     RfField top = *object;
-    top.error = error;
     top.notes = true;
     if ( result == RF_OK )
         result = read_kind( &top, track );
@@ -685,7 +626,7 @@ RfResult rf_load_camera_track( const char* path, RfCameraTrack* track, RfError* 
     if ( result != RF_OK )
         return result;
     RfField root = rf_root_field( &document, error );
-    result = rf_read_camera_track( &root, track, error );
+    result = rf_read_camera_track( &root, track );
     track->hash = result == RF_OK ? document.hash : 0;
     rf_close_json( &document );
     return result;

@@ -3,7 +3,7 @@
 #define REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_READ_H
 
 #include "scene/camera_path/camera_track.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 
 #define RF_MAX_TRACK_SECONDS 1e6
 #define RF_MAX_TRACK_FRAMES 1e6

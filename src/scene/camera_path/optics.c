@@ -1,7 +1,7 @@
 // Reads aperture, focus and shutter of a camera from JSON.
 #include "scene/camera_path/optics.h"
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,10 +22,10 @@ static RfResult read_shutter( const RfField* field, double shutter[2] )
         return result;
     }
     double length = 0.0;
-    RfResult result = rf_field_number( field, rf_range( 0.0, RF_MAX_SHUTTER ), &length );
+    rf_field_number( field, rf_range( 0.0, RF_MAX_SHUTTER ), &length );
     shutter[0] = -0.5 * length;
     shutter[1] = 0.5 * length;
-    return result;
+    return rf_json_result( field );
 }
 
 // Metres, or the name of a node.
@@ -38,7 +38,7 @@ static RfResult read_focus( const RfField* field, RfOptics* optics )
     if ( result != RF_OK )
         return result;
     optics->focus_node = strdup( name );
-    return optics->focus_node != NULL ? RF_OK : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+    return optics->focus_node != NULL ? RF_OK : rf_field_no_memory( field );
 }
 
 static RfResult read_blades( const RfField* field, int* blades )
@@ -51,42 +51,29 @@ static RfResult read_blades( const RfField* field, int* blades )
     return result;
 }
 
-static RfResult read_aperture( const RfField* lens, RfOptics* optics )
-{
-    RfField fstop = rf_field_member( lens, "fstop" ), radius = rf_field_member( lens, "radius" ),
-            sensor = rf_field_member( lens, "sensor" ), blades = rf_field_member( lens, "blades" ),
-            rotation = rf_field_member( lens, "rotation" );
-    double millimetres = 1e3 * RF_DEFAULT_SENSOR, degrees = 0.0;
-    if ( fstop.json != NULL && radius.json != NULL )
-        return rf_field_fail( &radius, "not together with fstop: leave one of the two out" );
-    RfResult result = rf_field_number( &fstop, rf_above( 0.0, RF_MAX_FSTOP ), &optics->fstop );
-    if ( result == RF_OK )
-        result = rf_field_number( &radius, rf_range( 0.0, MAX_RADIUS ), &optics->radius );
-    if ( result == RF_OK )
-        result = rf_field_number( &sensor, rf_above( 0.0, 1e6 ), &millimetres );
-    if ( result == RF_OK )
-        result = read_blades( &blades, &optics->blades );
-    if ( result == RF_OK )
-        result = rf_field_number( &rotation, rf_range( -1e6, 1e6 ), &degrees );
-    optics->sensor = 1e-3 * millimetres;
-    optics->rotation = degrees * DEGREE;
-    return result;
-}
-
 RfResult rf_read_optics( const RfField* object, RfOptics* optics )
 {
     static const char* const s_keys[] = { "fstop", "radius", "sensor", "focus", "blades", "rotation", "shutter", NULL };
     *optics = ( RfOptics ){ .sensor = RF_DEFAULT_SENSOR };
     RfField lens = rf_field_member( object, "lens" );
     if ( lens.json == NULL )
-        return RF_OK;
-    RfField shutter = rf_field_member( &lens, "shutter" ), focus = rf_field_member( &lens, "focus" );
-    RfResult result = rf_field_keys( &lens, s_keys );
-    if ( result == RF_OK )
-        result = read_aperture( &lens, optics );
-    if ( result == RF_OK && shutter.json != NULL )
-        result = read_shutter( &shutter, optics->shutter );
-    return result == RF_OK && focus.json != NULL ? read_focus( &focus, optics ) : result;
+        return rf_json_result( object );
+    RfField radius = rf_field_member( &lens, "radius" ), blades = rf_field_member( &lens, "blades" ),
+            shutter = rf_field_member( &lens, "shutter" ), focus = rf_field_member( &lens, "focus" );
+    double millimetres = 1e3 * RF_DEFAULT_SENSOR, degrees = 0.0;
+    rf_field_keys( &lens, s_keys );
+    if ( rf_has_member( &lens, "fstop" ) && radius.json != NULL )
+        return rf_field_fail( &radius, "not together with fstop: leave one of the two out" );
+    rf_get_number( &lens, "fstop", rf_above( 0.0, RF_MAX_FSTOP ), &optics->fstop );
+    rf_field_number( &radius, rf_range( 0.0, MAX_RADIUS ), &optics->radius );
+    rf_get_number( &lens, "sensor", rf_above( 0.0, 1e6 ), &millimetres );
+    read_blades( &blades, &optics->blades );
+    rf_get_number( &lens, "rotation", rf_range( -1e6, 1e6 ), &degrees );
+    optics->sensor = 1e-3 * millimetres;
+    optics->rotation = degrees * DEGREE;
+    if ( shutter.json != NULL )
+        read_shutter( &shutter, optics->shutter );
+    return read_focus( &focus, optics );
 }
 
 void rf_destroy_optics( RfOptics* optics )

@@ -11,7 +11,7 @@
 #include "scene/gltf/gltf_geometry.h"
 #include "scene/gltf/gltf_materials.h"
 #include "scene/json/environment_json.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/pose.h"
@@ -254,17 +254,14 @@ static bool is_version_2( const char* version )
 
 static RfResult check_asset( const RfGltf* gltf )
 {
-    const json_t* asset = NULL;
     const char *version = "", *least = "2.0";
-    RfResult result = rf_gltf_require( gltf, gltf->root, "document", "asset" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, gltf->root, "document", "asset", &asset );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, asset, "asset", "version" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, asset, "asset", "version", &version );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, asset, "asset", "minVersion", &least );
+    RfField root = rf_gltf_root( gltf );
+    rf_gltf_require( &root, "asset", NULL );
+    rf_get_object( &root, "asset" ); // or fails
+    RfField asset = rf_gltf_field( gltf, "asset", json_object_get( gltf->root, "asset" ) );
+    rf_gltf_require( &asset, "version", NULL );
+    rf_get_text( &asset, "version", &version );
+    RfResult result = rf_get_text( &asset, "minVersion", &least );
     if ( result != RF_OK )
         return result;
     if ( is_version_2( version ) == false || strcmp( least, "2.0" ) != 0 )
@@ -345,7 +342,7 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
 {
     memset( scene, 0, sizeof *scene );
     memcpy( scene->origin, origin, sizeof scene->origin );
-    RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = error, .default_material = -1 };
+    RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = rf_begin_reading( error ), .default_material = -1 };
     gltf.freeze = options->freeze;
     gltf.options = options;
     gltf.animation = options->animation;
@@ -355,7 +352,7 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
     if ( result == RF_OK )
         result = rf_gltf_convert_glossiness( &gltf );
     if ( result == RF_OK && options->edit != NULL )
-        result = options->edit->run( options->edit->user, gltf.root, error );
+        result = options->edit->run( options->edit->user, gltf.root, gltf.error );
     if ( result == RF_OK && options->animation != NULL )
         scene->content_hash = rf_hash_bytes( scene->content_hash, options->animation, strlen( options->animation ) );
     if ( result == RF_OK && options->variant != NULL )

@@ -114,37 +114,18 @@ static RfResult check_visibility( const RfGltf* gltf, const char* where, RfChann
     return RF_OK;
 }
 
-static RfResult read_interpolation( const RfGltf* gltf, const json_t* json, const char* where, RfInterpolation* out )
+static RfResult read_sampler( RfGltf* gltf, Loader* loader, const RfField* json, RfChannel* channel )
 {
-    static const char* const s_names[] = { "STEP", "LINEAR", "CUBICSPLINE" };
-    const char* name = "LINEAR";
-    RfResult result = rf_gltf_get_string( gltf, json, where, "interpolation", &name );
-    if ( result != RF_OK )
-        return result;
-    for ( int i = 0; i < 3; ++i )
-    {
-        if ( strcmp( name, s_names[i] ) == 0 )
-        {
-            *out = (RfInterpolation)i;
-            return RF_OK;
-        }
-    }
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "interpolation '%.20s' must be STEP, LINEAR or CUBICSPLINE", name );
-}
-
-static RfResult read_sampler( RfGltf* gltf, Loader* loader, const json_t* json, const char* where, RfChannel* channel )
-{
-    int input = -1, output = -1;
+    static const char* const s_interpolations[] = { "STEP", "LINEAR", "CUBICSPLINE", NULL };
     const RfGltfAccessor *times = NULL, *values = NULL;
-    RfResult result = read_interpolation( gltf, json, where, &channel->interpolation );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, json, where, "input" );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, json, where, "output" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, json, where, "input", RF_GLTF_ACCESSORS, &input );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, json, where, "output", RF_GLTF_ACCESSORS, &output );
+    int interpolation = RF_LINEAR;
+    const char* where = json->path;
+    rf_get_choice( json, "interpolation", s_interpolations, &interpolation );
+    channel->interpolation = (RfInterpolation)interpolation;
+    rf_gltf_require( json, "input", "output", NULL );
+    int input = rf_gltf_get_index( gltf, json, "input", RF_GLTF_ACCESSORS ),
+        output = rf_gltf_get_index( gltf, json, "output", RF_GLTF_ACCESSORS );
+    RfResult result = rf_json_result( json );
     if ( result == RF_OK )
         result = rf_gltf_open_accessor( gltf, input, &times );
     if ( result == RF_OK )
@@ -171,7 +152,7 @@ static RfWhere name_change( const RfChange* change )
     return rf_where( "%d %d %d", (int)change->value, change->of, change->slot );
 }
 
-static RfResult find_path( RfGltf* gltf, const json_t* target, const char* where, const char* path, RfGltfTarget* out )
+static RfResult find_path( RfGltf* gltf, const RfField* target, const char* where, const char* path, RfGltfTarget* out )
 {
     static const char* const s_paths[] = { "translation", "rotation", "scale", "weights" };
     if ( strcmp( path, "pointer" ) == 0 )
@@ -189,25 +170,21 @@ static RfResult find_path( RfGltf* gltf, const json_t* target, const char* where
 }
 
 // Reads what the channel animates.
-static RfResult read_target( RfGltf* gltf, const json_t* json, const char* where, RfGltfTarget* out )
+static RfResult read_target( RfGltf* gltf, const RfField* json, RfGltfTarget* out )
 {
-    const json_t* target = NULL;
-    const char* path = "";
+    const char *path = "", *where = json->path;
     *out = ( RfGltfTarget ){ 0 };
     RfChannel* channel = &out->change.channel;
-    RfResult result = rf_gltf_require( gltf, json, where, "target" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, json, where, "target", &target );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, target, where, "path" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, target, where, "path", &path );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, target, where, "node", RF_GLTF_NODES, &channel->node );
-    if ( result == RF_OK )
-        result = find_path( gltf, target, where, path, out );
-    if ( result != RF_OK || !out->wanted )
-        return result;
+    rf_gltf_require( json, "target", NULL );
+    RfField target = rf_get_object( json, "target" );
+    snprintf( target.path, sizeof target.path, "%s", where ); // of which messages name the channel
+    rf_gltf_require( &target, "path", NULL );
+    rf_get_text( &target, "path", &path );
+    channel->node = rf_gltf_get_index( gltf, &target, "node", RF_GLTF_NODES );
+    if ( rf_json_result( json ) == RF_OK )
+        find_path( gltf, &target, where, path, out );
+    if ( rf_json_result( json ) != RF_OK || !out->wanted )
+        return rf_json_result( json );
     if ( channel->path == RF_VALUE )
         channel->node = -1;
     else if ( channel->path == RF_WEIGHTS )
@@ -289,33 +266,29 @@ static RfResult append_channel( RfGltf* gltf, Loader* loader, const RfChannel* c
     return RF_OK;
 }
 
-static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, const json_t* samplers, int animation,
-                              size_t index )
+static RfResult load_channel( RfGltf* gltf, Loader* loader, const RfField* json, const RfField* samplers, int animation )
 {
-    RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, index );
     RfGltfTarget target;
     RfChannel* channel = &target.change.channel;
-    RfResult result = read_target( gltf, json, where.text, &target );
+    RfResult result = read_target( gltf, json, &target );
     if ( result == RF_OK && target.unrendered != NULL )
         result = rf_gltf_note_pointer( gltf, target.unrendered );
     if ( result == RF_OK && target.wanted )
-        result = take_target( gltf, loader, where.text, animation, &target );
+        result = take_target( gltf, loader, json->path, animation, &target );
     if ( result != RF_OK || !target.wanted )
         return result;
 
-    int64_t sampler = -1;
-    result = rf_gltf_require( gltf, json, where.text, "sampler" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where.text, "sampler", 0, (int64_t)json_array_size( samplers ) - 1, &sampler );
+    int64_t number = -1;
+    rf_gltf_require( json, "sampler", NULL );
+    result = rf_get_integer( json, "sampler", 0, (int64_t)json_array_size( samplers->json ) - 1, &number );
     if ( result != RF_OK )
         return result;
-    RfWhere self = rf_where( "animations[%d].samplers[%lld]", animation, (long long)sampler );
-    const json_t* sampler_json = json_array_get( samplers, (size_t)sampler );
-    if ( json_is_object( sampler_json ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
-    result = read_sampler( gltf, loader, sampler_json, self.text, channel );
+    RfField sampler = rf_field_item( samplers, (size_t)number );
+    if ( json_is_object( sampler.json ) == 0 )
+        return rf_field_fail( &sampler, "must be an object" );
+    result = read_sampler( gltf, loader, &sampler, channel );
     if ( result == RF_OK && channel->path == RF_VALUE )
-        result = rf_gltf_check_change( gltf, self.text, &target.change );
+        result = rf_gltf_check_change( gltf, sampler.path, &target.change );
     if ( result == RF_OK )
         result = channel->path == RF_VALUE ? rf_gltf_add_change( gltf, &target.change ) : append_channel( gltf, loader, channel );
     if ( result != RF_OK )
@@ -324,42 +297,40 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const json_t* json, 
 }
 
 // Whether an animation moves what one before it moves.
-static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const json_t* channels, int animation, int* other )
+static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const RfField* channels, int* other )
 {
     *other = -1;
-    for ( size_t i = 0; *other < 0 && i < json_array_size( channels ); ++i )
+    for ( size_t i = 0; *other < 0 && i < json_array_size( channels->json ); ++i )
     {
-        RfWhere where = rf_where( "animations[%d].channels[%zu]", animation, i );
         RfGltfTarget target;
-        if ( !json_is_object( json_array_get( channels, i ) ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must be an object" );
-        RfResult result = read_target( gltf, json_array_get( channels, i ), where.text, &target );
+        RfField channel = rf_field_item( channels, i );
+        if ( !json_is_object( channel.json ) )
+            return rf_field_fail( &channel, "must be an object" );
+        RfResult result = read_target( gltf, &channel, &target );
         if ( result != RF_OK )
             return result;
         *other = find_owner( loader, &target );
     }
-    return RF_OK;
+    return rf_json_result( channels );
 }
 
 static RfResult load_animation( RfGltf* gltf, Loader* loader, int index )
 {
-    RfWhere where = rf_where( "animations[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_ANIMATIONS, index );
-    const json_t *channels = NULL, *samplers = NULL;
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_ANIMATIONS, index );
+    RfField channels = rf_get_array( &json, "channels" ), samplers = rf_get_array( &json, "samplers" );
     int other = -1;
-    RfResult result = rf_gltf_get_array( gltf, json, where.text, "channels", &channels );
-    if ( result == RF_OK )
-        result = rf_gltf_get_array( gltf, json, where.text, "samplers", &samplers );
-    if ( result == RF_OK )
-        result = find_conflict( gltf, loader, channels, index, &other );
+    RfResult result = find_conflict( gltf, loader, &channels, &other );
     if ( result == RF_OK && other >= 0 )
     {
         loader->instead = loader->left_out_count == 0 ? other : loader->instead;
         loader->left_out[loader->left_out_count++] = index;
         return RF_OK;
     }
-    for ( size_t i = 0; result == RF_OK && i < json_array_size( channels ); ++i )
-        result = load_channel( gltf, loader, json_array_get( channels, i ), samplers, index, i );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( channels.json ); ++i )
+    {
+        RfField channel = rf_field_item( &channels, i );
+        result = load_channel( gltf, loader, &channel, &samplers, index );
+    }
     return result;
 }
 

@@ -209,28 +209,25 @@ static bool may_be_empty( const RfGltf* gltf, const json_t* buffer )
 
 static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
 {
-    RfWhere where = rf_where( "buffers[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_BUFFERS, index );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFERS, index );
     RfGltfBuffer* buffer = gltf->buffers + index;
     int64_t length = 0;
     const char* uri = NULL;
-    RfResult result = rf_gltf_require( gltf, json, where.text, "byteLength" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where.text, "byteLength", 1, (int64_t)1 << 53, &length );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, json, where.text, "uri", &uri );
+    rf_gltf_require( &json, "byteLength", NULL );
+    rf_get_integer( &json, "byteLength", 1, (int64_t)1 << 53, &length );
+    RfResult result = rf_get_text( &json, "uri", &uri );
     if ( result != RF_OK )
         return result;
 
     size_t size = 0;
-    if ( rf_gltf_is_fallback( json ) && rf_gltf_has_meshopt() )
+    if ( rf_gltf_is_fallback( json.json ) && rf_gltf_has_meshopt() )
     {
         buffer->size = (uint64_t)length;
         return RF_OK;
     }
     if ( uri != NULL )
     {
-        result = load_uri( gltf, where.text, uri, *room, buffer, &size );
+        result = load_uri( gltf, json.path, uri, *room, buffer, &size );
         if ( result != RF_OK )
             return result;
         *room -= size < *room ? size : *room;
@@ -241,15 +238,15 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
         buffer->data = gltf->bin;
         size = gltf->bin_size;
     }
-    else if ( may_be_empty( gltf, json ) )
+    else if ( may_be_empty( gltf, json.json ) )
     {
         buffer->size = (uint64_t)length;
         return RF_OK;
     }
     else
-        return fail_empty( gltf, where.text );
+        return fail_empty( gltf, json.path );
     if ( (uint64_t)length > size )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "byteLength is %lld, but there are %zu bytes", (long long)length,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "byteLength is %lld, but there are %zu bytes", (long long)length,
                              size );
     buffer->size = (uint64_t)length;
     return RF_OK;
@@ -307,26 +304,20 @@ RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t byte
     return RF_OK;
 }
 
-RfResult rf_gltf_read_range( const RfGltf* gltf, const json_t* json, const char* where, const uint8_t** bytes, uint64_t* length )
+RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* json, const uint8_t** bytes, uint64_t* length )
 {
     int64_t offset = 0, extent = 0;
-    int buffer = -1;
-    RfResult result = rf_gltf_require( gltf, json, where, "buffer" );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, json, where, "byteLength" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, json, where, "buffer", RF_GLTF_BUFFERS, &buffer );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "byteOffset", 0, INT64_MAX, &offset );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "byteLength", 1, INT64_MAX, &extent );
+    rf_gltf_require( json, "buffer", "byteLength", NULL );
+    int buffer = rf_gltf_get_index( gltf, json, "buffer", RF_GLTF_BUFFERS );
+    rf_get_integer( json, "byteOffset", 0, INT64_MAX, &offset );
+    RfResult result = rf_get_integer( json, "byteLength", 1, INT64_MAX, &extent );
     if ( result != RF_OK )
         return result;
 
     uint64_t size = gltf->buffers[buffer].size, start = (uint64_t)offset;
     *length = (uint64_t)extent;
     if ( start > size || *length > size - start )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "bytes %llu + %llu are outside buffers[%d] of %llu bytes",
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "bytes %llu + %llu are outside buffers[%d] of %llu bytes",
                              (unsigned long long)start, (unsigned long long)*length, buffer, (unsigned long long)size );
     if ( gltf->buffers[buffer].data == NULL )
         return fail_empty( gltf, rf_where( "buffers[%d]", buffer ).text );
@@ -340,10 +331,10 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
     const RfGltfUnpackedView* unpacked;
     const uint8_t* start = NULL;
     uint64_t extent = 0;
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
     RfResult result = rf_gltf_unpack_view( gltf, view, &unpacked );
     if ( result == RF_OK && unpacked == NULL )
-        result = rf_gltf_read_range( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ),
-                                     rf_where( "bufferViews[%d]", view ).text, &start, &extent );
+        result = rf_gltf_read_range( gltf, &json, &start, &extent );
     if ( result != RF_OK )
         return result;
     if ( unpacked != NULL )
@@ -361,17 +352,13 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
 // The stride of a view for elements of `element` bytes.
 static RfResult view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride )
 {
-    RfWhere where = rf_where( "bufferViews[%d]", view );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
     int64_t value = (int64_t)element;
-    if ( json_object_get( json, "byteStride" ) != NULL )
-    {
-        RfResult result = rf_gltf_get_integer( gltf, json, where.text, "byteStride", 4, 252, &value );
-        if ( result != RF_OK )
-            return result;
-    }
+    RfResult result = rf_get_integer( &json, "byteStride", 4, 252, &value );
+    if ( result != RF_OK )
+        return result;
     if ( (uint64_t)value < element )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "byteStride is %lld, but the elements have %llu bytes",
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "byteStride is %lld, but the elements have %llu bytes",
                              (long long)value, (unsigned long long)element );
     *stride = (uint64_t)value;
     return RF_OK;
@@ -505,10 +492,10 @@ static const struct
     { "SCALAR", 1 }, { "VEC2", 2 }, { "VEC3", 3 }, { "VEC4", 4 }, { "MAT2", 4 }, { "MAT3", 9 }, { "MAT4", 16 },
 };
 
-static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out )
+static RfResult read_type( const RfGltf* gltf, const RfField* json, bool matrix, RfGltfAccessor* out )
 {
     const char* type = "";
-    RfResult result = rf_gltf_get_string( gltf, json, where, "type", &type );
+    RfResult result = rf_get_text( json, "type", &type );
     if ( result != RF_OK )
         return result;
     for ( size_t i = 0; i < sizeof s_types / sizeof s_types[0]; ++i )
@@ -521,42 +508,37 @@ static RfResult read_type( const RfGltf* gltf, const json_t* json, const char* w
     {
         if ( out->components == 16 && out->component_type == FLOAT )
             return RF_OK;
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' must be MAT4 of floats here", type );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "type '%.20s' must be MAT4 of floats here", type );
     }
     if ( out->components == 0 || type[0] == 'M' )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "type '%.20s' must be SCALAR, VEC2, VEC3 or VEC4 here", type );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "type '%.20s' must be SCALAR, VEC2, VEC3 or VEC4 here", type );
     return RF_OK;
 }
 
-static RfResult read_component_type( const RfGltf* gltf, const json_t* json, const char* where, int* component_type )
+static RfResult read_component_type( const RfGltf* gltf, const RfField* json, int* component_type )
 {
     int64_t value = 0;
-    RfResult result = rf_gltf_require( gltf, json, where, "componentType" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "componentType", BYTE, FLOAT, &value );
+    rf_gltf_require( json, "componentType", NULL );
+    RfResult result = rf_get_integer( json, "componentType", BYTE, FLOAT, &value );
     if ( result == RF_OK && rf_gltf_component_size( (int)value ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "componentType %d does not exist", (int)value );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "componentType %d does not exist", (int)value );
     *component_type = (int)value;
     return result;
 }
 
-RfResult rf_gltf_read_layout( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out )
+RfResult rf_gltf_read_layout( const RfGltf* gltf, const RfField* json, bool matrix, RfGltfAccessor* out )
 {
     int64_t count = 0;
-    RfResult result = rf_gltf_require( gltf, json, where, "count" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "count", 1, INT64_MAX, &count );
-    if ( result == RF_OK )
-        result = rf_gltf_check_limit( gltf, where, "count", (double)count, (double)MAX_ELEMENTS );
+    rf_gltf_require( json, "count", NULL );
+    rf_get_integer( json, "count", 1, INT64_MAX, &count );
+    rf_gltf_check_limit( gltf, json->path, "count", (double)count, (double)MAX_ELEMENTS );
     out->count = (uint32_t)count;
+    read_component_type( gltf, json, &out->component_type );
+    RfResult result = read_type( gltf, json, matrix, out );
     if ( result == RF_OK )
-        result = read_component_type( gltf, json, where, &out->component_type );
-    if ( result == RF_OK )
-        result = read_type( gltf, json, where, matrix, out );
-    if ( result == RF_OK )
-        result = rf_gltf_get_bool( gltf, json, where, "normalized", &out->normalized );
+        result = rf_get_bool( json, "normalized", &out->normalized );
     if ( result == RF_OK && out->normalized && out->component_type >= UNSIGNED_INT )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "normalized needs components of 8 or 16 bits" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "normalized needs components of 8 or 16 bits" );
     return result;
 }
 
@@ -565,17 +547,15 @@ static uint64_t element_size( const RfGltfAccessor* accessor )
     return (uint64_t)accessor->components * (uint64_t)rf_gltf_component_size( accessor->component_type );
 }
 
-static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* where, RfGltfAccessor* out )
+static RfResult read_view( const RfGltf* gltf, const RfField* json, RfGltfAccessor* out )
 {
-    int view;
     int64_t offset = 0;
-    RfResult result = rf_gltf_get_index( gltf, json, where, "bufferView", RF_GLTF_BUFFER_VIEWS, &view );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "byteOffset", 0, INT64_MAX, &offset );
+    int view = rf_gltf_get_index( gltf, json, "bufferView", RF_GLTF_BUFFER_VIEWS );
+    RfResult result = rf_get_integer( json, "byteOffset", 0, INT64_MAX, &offset );
     if ( result != RF_OK )
         return result;
     if ( view < 0 && out->count > MAX_ZEROS )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, json->path,
                              "%u elements without a bufferView are too many, the limit is %lld: "
                              "export the scene with its data",
                              out->count, (long long)MAX_ZEROS );
@@ -587,29 +567,19 @@ static RfResult read_view( const RfGltf* gltf, const json_t* json, const char* w
         return result;
     // count ≤ 2³¹ and stride ≤ 252: no overflow
     uint64_t need = out->stride * ( (uint64_t)out->count - 1 ) + size;
-    return rf_gltf_view_bytes( gltf, where, view, (uint64_t)offset, need, &out->data );
+    return rf_gltf_view_bytes( gltf, json->path, view, (uint64_t)offset, need, &out->data );
 }
 
-static RfResult read_sparse_part( const RfGltf* gltf, const json_t* sparse, const char* where, const char* key, uint64_t bytes,
+static RfResult read_sparse_part( const RfGltf* gltf, const RfField* sparse, const char* key, uint64_t bytes,
                                   const uint8_t** data )
 {
-    const json_t* part = NULL;
-    int view = -1;
     int64_t offset = 0;
-    RfResult result = rf_gltf_require( gltf, sparse, where, key );
-    if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, sparse, where, key, &part );
-    if ( result != RF_OK )
-        return result;
-    RfWhere self = rf_where( "%s.%s", where, key );
-    result = rf_gltf_require( gltf, part, self.text, "bufferView" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, part, self.text, "bufferView", RF_GLTF_BUFFER_VIEWS, &view );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, part, self.text, "byteOffset", 0, INT64_MAX, &offset );
-    if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, self.text, view, (uint64_t)offset, bytes, data );
-    return result;
+    rf_gltf_require( sparse, key, NULL );
+    RfField part = rf_get_object( sparse, key );
+    rf_gltf_require( &part, "bufferView", NULL );
+    int view = rf_gltf_get_index( gltf, &part, "bufferView", RF_GLTF_BUFFER_VIEWS );
+    RfResult result = rf_get_integer( &part, "byteOffset", 0, INT64_MAX, &offset );
+    return result == RF_OK ? rf_gltf_view_bytes( gltf, part.path, view, (uint64_t)offset, bytes, data ) : result;
 }
 
 static RfResult check_sparse_indices( const RfGltf* gltf, const char* where, const RfGltfAccessor* out )
@@ -627,35 +597,31 @@ static RfResult check_sparse_indices( const RfGltf* gltf, const char* where, con
     return RF_OK;
 }
 
-static RfResult read_sparse( const RfGltf* gltf, const json_t* json, const char* accessor, RfGltfAccessor* out )
+static RfResult read_sparse( const RfGltf* gltf, const RfField* accessor, RfGltfAccessor* out )
 {
-    const json_t* sparse = NULL;
-    RfResult result = rf_gltf_get_object( gltf, json, accessor, "sparse", &sparse );
-    if ( result != RF_OK || sparse == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.sparse", accessor );
     int64_t count = 0;
-    result = rf_gltf_require( gltf, sparse, where.text, "count" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, sparse, where.text, "count", 1, out->count, &count );
-    const json_t* indices = json_object_get( sparse, "indices" );
-    if ( result == RF_OK && json_is_object( indices ) )
-        result = read_component_type( gltf, indices, where.text, &out->sparse_type );
+    RfField sparse = rf_get_object( accessor, "sparse" );
+    if ( sparse.json == NULL )
+        return rf_json_result( accessor );
+    rf_gltf_require( &sparse, "count", NULL );
+    RfResult result = rf_get_integer( &sparse, "count", 1, out->count, &count );
+    RfField indices = rf_gltf_field( gltf, sparse.path, json_object_get( sparse.json, "indices" ) );
+    bool typed = json_is_object( indices.json );
+    if ( typed )
+        result = read_component_type( gltf, &indices, &out->sparse_type );
     if ( result != RF_OK )
         return result;
-    if ( json_is_object( indices ) && out->sparse_type != UNSIGNED_BYTE && out->sparse_type != UNSIGNED_SHORT &&
-         out->sparse_type != UNSIGNED_INT )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "indices must have an unsigned componentType" );
+    if ( typed && out->sparse_type != UNSIGNED_BYTE && out->sparse_type != UNSIGNED_SHORT && out->sparse_type != UNSIGNED_INT )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, sparse.path, "indices must have an unsigned componentType" );
 
     uint64_t index_bytes = (uint64_t)count * (uint64_t)rf_gltf_component_size( out->sparse_type );
-    result = read_sparse_part( gltf, sparse, where.text, "indices", index_bytes, &out->sparse_indices );
+    result = read_sparse_part( gltf, &sparse, "indices", index_bytes, &out->sparse_indices );
     if ( result == RF_OK )
-        result =
-            read_sparse_part( gltf, sparse, where.text, "values", (uint64_t)count * element_size( out ), &out->sparse_values );
+        result = read_sparse_part( gltf, &sparse, "values", (uint64_t)count * element_size( out ), &out->sparse_values );
     if ( result != RF_OK )
         return result;
     out->sparse_count = (uint32_t)count;
-    return check_sparse_indices( gltf, where.text, out );
+    return check_sparse_indices( gltf, sparse.path, out );
 }
 
 static RfResult open_accessor( RfGltf* gltf, int index, bool matrix, const RfGltfAccessor** accessor )
@@ -664,13 +630,12 @@ static RfResult open_accessor( RfGltf* gltf, int index, bool matrix, const RfGlt
     *accessor = self;
     if ( self->open )
         return RF_OK;
-    RfWhere where = rf_where( "accessors[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_ACCESSORS, index );
-    RfResult result = rf_gltf_read_layout( gltf, json, where.text, matrix, self );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_ACCESSORS, index );
+    RfResult result = rf_gltf_read_layout( gltf, &json, matrix, self );
     if ( result == RF_OK )
-        result = read_view( gltf, json, where.text, self );
+        result = read_view( gltf, &json, self );
     if ( result == RF_OK )
-        result = read_sparse( gltf, json, where.text, self );
+        result = read_sparse( gltf, &json, self );
     self->open = result == RF_OK;
     return result;
 }

@@ -14,52 +14,39 @@
 
 #define PI 3.14159265358979323846
 
-// A number that a camera of this type must have.
-static RfResult read_extent( const RfGltf* gltf, const json_t* json, const char* where, const char* type, const char* key,
-                             double* value )
+// What a camera of this type says of itself, with a number that it must have.
+static RfField open_type( const RfField* json, const char* type, const char* key )
 {
-    const json_t* object = NULL;
-    RfResult result = rf_gltf_require( gltf, json, where, type );
-    if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, json, where, type, &object );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, object, where, key );
-    return result == RF_OK ? rf_gltf_get_number( gltf, object, where, key, value ) : result;
+    rf_gltf_require( json, type, NULL );
+    RfField object = rf_get_object( json, type );
+    snprintf( object.path, sizeof object.path, "%s", json->path ); // of which messages name the camera
+    rf_gltf_require( &object, key, NULL );
+    return object;
 }
 
-static RfResult read_yfov( const RfGltf* gltf, const json_t* json, const char* where, double* yfov )
+// The shape of the picture may be left open.
+static RfResult read_perspective( const RfGltf* gltf, const RfField* json, RfCamera* camera )
 {
-    RfResult result = read_extent( gltf, json, where, "perspective", "yfov", yfov );
-    if ( result == RF_OK && ( *yfov > 0.0 && *yfov < PI ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "yfov is %g, it must be more than 0 and less than pi radians", *yfov );
-    return result;
+    RfField object = open_type( json, "perspective", "yfov" );
+    RfResult result = rf_get_number( &object, "yfov", rf_any_number(), &camera->yfov );
+    if ( result == RF_OK && !( camera->yfov > 0.0 && camera->yfov < PI ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "yfov is %g, it must be more than 0 and less than pi radians",
+                             camera->yfov );
+    return rf_get_number( &object, "aspectRatio", rf_above( 0.0, HUGE_VAL ), &camera->aspect );
 }
 
-// The shape of the picture, which perspective cameras may leave open.
-static RfResult read_aspect( const RfGltf* gltf, const json_t* json, const char* where, double* aspect )
-{
-    const json_t* object = json_object_get( json, "perspective" );
-    RfResult result = rf_gltf_get_number( gltf, object, where, "aspectRatio", aspect );
-    if ( result == RF_OK && json_object_get( object, "aspectRatio" ) != NULL && !( *aspect > 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "aspectRatio is %g, it must be more than 0", *aspect );
-    return result;
-}
-
-static RfResult read_xmag( const RfGltf* gltf, const json_t* json, const char* where, double ymag, double* aspect )
+static RfResult read_orthographic( const RfGltf* gltf, const RfField* json, RfCamera* camera )
 {
     double xmag = 0.0;
-    RfResult result = rf_gltf_get_number( gltf, json_object_get( json, "orthographic" ), where, "xmag", &xmag );
-    *aspect = fabs( xmag ) / ymag;
-    return result;
-}
-
-static RfResult read_ymag( const RfGltf* gltf, const json_t* json, const char* where, double* ymag )
-{
-    RfResult result = read_extent( gltf, json, where, "orthographic", "ymag", ymag );
-    *ymag = fabs( *ymag ); // below 0 says the same
-    if ( result == RF_OK && !( *ymag > 0.0 && *ymag < 1e12 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "ymag is %g, it must be more than 0 and less than 1e12", *ymag );
-    return result;
+    RfField object = open_type( json, "orthographic", "ymag" );
+    RfResult result = rf_get_number( &object, "ymag", rf_any_number(), &camera->ymag );
+    camera->ymag = fabs( camera->ymag ); // below 0 says the same
+    if ( result == RF_OK && !( camera->ymag > 0.0 && camera->ymag < 1e12 ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "ymag is %g, it must be more than 0 and less than 1e12",
+                             camera->ymag );
+    rf_get_number( &object, "xmag", rf_any_number(), &xmag );
+    camera->aspect = fabs( xmag ) / camera->ymag;
+    return rf_json_result( json );
 }
 
 // The projection of glTF that has this name, or -1.
@@ -76,26 +63,20 @@ static int kind_of( const char* type )
 
 static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
 {
-    RfWhere where = rf_where( "cameras[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_CAMERAS, index );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_CAMERAS, index );
     const char* type = "";
-    RfResult result = rf_gltf_require( gltf, json, where.text, "type" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, json, where.text, "type", &type );
+    rf_gltf_require( &json, "type", NULL );
+    RfResult result = rf_get_text( &json, "type", &type );
     if ( result != RF_OK )
         return result;
     int kind = kind_of( type );
     if ( kind < 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "type '%.20s' must be perspective or orthographic", type );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "type '%.20s' must be perspective or orthographic", type );
     camera->projection = kind;
     switch ( (RfProjectionKind)kind )
     {
-        case RF_PERSPECTIVE:
-            result = read_yfov( gltf, json, where.text, &camera->yfov );
-            return result == RF_OK ? read_aspect( gltf, json, where.text, &camera->aspect ) : result;
-        case RF_ORTHOGRAPHIC:
-            result = read_ymag( gltf, json, where.text, &camera->ymag );
-            return result == RF_OK ? read_xmag( gltf, json, where.text, camera->ymag, &camera->aspect ) : result;
+        case RF_PERSPECTIVE: return read_perspective( gltf, &json, camera );
+        case RF_ORTHOGRAPHIC: return read_orthographic( gltf, &json, camera );
         case RF_PANORAMIC: break; // glTF has none
     }
     return RF_OK;
@@ -104,13 +85,13 @@ static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
 // The name of the node, else of the camera, else "camera".
 static RfResult base_name( const RfGltf* gltf, int node, int camera, const char** name )
 {
-    RfWhere where = rf_where( "cameras[%d]", camera );
     const char *node_name = "", *camera_name = "";
-    RfResult result = rf_gltf_get_string( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), "nodes", "name", &node_name );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, rf_gltf_item( gltf, RF_GLTF_CAMERAS, camera ), where.text, "name", &camera_name );
+    RfField of_node = rf_gltf_item_field( gltf, RF_GLTF_NODES, node ),
+            of_camera = rf_gltf_item_field( gltf, RF_GLTF_CAMERAS, camera );
+    rf_get_text( &of_node, "name", &node_name );
+    rf_get_text( &of_camera, "name", &camera_name );
     *name = node_name[0] != 0 ? node_name : camera_name[0] != 0 ? camera_name : "camera";
-    return result;
+    return rf_json_result( &of_node );
 }
 
 // Makes names unique: the first keeps its name, later ones get "#2", "#3" and so on. `names`
@@ -181,8 +162,8 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
         result = rf_find_step_cuts( gltf->scene, camera, gltf->error );
     if ( result != RF_OK )
         return result;
-    RfWhere where = rf_where( "nodes[%d]", node );
-    return rf_gltf_read_camera_path( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), where.text, camera );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
+    return rf_gltf_read_camera_path( gltf, &json, camera );
 }
 
 // Allocates for all nodes with a camera.
@@ -192,9 +173,9 @@ static RfResult find_cameras( RfGltf* gltf, int* indices )
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
     {
-        RfWhere where = rf_where( "nodes[%d]", gltf->order[i] );
-        const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] );
-        result = rf_gltf_get_index( gltf, json, where.text, "camera", RF_GLTF_CAMERAS, indices + i );
+        RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, gltf->order[i] );
+        indices[i] = rf_gltf_get_index( gltf, &json, "camera", RF_GLTF_CAMERAS );
+        result = rf_json_result( &json );
         count += indices[i] >= 0;
     }
     if ( result != RF_OK )

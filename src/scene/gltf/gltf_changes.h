@@ -14,7 +14,7 @@ typedef struct RfGltfTarget
 } RfGltfTarget;
 
 // Follows the pointer of an animation target (gltf_pointer.c). What the reader ignores is not wanted.
-RfResult rf_gltf_follow_pointer( RfGltf* gltf, const json_t* target, const char* where, RfGltfTarget* out );
+RfResult rf_gltf_follow_pointer( RfGltf* gltf, const RfField* target, const char* where, RfGltfTarget* out );
 
 // Lists what a pointer names as not rendered.
 RfResult rf_gltf_note_pointer( RfGltf* gltf, const char* pointer );

@@ -1,8 +1,6 @@
 // Errors with the place in the document, and typed reads of its values.
 #include "scene/gltf/gltf_document.h"
 
-#include "scene/json/json_document.h"
-
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -36,6 +34,8 @@ RfResult rf_gltf_fail( const RfGltf* gltf, RfResult code, const char* where, con
 {
     char text[640];
     va_list args;
+    if ( gltf->error->code != RF_OK ) // which came first
+        return gltf->error->code;
     va_start( args, format );
     vsnprintf( text, sizeof text, format, args );
     va_end( args );
@@ -46,7 +46,7 @@ RfResult rf_gltf_fail( const RfGltf* gltf, RfResult code, const char* where, con
 RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char* key, double value, double limit )
 {
     if ( fabs( value ) <= limit )
-        return RF_OK;
+        return gltf->error->code;
     return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
                          "%s is %g, beyond what reframe reads: at most %g, change it in the scene", key, value, limit );
 }
@@ -69,145 +69,80 @@ void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... 
     rf_warn( gltf->log, "%s: %s", gltf->path, text );
 }
 
-static RfResult fail_kind( const RfGltf* gltf, const char* where, const char* key, const char* want, const json_t* got )
+RfField rf_gltf_field( const RfGltf* gltf, const char* path, const json_t* json )
 {
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be %s, got %s", key, want, rf_json_kind( got ) );
+    RfField field = rf_make_field( gltf->path, path, json, gltf->error );
+    field.gltf = true;
+    return field;
 }
 
-RfResult rf_gltf_require( const RfGltf* gltf, const json_t* object, const char* where, const char* key )
+RfField rf_gltf_root( const RfGltf* gltf ) { return rf_gltf_field( gltf, "document", gltf->root ); }
+
+RfField rf_gltf_item_field( const RfGltf* gltf, RfGltfList list, int index )
 {
-    if ( json_object_get( object, key ) != NULL )
-        return RF_OK;
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is missing", key );
+    RfField all = rf_gltf_field( gltf, s_list_names[list], gltf->lists[list] );
+    return rf_field_item( &all, (size_t)index );
 }
 
-RfResult rf_gltf_get_number( const RfGltf* gltf, const json_t* object, const char* where, const char* key, double* value )
+RfField rf_gltf_primitives( const RfGltf* gltf, int mesh )
 {
-    const json_t* member = json_object_get( object, key );
-    if ( member == NULL )
-        return RF_OK;
-    if ( json_is_number( member ) == 0 )
-        return fail_kind( gltf, where, key, "a number", member );
-    *value = json_number_value( member );
-    return RF_OK;
-}
-
-RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int count,
-                              double* values )
-{
-    const json_t* member = json_object_get( object, key );
-    if ( member == NULL )
-        return RF_OK;
-    if ( json_is_array( member ) == 0 )
-        return fail_kind( gltf, where, key, "an array", member );
-    if ( json_array_size( member ) != (size_t)count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be %d numbers, got %zu", key, count,
-                             json_array_size( member ) );
-    for ( int i = 0; i < count; ++i )
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_MESHES, mesh );
+    rf_gltf_require( &json, "primitives", NULL );
+    RfField primitives = rf_get_array( &json, "primitives" );
+    for ( size_t i = 0; i < json_array_size( primitives.json ); ++i )
     {
-        const json_t* number = json_array_get( member, (size_t)i );
-        if ( json_is_number( number ) == 0 )
-            return fail_kind( gltf, where, key, "numbers only", number );
-        values[i] = json_number_value( number );
+        if ( !json_is_object( json_array_get( primitives.json, i ) ) )
+            rf_gltf_fail( gltf, RF_ERROR_FORMAT, rf_where( "%s[%zu]", primitives.path, i ).text, "must be an object" );
     }
-    return RF_OK;
+    return primitives;
 }
 
-RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int64_t low,
-                              int64_t high, int64_t* value )
+RfResult rf_gltf_require( const RfField* object, ... )
 {
-    const json_t* member = json_object_get( object, key );
-    if ( member == NULL )
-        return RF_OK;
-    int64_t integer;
-    if ( rf_json_integer( member, &integer ) == false )
-        return fail_kind( gltf, where, key, "an integer", member );
-    if ( integer < low || integer > high )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be %lld to %lld, got %lld", key, (long long)low,
-                             (long long)high, (long long)integer );
-    *value = integer;
-    return RF_OK;
+    va_list args;
+    va_start( args, object );
+    for ( const char* key = va_arg( args, const char* ); key != NULL; key = va_arg( args, const char* ) )
+        rf_field_require( object, key, "" );
+    va_end( args );
+    return rf_json_result( object );
 }
 
-RfResult rf_gltf_get_bool( const RfGltf* gltf, const json_t* object, const char* where, const char* key, bool* value )
+int rf_gltf_get_index( const RfGltf* gltf, const RfField* object, const char* key, RfGltfList list )
 {
-    const json_t* member = json_object_get( object, key );
-    if ( member == NULL )
-        return RF_OK;
-    if ( json_is_boolean( member ) == 0 )
-        return fail_kind( gltf, where, key, "true or false", member );
-    *value = json_is_true( member );
-    return RF_OK;
-}
-
-RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const char** value )
-{
-    const json_t* member = json_object_get( object, key );
-    if ( member == NULL )
-        return RF_OK;
-    if ( json_is_string( member ) == 0 )
-        return fail_kind( gltf, where, key, "a string", member );
-    *value = json_string_value( member );
-    return RF_OK;
-}
-
-RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value )
-{
-    const json_t* member = json_object_get( object, key );
-    if ( member == NULL )
-        return RF_OK;
-    if ( json_is_object( member ) == 0 )
-        return fail_kind( gltf, where, key, "an object", member );
-    *value = member;
-    return RF_OK;
-}
-
-RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value )
-{
-    const json_t* member = json_object_get( object, key );
-    if ( member == NULL )
-        return RF_OK;
-    if ( json_is_array( member ) == 0 )
-        return fail_kind( gltf, where, key, "an array", member );
-    *value = member;
-    return RF_OK;
-}
-
-RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char* where, const char* key, RfGltfList list,
-                            int* index )
-{
-    *index = -1;
     int64_t value = -1;
     // the range is checked below, for a message with the length of the list
-    RfResult result = rf_gltf_get_integer( gltf, object, where, key, INT64_MIN, INT64_MAX, &value );
-    if ( result != RF_OK || json_object_get( object, key ) == NULL )
-        return result;
-    if ( value < 0 || value >= gltf->counts[list] )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %lld, but there are %d %s", key, (long long)value,
-                             gltf->counts[list], s_list_names[list] );
-    *index = (int)value;
-    return RF_OK;
+    RfResult result = rf_get_integer( object, key, INT64_MIN, INT64_MAX, &value );
+    if ( result != RF_OK || !rf_has_member( object, key ) || ( value >= 0 && value < gltf->counts[list] ) )
+        return result == RF_OK ? (int)value : -1;
+    RfField member = rf_field_member( object, key );
+    rf_field_fail( &member, "is %lld, but there are %d %s", (long long)value, gltf->counts[list], s_list_names[list] );
+    return -1;
 }
 
-RfResult rf_gltf_get_extension( const RfGltf* gltf, const json_t* object, const char* where, const char* name,
-                                const json_t** extension )
+RfField rf_gltf_extension( const RfField* object, const char* name )
 {
-    *extension = NULL;
-    const json_t* extensions = NULL;
-    RfResult result = rf_gltf_get_object( gltf, object, where, "extensions", &extensions );
-    if ( result != RF_OK || extensions == NULL )
-        return result;
-    return rf_gltf_get_object( gltf, extensions, where, name, extension );
+    if ( !rf_has_member( object, "extensions" ) )
+        return rf_make_field( object->file, "", NULL, object->error );
+    RfField extensions = rf_get_object( object, "extensions" );
+    return rf_get_object( &extensions, name );
 }
 
-RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback, char** name )
+RfField rf_gltf_extras( const RfField* object )
+{
+    const json_t* ours = json_object_get( json_object_get( object->json, "extras" ), "reframe" );
+    if ( ours == NULL )
+        return rf_make_field( object->file, "", NULL, object->error );
+    return rf_make_field( object->file, rf_where( "%.140s.extras.reframe", object->path ).text, ours, object->error );
+}
+
+RfResult rf_gltf_copy_name( const RfField* object, const char* fallback, char** name )
 {
     const char* text = fallback;
-    RfResult result = rf_gltf_get_string( gltf, object, where, "name", &text );
+    RfResult result = rf_get_text( object, "name", &text );
     if ( result != RF_OK )
         return result;
     *name = strdup( text[0] != 0 ? text : fallback );
-    return *name != NULL ? RF_OK : rf_gltf_no_memory( gltf, where );
+    return *name != NULL ? RF_OK : rf_field_no_memory( object );
 }
 
 const json_t* rf_gltf_item( const RfGltf* gltf, RfGltfList list, int index )
@@ -217,12 +152,11 @@ const json_t* rf_gltf_item( const RfGltf* gltf, RfGltfList list, int index )
 
 RfResult rf_gltf_open_lists( RfGltf* gltf )
 {
+    RfField root = rf_gltf_root( gltf );
     for ( int list = 0; list < RF_GLTF_LIST_COUNT; ++list )
     {
         const char* name = s_list_names[list];
-        RfResult result = rf_gltf_get_array( gltf, gltf->root, "document", name, &gltf->lists[list] );
-        if ( result != RF_OK )
-            return result;
+        gltf->lists[list] = rf_get_array( &root, name ).json;
         size_t count = json_array_size( gltf->lists[list] );
         if ( count > MAX_ITEMS )
             return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, name, "%zu objects are too many, the limit is %d: split the scene",
@@ -235,5 +169,5 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
                 return rf_gltf_fail( gltf, RF_ERROR_FORMAT, name, "[%d] must be an object, got %s", i, rf_json_kind( item ) );
         }
     }
-    return RF_OK;
+    return rf_json_result( &root );
 }

@@ -6,10 +6,10 @@
 #ifndef REFRAME_SCENE_GLTF_GLTF_DOCUMENT_H
 #define REFRAME_SCENE_GLTF_GLTF_DOCUMENT_H
 
+#include "base/json.h"
 #include "scene/gltf/gltf.h"
 #include "scene/textured.h"
 
-#include <jansson.h>
 #include <stddef.h>
 
 // The top-level arrays of a document.
@@ -213,43 +213,30 @@ RfResult rf_gltf_open_lists( RfGltf* gltf );
 // An object of a top-level list.
 const json_t* rf_gltf_item( const RfGltf* gltf, RfGltfList list, int index );
 
-// Fails if a member is missing.
-RfResult rf_gltf_require( const RfGltf* gltf, const json_t* object, const char* where, const char* key );
+// A value of the document as a field, whose errors are those of glTF: `path` is for messages.
+RfField rf_gltf_field( const RfGltf* gltf, const char* path, const json_t* json );
+RfField rf_gltf_root( const RfGltf* gltf );
 
-// Reads a member that is a number. Here and below a missing member leaves `value` unchanged,
-// and a wrong type is an error.
-RfResult rf_gltf_get_number( const RfGltf* gltf, const json_t* object, const char* where, const char* key, double* value );
+// An object of a top-level list.
+RfField rf_gltf_item_field( const RfGltf* gltf, RfGltfList list, int index );
 
-// Reads an array of `count` numbers.
-RfResult rf_gltf_get_numbers( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int count,
-                              double* values );
+// The primitives of a mesh, all of which are objects.
+RfField rf_gltf_primitives( const RfGltf* gltf, int mesh );
 
-// Reads an integer from `low` to `high`.
-RfResult rf_gltf_get_integer( const RfGltf* gltf, const json_t* object, const char* where, const char* key, int64_t low,
-                              int64_t high, int64_t* value );
+// Fails if one of several members is missing; the list of their names ends with NULL.
+RfResult rf_gltf_require( const RfField* object, ... ) __attribute__( ( sentinel ) );
 
-// Reads a boolean.
-RfResult rf_gltf_get_bool( const RfGltf* gltf, const json_t* object, const char* where, const char* key, bool* value );
+// Reads an index into one of the lists; −1 if missing, or if it fails.
+int rf_gltf_get_index( const RfGltf* gltf, const RfField* object, const char* key, RfGltfList list );
 
-// Reads a string, which the JSON owns.
-RfResult rf_gltf_get_string( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const char** value );
+// An extension of an object; its json is NULL without one.
+RfField rf_gltf_extension( const RfField* object, const char* name );
 
-// Reads an object.
-RfResult rf_gltf_get_object( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
-
-// Reads an array.
-RfResult rf_gltf_get_array( const RfGltf* gltf, const json_t* object, const char* where, const char* key, const json_t** value );
-
-// Reads an index into one of the lists; −1 if missing.
-RfResult rf_gltf_get_index( const RfGltf* gltf, const json_t* object, const char* where, const char* key, RfGltfList list,
-                            int* index );
-
-// Finds an extension of an object, or NULL.
-RfResult rf_gltf_get_extension( const RfGltf* gltf, const json_t* object, const char* where, const char* name,
-                                const json_t** extension );
+// `extras.reframe` of an object, which is ours: its errors are not those of glTF. Extras of other programs may have any type.
+RfField rf_gltf_extras( const RfField* object );
 
 // Copies the name of the object, or `fallback` if it has none.
-RfResult rf_gltf_copy_name( const RfGltf* gltf, const json_t* object, const char* where, const char* fallback, char** name );
+RfResult rf_gltf_copy_name( const RfField* object, const char* fallback, char** name );
 
 // Fails if the file requires an unsupported extension (gltf_extension.c).
 RfResult rf_gltf_check_required( const RfGltf* gltf );
@@ -258,10 +245,10 @@ RfResult rf_gltf_check_required( const RfGltf* gltf );
 bool rf_gltf_reads( const char* extension );
 
 // Fails for a texture without an image that is read, with what to do.
-RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const json_t* texture, const char* where );
+RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const RfField* texture );
 
 // Warns of unsupported extensions of an object, which messages call `kind` and `name`.
-void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* kind, const char* name );
+void rf_gltf_notice_extensions( RfGltf* gltf, const RfField* object, const char* kind, const char* name );
 
 // Warns of all extensions in extensionsUsed that are not read, unless rf_gltf_notice_extensions has.
 RfResult rf_gltf_notice_unread( RfGltf* gltf );
@@ -307,7 +294,7 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
                              const uint8_t** bytes );
 
 // The bytes that `buffer`, `byteOffset` and `byteLength` of an object name.
-RfResult rf_gltf_read_range( const RfGltf* gltf, const json_t* json, const char* where, const uint8_t** bytes, uint64_t* length );
+RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* object, const uint8_t** bytes, uint64_t* length );
 
 // Counts bytes that are decoded; fails where a file of its size must not hold so many.
 RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t bytes );
@@ -324,10 +311,10 @@ RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpacked
 
 // The accessor of an attribute of a primitive, −1 if it has none (gltf_draco.c); `where` names its attributes. Of a compressed
 // primitive it is one after those of the file, and open.
-RfResult rf_gltf_find_attribute( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, int* index );
+RfResult rf_gltf_find_attribute( RfGltf* gltf, const RfField* primitive, const char* name, int* index );
 
 // The indices of a compressed primitive, a list of triangles; NULL where it is not compressed.
-RfResult rf_gltf_packed_indices( RfGltf* gltf, const json_t* primitive, const char* where, const RfGltfAccessor** indices );
+RfResult rf_gltf_packed_indices( RfGltf* gltf, const RfField* primitive, const RfGltfAccessor** indices );
 
 // The most accessors of compressed meshes that there may be.
 size_t rf_gltf_count_packed( const RfGltf* gltf );
@@ -336,7 +323,7 @@ size_t rf_gltf_count_packed( const RfGltf* gltf );
 int rf_gltf_component_size( int component_type );
 
 // Reads count, type and component type of an accessor.
-RfResult rf_gltf_read_layout( const RfGltf* gltf, const json_t* json, const char* where, bool matrix, RfGltfAccessor* out );
+RfResult rf_gltf_read_layout( const RfGltf* gltf, const RfField* object, bool matrix, RfGltfAccessor* out );
 
 // Finds a validated accessor (gltf_buffer.c).
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
@@ -354,7 +341,7 @@ RfResult rf_gltf_read_floats( const RfGltf* gltf, int index, uint32_t element, f
 uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 
 // The light group in the extras of a light, node or material (gltf_light_group.c): its tag (rf_tag_light), 0 for "rest"; −1: none.
-RfResult rf_gltf_read_light_group( const RfGltf* gltf, const json_t* object, const char* where, int* tag );
+RfResult rf_gltf_read_light_group( const RfGltf* gltf, const RfField* object, int* tag );
 
 // Gives meshes of nodes that are tagged materials with that tag, copies where a material or a mesh is in several groups; and the
 // changes of materials to their copies.
@@ -378,8 +365,7 @@ RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* fo
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
 
 // Reads the profile of a light from its extras, if it has one (gltf_profile.c). The caller releases it.
-struct RfField;
-RfResult rf_gltf_read_profile( RfGltf* gltf, const struct RfField* ours, RfProfile** out );
+RfResult rf_gltf_read_profile( RfGltf* gltf, const RfField* ours, RfProfile** out );
 
 // Reads the lights of KHR_lights_punctual (gltf_light.c).
 RfResult rf_gltf_load_lights( RfGltf* gltf );
@@ -420,15 +406,15 @@ RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node );
 RfResult rf_gltf_list_moving( RfGltf* gltf );
 
 // Reads `render` and `moving` of the scene's extras.reframe.
-RfResult rf_gltf_read_shot( RfGltf* gltf, const struct RfField* ours );
+RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours );
 
 // The frames per second that a document asks for, 24 if it does not or is not valid.
 RfFps rf_gltf_document_fps( const json_t* root );
 
 // Reads `export_losses` and `export_warnings` of the scene's extras.reframe (gltf_shot.c).
-RfResult rf_gltf_read_warnings( RfGltf* gltf, const struct RfField* ours );
+RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours );
 
 // Reads the path in a camera node's extras.reframe, where there is one.
-RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera );
+RfResult rf_gltf_read_camera_path( RfGltf* gltf, const RfField* node, RfCamera* camera );
 
 #endif

@@ -55,78 +55,68 @@ static RfResult copy_indices( const RfGltf* gltf, const char* where, RfGltfUnpac
 
 static RfResult open_mesh( const RfGltf* gltf, int view, RfGltfUnpackedView** out )
 {
-    RfWhere where = rf_where( "bufferViews[%d]", view );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
     *out = gltf->unpacked->views + view;
     if ( ( *out )->attributes != NULL )
         return RF_OK;
     int64_t length = 0;
     const uint8_t* bytes;
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view );
-    RfResult result = rf_gltf_get_integer( gltf, json, where.text, "byteLength", 1, INT64_MAX, &length );
+    RfResult result = rf_get_integer( &json, "byteLength", 1, INT64_MAX, &length );
     if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, where.text, view, 0, (uint64_t)length, &bytes );
+        result = rf_gltf_view_bytes( gltf, json.path, view, 0, (uint64_t)length, &bytes );
     if ( result != RF_OK )
         return result;
     uint64_t most_faces = LEAST_FACES + FACES_PER_BYTE * (uint64_t)length;
     most_faces = most_faces < MOST_FACES ? most_faces : MOST_FACES;
     RfDracoResult decoded = rf_draco_decode( bytes, (size_t)length, most_faces, gltf->unpacked->room, &( *out )->mesh );
     if ( decoded != RF_DRACO_OK )
-        return fail_decode( gltf, where.text, decoded, most_faces );
-    return copy_indices( gltf, where.text, *out );
+        return fail_decode( gltf, json.path, decoded, most_faces );
+    return copy_indices( gltf, json.path, *out );
 }
 
-// The extension of a primitive and its mesh; NULL where it is not compressed.
-static RfResult open_packed( RfGltf* gltf, const json_t* primitive, const char* where, const json_t** attributes,
-                             RfGltfUnpackedView** mesh )
+// The attributes of the extension of a primitive, and its mesh; NULL where it is not compressed.
+static RfResult open_packed( RfGltf* gltf, const RfField* primitive, RfField* attributes, RfGltfUnpackedView** mesh )
 {
-    const json_t* extension = NULL;
-    int view = -1;
-    *mesh = NULL;
-    RfResult result = rf_gltf_get_extension( gltf, primitive, where, EXTENSION, &extension );
-    if ( result != RF_OK || extension == NULL )
-        return result;
-    RfWhere self = rf_where( "%s.extensions." EXTENSION, where );
     int64_t mode = 4;
-    result = rf_gltf_get_integer( gltf, primitive, where, "mode", 4, 5, &mode );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, extension, self.text, "bufferView" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, extension, self.text, "bufferView", RF_GLTF_BUFFER_VIEWS, &view );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, extension, self.text, "attributes" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, extension, self.text, "attributes", attributes );
-    return result == RF_OK ? open_mesh( gltf, view, mesh ) : result;
+    *mesh = NULL;
+    RfField extension = rf_gltf_extension( primitive, EXTENSION );
+    if ( extension.json == NULL )
+        return rf_json_result( primitive );
+    rf_get_integer( primitive, "mode", 4, 5, &mode );
+    rf_gltf_require( &extension, "bufferView", NULL );
+    int view = rf_gltf_get_index( gltf, &extension, "bufferView", RF_GLTF_BUFFER_VIEWS );
+    rf_gltf_require( &extension, "attributes", NULL );
+    *attributes = rf_get_object( &extension, "attributes" );
+    return rf_json_result( primitive ) == RF_OK ? open_mesh( gltf, view, mesh ) : rf_json_result( primitive );
 }
 
 // Reads what the accessor of the file says of attribute `from` of a mesh, and copies its values as that.
 static RfResult copy_attribute( RfGltf* gltf, int declared, RfGltfUnpackedView* mesh, int from, RfGltfAccessor* out )
 {
-    RfWhere where = rf_where( "accessors[%d]", declared );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_ACCESSORS, declared );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_ACCESSORS, declared );
     RfGltfAccessor layout = { 0 };
-    RfResult result = rf_gltf_read_layout( gltf, json, where.text, false, &layout );
-    if ( result == RF_OK && json_object_get( json, "sparse" ) != NULL )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "is sparse, and that of a compressed mesh" );
+    RfResult result = rf_gltf_read_layout( gltf, &json, false, &layout );
+    if ( result == RF_OK && rf_has_member( &json, "sparse" ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "is sparse, and that of a compressed mesh" );
     uint32_t points = rf_draco_points( mesh->mesh );
     int components = rf_draco_components( mesh->mesh, from );
     if ( result == RF_OK && components != layout.components )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "has elements of %d numbers, its compressed mesh of %d",
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "has elements of %d numbers, its compressed mesh of %d",
                              layout.components, components );
     uint64_t stride = (uint64_t)components * (uint64_t)rf_gltf_component_size( layout.component_type ), bytes = stride * points;
     if ( result == RF_OK )
-        result = rf_gltf_take_room( gltf, where.text, bytes );
+        result = rf_gltf_take_room( gltf, json.path, bytes );
     if ( result != RF_OK )
         return result;
     if ( points != layout.count )
         rf_gltf_notice( gltf, RF_GLTF_PACKED_COUNTS, "%s has a count of %u, its compressed mesh %u vertices, which are taken",
-                        where.text, layout.count, points );
+                        json.path, layout.count, points );
     uint8_t* values = malloc( bytes + 1 );
     if ( values == NULL )
-        return rf_gltf_no_memory( gltf, where.text );
+        return rf_gltf_no_memory( gltf, json.path );
     mesh->attributes[from].values = values;
     if ( !rf_draco_copy( mesh->mesh, from, layout.component_type, values ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path,
                              "its compressed mesh has numbers that are not of its componentType" );
     *out = layout;
     out->open = true;
@@ -155,34 +145,32 @@ static RfResult find_packed( RfGltf* gltf, const char* where, const char* name, 
     // another primitive may give the same values by an accessor of its own
     const RfGltfAccessor* accessor = gltf->accessors + *index;
     RfGltfAccessor layout = { 0 };
-    RfWhere self = rf_where( "accessors[%d]", declared );
-    RfResult result = rf_gltf_read_layout( gltf, rf_gltf_item( gltf, RF_GLTF_ACCESSORS, declared ), self.text, false, &layout );
+    RfField self = rf_gltf_item_field( gltf, RF_GLTF_ACCESSORS, declared );
+    RfResult result = rf_gltf_read_layout( gltf, &self, false, &layout );
     if ( result != RF_OK || ( layout.component_type == accessor->component_type && layout.normalized == accessor->normalized &&
                               layout.components == accessor->components ) )
         return result;
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "is of the same compressed mesh as accessors[%d], but another type",
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.path, "is of the same compressed mesh as accessors[%d], but another type",
                          accessor->declared );
 }
 
-RfResult rf_gltf_find_attribute( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, int* index )
+RfResult rf_gltf_find_attribute( RfGltf* gltf, const RfField* primitive, const char* name, int* index )
 {
-    const json_t* packed = NULL;
+    RfField packed, attributes = rf_get_object( primitive, "attributes" );
     RfGltfUnpackedView* mesh = NULL;
     int64_t id = -1;
-    const json_t* attributes = json_object_get( primitive, "attributes" );
-    RfResult result = rf_gltf_get_index( gltf, attributes, where, name, RF_GLTF_ACCESSORS, index );
-    if ( result == RF_OK && *index >= 0 )
-        result = open_packed( gltf, primitive, where, &packed, &mesh );
+    *index = rf_gltf_get_index( gltf, &attributes, name, RF_GLTF_ACCESSORS );
+    RfResult result = *index >= 0 ? open_packed( gltf, primitive, &packed, &mesh ) : rf_json_result( primitive );
     if ( result == RF_OK && mesh != NULL )
-        result = rf_gltf_get_integer( gltf, packed, where, name, 0, UINT32_MAX, &id );
-    return result == RF_OK && id >= 0 ? find_packed( gltf, where, name, id, mesh, index ) : result;
+        result = rf_get_integer( &packed, name, 0, UINT32_MAX, &id );
+    return result == RF_OK && id >= 0 ? find_packed( gltf, attributes.path, name, id, mesh, index ) : result;
 }
 
-RfResult rf_gltf_packed_indices( RfGltf* gltf, const json_t* primitive, const char* where, const RfGltfAccessor** indices )
+RfResult rf_gltf_packed_indices( RfGltf* gltf, const RfField* primitive, const RfGltfAccessor** indices )
 {
-    const json_t* attributes;
+    RfField attributes;
     RfGltfUnpackedView* mesh;
-    RfResult result = open_packed( gltf, primitive, where, &attributes, &mesh );
+    RfResult result = open_packed( gltf, primitive, &attributes, &mesh );
     *indices = result == RF_OK && mesh != NULL ? &mesh->indices : NULL;
     return result;
 }
@@ -221,23 +209,21 @@ size_t rf_gltf_count_packed( const RfGltf* gltf )
     return 0;
 }
 
-RfResult rf_gltf_packed_indices( RfGltf* gltf, const json_t* primitive, const char* where, const RfGltfAccessor** indices )
+RfResult rf_gltf_packed_indices( RfGltf* gltf, const RfField* primitive, const RfGltfAccessor** indices )
 {
-    (void)gltf, (void)primitive, (void)where;
+    (void)gltf, (void)primitive;
     *indices = NULL;
     return RF_OK;
 }
 
-RfResult rf_gltf_find_attribute( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, int* index )
+RfResult rf_gltf_find_attribute( RfGltf* gltf, const RfField* primitive, const char* name, int* index )
 {
-    const json_t *attributes = json_object_get( primitive, "attributes" ), *extension = NULL;
-    RfResult result = rf_gltf_get_index( gltf, attributes, where, name, RF_GLTF_ACCESSORS, index );
-    if ( result == RF_OK )
-        result = rf_gltf_get_extension( gltf, primitive, where, EXTENSION, &extension );
-    if ( result != RF_OK || *index < 0 || extension == NULL ||
+    RfField attributes = rf_get_object( primitive, "attributes" ), extension = rf_gltf_extension( primitive, EXTENSION );
+    *index = rf_gltf_get_index( gltf, &attributes, name, RF_GLTF_ACCESSORS );
+    if ( *index < 0 || extension.json == NULL ||
          json_object_get( rf_gltf_item( gltf, RF_GLTF_ACCESSORS, *index ), "bufferView" ) != NULL )
-        return result;
-    return rf_gltf_fail_left_out( gltf, where, EXTENSION );
+        return rf_json_result( primitive );
+    return rf_gltf_fail_left_out( gltf, attributes.path, EXTENSION );
 }
 
 #endif

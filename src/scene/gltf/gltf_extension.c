@@ -152,17 +152,17 @@ static const char* find_image_advice( const char* name )
     return NULL;
 }
 
-RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const json_t* texture, const char* where )
+RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const RfField* texture )
 {
     const char* key;
     json_t* value;
-    json_object_foreach( json_object_get( texture, "extensions" ), key, value )
+    json_object_foreach( json_object_get( texture->json, "extensions" ), key, value )
     {
         const char* advice = find_image_advice( key );
         if ( advice != NULL )
-            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%s", advice );
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, texture->path, "%s", advice );
     }
-    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "has no source: give it a PNG, JPEG or WebP" );
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, texture->path, "has no source: give it a PNG, JPEG or WebP" );
 }
 
 RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension )
@@ -184,8 +184,9 @@ static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
 
 RfResult rf_gltf_check_required( const RfGltf* gltf )
 {
-    const json_t* list = NULL;
-    RfResult result = rf_gltf_get_array( gltf, gltf->root, "document", "extensionsRequired", &list );
+    RfField root = rf_gltf_root( gltf );
+    const json_t* list = rf_get_array( &root, "extensionsRequired" ).json;
+    RfResult result = rf_json_result( &root );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( list ); ++i )
     {
         const char* name = json_string_value( json_array_get( list, i ) );
@@ -206,9 +207,9 @@ static void notice_row( RfGltf* gltf, size_t i, const char* user )
     gltf->noticed_extensions |= bit;
 }
 
-void rf_gltf_notice_extensions( RfGltf* gltf, const json_t* object, const char* kind, const char* name )
+void rf_gltf_notice_extensions( RfGltf* gltf, const RfField* object, const char* kind, const char* name )
 {
-    const json_t* extensions = json_object_get( object, "extensions" );
+    const json_t* extensions = json_object_get( object->json, "extensions" );
     if ( json_object_size( extensions ) == 0 )
         return;
     RfWhere user = rf_where( "%s '%.80s'", kind, name );
@@ -316,8 +317,9 @@ static void notice_used( RfGltf* gltf, const char* name, int* unknown )
 
 RfResult rf_gltf_notice_unread( RfGltf* gltf )
 {
-    const json_t* list = NULL;
-    RfResult result = rf_gltf_get_array( gltf, gltf->root, "document", "extensionsUsed", &list );
+    RfField root = rf_gltf_root( gltf );
+    const json_t* list = rf_get_array( &root, "extensionsUsed" ).json;
+    RfResult result = rf_json_result( &root );
     int unknown = 0;
     for ( size_t i = 0; result == RF_OK && i < json_array_size( list ); ++i )
     {

@@ -25,7 +25,7 @@ typedef struct RfGltfPrimitive
 } RfGltfPrimitive;
 
 // Reads a primitive.
-RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out );
+RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, RfGltfPrimitive* out );
 
 // Gives each triangle vertices of its own with its normal, which is 0 where it has no area.
 RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );
@@ -46,7 +46,7 @@ typedef struct RfGltfSurvey
 } RfGltfSurvey;
 
 // Surveys a primitive.
-RfResult rf_gltf_survey_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfSurvey* out );
+RfResult rf_gltf_survey_primitive( RfGltf* gltf, const RfField* primitive, RfGltfSurvey* out );
 
 // Of all that is baked.
 #define RF_GLTF_MAX_TRIANGLES ( 1u << 28 )
@@ -99,15 +99,15 @@ RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count );
 RfResult rf_gltf_read_rest_weights( const RfGltf* gltf, int node, int mesh, int count, double* weights );
 
 // Adds the targets of a primitive whose vertices begin at `base` of the mesh.
-RfResult rf_gltf_read_targets( RfGltf* gltf, const json_t* json, const char* where, const RfGltfPrimitive* primitive,
-                               uint32_t base, RfDeformation* deformation );
+RfResult rf_gltf_read_targets( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
+                               RfDeformation* deformation );
 
 // Reads the skins, with nodes of the scene for joints (gltf_skin.c).
 RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement );
 
 // Adds joints and weights of a primitive, likewise.
-RfResult rf_gltf_read_influences( RfGltf* gltf, const json_t* json, const char* where, const RfGltfPrimitive* primitive,
-                                  uint32_t base, RfDeformation* deformation );
+RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
+                                  RfDeformation* deformation );
 
 // Up to eight joints for a vertex, rather than four?
 bool rf_gltf_has_eight_joints( const json_t* primitive );

@@ -26,22 +26,17 @@ static int convert( json_t* material, const json_t* from, double glossiness )
 }
 
 // Factors are validated here, where messages name them as the file does.
-static RfResult convert_material( const RfGltf* gltf, json_t* material, const char* owner )
+static RfResult convert_material( const RfField* material, json_t* json )
 {
-    const json_t* from;
     double diffuse[4] = { 0 }, specular[3] = { 0 }, glossiness = 1.0;
-    RfWhere where = rf_where( "%s.extensions." EXTENSION, owner );
-    RfResult result = rf_gltf_get_extension( gltf, material, owner, EXTENSION, &from );
-    if ( result != RF_OK || from == NULL )
-        return result;
-    result = rf_gltf_get_shares( gltf, from, where.text, "diffuseFactor", 4, diffuse );
-    if ( result == RF_OK )
-        result = rf_gltf_get_shares( gltf, from, where.text, "specularFactor", 3, specular );
-    if ( result == RF_OK )
-        result = rf_gltf_get_shares( gltf, from, where.text, "glossinessFactor", 1, &glossiness );
-    if ( result == RF_OK && convert( material, from, glossiness ) != 0 )
-        result = rf_gltf_no_memory( gltf, where.text );
-    return result;
+    const RfRange share = rf_range( 0.0, 1.0 );
+    RfField from = rf_gltf_extension( material, EXTENSION );
+    if ( from.json == NULL )
+        return rf_json_result( material );
+    rf_get_numbers( &from, "diffuseFactor", share, 4, diffuse );
+    rf_get_numbers( &from, "specularFactor", share, 3, specular );
+    RfResult result = rf_get_number( &from, "glossinessFactor", share, &glossiness );
+    return result != RF_OK || convert( json, from.json, glossiness ) == 0 ? result : rf_field_no_memory( &from );
 }
 
 RfResult rf_gltf_convert_glossiness( RfGltf* gltf )
@@ -52,7 +47,10 @@ RfResult rf_gltf_convert_glossiness( RfGltf* gltf )
     json_array_foreach( json_object_get( gltf->root, "materials" ), i, material )
     {
         if ( result == RF_OK && json_is_object( material ) ) // else an error where materials are read
-            result = convert_material( gltf, material, rf_where( "materials[%zu]", i ).text );
+        {
+            RfField field = rf_gltf_field( gltf, rf_where( "materials[%zu]", i ).text, material );
+            result = convert_material( &field, material );
+        }
     }
     return result;
 }

@@ -16,16 +16,6 @@
 #define HALF_PI 1.57079632679489662
 #define MOST_SIZE 1e14 // m
 
-static RfResult find_lights( const RfGltf* gltf, const json_t** lights )
-{
-    const json_t* json;
-    *lights = NULL;
-    RfResult result = rf_gltf_get_extension( gltf, gltf->root, "document", EXTENSION, &json );
-    if ( result == RF_OK && json != NULL )
-        result = rf_gltf_get_array( gltf, json, "extensions." EXTENSION, "lights", lights );
-    return result;
-}
-
 // A light of the document, at the node that has it.
 typedef struct Source
 {
@@ -41,19 +31,17 @@ static void follow_change( const RfGltf* gltf, RfChangedValue value, Source* sou
     source->lamp.changes[value] = rf_gltf_find_change( gltf, value, source->index, 0, still );
 }
 
-static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* where, Source* source )
+static RfResult read_cone( const RfGltf* gltf, const RfField* json, Source* source )
 {
     double* cone = source->lamp.cone;
-    const json_t* spot = NULL;
-    RfResult result = rf_gltf_require( gltf, json, where, "spot" );
+    const char* where = json->path;
     cone[0] = 0.0;
     cone[1] = 0.5 * HALF_PI;
-    if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, json, where, "spot", &spot );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, spot, where, "innerConeAngle", cone );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, spot, where, "outerConeAngle", cone + 1 );
+    rf_gltf_require( json, "spot", NULL );
+    RfField spot = rf_get_object( json, "spot" );
+    snprintf( spot.path, sizeof spot.path, "%s", where ); // of which messages name the light
+    rf_get_number( &spot, "innerConeAngle", rf_any_number(), cone );
+    RfResult result = rf_get_number( &spot, "outerConeAngle", rf_any_number(), cone + 1 );
     if ( result != RF_OK )
         return result;
     follow_change( gltf, RF_CHANGED_INNER_CONE, source, cone );
@@ -67,12 +55,11 @@ static RfResult read_cone( const RfGltf* gltf, const json_t* json, const char* w
     return RF_OK;
 }
 
-static RfResult read_kind( const RfGltf* gltf, const json_t* json, const char* where, RfPunctual* out )
+static RfResult read_kind( const RfGltf* gltf, const RfField* json, RfPunctual* out )
 {
-    const char* type = "";
-    RfResult result = rf_gltf_require( gltf, json, where, "type" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, json, where, "type", &type );
+    const char *type = "", *where = json->path;
+    rf_gltf_require( json, "type", NULL );
+    RfResult result = rf_get_text( json, "type", &type );
     if ( result != RF_OK )
         return result;
     out->cos_inner = 1.0f;
@@ -134,17 +121,15 @@ static RfResult read_profile( RfGltf* gltf, const RfField* ours, Source* source,
 static RfResult read_radius( const RfField* ours, RfPunctual* out )
 {
     double radius = 0.0;
-    RfField field = rf_field_member( ours, "radius" ), soft = rf_field_member( ours, "soft" );
-    RfResult result = rf_field_number( &field, rf_range( 0.0, MOST_SIZE ), &radius );
+    rf_get_number( ours, "radius", rf_range( 0.0, MOST_SIZE ), &radius );
     out->radius = (float)radius;
-    return result == RF_OK ? rf_field_bool( &soft, &out->soft ) : result;
+    return rf_get_bool( ours, "soft", &out->soft );
 }
 
 static RfResult read_angle( const RfField* ours, RfPunctual* out )
 {
     double angle = 0.0;
-    RfField field = rf_field_member( ours, "angle" );
-    RfResult result = rf_field_number( &field, rf_range( 0.0, 180.0 ), &angle );
+    RfResult result = rf_get_number( ours, "angle", rf_range( 0.0, 180.0 ), &angle );
     double sine = sin( angle * ( HALF_PI / 360.0 ) );
     out->versine = (float)( 2.0 * sine * sine );
     return result;
@@ -155,15 +140,10 @@ static RfResult read_plane( const RfField* ours, RfPunctual* out )
     static const char* const s_shapes[] = { "rectangle", "ellipse", NULL };
     int shape = 0;
     double size[2] = { 0.0, 0.0 }, spread = 180.0;
-    RfField name = rf_field_member( ours, "shape" ), sides = rf_field_member( ours, "size" ),
-            angle = rf_field_member( ours, "spread" );
-    RfResult result = rf_field_choice( &name, s_shapes, &shape );
-    if ( result == RF_OK )
-        result = rf_field_require( ours, "size", "[width, height], m" );
-    if ( result == RF_OK )
-        result = rf_field_numbers( &sides, rf_above( 0.0, MOST_SIZE ), 2, size );
-    if ( result == RF_OK )
-        result = rf_field_number( &angle, rf_range( 1.0, 180.0 ), &spread );
+    rf_get_choice( ours, "shape", s_shapes, &shape );
+    rf_field_require( ours, "size", "[width, height], m" );
+    rf_get_numbers( ours, "size", rf_above( 0.0, MOST_SIZE ), 2, size );
+    RfResult result = rf_get_number( ours, "spread", rf_range( 1.0, 180.0 ), &spread );
     if ( result != RF_OK )
         return result;
     double half = spread * ( HALF_PI / 180.0 );
@@ -186,16 +166,14 @@ static RfResult read_plane( const RfField* ours, RfPunctual* out )
 //     {"angle": 0.5}                                                a directional light
 //     {"shape": "rectangle", "size": [1, 0.5], "spread": 120}       a point
 //     {"light_group": "key"}                                        any of them
-static RfResult read_extras( RfGltf* gltf, const json_t* json, const char* where, Source* source, RfPunctual* out )
+static RfResult read_extras( RfGltf* gltf, const RfField* json, Source* source, RfPunctual* out )
 {
     static const char* const s_lamp[] = { "ies", "light_group", "profile", "radius", "soft", NULL };
     static const char* const s_sun[] = { "angle", "light_group", NULL };
     static const char* const s_plane[] = { "light_group", "shape", "size", "spread", NULL };
-    const json_t* ours = json_object_get( json_object_get( json, "extras" ), "reframe" ); // others' may have any type
-    if ( ours == NULL )
-        return RF_OK;
-    RfWhere place = rf_where( "%.120s.extras.reframe", where );
-    RfField field = rf_make_field( gltf->path, place.text, ours, gltf->error );
+    RfField field = rf_gltf_extras( json );
+    if ( field.json == NULL )
+        return rf_json_result( json );
     bool is_plane = out->kind == RF_PUNCTUAL_POINT && rf_has_member( &field, "shape" ),
          is_sun = out->kind == RF_PUNCTUAL_DIRECTIONAL;
     RfResult result = rf_field_keys( &field, is_sun ? s_sun : is_plane ? s_plane : s_lamp );
@@ -205,50 +183,39 @@ static RfResult read_extras( RfGltf* gltf, const json_t* json, const char* where
     return result == RF_OK ? read_profile( gltf, &field, source, out ) : result;
 }
 
-static RfResult read_light( RfGltf* gltf, const json_t* json, const char* where, Source* source, RfPunctual* out )
+static RfResult read_light( RfGltf* gltf, const RfField* json, Source* source, RfPunctual* out )
 {
     double *color = source->lamp.color, *intensity = &source->lamp.intensity, *range = &source->range;
     color[0] = color[1] = color[2] = *intensity = 1.0;
     *range = (double)INFINITY;
-    RfResult result = read_kind( gltf, json, where, out );
+    RfResult result = read_kind( gltf, json, out );
     if ( result == RF_OK && out->kind == RF_PUNCTUAL_SPOT )
-        result = read_cone( gltf, json, where, source );
+        result = read_cone( gltf, json, source );
     if ( result == RF_OK )
-        result = read_extras( gltf, json, where, source, out );
-    if ( result == RF_OK )
-        result = rf_gltf_get_numbers( gltf, json, where, "color", 3, color );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where, "intensity", intensity );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where, "range", range );
+        result = read_extras( gltf, json, source, out );
+    rf_get_numbers( json, "color", rf_range( 0.0, 1.0 ), 3, color );
+    rf_get_number( json, "intensity", rf_range( 0.0, HUGE_VAL ), intensity );
+    result = rf_get_number( json, "range", rf_above( 0.0, HUGE_VAL ), range );
     if ( result != RF_OK )
         return result;
-    if ( !( *intensity >= 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "intensity is %g, it must be 0 or more", *intensity );
-    if ( !( *range > 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "range is %g, it must be more than 0", *range );
-    for ( int i = 0; i < 3; ++i )
-    {
-        if ( !( color[i] >= 0.0 && color[i] <= 1.0 ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "color is %g, it must be 0 to 1", color[i] );
-    }
     follow_change( gltf, RF_CHANGED_COLOR, source, color );
     follow_change( gltf, RF_CHANGED_INTENSITY, source, intensity );
     follow_change( gltf, RF_CHANGED_RANGE, source, range );
     set_light( gltf, source, out );
     // higher ones would overflow close to the light
     double most = out->profile != NULL ? fmax( (double)out->profile->most, 1.0 ) : 1.0;
-    return rf_gltf_check_limit( gltf, where, "intensity", *intensity * most, rf_changed_traits( RF_CHANGED_INTENSITY )->high );
+    return rf_gltf_check_limit( gltf, json->path, "intensity", *intensity * most,
+                                rf_changed_traits( RF_CHANGED_INTENSITY )->high );
 }
 
 // That of its node overrules its own.
-static RfResult read_group( const RfGltf* gltf, const json_t* json, const char* where, int node, RfPunctual* out )
+static RfResult read_group( const RfGltf* gltf, const RfField* json, int node, RfPunctual* out )
 {
-    RfWhere of_node = rf_where( "nodes[%d]", node );
+    RfField of_node = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
     int own, tag;
-    RfResult result = rf_gltf_read_light_group( gltf, json, where, &own );
+    RfResult result = rf_gltf_read_light_group( gltf, json, &own );
     if ( result == RF_OK )
-        result = rf_gltf_read_light_group( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), of_node.text, &tag );
+        result = rf_gltf_read_light_group( gltf, &of_node, &tag );
     if ( result == RF_OK )
         out->light_group = (uint16_t)( tag >= 0 ? tag : own >= 0 ? own : 0 );
     return result;
@@ -297,35 +264,32 @@ static RfResult note_change( RfGltf* gltf, int node, Source* source, RfPunctual*
 }
 
 // `profiles`: of the list's lights.
-static RfResult load_node_light( RfGltf* gltf, const json_t* lights, int node, const json_t* extension, RfProfile** profiles )
+static RfResult load_node_light( RfGltf* gltf, const RfField* lights, int node, const RfField* extension, RfProfile** profiles )
 {
-    RfWhere where = rf_where( "nodes[%d].extensions." EXTENSION, node );
-    int64_t index = -1, count = (int64_t)json_array_size( lights );
+    int64_t index = -1, count = (int64_t)json_array_size( lights->json );
     if ( count == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "the document's " EXTENSION " has no lights" );
-    RfResult result = rf_gltf_require( gltf, extension, where.text, "light" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, extension, where.text, "light", 0, count - 1, &index );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, extension->path, "the document's " EXTENSION " has no lights" );
+    rf_gltf_require( extension, "light", NULL );
+    RfResult result = rf_get_integer( extension, "light", 0, count - 1, &index );
     if ( result != RF_OK )
         return result;
-    RfWhere self = rf_where( "extensions." EXTENSION ".lights[%lld]", (long long)index );
-    const json_t* json = json_array_get( lights, (size_t)index );
-    if ( !json_is_object( json ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
+    RfField json = rf_field_item( lights, (size_t)index );
+    if ( !json_is_object( json.json ) )
+        return rf_field_fail( &json, "must be an object" );
     RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
     Source source = { .lamp = { .changes = { -1, -1, -1, -1, -1 } }, .index = (int)index, .profile = profiles + index };
     gltf->scene->punctual_count += 1;
-    result = read_light( gltf, json, self.text, &source, out );
+    result = read_light( gltf, &json, &source, out );
     if ( result == RF_OK )
-        result = read_group( gltf, json, self.text, node, out );
+        result = read_group( gltf, &json, node, out );
     if ( result == RF_OK && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) )
-        result = place_light( gltf, node, where.text, out );
+        result = place_light( gltf, node, extension->path, out );
     if ( result == RF_OK )
-        result = rf_gltf_copy_name( gltf, json, self.text, gltf->scene->nodes[node].name, &out->name );
+        result = rf_gltf_copy_name( &json, gltf->scene->nodes[node].name, &out->name );
     return result == RF_OK ? note_change( gltf, node, &source, out ) : result;
 }
 
-static RfResult load_lights( RfGltf* gltf, const json_t* lights, RfProfile** profiles )
+static RfResult load_lights( RfGltf* gltf, const RfField* lights, RfProfile** profiles )
 {
     RfResult result = RF_OK;
     gltf->scene->punctuals = calloc( (size_t)gltf->order_count + 1, sizeof *gltf->scene->punctuals );
@@ -333,30 +297,35 @@ static RfResult load_lights( RfGltf* gltf, const json_t* lights, RfProfile** pro
         return rf_gltf_no_memory( gltf, "lights" );
     for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
     {
-        RfWhere where = rf_where( "nodes[%d]", gltf->order[i] );
-        const json_t* extension;
-        result =
-            rf_gltf_get_extension( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] ), where.text, EXTENSION, &extension );
-        bool hidden = rf_gltf_visibility( gltf, gltf->order[i] ) == RF_GLTF_HIDDEN;
-        if ( result == RF_OK && extension != NULL && hidden && rf_gltf_changes( gltf, gltf->order[i] ) )
-            result = rf_gltf_note_frozen( gltf, "light", gltf->scene->nodes[gltf->order[i]].name );
-        if ( result == RF_OK && extension != NULL && !hidden )
-            result = load_node_light( gltf, lights, gltf->order[i], extension, profiles );
+        int node = gltf->order[i];
+        RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node ), extension = rf_gltf_extension( &json, EXTENSION );
+        if ( extension.json == NULL )
+        {
+            result = rf_json_result( &json );
+            continue;
+        }
+        bool hidden = rf_gltf_visibility( gltf, node ) == RF_GLTF_HIDDEN;
+        if ( hidden && rf_gltf_changes( gltf, node ) )
+            result = rf_gltf_note_frozen( gltf, "light", gltf->scene->nodes[node].name );
+        if ( !hidden )
+            result = load_node_light( gltf, lights, node, &extension, profiles );
     }
     return result;
 }
 
 RfResult rf_gltf_load_lights( RfGltf* gltf )
 {
-    const json_t* lights;
-    RfResult result = find_lights( gltf, &lights );
+    RfField root = rf_gltf_root( gltf );
+    RfField json = rf_gltf_field( gltf, "extensions." EXTENSION, rf_gltf_extension( &root, EXTENSION ).json );
+    RfField lights = rf_get_array( &json, "lights" );
+    RfResult result = rf_json_result( &root );
     if ( result != RF_OK )
         return result;
-    size_t count = json_array_size( lights );
+    size_t count = json_array_size( lights.json );
     RfProfile** profiles = calloc( count + 1, sizeof( RfProfile* ) );
     if ( profiles == NULL )
         return rf_gltf_no_memory( gltf, "lights" );
-    result = load_lights( gltf, lights, profiles );
+    result = load_lights( gltf, &lights, profiles );
     for ( size_t i = 0; i < count; ++i )
         rf_release_profile( profiles[i] );
     free( profiles );
@@ -385,14 +354,13 @@ static RfResult load_map( RfGltf* gltf, const RfField* object, RfEnvironmentText
 // The bytes of the file, and with them those of the view, are in the scene's hash already.
 static RfResult decode_map( const RfGltf* gltf, const RfField* object, RfEnvironmentText* text )
 {
-    RfWhere where = rf_where( "bufferViews[%d]", text->view );
     int64_t length = 0;
     const uint8_t* bytes = NULL;
     RfField field = rf_field_member( object, "bufferView" );
     if ( text->view >= gltf->counts[RF_GLTF_BUFFER_VIEWS] )
         return rf_field_fail( &field, "names bufferView %d, but there are %d", text->view, gltf->counts[RF_GLTF_BUFFER_VIEWS] );
-    RfResult result = rf_gltf_get_integer( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, text->view ), where.text, "byteLength",
-                                           1, INT64_MAX, &length );
+    RfField view = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, text->view );
+    RfResult result = rf_get_integer( &view, "byteLength", 1, INT64_MAX, &length );
     if ( result == RF_OK )
         result = rf_gltf_view_bytes( gltf, object->path, text->view, 0, (uint64_t)length, &bytes );
     return result == RF_OK ? rf_decode_environment( object, bytes, (size_t)length, text ) : result;
@@ -418,21 +386,15 @@ static RfResult load_environment( RfGltf* gltf, const RfField* object )
 RfResult rf_gltf_load_environment( RfGltf* gltf )
 {
     static const char* const s_keys[] = { "environment", "render", "moving", "export_losses", "export_warnings", "view", NULL };
-    int index = 0;
     if ( gltf->counts[RF_GLTF_SCENES] == 0 )
         return RF_OK;
-    RfResult result = rf_gltf_get_index( gltf, gltf->root, "document", "scene", RF_GLTF_SCENES, &index );
-    index = index >= 0 ? index : 0;
-    // extras of other programs may have any type
-    const json_t* extras = json_object_get( rf_gltf_item( gltf, RF_GLTF_SCENES, index ), "extras" );
-    const json_t* ours = json_object_get( extras, "reframe" );
-    if ( result != RF_OK || ours == NULL )
-        return result;
-    RfWhere where = rf_where( "scenes[%d].extras.reframe", index );
-    RfField field = rf_make_field( gltf->path, where.text, ours, gltf->error );
-    result = rf_field_keys( &field, s_keys );
-    if ( result == RF_OK )
-        result = rf_gltf_read_shot( gltf, &field );
+    RfField root = rf_gltf_root( gltf );
+    int index = rf_gltf_get_index( gltf, &root, "scene", RF_GLTF_SCENES );
+    RfField scene = rf_gltf_item_field( gltf, RF_GLTF_SCENES, index >= 0 ? index : 0 ), field = rf_gltf_extras( &scene );
+    if ( field.json == NULL )
+        return rf_json_result( &root );
+    rf_field_keys( &field, s_keys );
+    RfResult result = rf_gltf_read_shot( gltf, &field );
     if ( result == RF_OK )
         result = rf_gltf_read_warnings( gltf, &field );
     RfField object = rf_field_member( &field, "environment" );

@@ -2,7 +2,7 @@
 // before anything reads them.
 #include "scene/gltf/gltf_changes.h"
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/light_groups.h"
 
 #include <stdio.h>
@@ -12,20 +12,17 @@
 #define UNTAGGED ( -1 )
 #define MOST_COPIED ( 1 << 20 ) // primitives, so that a small file cannot ask for any amount of memory
 
-RfResult rf_gltf_read_light_group( const RfGltf* gltf, const json_t* object, const char* where, int* tag )
+RfResult rf_gltf_read_light_group( const RfGltf* gltf, const RfField* object, int* tag )
 {
-    // extras of other programs may have any type
-    const json_t* ours = json_object_get( json_object_get( object, "extras" ), "reframe" );
-    uint16_t number;
+    uint16_t number = 0;
     const char* name;
+    RfField ours = rf_gltf_extras( object );
     *tag = UNTAGGED;
-    if ( json_object_get( ours, "light_group" ) == NULL )
-        return RF_OK;
-    RfWhere self = rf_where( "%.120s.extras.reframe", where );
-    RfField field = rf_make_field( gltf->path, self.text, ours, gltf->error );
-    RfResult result = rf_field_light_group( &field, &name );
+    if ( !rf_has_member( &ours, "light_group" ) )
+        return rf_json_result( object );
+    RfResult result = rf_read_light_group( &ours, &name );
     if ( result == RF_OK && !rf_tag_light( gltf->scene, name, &number ) )
-        return rf_gltf_no_memory( gltf, self.text );
+        return rf_field_no_memory( &ours );
     *tag = result == RF_OK ? (int)number : UNTAGGED;
     return result;
 }
@@ -279,12 +276,12 @@ static RfResult read_nodes( Split* s, bool* any )
     *any = false;
     for ( int i = 0; result == RF_OK && i < gltf->counts[RF_GLTF_NODES]; ++i )
     {
-        RfWhere where = rf_where( "nodes[%d]", i );
-        const json_t *node = rf_gltf_item( gltf, RF_GLTF_NODES, i ), *mesh = json_object_get( node, "mesh" );
+        RfField node = rf_gltf_item_field( gltf, RF_GLTF_NODES, i );
+        const json_t* mesh = json_object_get( node.json, "mesh" );
         json_int_t index = json_is_integer( mesh ) ? json_integer_value( mesh ) : -1;
         s->mesh_of[i] =
             index >= 0 && index < gltf->counts[RF_GLTF_MESHES] ? (int)index : -1; // else an error where nodes are read
-        result = rf_gltf_read_light_group( gltf, node, where.text, s->node_tag + i );
+        result = rf_gltf_read_light_group( gltf, &node, s->node_tag + i );
         *any = *any || ( s->mesh_of[i] >= 0 && s->node_tag[i] != UNTAGGED );
     }
     return result;

@@ -7,18 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-RfResult rf_gltf_get_shares( const RfGltf* gltf, const json_t* json, const char* where, const char* key, int count,
-                             double* values )
-{
-    RfResult result = count > 1 ? rf_gltf_get_numbers( gltf, json, where, key, count, values )
-                                : rf_gltf_get_number( gltf, json, where, key, values );
-    for ( int i = 0; result == RF_OK && i < count; ++i )
-    {
-        if ( ( values[i] >= 0.0 && values[i] <= 1.0 ) == false )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be 0 to 1", key, values[i] );
-    }
-    return result;
-}
+static const RfRange s_share = { 0.0, 1.0, false };
 
 // Glass and mirrors: KHR_materials_transmission with _volume, metals without roughness; also
 // KHR_materials_unlit.
@@ -31,45 +20,14 @@ typedef struct Inside
     double color[3];
 } Inside;
 
-static RfResult read_transmission( const RfGltf* gltf, const json_t* material, const char* owner, Inside* out )
+static void read_inside( const RfField* material, Inside* out )
 {
-    const json_t* json;
-    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_transmission", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions.KHR_materials_transmission", owner );
-    result = rf_gltf_get_number( gltf, json, where.text, "transmissionFactor", &out->transmission );
-    if ( result == RF_OK && !( out->transmission >= 0.0 && out->transmission <= 1.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "transmissionFactor is %g, it must be 0 to 1",
-                             out->transmission );
-    return result;
-}
-
-static RfResult read_volume( const RfGltf* gltf, const json_t* material, const char* owner, Inside* out )
-{
-    const json_t* json;
-    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_volume", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions.KHR_materials_volume", owner );
-    result = rf_gltf_get_number( gltf, json, where.text, "thicknessFactor", &out->thickness );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where.text, "attenuationDistance", &out->distance );
-    if ( result == RF_OK )
-        result = rf_gltf_get_numbers( gltf, json, where.text, "attenuationColor", 3, out->color );
-    if ( result != RF_OK )
-        return result;
-    if ( !( out->thickness >= 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "thicknessFactor is %g, it must be 0 or more", out->thickness );
-    if ( !( out->distance > 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationDistance is %g, it must be more than 0",
-                             out->distance );
-    for ( int i = 0; i < 3; ++i )
-    {
-        if ( !( out->color[i] >= 0.0 && out->color[i] <= 1.0 ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "attenuationColor is %g, it must be 0 to 1", out->color[i] );
-    }
-    return RF_OK;
+    RfField through = rf_gltf_extension( material, "KHR_materials_transmission" ),
+            volume = rf_gltf_extension( material, "KHR_materials_volume" );
+    rf_get_number( &through, "transmissionFactor", s_share, &out->transmission );
+    rf_get_number( &volume, "thicknessFactor", rf_range( 0.0, HUGE_VAL ), &out->thickness );
+    rf_get_number( &volume, "attenuationDistance", rf_above( 0.0, HUGE_VAL ), &out->distance );
+    rf_get_numbers( &volume, "attenuationColor", s_share, 3, out->color );
 }
 
 // −ln(colour) / distance; a channel of 0 is fully absorbed.
@@ -121,15 +79,11 @@ static bool is_all_metal( const json_t* material, const RfFactors* factors )
 // all other factors.
 // `reshapes`: its roughness or metallic factor change, so that it is no metal or mirror at all times. `dense`: it scatters inside,
 // and is taken for opaque.
-static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, const char* where, const RfFactors* factors,
-                                 bool reshapes, bool dense, RfMaterial* out )
+static RfResult read_glass_of( const RfField* field, const RfFactors* factors, bool reshapes, bool dense, RfMaterial* out )
 {
+    const json_t* material = field->json;
     Inside inside = { .distance = (double)INFINITY, .color = { 1, 1, 1 } };
-    RfResult result = read_transmission( gltf, material, where, &inside );
-    if ( result == RF_OK )
-        result = read_volume( gltf, material, where, &inside );
-    if ( result != RF_OK )
-        return result;
+    read_inside( field, &inside );
     if ( rf_gltf_is_unlit( material ) )
         make_unlit( factors->base, out );
     else if ( inside.transmission > 0.0 && !dense && ( reshapes || !is_all_metal( material, factors ) ) )
@@ -139,7 +93,7 @@ static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, con
         out->kind = RF_BSDF_GLASS;
         out->alpha = 0.0f;
     }
-    return RF_OK;
+    return rf_json_result( field );
 }
 
 // `extras.reframe` of a material: scattering models that glTF lacks.
@@ -156,113 +110,80 @@ static RfResult gltf_read_glass( const RfGltf* gltf, const json_t* material, con
 
 // The extras are written by hand or by other programs: errors give the JSON path and the
 // expected value.
-static RfResult fault( const RfGltf* gltf, const char* where, const char* text )
-{
-    return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "%s", text );
-}
-
 // Whether a key says nothing of how the material scatters.
 static bool is_beside_model( const char* key ) { return strcmp( key, "pass_index" ) == 0 || strcmp( key, "light_group" ) == 0; }
 
-static RfResult check_keys( const RfGltf* gltf, const json_t* json, const char* where, const char* const* keys )
+static RfResult check_keys( const RfField* own, const char* const* keys )
 {
     const char* key;
     json_t* value;
-    json_object_foreach( (json_t*)json, key, value )
+    json_object_foreach( (json_t*)own->json, key, value )
     {
         bool known = is_beside_model( key );
         for ( int i = 0; keys[i] != NULL; ++i )
             known = known || strcmp( key, keys[i] ) == 0;
+        RfField member = rf_field_member( own, key );
         if ( known == false )
-        {
-            RfWhere self = rf_where( "%s.%.60s", where, key );
-            return fault( gltf, self.text,
-                          "is not known here: bsdf \"phong\" has diffuse, specular and exponent, "
-                          "\"lambert\" has diffuse, \"mirror\" specular, \"glass\" ior" );
-        }
+            return rf_field_fail( &member, "is not known here: bsdf \"phong\" has diffuse, specular and exponent, "
+                                           "\"lambert\" has diffuse, \"mirror\" specular, \"glass\" ior" );
     }
-    return RF_OK;
+    return rf_json_result( own );
 }
 
-static RfResult read_reflectance( const RfGltf* gltf, const json_t* json, const char* where, const char* key, RfVec3* out )
+static void read_reflectance( const RfField* own, const char* key, RfVec3* out )
 {
     double rgb[3] = { 0 };
-    RfWhere self = rf_where( "%s.%s", where, key );
-    if ( json_object_get( json, key ) == NULL )
-        return fault( gltf, self.text, "is missing: add three numbers from 0 to 1" );
-    RfResult result = rf_gltf_get_numbers( gltf, json, where, key, 3, rgb );
-    for ( int i = 0; result == RF_OK && i < 3; ++i )
-    {
-        if ( ( rgb[i] >= 0.0 && rgb[i] <= 1.0 ) == false )
-            return fault( gltf, self.text, "must be three numbers from 0 to 1" );
-    }
+    rf_field_require( own, key, "three numbers from 0 to 1" );
+    rf_get_numbers( own, key, s_share, 3, rgb );
     *out = rf_vec3( (float)rgb[0], (float)rgb[1], (float)rgb[2] );
-    return result;
 }
 
-static RfResult read_lambert( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+static RfResult read_lambert( const RfField* own, RfMaterial* out )
 {
     static const char* const s_keys[] = { "bsdf", "diffuse", NULL };
-    RfResult result = check_keys( gltf, json, where, s_keys );
-    if ( result == RF_OK )
-        result = read_reflectance( gltf, json, where, "diffuse", &out->diffuse );
+    check_keys( own, s_keys );
+    read_reflectance( own, "diffuse", &out->diffuse );
     out->kind = RF_BSDF_LAMBERT;
-    return result;
+    return rf_json_result( own );
 }
 
-static RfResult read_phong( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+static RfResult read_phong( const RfField* own, RfMaterial* out )
 {
     static const char* const s_keys[] = { "bsdf", "diffuse", "specular", "exponent", NULL };
-    double exponent = -1.0;
-    RfResult result = check_keys( gltf, json, where, s_keys );
-    if ( result == RF_OK )
-        result = read_reflectance( gltf, json, where, "diffuse", &out->diffuse );
-    if ( result == RF_OK )
-        result = read_reflectance( gltf, json, where, "specular", &out->specular );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where, "exponent", &exponent );
-    if ( result != RF_OK )
-        return result;
-    if ( ( exponent >= 0.0 && exponent <= MAX_EXPONENT ) == false )
-    {
-        RfWhere self = rf_where( "%s.exponent", where );
-        return fault( gltf, self.text, "must be a number from 0 to 1000000" );
-    }
+    double exponent = 0.0;
+    check_keys( own, s_keys );
+    read_reflectance( own, "diffuse", &out->diffuse );
+    read_reflectance( own, "specular", &out->specular );
+    rf_field_require( own, "exponent", "a number from 0 to 1000000" );
+    rf_get_number( own, "exponent", rf_range( 0.0, MAX_EXPONENT ), &exponent );
     // the rounding of decimal fractions that sum to one does not violate energy conservation
     if ( rf_max_component( rf_add( out->diffuse, out->specular ) ) > 1.0f + 1e-6f )
-        return fault( gltf, where, "diffuse + specular reflect more light than arrives: lower their sum to 1 or less" );
+        return rf_field_fail( own, "diffuse + specular reflect more light than arrives: lower their sum to 1 or less" );
     out->kind = RF_BSDF_PHONG;
     out->exponent = (float)exponent;
-    return RF_OK;
+    return rf_json_result( own );
 }
 
-static RfResult read_mirror( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+static RfResult read_mirror( const RfField* own, RfMaterial* out )
 {
     static const char* const s_keys[] = { "bsdf", "specular", NULL };
-    RfResult result = check_keys( gltf, json, where, s_keys );
+    check_keys( own, s_keys );
     out->kind = RF_BSDF_GLASS;
-    return result == RF_OK ? read_reflectance( gltf, json, where, "specular", &out->specular ) : result;
+    read_reflectance( own, "specular", &out->specular );
+    return rf_json_result( own );
 }
 
 // Solid, smooth and clear glass.
-static RfResult read_glass( const RfGltf* gltf, const json_t* json, const char* where, RfMaterial* out )
+static RfResult read_glass( const RfField* own, RfMaterial* out )
 {
     static const char* const s_keys[] = { "bsdf", "ior", NULL };
     double ior = 1.5;
-    RfResult result = check_keys( gltf, json, where, s_keys );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where, "ior", &ior );
-    if ( result != RF_OK )
-        return result;
-    if ( !( ior > 1.0 && ior <= 10.0 ) )
-    {
-        RfWhere self = rf_where( "%s.ior", where );
-        return fault( gltf, self.text, "must be a number above 1, up to 10" );
-    }
+    check_keys( own, s_keys );
+    rf_get_number( own, "ior", rf_above( 1.0, 10.0 ), &ior );
     out->kind = RF_BSDF_GLASS;
     out->ior = (float)ior;
     out->tint = rf_vec3( 1.0f, 1.0f, 1.0f );
-    return RF_OK;
+    return rf_json_result( own );
 }
 
 static const json_t* own_extras( const json_t* material )
@@ -293,41 +214,31 @@ bool rf_gltf_has_own_model( const json_t* material )
     return own != NULL && !keeps_model( own );
 }
 
-// Reads from extras.reframe, if it has no scattering model, whether the coat is added to the base.
-static RfResult read_coat( const RfGltf* gltf, const json_t* material, const char* where, RfFactors* out )
+// Reads from extras.reframe, if it has no scattering model, whether the coat is added to the base; and what compositors know the
+// material by.
+static void read_extras( const RfField* material, RfFactors* factors, RfMaterial* out )
 {
-    const json_t* own = own_extras( material );
-    if ( !keeps_model( own ) )
-        return RF_OK;
-    RfWhere self = rf_where( "%s.extras.reframe", where );
-    const json_t* coat = json_object_get( own, "coat" );
-    const char* text = json_string_value( coat );
-    if ( coat == NULL )
-        return RF_OK;
-    if ( !has_only( own, "coat" ) || text == NULL || strcmp( text, "added" ) != 0 )
-        return fault( gltf, self.text, "must have coat \"added\" and nothing else, or a bsdf" );
-    out->coat_is_added = true;
-    return RF_OK;
-}
-
-// What compositors know the material by.
-static RfResult read_pass_index( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
-{
+    RfField own = rf_gltf_extras( material );
+    const char* text = json_string_value( json_object_get( own.json, "coat" ) );
     int64_t index = 0;
-    RfWhere self = rf_where( "%s.extras.reframe", where );
-    RfResult result = rf_gltf_get_integer( gltf, own_extras( material ), self.text, "pass_index", 0, RF_MOST_PASS_INDEX, &index );
+    if ( keeps_model( own.json ) && rf_has_member( &own, "coat" ) )
+    {
+        if ( !has_only( own.json, "coat" ) || text == NULL || strcmp( text, "added" ) != 0 )
+            rf_field_fail( &own, "must have coat \"added\" and nothing else, or a bsdf" );
+        factors->coat_is_added = true;
+    }
+    own.gltf = true;
+    rf_get_integer( &own, "pass_index", 0, RF_MOST_PASS_INDEX, &index );
     out->pass_index = (unsigned int)index & RF_MOST_PASS_INDEX;
-    return result;
 }
 
 // Reads the scattering model in extras.reframe, if any.
-static RfResult read_lobes( const RfGltf* gltf, const json_t* material, const char* where, RfMaterial* out )
+static RfResult read_lobes( const RfField* material, RfMaterial* out )
 {
-    const json_t* json = own_extras( material );
-    if ( json == NULL || keeps_model( json ) )
-        return RF_OK;
-    RfWhere self = rf_where( "%s.extras.reframe", where );
-    const char* bsdf = json_string_value( json_object_get( json, "bsdf" ) );
+    RfField own = rf_gltf_extras( material );
+    if ( own.json == NULL || keeps_model( own.json ) )
+        return rf_json_result( material );
+    const char* bsdf = json_string_value( json_object_get( own.json, "bsdf" ) );
     out->diffuse = out->specular = rf_vec3( 0.0f, 0.0f, 0.0f );
     out->f90 = out->coat_f0 = out->coat_f90 = 0.0f;
     out->alpha = 1.0f;
@@ -335,35 +246,29 @@ static RfResult read_lobes( const RfGltf* gltf, const json_t* material, const ch
     out->ior = 0.0f;
     out->thin = false;
     if ( bsdf != NULL && strcmp( bsdf, "phong" ) == 0 )
-        return read_phong( gltf, json, self.text, out );
+        return read_phong( &own, out );
     if ( bsdf != NULL && strcmp( bsdf, "lambert" ) == 0 )
-        return read_lambert( gltf, json, self.text, out );
+        return read_lambert( &own, out );
     out->alpha = 0.0f;
     if ( bsdf != NULL && strcmp( bsdf, "mirror" ) == 0 )
-        return read_mirror( gltf, json, self.text, out );
+        return read_mirror( &own, out );
     if ( bsdf != NULL && strcmp( bsdf, "glass" ) == 0 )
-        return read_glass( gltf, json, self.text, out );
-    return fault( gltf, self.text, "must be an object with bsdf \"lambert\", \"phong\", \"mirror\" or \"glass\"" );
+        return read_glass( &own, out );
+    return rf_field_fail( &own, "must be an object with bsdf \"lambert\", \"phong\", \"mirror\" or \"glass\"" );
 }
 
 // KHR_materials_clearcoat: a clear coat over the metallic-roughness model.
 
 // Reads KHR_materials_clearcoat, the last of the extensions.
-static RfResult read_clearcoat( RfGltf* gltf, const json_t* material, const char* owner, RfMaterial* out )
+static RfResult read_clearcoat( RfGltf* gltf, const RfField* field, RfMaterial* out )
 {
     double factor = 0.0, roughness = 0.0;
-    const json_t* json;
-    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_clearcoat", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions.KHR_materials_clearcoat", owner );
-    result = rf_gltf_get_number( gltf, json, where.text, "clearcoatFactor", &factor );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where.text, "clearcoatRoughnessFactor", &roughness );
+    const json_t* material = field->json;
+    RfField json = rf_gltf_extension( field, "KHR_materials_clearcoat" );
+    rf_get_number( &json, "clearcoatFactor", s_share, &factor );
+    RfResult result = rf_get_number( &json, "clearcoatRoughnessFactor", s_share, &roughness );
     if ( result != RF_OK )
         return result;
-    if ( !( factor >= 0.0 && factor <= 1.0 && roughness >= 0.0 && roughness <= 1.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "factors %g and %g must be 0 to 1", factor, roughness );
     // unlit materials ignore it
     if ( factor == 0.0 || rf_gltf_is_unlit( material ) )
         return RF_OK;
@@ -411,68 +316,27 @@ static Factors default_factors( void )
     };
 }
 
-static RfResult read_metallic_roughness( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
+static void read_factors( const RfGltf* gltf, const RfField* material, Factors* out )
 {
-    const json_t* json = NULL;
-    RfResult result = rf_gltf_get_object( gltf, material, owner, "pbrMetallicRoughness", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.pbrMetallicRoughness", owner );
-    result = rf_gltf_get_shares( gltf, json, where.text, "baseColorFactor", 4, out->base );
-    if ( result == RF_OK )
-        result = rf_gltf_get_shares( gltf, json, where.text, "metallicFactor", 1, &out->metallic );
-    if ( result == RF_OK )
-        result = rf_gltf_get_shares( gltf, json, where.text, "roughnessFactor", 1, &out->roughness );
-    return result;
-}
-
-static RfResult read_specular( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
-{
-    const json_t* json;
-    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_specular", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions.KHR_materials_specular", owner );
-    result = rf_gltf_get_shares( gltf, json, where.text, "specularFactor", 1, &out->specular );
-    if ( result == RF_OK )
-        result = rf_gltf_get_numbers( gltf, json, where.text, "specularColorFactor", 3, out->specular_color );
+    RfFactors* lobes = &out->lobes;
+    RfField part = rf_get_object( material, "pbrMetallicRoughness" ),
+            specular = rf_gltf_extension( material, "KHR_materials_specular" ),
+            ior = rf_gltf_extension( material, "KHR_materials_ior" ),
+            strength = rf_gltf_extension( material, "KHR_materials_emissive_strength" );
+    rf_get_numbers( &part, "baseColorFactor", s_share, 4, lobes->base );
+    rf_get_number( &part, "metallicFactor", s_share, &lobes->metallic );
+    rf_get_number( &part, "roughnessFactor", s_share, &lobes->roughness );
+    rf_get_number( &specular, "specularFactor", s_share, &lobes->specular );
     // a colour may exceed one: the resulting reflectance is clamped
-    for ( int i = 0; result == RF_OK && i < 3; ++i )
-    {
-        if ( out->specular_color[i] < 0.0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "specularColorFactor is below 0" );
-    }
-    return result;
-}
-
-static RfResult read_ior( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
-{
-    const json_t* json;
-    RfResult result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_ior", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions.KHR_materials_ior", owner );
-    result = rf_gltf_get_number( gltf, json, where.text, "ior", &out->ior );
+    rf_get_numbers( &specular, "specularColorFactor", rf_range( 0.0, HUGE_VAL ), 3, lobes->specular_color );
+    rf_get_number( &ior, "ior", rf_any_number(), &lobes->ior );
     // by the extension, 0 means total reflection
-    if ( result == RF_OK && out->ior != 0.0 && out->ior < 1.0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "ior is %g, it must be 0, or 1 and above", out->ior );
-    return result;
-}
-
-static RfResult read_emission( const RfGltf* gltf, const json_t* material, const char* owner, Factors* out )
-{
-    RfResult result = rf_gltf_get_shares( gltf, material, owner, "emissiveFactor", 3, out->emissive );
-    const json_t* json = NULL;
-    if ( result == RF_OK )
-        result = rf_gltf_get_extension( gltf, material, owner, "KHR_materials_emissive_strength", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions.KHR_materials_emissive_strength", owner );
-    result = rf_gltf_get_number( gltf, json, where.text, "emissiveStrength", &out->strength );
-    if ( result == RF_OK && ( out->strength >= 0.0 ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "emissiveStrength is %g, it must be 0 or more", out->strength );
-    return result == RF_OK ? rf_gltf_check_limit( gltf, where.text, "emissiveStrength", out->strength, RF_GLTF_MAX_EMISSION )
-                           : result;
+    if ( lobes->ior != 0.0 && lobes->ior < 1.0 )
+        rf_gltf_fail( gltf, RF_ERROR_FORMAT, ior.path, "ior is %g, it must be 0, or 1 and above", lobes->ior );
+    rf_gltf_read_surface( gltf, material, lobes );
+    rf_get_numbers( material, "emissiveFactor", s_share, 3, out->emissive );
+    rf_get_number( &strength, "emissiveStrength", rf_range( 0.0, HUGE_VAL ), &out->strength );
+    rf_gltf_check_limit( gltf, strength.path, "emissiveStrength", out->strength, RF_GLTF_MAX_EMISSION );
 }
 
 static void apply_factors( const Factors* in, bool reshapes, RfMaterial* out )
@@ -517,57 +381,41 @@ static void set_most_emission( const Making* m, RfMaterial* out )
 
 static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
 {
-    RfWhere where = rf_where( "materials[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_MATERIALS, index );
-    RfResult result = rf_gltf_copy_name( gltf, json, where.text, where.text, &out->name );
-    if ( result != RF_OK )
-        return result;
+    RfField field = rf_gltf_item_field( gltf, RF_GLTF_MATERIALS, index );
+    const json_t* json = field.json;
     Making making = { .gltf = gltf, .index = index, .factors = default_factors() };
     Factors* factors = &making.factors;
-    result = read_metallic_roughness( gltf, json, where.text, &factors->lobes );
-    if ( result == RF_OK )
-        result = read_specular( gltf, json, where.text, &factors->lobes );
-    if ( result == RF_OK )
-        result = read_ior( gltf, json, where.text, &factors->lobes );
-    if ( result == RF_OK )
-        result = rf_gltf_read_surface( gltf, json, where.text, &factors->lobes );
-    if ( result == RF_OK )
-        result = read_coat( gltf, json, where.text, &factors->lobes );
-    if ( result == RF_OK )
-        result = read_emission( gltf, json, where.text, factors );
-    if ( result == RF_OK )
-        result = rf_gltf_get_bool( gltf, json, where.text, "doubleSided", &out->double_sided );
-    if ( result != RF_OK )
-        return result;
     int tag;
-    result = rf_gltf_read_light_group( gltf, json, where.text, &tag );
+    rf_gltf_copy_name( &field, field.path, &out->name );
+    read_factors( gltf, &field, factors );
+    read_extras( &field, &factors->lobes, out );
+    rf_get_bool( &field, "doubleSided", &out->double_sided );
+    RfResult result = rf_gltf_read_light_group( gltf, &field, &tag );
     if ( result != RF_OK )
         return result;
     out->light_group = (uint16_t)( tag > 0 ? tag : 0 );
-    rf_gltf_notice_extensions( gltf, json, "material", out->name );
+    rf_gltf_notice_extensions( gltf, &field, "material", out->name );
     follow_change( &making, RF_CHANGED_BASE_COLOR, factors->lobes.base );
     bool metallic = follow_change( &making, RF_CHANGED_METALLIC, &factors->lobes.metallic ),
          roughness = follow_change( &making, RF_CHANGED_ROUGHNESS, &factors->lobes.roughness ), reshapes = metallic || roughness;
     follow_change( &making, RF_CHANGED_EMISSIVE, factors->emissive );
     follow_change( &making, RF_CHANGED_EMISSIVE_STRENGTH, &factors->strength );
     bool dense = false;
-    result = rf_gltf_read_scatter( gltf, json, where.text, &factors->lobes, &dense );
+    result = rf_gltf_read_scatter( gltf, &field, &factors->lobes, &dense );
     if ( result != RF_OK )
         return result;
     apply_factors( factors, reshapes, out );
     set_most_emission( &making, out );
     const RfFactors* lobes = &factors->lobes;
-    result = gltf_read_glass( gltf, json, where.text, lobes, reshapes, dense, out );
+    result = read_glass_of( &field, lobes, reshapes, dense, out );
     if ( result == RF_OK )
         rf_gltf_apply_surface( gltf, json, lobes, out );
     if ( result == RF_OK )
-        result = read_clearcoat( gltf, json, where.text, out );
+        result = read_clearcoat( gltf, &field, out );
     if ( result == RF_OK )
-        result = read_lobes( gltf, json, where.text, out );
+        result = read_lobes( &field, out );
     if ( result == RF_OK )
-        result = read_pass_index( gltf, json, where.text, out );
-    if ( result == RF_OK )
-        result = rf_gltf_read_textured( gltf, json, where.text, lobes, out );
+        result = rf_gltf_read_textured( gltf, &field, lobes, out );
     if ( result != RF_OK )
         return result;
     RfMovingMaterial moving = {

@@ -66,13 +66,11 @@ static RfResult create_instances( const RfGltf* gltf, Instances* out )
 
 static RfResult read_mesh_of( RfGltf* gltf, int node, int* mesh )
 {
-    RfWhere where = rf_where( "nodes[%d]", node );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, node );
-    const char* name = gltf->scene->nodes[node].name;
-    RfResult result = rf_gltf_get_index( gltf, json, where.text, "mesh", RF_GLTF_MESHES, mesh );
-    if ( result != RF_OK )
-        return result;
-    rf_gltf_notice_extensions( gltf, json, "node", name );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
+    *mesh = rf_gltf_get_index( gltf, &json, "mesh", RF_GLTF_MESHES );
+    if ( rf_json_result( &json ) != RF_OK )
+        return rf_json_result( &json );
+    rf_gltf_notice_extensions( gltf, &json, "node", gltf->scene->nodes[node].name );
     return *mesh >= 0 ? rf_gltf_set_apart( gltf, node, mesh ) : RF_OK;
 }
 
@@ -231,23 +229,6 @@ static bool can_be_placed( const RfScene* scene, const RfGltfPrimitive* p )
     return !emits( m ) && !( may_be_mirror( m ) && has_flat_triangle( p ) );
 }
 
-static RfResult list_primitives( const RfGltf* gltf, int mesh, const json_t** primitives )
-{
-    RfWhere where = rf_where( "meshes[%d]", mesh );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_MESHES, mesh );
-    *primitives = NULL;
-    RfResult result = rf_gltf_require( gltf, json, where.text, "primitives" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_array( gltf, json, where.text, "primitives", primitives );
-    for ( size_t i = 0; result == RF_OK && i < json_array_size( *primitives ); ++i )
-    {
-        RfWhere self = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
-        if ( json_is_object( json_array_get( *primitives, i ) ) == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
-    }
-    return result;
-}
-
 // A mesh that is being placed, the scene's next.
 typedef struct Placing
 {
@@ -341,13 +322,14 @@ static RfResult finish_mesh( RfGltf* gltf, RfGltfBaker* baker, Placing* placing,
 }
 
 static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const Instances* instances, int mesh,
-                                const json_t* json, const char* where )
+                                const RfField* json )
 {
+    const char* where = json->path;
     static const RfMat4 own = { { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
     RfGltfPrimitive primitive;
-    if ( rf_gltf_primitive_changes( gltf, json ) ) // a mover
+    if ( rf_gltf_primitive_changes( gltf, json->json ) ) // a mover
         return RF_OK;
-    RfResult result = rf_gltf_read_primitive( gltf, json, where, &primitive );
+    RfResult result = rf_gltf_read_primitive( gltf, json, &primitive );
     if ( result != RF_OK || primitive.triangle_count == 0 )
         return result;
     Bake bake = { baker, &primitive, where, placing != NULL && can_be_placed( gltf->scene, &primitive ) };
@@ -361,12 +343,12 @@ static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placi
 
 static RfResult load_primitives( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const Instances* instances, int mesh )
 {
-    const json_t* primitives;
-    RfResult result = list_primitives( gltf, mesh, &primitives );
-    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives ); ++i )
+    RfField primitives = rf_gltf_primitives( gltf, mesh );
+    RfResult result = rf_json_result( &primitives );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
-        RfWhere where = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
-        result = load_primitive( gltf, baker, placing, instances, mesh, json_array_get( primitives, i ), where.text );
+        RfField primitive = rf_field_item( &primitives, i );
+        result = load_primitive( gltf, baker, placing, instances, mesh, &primitive );
     }
     return result;
 }
@@ -412,17 +394,17 @@ static RfResult count_places( RfGltf* gltf, const Instances* instances, int mesh
 
 static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh, Saving* saving )
 {
-    const json_t* primitives;
     *saving = ( Saving ){ 0 };
     RfResult result = count_places( gltf, instances, mesh, &saving->places );
     if ( result != RF_OK || saving->places < 2 )
         return result;
-    result = list_primitives( gltf, mesh, &primitives );
-    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives ); ++i )
+    RfField primitives = rf_gltf_primitives( gltf, mesh );
+    result = rf_json_result( &primitives );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
-        RfWhere where = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
+        RfField primitive = rf_field_item( &primitives, i );
         RfGltfSurvey survey;
-        result = rf_gltf_survey_primitive( gltf, json_array_get( primitives, i ), where.text, &survey );
+        result = rf_gltf_survey_primitive( gltf, &primitive, &survey );
         const RfMaterial* material = gltf->scene->materials + survey.material;
         if ( result == RF_OK && survey.triangle_count > 0 && !emits( material ) && !material->changes )
             saving->triangles += survey.triangle_count;

@@ -10,15 +10,14 @@
 #define EXT "EXT_meshopt_compression"
 #define KHR "KHR_meshopt_compression"
 
-static RfResult find_extension( const RfGltf* gltf, const json_t* object, const char* where, const json_t** extension,
-                                const char** name )
+static RfField find_extension( const RfField* object, const char** name )
 {
     *name = KHR;
-    RfResult result = rf_gltf_get_extension( gltf, object, where, KHR, extension );
-    if ( result != RF_OK || *extension != NULL )
-        return result;
+    RfField extension = rf_gltf_extension( object, KHR );
+    if ( extension.json != NULL )
+        return extension;
     *name = EXT;
-    return rf_gltf_get_extension( gltf, object, where, EXT, extension );
+    return rf_gltf_extension( object, EXT );
 }
 
 bool rf_gltf_is_fallback( const json_t* buffer )
@@ -64,19 +63,6 @@ typedef struct Packed
 
 bool rf_gltf_has_meshopt( void ) { return true; }
 
-static RfResult read_word( const RfGltf* gltf, const json_t* json, const char* where, const char* key, const char* const* words,
-                           int count, int* value )
-{
-    const char* text = words[0];
-    RfResult result = rf_gltf_get_string( gltf, json, where, key, &text );
-    for ( *value = 0; result == RF_OK && *value < count; ++*value )
-    {
-        if ( strcmp( text, words[*value] ) == 0 )
-            return RF_OK;
-    }
-    return result == RF_OK ? rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s '%.20s' does not exist", key, text ) : result;
-}
-
 // What may stand together, by the specification.
 static const char* find_fault( const Packed* p )
 {
@@ -98,24 +84,18 @@ static const char* find_fault( const Packed* p )
     return NULL;
 }
 
-static RfResult read_packed( const RfGltf* gltf, const json_t* json, const char* where, Packed* out )
+static RfResult read_packed( const RfGltf* gltf, const RfField* json, Packed* out )
 {
-    static const char* const s_modes[] = { "ATTRIBUTES", "TRIANGLES", "INDICES" };
-    static const char* const s_filters[] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR" };
-    static const char* const s_required[] = { "byteStride", "count", "mode" };
+    static const char* const s_modes[] = { "ATTRIBUTES", "TRIANGLES", "INDICES", NULL };
+    static const char* const s_filters[] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR", NULL };
     int64_t count = 0, stride = 0;
     int mode = 0, filter = 0;
-    RfResult result = rf_gltf_read_range( gltf, json, where, &out->bytes, &out->length );
-    for ( int i = 0; result == RF_OK && i < 3; ++i )
-        result = rf_gltf_require( gltf, json, where, s_required[i] );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "byteStride", 2, 256, &stride );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where, "count", 1, UINT32_MAX, &count );
-    if ( result == RF_OK )
-        result = read_word( gltf, json, where, "mode", s_modes, 3, &mode );
-    if ( result == RF_OK )
-        result = read_word( gltf, json, where, "filter", s_filters, 5, &filter );
+    rf_gltf_read_range( gltf, json, &out->bytes, &out->length );
+    rf_gltf_require( json, "byteStride", "count", "mode", NULL );
+    rf_get_integer( json, "byteStride", 2, 256, &stride );
+    rf_get_integer( json, "count", 1, UINT32_MAX, &count );
+    rf_get_choice( json, "mode", s_modes, &mode );
+    RfResult result = rf_get_choice( json, "filter", s_filters, &filter );
     if ( result != RF_OK )
         return result;
     out->count = (uint64_t)count;
@@ -124,9 +104,9 @@ static RfResult read_packed( const RfGltf* gltf, const json_t* json, const char*
     out->filter = (Filter)filter;
     const char* fault = find_fault( out );
     if ( fault != NULL )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s", fault );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "%s", fault );
     if ( out->count * out->stride / MOST_PER_BYTE > out->length )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%llu bytes cannot hold %llu elements of %llu bytes",
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "%llu bytes cannot hold %llu elements of %llu bytes",
                              (unsigned long long)out->length, (unsigned long long)out->count, (unsigned long long)out->stride );
     return RF_OK;
 }
@@ -208,30 +188,30 @@ static RfResult fail_decode( const RfGltf* gltf, const char* where, const Packed
                          (unsigned long long)p->length, (unsigned long long)p->count );
 }
 
-static RfResult unpack( const RfGltf* gltf, const json_t* json, const json_t* extension, const char* name, const char* view,
+static RfResult unpack( const RfGltf* gltf, const RfField* view, const RfField* extension, const char* name,
                         RfGltfUnpackedView* out )
 {
     Packed packed = { .name = name };
-    RfWhere where = rf_where( "%s.extensions.%s", view, name );
     int64_t length = 0;
-    RfResult result = read_packed( gltf, extension, where.text, &packed );
+    RfResult result = read_packed( gltf, extension, &packed );
     if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, view, "byteLength", 1, INT64_MAX, &length );
+        result = rf_get_integer( view, "byteLength", 1, INT64_MAX, &length );
     uint64_t bytes = packed.count * packed.stride;
     if ( result == RF_OK && (uint64_t)length != bytes )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, view, "byteLength is %lld, but %llu elements of %llu bytes are compressed",
-                             (long long)length, (unsigned long long)packed.count, (unsigned long long)packed.stride );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, view->path,
+                             "byteLength is %lld, but %llu elements of %llu bytes are compressed", (long long)length,
+                             (unsigned long long)packed.count, (unsigned long long)packed.stride );
     if ( result == RF_OK )
-        result = rf_gltf_take_room( gltf, where.text, bytes );
+        result = rf_gltf_take_room( gltf, extension->path, bytes );
     if ( result != RF_OK )
         return result;
     uint8_t* decoded = malloc( bytes );
     if ( decoded == NULL )
-        return rf_gltf_no_memory( gltf, where.text );
+        return rf_gltf_no_memory( gltf, extension->path );
     if ( !decode( &packed, decoded ) )
     {
         free( decoded );
-        return fail_decode( gltf, where.text, &packed );
+        return fail_decode( gltf, extension->path, &packed );
     }
     apply_filter( &packed, decoded );
     out->bytes = decoded;
@@ -242,18 +222,15 @@ static RfResult unpack( const RfGltf* gltf, const json_t* json, const json_t* ex
 RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpackedView** out )
 {
     RfGltfUnpackedView* self = gltf->unpacked->views + view;
-    RfWhere where = rf_where( "bufferViews[%d]", view );
-    const json_t *json = rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ), *extension;
     const char* name;
     *out = self->size > 0 ? self : NULL;
     if ( *out != NULL )
         return RF_OK;
-    RfResult result = find_extension( gltf, json, where.text, &extension, &name );
-    if ( result != RF_OK || extension == NULL )
-        return result;
-    result = unpack( gltf, json, extension, name, where.text, self );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view ), extension = find_extension( &json, &name );
+    if ( extension.json == NULL )
+        return rf_json_result( &json );
     *out = self;
-    return result;
+    return unpack( gltf, &json, &extension, name, self );
 }
 
 #else
@@ -262,17 +239,13 @@ bool rf_gltf_has_meshopt( void ) { return false; }
 
 RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpackedView** out )
 {
-    RfWhere where = rf_where( "bufferViews[%d]", view );
-    const json_t *json = rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ), *extension;
     const char* name;
-    int buffer = -1;
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view ), extension = find_extension( &json, &name );
     *out = NULL;
-    RfResult result = find_extension( gltf, json, where.text, &extension, &name );
-    if ( result == RF_OK && extension != NULL )
-        result = rf_gltf_get_index( gltf, json, where.text, "buffer", RF_GLTF_BUFFERS, &buffer );
-    if ( result != RF_OK || buffer < 0 || gltf->buffers[buffer].data != NULL )
-        return result;
-    return rf_gltf_fail_left_out( gltf, where.text, name );
+    int buffer = extension.json != NULL ? rf_gltf_get_index( gltf, &json, "buffer", RF_GLTF_BUFFERS ) : -1;
+    if ( buffer < 0 || gltf->buffers[buffer].data != NULL )
+        return rf_json_result( &json );
+    return rf_gltf_fail_left_out( gltf, json.path, name );
 }
 
 #endif

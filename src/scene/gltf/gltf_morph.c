@@ -9,45 +9,30 @@
 
 #define NO_ACCESSOR ( -1 )
 
-static RfResult count_in_primitive( const RfGltf* gltf, const json_t* primitive, const char* where, size_t* count )
-{
-    const json_t* targets = NULL;
-    RfResult result = rf_gltf_get_array( gltf, primitive, where, "targets", &targets );
-    *count = json_array_size( targets );
-    return result;
-}
-
 RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count )
 {
-    RfWhere where = rf_where( "meshes[%d]", mesh );
-    const json_t* primitives = NULL;
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_MESHES, mesh ), primitives = rf_get_array( &json, "primitives" );
     size_t all = 0;
     *count = 0;
-    RfResult result =
-        rf_gltf_get_array( gltf, rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), where.text, "primitives", &primitives );
-    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives ); ++i )
+    for ( size_t i = 0; i < json_array_size( primitives.json ); ++i )
     {
-        size_t own;
-        RfWhere self = rf_where( "meshes[%d].primitives[%zu]", mesh, i );
-        result = count_in_primitive( gltf, json_array_get( primitives, i ), self.text, &own );
-        if ( result == RF_OK && i > 0 && own != all )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "has %zu targets, the primitives before it have %zu", own,
+        RfField self = rf_field_item( &primitives, i );
+        size_t own = json_array_size( rf_get_array( &self, "targets" ).json );
+        if ( i > 0 && own != all )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.path, "has %zu targets, the primitives before it have %zu", own,
                                  all );
         all = own;
     }
     *count = (int)all;
-    return result;
+    return rf_json_result( &json );
 }
 
 RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where, int* count )
 {
-    int mesh;
-    RfWhere self = rf_where( "nodes[%d]", node );
+    RfField self = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
+    int mesh = rf_gltf_get_index( gltf, &self, "mesh", RF_GLTF_MESHES );
     *count = 0;
-    RfResult result =
-        rf_gltf_get_index( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), self.text, "mesh", RF_GLTF_MESHES, &mesh );
-    if ( result == RF_OK && mesh >= 0 )
-        result = rf_gltf_mesh_targets( gltf, mesh, count );
+    RfResult result = mesh >= 0 ? rf_gltf_mesh_targets( gltf, mesh, count ) : rf_json_result( &self );
     if ( result == RF_OK && *count == 0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "animates the weights of nodes[%d], which has no morph targets",
                              node );
@@ -56,13 +41,11 @@ RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where,
 
 RfResult rf_gltf_read_rest_weights( const RfGltf* gltf, int node, int mesh, int count, double* weights )
 {
-    RfWhere of_node = rf_where( "nodes[%d]", node ), of_mesh = rf_where( "meshes[%d]", mesh );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, node );
+    RfField of_node = rf_gltf_item_field( gltf, RF_GLTF_NODES, node ), of_mesh = rf_gltf_item_field( gltf, RF_GLTF_MESHES, mesh );
+    bool own = rf_has_member( &of_node, "weights" );
     for ( int i = 0; i < count; ++i )
         weights[i] = 0.0;
-    if ( json_object_get( json, "weights" ) != NULL )
-        return rf_gltf_get_numbers( gltf, json, of_node.text, "weights", count, weights );
-    return rf_gltf_get_numbers( gltf, rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), of_mesh.text, "weights", count, weights );
+    return rf_get_numbers( own ? &of_node : &of_mesh, "weights", rf_any_number(), count, weights );
 }
 
 // Appends `more` triples to those of `before` vertices; NULL: zeros. An attribute that no primitive has stays NULL.
@@ -100,48 +83,48 @@ static void free_deltas( Deltas* deltas )
         free( deltas->values[k] );
 }
 
-static RfResult open_delta( RfGltf* gltf, const json_t* target, const char* where, const char* name, uint32_t count, int* index )
+static RfResult open_delta( RfGltf* gltf, const RfField* target, const char* name, uint32_t count, int* index )
 {
-    RfResult result = rf_gltf_get_index( gltf, target, where, name, RF_GLTF_ACCESSORS, index );
-    if ( result != RF_OK || *index < 0 )
-        return result;
+    *index = rf_gltf_get_index( gltf, target, name, RF_GLTF_ACCESSORS );
+    if ( *index < 0 )
+        return rf_json_result( target );
     const RfGltfAccessor* accessor;
-    result = rf_gltf_open_accessor( gltf, *index, &accessor );
+    RfResult result = rf_gltf_open_accessor( gltf, *index, &accessor );
     if ( result == RF_OK )
-        result = rf_gltf_expect( gltf, *index, accessor, where, 3 );
+        result = rf_gltf_expect( gltf, *index, accessor, target->path, 3 );
     if ( result == RF_OK && accessor->count != count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, the primitive has %u", name, accessor->count,
-                             count );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, target->path, "%s has %u elements, the primitive has %u", name,
+                             accessor->count, count );
     if ( result == RF_OK && accessor->data == NULL && accessor->sparse_count == 0 )
         *index = NO_ACCESSOR; // zeros
     return result;
 }
 
 // Colours and texture coordinates may change as well; what begins with _ is of applications.
-static void notice_left_out( RfGltf* gltf, const json_t* target, const char* where )
+static void notice_left_out( RfGltf* gltf, const RfField* target )
 {
     const char* name;
     const json_t* value;
-    json_object_foreach( (json_t*)target, name, value )
+    json_object_foreach( (json_t*)target->json, name, value )
     {
         bool read = strcmp( name, "POSITION" ) == 0 || strcmp( name, "NORMAL" ) == 0 || strcmp( name, "TANGENT" ) == 0;
         if ( !read && name[0] != '_' )
-            rf_gltf_notice( gltf, RF_GLTF_TARGETS_LEFT_OUT, "%s changes %.40s, which stays as it is", where, name );
+            rf_gltf_notice( gltf, RF_GLTF_TARGETS_LEFT_OUT, "%s changes %.40s, which stays as it is", target->path, name );
     }
 }
 
-static RfResult open_target( RfGltf* gltf, const json_t* target, const char* where, const json_t* owner,
-                             const RfGltfPrimitive* primitive, int accessors[3] )
+static RfResult open_target( RfGltf* gltf, const RfField* target, const RfField* owner, const RfGltfPrimitive* primitive,
+                             int accessors[3] )
 {
     static const char* const s_names[] = { "POSITION", "NORMAL", "TANGENT" };
-    const json_t* attributes = json_object_get( owner, "attributes" );
+    const json_t* attributes = json_object_get( owner->json, "attributes" );
     int base = NO_ACCESSOR;
-    if ( !json_is_object( target ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "must be an object" );
-    notice_left_out( gltf, target, where );
-    RfResult result = rf_gltf_find_attribute( gltf, owner, where, "POSITION", &base );
+    if ( !json_is_object( target->json ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, target->path, "must be an object" );
+    notice_left_out( gltf, target );
+    RfResult result = rf_gltf_find_attribute( gltf, owner, "POSITION", &base );
     for ( int k = 0; result == RF_OK && k < 3; ++k )
-        result = open_delta( gltf, target, where, s_names[k], gltf->accessors[base].count, accessors + k );
+        result = open_delta( gltf, target, s_names[k], gltf->accessors[base].count, accessors + k );
     // normals of triangles follow them; tangents that are made here belong to the shape at rest
     if ( primitive->flat || json_object_get( attributes, "NORMAL" ) == NULL )
         accessors[1] = NO_ACCESSOR;
@@ -208,18 +191,18 @@ static RfResult add_target( RfGltf* gltf, const char* where, const RfGltfPrimiti
     return RF_OK;
 }
 
-RfResult rf_gltf_read_targets( RfGltf* gltf, const json_t* json, const char* where, const RfGltfPrimitive* primitive,
-                               uint32_t base, RfDeformation* deformation )
+RfResult rf_gltf_read_targets( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
+                               RfDeformation* deformation )
 {
-    const json_t* targets = NULL;
-    RfResult result = rf_gltf_get_array( gltf, json, where, "targets", &targets );
+    RfField targets = rf_get_array( json, "targets" );
+    RfResult result = rf_json_result( json );
     for ( int i = 0; result == RF_OK && i < deformation->target_count; ++i )
     {
-        RfWhere self = rf_where( "%s.targets[%d]", where, i );
+        RfField self = rf_field_item( &targets, (size_t)i );
         Deltas deltas = { .accessor = { NO_ACCESSOR, NO_ACCESSOR, NO_ACCESSOR } };
-        result = open_target( gltf, json_array_get( targets, (size_t)i ), self.text, json, primitive, deltas.accessor );
+        result = open_target( gltf, &self, json, primitive, deltas.accessor );
         if ( result == RF_OK )
-            result = add_target( gltf, self.text, primitive, base, &deltas, deformation->targets + i );
+            result = add_target( gltf, self.path, primitive, base, &deltas, deformation->targets + i );
         free_deltas( &deltas );
     }
     return result;

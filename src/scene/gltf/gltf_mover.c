@@ -65,8 +65,9 @@ RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node )
 
 static RfResult read_skin_of( const RfGltf* gltf, int node, int* skin )
 {
-    RfWhere where = rf_where( "nodes[%d]", node );
-    return rf_gltf_get_index( gltf, rf_gltf_item( gltf, RF_GLTF_NODES, node ), where.text, "skin", RF_GLTF_SKINS_LIST, skin );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
+    *skin = rf_gltf_get_index( gltf, &json, "skin", RF_GLTF_SKINS_LIST );
+    return rf_json_result( &json );
 }
 
 // Whether the mesh of a node has another shape than without its morph targets.
@@ -382,13 +383,11 @@ static RfResult describe( Builder* b, bool* used, Common* common )
 {
     RfGltf* gltf = b->gltf;
     RfScene* scene = gltf->scene;
-    RfWhere where = rf_where( "nodes[%d]", common->node );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, common->node );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, common->node );
     RfMover* mover = &common->mover;
     bool morphed = false;
-    RfResult result = rf_gltf_get_index( gltf, json, where.text, "mesh", RF_GLTF_MESHES, &common->document_mesh );
-    if ( result == RF_OK )
-        result = read_skin_of( gltf, common->node, &mover->skin );
+    common->document_mesh = rf_gltf_get_index( gltf, &json, "mesh", RF_GLTF_MESHES );
+    RfResult result = read_skin_of( gltf, common->node, &mover->skin );
     if ( result == RF_OK )
         result = is_morphed( gltf, common->node, common->document_mesh, &morphed );
     if ( result != RF_OK )

@@ -16,101 +16,83 @@
 // Exporters write the last row of a matrix with rounding errors.
 #define AFFINE_TOLERANCE 1e-5
 
-static RfResult read_matrix( const RfGltf* gltf, const json_t* json, const char* where, RfNode* node )
+static RfResult read_matrix( const RfGltf* gltf, const RfField* json, RfNode* node )
 {
-    if ( json_object_get( json, "translation" ) != NULL || json_object_get( json, "rotation" ) != NULL ||
-         json_object_get( json, "scale" ) != NULL )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "has both a matrix and translation, rotation or scale" );
+    if ( rf_has_member( json, "translation" ) || rf_has_member( json, "rotation" ) || rf_has_member( json, "scale" ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "has both a matrix and translation, rotation or scale" );
     double* m = node->matrix.m;
-    RfResult result = rf_gltf_get_numbers( gltf, json, where, "matrix", 16, m );
+    RfResult result = rf_get_numbers( json, "matrix", rf_any_number(), 16, m );
     if ( result != RF_OK )
         return result;
     if ( fabs( m[3] ) > AFFINE_TOLERANCE || fabs( m[7] ) > AFFINE_TOLERANCE || fabs( m[11] ) > AFFINE_TOLERANCE ||
          fabs( m[15] - 1.0 ) > AFFINE_TOLERANCE )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "matrix has a last row other than 0 0 0 1" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "matrix has a last row other than 0 0 0 1" );
     m[3] = m[7] = m[11] = 0.0;
     m[15] = 1.0;
     node->has_matrix = true;
     return RF_OK;
 }
 
-static RfResult read_trs( const RfGltf* gltf, const json_t* json, const char* where, RfNode* node )
+static RfResult read_trs( const RfGltf* gltf, const RfField* json, RfNode* node )
 {
-    RfResult result = rf_gltf_get_numbers( gltf, json, where, "translation", 3, node->translation );
-    if ( result == RF_OK )
-        result = rf_gltf_get_numbers( gltf, json, where, "rotation", 4, node->rotation );
-    if ( result == RF_OK )
-        result = rf_gltf_get_numbers( gltf, json, where, "scale", 3, node->scale );
+    rf_get_numbers( json, "translation", rf_any_number(), 3, node->translation );
+    rf_get_numbers( json, "rotation", rf_any_number(), 4, node->rotation );
+    RfResult result = rf_get_numbers( json, "scale", rf_any_number(), 3, node->scale );
     if ( result != RF_OK )
         return result;
     double* q = node->rotation;
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
     if ( ( length > 1e-6 && length < 1e6 ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "rotation is not a unit quaternion" );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "rotation is not a unit quaternion" );
     for ( int i = 0; i < 4; ++i )
         q[i] /= length;
     return RF_OK;
 }
 
-static RfResult read_visibility( const RfGltf* gltf, const json_t* json, const char* where, RfNode* node )
-{
-    const json_t* extension;
-    bool visible = true;
-    RfResult result = rf_gltf_get_extension( gltf, json, where, "KHR_node_visibility", &extension );
-    if ( result == RF_OK && extension != NULL )
-        result = rf_gltf_get_bool( gltf, extension, where, "visible", &visible );
-    node->hidden = !visible;
-    return result;
-}
-
-static RfResult copy_text( const RfGltf* gltf, const json_t* ours, const char* where, const char* key, char** copy )
+static RfResult copy_text( const RfField* ours, const char* key, char** copy )
 {
     const char* text = NULL;
-    RfResult result = rf_gltf_get_string( gltf, ours, where, key, &text );
+    RfResult result = rf_get_text( ours, key, &text );
     if ( result != RF_OK || text == NULL )
         return result;
+    RfField field = rf_field_member( ours, key );
     if ( text[0] == '\0' )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must not be empty: leave it out", key );
+        return rf_field_fail( &field, "must not be empty: leave it out" );
     *copy = strdup( text );
-    return *copy != NULL ? RF_OK : rf_gltf_no_memory( gltf, "nodes" );
+    return *copy != NULL ? RF_OK : rf_field_no_memory( ours );
 }
 
 // `extras.reframe`: what compositors know the node's surfaces by.
-static RfResult read_extras( const RfGltf* gltf, const json_t* json, const char* owner, RfNode* node )
+static RfResult read_extras( const RfField* json, RfNode* node )
 {
-    // extras of other programs may have any type
-    const json_t* ours = json_object_get( json_object_get( json, "extras" ), "reframe" );
-    if ( !json_is_object( ours ) )
-        return RF_OK;
-    RfWhere where = rf_where( "%s.extras.reframe", owner );
+    RfField ours = rf_gltf_extras( json );
     int64_t index = 0;
-    RfResult result = copy_text( gltf, ours, where.text, "object", &node->object );
-    if ( result == RF_OK )
-        result = copy_text( gltf, ours, where.text, "asset", &node->asset );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, ours, where.text, "pass_index", 0, RF_MOST_PASS_INDEX, &index );
+    if ( !json_is_object( ours.json ) )
+        return rf_json_result( json );
+    ours.gltf = true;
+    copy_text( &ours, "object", &node->object );
+    copy_text( &ours, "asset", &node->asset );
+    rf_get_integer( &ours, "pass_index", 0, RF_MOST_PASS_INDEX, &index );
     node->pass_index = (int)index;
-    return result;
+    return rf_json_result( json );
 }
 
 static RfResult load_node( RfGltf* gltf, int index )
 {
-    RfWhere where = rf_where( "nodes[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, index );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, index );
     RfNode* node = gltf->scene->nodes + index;
+    bool visible = true;
     node->matrix = rf_mat4_identity();
     node->rotation[3] = 1.0;
     node->scale[0] = node->scale[1] = node->scale[2] = 1.0;
-    RfResult result = rf_gltf_copy_name( gltf, json, where.text, where.text, &node->name );
-    if ( result == RF_OK )
-        result = read_visibility( gltf, json, where.text, node );
-    if ( result == RF_OK )
-        result = read_extras( gltf, json, where.text, node );
+    rf_gltf_copy_name( &json, json.path, &node->name );
+    RfField visibility = rf_gltf_extension( &json, "KHR_node_visibility" );
+    rf_get_bool( &visibility, "visible", &visible );
+    node->hidden = !visible;
+    RfResult result = read_extras( &json, node );
     if ( result != RF_OK )
         return result;
-    if ( json_object_get( json, "matrix" ) != NULL )
-        return read_matrix( gltf, json, where.text, node );
-    return read_trs( gltf, json, where.text, node );
+    return rf_has_member( &json, "matrix" ) ? read_matrix( gltf, &json, node ) : read_trs( gltf, &json, node );
 }
 
 // Reads one index of an array, such as children[2].
@@ -128,19 +110,20 @@ static RfResult read_node_index( const RfGltf* gltf, const json_t* list, size_t 
 
 static RfResult link_children( RfGltf* gltf, int parent )
 {
-    RfWhere where = rf_where( "nodes[%d]", parent );
-    const json_t* children = NULL;
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, parent );
-    RfResult result = rf_gltf_get_array( gltf, json, where.text, "children", &children );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, parent );
+    if ( !rf_has_member( &json, "children" ) )
+        return RF_OK;
+    const json_t* children = rf_get_array( &json, "children" ).json;
+    RfResult result = rf_json_result( &json );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( children ); ++i )
     {
         int child = 0;
-        result = read_node_index( gltf, children, i, where.text, "children", &child );
+        result = read_node_index( gltf, children, i, json.path, "children", &child );
         if ( result != RF_OK )
             break;
         RfNode* node = gltf->scene->nodes + child;
         if ( node->parent >= 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text,
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path,
                                  "children[%zu] is nodes[%d], which is a child of "
                                  "nodes[%d] already",
                                  i, child, node->parent );
@@ -207,26 +190,25 @@ static RfResult make_root( RfGltf* gltf, const char* where, int i, const int* de
 
 static RfResult order_scene( RfGltf* gltf, int index, int* depth )
 {
-    RfWhere where = rf_where( "scenes[%d]", index );
-    const json_t* roots = NULL;
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_SCENES, index );
-    RfResult result = rf_gltf_get_array( gltf, json, where.text, "nodes", &roots );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_SCENES, index );
+    const json_t* roots = rf_get_array( &json, "nodes" ).json;
+    RfResult result = rf_json_result( &json );
     gltf->order_count = 0;
     for ( int i = 0; i < gltf->scene->node_count; ++i )
         depth[i] = -1;
     for ( size_t i = 0; result == RF_OK && i < json_array_size( roots ); ++i )
     {
         int root = 0;
-        result = read_node_index( gltf, roots, i, where.text, "nodes", &root );
+        result = read_node_index( gltf, roots, i, json.path, "nodes", &root );
         if ( result != RF_OK )
             break;
         if ( depth[root] == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "nodes[%zu] is node %d, which is listed twice", i, root );
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "nodes[%zu] is node %d, which is listed twice", i, root );
         depth[root] = 0;
         gltf->order[gltf->order_count++] = root;
     }
     for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
-        result = make_root( gltf, where.text, i, depth );
+        result = make_root( gltf, json.path, i, depth );
     return result == RF_OK ? append_descendants( gltf, 0, gltf->order, &gltf->order_count, depth ) : result;
 }
 
@@ -235,10 +217,10 @@ static RfResult order_nodes( RfGltf* gltf, int* depth )
     RfResult result = order_all( gltf, gltf->order, &gltf->order_count, depth );
     if ( result != RF_OK )
         return result;
-    int scene;
-    result = rf_gltf_get_index( gltf, gltf->root, "document", "scene", RF_GLTF_SCENES, &scene );
-    if ( result != RF_OK )
-        return result;
+    RfField root = rf_gltf_root( gltf );
+    int scene = rf_gltf_get_index( gltf, &root, "scene", RF_GLTF_SCENES );
+    if ( rf_json_result( &root ) != RF_OK )
+        return rf_json_result( &root );
     // without scenes, everything in the file is shown
     if ( gltf->counts[RF_GLTF_SCENES] == 0 )
         return RF_OK;

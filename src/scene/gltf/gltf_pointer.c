@@ -170,18 +170,15 @@ static void follow( const Pointer* parts, RfGltfTarget* out )
     }
 }
 
-RfResult rf_gltf_follow_pointer( RfGltf* gltf, const json_t* target, const char* where, RfGltfTarget* out )
+RfResult rf_gltf_follow_pointer( RfGltf* gltf, const RfField* target, const char* where, RfGltfTarget* out )
 {
-    const json_t* extension;
     const char* pointer = "";
     Pointer parts;
-    RfResult result = rf_gltf_get_extension( gltf, target, where, "KHR_animation_pointer", &extension );
-    if ( result == RF_OK && extension == NULL )
+    RfField extension = rf_gltf_extension( target, "KHR_animation_pointer" );
+    if ( extension.json == NULL )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.extensions.KHR_animation_pointer is missing" );
-    if ( result == RF_OK )
-        result = rf_gltf_require( gltf, extension, where, "pointer" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_string( gltf, extension, where, "pointer", &pointer );
+    rf_gltf_require( &extension, "pointer", NULL );
+    RfResult result = rf_get_text( &extension, "pointer", &pointer );
     if ( result == RF_OK )
         result = take_apart( gltf, pointer, where, &parts );
     if ( result != RF_OK )

@@ -20,25 +20,24 @@ enum
 };
 
 // A compressed mesh is a list of triangles in each mode.
-static RfResult open_indices( RfGltf* gltf, const json_t* primitive, const char* where, int* mode,
-                              const RfGltfAccessor** accessor )
+static RfResult open_indices( RfGltf* gltf, const RfField* primitive, int* mode, const RfGltfAccessor** accessor )
 {
     int index = -1;
-    RfResult result = rf_gltf_packed_indices( gltf, primitive, where, accessor );
+    RfResult result = rf_gltf_packed_indices( gltf, primitive, accessor );
     if ( result == RF_OK && *accessor == NULL )
-        result = rf_gltf_get_index( gltf, primitive, where, "indices", RF_GLTF_ACCESSORS, &index );
+        index = rf_gltf_get_index( gltf, primitive, "indices", RF_GLTF_ACCESSORS );
     else
         *mode = LIST;
-    if ( result != RF_OK || index < 0 )
-        return result;
+    if ( index < 0 )
+        return rf_json_result( primitive );
     result = rf_gltf_open_accessor( gltf, index, accessor );
     if ( result == RF_OK )
-        result = rf_gltf_expect( gltf, index, *accessor, where, 1 );
+        result = rf_gltf_expect( gltf, index, *accessor, primitive->path, 1 );
     if ( result != RF_OK )
         return result;
     int type = ( *accessor )->component_type;
     if ( ( type != 5121 && type != 5123 && type != 5125 ) || ( *accessor )->normalized )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "indices accessors[%d] must be unsigned integers", index );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, primitive->path, "indices accessors[%d] must be unsigned integers", index );
     return RF_OK;
 }
 
@@ -67,11 +66,12 @@ static void find_corners( int mode, uint32_t t, uint32_t corners[3] )
 }
 
 // Reads triples of vertex indices, from an index accessor or implicit, by mode.
-static RfResult read_triangles( RfGltf* gltf, const json_t* primitive, const char* where, int mode, uint32_t vertex_count,
-                                uint32_t** indices, uint32_t* triangle_count )
+static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode, uint32_t vertex_count, uint32_t** indices,
+                                uint32_t* triangle_count )
 {
+    const char* where = primitive->path;
     const RfGltfAccessor* accessor;
-    RfResult result = open_indices( gltf, primitive, where, &mode, &accessor );
+    RfResult result = open_indices( gltf, primitive, &mode, &accessor );
     if ( result == RF_OK )
         result = count_triangles( gltf, where, mode, accessor != NULL ? accessor->count : vertex_count, triangle_count );
     if ( result != RF_OK )
@@ -183,13 +183,15 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
 }
 
 // With `components` 0 the caller checks their number.
-static RfResult open_attribute( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, int components,
+static RfResult open_attribute( RfGltf* gltf, const RfField* primitive, const char* where, const char* name, int components,
                                 int* index, uint32_t* count )
 {
-    RfResult result = rf_gltf_find_attribute( gltf, primitive, where, name, index );
+    const RfGltfAccessor* accessor;
+    if ( gltf->error->code != RF_OK )
+        return gltf->error->code;
+    RfResult result = rf_gltf_find_attribute( gltf, primitive, name, index );
     if ( result != RF_OK || *index < 0 )
         return result;
-    const RfGltfAccessor* accessor;
     result = rf_gltf_open_accessor( gltf, *index, &accessor );
     if ( result == RF_OK && components > 0 )
         result = rf_gltf_expect( gltf, *index, accessor, where, components );
@@ -204,7 +206,7 @@ static RfResult open_attribute( RfGltf* gltf, const json_t* primitive, const cha
 static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
 {
     if ( index < 0 )
-        return RF_OK;
+        return gltf->error->code;
     const RfGltfAccessor* a = gltf->accessors + index;
     bool is_float = a->component_type == 5126;
     bool is_part = ( a->component_type == 5121 || a->component_type == 5123 ) && a->normalized;
@@ -213,34 +215,26 @@ static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
     return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "COLOR_0 must be 3 or 4 floats or normalized unsigned bytes or shorts" );
 }
 
-static RfResult open_attributes( RfGltf* gltf, const json_t* primitive, const char* owner, Attributes* out, uint32_t* count )
+static RfResult open_attributes( RfGltf* gltf, const RfField* primitive, Attributes* out, uint32_t* count )
 {
-    RfWhere where = rf_where( "%s.attributes", owner );
-    const json_t* json = NULL;
     const RfGltfAccessor* packed;
     *out = ( Attributes ){ -1, -1, -1, -1, -1, -1 };
     *count = 0;
-    RfResult result = rf_gltf_require( gltf, primitive, owner, "attributes" );
+    rf_gltf_require( primitive, "attributes", NULL );
+    const RfField attributes = rf_get_object( primitive, "attributes" );
+    RfResult result = rf_json_result( primitive );
+    if ( result == RF_OK ) // before its attributes are looked for, since it names the primitive in messages
+        result = rf_gltf_packed_indices( gltf, primitive, &packed );
     if ( result == RF_OK )
-        result = rf_gltf_get_object( gltf, primitive, owner, "attributes", &json );
-    if ( result == RF_OK ) // before its attributes are looked for, since `owner` names it in messages
-        result = rf_gltf_packed_indices( gltf, primitive, owner, &packed );
-    if ( result == RF_OK )
-        result = open_attribute( gltf, primitive, where.text, "POSITION", 3, &out->position, count );
+        result = open_attribute( gltf, primitive, attributes.path, "POSITION", 3, &out->position, count );
     if ( result != RF_OK || out->position < 0 )
         return result;
-    result = open_attribute( gltf, primitive, where.text, "NORMAL", 3, &out->normal, count );
-    if ( result == RF_OK )
-        result = open_attribute( gltf, primitive, where.text, "TEXCOORD_0", 2, &out->uv, count );
-    if ( result == RF_OK )
-        result = open_attribute( gltf, primitive, where.text, "TEXCOORD_1", 2, &out->uv1, count );
-    if ( result == RF_OK )
-        result = open_attribute( gltf, primitive, where.text, "COLOR_0", 0, &out->color, count );
-    if ( result == RF_OK )
-        result = check_colors( gltf, where.text, out->color );
-    if ( result == RF_OK )
-        result = open_attribute( gltf, primitive, where.text, "TANGENT", 4, &out->tangent, count );
-    return result;
+    open_attribute( gltf, primitive, attributes.path, "NORMAL", 3, &out->normal, count );
+    open_attribute( gltf, primitive, attributes.path, "TEXCOORD_0", 2, &out->uv, count );
+    open_attribute( gltf, primitive, attributes.path, "TEXCOORD_1", 2, &out->uv1, count );
+    open_attribute( gltf, primitive, attributes.path, "COLOR_0", 0, &out->color, count );
+    check_colors( gltf, attributes.path, out->color );
+    return open_attribute( gltf, primitive, attributes.path, "TANGENT", 4, &out->tangent, count );
 }
 
 static RfResult reserve_remap( RfGltf* gltf, const char* where, uint32_t count )
@@ -346,14 +340,13 @@ static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes
     return result;
 }
 
-static RfResult find_material( RfGltf* gltf, const json_t* primitive, const char* where, uint32_t* material )
+static RfResult find_material( RfGltf* gltf, const RfField* primitive, uint32_t* material )
 {
-    int index;
-    RfResult result = rf_gltf_get_index( gltf, primitive, where, "material", RF_GLTF_MATERIALS, &index );
-    if ( result != RF_OK )
-        return result;
+    int index = rf_gltf_get_index( gltf, primitive, "material", RF_GLTF_MATERIALS );
+    if ( index < 0 && rf_json_result( primitive ) == RF_OK )
+        return rf_gltf_use_default_material( gltf, material );
     *material = (uint32_t)index;
-    return index >= 0 ? RF_OK : rf_gltf_use_default_material( gltf, material );
+    return rf_json_result( primitive );
 }
 
 // For the normal texture of the surface, else of the coat, else for anisotropy. Tangents in the file take precedence.
@@ -381,11 +374,12 @@ static RfResult add_tangents( RfGltf* gltf, const char* where, RfGltfPrimitive* 
     return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
 }
 
-RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfPrimitive* out )
+RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, RfGltfPrimitive* out )
 {
+    const char* where = primitive->path;
     *out = ( RfGltfPrimitive ){ 0 };
     int64_t mode = 4;
-    RfResult result = rf_gltf_get_integer( gltf, primitive, where, "mode", 0, 6, &mode );
+    RfResult result = rf_get_integer( primitive, "mode", 0, 6, &mode );
     if ( result != RF_OK )
         return result;
     if ( mode < 4 )
@@ -395,7 +389,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
     }
     Attributes attributes;
     uint32_t vertex_count;
-    result = open_attributes( gltf, primitive, where, &attributes, &vertex_count );
+    result = open_attributes( gltf, primitive, &attributes, &vertex_count );
     if ( result != RF_OK )
         return result;
     if ( attributes.position < 0 )
@@ -404,9 +398,9 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
         return RF_OK;
     }
 
-    result = find_material( gltf, primitive, where, &out->material );
+    result = find_material( gltf, primitive, &out->material );
     if ( result == RF_OK )
-        result = read_triangles( gltf, primitive, where, (int)mode, vertex_count, &out->indices, &out->triangle_count );
+        result = read_triangles( gltf, primitive, (int)mode, vertex_count, &out->indices, &out->triangle_count );
     if ( result == RF_OK && out->triangle_count > 0 )
         result = read_vertices( gltf, where, &attributes, vertex_count, out );
     if ( result == RF_OK && out->triangle_count > 0 )
@@ -416,23 +410,24 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const json_t* primitive, const ch
     return result;
 }
 
-RfResult rf_gltf_survey_primitive( RfGltf* gltf, const json_t* primitive, const char* where, RfGltfSurvey* out )
+RfResult rf_gltf_survey_primitive( RfGltf* gltf, const RfField* primitive, RfGltfSurvey* out )
 {
     *out = ( RfGltfSurvey ){ 0 };
     int64_t mode = LIST;
     Attributes attributes = { .position = -1 };
     const RfGltfAccessor* indices;
     uint32_t vertex_count = 0;
-    RfResult result = rf_gltf_get_integer( gltf, primitive, where, "mode", 0, 6, &mode );
+    RfResult result = rf_get_integer( primitive, "mode", 0, 6, &mode );
     if ( result == RF_OK && mode >= LIST )
-        result = open_attributes( gltf, primitive, where, &attributes, &vertex_count );
+        result = open_attributes( gltf, primitive, &attributes, &vertex_count );
     if ( result != RF_OK || attributes.position < 0 )
         return result;
     int list = (int)mode;
-    result = find_material( gltf, primitive, where, &out->material );
+    result = find_material( gltf, primitive, &out->material );
     if ( result == RF_OK )
-        result = open_indices( gltf, primitive, where, &list, &indices );
+        result = open_indices( gltf, primitive, &list, &indices );
     if ( result == RF_OK )
-        result = count_triangles( gltf, where, list, indices != NULL ? indices->count : vertex_count, &out->triangle_count );
+        result =
+            count_triangles( gltf, primitive->path, list, indices != NULL ? indices->count : vertex_count, &out->triangle_count );
     return result;
 }

@@ -7,17 +7,9 @@
 #include "scene/gltf/gltf_document.h"
 
 #include "base/file.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 
 #include <stdlib.h>
-
-static RfResult fail( const RfField* field, RfResult result, const RfError* error )
-{
-    rf_field_fail( field, "%.700s", error->text );
-    if ( field->error != NULL )
-        field->error->code = result;
-    return result;
-}
 
 // `beside`: the name is that of a scene file, where the file lies.
 static RfResult read_file( RfGltf* gltf, const RfField* field, bool beside, RfProfile** out )
@@ -43,7 +35,7 @@ static RfResult read_file( RfGltf* gltf, const RfField* field, bool beside, RfPr
         gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, bytes, size );
     free( path );
     free( bytes );
-    return result == RF_OK ? RF_OK : fail( field, result, &error );
+    return result == RF_OK ? RF_OK : rf_field_fail_as( field, result, &error );
 }
 
 // The bytes of the view are in the scene's hash already.
@@ -51,49 +43,38 @@ static RfResult read_view( RfGltf* gltf, const RfField* field, RfProfile** out )
 {
     static const char* const s_keys[] = { "bufferView", NULL };
     const uint8_t* bytes = NULL;
-    double number = 0.0;
+    int number = 0;
     int64_t length = 0;
     RfError error = { 0 };
-    RfResult result = rf_field_keys( field, s_keys );
-    if ( result == RF_OK )
-        result = rf_field_require( field, "bufferView", "the number of a buffer view" );
+    rf_field_keys( field, s_keys );
+    rf_field_require( field, "bufferView", "the number of a buffer view" );
     RfField view = rf_field_member( field, "bufferView" );
-    if ( result == RF_OK )
-        result = rf_field_number( &view, rf_range( 0.0, (double)gltf->counts[RF_GLTF_BUFFER_VIEWS] - 1.0 ), &number );
-    if ( result == RF_OK && number != floor( number ) )
-        result = rf_field_fail( &view, "is %g: must be a whole number", number );
+    RfResult result = rf_field_whole( &view, 0.0, (double)gltf->counts[RF_GLTF_BUFFER_VIEWS] - 1.0, &number );
     if ( result != RF_OK )
         return result;
-    RfWhere where = rf_where( "bufferViews[%d]", (int)number );
-    result = rf_gltf_get_integer( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, (int)number ), where.text, "byteLength", 1,
-                                  (int64_t)RF_PROFILE_BYTES, &length );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, number );
+    result = rf_get_integer( &json, "byteLength", 1, (int64_t)RF_PROFILE_BYTES, &length );
     if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, view.path, (int)number, 0, (uint64_t)length, &bytes );
+        result = rf_gltf_view_bytes( gltf, view.path, number, 0, (uint64_t)length, &bytes );
     if ( result != RF_OK )
         return result;
-    result = rf_read_ies( where.text, bytes, (size_t)length, out, &error );
-    return result == RF_OK ? RF_OK : fail( field, result, &error );
+    result = rf_read_ies( json.path, bytes, (size_t)length, out, &error );
+    return result == RF_OK ? RF_OK : rf_field_fail_as( field, result, &error );
 }
 
 static RfResult read_numbers( const RfField* table, const char* key, const char* item, int least, int most, double** values,
                               int* count )
 {
     RfField array = rf_field_member( table, key );
-    RfResult result = rf_field_require( table, key, "an array of numbers" );
-    if ( result == RF_OK )
-        result = rf_field_array( &array, item, (size_t)least, (size_t)most );
+    rf_field_require( table, key, "an array of numbers" );
+    RfResult result = rf_field_array( &array, item, (size_t)least, (size_t)most );
     if ( result != RF_OK )
         return result;
     *count = (int)json_array_size( array.json );
     *values = malloc( (size_t)*count * sizeof **values );
     if ( *values == NULL )
-        return rf_fail( table->error, RF_ERROR_MEMORY, "%s: no memory for its profiles", table->file );
-    for ( int i = 0; i < *count && result == RF_OK; ++i )
-    {
-        RfField field = rf_field_item( &array, (size_t)i );
-        result = rf_field_number( &field, rf_range( 0.0, 1e12 ), *values + i );
-    }
-    return result;
+        return rf_field_no_memory( &array );
+    return rf_field_numbers( &array, rf_range( 0.0, 1e12 ), *count, *values );
 }
 
 static RfResult read_table( const RfField* field, RfProfile** out )
@@ -102,20 +83,17 @@ static RfResult read_table( const RfField* field, RfProfile** out )
     RfProfileTable table = { 0 };
     int count = 0;
     RfError error = { 0 };
-    RfResult result = rf_field_keys( field, s_keys );
-    if ( result == RF_OK )
-        result = read_numbers( field, "vertical", "degrees", 2, RF_PROFILE_ANGLES, &table.vertical, &table.rows );
-    if ( result == RF_OK )
-        result = read_numbers( field, "horizontal", "degrees", 1, RF_PROFILE_ANGLES, &table.horizontal, &table.columns );
-    if ( result == RF_OK )
-        result = read_numbers( field, "relative", "intensities", 2, RF_PROFILE_VALUES, &table.value, &count );
+    rf_field_keys( field, s_keys );
+    read_numbers( field, "vertical", "degrees", 2, RF_PROFILE_ANGLES, &table.vertical, &table.rows );
+    read_numbers( field, "horizontal", "degrees", 1, RF_PROFILE_ANGLES, &table.horizontal, &table.columns );
+    RfResult result = read_numbers( field, "relative", "intensities", 2, RF_PROFILE_VALUES, &table.value, &count );
     if ( result == RF_OK && count != table.rows * table.columns )
         result = rf_field_fail( field, "has %d intensities for %d vertical and %d horizontal angles: must be %d", count,
                                 table.rows, table.columns, table.rows * table.columns );
     else if ( result == RF_OK )
     {
         result = rf_make_profile( "the table", &table, out, &error );
-        result = result == RF_OK ? RF_OK : fail( field, result, &error );
+        result = result == RF_OK ? RF_OK : rf_field_fail_as( field, result, &error );
     }
     free( table.vertical );
     free( table.horizontal );

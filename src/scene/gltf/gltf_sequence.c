@@ -28,14 +28,11 @@ static RfWhere place_of( const RfGltf* gltf, int image )
 // `frames` is NULL where the image is one alone.
 static RfResult read_sequence( const RfGltf* gltf, int image, RfImageSequence* sequence, const char** frames )
 {
-    // extras of other programs may have any type
-    const json_t* extras = json_object_get( rf_gltf_item( gltf, RF_GLTF_IMAGES, image ), "extras" );
-    const json_t* ours = json_object_get( extras, "reframe" );
+    RfField json = rf_gltf_field( gltf, place_of( gltf, image ).text, rf_gltf_item( gltf, RF_GLTF_IMAGES, image ) );
+    RfField field = rf_gltf_extras( &json );
     *frames = NULL;
-    if ( ours == NULL )
-        return RF_OK;
-    RfWhere where = rf_where( "%.120s.extras.reframe", place_of( gltf, image ).text );
-    RfField field = rf_make_field( gltf->path, where.text, ours, gltf->error );
+    if ( field.json == NULL )
+        return rf_json_result( &json );
     RfResult result = rf_read_sequence( &field, sequence, frames );
     RfFps fps = gltf->options->fps.numerator > 0 ? gltf->options->fps : rf_scene_fps( gltf->scene );
     if ( sequence->fps == 0.0 )

@@ -136,8 +136,9 @@ static RfResult append_triangles( Reader* r, uint32_t base, const RfGltfPrimitiv
     return RF_OK;
 }
 
-static RfResult add_primitive( Reader* r, const json_t* json, const char* where, const RfGltfPrimitive* p )
+static RfResult add_primitive( Reader* r, const RfField* json, const RfGltfPrimitive* p )
 {
+    const char* where = json->path;
     RfMesh* mesh = r->out;
     uint32_t base = mesh->triangles.vertex_count;
     if ( p->vertex_count > UINT32_MAX - base )
@@ -146,9 +147,9 @@ static RfResult add_primitive( Reader* r, const json_t* json, const char* where,
         return rf_gltf_no_memory( r->gltf, where );
     RfResult result = check_vertices( r, base, where );
     if ( result == RF_OK && mesh->deformation != NULL )
-        result = rf_gltf_read_targets( r->gltf, json, where, p, base, mesh->deformation );
+        result = rf_gltf_read_targets( r->gltf, json, p, base, mesh->deformation );
     if ( result == RF_OK && r->shape->skinned )
-        result = rf_gltf_read_influences( r->gltf, json, where, p, base, mesh->deformation );
+        result = rf_gltf_read_influences( r->gltf, json, p, base, mesh->deformation );
     if ( result == RF_OK )
         result = append_triangles( r, base, p, where );
     if ( result == RF_OK && p->colors != NULL )
@@ -156,20 +157,19 @@ static RfResult add_primitive( Reader* r, const json_t* json, const char* where,
     return result;
 }
 
-static RfResult read_primitive( Reader* r, const json_t* json, const char* where )
+static RfResult read_primitive( Reader* r, const RfField* json )
 {
+    const char* where = json->path;
     RfGltfPrimitive p;
-    if ( !json_is_object( json ) )
-        return rf_gltf_fail( r->gltf, RF_ERROR_FORMAT, where, "must be an object" );
-    if ( r->shape->changing_only && !rf_gltf_primitive_changes( r->gltf, json ) )
+    if ( r->shape->changing_only && !rf_gltf_primitive_changes( r->gltf, json->json ) )
         return RF_OK;
-    RfResult result = rf_gltf_read_primitive( r->gltf, json, where, &p );
+    RfResult result = rf_gltf_read_primitive( r->gltf, json, &p );
     if ( result != RF_OK )
         return result;
     if ( p.triangle_count > 0 && p.normals == NULL )
         result = rf_gltf_make_flat( r->gltf, where, &p );
     if ( result == RF_OK && p.triangle_count > 0 )
-        result = add_primitive( r, json, where, &p );
+        result = add_primitive( r, json, &p );
     rf_gltf_free_primitive( &p );
     return result;
 }
@@ -198,18 +198,14 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
 
 static RfResult read_primitives( Reader* r )
 {
-    RfWhere where = rf_where( "meshes[%d]", r->shape->mesh );
-    const json_t* primitives = NULL;
-    const json_t* json = rf_gltf_item( r->gltf, RF_GLTF_MESHES, r->shape->mesh );
-    RfResult result = rf_gltf_require( r->gltf, json, where.text, "primitives" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_array( r->gltf, json, where.text, "primitives", &primitives );
+    RfField primitives = rf_gltf_primitives( r->gltf, r->shape->mesh );
+    RfResult result = rf_json_result( &primitives );
     if ( result == RF_OK && r->shape->deforms )
-        result = begin_deformation( r, primitives, where.text );
-    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives ); ++i )
+        result = begin_deformation( r, primitives.json, primitives.path );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
-        RfWhere self = rf_where( "meshes[%d].primitives[%zu]", r->shape->mesh, i );
-        result = read_primitive( r, json_array_get( primitives, i ), self.text );
+        RfField primitive = rf_field_item( &primitives, i );
+        result = read_primitive( r, &primitive );
     }
     return result;
 }

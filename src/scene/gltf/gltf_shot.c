@@ -6,7 +6,7 @@
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/camera_path/optics.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/json/view_json.h"
 #include "scene/movement.h"
 #include "scene/projection.h"
@@ -26,14 +26,12 @@
 
 #define MAX_NAMED 5 // in the warning
 
-static RfResult read_whole( const RfField* field, double high, int* value )
+static RfResult read_two( const RfField* field, double high, int* first, int* second )
 {
-    double number = 0.0;
-    RfResult result = rf_field_number( field, rf_range( 1.0, high ), &number );
-    if ( result == RF_OK && floor( number ) != number )
-        return rf_field_must_be( field, "a whole number" );
-    *value = (int)number;
-    return result;
+    rf_field_array( field, "whole number", 2, 2 );
+    RfField items[2] = { rf_field_item( field, 0 ), rf_field_item( field, 1 ) };
+    rf_field_whole( items, 1.0, high, first );
+    return rf_field_whole( items + 1, 1.0, high, second );
 }
 
 // A number, or numerator and denominator.
@@ -44,13 +42,8 @@ static RfResult read_fps( const RfField* field, RfFps* fps )
     fps->denominator = 1;
     if ( json_is_real( field->json ) && rf_broadcast_fps( json_real_value( field->json ), fps ) )
         return RF_OK;
-    if ( !json_is_array( field->json ) )
-        return read_whole( field, 1e6, &fps->numerator );
-    RfResult result = rf_field_array( field, "whole number", 2, 2 );
-    RfField numerator = rf_field_item( field, 0 ), denominator = rf_field_item( field, 1 );
-    if ( result == RF_OK )
-        result = read_whole( &numerator, 1e9, &fps->numerator );
-    return result == RF_OK ? read_whole( &denominator, 1e9, &fps->denominator ) : result;
+    return json_is_array( field->json ) ? read_two( field, 1e9, &fps->numerator, &fps->denominator )
+                                        : rf_field_whole( field, 1.0, 1e6, &fps->numerator );
 }
 
 RfFps rf_gltf_document_fps( const json_t* root )
@@ -59,26 +52,16 @@ RfFps rf_gltf_document_fps( const json_t* root )
     const json_t* scene = json_array_get( json_object_get( root, "scenes" ), index > 0 ? (size_t)index : 0 );
     const json_t* ours = json_object_get( json_object_get( scene, "extras" ), "reframe" );
     const json_t* render = json_object_get( ours, "render" );
-    RfField field = rf_make_field( "", "fps", json_object_get( render, "fps" ), NULL );
+    RfError none;
+    RfField field = rf_make_field( "", "fps", json_object_get( render, "fps" ), rf_begin_reading( &none ) );
     RfFps fps = { 0 };
     return read_fps( &field, &fps ) == RF_OK && fps.numerator > 0 ? fps : ( RfFps ){ 24, 1 };
-}
-
-static RfResult read_size( const RfField* field, RfScene* scene )
-{
-    if ( field->json == NULL )
-        return RF_OK;
-    RfResult result = rf_field_array( field, "whole number", 2, 2 );
-    RfField width = rf_field_item( field, 0 ), height = rf_field_item( field, 1 );
-    if ( result == RF_OK )
-        result = read_whole( &width, RF_MAX_IMAGE_SIDE, &scene->film_width );
-    return result == RF_OK ? read_whole( &height, RF_MAX_IMAGE_SIDE, &scene->film_height ) : result;
 }
 
 static RfResult read_moving( RfGltf* gltf, const RfField* list )
 {
     if ( list->json == NULL )
-        return RF_OK;
+        return rf_json_result( list );
     RfResult result = rf_field_array( list, "name", 0, 1000000 );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( list->json ); ++i )
     {
@@ -94,20 +77,18 @@ static RfResult read_moving( RfGltf* gltf, const RfField* list )
 RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
 {
     static const char* const s_keys[] = { "size", "fps", "alpha", NULL };
+    RfScene* scene = gltf->scene;
     RfField render = rf_field_member( ours, "render" ), moving = rf_field_member( ours, "moving" );
-    RfResult result = render.json != NULL ? rf_field_keys( &render, s_keys ) : RF_OK;
-    RfField size = rf_field_member( &render, "size" ), fps = rf_field_member( &render, "fps" );
-    if ( result == RF_OK )
-        result = read_size( &size, gltf->scene );
-    if ( result == RF_OK )
-        result = read_fps( &fps, &gltf->scene->fps );
-    RfField alpha = rf_field_member( &render, "alpha" );
-    if ( result == RF_OK && alpha.json != NULL )
-        result = rf_field_bool( &alpha, &gltf->scene->film_alpha );
-    RfField view = rf_field_member( ours, "view" );
-    if ( result == RF_OK )
-        result = rf_read_view( &view, &gltf->scene->view );
-    return result == RF_OK ? read_moving( gltf, &moving ) : result;
+    if ( render.json != NULL )
+        rf_field_keys( &render, s_keys );
+    RfField size = rf_field_member( &render, "size" ), fps = rf_field_member( &render, "fps" ),
+            view = rf_field_member( ours, "view" );
+    if ( size.json != NULL )
+        read_two( &size, RF_MAX_IMAGE_SIDE, &scene->film_width, &scene->film_height );
+    read_fps( &fps, &scene->fps );
+    rf_get_bool( &render, "alpha", &scene->film_alpha );
+    rf_read_view( &view, &scene->view );
+    return read_moving( gltf, &moving );
 }
 
 static RfResult read_lens( RfGltf* gltf, const RfField* ours, RfCamera* camera )
@@ -123,7 +104,7 @@ static RfResult read_projection( const RfField* ours, bool has_path, RfCamera* c
     int kinds[RF_PROJECTION_COUNT], count = 0, index = 0;
     RfField field = rf_field_member( ours, "projection" );
     if ( field.json == NULL )
-        return RF_OK;
+        return rf_json_result( ours );
     if ( has_path )
         return rf_field_fail( &field, "not together with path: that has a projection of its own" );
     for ( int k = 0; k < RF_PROJECTION_COUNT; ++k )
@@ -133,24 +114,20 @@ static RfResult read_projection( const RfField* ours, bool has_path, RfCamera* c
         kinds[count] = k;
         names[count++] = g_rf_projection_names[k];
     }
-    RfResult result = rf_field_choice( &field, names, &index );
+    rf_field_choice( &field, names, &index );
     camera->projection = kinds[index];
-    return result;
+    return rf_json_result( ours );
 }
 
-RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char* where, RfCamera* camera )
+RfResult rf_gltf_read_camera_path( RfGltf* gltf, const RfField* node, RfCamera* camera )
 {
     static const char* const s_keys[] = { "path", "lens", "projection", "object", "asset", "pass_index", "light_group", NULL };
-    // extras of other programs may have any type
-    const json_t* ours = json_object_get( json_object_get( node, "extras" ), "reframe" );
-    if ( ours == NULL )
-        return RF_OK;
-    RfWhere self = rf_where( "%s.extras.reframe", where );
-    RfField field = rf_make_field( gltf->path, self.text, ours, gltf->error );
-    RfResult result = rf_field_keys( &field, s_keys );
+    RfField field = rf_gltf_extras( node );
+    if ( field.json == NULL )
+        return rf_json_result( node );
+    rf_field_keys( &field, s_keys );
     RfField path = rf_field_member( &field, "path" ), lens = rf_field_member( &field, "lens" );
-    if ( result == RF_OK )
-        result = read_projection( &field, path.json != NULL, camera );
+    RfResult result = read_projection( &field, path.json != NULL, camera );
     if ( result == RF_OK && path.json != NULL && lens.json != NULL )
         return rf_field_fail( &lens, "not together with path: that has a lens of its own" );
     if ( result == RF_OK && lens.json != NULL )
@@ -158,7 +135,7 @@ RfResult rf_gltf_read_camera_path( RfGltf* gltf, const json_t* node, const char*
     if ( result != RF_OK || path.json == NULL )
         return result;
     RfCamera read;
-    result = rf_read_camera( &path, camera->name, &read, gltf->error );
+    result = rf_read_camera( &path, camera->name, &read );
     if ( result != RF_OK )
         return result;
     camera->track = read.track;
@@ -407,7 +384,7 @@ static RfResult read_texts( RfGltf* gltf, const RfField* ours, const char* key, 
 {
     RfField list = rf_field_member( ours, key );
     if ( list.json == NULL )
-        return RF_OK;
+        return rf_json_result( ours );
     RfResult result = rf_field_array( &list, "texts", 0, MAX_WARNINGS );
     if ( result != RF_OK )
         return result;
@@ -434,7 +411,6 @@ static RfResult read_texts( RfGltf* gltf, const RfField* ours, const char* key, 
 RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
 {
     RfScene* scene = gltf->scene;
-    RfResult result = read_texts( gltf, ours, "export_losses", &scene->export_losses, &scene->export_loss_count );
-    return result == RF_OK ? read_texts( gltf, ours, "export_warnings", &scene->export_warnings, &scene->export_warning_count )
-                           : result;
+    read_texts( gltf, ours, "export_losses", &scene->export_losses, &scene->export_loss_count );
+    return read_texts( gltf, ours, "export_warnings", &scene->export_warnings, &scene->export_warning_count );
 }

@@ -26,14 +26,13 @@ static RfResult read_joint( const RfGltf* gltf, const json_t* joints, const char
     return RF_OK;
 }
 
-static RfResult read_joints( const RfGltf* gltf, const json_t* json, const char* where, RfSkin* skin )
+static RfResult read_joints( const RfGltf* gltf, const RfField* json, RfSkin* skin )
 {
-    const json_t* joints = NULL;
-    RfResult result = rf_gltf_require( gltf, json, where, "joints" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_array( gltf, json, where, "joints", &joints );
-    if ( result != RF_OK )
-        return result;
+    const char* where = json->path;
+    RfResult result = rf_gltf_require( json, "joints", NULL );
+    const json_t* joints = rf_get_array( json, "joints" ).json;
+    if ( result != RF_OK || joints == NULL )
+        return rf_json_result( json );
     size_t count = json_array_size( joints );
     if ( count == 0 || count > MAX_JOINTS )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints must be 1 to %d nodes, got %zu", MAX_JOINTS, count );
@@ -67,14 +66,14 @@ static RfResult read_inverse_bind( const RfGltf* gltf, const char* where, int in
 }
 
 // Without them they are the identity.
-static RfResult read_inverse_binds( RfGltf* gltf, const json_t* json, const char* where, RfSkin* skin )
+static RfResult read_inverse_binds( RfGltf* gltf, const RfField* json, RfSkin* skin )
 {
-    int index;
-    RfResult result = rf_gltf_get_index( gltf, json, where, "inverseBindMatrices", RF_GLTF_ACCESSORS, &index );
-    if ( result != RF_OK || index < 0 )
-        return result;
+    const char* where = json->path;
+    int index = rf_gltf_get_index( gltf, json, "inverseBindMatrices", RF_GLTF_ACCESSORS );
+    if ( index < 0 )
+        return rf_json_result( json );
     const RfGltfAccessor* accessor;
-    result = rf_gltf_open_matrices( gltf, index, &accessor );
+    RfResult result = rf_gltf_open_matrices( gltf, index, &accessor );
     if ( result != RF_OK )
         return result;
     if ( accessor->count < (uint32_t)skin->joint_count )
@@ -95,11 +94,10 @@ RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement )
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < count; ++i )
     {
-        RfWhere where = rf_where( "skins[%d]", i );
-        const json_t* json = rf_gltf_item( gltf, RF_GLTF_SKINS_LIST, i );
-        result = read_joints( gltf, json, where.text, movement->skins + i );
+        RfField json = rf_gltf_item_field( gltf, RF_GLTF_SKINS_LIST, i );
+        result = read_joints( gltf, &json, movement->skins + i );
         if ( result == RF_OK )
-            result = read_inverse_binds( gltf, json, where.text, movement->skins + i );
+            result = read_inverse_binds( gltf, &json, movement->skins + i );
     }
     return result;
 }
@@ -110,13 +108,13 @@ typedef struct Influences
     int joints[2], weights[2];
 } Influences;
 
-static RfResult open_influence( RfGltf* gltf, const json_t* primitive, const char* where, const char* name, bool joints,
+static RfResult open_influence( RfGltf* gltf, const RfField* primitive, const char* where, const char* name, bool joints,
                                 int* index )
 {
     int base = -1;
-    RfResult result = rf_gltf_find_attribute( gltf, primitive, where, name, index );
+    RfResult result = rf_gltf_find_attribute( gltf, primitive, name, index );
     if ( result == RF_OK )
-        result = rf_gltf_find_attribute( gltf, primitive, where, "POSITION", &base );
+        result = rf_gltf_find_attribute( gltf, primitive, "POSITION", &base );
     if ( result != RF_OK || *index < 0 )
         return result;
     const RfGltfAccessor* accessor;
@@ -136,27 +134,26 @@ static RfResult open_influence( RfGltf* gltf, const json_t* primitive, const cha
     return RF_OK;
 }
 
-static RfResult open_influences( RfGltf* gltf, const json_t* json, const char* owner, Influences* out )
+static RfResult open_influences( RfGltf* gltf, const RfField* json, Influences* out )
 {
     static const char* const s_names[][2] = { { "JOINTS_0", "WEIGHTS_0" }, { "JOINTS_1", "WEIGHTS_1" } };
-    RfWhere where = rf_where( "%s.attributes", owner );
-    const json_t* attributes = json_object_get( json, "attributes" );
+    RfField attributes = rf_get_object( json, "attributes" );
     for ( int i = 0; i < 2; ++i )
     {
-        RfResult result = open_influence( gltf, json, where.text, s_names[i][0], true, out->joints + i );
+        RfResult result = open_influence( gltf, json, attributes.path, s_names[i][0], true, out->joints + i );
         if ( result == RF_OK )
-            result = open_influence( gltf, json, where.text, s_names[i][1], false, out->weights + i );
+            result = open_influence( gltf, json, attributes.path, s_names[i][1], false, out->weights + i );
         if ( result != RF_OK )
             return result;
         if ( ( out->joints[i] < 0 ) != ( out->weights[i] < 0 ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "must have %s and %s, or neither", s_names[i][0],
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, attributes.path, "must have %s and %s, or neither", s_names[i][0],
                                  s_names[i][1] );
     }
     if ( out->joints[0] < 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "has no JOINTS_0, but a node has its mesh with a skin" );
-    if ( json_object_get( attributes, "JOINTS_2" ) != NULL )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, attributes.path, "has no JOINTS_0, but a node has its mesh with a skin" );
+    if ( rf_has_member( &attributes, "JOINTS_2" ) )
         rf_gltf_notice( gltf, RF_GLTF_MORE_JOINTS, "%s has JOINTS_2: each vertex follows the first eight of its joints",
-                        where.text );
+                        attributes.path );
     return RF_OK;
 }
 
@@ -203,11 +200,12 @@ static RfResult keep_influences( RfGltf* gltf, const char* where, uint32_t verte
     return RF_OK;
 }
 
-RfResult rf_gltf_read_influences( RfGltf* gltf, const json_t* json, const char* where, const RfGltfPrimitive* primitive,
-                                  uint32_t base, RfDeformation* deformation )
+RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
+                                  RfDeformation* deformation )
 {
+    const char* where = json->path;
     Influences from;
-    RfResult result = open_influences( gltf, json, where, &from );
+    RfResult result = open_influences( gltf, json, &from );
     if ( result != RF_OK )
         return result;
     size_t all = ( (size_t)base + primitive->vertex_count ) * (size_t)deformation->influences;

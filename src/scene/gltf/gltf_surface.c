@@ -4,103 +4,56 @@
 
 #include <math.h>
 
-// The object of an extension in a material, NULL without one, and its place for messages.
-static RfResult find( const RfGltf* gltf, const json_t* material, const char* owner, const char* extension, const json_t** json,
-                      RfWhere* where )
+static const RfRange s_share = { 0.0, 1.0, false };
+
+static void read_sheen( const RfField* material, RfFactors* out )
 {
-    *where = rf_where( "%s.extensions.%s", owner, extension );
-    return rf_gltf_get_extension( gltf, material, owner, extension, json );
+    RfField json = rf_gltf_extension( material, "KHR_materials_sheen" );
+    rf_get_numbers( &json, "sheenColorFactor", s_share, 3, out->sheen_color );
+    rf_get_number( &json, "sheenRoughnessFactor", s_share, &out->sheen_roughness );
 }
 
-static RfResult read_sheen( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
+static void read_anisotropy( const RfGltf* gltf, const RfField* material, RfFactors* out )
 {
-    const json_t* json;
-    RfWhere where;
-    RfResult result = find( gltf, material, owner, "KHR_materials_sheen", &json, &where );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    result = rf_gltf_get_shares( gltf, json, where.text, "sheenColorFactor", 3, out->sheen_color );
-    return result == RF_OK ? rf_gltf_get_shares( gltf, json, where.text, "sheenRoughnessFactor", 1, &out->sheen_roughness )
-                           : result;
-}
-
-static RfResult read_anisotropy( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
-{
-    const json_t* json;
-    RfWhere where;
-    RfResult result = find( gltf, material, owner, "KHR_materials_anisotropy", &json, &where );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    result = rf_gltf_get_shares( gltf, json, where.text, "anisotropyStrength", 1, &out->anisotropy );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where.text, "anisotropyRotation", &out->anisotropy_rotation );
-    return result == RF_OK ? rf_gltf_check_limit( gltf, where.text, "anisotropyRotation", out->anisotropy_rotation, 1e6 )
-                           : result;
+    RfField json = rf_gltf_extension( material, "KHR_materials_anisotropy" );
+    rf_get_number( &json, "anisotropyStrength", s_share, &out->anisotropy );
+    rf_get_number( &json, "anisotropyRotation", rf_any_number(), &out->anisotropy_rotation );
+    rf_gltf_check_limit( gltf, json.path, "anisotropyRotation", out->anisotropy_rotation, 1e6 );
 }
 
 #define MAX_FILM 1e5 // nm
 
-static RfResult read_thickness( const RfGltf* gltf, const json_t* json, const char* where, const char* key, double* out )
+static void read_iridescence( const RfField* material, RfFactors* out )
 {
-    RfResult result = rf_gltf_get_number( gltf, json, where, key, out );
-    if ( result == RF_OK && !( *out >= 0.0 && *out <= MAX_FILM ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be 0 to %g nanometres", key, *out, MAX_FILM );
-    return result;
+    RfField json = rf_gltf_extension( material, "KHR_materials_iridescence" );
+    rf_get_number( &json, "iridescenceFactor", s_share, &out->film );
+    rf_get_number( &json, "iridescenceIor", rf_range( 1.0, 100.0 ), &out->film_ior );
+    rf_get_number( &json, "iridescenceThicknessMinimum", rf_range( 0.0, MAX_FILM ), &out->film_least );
+    rf_get_number( &json, "iridescenceThicknessMaximum", rf_range( 0.0, MAX_FILM ), &out->film_most );
 }
 
-static RfResult read_iridescence( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
+static void read_through( const RfField* material, RfFactors* out )
 {
-    const json_t* json;
-    RfWhere where;
-    RfResult result = find( gltf, material, owner, "KHR_materials_iridescence", &json, &where );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    result = rf_gltf_get_shares( gltf, json, where.text, "iridescenceFactor", 1, &out->film );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where.text, "iridescenceIor", &out->film_ior );
-    if ( result == RF_OK && !( out->film_ior >= 1.0 && out->film_ior <= 100.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "iridescenceIor is %g, it must be 1 to 100", out->film_ior );
-    if ( result == RF_OK )
-        result = read_thickness( gltf, json, where.text, "iridescenceThicknessMinimum", &out->film_least );
-    return result == RF_OK ? read_thickness( gltf, json, where.text, "iridescenceThicknessMaximum", &out->film_most ) : result;
+    RfField json = rf_gltf_extension( material, "KHR_materials_diffuse_transmission" );
+    rf_get_number( &json, "diffuseTransmissionFactor", s_share, &out->through );
+    rf_get_numbers( &json, "diffuseTransmissionColorFactor", s_share, 3, out->through_color );
 }
 
-static RfResult read_through( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
+static void read_dispersion( const RfGltf* gltf, const RfField* material, RfFactors* out )
 {
-    const json_t* json;
-    RfWhere where;
-    RfResult result = find( gltf, material, owner, "KHR_materials_diffuse_transmission", &json, &where );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    result = rf_gltf_get_shares( gltf, json, where.text, "diffuseTransmissionFactor", 1, &out->through );
-    return result == RF_OK ? rf_gltf_get_shares( gltf, json, where.text, "diffuseTransmissionColorFactor", 3, out->through_color )
-                           : result;
+    RfField json = rf_gltf_extension( material, "KHR_materials_dispersion" );
+    rf_get_number( &json, "dispersion", rf_range( 0.0, HUGE_VAL ), &out->dispersion );
+    rf_gltf_check_limit( gltf, json.path, "dispersion", out->dispersion, 1e6 );
 }
 
-static RfResult read_dispersion( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* out )
+RfResult rf_gltf_read_surface( const RfGltf* gltf, const RfField* material, RfFactors* out )
 {
-    const json_t* json;
-    RfWhere where;
-    RfResult result = find( gltf, material, owner, "KHR_materials_dispersion", &json, &where );
-    if ( result == RF_OK && json != NULL )
-        result = rf_gltf_get_number( gltf, json, where.text, "dispersion", &out->dispersion );
-    if ( result == RF_OK && !( out->dispersion >= 0.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "dispersion is %g, it must be 0 or more", out->dispersion );
-    return result == RF_OK ? rf_gltf_check_limit( gltf, where.text, "dispersion", out->dispersion, 1e6 ) : result;
-}
-
-RfResult rf_gltf_read_surface( const RfGltf* gltf, const json_t* material, const char* where, RfFactors* out )
-{
-    RfResult result = read_sheen( gltf, material, where, out );
-    if ( result == RF_OK )
-        result = read_anisotropy( gltf, material, where, out );
-    if ( result == RF_OK )
-        result = read_iridescence( gltf, material, where, out );
-    if ( result == RF_OK )
-        result = read_through( gltf, material, where, out );
-    if ( result == RF_OK )
-        result = read_dispersion( gltf, material, where, out );
-    return result;
+    read_sheen( material, out );
+    read_anisotropy( gltf, material, out );
+    read_iridescence( material, out );
+    read_through( material, out );
+    read_dispersion( gltf, material, out );
+    return rf_json_result( material );
 }
 
 static double number_of( const json_t* material, const char* extension, const char* key )
@@ -142,21 +95,13 @@ static void make_translucent( RfGltf* gltf, const json_t* material, RfMaterial* 
 }
 
 // The least extinction of the channels, 1/m: what KHR_materials_volume calls attenuation. 0 without any.
-static RfResult read_extinction( const RfGltf* gltf, const json_t* material, const char* owner, double* least )
+static double read_extinction( const RfField* material )
 {
-    const json_t* json;
-    RfWhere where;
     double distance = 0.0, color[3] = { 1, 1, 1 };
-    RfResult result = find( gltf, material, owner, "KHR_materials_volume", &json, &where );
-    *least = 0.0;
-    if ( result != RF_OK || json == NULL )
-        return result;
-    result = rf_gltf_get_number( gltf, json, where.text, "attenuationDistance", &distance );
-    if ( result == RF_OK )
-        result = rf_gltf_get_shares( gltf, json, where.text, "attenuationColor", 3, color );
-    if ( result == RF_OK && distance > 0.0 )
-        *least = -log( fmax( fmax( color[0], fmax( color[1], color[2] ) ), 1e-6 ) ) / distance;
-    return result;
+    RfField json = rf_gltf_extension( material, "KHR_materials_volume" );
+    rf_get_number( &json, "attenuationDistance", rf_any_number(), &distance );
+    rf_get_numbers( &json, "attenuationColor", s_share, 3, color );
+    return distance > 0.0 ? -log( fmax( fmax( color[0], fmax( color[1], color[2] ) ), 1e-6 ) ) / distance : 0.0;
 }
 
 // The albedo of a half-space that is lit evenly, from that which KHR_materials_volume_scatter takes for it: its single-scattering
@@ -175,27 +120,25 @@ static double reflected( double base, double in, double albedo )
     return base + in * in * albedo / fmax( 1.0 - base * albedo, 1e-9 );
 }
 
-RfResult rf_gltf_read_scatter( const RfGltf* gltf, const json_t* material, const char* owner, RfFactors* factors, bool* dense )
+RfResult rf_gltf_read_scatter( const RfGltf* gltf, const RfField* material, RfFactors* factors, bool* dense )
 {
-    const json_t* json;
-    RfWhere where;
-    double color[3] = { 0 }, g = 0.0, extinction = 0.0;
+    double color[3] = { 0 }, g = 0.0;
     *dense = false;
-    RfResult result = find( gltf, material, owner, "KHR_materials_volume_scatter", &json, &where );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    result = rf_gltf_get_shares( gltf, json, where.text, "multiscatterColor", 3, color );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where.text, "scatterAnisotropy", &g );
+    RfField json = rf_gltf_extension( material, "KHR_materials_volume_scatter" );
+    if ( json.json == NULL )
+        return rf_json_result( material );
+    rf_get_numbers( &json, "multiscatterColor", s_share, 3, color );
+    RfResult result = rf_get_number( &json, "scatterAnisotropy", rf_any_number(), &g );
     if ( result == RF_OK && !( g > -1.0 && g < 1.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "scatterAnisotropy is %g, it must be between -1 and 1", g );
-    if ( result == RF_OK )
-        result = read_extinction( gltf, material, owner, &extinction );
-    if ( result != RF_OK || factors->metallic > 0.0 || rf_gltf_is_unlit( material ) || rf_gltf_has_own_model( material ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "scatterAnisotropy is %g, it must be between -1 and 1", g );
+    double extinction = read_extinction( material );
+    result = rf_json_result( material );
+    if ( result != RF_OK || factors->metallic > 0.0 || rf_gltf_is_unlit( material->json ) ||
+         rf_gltf_has_own_model( material->json ) )
         return result;
     // by the extension, diffuse transmission says that a body is dense
-    double clear = number_of( material, "KHR_materials_transmission", "transmissionFactor" );
-    double depth = extinction * number_of( material, "KHR_materials_volume", "thicknessFactor" );
+    double clear = number_of( material->json, "KHR_materials_transmission", "transmissionFactor" );
+    double depth = extinction * number_of( material->json, "KHR_materials_volume", "thicknessFactor" );
     *dense = clear > 0.0 ? depth >= 1.0 : factors->through > 0.0 && extinction > 0.0;
     for ( int i = 0; i < 3 && *dense; ++i )
     {

@@ -41,10 +41,9 @@ static RfResult read_uri( RfGltf* gltf, const char* where, const char* uri, Enco
 
 static RfResult read_view( const RfGltf* gltf, const char* where, int view, Encoded* out )
 {
-    RfWhere self = rf_where( "bufferViews[%d]", view );
     int64_t length = 0;
-    RfResult result = rf_gltf_get_integer( gltf, rf_gltf_item( gltf, RF_GLTF_BUFFER_VIEWS, view ), self.text, "byteLength", 1,
-                                           INT64_MAX, &length );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
+    RfResult result = rf_get_integer( &json, "byteLength", 1, INT64_MAX, &length );
     if ( result == RF_OK )
         result = rf_gltf_view_bytes( gltf, where, view, 0, (uint64_t)length, &out->bytes );
     out->size = (size_t)length;
@@ -53,14 +52,12 @@ static RfResult read_view( const RfGltf* gltf, const char* where, int view, Enco
 
 static RfResult read_encoded( RfGltf* gltf, int index, const char* where, Encoded* out )
 {
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_IMAGES, index );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_IMAGES, index );
     const char* uri = NULL;
-    int view;
-    RfResult result = rf_gltf_get_string( gltf, json, where, "uri", &uri );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, json, where, "bufferView", RF_GLTF_BUFFER_VIEWS, &view );
-    if ( result != RF_OK )
-        return result;
+    RfResult result = rf_get_text( &json, "uri", &uri );
+    int view = rf_gltf_get_index( gltf, &json, "bufferView", RF_GLTF_BUFFER_VIEWS );
+    if ( rf_json_result( &json ) != RF_OK )
+        return rf_json_result( &json );
     if ( ( uri != NULL ) == ( view >= 0 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "must have either uri or bufferView" );
     result = uri != NULL ? read_uri( gltf, where, uri, out ) : read_view( gltf, where, view, out );
@@ -151,7 +148,7 @@ static ImageSize measure_image( RfGltf* gltf, int image )
     RfWhere where = rf_where( "images[%d]", image );
     Encoded encoded = { 0 };
     RfPixels header = { 0 };
-    RfError none = { 0 }, *error = gltf->error;
+    RfError none = { 0 }, *error = gltf->error; // none: what it fails with is said when it is decoded
     gltf->error = &none;
     RfResult result = read_encoded( gltf, image, where.text, &encoded );
     if ( result == RF_OK )
@@ -283,14 +280,14 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
 // Larger scales of coordinates leave no precision.
 #define MAX_TRANSFORM 1e6
 
-static RfResult read_wrap( const RfGltf* gltf, const json_t* json, const char* where, const char* key, RfWrap* out )
+static RfResult read_wrap( const RfGltf* gltf, const RfField* json, const char* key, RfWrap* out )
 {
     int64_t value = REPEAT;
-    RfResult result = rf_gltf_get_integer( gltf, json, where, key, 0, 65535, &value );
+    RfResult result = rf_get_integer( json, key, 0, 65535, &value );
     if ( result != RF_OK )
         return result;
     if ( value != REPEAT && value != MIRROR && value != CLAMP )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %lld, it must be 10497, 33648 or 33071", key,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "%s is %lld, it must be 10497, 33648 or 33071", key,
                              (long long)value );
     *out = value == REPEAT ? RF_WRAP_REPEAT : value == MIRROR ? RF_WRAP_MIRROR : RF_WRAP_CLAMP;
     return RF_OK;
@@ -300,114 +297,81 @@ static RfResult read_wrap( const RfGltf* gltf, const json_t* json, const char* w
 // supersampling.
 static RfResult read_sampler( const RfGltf* gltf, int index, RfTextureRef* out )
 {
-    RfWhere where = rf_where( "samplers[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_SAMPLERS, index );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_SAMPLERS, index );
     int64_t filter = LINEAR;
-    RfResult result = read_wrap( gltf, json, where.text, "wrapS", out->wrap );
-    if ( result == RF_OK )
-        result = read_wrap( gltf, json, where.text, "wrapT", out->wrap + 1 );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where.text, "magFilter", 0, 65535, &filter );
+    read_wrap( gltf, &json, "wrapS", out->wrap );
+    read_wrap( gltf, &json, "wrapT", out->wrap + 1 );
+    RfResult result = rf_get_integer( &json, "magFilter", 0, 65535, &filter );
     if ( result == RF_OK && filter != NEAREST && filter != LINEAR )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where.text, "magFilter is %lld, it must be 9728 or 9729", (long long)filter );
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "magFilter is %lld, it must be 9728 or 9729", (long long)filter );
     out->nearest = filter == NEAREST;
     return result;
 }
 
-// The image that an extension names, which is preferred over the texture's own; −1 if there is none.
-static RfResult read_other_source( const RfGltf* gltf, const json_t* texture, const char* owner, const char* extension,
-                                   int* image )
-{
-    const json_t* json;
-    RfResult result = rf_gltf_get_extension( gltf, texture, owner, extension, &json );
-    *image = -1;
-    if ( result != RF_OK || json == NULL )
-        return result;
-    return rf_gltf_get_index( gltf, json, rf_where( "%s.extensions.%s", owner, extension ).text, "source", RF_GLTF_IMAGES,
-                              image );
-}
-
-static RfResult find_image( RfGltf* gltf, const json_t* texture, const char* where, int* image )
+// The image of an extension is preferred over the texture's own.
+static RfResult find_image( RfGltf* gltf, const RfField* texture, int* image )
 {
     static const char* const s_read[] = { "EXT_texture_webp", "EXT_texture_exr" };
     int other = -1;
-    RfResult result = rf_gltf_get_index( gltf, texture, where, "source", RF_GLTF_IMAGES, image );
-    for ( size_t i = 0; result == RF_OK && other < 0 && i < sizeof s_read / sizeof s_read[0]; ++i )
+    *image = rf_gltf_get_index( gltf, texture, "source", RF_GLTF_IMAGES );
+    for ( size_t i = 0; other < 0 && i < sizeof s_read / sizeof s_read[0]; ++i )
     {
+        RfField extension = rf_gltf_extension( texture, s_read[i] );
         if ( rf_gltf_reads( s_read[i] ) )
-            result = read_other_source( gltf, texture, where, s_read[i], &other );
+            other = rf_gltf_get_index( gltf, &extension, "source", RF_GLTF_IMAGES );
     }
     *image = other >= 0 ? other : *image;
-    return result == RF_OK && *image < 0 ? rf_gltf_refuse_texture( gltf, texture, where ) : result;
+    return *image < 0 && rf_json_result( texture ) == RF_OK ? rf_gltf_refuse_texture( gltf, texture ) : rf_json_result( texture );
 }
 
 static RfResult read_texture( RfGltf* gltf, int index, bool srgb, RfTextureRef* out )
 {
-    RfWhere where = rf_where( "textures[%d]", index );
-    const json_t* json = rf_gltf_item( gltf, RF_GLTF_TEXTURES_LIST, index );
-    int sampler, image;
-    RfResult result = rf_gltf_get_index( gltf, json, where.text, "sampler", RF_GLTF_SAMPLERS, &sampler );
-    if ( result == RF_OK )
-        result = find_image( gltf, json, where.text, &image );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_TEXTURES_LIST, index );
+    int image, sampler = rf_gltf_get_index( gltf, &json, "sampler", RF_GLTF_SAMPLERS );
+    RfResult result = find_image( gltf, &json, &image );
     if ( result != RF_OK )
         return result;
-    rf_gltf_notice_extensions( gltf, json, "texture", where.text );
+    rf_gltf_notice_extensions( gltf, &json, "texture", json.path );
     out->texture = 2 * image + srgb; // until rf_gltf_load_images
     return sampler >= 0 ? read_sampler( gltf, sampler, out ) : RF_OK;
 }
 
 // u' = T · R · S · u; the rotation is counter-clockwise as the image is seen.
-static RfResult read_transform( const RfGltf* gltf, const json_t* info, const char* owner, int64_t* set, RfTextureRef* out )
+static RfResult read_transform( const RfGltf* gltf, const RfField* info, int64_t* set, RfTextureRef* out )
 {
-    const json_t* json;
-    double offset[2] = { 0, 0 }, scale[2] = { 1, 1 }, rotation = 0.0;
-    RfResult result = rf_gltf_get_extension( gltf, info, owner, "KHR_texture_transform", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions.KHR_texture_transform", owner );
-    result = rf_gltf_get_numbers( gltf, json, where.text, "offset", 2, offset );
-    if ( result == RF_OK )
-        result = rf_gltf_get_numbers( gltf, json, where.text, "scale", 2, scale );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, json, where.text, "rotation", &rotation );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, json, where.text, "texCoord", 0, INT32_MAX, set );
-    if ( result != RF_OK )
-        return result;
-    for ( int i = 0; result == RF_OK && i < 2; ++i )
+    double t[5] = { 0, 0, 0, 1, 1 }; // offset, rotation, scale
+    RfField json = rf_gltf_extension( info, "KHR_texture_transform" );
+    if ( json.json == NULL )
+        return rf_json_result( info );
+    rf_get_numbers( &json, "offset", rf_any_number(), 2, t );
+    rf_get_numbers( &json, "scale", rf_any_number(), 2, t + 3 );
+    rf_get_number( &json, "rotation", rf_any_number(), t + 2 );
+    rf_get_integer( &json, "texCoord", 0, INT32_MAX, set );
+    for ( int i = 0; i < 2; ++i )
     {
-        result = rf_gltf_check_limit( gltf, where.text, "offset", offset[i], MAX_TRANSFORM );
-        if ( result == RF_OK )
-            result = rf_gltf_check_limit( gltf, where.text, "scale", scale[i], MAX_TRANSFORM );
+        rf_gltf_check_limit( gltf, json.path, "offset", t[i], MAX_TRANSFORM );
+        rf_gltf_check_limit( gltf, json.path, "scale", t[3 + i], MAX_TRANSFORM );
     }
-    if ( result == RF_OK )
-        rf_set_uv_transform( ( const double[] ){ offset[0], offset[1], rotation, scale[0], scale[1] }, out->transform );
-    return result;
+    if ( rf_json_result( info ) == RF_OK )
+        rf_set_uv_transform( t, out->transform );
+    return rf_json_result( info );
 }
 
-// Reads a use of a texture, `key` of `parent`; `info` is NULL if there is
-// none. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
-static RfResult read_texture_info( RfGltf* gltf, const json_t* parent, const char* owner, const char* key, bool srgb,
-                                   RfTextureRef* out, const json_t** info )
+// Reads a use of a texture, which its json is NULL without. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
+static RfResult read_texture_info( RfGltf* gltf, const RfField* info, bool srgb, RfTextureRef* out )
 {
-    *info = NULL;
-    RfResult result = rf_gltf_get_object( gltf, parent, owner, key, info );
-    if ( result != RF_OK || *info == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.%s", owner, key );
-    int index;
     int64_t set = 0;
-    result = rf_gltf_require( gltf, *info, where.text, "index" );
-    if ( result == RF_OK )
-        result = rf_gltf_get_index( gltf, *info, where.text, "index", RF_GLTF_TEXTURES_LIST, &index );
-    if ( result == RF_OK )
-        result = rf_gltf_get_integer( gltf, *info, where.text, "texCoord", 0, INT32_MAX, &set );
+    if ( info->json == NULL )
+        return rf_json_result( info );
+    rf_gltf_require( info, "index", NULL );
+    int index = rf_gltf_get_index( gltf, info, "index", RF_GLTF_TEXTURES_LIST );
+    RfResult result = rf_get_integer( info, "texCoord", 0, INT32_MAX, &set );
     if ( result == RF_OK )
         result = read_texture( gltf, index, srgb, out );
     if ( result == RF_OK )
-        result = read_transform( gltf, *info, where.text, &set, out );
+        result = read_transform( gltf, info, &set, out );
     if ( result == RF_OK && set > 1 )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where.text,
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, info->path,
                              "texCoord is %lld, only 0 and 1 are supported: bake it to one of these", (long long)set );
     out->uv_set = (int)set;
     return result;
@@ -425,14 +389,6 @@ RfTextured* rf_gltf_textured( const RfFactors* factors )
     for ( int i = 0; i < RF_TEXTURE_SLOT_COUNT; ++i )
         textured->refs[i] = ( RfTextureRef ){ .texture = -1, .transform = { 1, 0, 0, 0, 1, 0 } };
     return textured;
-}
-
-static RfResult read_scale( const RfGltf* gltf, const json_t* info, const char* where, float* scale )
-{
-    double value = 1.0;
-    RfResult result = rf_gltf_get_number( gltf, info, where, "scale", &value );
-    *scale = (float)value;
-    return result;
 }
 
 // The uses of textures: where they are in a material.
@@ -512,49 +468,37 @@ void rf_gltf_texture_transform( const json_t* material, int slot, double transfo
     transform[2] = json_number_value( rotation );
 }
 
-static RfResult read_slots( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
+static RfResult read_slots( RfGltf* gltf, const RfField* material, RfTextured* out )
 {
+    double scale[RF_TEXTURE_SLOT_COUNT];
     for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
     {
-        const json_t* parent = material;
-        const json_t* info;
-        RfWhere owner = rf_where( "%s", where );
-        if ( s_slots[i].part != NULL )
-        {
-            parent = json_object_get( material, s_slots[i].part );
-            owner = rf_where( "%s.%s", where, s_slots[i].part );
-        }
-        if ( s_slots[i].extension != NULL )
-        {
-            parent = json_object_get( json_object_get( material, "extensions" ), s_slots[i].extension );
-            owner = rf_where( "%s.extensions.%s", where, s_slots[i].extension );
-        }
-        if ( parent == NULL )
+        const Slot* slot = s_slots + i;
+        RfField parent = slot->part != NULL        ? rf_get_object( material, slot->part )
+                         : slot->extension != NULL ? rf_gltf_extension( material, slot->extension )
+                                                   : *material;
+        scale[slot->slot] = 1.0;
+        if ( !rf_has_member( &parent, slot->key ) )
             continue;
-        RfResult result =
-            read_texture_info( gltf, parent, owner.text, s_slots[i].key, s_slots[i].srgb, out->refs + s_slots[i].slot, &info );
-        float* scale = s_slots[i].slot == RF_TEXTURE_NORMAL             ? &out->normal_scale
-                       : s_slots[i].slot == RF_TEXTURE_CLEARCOAT_NORMAL ? &out->clearcoat_normal_scale
-                                                                        : NULL;
-        if ( result == RF_OK && info != NULL && scale != NULL )
-            result = read_scale( gltf, info, rf_where( "%s.%s", owner.text, s_slots[i].key ).text, scale );
+        RfField info = rf_get_object( &parent, slot->key );
+        RfResult result = read_texture_info( gltf, &info, slot->srgb, out->refs + slot->slot );
+        if ( result == RF_OK && ( slot->slot == RF_TEXTURE_NORMAL || slot->slot == RF_TEXTURE_CLEARCOAT_NORMAL ) )
+            result = rf_get_number( &info, "scale", rf_any_number(), scale + slot->slot );
         if ( result != RF_OK )
             return result;
     }
-    return RF_OK;
+    out->normal_scale = (float)scale[RF_TEXTURE_NORMAL];
+    out->clearcoat_normal_scale = (float)scale[RF_TEXTURE_CLEARCOAT_NORMAL];
+    return rf_json_result( material );
 }
 
 // The thickness texture is for rasterisers. It is validated but otherwise ignored: a ray
 // tracer finds the thickness itself.
-static RfResult check_thickness( RfGltf* gltf, const json_t* material, const char* where )
+static RfResult check_thickness( RfGltf* gltf, const RfField* material )
 {
-    const json_t *json, *info;
     RfTextureRef unused;
-    RfResult result = rf_gltf_get_extension( gltf, material, where, "KHR_materials_volume", &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere owner = rf_where( "%s.extensions.KHR_materials_volume", where );
-    return read_texture_info( gltf, json, owner.text, "thicknessTexture", false, &unused, &info );
+    RfField volume = rf_gltf_extension( material, "KHR_materials_volume" ), info = rf_get_object( &volume, "thicknessTexture" );
+    return read_texture_info( gltf, &info, false, &unused );
 }
 
 static void drop_slots( RfTextured* textured, RfTextureSlot first, RfTextureSlot last )
@@ -581,24 +525,17 @@ static void drop_unused( const RfMaterial* m, RfTextured* textured )
         drop_slots( textured, RF_TEXTURE_THROUGH, RF_TEXTURE_THROUGH_COLOR );
 }
 
-static RfResult read_alpha( RfGltf* gltf, const json_t* material, const char* where, RfTextured* out )
+static RfResult read_alpha( const RfField* material, RfTextured* out )
 {
-    const char* mode = "OPAQUE";
+    static const char* const s_modes[] = { "OPAQUE", "MASK", "BLEND", NULL };
+    int mode = 0;
     double cutoff = 0.5;
-    RfResult result = rf_gltf_get_string( gltf, material, where, "alphaMode", &mode );
-    if ( result == RF_OK )
-        result = rf_gltf_get_number( gltf, material, where, "alphaCutoff", &cutoff );
-    if ( result != RF_OK || strcmp( mode, "OPAQUE" ) == 0 )
-        return result;
-    bool blend = strcmp( mode, "BLEND" ) == 0;
-    if ( !blend && strcmp( mode, "MASK" ) != 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaMode '%.20s' must be OPAQUE, MASK or BLEND", mode );
-    if ( !( cutoff >= 0.0 && cutoff <= 1e6 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "alphaCutoff is %g, it must be 0 or more", cutoff );
-    out->masked = !blend;
-    out->blended = blend;
-    out->alpha_cutoff = (float)cutoff;
-    return RF_OK;
+    rf_get_choice( material, "alphaMode", s_modes, &mode );
+    rf_get_number( material, "alphaCutoff", mode == 0 ? rf_any_number() : rf_range( 0.0, 1e6 ), &cutoff );
+    out->masked = mode == 1;
+    out->blended = mode == 2;
+    out->alpha_cutoff = mode != 0 ? (float)cutoff : 0.0f;
+    return rf_json_result( material );
 }
 
 static RfTexturedModel find_model( const RfMaterial* material, const json_t* json )
@@ -656,17 +593,18 @@ static bool is_needed( const RfTextured* textured )
     return ( textured->masked && alpha < (double)textured->alpha_cutoff ) || ( textured->blended && alpha < 1.0 );
 }
 
-RfResult rf_gltf_read_textured( RfGltf* gltf, const json_t* json, const char* where, const RfFactors* factors, RfMaterial* out )
+RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, const RfFactors* factors, RfMaterial* out )
 {
+    const json_t* json = field->json;
     out->textured = rf_gltf_textured( factors );
     if ( out->textured == NULL )
-        return rf_gltf_no_memory( gltf, where );
+        return rf_field_no_memory( field );
     RfTextured* textured = out->textured;
-    RfResult result = read_slots( gltf, json, where, textured );
+    RfResult result = read_slots( gltf, field, textured );
     if ( result == RF_OK )
-        result = check_thickness( gltf, json, where );
+        result = check_thickness( gltf, field );
     if ( result == RF_OK )
-        result = read_alpha( gltf, json, where, textured );
+        result = read_alpha( field, textured );
     if ( result != RF_OK )
         return result;
     undo_mirror( textured, out );

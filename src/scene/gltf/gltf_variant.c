@@ -11,21 +11,20 @@
 // Those that a message names.
 #define MAX_NAMED 16
 
-static RfResult list_variants( RfGltf* gltf, const json_t* list )
+static RfResult list_variants( RfGltf* gltf, const RfField* list )
 {
     RfScene* scene = gltf->scene;
-    size_t count = json_array_size( list );
+    size_t count = json_array_size( list->json );
     scene->variants = calloc( count + 1, sizeof *scene->variants );
     if ( scene->variants == NULL )
         return rf_gltf_no_memory( gltf, EXTENSION );
     RfResult result = RF_OK;
     for ( size_t i = 0; result == RF_OK && i < count; ++i )
     {
-        const json_t* item = json_array_get( list, i );
-        RfWhere where = rf_where( EXTENSION ".variants[%zu]", i );
-        result = rf_gltf_require( gltf, item, where.text, "name" );
+        RfField item = rf_field_item( list, i );
+        result = rf_gltf_require( &item, "name", NULL );
         if ( result == RF_OK )
-            result = rf_gltf_copy_name( gltf, item, where.text, where.text, scene->variants + i );
+            result = rf_gltf_copy_name( &item, item.path, scene->variants + i );
         scene->variant_count += result == RF_OK;
     }
     return result;
@@ -54,68 +53,58 @@ static RfResult find_chosen( const RfGltf* gltf, const json_t* list, json_int_t*
 }
 
 // The material of a primitive in the variant; −1: its own.
-static RfResult find_material( const RfGltf* gltf, const json_t* primitive, const char* owner, json_int_t chosen, int* material )
+static RfResult find_material( const RfGltf* gltf, const RfField* primitive, json_int_t chosen, int* material )
 {
-    const json_t *json, *mappings = NULL, *mapping, *variants, *variant;
-    size_t i, k;
+    const json_t* variant;
+    size_t k;
+    RfField extension = rf_gltf_extension( primitive, EXTENSION ), mappings = rf_get_array( &extension, "mappings" );
     *material = -1;
-    RfResult result = rf_gltf_get_extension( gltf, primitive, owner, EXTENSION, &json );
-    if ( result != RF_OK || json == NULL )
-        return result;
-    RfWhere where = rf_where( "%s.extensions." EXTENSION, owner );
-    result = rf_gltf_get_array( gltf, json, where.text, "mappings", &mappings );
-    json_array_foreach( mappings, i, mapping )
+    for ( size_t i = 0; i < json_array_size( mappings.json ); ++i )
     {
-        RfWhere self = rf_where( "%s.mappings[%zu]", where.text, i );
-        if ( !json_is_object( mapping ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.text, "must be an object" );
-        if ( result == RF_OK )
-            result = rf_gltf_get_array( gltf, mapping, self.text, "variants", &variants );
-        if ( result != RF_OK )
-            return result;
-        json_array_foreach( variants, k, variant )
+        RfField mapping = rf_field_item( &mappings, i );
+        if ( !json_is_object( mapping.json ) )
+            return rf_field_fail( &mapping, "must be an object" );
+        RfField variants = rf_get_array( &mapping, "variants" );
+        json_array_foreach( variants.json, k, variant )
         {
             if ( !json_is_integer( variant ) || json_integer_value( variant ) != chosen || *material >= 0 )
                 continue;
-            result = rf_gltf_require( gltf, mapping, self.text, "material" );
-            if ( result == RF_OK )
-                result = rf_gltf_get_index( gltf, mapping, self.text, "material", RF_GLTF_MATERIALS, material );
+            rf_gltf_require( &mapping, "material", NULL );
+            *material = rf_gltf_get_index( gltf, &mapping, "material", RF_GLTF_MATERIALS );
         }
     }
-    return result;
+    return rf_json_result( primitive );
 }
 
 static RfResult dress_mesh( RfGltf* gltf, int index, json_int_t chosen )
 {
-    json_t* primitive;
+    json_t* json;
     size_t i;
-    json_array_foreach( json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, index ), "primitives" ), i, primitive )
+    json_array_foreach( json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, index ), "primitives" ), i, json )
     {
         int material;
-        RfWhere where = rf_where( "meshes[%d].primitives[%zu]", index, i );
-        if ( !json_is_object( primitive ) )
+        RfField primitive = rf_gltf_field( gltf, rf_where( "meshes[%d].primitives[%zu]", index, i ).text, json );
+        if ( !json_is_object( json ) )
             continue; // an error where meshes are read
-        RfResult result = find_material( gltf, primitive, where.text, chosen, &material );
+        RfResult result = find_material( gltf, &primitive, chosen, &material );
         if ( result != RF_OK )
             return result;
-        if ( material >= 0 && json_object_set_new( primitive, "material", json_integer( material ) ) != 0 )
-            return rf_gltf_no_memory( gltf, where.text );
+        if ( material >= 0 && json_object_set_new( json, "material", json_integer( material ) ) != 0 )
+            return rf_field_no_memory( &primitive );
     }
     return RF_OK;
 }
 
 RfResult rf_gltf_choose_variant( RfGltf* gltf )
 {
-    const json_t *json, *list = NULL;
     json_int_t chosen = -1;
-    RfResult result = rf_gltf_get_extension( gltf, gltf->root, "document", EXTENSION, &json );
-    if ( result == RF_OK && json != NULL )
-        result = rf_gltf_get_array( gltf, json, EXTENSION, "variants", &list );
-    if ( result == RF_OK )
-        result = list_variants( gltf, list );
+    RfField root = rf_gltf_root( gltf );
+    RfField json = rf_gltf_field( gltf, EXTENSION, rf_gltf_extension( &root, EXTENSION ).json ),
+            list = rf_get_array( &json, "variants" );
+    RfResult result = rf_json_result( &root ) == RF_OK ? list_variants( gltf, &list ) : rf_json_result( &root );
     if ( result != RF_OK || gltf->options->variant == NULL )
         return result;
-    result = find_chosen( gltf, list, &chosen );
+    result = find_chosen( gltf, list.json, &chosen );
     for ( int i = 0; result == RF_OK && i < gltf->counts[RF_GLTF_MESHES]; ++i )
         result = dress_mesh( gltf, i, chosen );
     return result;

@@ -16,9 +16,8 @@ static RfResult read_name( const RfField* item, const RfScene* scene, RfEditShot
     const char* name = NULL;
     RfField field = rf_field_member( item, "name" );
     RfError fault = { 0 };
-    RfResult result = rf_field_require( item, "name", "the name of a camera in the glTF" );
-    if ( result == RF_OK )
-        result = rf_field_text( &field, &name );
+    rf_field_require( item, "name", "the name of a camera in the glTF" );
+    RfResult result = rf_field_text( &field, &name );
     if ( result != RF_OK )
         return result;
     if ( rf_find_camera( scene, name, &shot->camera, &fault ) != RF_OK )
@@ -54,9 +53,8 @@ static RfResult read_begin( const RfField* item, int index, RfEdit* edit )
 static RfResult read_shot( const RfField* item, int index, const RfScene* scene, RfEdit* edit )
 {
     static const char* const s_keys[] = { "name", "time", "frame", NULL };
-    RfResult result = rf_field_keys( item, s_keys );
-    if ( result == RF_OK )
-        result = read_name( item, scene, edit->shots + index );
+    rf_field_keys( item, s_keys );
+    RfResult result = read_name( item, scene, edit->shots + index );
     return result == RF_OK ? read_begin( item, index, edit ) : result;
 }
 
@@ -85,7 +83,7 @@ RfResult rf_read_camera_edit( const RfField* list, const RfScene* scene, const c
     if ( camera->edit != NULL )
         camera->edit->shots = calloc( count, sizeof *camera->edit->shots );
     if ( camera->name == NULL || camera->edit == NULL || camera->edit->shots == NULL )
-        result = rf_fail( list->error, RF_ERROR_MEMORY, "%s: no memory left", list->file );
+        result = rf_field_no_memory( list );
     for ( size_t i = 0; i < count && result == RF_OK; ++i )
     {
         RfField item = rf_field_item( list, i );

@@ -2,7 +2,7 @@
 #ifndef REFRAME_SCENE_JSON_CAMERA_EDIT_H
 #define REFRAME_SCENE_JSON_CAMERA_EDIT_H
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/scene.h"
 
 // Reads a list of { "name": a camera of the scene, "time": seconds or "frame": its first } (scenes/scene.schema.json). The edit

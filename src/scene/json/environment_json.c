@@ -33,18 +33,10 @@ static const RfKeyed s_keyed[KEYED_COUNT] = {
 // The view in place of the file; −1: none.
 static RfResult read_view( const RfField* object, const RfField* map, int* view )
 {
-    RfField field = rf_field_member( object, "bufferView" );
-    double number = -1.0;
     *view = -1;
-    if ( field.json == NULL )
-        return RF_OK;
-    if ( map->json != NULL )
+    if ( map->json != NULL && rf_has_member( object, "bufferView" ) )
         return rf_field_fail( object, "has both map and bufferView: give one of them" );
-    RfResult result = rf_field_number( &field, rf_range( 0.0, 1e9 ), &number );
-    if ( result == RF_OK && floor( number ) != number )
-        return rf_field_must_be( &field, "a whole number" );
-    *view = (int)number;
-    return result;
+    return rf_get_whole( object, "bufferView", 0.0, 1e9, view );
 }
 
 // The most of the radiance at any time.
@@ -70,31 +62,21 @@ RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, Rf
     double radiance[3] = { 1.0, 1.0, 1.0 }, strength = 1.0, rotation = 0.0;
     bool visible = true;
     *text = ( RfEnvironmentText ){ .view = -1 };
-    RfField radiance_field = rf_field_member( object, "radiance" ), map_field = rf_field_member( object, "map" ),
-            visible_field = rf_field_member( object, "visible" ), strength_field = rf_field_member( object, "strength" ),
+    RfField map_field = rf_field_member( object, "map" ), strength_field = rf_field_member( object, "strength" ),
             rotation_field = rf_field_member( object, "rotation" );
-    RfResult result = rf_field_keys( object, in_gltf ? s_keys : s_file_keys );
-    if ( result == RF_OK && in_gltf )
-        result = read_view( object, &map_field, &text->view );
+    rf_field_keys( object, in_gltf ? s_keys : s_file_keys );
+    if ( in_gltf )
+        read_view( object, &map_field, &text->view );
     bool has_map = map_field.json != NULL || text->view >= 0;
-    if ( result == RF_OK )
-        result = rf_field_light_group( object, &text->light_group );
-    if ( result == RF_OK )
-        result = rf_field_numbers( &radiance_field, rf_range( 0.0, MAX_RADIANCE ), 3, radiance );
-    if ( result == RF_OK )
-        result = rf_field_text( &map_field, &text->map );
-    if ( result == RF_OK )
-        result = rf_field_bool( &visible_field, &visible );
-    if ( result == RF_OK )
-        result = rf_read_keys( object, fps, s_keyed, KEYED_COUNT, text->changes, &text->in_frames );
-    if ( result == RF_OK )
-        result = rf_refuse_twice( object, s_keyed, KEYED_COUNT, text->changes );
-    if ( result == RF_OK && radiance_field.json == NULL && text->changes[RADIANCE].count == 0 && !has_map )
+    rf_read_light_group( object, &text->light_group );
+    rf_get_numbers( object, "radiance", rf_range( 0.0, MAX_RADIANCE ), 3, radiance );
+    rf_field_text( &map_field, &text->map );
+    rf_get_bool( object, "visible", &visible );
+    rf_read_keys( object, fps, s_keyed, KEYED_COUNT, text->changes, &text->in_frames );
+    if ( !rf_has_member( object, "radiance" ) && text->changes[RADIANCE].count == 0 && !has_map )
         return rf_field_fail( object, "gives no light: give radiance, map or both" );
-    if ( result == RF_OK )
-        result = rf_read_keyed( &strength_field, s_keyed + STRENGTH, &strength );
-    if ( result == RF_OK )
-        result = rf_read_keyed( &rotation_field, s_keyed + ROTATION, &rotation );
+    rf_read_keyed( &strength_field, s_keyed + STRENGTH, &strength );
+    RfResult result = rf_read_keyed( &rotation_field, s_keyed + ROTATION, &rotation );
     if ( result != RF_OK )
         return result;
     text->environment = ( RfEnvironment ){
@@ -138,10 +120,7 @@ static RfResult check_map( const RfField* object, const char* key, RfResult resu
         return RF_OK;
     if ( result == RF_OK )
         return rf_field_fail( &field, "times radiance is brighter than %g somewhere: lower radiance", MAX_RADIANCE );
-    rf_field_fail( &field, "%.560s", error->text );
-    if ( field.error != NULL )
-        field.error->code = result;
-    return result;
+    return rf_field_fail_as( &field, result, error );
 }
 
 RfResult rf_load_environment( const RfField* object, const char* path, RfEnvironmentText* text )
@@ -187,7 +166,7 @@ RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, Rf
     RfResult result = RF_OK;
     bool constant = text->environment.map == NULL;
     if ( text->light_group != NULL && !rf_tag_light( scene, text->light_group, &text->environment.light_group ) )
-        return rf_fail( object->error, RF_ERROR_MEMORY, "%s: no memory left for %s", object->file, object->path );
+        return rf_field_no_memory( object );
     for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
     {
         RfChange change = { .value = s_values[i], .channel = text->changes[i] };
@@ -201,7 +180,7 @@ RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, Rf
         text->environment.changes = true;
         text->changes[i] = ( RfChannel ){ 0 };
         if ( !rf_add_change( scene, &change ) )
-            result = rf_fail( object->error, RF_ERROR_MEMORY, "%s: no memory left for %s", object->file, object->path );
+            result = rf_field_no_memory( object );
     }
     if ( text->outside > 1e-4 )
         rf_warn( log, "%s: the environment has colours outside Rec. 709, which are clipped: %.2g %% of its light", object->file,

@@ -2,7 +2,7 @@
 #ifndef REFRAME_SCENE_JSON_ENVIRONMENT_JSON_H
 #define REFRAME_SCENE_JSON_ENVIRONMENT_JSON_H
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/scene.h"
 
 // What the JSON says of one.

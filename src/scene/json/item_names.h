@@ -2,7 +2,7 @@
 #ifndef REFRAME_SCENE_JSON_ITEM_NAMES_H
 #define REFRAME_SCENE_JSON_ITEM_NAMES_H
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 
 #define RF_ITEM_NAME 32 // of one without a name
 

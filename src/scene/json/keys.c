@@ -12,11 +12,6 @@
 #define MAX_KINDS 8
 #define MAX_COMPONENTS 4
 
-static RfResult no_memory( const RfField* field )
-{
-    return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left for %s", field->file, field->path );
-}
-
 RfResult rf_read_keyed( const RfField* field, const RfKeyed* kind, double* value )
 {
     if ( kind->read != NULL )
@@ -39,7 +34,7 @@ static RfResult open_channel( const RfField* keys, const RfKeyed* kind, RfChanne
         return RF_OK;
     channel->times = malloc( count * sizeof *channel->times );
     channel->values = malloc( count * (size_t)kind->components * sizeof *channel->values );
-    return channel->times != NULL && channel->values != NULL ? RF_OK : no_memory( keys );
+    return channel->times != NULL && channel->values != NULL ? RF_OK : rf_field_no_memory( keys );
 }
 
 // "a, b or c".
@@ -87,19 +82,17 @@ static RfResult read_all( const RfField* keys, RfFps fps, const RfKeyed* kinds, 
     names[0] = *in_frames ? "frame" : "time";
     for ( int i = 0; i < kind_count; ++i )
         names[i + 1] = kinds[i].name;
-    double* times = malloc( (size_t)count * sizeof *times );
-    RfResult result = times != NULL ? RF_OK : no_memory( keys );
+    double* times = calloc( (size_t)count, sizeof *times );
+    RfResult result = times != NULL ? RF_OK : rf_field_no_memory( keys );
     for ( int i = 0; result == RF_OK && i < count; ++i )
     {
         RfField key = rf_field_item( keys, (size_t)i );
-        result = rf_field_keys( &key, names );
-        if ( result == RF_OK )
-            result = rf_read_key_time( &key, *in_frames, i, times );
+        rf_field_keys( &key, names );
+        result = rf_read_key_time( &key, *in_frames, i, times );
         // as the times of the frames of a camera, to the bit
-        double seconds =
-            *in_frames && result == RF_OK ? ( times[i] - 1.0 ) * (double)fps.denominator / (double)fps.numerator : 0.0;
+        double seconds = *in_frames ? ( times[i] - 1.0 ) * (double)fps.denominator / (double)fps.numerator : times[i];
         if ( result == RF_OK )
-            result = read_key( &key, *in_frames ? seconds : times[i], kinds, kind_count, channels );
+            result = read_key( &key, seconds, kinds, kind_count, channels );
     }
     free( times );
     return result;
@@ -111,7 +104,7 @@ static RfResult make_monotone( const RfField* keys, RfChannel* channel )
     size_t n = (size_t)channel->components, count = (size_t)channel->count;
     double* values = malloc( 3 * n * count * sizeof *values );
     double* one = malloc( count * sizeof *one );
-    RfResult result = values != NULL && one != NULL ? RF_OK : no_memory( keys );
+    RfResult result = values != NULL && one != NULL ? RF_OK : rf_field_no_memory( keys );
     for ( size_t c = 0; result == RF_OK && c < n; ++c )
     {
         RfCurve curve;
@@ -147,11 +140,22 @@ static RfResult smooth( const RfField* keys, RfChannel* channel )
         return make_monotone( keys, channel );
     channel->curve = calloc( 1, sizeof *channel->curve );
     if ( channel->curve == NULL )
-        return no_memory( keys );
+        return rf_field_no_memory( keys );
     RfCurveKind kind = channel->path == RF_ROTATION ? RF_CURVE_ROTATION
                        : channel->components == 1   ? RF_CURVE_NUMBER
                                                     : RF_CURVE_POINT;
     return rf_create_curve( kind, false, channel->count, channel->times, channel->values, channel->curve, keys->error );
+}
+
+static RfResult refuse_twice( const RfField* object, const RfKeyed* kinds, int count, const RfChannel* channels )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        RfField member = rf_field_member( object, kinds[i].name );
+        if ( channels[i].count > 0 && member.json != NULL )
+            return rf_field_fail( &member, "keys have it too: leave one of the two out" );
+    }
+    return RF_OK;
 }
 
 RfResult rf_read_keys( const RfField* object, RfFps fps, const RfKeyed* kinds, int count, RfChannel* channels, bool* in_frames )
@@ -167,26 +171,14 @@ RfResult rf_read_keys( const RfField* object, RfFps fps, const RfKeyed* kinds, i
     if ( keys.json == NULL && how.json != NULL )
         return rf_field_fail( &how, "has no effect without keys: leave it out" );
     if ( keys.json == NULL )
-        return RF_OK;
-    RfResult result = rf_field_array( &keys, "keys", 1, MAX_KEYS );
-    if ( result == RF_OK )
-        result = rf_read_interpolation( object, &linear );
+        return rf_json_result( object );
+    rf_field_array( &keys, "keys", 1, MAX_KEYS );
+    RfResult result = rf_read_interpolation( object, &linear );
     for ( int i = 0; result == RF_OK && i < count; ++i )
         result = open_channel( &keys, kinds + i, channels + i );
     if ( result == RF_OK )
         result = read_all( &keys, fps, kinds, count, channels, in_frames );
     for ( int i = 0; result == RF_OK && !linear && i < count; ++i )
         result = smooth( &keys, channels + i );
-    return result;
-}
-
-RfResult rf_refuse_twice( const RfField* object, const RfKeyed* kinds, int count, const RfChannel* channels )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        RfField member = rf_field_member( object, kinds[i].name );
-        if ( channels[i].count > 0 && member.json != NULL )
-            return rf_field_fail( &member, "keys have it too: leave one of the two out" );
-    }
-    return RF_OK;
+    return result == RF_OK ? refuse_twice( object, kinds, count, channels ) : result;
 }

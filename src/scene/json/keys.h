@@ -2,7 +2,7 @@
 #ifndef REFRAME_SCENE_JSON_KEYS_H
 #define REFRAME_SCENE_JSON_KEYS_H
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/scene.h"
 
 // A value that keys may have.
@@ -20,11 +20,8 @@ typedef struct RfKeyed
 RfResult rf_read_keyed( const RfField* field, const RfKeyed* kind, double* value );
 
 // Reads the members "keys" and "interpolation" of an object: for each kind a channel in seconds of the scene, of node −1, without
-// keys where none has it. Frames are counted at `fps`, the first is 1, at 0 s; `in_frames`: there are such. The channels are to be
-// freed, also on failure.
+// keys where none has it. Frames are counted at `fps`, the first is 1, at 0 s; `in_frames`: there are such. Fails where
+// keys and the object itself give a value. The channels are to be freed, also on failure.
 RfResult rf_read_keys( const RfField* object, RfFps fps, const RfKeyed* kinds, int count, RfChannel* channels, bool* in_frames );
-
-// Fails where a value is given twice, by keys and by the object itself.
-RfResult rf_refuse_twice( const RfField* object, const RfKeyed* kinds, int count, const RfChannel* channels );
 
 #endif

@@ -27,7 +27,7 @@ static RfResult edit_light( const RfField* override, json_t* light )
     bool done = result == RF_OK && ours != NULL && json_object_update( ours, ( json_t* ) override->json ) == 0;
     if ( done && ies.json != NULL )
         done = json_object_set_new( ours, "ies", json_pack( "{s:s}", "beside", file ) ) == 0;
-    return done || result != RF_OK ? result : rf_fail( override->error, RF_ERROR_MEMORY, "%s: no memory left", override->file );
+    return done || result != RF_OK ? result : rf_field_no_memory( override );
 }
 
 static RfResult edit_by_name( const RfField* override, const char* name, json_t* list )

@@ -4,9 +4,10 @@
 #include "base/words.h"
 #include "scene/json/item_names.h"
 #include "scene/gltf/gltf_document.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/json/keys.h"
 #include "scene/json/sequence_json.h"
+#include "scene/light_groups.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,12 +18,6 @@
 static const char* const s_bsdfs[] = { "gltf", "lambert", "phong", NULL };
 
 static const char* const s_lobe_keys[] = { "diffuse", "specular", "exponent", NULL };
-
-// Fails with RF_ERROR_MEMORY.
-static RfResult edit_no_memory( const RfField* field )
-{
-    return rf_fail( field->error, RF_ERROR_MEMORY, "%s: %s: no memory left", field->file, field->path );
-}
 
 // The member object of that name, created if missing; NULL if out of memory.
 static json_t* edit_member( json_t* object, const char* key )
@@ -79,7 +74,7 @@ static RfResult change_bsdf( const RfField* override, json_t* material )
     }
     json_t* extras = edit_member( material, "extras" );
     bool done = index == 0 || json_object_set_new( lobes, "bsdf", json_string( s_bsdfs[index] ) ) == 0;
-    return extras != NULL && json_object_set_new( extras, "reframe", lobes ) == 0 && done ? RF_OK : edit_no_memory( &field );
+    return extras != NULL && json_object_set_new( extras, "reframe", lobes ) == 0 && done ? RF_OK : rf_field_no_memory( &field );
 }
 
 static RfResult edit_lobe( const RfField* override, const char* key, json_t* material )
@@ -97,20 +92,20 @@ static RfResult edit_lobe( const RfField* override, const char* key, json_t* mat
     RfResult result = strcmp( key, "exponent" ) == 0 ? rf_field_number( &field, rf_range( 0.0, 1e6 ), numbers )
                                                      : rf_field_numbers( &field, rf_range( 0.0, 1.0 ), 3, numbers );
     if ( result == RF_OK && json_object_set( find_lobes( material ), key, (json_t*)field.json ) != 0 )
-        return edit_no_memory( &field );
+        return rf_field_no_memory( &field );
     return result;
 }
 
 static RfResult edit_light_group( const RfField* override, json_t* material )
 {
     const char* name;
-    RfResult result = rf_field_light_group( override, &name );
+    RfResult result = rf_read_light_group( override, &name );
     if ( result != RF_OK || name == NULL )
         return result;
     json_t* extras = edit_member( material, "extras" );
     json_t* ours = extras != NULL ? edit_member( extras, "reframe" ) : NULL;
     bool done = ours != NULL && json_object_set_new( ours, "light_group", json_string( name ) ) == 0;
-    return done ? RF_OK : edit_no_memory( override );
+    return done ? RF_OK : rf_field_no_memory( override );
 }
 
 static RfResult check_energy( const RfField* override, const json_t* material )
@@ -250,7 +245,7 @@ static RfResult add_sequence( const RfField* field, const char* key, json_t* hom
         json_object_set( after, "sampler", json_object_get( before, "sampler" ) );
     done = append( root, "textures", after, &texture ) && done;
     done = done && json_object_set_new( info, "index", json_integer( texture ) ) == 0;
-    return json_object_set_new( home, key, info ) == 0 && done ? RF_OK : edit_no_memory( field );
+    return json_object_set_new( home, key, info ) == 0 && done ? RF_OK : rf_field_no_memory( field );
 }
 
 static RfResult copy_value( const RfField* field, const Entry* entry, json_t* material, json_t* root )
@@ -267,10 +262,10 @@ static RfResult copy_value( const RfField* field, const Entry* entry, json_t* ma
         home = home != NULL ? edit_member( home, entry->extension ) : NULL;
     }
     if ( home == NULL )
-        return edit_no_memory( field );
+        return rf_field_no_memory( field );
     if ( entry->type == SEQUENCE )
         return add_sequence( field, entry->key, home, root );
-    return json_object_set( home, entry->key, (json_t*)field->json ) == 0 ? RF_OK : edit_no_memory( field );
+    return json_object_set( home, entry->key, (json_t*)field->json ) == 0 ? RF_OK : rf_field_no_memory( field );
 }
 
 // Takes the animations of a value out, which stands still then, or has keys of its own.
@@ -359,8 +354,6 @@ static RfResult read_keys( const RfField* override, json_t* root, size_t materia
     bool in_frames;
     RfFps fps = keys->fps.numerator > 0 ? keys->fps : rf_gltf_document_fps( root );
     RfResult result = rf_read_keys( override, fps, s_keyed, KEYED_COUNT, channels, &in_frames );
-    if ( result == RF_OK )
-        result = rf_refuse_twice( override, s_keyed, KEYED_COUNT, channels );
     RfField field = rf_field_member( override, "keys" );
     for ( int i = 0; result == RF_OK && !is_gltf && i < FIRST_EMISSION; ++i )
     {
@@ -372,7 +365,7 @@ static RfResult read_keys( const RfField* override, json_t* root, size_t materia
         RfChange change = { .value = s_values[i], .of = (int)material, .channel = channels[i] };
         bool added = result == RF_OK && change.channel.count > 0 && add_change( &change, keys );
         if ( result == RF_OK && change.channel.count > 0 && !added )
-            result = edit_no_memory( &field );
+            result = rf_field_no_memory( &field );
         if ( added )
             stop_value( root, material, find_entry( s_keyed[i].name ) );
         else

@@ -4,7 +4,7 @@
 #ifndef REFRAME_SCENE_JSON_MATERIAL_EDIT_H
 #define REFRAME_SCENE_JSON_MATERIAL_EDIT_H
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/movement.h"
 
 // Keys of the factors of materials.

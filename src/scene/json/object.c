@@ -27,9 +27,9 @@ static RfResult read_scale( const RfField* field, double value[3] )
 static RfResult read_visible( const RfField* field, double value[1] )
 {
     bool visible = true;
-    RfResult result = rf_field_bool( field, &visible );
+    rf_field_bool( field, &visible );
     value[0] = visible ? 1.0 : 0.0;
-    return result;
+    return rf_json_result( field );
 }
 
 static const RfKeyed s_keyed[] = {
@@ -40,27 +40,19 @@ static const RfKeyed s_keyed[] = {
 };
 #define KEYED_COUNT ( (int)( sizeof s_keyed / sizeof s_keyed[0] ) )
 
-static RfResult no_memory( const RfField* field )
-{
-    return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left for %s", field->file, field->path );
-}
-
 static RfResult read_keys( const RfField* field, RfFps fps, RfObject* object, bool* in_frames )
 {
     RfChannel channels[KEYED_COUNT];
-    RfResult result = rf_read_keys( field, fps, s_keyed, KEYED_COUNT, channels, in_frames );
-    if ( result == RF_OK )
-        result = rf_refuse_twice( field, s_keyed, KEYED_COUNT, channels );
+    rf_read_keys( field, fps, s_keyed, KEYED_COUNT, channels, in_frames );
     for ( int i = 0; i < KEYED_COUNT; ++i )
         object->channels[s_keyed[i].path] = channels[i];
-    return result;
+    return rf_json_result( field );
 }
 
 // What has no keys.
 static RfResult read_still( const RfField* field, RfObject* object )
 {
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
+    for ( int i = 0; i < KEYED_COUNT; ++i )
     {
         const RfKeyed* kind = s_keyed + i;
         RfField member = rf_field_member( field, kind->name );
@@ -68,13 +60,13 @@ static RfResult read_still( const RfField* field, RfObject* object )
         object->given |= object->channels[kind->path].count > 0 || member.json != NULL ? 1u << kind->path : 0u;
         if ( member.json == NULL )
             continue;
-        result = rf_read_keyed( &member, kind, value );
+        rf_read_keyed( &member, kind, value );
         if ( kind->path == RF_VISIBILITY )
             object->hidden = value[0] == 0.0;
         else
             memcpy( object->still[kind->path], value, sizeof value );
     }
-    return result;
+    return rf_json_result( field );
 }
 
 static RfResult read_playing( const RfField* field, RfObject* object )
@@ -82,34 +74,26 @@ static RfResult read_playing( const RfField* field, RfObject* object )
     static const char* const s_how[] = { "animation", "start", "speed", "repeat" };
     static const char* const s_repeats[] = { "hold", "loop", NULL };
     int repeat = 0;
-    RfField animation = rf_field_member( field, "animation" ), start = rf_field_member( field, "start" ),
-            speed = rf_field_member( field, "speed" ), loops = rf_field_member( field, "repeat" );
     object->clock.speed = 1.0;
     for ( int i = 0; object->plays == NULL && i < 4; ++i )
         object->plays = rf_has_member( field, s_how[i] ) ? s_how[i] : NULL;
-    RfResult result = rf_field_text( &animation, &object->animation );
-    if ( result == RF_OK )
-        result = rf_field_number( &start, rf_range( -RF_MAX_TRACK_SECONDS, RF_MAX_TRACK_SECONDS ), &object->clock.start );
-    if ( result == RF_OK )
-        result = rf_field_number( &speed, rf_range( 1e-6, 1e6 ), &object->clock.speed );
-    if ( result == RF_OK )
-        result = rf_field_choice( &loops, s_repeats, &repeat );
+    rf_get_text( field, "animation", &object->animation );
+    rf_get_number( field, "start", rf_range( -RF_MAX_TRACK_SECONDS, RF_MAX_TRACK_SECONDS ), &object->clock.start );
+    rf_get_number( field, "speed", rf_range( 1e-6, 1e6 ), &object->clock.speed );
+    rf_get_choice( field, "repeat", s_repeats, &repeat );
     object->clock.loops = repeat == 1;
-    return result;
+    return rf_json_result( field );
 }
 
 static RfResult read_file( const RfField* field, RfObject* object )
 {
-    RfField file = rf_field_member( field, "file" ), name = rf_field_member( field, "name" ),
-            variant = rf_field_member( field, "variant" );
+    RfField file = rf_field_member( field, "file" );
     RfResult result = rf_field_text( &file, &object->file );
     if ( result == RF_OK && rf_ends_with( object->file, ".json" ) )
         return rf_field_must_be( &file, "a .glb or .gltf file: scene files do not nest" );
-    if ( result == RF_OK )
-        result = rf_field_text( &name, &object->name );
-    if ( result == RF_OK )
-        result = rf_field_text( &variant, &object->variant );
-    return result == RF_OK ? read_playing( field, object ) : result;
+    rf_get_text( field, "name", &object->name );
+    rf_get_text( field, "variant", &object->variant );
+    return read_playing( field, object );
 }
 
 static RfResult read_object( const RfField* field, RfFps fps, RfObject* object, bool* in_frames )
@@ -132,10 +116,10 @@ static RfResult read_object( const RfField* field, RfFps fps, RfObject* object, 
     RfResult result = rf_field_keys( field, places ? s_of_file : s_of_node );
     if ( result == RF_OK )
         result = places ? read_file( field, object ) : rf_field_text( &node, &object->node );
-    if ( result == RF_OK )
-        result = read_keys( field, fps, object, in_frames );
-    if ( result == RF_OK )
-        result = read_still( field, object );
+    if ( result != RF_OK )
+        return result;
+    read_keys( field, fps, object, in_frames );
+    result = read_still( field, object );
     if ( result == RF_OK && !places && object->given == 0 )
         return rf_field_fail( field, "changes nothing: give it keys, translation, rotation, scale or visible" );
     return result;
@@ -151,7 +135,7 @@ RfResult rf_read_objects( const RfField* list, RfFps fps, RfObjects* objects )
     if ( result == RF_OK )
         objects->list = calloc( count + 1, sizeof *objects->list );
     if ( result == RF_OK && objects->list == NULL )
-        return no_memory( list );
+        return rf_field_no_memory( list );
     for ( size_t i = 0; result == RF_OK && i < count; ++i )
     {
         bool in_frames;

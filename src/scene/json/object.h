@@ -2,7 +2,7 @@
 #ifndef REFRAME_SCENE_JSON_OBJECT_H
 #define REFRAME_SCENE_JSON_OBJECT_H
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/scene.h"
 
 #define RF_OBJECT_PATHS ( RF_VISIBILITY + 1 )

@@ -13,11 +13,6 @@
 
 #define NAMES_LISTED 6
 
-static RfResult no_memory( const RfField* field )
-{
-    return rf_fail( field->error, RF_ERROR_MEMORY, "%s: %s: no memory left", field->file, field->path );
-}
-
 static RfResult set_numbers( const RfField* field, json_t* node, const char* key, const double* values, int count )
 {
     json_t* list = json_array();
@@ -26,7 +21,7 @@ static RfResult set_numbers( const RfField* field, json_t* node, const char* key
         done = json_array_append_new( list, json_real( values[i] ) ) == 0;
     if ( !done )
         json_decref( list );
-    return done && json_object_set_new( node, key, list ) == 0 ? RF_OK : no_memory( field );
+    return done && json_object_set_new( node, key, list ) == 0 ? RF_OK : rf_field_no_memory( field );
 }
 
 // What stands still, and whether it is shown.
@@ -41,7 +36,7 @@ static RfResult set_place( const RfObject* object, const RfField* field, json_t*
         bool done = json_is_object( extensions ) ? json_object_update_new( extensions, visible ) == 0
                                                  : json_object_set_new( node, "extensions", visible ) == 0;
         if ( !done )
-            return no_memory( field );
+            return rf_field_no_memory( field );
     }
     for ( int path = 0; result == RF_OK && path <= RF_SCALE; ++path )
     {
@@ -185,7 +180,8 @@ RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* chann
         int index = 0;
         if ( object->node == NULL )
             continue;
-        result = named != NULL && names != NULL ? find_node( object, nodes, names, &index ) : no_memory( &object->field );
+        result =
+            named != NULL && names != NULL ? find_node( object, nodes, names, &index ) : rf_field_no_memory( &object->field );
         if ( result == RF_OK && named[index] > 0 )
             result = rf_field_fail( &object->field, "sets '%.60s', as objects[%d] does: leave one of the two out", object->node,
                                     named[index] - 1 );
@@ -249,7 +245,7 @@ static RfResult open_scene( const RfField* field, json_t* root, json_t** scene )
         json_t* roots = find_roots( json_object_get( root, "nodes" ) );
         scenes = roots != NULL ? json_pack( "[{s:o}]", "nodes", roots ) : NULL;
         if ( scenes == NULL || json_object_set_new( root, "scenes", scenes ) != 0 )
-            return no_memory( field );
+            return rf_field_no_memory( field );
     }
     json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
     json_t* chosen = json_array_get( scenes, index > 0 ? (size_t)index : 0 );
@@ -263,7 +259,7 @@ static RfResult put_under( const Placing* p, const RfField* field, json_t* root,
     const RfObject* object = p->object;
     *index = 0;
     if ( json_object_get( root, "nodes" ) == NULL && json_object_set_new( root, "nodes", json_array() ) != 0 )
-        return no_memory( field );
+        return rf_field_no_memory( field );
     json_t *nodes = json_object_get( root, "nodes" ), *scene = NULL;
     RfResult result = open_scene( field, root, &scene );
     if ( result != RF_OK || !json_is_array( nodes ) || scene == NULL )
@@ -272,10 +268,10 @@ static RfResult put_under( const Placing* p, const RfField* field, json_t* root,
     json_t* roots = json_object_get( scene, "nodes" );
     json_t* node = json_pack( "{s:s}", "name", name_of( object ) );
     if ( node == NULL || json_array_append_new( nodes, node ) != 0 )
-        return no_memory( field );
+        return rf_field_no_memory( field );
     if ( ( roots != NULL && json_object_set( node, "children", roots ) != 0 ) ||
          json_object_set_new( scene, "nodes", json_pack( "[i]", *index ) ) != 0 )
-        return no_memory( field );
+        return rf_field_no_memory( field );
     return set_place( object, field, node );
 }
 
@@ -307,10 +303,7 @@ static RfResult fail( const RfObject* object, RfResult result, const RfError* er
     RfField field = rf_field_member( &object->field, result == RF_ERROR_USAGE ? name : "file" );
     if ( strncmp( error->text, field.file, strlen( field.file ) ) == 0 ) // by materials of the scene file, which it names
         return rf_fail( field.error, result, "%.900s", error->text );
-    rf_field_fail( &field, "%.700s", error->text );
-    if ( field.error != NULL && result != RF_ERROR_USAGE )
-        field.error->code = result;
-    return result == RF_ERROR_USAGE ? RF_ERROR_SCENE : result;
+    return rf_field_fail_as( &field, result == RF_ERROR_USAGE ? RF_ERROR_SCENE : result, error );
 }
 
 static RfResult check_placed( const Placing* p, const RfScene* placed, RfLog* log )
@@ -365,7 +358,7 @@ static RfResult place_file( const RfObject* object, RfFps fps, const double* fro
     append_channels( object, -1, p.channels, &p.options.channel_count );
     char* path = rf_path_beside( object->field.file, object->file );
     if ( path == NULL )
-        return no_memory( &object->field );
+        return rf_field_no_memory( &object->field );
     RfResult result = rf_load_gltf_with( path, &p.options, &placed, log, &error );
     free( path );
     if ( result == RF_OK && p.keys.in_frames && scene->key_fps.numerator == 0 )

@@ -29,8 +29,8 @@ static RfResult check_document( const RfJsonDocument* document, RfError* error )
     RfField root = rf_root_field( document, error );
     if ( rf_has_member( &root, "asset" ) )
         return rf_field_fail( &root, "is a glTF: give it a name that ends in .gltf" );
-    RfResult result = rf_field_keys( &root, s_keys );
-    return result == RF_OK ? rf_field_require( &root, "scene", "the name of a .glb or .gltf file" ) : result;
+    rf_field_keys( &root, s_keys );
+    return rf_field_require( &root, "scene", "the name of a .glb or .gltf file" );
 }
 
 RfResult rf_open_scene_file( const char* path, RfSceneFile* file, RfError* error )
@@ -57,17 +57,9 @@ void rf_close_scene_file( RfSceneFile* file )
 
 RfField rf_scene_file_defaults( const RfSceneFile* file, RfError* error )
 {
-    RfField root = rf_make_field( file->path, "", file->document.root, error );
+    RfField root = rf_root_field( &file->document, error );
+    root.file = file->path; // also of a glTF, which has none
     return rf_field_member( &root, "render" );
-}
-
-// Reports the failure of a file that this one refers to, naming both.
-static RfResult fail_in_field( const RfField* field, RfResult result, const RfError* error )
-{
-    rf_field_fail( field, "%.700s", error->text );
-    if ( field->error != NULL )
-        field->error->code = result;
-    return result;
 }
 
 // What changes the glTF before it is read.
@@ -142,7 +134,7 @@ static RfResult load_gltf( const RfField* root, const Reading* reading, const Rf
     result = read_fps( root, &given, &fps );
     char* path = result == RF_OK ? rf_path_beside( root->file, name ) : NULL;
     if ( path == NULL )
-        return result != RF_OK ? result : rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
+        return result != RF_OK ? result : rf_field_no_memory( root );
     RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
     RfGltfOptions edited = { .freeze = reading->options->freeze,
                              .animation = reading->options->animation,
@@ -161,8 +153,7 @@ static RfResult load_gltf( const RfField* root, const Reading* reading, const Rf
         edited.fps = changes.keys.fps = fps;
     RfGltfEdit change = { edit, &changes };
     edited.edit = &change;
-    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, reading->log, root->error )
-                              : rf_fail( root->error, RF_ERROR_MEMORY, "%s: no memory left", root->file );
+    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, reading->log, root->error ) : rf_field_no_memory( root );
     if ( result == RF_OK && changes.keys.in_frames && given )
         scene->fps = fps;
     if ( result == RF_OK && changes.keys.in_frames && scene->key_fps.numerator == 0 ) // else the glTF's environment has some
@@ -221,8 +212,7 @@ static RfResult read_environment( const RfField* field, RfFps fps, RfEnvironment
     if ( result != RF_OK || text->map == NULL )
         return result;
     char* path = rf_path_beside( field->file, text->map );
-    result = path != NULL ? rf_load_environment( field, path, text )
-                          : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+    result = path != NULL ? rf_load_environment( field, path, text ) : rf_field_no_memory( field );
     free( path );
     return result;
 }
@@ -230,15 +220,13 @@ static RfResult read_environment( const RfField* field, RfFps fps, RfEnvironment
 static RfResult tag_environment( const RfField* field, RfScene* scene )
 {
     const char* name = NULL;
-    RfResult result = rf_field_light_group( field, &name );
+    RfResult result = rf_read_light_group( field, &name );
     if ( result != RF_OK )
         return result;
     if ( scene->environment.map == NULL && rf_max_component( scene->environment.radiance ) <= 0.0f &&
          !scene->environment.changes )
         return rf_field_fail( field, "the scene has none: give radiance, map or both" );
-    return rf_tag_light( scene, name, &scene->environment.light_group )
-               ? RF_OK
-               : rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left for %s", field->file, field->path );
+    return rf_tag_light( scene, name, &scene->environment.light_group ) ? RF_OK : rf_field_no_memory( field );
 }
 
 static RfResult load_environment( const RfField* root, RfScene* scene, RfLog* log )
@@ -294,7 +282,7 @@ static RfResult add_camera( const RfField* field, RfScene* scene, RfCamera* came
     if ( grown == NULL )
     {
         rf_destroy_camera( camera );
-        return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+        return rf_field_no_memory( field );
     }
     scene->cameras = grown;
     scene->cameras[scene->camera_count++] = *camera;
@@ -310,7 +298,7 @@ static RfResult choose_camera( const RfField* field, const char* name, RfScene* 
     RfError error = { 0 };
     RfResult result = rf_find_camera( scene, name, &index, &error );
     if ( result != RF_OK ) // the scene file's fault, not the command line's
-        return fail_in_field( field, RF_ERROR_SCENE, &error );
+        return rf_field_fail_as( field, RF_ERROR_SCENE, &error );
     scene->chosen_camera = index + 1;
     return RF_OK;
 }
@@ -321,10 +309,10 @@ static RfResult load_path_file( const RfField* field, const char* name, RfScene*
     RfError error = { 0 };
     char* path = rf_path_beside( field->file, name );
     if ( path == NULL )
-        return rf_fail( field->error, RF_ERROR_MEMORY, "%s: no memory left", field->file );
+        return rf_field_no_memory( field );
     RfResult result = rf_load_camera( path, &camera, &error );
     free( path );
-    return result == RF_OK ? add_camera( field, scene, &camera ) : fail_in_field( field, result, &error );
+    return result == RF_OK ? add_camera( field, scene, &camera ) : rf_field_fail_as( field, result, &error );
 }
 
 static RfResult load_camera( const RfField* root, RfScene* scene )
@@ -341,8 +329,7 @@ static RfResult load_camera( const RfField* root, RfScene* scene )
         snprintf( name, sizeof name, "%s", kind );
         for ( int i = 2; is_name_taken( scene, name ); ++i )
             snprintf( name, sizeof name, "%s#%d", kind, i );
-        RfResult result =
-            edit ? rf_read_camera_edit( &field, scene, name, &camera ) : rf_read_camera( &field, name, &camera, field.error );
+        RfResult result = edit ? rf_read_camera_edit( &field, scene, name, &camera ) : rf_read_camera( &field, name, &camera );
         return result == RF_OK ? add_camera( &field, scene, &camera ) : result;
     }
     const char* name = NULL;

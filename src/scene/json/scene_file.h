@@ -5,7 +5,7 @@
 #define REFRAME_SCENE_JSON_SCENE_FILE_H
 
 #include "scene/gltf/gltf.h"
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/scene.h"
 
 typedef struct RfSceneFile

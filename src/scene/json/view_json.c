@@ -21,18 +21,12 @@ RfResult rf_read_view( const RfField* object, RfViewText* view )
     if ( object->json == NULL )
         return RF_OK;
     RfViewText read = { .gamma = 1.0 };
-    RfField exposure = rf_field_member( object, "exposure" ), gamma = rf_field_member( object, "gamma" );
-    RfResult result = rf_field_keys( object, s_keys );
-    if ( result == RF_OK )
-        result = rf_field_require( object, "transform", "the name of a view, such as \"AgX\"" );
-    if ( result == RF_OK )
-        result = read_name( object, "transform", read.transform );
-    if ( result == RF_OK )
-        result = read_name( object, "look", read.look );
-    if ( result == RF_OK )
-        result = rf_field_number( &exposure, rf_range( -32.0, 32.0 ), &read.exposure );
-    if ( result == RF_OK )
-        result = rf_field_number( &gamma, rf_range( 0.01, 100.0 ), &read.gamma );
+    rf_field_keys( object, s_keys );
+    rf_field_require( object, "transform", "the name of a view, such as \"AgX\"" );
+    read_name( object, "transform", read.transform );
+    read_name( object, "look", read.look );
+    rf_get_number( object, "exposure", rf_range( -32.0, 32.0 ), &read.exposure );
+    RfResult result = rf_get_number( object, "gamma", rf_range( 0.01, 100.0 ), &read.gamma );
     *view = result == RF_OK ? read : *view;
     return result;
 }

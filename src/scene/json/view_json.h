@@ -2,7 +2,7 @@
 #ifndef REFRAME_SCENE_JSON_VIEW_JSON_H
 #define REFRAME_SCENE_JSON_VIEW_JSON_H
 
-#include "scene/json/json_document.h"
+#include "base/json.h"
 #include "scene/scene.h"
 
 // Reads {"transform": "AgX", "look": "AgX - Punchy", "exposure": 0.5, "gamma": 1}; a field without a value changes nothing.

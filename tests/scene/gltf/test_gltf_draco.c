@@ -280,7 +280,7 @@ static void test_faults( void** state )
         { MESH( "{\"attributes\":{\"POSITION\":0}," DRACO( "\"POSITION\":2" ) "}" ),
           "accessors[0]: has elements of 3 numbers, its compressed mesh of 2" },
         { MESH( "{\"attributes\":{\"POSITION\":0}," DRACO( "\"POSITION\":-1" ) "}" ),
-          "primitives[0].attributes: POSITION must be 0 to" },
+          "KHR_draco_mesh_compression.attributes: POSITION must be 0 to" },
         { MESH( "{\"attributes\":{\"POSITION\":0},\"mode\":6," DRACO( "\"POSITION\":0" ) "}" ),
           "meshes[0].primitives[0]: mode must be 4 to 5" },
         { MESH( "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_draco_mesh_compression\":{}}}" ),

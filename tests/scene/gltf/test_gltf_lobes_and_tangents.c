@@ -340,7 +340,7 @@ static void test_faults_are_one_line( void** state )
         { "sheenColorFactor is 2, it must be 0 to 1", "\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0,2]}" },
         { "anisotropyStrength is 2, it must be 0 to 1", "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":2}" },
         { "iridescenceIor is 0.5, it must be 1 to 100", "\"KHR_materials_iridescence\":{\"iridescenceIor\":0.5}" },
-        { "iridescenceThicknessMaximum is -1, it must be 0 to 100000 nanometres",
+        { "iridescenceThicknessMaximum is -1, it must be 0 to 100000",
           "\"KHR_materials_iridescence\":{\"iridescenceThicknessMaximum\":-1}" },
         { "sheenRoughnessTexture must be an object", "\"KHR_materials_sheen\":{\"sheenRoughnessTexture\":0}" },
         { "clearcoatNormalTexture: scale must be",

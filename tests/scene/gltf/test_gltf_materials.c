@@ -112,7 +112,8 @@ static void test_extras_are_read( void** state )
     assert_true( s.materials->kind == RF_BSDF_GLASS && near( s.materials->ior, 1.7 ) && near( s.materials->tint.x, 1 ) &&
                  s.materials->alpha == 0.0f );
     rf_destroy_scene( &s );
-    assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"ior\":0.5}}", MESH, "", "ior: must be a number above 1" );
+    assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"ior\":0.5}}", MESH, "",
+                  "ior: must be a number > 1 and <= 10, got 0.5" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"tint\":1}}", MESH, "", "tint: is not known here" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"mirror\"}}", MESH, "", "specular: is missing" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"wood\"}}", MESH, "", "\"mirror\" or \"glass\"" );

@@ -266,8 +266,9 @@ static void test_faults( void** state )
     {
         const char *from, *to, *part; // in the text of the first view
     } s_faults[] = {
-        { "\"ATTRIBUTES\"", "\"POINTS\"", "mode 'POINTS' does not exist" },
-        { "\"mode\":\"ATTRIBUTES\"", "\"mode\":\"ATTRIBUTES\",\"filter\":\"BLUR\"", "filter 'BLUR' does not exist" },
+        { "\"ATTRIBUTES\"", "\"POINTS\"", "mode 'POINTS' must be one of ATTRIBUTES, TRIANGLES, INDICES" },
+        { "\"mode\":\"ATTRIBUTES\"", "\"mode\":\"ATTRIBUTES\",\"filter\":\"BLUR\"",
+          "filter 'BLUR' must be one of NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, COLOR" },
         { "\"mode\":\"ATTRIBUTES\"", "\"mode\":\"ATTRIBUTES\",\"filter\":\"COLOR\"",
           "byteStride must be 4 or 8 with this filter" },
         { "\"mode\":\"ATTRIBUTES\"", "\"mode\":\"ATTRIBUTES\",\"filter\":\"QUATERNION\"", "byteStride must be 8 with" },
