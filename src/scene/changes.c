@@ -35,29 +35,8 @@ static const char* const s_textures[RF_TEXTURE_SLOT_COUNT] = {
 
 static const char* word_of( const RfChange* change )
 {
-    switch ( change->value ) // so that the compiler tells if a value has none
-    {
-        case RF_CHANGED_INTENSITY: return "intensity";
-        case RF_CHANGED_COLOR: return "colour";
-        case RF_CHANGED_RANGE: return "range";
-        case RF_CHANGED_INNER_CONE:
-        case RF_CHANGED_OUTER_CONE: return "cone";
-        case RF_CHANGED_BASE_COLOR: return "base colour";
-        case RF_CHANGED_METALLIC: return "metallic";
-        case RF_CHANGED_ROUGHNESS: return "roughness";
-        case RF_CHANGED_EMISSIVE:
-        case RF_CHANGED_EMISSIVE_STRENGTH: return "emission";
-        case RF_CHANGED_TEXTURE_OFFSET:
-        case RF_CHANGED_TEXTURE_ROTATION:
-        case RF_CHANGED_TEXTURE_SCALE: return s_textures[change->slot];
-        case RF_CHANGED_SKY_STRENGTH: return "strength";
-        case RF_CHANGED_SKY_RADIANCE: return "radiance";
-        case RF_CHANGED_SKY_ROTATION: return "rotation";
-        case RF_CHANGED_YFOV:
-        case RF_CHANGED_YMAG: return "field of view";
-        case RF_CHANGED_COUNT: break;
-    }
-    return "";
+    const char* word = rf_changed_traits( change->value )->word;
+    return word != NULL ? word : s_textures[change->slot];
 }
 
 // Once.
@@ -141,8 +120,7 @@ static RfChanging of_material( const RfScene* scene, int number, bool moving )
     for ( int i = 0; i < scene->movement->change_count; ++i )
     {
         const RfChange* change = scene->movement->changes + i;
-        bool of_it = change->value >= RF_CHANGED_BASE_COLOR && change->value <= RF_CHANGED_TEXTURE_SCALE;
-        if ( of_it && change->of == number )
+        if ( rf_is_of_material( change->value ) && change->of == number )
             add_word( &out, word_of( change ) );
     }
     for ( int slot = 0; material->textured != NULL && slot < RF_TEXTURE_SLOT_COUNT; ++slot )

@@ -212,7 +212,7 @@ static RfResult move_changes( const Merge* m, RfMovement* to, RfMovement* from )
     for ( int i = m->changes; i < to->change_count; ++i )
     {
         RfChange* change = to->changes + i;
-        change->of += change->value < RF_CHANGED_LAMP_VALUES ? m->punctuals : (int)m->materials;
+        change->of += rf_changed_traits( change->value )->owner == RF_OF_LAMP ? m->punctuals : (int)m->materials;
     }
     MOVE_ITEMS( to->lamps, to->lamp_count, from->lamps, from->lamp_count );
     for ( int i = m->lamps; i < to->lamp_count; ++i )

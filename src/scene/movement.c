@@ -5,33 +5,120 @@
 #include "scene/image_sequence.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define PI 3.14159265358979323846
 
-const RfChangedTraits* rf_changed_traits( RfChangedValue value )
+#define LAMP( member ) RF_OF_LAMP, offsetof( RfLampValues, member )
+#define MATERIAL( member ) RF_OF_MATERIAL, offsetof( RfMaterialValues, member )
+#define TEXTURE( number ) RF_OF_TEXTURE, number * sizeof( double )
+#define ANY HUGE_VAL
+#define SAME 0, 0 // the range in scene files
+
+#define PBR "pbrMetallicRoughness"
+#define SPECULAR "KHR_materials_specular"
+#define VOLUME "KHR_materials_volume"
+#define COAT "KHR_materials_clearcoat"
+#define SHEEN "KHR_materials_sheen"
+#define THROUGH "KHR_materials_diffuse_transmission"
+#define TURNED "KHR_materials_anisotropy"
+#define FILM "KHR_materials_iridescence"
+#define SCATTER "KHR_materials_volume_scatter"
+
+enum
 {
-    static const RfChangedTraits s_traits[RF_CHANGED_COUNT] = {
-        [RF_CHANGED_INTENSITY] = { "intensity", 1, 0, 1e9, false, true },
-        [RF_CHANGED_COLOR] = { "color", 3, 0, 1, false, false },
-        [RF_CHANGED_RANGE] = { "range", 1, 0, HUGE_VAL, true, false },
-        [RF_CHANGED_INNER_CONE] = { "innerConeAngle", 1, 0, 0.5 * PI + 1e-6, false, false },
-        [RF_CHANGED_OUTER_CONE] = { "outerConeAngle", 1, 0, 0.5 * PI + 1e-6, true, false },
-        [RF_CHANGED_BASE_COLOR] = { "baseColorFactor", 4, 0, 1, false, false },
-        [RF_CHANGED_METALLIC] = { "metallicFactor", 1, 0, 1, false, false },
-        [RF_CHANGED_ROUGHNESS] = { "roughnessFactor", 1, 0, 1, false, false },
-        [RF_CHANGED_EMISSIVE] = { "emissiveFactor", 3, 0, 1, false, false },
-        [RF_CHANGED_EMISSIVE_STRENGTH] = { "emissiveStrength", 1, 0, 1e15, false, true },
-        [RF_CHANGED_TEXTURE_OFFSET] = { "offset", 2, -1e6, 1e6, false, true },
-        [RF_CHANGED_TEXTURE_ROTATION] = { "rotation", 1, -HUGE_VAL, HUGE_VAL, false, false },
-        [RF_CHANGED_TEXTURE_SCALE] = { "scale", 2, -1e6, 1e6, false, true },
-        [RF_CHANGED_SKY_STRENGTH] = { "strength", 1, 0, HUGE_VAL, false, false },
-        [RF_CHANGED_SKY_RADIANCE] = { "radiance", 3, 0, HUGE_VAL, false, false },
-        [RF_CHANGED_SKY_ROTATION] = { "rotation", 1, -HUGE_VAL, HUGE_VAL, false, false },
-        [RF_CHANGED_YFOV] = { "yfov", 1, 0, PI, true, false },
-        [RF_CHANGED_YMAG] = { "ymag", 1, 0, 1e12, true, false },
-    };
-    return s_traits + value;
+    ABOVE = RF_VALUE_ABOVE,
+    LIMIT = RF_VALUE_LIMITED,
+    MOVES = RF_VALUE_ANIMATED,
+    KEYED = RF_VALUE_ANIMATED | RF_VALUE_IN_FILE | RF_VALUE_KEYED,
+    MODEL = RF_VALUE_OF_MODEL,
+    STILL = RF_VALUE_IN_FILE | RF_VALUE_OF_MODEL,
+};
+
+// Name, place, home, components, range in glTF, flags, word, and where it differs the range in scene files.
+static const RfChangedTraits s_traits[RF_CHANGED_COUNT] = {
+    [RF_CHANGED_INTENSITY] = { "intensity", LAMP( intensity ), NULL, 1, 0, 1e9, MOVES | LIMIT, "intensity", SAME },
+    [RF_CHANGED_COLOR] = { "color", LAMP( color ), NULL, 3, 0, 1, MOVES, "colour", SAME },
+    [RF_CHANGED_RANGE] = { "range", LAMP( range ), NULL, 1, 0, ANY, MOVES | ABOVE, "range", SAME },
+    [RF_CHANGED_INNER_CONE] = { "innerConeAngle", LAMP( cone[0] ), "spot", 1, 0, 0.5 * PI + 1e-6, MOVES, "cone", SAME },
+    [RF_CHANGED_OUTER_CONE] = { "outerConeAngle", LAMP( cone[1] ), "spot", 1, 0, 0.5 * PI + 1e-6, MOVES | ABOVE, "cone", SAME },
+    [RF_CHANGED_BASE_COLOR] = { "baseColorFactor", MATERIAL( lobes.base ), PBR, 4, 0, 1, KEYED | MODEL, "base colour", SAME },
+    [RF_CHANGED_METALLIC] = { "metallicFactor", MATERIAL( lobes.metallic ), PBR, 1, 0, 1, KEYED | MODEL, "metallic", SAME },
+    [RF_CHANGED_ROUGHNESS] = { "roughnessFactor", MATERIAL( lobes.roughness ), PBR, 1, 0, 1, KEYED | MODEL, "roughness", SAME },
+    [RF_CHANGED_EMISSIVE] = { "emissiveFactor", MATERIAL( emissive ), NULL, 3, 0, 1, KEYED, "emission", SAME },
+    [RF_CHANGED_EMISSIVE_STRENGTH] = { "emissiveStrength", MATERIAL( strength ), "KHR_materials_emissive_strength", 1, 0, 1e15,
+                                       KEYED | LIMIT, "emission", SAME },
+    [RF_CHANGED_SPECULAR] = { "specularFactor", MATERIAL( lobes.specular ), SPECULAR, 1, 0, 1, STILL, NULL, SAME },
+    // a colour may exceed one: the resulting reflectance is clamped
+    [RF_CHANGED_SPECULAR_COLOR] = { "specularColorFactor", MATERIAL( lobes.specular_color ), SPECULAR, 3, 0, ANY, STILL, NULL, 0,
+                                    1e6 },
+    [RF_CHANGED_IOR] = { "ior", MATERIAL( lobes.ior ), "KHR_materials_ior", 1, 0, ANY, STILL, NULL, 1, 100 },
+    [RF_CHANGED_TRANSMISSION] = { "transmissionFactor", MATERIAL( transmission ), "KHR_materials_transmission", 1, 0, 1, STILL,
+                                  NULL, SAME },
+    [RF_CHANGED_THICKNESS] = { "thicknessFactor", MATERIAL( thickness ), VOLUME, 1, 0, ANY, STILL, NULL, 0, 1e15 },
+    [RF_CHANGED_ATTENUATION_DISTANCE] = { "attenuationDistance", MATERIAL( attenuation_distance ), VOLUME, 1, 0, ANY,
+                                          STILL | ABOVE, NULL, 1e-15, 1e15 },
+    [RF_CHANGED_ATTENUATION_COLOR] = { "attenuationColor", MATERIAL( attenuation_color ), VOLUME, 3, 0, 1, STILL, NULL, SAME },
+    [RF_CHANGED_CLEARCOAT] = { "clearcoatFactor", MATERIAL( clearcoat ), COAT, 1, 0, 1, STILL, NULL, SAME },
+    [RF_CHANGED_CLEARCOAT_ROUGHNESS] = { "clearcoatRoughnessFactor", MATERIAL( clearcoat_roughness ), COAT, 1, 0, 1, STILL, NULL,
+                                         SAME },
+    [RF_CHANGED_SHEEN_COLOR] = { "sheenColorFactor", MATERIAL( lobes.sheen_color ), SHEEN, 3, 0, 1, STILL, NULL, SAME },
+    [RF_CHANGED_SHEEN_ROUGHNESS] = { "sheenRoughnessFactor", MATERIAL( lobes.sheen_roughness ), SHEEN, 1, 0, 1, STILL, NULL,
+                                     SAME },
+    [RF_CHANGED_THROUGH] = { "diffuseTransmissionFactor", MATERIAL( lobes.through ), THROUGH, 1, 0, 1, STILL, NULL, SAME },
+    [RF_CHANGED_THROUGH_COLOR] = { "diffuseTransmissionColorFactor", MATERIAL( lobes.through_color ), THROUGH, 3, 0, 1, STILL,
+                                   NULL, SAME },
+    [RF_CHANGED_ANISOTROPY] = { "anisotropyStrength", MATERIAL( lobes.anisotropy ), TURNED, 1, 0, 1, 0, NULL, SAME },
+    [RF_CHANGED_ANISOTROPY_ROTATION] = { "anisotropyRotation", MATERIAL( lobes.anisotropy_rotation ), TURNED, 1, -1e6, 1e6, LIMIT,
+                                         NULL, SAME },
+    [RF_CHANGED_FILM] = { "iridescenceFactor", MATERIAL( lobes.film ), FILM, 1, 0, 1, 0, NULL, SAME },
+    [RF_CHANGED_FILM_IOR] = { "iridescenceIor", MATERIAL( lobes.film_ior ), FILM, 1, 1, 100, 0, NULL, SAME },
+    [RF_CHANGED_FILM_LEAST] = { "iridescenceThicknessMinimum", MATERIAL( lobes.film_least ), FILM, 1, 0, 1e5, 0, NULL,
+                                SAME }, // nm
+    [RF_CHANGED_FILM_MOST] = { "iridescenceThicknessMaximum", MATERIAL( lobes.film_most ), FILM, 1, 0, 1e5, 0, NULL, SAME },
+    [RF_CHANGED_DISPERSION] = { "dispersion", MATERIAL( lobes.dispersion ), "KHR_materials_dispersion", 1, 0, 1e6, LIMIT, NULL,
+                                SAME },
+    [RF_CHANGED_MULTISCATTER] = { "multiscatterColor", MATERIAL( multiscatter ), SCATTER, 3, 0, 1, 0, NULL, SAME },
+    [RF_CHANGED_SCATTER_ANISOTROPY] = { "scatterAnisotropy", MATERIAL( scatter_anisotropy ), SCATTER, 1, -ANY, ANY, 0, NULL,
+                                        SAME },
+    [RF_CHANGED_ALPHA_CUTOFF] = { "alphaCutoff", MATERIAL( alpha_cutoff ), NULL, 1, 0, ANY, RF_VALUE_IN_FILE, NULL, 0, 1e6 },
+    [RF_CHANGED_TEXTURE_OFFSET] = { "offset", TEXTURE( 0 ), NULL, 2, -1e6, 1e6, MOVES | LIMIT, NULL, SAME },
+    [RF_CHANGED_TEXTURE_ROTATION] = { "rotation", TEXTURE( 2 ), NULL, 1, -ANY, ANY, MOVES, NULL, SAME },
+    [RF_CHANGED_TEXTURE_SCALE] = { "scale", TEXTURE( 3 ), NULL, 2, -1e6, 1e6, MOVES | LIMIT, NULL, SAME },
+    [RF_CHANGED_SKY_STRENGTH] = { "strength", RF_OF_SKY, 0, NULL, 1, 0, ANY, 0, "strength", SAME },
+    [RF_CHANGED_SKY_RADIANCE] = { "radiance", RF_OF_SKY, 0, NULL, 3, 0, ANY, 0, "radiance", SAME },
+    [RF_CHANGED_SKY_ROTATION] = { "rotation", RF_OF_SKY, 0, NULL, 1, -ANY, ANY, 0, "rotation", SAME },
+    [RF_CHANGED_YFOV] = { "yfov", RF_OF_CAMERA, 0, "perspective", 1, 0, PI, MOVES | ABOVE, "field of view", SAME },
+    [RF_CHANGED_YMAG] = { "ymag", RF_OF_CAMERA, 0, "orthographic", 1, 0, 1e12, MOVES | ABOVE, "field of view", SAME },
+};
+
+const RfChangedTraits* rf_changed_traits( RfChangedValue value ) { return s_traits + value; }
+
+RfChangedValue rf_next_value( RfValueOwner owner, int value )
+{
+    while ( value < RF_CHANGED_COUNT && s_traits[value].owner != owner )
+        ++value;
+    return (RfChangedValue)value;
+}
+
+void rf_value_path( RfChangedValue value, char path[RF_VALUE_PATH] )
+{
+    const RfChangedTraits* traits = s_traits + value;
+    const char* before = traits->home != NULL && strncmp( traits->home, "KHR_", 4 ) == 0 ? "extensions/" : "";
+    snprintf( path, RF_VALUE_PATH, "%s%s%s%s", before, traits->home != NULL ? traits->home : "", traits->home != NULL ? "/" : "",
+              traits->name );
+}
+
+void rf_change_sky( RfEnvironment* sky, RfChangedValue value, const double* v )
+{
+    if ( value == RF_CHANGED_SKY_STRENGTH )
+        sky->radiance = rf_scale( sky->radiance, (float)v[0] );
+    else if ( value == RF_CHANGED_SKY_RADIANCE )
+        sky->radiance = rf_mul( sky->radiance, rf_vec3( (float)v[0], (float)v[1], (float)v[2] ) );
+    else
+        sky->rotation = (float)fmod( v[0], 2.0 * PI );
 }
 
 void rf_sample_change( const RfChange* change, double time, double value[4] )

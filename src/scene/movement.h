@@ -32,30 +32,58 @@ typedef struct RfMover
     bool settles;      // it is applied at all times: for what stands still, while it is read
 } RfMover;
 
-// A value that changes by keys, but is not of a node.
+// What has a value.
+typedef enum RfValueOwner
+{
+    RF_OF_LAMP, // punctual
+    RF_OF_MATERIAL,
+    RF_OF_TEXTURE, // of a material: KHR_texture_transform
+    RF_OF_SKY,
+    RF_OF_CAMERA, // its lens, where it moves with its node: the camera has the keys itself (scene/scene.h)
+} RfValueOwner;
+
+// A value that is not of a node: a row of rf_changed_traits.
 typedef enum RfChangedValue
 {
-    // of a punctual light, as in KHR_lights_punctual
     RF_CHANGED_INTENSITY,
-    RF_CHANGED_COLOR, // 3 numbers
+    RF_CHANGED_COLOR,
     RF_CHANGED_RANGE,
     RF_CHANGED_INNER_CONE, // radians
     RF_CHANGED_OUTER_CONE,
-    // of a material: factors of glTF
-    RF_CHANGED_BASE_COLOR, // 4
+    RF_CHANGED_BASE_COLOR,
     RF_CHANGED_METALLIC,
     RF_CHANGED_ROUGHNESS,
-    RF_CHANGED_EMISSIVE, // 3
+    RF_CHANGED_EMISSIVE,
     RF_CHANGED_EMISSIVE_STRENGTH,
-    // of one of its textures: KHR_texture_transform
-    RF_CHANGED_TEXTURE_OFFSET, // 2
+    RF_CHANGED_SPECULAR, // from here on they do not change
+    RF_CHANGED_SPECULAR_COLOR,
+    RF_CHANGED_IOR,
+    RF_CHANGED_TRANSMISSION,
+    RF_CHANGED_THICKNESS,
+    RF_CHANGED_ATTENUATION_DISTANCE,
+    RF_CHANGED_ATTENUATION_COLOR,
+    RF_CHANGED_CLEARCOAT,
+    RF_CHANGED_CLEARCOAT_ROUGHNESS,
+    RF_CHANGED_SHEEN_COLOR,
+    RF_CHANGED_SHEEN_ROUGHNESS,
+    RF_CHANGED_THROUGH,
+    RF_CHANGED_THROUGH_COLOR,
+    RF_CHANGED_ANISOTROPY,
+    RF_CHANGED_ANISOTROPY_ROTATION,
+    RF_CHANGED_FILM,
+    RF_CHANGED_FILM_IOR,
+    RF_CHANGED_FILM_LEAST,
+    RF_CHANGED_FILM_MOST,
+    RF_CHANGED_DISPERSION,
+    RF_CHANGED_MULTISCATTER,
+    RF_CHANGED_SCATTER_ANISOTROPY,
+    RF_CHANGED_ALPHA_CUTOFF,
+    RF_CHANGED_TEXTURE_OFFSET,
     RF_CHANGED_TEXTURE_ROTATION,
-    RF_CHANGED_TEXTURE_SCALE, // 2
-    // of the sky
+    RF_CHANGED_TEXTURE_SCALE,
     RF_CHANGED_SKY_STRENGTH, // a factor on its radiance
-    RF_CHANGED_SKY_RADIANCE, // 3 numbers: likewise
+    RF_CHANGED_SKY_RADIANCE, // another, for each channel
     RF_CHANGED_SKY_ROTATION, // radians
-    // of the lens of a camera that moves with its node, which has the keys itself (scene/scene.h)
     RF_CHANGED_YFOV,
     RF_CHANGED_YMAG,
     RF_CHANGED_COUNT
@@ -63,27 +91,79 @@ typedef enum RfChangedValue
 
 #define RF_CHANGED_LAMP_VALUES ( RF_CHANGED_OUTER_CONE + 1 )
 
-static inline bool rf_is_of_sky( RfChangedValue value )
+// The numbers of a punctual light.
+typedef struct RfLampValues
 {
-    return value >= RF_CHANGED_SKY_STRENGTH && value <= RF_CHANGED_SKY_ROTATION;
+    double intensity, color[3], range, cone[2]; // cone: inner and outer
+} RfLampValues;
+
+// The numbers of a material.
+typedef struct RfMaterialValues
+{
+    RfFactors lobes;
+    double emissive[3], strength;
+    double transmission, thickness;                    // of glass; m, 0: thin-walled
+    double attenuation_distance, attenuation_color[3]; // at which light is attenuated to the color
+    double clearcoat, clearcoat_roughness;
+    double multiscatter[3], scatter_anisotropy;
+    double alpha_cutoff;
+} RfMaterialValues;
+
+static inline RfVec3 rf_emission_of( const RfMaterialValues* m )
+{
+    return rf_vec3( (float)( m->emissive[0] * m->strength ), (float)( m->emissive[1] * m->strength ),
+                    (float)( m->emissive[2] * m->strength ) );
 }
 
-static inline bool rf_is_of_material( RfChangedValue value )
+enum
 {
-    return value >= RF_CHANGED_LAMP_VALUES && value < RF_CHANGED_SKY_STRENGTH;
-}
+    RF_VALUE_ABOVE = 1,    // `low` itself is excluded
+    RF_VALUE_LIMITED = 2,  // `high` is a limit of this program
+    RF_VALUE_ANIMATED = 4, // KHR_animation_pointer changes it
+    RF_VALUE_IN_FILE = 8,  // scene files override it
+    RF_VALUE_KEYED = 16,   // and give it keys
+    RF_VALUE_OF_MODEL = 32 // it is of glTF's own scattering model
+};
 
-// What may be its values: from `low` to `high`, both included, and above `low` where that is 0 and `positive`.
+// All there is to know of a value, for the reader of glTF, scene files, animations and poses.
 typedef struct RfChangedTraits
 {
-    const char* name; // in glTF
+    const char* name; // in glTF and scene files
+    RfValueOwner owner;
+    size_t offset;    // in the struct of its owner's values; of textures in offset, rotation, scale
+    const char* home; // what of its owner has it, an extension where it begins with KHR_; NULL: the owner itself
     int components;
-    double low, high;
-    bool positive;
-    bool limited; // `high` is a limit of this program
+    double low, high; // of each component
+    unsigned flags;
+    const char* word;           // what changes are called; NULL: there are none, or as the texture
+    double file_low, file_high; // the range in scene files; both 0: as above
 } RfChangedTraits;
 
 const RfChangedTraits* rf_changed_traits( RfChangedValue value );
+
+// The next value of an owner from `value` on, for loops; RF_CHANGED_COUNT after the last.
+RfChangedValue rf_next_value( RfValueOwner owner, int value );
+
+// Its place in the struct of its owner's values.
+static inline double* rf_value_in( void* values, RfChangedValue value )
+{
+    return (double*)(void*)( (char*)values + rf_changed_traits( value )->offset );
+}
+
+// Its path in glTF from its owner on, such as "extensions/KHR_materials_ior/ior".
+#define RF_VALUE_PATH 96
+void rf_value_path( RfChangedValue value, char path[RF_VALUE_PATH] );
+
+static inline bool rf_is_of_sky( RfChangedValue value ) { return rf_changed_traits( value )->owner == RF_OF_SKY; }
+
+static inline bool rf_is_of_material( RfChangedValue value )
+{
+    RfValueOwner owner = rf_changed_traits( value )->owner;
+    return owner == RF_OF_MATERIAL || owner == RF_OF_TEXTURE;
+}
+
+// Changes the sky: its value is `v`.
+void rf_change_sky( RfEnvironment* sky, RfChangedValue value, const double* v );
 
 typedef struct RfChange
 {
@@ -105,18 +185,15 @@ typedef struct RfMovingLamp
     int punctual;
     int node;                            // moving node that places, shows and hides it; −1: it stands still
     int changes[RF_CHANGED_LAMP_VALUES]; // of the movement, by value; −1: none
-    double color[3];                     // as in the file, where no change has them
-    double intensity, cone[2];
+    RfLampValues values;                 // as in the file, where no change has them
 } RfMovingLamp;
 
 // A material that dims or changes.
 typedef struct RfMovingMaterial
 {
     int material;
-    int first_change, change_count; // of the movement
-    double base[4];                 // as in the file, where no change has them
-    double metallic, roughness;
-    double emissive[3], strength;
+    int first_change, change_count;             // of the movement
+    RfMaterialValues values;                    // as in the file, where no change has them
     double transform[RF_TEXTURE_SLOT_COUNT][5]; // of its textures: offset, rotation, scale
 } RfMovingMaterial;
 

@@ -9,23 +9,11 @@
 #include <math.h>
 #include <string.h>
 
-#define TURN 6.28318530717958648
-
 // Lamps.
 
 static RfResult fail_lamp( const RfScene* scene, const RfPunctual* lamp, double time, const char* what, RfError* error )
 {
     return rf_fail( error, RF_ERROR_SCENE, "%s: light '%.80s' at %g s: %s", scene->path, lamp->name, time, what );
-}
-
-static void sample_lamp_value( const RfMovement* movement, const RfMovingLamp* lamp, RfChangedValue value, double time,
-                               double* out )
-{
-    double all[4];
-    if ( lamp->changes[value] < 0 )
-        return;
-    rf_sample_change( movement->changes + lamp->changes[value], time, all );
-    memcpy( out, all, (size_t)rf_changed_traits( value )->components * sizeof *out );
 }
 
 // At the origin of the node, pointing along −z.
@@ -50,21 +38,25 @@ static const char* place_lamp( const RfScene* scene, const RfMat4* world, RfPunc
 static const char* pose_lamp( const RfScene* scene, const RfMovingLamp* lamp, const RfNodesAt* nodes, RfPunctual* out )
 {
     const RfMovement* movement = scene->movement;
-    double time = nodes->time, color[3], intensity = lamp->intensity, cone[2] = { lamp->cone[0], lamp->cone[1] },
-           range = (double)out->range;
+    RfLampValues now = lamp->values;
+    const double *color = now.color, *cone = now.cone;
     if ( lamp->node >= 0 && !nodes->shown[lamp->node] )
     {
         out->intensity = rf_vec3( 0.0f, 0.0f, 0.0f );
         return NULL;
     }
-    memcpy( color, lamp->color, sizeof color );
-    sample_lamp_value( movement, lamp, RF_CHANGED_INTENSITY, time, &intensity );
-    sample_lamp_value( movement, lamp, RF_CHANGED_COLOR, time, color );
-    sample_lamp_value( movement, lamp, RF_CHANGED_RANGE, time, &range );
-    sample_lamp_value( movement, lamp, RF_CHANGED_INNER_CONE, time, cone );
-    sample_lamp_value( movement, lamp, RF_CHANGED_OUTER_CONE, time, cone + 1 );
-    out->intensity = rf_vec3( (float)( color[0] * intensity ), (float)( color[1] * intensity ), (float)( color[2] * intensity ) );
-    out->range = (float)fmin( range, HUGE_VAL );
+    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+    {
+        double all[4];
+        if ( lamp->changes[v] < 0 )
+            continue;
+        rf_sample_change( movement->changes + lamp->changes[v], nodes->time, all );
+        memcpy( rf_value_in( &now, (RfChangedValue)v ), all,
+                (size_t)rf_changed_traits( (RfChangedValue)v )->components * sizeof *all );
+    }
+    out->intensity =
+        rf_vec3( (float)( color[0] * now.intensity ), (float)( color[1] * now.intensity ), (float)( color[2] * now.intensity ) );
+    out->range = (float)fmin( now.range, HUGE_VAL );
     if ( !( out->range > 0.0f ) )
         return "its range is not more than 0";
     if ( out->kind == RF_PUNCTUAL_SPOT && !( cone[0] <= cone[1] && cone[1] > 0.0 ) )
@@ -109,25 +101,10 @@ static uint64_t hash_lamp( const RfScene* scene, const RfMovingLamp* lamp, const
 static void sample_materials_change( const RfChange* change, double time, RfMovingMaterial* to )
 {
     double v[4];
-    double* transform = to->transform[change->slot];
+    const RfChangedTraits* traits = rf_changed_traits( change->value );
+    void* values = traits->owner == RF_OF_TEXTURE ? (void*)to->transform[change->slot] : (void*)&to->values;
     rf_sample_change( change, time, v );
-    switch ( change->value )
-    {
-        case RF_CHANGED_BASE_COLOR: memcpy( to->base, v, sizeof to->base ); break;
-        case RF_CHANGED_METALLIC: to->metallic = v[0]; break;
-        case RF_CHANGED_ROUGHNESS: to->roughness = v[0]; break;
-        case RF_CHANGED_EMISSIVE: memcpy( to->emissive, v, sizeof to->emissive ); break;
-        case RF_CHANGED_EMISSIVE_STRENGTH: to->strength = v[0]; break;
-        case RF_CHANGED_TEXTURE_OFFSET: memcpy( transform, v, 2 * sizeof *transform ); break;
-        case RF_CHANGED_TEXTURE_ROTATION: transform[2] = v[0]; break;
-        case RF_CHANGED_TEXTURE_SCALE: memcpy( transform + 3, v, 2 * sizeof *transform ); break;
-        default: break; // not of a material
-    }
-}
-
-static bool is_of_texture( RfChangedValue value )
-{
-    return value == RF_CHANGED_TEXTURE_OFFSET || value == RF_CHANGED_TEXTURE_ROTATION || value == RF_CHANGED_TEXTURE_SCALE;
+    memcpy( rf_value_in( values, change->value ), v, (size_t)traits->components * sizeof *v );
 }
 
 static void pose_material( const RfScene* scene, const RfMovingMaterial* self, double time, RfTextured* textured,
@@ -139,20 +116,17 @@ static void pose_material( const RfScene* scene, const RfMovingMaterial* self, d
         sample_materials_change( changes + i, time, &now );
     // a loaded one is the most that there is, and 0 where emission is left out
     if ( rf_max_component( out->emission ) > 0.0f )
-        out->emission = rf_vec3( (float)( now.emissive[0] * now.strength ), (float)( now.emissive[1] * now.strength ),
-                                 (float)( now.emissive[2] * now.strength ) );
+        out->emission = rf_emission_of( &now.values );
     if ( !out->changes || out->textured == NULL )
         return;
     *textured = *out->textured;
     out->textured = textured;
-    if ( textured->model != RF_TEXTURED_DIFFUSE ) // which has a base of its own
-        memcpy( textured->factors.base, now.base, 3 * sizeof *now.base );
-    textured->factors.base[3] = now.base[3];
-    textured->factors.metallic = now.metallic;
-    textured->factors.roughness = now.roughness;
+    if ( textured->model == RF_TEXTURED_DIFFUSE ) // which has a base of its own
+        memcpy( now.values.lobes.base, textured->factors.base, 3 * sizeof *now.values.lobes.base );
+    textured->factors = now.values.lobes;
     for ( int i = 0; i < self->change_count; ++i )
     {
-        if ( is_of_texture( changes[i].value ) )
+        if ( rf_changed_traits( changes[i].value )->owner == RF_OF_TEXTURE )
             rf_set_uv_transform( now.transform[changes[i].slot], textured->refs[changes[i].slot].transform );
     }
     RfVec3 emission = out->emission;
@@ -179,8 +153,7 @@ static void pose_materials( const RfScene* scene, double time, RfTextured* textu
 static void pose_sky( const RfScene* scene, double time, RfScene* posed )
 {
     const RfMovement* movement = scene->movement;
-    RfVec3* radiance = &posed->environment.radiance;
-    *radiance = scene->environment.radiance;
+    posed->environment.radiance = scene->environment.radiance;
     for ( int i = 0; scene->environment.changes && i < movement->change_count; ++i )
     {
         const RfChange* change = movement->changes + i;
@@ -188,12 +161,7 @@ static void pose_sky( const RfScene* scene, double time, RfScene* posed )
         if ( !rf_is_of_sky( change->value ) )
             continue;
         rf_sample_change( change, time, v );
-        if ( change->value == RF_CHANGED_SKY_STRENGTH )
-            *radiance = rf_scale( *radiance, (float)v[0] );
-        else if ( change->value == RF_CHANGED_SKY_RADIANCE )
-            *radiance = rf_mul( *radiance, rf_vec3( (float)v[0], (float)v[1], (float)v[2] ) );
-        else
-            posed->environment.rotation = (float)fmod( v[0], TURN );
+        rf_change_sky( &posed->environment, change->value, v );
     }
 }
 

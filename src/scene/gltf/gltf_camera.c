@@ -41,7 +41,7 @@ static RfResult read_orthographic( const RfGltf* gltf, const RfField* json, RfCa
     RfField object = open_type( json, "orthographic", "ymag" );
     RfResult result = rf_get_number( &object, "ymag", rf_any_number(), &camera->ymag );
     camera->ymag = fabs( camera->ymag ); // below 0 says the same
-    if ( result == RF_OK && !( camera->ymag > 0.0 && camera->ymag < 1e12 ) )
+    if ( result == RF_OK && !( camera->ymag > 0.0 && camera->ymag < rf_changed_traits( RF_CHANGED_YMAG )->high ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "ymag is %g, it must be more than 0 and less than 1e12",
                              camera->ymag );
     rf_get_number( &object, "xmag", rf_any_number(), &xmag );

@@ -9,20 +9,45 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A value of a key, by the range that it has when it stands still.
-static RfResult check_value( const RfGltf* gltf, const char* where, const RfChangedTraits* traits, double value )
+// A value by its range; `name` is what messages call it.
+static RfResult check_value( const RfGltf* gltf, const char* where, const char* name, const RfChangedTraits* traits,
+                             double value )
 {
-    RfWhere of = rf_where( "%s of the output", traits->name );
-    if ( traits->limited && fabs( value ) > traits->high )
-        return rf_gltf_check_limit( gltf, where, of.text, value, traits->high );
-    if ( value >= traits->low && value <= traits->high && !( traits->positive && value == 0.0 ) )
-        return RF_OK;
-    const char* above = traits->positive ? "above " : "";
-    if ( isfinite( traits->high ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be %s%g to %.7g", of.text, value, above,
-                             traits->low, traits->high );
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s is %g, it must be %s%g", of.text, value,
-                         traits->positive ? above : "at least ", traits->low );
+    RfRange range = { traits->low, traits->high, ( traits->flags & RF_VALUE_ABOVE ) != 0 };
+    RfField field = rf_gltf_field( gltf, rf_where( "%s.%s", where, name ).text, NULL );
+    field.owner = (int)strlen( where );
+    return ( traits->flags & RF_VALUE_LIMITED ) != 0 && fabs( value ) > traits->high
+               ? rf_gltf_check_limit( gltf, where, name, value, traits->high )
+               : rf_field_check( &field, range, value );
+}
+
+RfResult rf_gltf_read_value( const RfGltf* gltf, const RfField* home, RfChangedValue value, void* values )
+{
+    const RfChangedTraits* traits = rf_changed_traits( value );
+    double* to = rf_value_in( values, value );
+    if ( traits->components > 1 )
+        rf_get_numbers( home, traits->name, rf_any_number(), traits->components, to );
+    else
+        rf_get_number( home, traits->name, rf_any_number(), to );
+    for ( int i = 0; i < traits->components && rf_has_member( home, traits->name ); ++i )
+        check_value( gltf, home->path, traits->name, traits, to[i] );
+    return rf_json_result( home );
+}
+
+RfResult rf_gltf_read_values( const RfGltf* gltf, const RfField* owner, RfValueOwner kind, void* values )
+{
+    const char* name = "";
+    RfField home = *owner;
+    for ( RfChangedValue v = rf_next_value( kind, 0 ); v < RF_CHANGED_COUNT; v = rf_next_value( kind, (int)v + 1 ) )
+    {
+        const char* own = rf_changed_traits( v )->home;
+        bool extension = own != NULL && strncmp( own, "KHR_", 4 ) == 0;
+        if ( own != name ) // values of one place follow each other
+            home = extension ? rf_gltf_extension( owner, own ) : own != NULL ? rf_get_object( owner, own ) : *owner;
+        name = own;
+        rf_gltf_read_value( gltf, &home, v, values );
+    }
+    return rf_json_result( owner );
 }
 
 RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfChange* change )
@@ -31,11 +56,12 @@ RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfCh
     const RfChangedTraits* traits = rf_changed_traits( change->value );
     size_t n = (size_t)channel->components, per_key = channel->interpolation == RF_CUBICSPLINE ? 3 * n : n;
     const double* values = channel->values + ( per_key > n ? n : 0 );
+    RfWhere name = rf_where( "%s of the output", traits->name );
     RfResult result = RF_OK;
     for ( size_t k = 0; result == RF_OK && k < (size_t)channel->count; ++k )
     {
         for ( size_t i = 0; result == RF_OK && i < n; ++i )
-            result = check_value( gltf, where, traits, values[k * per_key + i] );
+            result = check_value( gltf, where, name.text, traits, values[k * per_key + i] );
     }
     return result;
 }
@@ -62,13 +88,11 @@ RfResult rf_gltf_add_change( RfGltf* gltf, const RfChange* change )
     return RF_OK;
 }
 
-// The number of the first value of the kind of thing that has it.
+// Materials go with their textures.
 static int group_of( RfChangedValue value )
 {
-    return value < RF_CHANGED_LAMP_VALUES    ? 0
-           : value < RF_CHANGED_SKY_STRENGTH ? (int)RF_CHANGED_LAMP_VALUES
-           : value < RF_CHANGED_YFOV         ? (int)RF_CHANGED_SKY_STRENGTH
-                                             : (int)RF_CHANGED_YFOV;
+    RfValueOwner owner = rf_changed_traits( value )->owner;
+    return owner == RF_OF_TEXTURE ? (int)RF_OF_MATERIAL : (int)owner;
 }
 
 static int compare( const void* a, const void* b )
@@ -121,7 +145,7 @@ int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int s
         gltf->change_count > 0 ? bsearch( &wanted, gltf->changes, (size_t)gltf->change_count, sizeof wanted, compare ) : NULL;
     if ( found == NULL )
         return -1;
-    bool frozen = gltf->freeze && group_of( value ) != (int)RF_CHANGED_YFOV; // cameras never are
+    bool frozen = gltf->freeze && group_of( value ) != (int)RF_OF_CAMERA; // cameras never are
     if ( !frozen && rf_gltf_channel_varies( &found->channel ) )
         return (int)( found - gltf->changes );
     double values[4];
@@ -149,10 +173,7 @@ RfResult rf_gltf_add_lamp( RfGltf* gltf, const RfMovingLamp* lamp )
 
 // Materials.
 
-static bool is_of_texture( RfChangedValue value )
-{
-    return value == RF_CHANGED_TEXTURE_OFFSET || value == RF_CHANGED_TEXTURE_ROTATION || value == RF_CHANGED_TEXTURE_SCALE;
-}
+static bool is_of_texture( RfChangedValue value ) { return rf_changed_traits( value )->owner == RF_OF_TEXTURE; }
 
 static bool is_emission( RfChangedValue value ) { return value == RF_CHANGED_EMISSIVE || value == RF_CHANGED_EMISSIVE_STRENGTH; }
 
@@ -182,8 +203,7 @@ static void follow_transforms( const RfGltf* gltf, const json_t* json, RfMovingM
         if ( ( known & 1u << change->slot ) == 0 )
             rf_gltf_texture_transform( json, change->slot, transform );
         known |= 1u << change->slot;
-        int part = change->value == RF_CHANGED_TEXTURE_OFFSET ? 0 : change->value == RF_CHANGED_TEXTURE_ROTATION ? 2 : 3;
-        rf_gltf_find_change( gltf, change->value, change->of, change->slot, transform + part );
+        rf_gltf_find_change( gltf, change->value, change->of, change->slot, rf_value_in( transform, change->value ) );
         rf_set_uv_transform( transform, out->textured->refs[change->slot].transform );
     }
 }
@@ -212,7 +232,7 @@ static void make_lightest( const RfGltf* gltf, const RfMovingMaterial* moving, R
     rf_derive_material( &metal );
     factors->metallic = 0.0;
     rf_derive_material( out );
-    factors->metallic = moving->metallic;
+    factors->metallic = moving->values.lobes.metallic;
     out->diffuse = most_of( out->diffuse, metal.diffuse );
     out->specular = most_of( out->specular, metal.specular );
     out->tint = most_of( out->tint, metal.tint );
@@ -273,7 +293,7 @@ RfResult rf_gltf_change_material( RfGltf* gltf, const json_t* json, RfMovingMate
 {
     int first = first_of_material( gltf, moving->material ), end = first;
     while ( end < gltf->change_count && gltf->changes[end].of == moving->material &&
-            group_of( gltf->changes[end].value ) == (int)RF_CHANGED_BASE_COLOR )
+            group_of( gltf->changes[end].value ) == (int)RF_OF_MATERIAL )
         ++end;
     moving->first_change = first;
     moving->change_count = end - first;
@@ -331,7 +351,7 @@ static void move_list( RfGltf* gltf, RfMovement* movement, int* moved )
             continue;
         RfChange* to = movement->changes + movement->change_count++;
         *to = gltf->changes[i];
-        if ( group_of( to->value ) == 0 )
+        if ( group_of( to->value ) == (int)RF_OF_LAMP )
             to->of = -1; // until a lamp has it
         memset( &gltf->changes[i].channel, 0, sizeof gltf->changes[i].channel );
     }

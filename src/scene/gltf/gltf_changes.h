@@ -22,6 +22,13 @@ RfResult rf_gltf_note_pointer( RfGltf* gltf, const char* pointer );
 // Copies a channel with its keys, which are to be freed also where that fails (gltf_animation.c).
 RfResult rf_gltf_copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to );
 
+// Reads a value of glTF into the struct of its owner's values, and checks its range (gltf_changes.c); one that is missing is left as
+// it is. `home`: the object that has it.
+RfResult rf_gltf_read_value( const RfGltf* gltf, const RfField* home, RfChangedValue value, void* values );
+
+// Reads all values of an owner.
+RfResult rf_gltf_read_values( const RfGltf* gltf, const RfField* owner, RfValueOwner kind, void* values );
+
 // That all keys of a change are values that the file may have (gltf_changes.c).
 RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfChange* change );
 

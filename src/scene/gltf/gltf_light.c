@@ -19,37 +19,41 @@
 // A light of the document, at the node that has it.
 typedef struct Source
 {
-    RfMovingLamp lamp; // its values, and what changes them
-    double range;
+    RfMovingLamp lamp;   // its values, and what changes them
     int index;           // of the list
     RfProfile** profile; // that of the list's light once it has been read
 } Source;
 
-// What a value is where it does not change.
-static void follow_change( const RfGltf* gltf, RfChangedValue value, Source* source, double* still )
+// Follows what changes, of spots their cones as well; `lamp.values` is what does not.
+static void follow_changes( const RfGltf* gltf, bool spot, Source* source )
 {
-    source->lamp.changes[value] = rf_gltf_find_change( gltf, value, source->index, 0, still );
+    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+    {
+        double* still = rf_value_in( &source->lamp.values, (RfChangedValue)v );
+        if ( rf_changed_traits( (RfChangedValue)v )->home == NULL || spot )
+            source->lamp.changes[v] = rf_gltf_find_change( gltf, (RfChangedValue)v, source->index, 0, still );
+    }
 }
 
-static RfResult read_cone( const RfGltf* gltf, const RfField* json, Source* source )
+static RfResult read_cone( const RfField* json, Source* source )
 {
-    double* cone = source->lamp.cone;
-    const char* where = json->path;
+    double* cone = source->lamp.values.cone;
     cone[0] = 0.0;
     cone[1] = 0.5 * HALF_PI;
     rf_gltf_require( json, "spot", NULL );
     RfField spot = rf_get_object( json, "spot" );
-    snprintf( spot.path, sizeof spot.path, "%s", where ); // of which messages name the light
+    snprintf( spot.path, sizeof spot.path, "%s", json->path ); // of which messages name the light
     rf_get_number( &spot, "innerConeAngle", rf_any_number(), cone );
-    RfResult result = rf_get_number( &spot, "outerConeAngle", rf_any_number(), cone + 1 );
-    if ( result != RF_OK )
-        return result;
-    follow_change( gltf, RF_CHANGED_INNER_CONE, source, cone );
-    follow_change( gltf, RF_CHANGED_OUTER_CONE, source, cone + 1 );
+    return rf_get_number( &spot, "outerConeAngle", rf_any_number(), cone + 1 );
+}
+
+static RfResult check_cone( const RfGltf* gltf, const RfField* json, const Source* source )
+{
+    const double* cone = source->lamp.values.cone;
     // exporters round both to the same float: equal angles give a hard edge. Of what changes the pose finds out
     bool changes = source->lamp.changes[RF_CHANGED_INNER_CONE] >= 0 || source->lamp.changes[RF_CHANGED_OUTER_CONE] >= 0;
     if ( !( cone[0] >= 0.0 && ( changes || cone[0] <= cone[1] ) && cone[1] > 0.0 && cone[1] <= HALF_PI + 1e-6 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path,
                              "cone angles %g and %g must be 0 <= inner <= outer, and outer above 0, at most pi/2", cone[0],
                              cone[1] );
     return RF_OK;
@@ -75,31 +79,24 @@ static RfResult read_kind( const RfGltf* gltf, const RfField* json, RfPunctual* 
     return RF_OK;
 }
 
-// The most of a value, where it changes.
-static void raise_to_most( const RfGltf* gltf, const Source* source, RfChangedValue value, double* most )
-{
-    double all[4];
-    if ( source->lamp.changes[value] < 0 )
-        return;
-    rf_most_of_change( gltf->changes + source->lamp.changes[value], all );
-    memcpy( most, all, (size_t)rf_changed_traits( value )->components * sizeof *most );
-}
-
 // As bright, as wide and as far as it ever is.
 static void set_light( const RfGltf* gltf, const Source* source, RfPunctual* out )
 {
-    double color[3], intensity = source->lamp.intensity, range = source->range;
-    double cone[2] = { source->lamp.cone[0], source->lamp.cone[1] };
-    memcpy( color, source->lamp.color, sizeof color );
-    raise_to_most( gltf, source, RF_CHANGED_COLOR, color );
-    raise_to_most( gltf, source, RF_CHANGED_INTENSITY, &intensity );
-    raise_to_most( gltf, source, RF_CHANGED_RANGE, &range );
-    raise_to_most( gltf, source, RF_CHANGED_INNER_CONE, cone );
-    raise_to_most( gltf, source, RF_CHANGED_OUTER_CONE, cone + 1 );
+    RfLampValues most = source->lamp.values;
+    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+    {
+        double all[4];
+        if ( source->lamp.changes[v] < 0 )
+            continue;
+        rf_most_of_change( gltf->changes + source->lamp.changes[v], all );
+        memcpy( rf_value_in( &most, (RfChangedValue)v ), all,
+                (size_t)rf_changed_traits( (RfChangedValue)v )->components * sizeof *all );
+    }
     if ( out->kind == RF_PUNCTUAL_SPOT )
-        rf_set_cone( out, fmin( cone[0], cone[1] ), cone[1] );
-    out->intensity = rf_vec3( (float)( color[0] * intensity ), (float)( color[1] * intensity ), (float)( color[2] * intensity ) );
-    out->range = (float)range;
+        rf_set_cone( out, fmin( most.cone[0], most.cone[1] ), most.cone[1] );
+    out->intensity = rf_vec3( (float)( most.color[0] * most.intensity ), (float)( most.color[1] * most.intensity ),
+                              (float)( most.color[2] * most.intensity ) );
+    out->range = (float)most.range;
 }
 
 static RfResult read_profile( RfGltf* gltf, const RfField* ours, Source* source, RfPunctual* out )
@@ -185,26 +182,27 @@ static RfResult read_extras( RfGltf* gltf, const RfField* json, Source* source, 
 
 static RfResult read_light( RfGltf* gltf, const RfField* json, Source* source, RfPunctual* out )
 {
-    double *color = source->lamp.color, *intensity = &source->lamp.intensity, *range = &source->range;
-    color[0] = color[1] = color[2] = *intensity = 1.0;
-    *range = (double)INFINITY;
+    RfLampValues* values = &source->lamp.values;
+    *values = ( RfLampValues ){ .intensity = 1.0, .color = { 1.0, 1.0, 1.0 }, .range = (double)INFINITY };
     RfResult result = read_kind( gltf, json, out );
-    if ( result == RF_OK && out->kind == RF_PUNCTUAL_SPOT )
-        result = read_cone( gltf, json, source );
-    if ( result == RF_OK )
-        result = read_extras( gltf, json, source, out );
-    rf_get_numbers( json, "color", rf_range( 0.0, 1.0 ), 3, color );
-    rf_get_number( json, "intensity", rf_range( 0.0, HUGE_VAL ), intensity );
-    result = rf_get_number( json, "range", rf_above( 0.0, HUGE_VAL ), range );
+    bool spot = out->kind == RF_PUNCTUAL_SPOT;
+    if ( result == RF_OK && spot )
+        read_cone( json, source );
+    rf_gltf_read_value( gltf, json, RF_CHANGED_COLOR, values );
+    rf_gltf_read_value( gltf, json, RF_CHANGED_INTENSITY, values );
+    result = rf_gltf_read_value( gltf, json, RF_CHANGED_RANGE, values );
     if ( result != RF_OK )
         return result;
-    follow_change( gltf, RF_CHANGED_COLOR, source, color );
-    follow_change( gltf, RF_CHANGED_INTENSITY, source, intensity );
-    follow_change( gltf, RF_CHANGED_RANGE, source, range );
+    follow_changes( gltf, spot, source );
+    if ( spot )
+        check_cone( gltf, json, source );
+    result = read_extras( gltf, json, source, out );
+    if ( result != RF_OK )
+        return result;
     set_light( gltf, source, out );
     // higher ones would overflow close to the light
     double most = out->profile != NULL ? fmax( (double)out->profile->most, 1.0 ) : 1.0;
-    return rf_gltf_check_limit( gltf, json->path, "intensity", *intensity * most,
+    return rf_gltf_check_limit( gltf, json->path, "intensity", values->intensity * most,
                                 rf_changed_traits( RF_CHANGED_INTENSITY )->high );
 }
 

@@ -12,24 +12,6 @@ static const RfRange s_share = { 0.0, 1.0, false };
 // Glass and mirrors: KHR_materials_transmission with _volume, metals without roughness; also
 // KHR_materials_unlit.
 
-typedef struct Inside
-{
-    double transmission;
-    double thickness; // 0: thin-walled
-    double distance;  // at which light is attenuated to attenuation_color
-    double color[3];
-} Inside;
-
-static void read_inside( const RfField* material, Inside* out )
-{
-    RfField through = rf_gltf_extension( material, "KHR_materials_transmission" ),
-            volume = rf_gltf_extension( material, "KHR_materials_volume" );
-    rf_get_number( &through, "transmissionFactor", s_share, &out->transmission );
-    rf_get_number( &volume, "thicknessFactor", rf_range( 0.0, HUGE_VAL ), &out->thickness );
-    rf_get_number( &volume, "attenuationDistance", rf_above( 0.0, HUGE_VAL ), &out->distance );
-    rf_get_numbers( &volume, "attenuationColor", s_share, 3, out->color );
-}
-
 // −ln(colour) / distance; a channel of 0 is fully absorbed.
 static float absorption( double color, double distance )
 {
@@ -42,8 +24,9 @@ static RfVec3 scaled( const double rgb[3], double s )
     return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
 }
 
-static void make_glass( const Inside* in, const RfFactors* factors, RfMaterial* out )
+static void make_glass( const RfMaterialValues* in, RfMaterial* out )
 {
+    const RfFactors* factors = &in->lobes;
     out->kind = RF_BSDF_GLASS;
     // by the extension, an index of 0 means total reflection
     out->ior = factors->ior > 0.0 ? (float)fmax( factors->ior, 1.0001 ) : 1e4f;
@@ -51,8 +34,9 @@ static void make_glass( const Inside* in, const RfFactors* factors, RfMaterial* 
     rf_derive_glass( factors, in->transmission, out );
     if ( out->thin )
         return;
-    out->absorption = rf_vec3( absorption( in->color[0], in->distance ), absorption( in->color[1], in->distance ),
-                               absorption( in->color[2], in->distance ) );
+    const double *color = in->attenuation_color, distance = in->attenuation_distance;
+    out->absorption =
+        rf_vec3( absorption( color[0], distance ), absorption( color[1], distance ), absorption( color[2], distance ) );
 }
 
 bool rf_gltf_is_unlit( const json_t* material )
@@ -75,25 +59,21 @@ static bool is_all_metal( const json_t* material, const RfFactors* factors )
     return factors->metallic == 1.0 && json_object_get( part, "metallicRoughnessTexture" ) == NULL;
 }
 
-// Reads KHR_materials_transmission, _volume and _unlit, and metals without roughness, after
-// all other factors.
+// Applies KHR_materials_transmission, _volume and _unlit, and finds metals without roughness, after all other factors.
 // `reshapes`: its roughness or metallic factor change, so that it is no metal or mirror at all times. `dense`: it scatters inside,
 // and is taken for opaque.
-static RfResult read_glass_of( const RfField* field, const RfFactors* factors, bool reshapes, bool dense, RfMaterial* out )
+static void apply_glass( const json_t* material, const RfMaterialValues* values, bool reshapes, bool dense, RfMaterial* out )
 {
-    const json_t* material = field->json;
-    Inside inside = { .distance = (double)INFINITY, .color = { 1, 1, 1 } };
-    read_inside( field, &inside );
+    const RfFactors* factors = &values->lobes;
     if ( rf_gltf_is_unlit( material ) )
         make_unlit( factors->base, out );
-    else if ( inside.transmission > 0.0 && !dense && ( reshapes || !is_all_metal( material, factors ) ) )
-        make_glass( &inside, factors, out );
+    else if ( values->transmission > 0.0 && !dense && ( reshapes || !is_all_metal( material, factors ) ) )
+        make_glass( values, out );
     else if ( !reshapes && factors->metallic == 1.0 && factors->roughness < RF_SMOOTH_ROUGHNESS )
     {
         out->kind = RF_BSDF_GLASS;
         out->alpha = 0.0f;
     }
-    return rf_json_result( field );
 }
 
 // `extras.reframe` of a material: scattering models that glTF lacks.
@@ -259,49 +239,34 @@ static RfResult read_lobes( const RfField* material, RfMaterial* out )
 
 // KHR_materials_clearcoat: a clear coat over the metallic-roughness model.
 
-// Reads KHR_materials_clearcoat, the last of the extensions.
-static RfResult read_clearcoat( RfGltf* gltf, const RfField* field, RfMaterial* out )
+// The last of the extensions.
+static void apply_clearcoat( RfGltf* gltf, const json_t* material, const RfMaterialValues* values, RfMaterial* out )
 {
-    double factor = 0.0, roughness = 0.0;
-    const json_t* material = field->json;
-    RfField json = rf_gltf_extension( field, "KHR_materials_clearcoat" );
-    rf_get_number( &json, "clearcoatFactor", s_share, &factor );
-    RfResult result = rf_get_number( &json, "clearcoatRoughnessFactor", s_share, &roughness );
-    if ( result != RF_OK )
-        return result;
     // unlit materials ignore it
-    if ( factor == 0.0 || rf_gltf_is_unlit( material ) )
-        return RF_OK;
+    if ( values->clearcoat == 0.0 || rf_gltf_is_unlit( material ) )
+        return;
     if ( out->kind >= RF_BSDF_FIRST_SPECULAR )
     {
         rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS,
                         "a clear coat over glass or a mirror is not supported: material '%.80s' is without it", out->name );
-        return RF_OK;
+        return;
     }
     if ( out->kind == RF_BSDF_TRANSLUCENT )
     {
         rf_gltf_notice( gltf, RF_GLTF_COATED_TRANSLUCENT,
                         "a clear coat over diffuse transmission is not supported: material '%.80s' is without it", out->name );
-        return RF_OK;
+        return;
     }
-    rf_derive_clearcoat( factor, roughness, out );
+    rf_derive_clearcoat( values->clearcoat, values->clearcoat_roughness, out );
     rf_choose_layers( out );
-    return RF_OK;
 }
 
 // Materials: glTF's metallic-roughness model as a Lambert base under a GGX lobe, with
 // KHR_materials_specular, _ior and _emissive_strength.
 
-typedef struct Factors
+static RfMaterialValues default_values( void )
 {
-    RfFactors lobes;
-    double emissive[3];
-    double strength;
-} Factors;
-
-static Factors default_factors( void )
-{
-    return ( Factors ){
+    return ( RfMaterialValues ){
         .lobes = { .base = { 1, 1, 1, 1 },
                    .metallic = 1,
                    .roughness = 1,
@@ -313,117 +278,71 @@ static Factors default_factors( void )
                    .film_most = 400,
                    .through_color = { 1, 1, 1 } },
         .strength = 1,
+        .attenuation_distance = (double)INFINITY,
+        .attenuation_color = { 1, 1, 1 },
+        .alpha_cutoff = 0.5,
     };
 }
 
-static void read_factors( const RfGltf* gltf, const RfField* material, Factors* out )
-{
-    RfFactors* lobes = &out->lobes;
-    RfField part = rf_get_object( material, "pbrMetallicRoughness" ),
-            specular = rf_gltf_extension( material, "KHR_materials_specular" ),
-            ior = rf_gltf_extension( material, "KHR_materials_ior" ),
-            strength = rf_gltf_extension( material, "KHR_materials_emissive_strength" );
-    rf_get_numbers( &part, "baseColorFactor", s_share, 4, lobes->base );
-    rf_get_number( &part, "metallicFactor", s_share, &lobes->metallic );
-    rf_get_number( &part, "roughnessFactor", s_share, &lobes->roughness );
-    rf_get_number( &specular, "specularFactor", s_share, &lobes->specular );
-    // a colour may exceed one: the resulting reflectance is clamped
-    rf_get_numbers( &specular, "specularColorFactor", rf_range( 0.0, HUGE_VAL ), 3, lobes->specular_color );
-    rf_get_number( &ior, "ior", rf_any_number(), &lobes->ior );
-    // by the extension, 0 means total reflection
-    if ( lobes->ior != 0.0 && lobes->ior < 1.0 )
-        rf_gltf_fail( gltf, RF_ERROR_FORMAT, ior.path, "ior is %g, it must be 0, or 1 and above", lobes->ior );
-    rf_gltf_read_surface( gltf, material, lobes );
-    rf_get_numbers( material, "emissiveFactor", s_share, 3, out->emissive );
-    rf_get_number( &strength, "emissiveStrength", rf_range( 0.0, HUGE_VAL ), &out->strength );
-    rf_gltf_check_limit( gltf, strength.path, "emissiveStrength", out->strength, RF_GLTF_MAX_EMISSION );
-}
-
-static void apply_factors( const Factors* in, bool reshapes, RfMaterial* out )
+static void apply_factors( const RfMaterialValues* in, bool reshapes, RfMaterial* out )
 {
     rf_derive_lobes( &in->lobes, out );
     out->kind = !reshapes && in->lobes.metallic == 0.0 && in->lobes.specular == 0.0 ? RF_BSDF_LAMBERT : RF_BSDF_GGX;
-    out->emission = rf_vec3( (float)( in->emissive[0] * in->strength ), (float)( in->emissive[1] * in->strength ),
-                             (float)( in->emissive[2] * in->strength ) );
+    out->emission = rf_emission_of( in );
 }
 
-// A material in the making, of the document's number.
-typedef struct Making
+// Makes values what they are where they stand still, and `most` the most that they are at any time. Returns whether the roughness or
+// the metallic factor change.
+static bool follow_changes( const RfGltf* gltf, int material, RfMaterialValues* values, RfMaterialValues* most )
 {
-    const RfGltf* gltf;
-    int index;
-    Factors factors; // as they are where they stand still, else as in the file
-} Making;
-
-// Does a factor change? Else it is made what it is.
-static bool follow_change( const Making* m, RfChangedValue value, double* factor )
-{
-    return rf_gltf_find_change( m->gltf, value, m->index, 0, factor ) >= 0;
-}
-
-static void raise_to_most( const Making* m, RfChangedValue value, double most[4] )
-{
-    double unused[4];
-    int change = rf_gltf_find_change( m->gltf, value, m->index, 0, unused );
-    if ( change >= 0 )
-        rf_most_of_change( m->gltf->changes + change, most );
-}
-
-// The most of each channel, at any time.
-static void set_most_emission( const Making* m, RfMaterial* out )
-{
-    double emissive[4], strength[4] = { m->factors.strength };
-    memcpy( emissive, m->factors.emissive, sizeof m->factors.emissive );
-    raise_to_most( m, RF_CHANGED_EMISSIVE, emissive );
-    raise_to_most( m, RF_CHANGED_EMISSIVE_STRENGTH, strength );
-    out->emission = scaled( emissive, strength[0] );
+    bool reshapes = false;
+    RfChangedValue v = rf_next_value( RF_OF_MATERIAL, 0 );
+    for ( *most = *values; v < RF_CHANGED_COUNT; v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 ) )
+    {
+        double all[4];
+        size_t bytes = (size_t)rf_changed_traits( v )->components * sizeof *all;
+        int change = rf_gltf_find_change( gltf, v, material, 0, rf_value_in( values, v ) );
+        if ( change >= 0 )
+            rf_most_of_change( gltf->changes + change, all );
+        memcpy( rf_value_in( most, v ), change >= 0 ? all : rf_value_in( values, v ), bytes );
+        reshapes = reshapes || ( change >= 0 && ( v == RF_CHANGED_METALLIC || v == RF_CHANGED_ROUGHNESS ) );
+    }
+    return reshapes;
 }
 
 static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
 {
     RfField field = rf_gltf_item_field( gltf, RF_GLTF_MATERIALS, index );
     const json_t* json = field.json;
-    Making making = { .gltf = gltf, .index = index, .factors = default_factors() };
-    Factors* factors = &making.factors;
+    RfMovingMaterial moving = { .material = index, .values = default_values() };
+    RfMaterialValues *values = &moving.values, most;
     int tag;
     rf_gltf_copy_name( &field, field.path, &out->name );
-    read_factors( gltf, &field, factors );
-    read_extras( &field, &factors->lobes, out );
+    rf_gltf_read_values( gltf, &field, RF_OF_MATERIAL, values );
+    // by the extension, 0 means total reflection
+    if ( values->lobes.ior != 0.0 && values->lobes.ior < 1.0 )
+        rf_gltf_fail( gltf, RF_ERROR_FORMAT, rf_where( "%s.extensions.KHR_materials_ior", field.path ).text,
+                      "ior is %g, it must be 0, or 1 and above", values->lobes.ior );
+    read_extras( &field, &values->lobes, out );
     rf_get_bool( &field, "doubleSided", &out->double_sided );
     RfResult result = rf_gltf_read_light_group( gltf, &field, &tag );
     if ( result != RF_OK )
         return result;
     out->light_group = (uint16_t)( tag > 0 ? tag : 0 );
     rf_gltf_notice_extensions( gltf, &field, "material", out->name );
-    follow_change( &making, RF_CHANGED_BASE_COLOR, factors->lobes.base );
-    bool metallic = follow_change( &making, RF_CHANGED_METALLIC, &factors->lobes.metallic ),
-         roughness = follow_change( &making, RF_CHANGED_ROUGHNESS, &factors->lobes.roughness ), reshapes = metallic || roughness;
-    follow_change( &making, RF_CHANGED_EMISSIVE, factors->emissive );
-    follow_change( &making, RF_CHANGED_EMISSIVE_STRENGTH, &factors->strength );
-    bool dense = false;
-    result = rf_gltf_read_scatter( gltf, &field, &factors->lobes, &dense );
+    bool dense = false, reshapes = follow_changes( gltf, index, values, &most );
+    result = rf_gltf_apply_scatter( gltf, &field, values, &dense );
     if ( result != RF_OK )
         return result;
-    apply_factors( factors, reshapes, out );
-    set_most_emission( &making, out );
-    const RfFactors* lobes = &factors->lobes;
-    result = read_glass_of( &field, lobes, reshapes, dense, out );
+    apply_factors( values, reshapes, out );
+    out->emission = rf_emission_of( &most );
+    apply_glass( json, values, reshapes, dense, out );
+    rf_gltf_apply_surface( gltf, json, values, out );
+    apply_clearcoat( gltf, json, values, out );
+    result = read_lobes( &field, out );
     if ( result == RF_OK )
-        rf_gltf_apply_surface( gltf, json, lobes, out );
-    if ( result == RF_OK )
-        result = read_clearcoat( gltf, &field, out );
-    if ( result == RF_OK )
-        result = read_lobes( &field, out );
-    if ( result == RF_OK )
-        result = rf_gltf_read_textured( gltf, &field, lobes, out );
-    if ( result != RF_OK )
-        return result;
-    RfMovingMaterial moving = {
-        .material = index, .metallic = lobes->metallic, .roughness = lobes->roughness, .strength = factors->strength
-    };
-    memcpy( moving.base, lobes->base, sizeof moving.base );
-    memcpy( moving.emissive, factors->emissive, sizeof moving.emissive );
-    return rf_gltf_change_material( gltf, json, &moving, out );
+        result = rf_gltf_read_textured( gltf, &field, values, out );
+    return result == RF_OK ? rf_gltf_change_material( gltf, json, &moving, out ) : result;
 }
 
 RfResult rf_gltf_load_materials( RfGltf* gltf )
@@ -448,9 +367,9 @@ RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index )
         material->name = strdup( "default" );
         if ( material->name == NULL )
             return rf_gltf_no_memory( gltf, "materials" );
-        Factors factors = default_factors();
-        apply_factors( &factors, false, material );
-        material->textured = rf_gltf_textured( &factors.lobes );
+        RfMaterialValues values = default_values();
+        apply_factors( &values, false, material );
+        material->textured = rf_gltf_textured( &values.lobes );
         if ( material->textured == NULL )
             return rf_gltf_no_memory( gltf, "materials" );
         material->textured->optional = true; // for primitives with vertex colours

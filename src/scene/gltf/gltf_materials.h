@@ -3,6 +3,7 @@
 #define REFRAME_SCENE_GLTF_GLTF_MATERIALS_H
 
 #include "scene/gltf/gltf_document.h"
+#include "scene/movement.h"
 
 // Reads all materials (gltf_material.c).
 RfResult rf_gltf_load_materials( RfGltf* gltf );
@@ -13,18 +14,17 @@ RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 // Has a material in extras.reframe a scattering model that glTF lacks (gltf_material.c)?
 bool rf_gltf_has_own_model( const json_t* material );
 
-// Extensions that lay something over the metallic-roughness model or change its lobes (gltf_surface.c): reads their factors;
-// and gives the material, after its glass and before its coat, what these do to it.
-RfResult rf_gltf_read_surface( const RfGltf* gltf, const RfField* material, RfFactors* out );
-void rf_gltf_apply_surface( RfGltf* gltf, const json_t* material, const RfFactors* factors, RfMaterial* out );
+// Gives a material, after its glass and before its coat, what extensions do to it that lay something over the metallic-roughness
+// model or change its lobes (gltf_surface.c).
+void rf_gltf_apply_surface( RfGltf* gltf, const json_t* material, const RfMaterialValues* values, RfMaterial* out );
 
-// KHR_materials_volume_scatter: where a body is dense, `dense` is set, and its factors become those of an opaque surface with the
+// KHR_materials_volume_scatter: where a body is dense, `dense` is set, and its values become those of an opaque surface with the
 // albedo of a half-space of what is inside (src/reuse/estimators.md, section 21).
-RfResult rf_gltf_read_scatter( const RfGltf* gltf, const RfField* material, RfFactors* factors, bool* dense );
+RfResult rf_gltf_apply_scatter( const RfGltf* gltf, const RfField* material, RfMaterialValues* values, bool* dense );
 
 // Sets the `textured` member of a material after all its other properties have been read
 // (gltf_texture.c). rf_gltf_load_images removes it again if it is not needed.
-RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* json, const RfFactors* factors, RfMaterial* out );
+RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* json, const RfMaterialValues* values, RfMaterial* out );
 
 // A struct without textures; NULL if out of memory.
 RfTextured* rf_gltf_textured( const RfFactors* factors );

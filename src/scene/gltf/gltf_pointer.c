@@ -69,75 +69,59 @@ static RfWhere name_target( const RfGltf* gltf, const char* pointer, const Point
                                         : rf_where( "%s %d", parts->list->item, parts->index );
 }
 
-// A value that is read. Of IGNORED ones nothing is read when they stand still, either.
-typedef struct Member
+// What changes no picture: occlusion, clipping planes, and the width of a picture, which follows from its shape.
+static const char* const s_ignored[] = { "occlusionTexture/strength", "perspective/aspectRatio", "perspective/znear",
+                                         "perspective/zfar",          "orthographic/xmag",       "orthographic/znear",
+                                         "orthographic/zfar" };
+
+static bool is_ignored( const char* path )
 {
-    const char* path;
-    int value; // RfChangedValue or IGNORED
-} Member;
+    bool found = false;
+    for ( size_t i = 0; i < sizeof s_ignored / sizeof s_ignored[0]; ++i )
+        found = found || strcmp( s_ignored[i], path ) == 0;
+    return found;
+}
 
-#define IGNORED ( -1 )
-
-static const Member s_of_lights[] = { { "intensity", RF_CHANGED_INTENSITY },
-                                      { "color", RF_CHANGED_COLOR },
-                                      { "range", RF_CHANGED_RANGE },
-                                      { "spot/innerConeAngle", RF_CHANGED_INNER_CONE },
-                                      { "spot/outerConeAngle", RF_CHANGED_OUTER_CONE },
-                                      { NULL, 0 } };
-
-static const Member s_of_materials[] = { { "pbrMetallicRoughness/baseColorFactor", RF_CHANGED_BASE_COLOR },
-                                         { "pbrMetallicRoughness/metallicFactor", RF_CHANGED_METALLIC },
-                                         { "pbrMetallicRoughness/roughnessFactor", RF_CHANGED_ROUGHNESS },
-                                         { "emissiveFactor", RF_CHANGED_EMISSIVE },
-                                         { "extensions/KHR_materials_emissive_strength/emissiveStrength",
-                                           RF_CHANGED_EMISSIVE_STRENGTH },
-                                         { "occlusionTexture/strength", IGNORED },
-                                         { NULL, 0 } };
-
-static const Member s_of_textures[] = { { "offset", RF_CHANGED_TEXTURE_OFFSET },
-                                        { "rotation", RF_CHANGED_TEXTURE_ROTATION },
-                                        { "scale", RF_CHANGED_TEXTURE_SCALE },
-                                        { NULL, 0 } };
-
-// The width of a picture follows from its shape.
-static const Member s_of_cameras[] = {
-    { "perspective/yfov", RF_CHANGED_YFOV }, { "orthographic/ymag", RF_CHANGED_YMAG }, { "perspective/aspectRatio", IGNORED },
-    { "perspective/znear", IGNORED },        { "perspective/zfar", IGNORED },          { "orthographic/xmag", IGNORED },
-    { "orthographic/znear", IGNORED },       { "orthographic/zfar", IGNORED },         { NULL, 0 }
-};
-
-static const Member* find_member( const Member* members, const char* path )
+// The value of an owner that has a path and may change, or RF_CHANGED_COUNT.
+static RfChangedValue find_value( RfValueOwner owner, const char* path )
 {
-    for ( ; members->path != NULL; ++members )
+    RfChangedValue v = rf_next_value( owner, 0 );
+    for ( ; v < RF_CHANGED_COUNT; v = rf_next_value( owner, (int)v + 1 ) )
     {
-        if ( strcmp( members->path, path ) == 0 )
-            return members;
+        char own[RF_VALUE_PATH];
+        rf_value_path( v, own );
+        if ( ( rf_changed_traits( v )->flags & RF_VALUE_ANIMATED ) != 0 && strcmp( own, path ) == 0 )
+            break;
     }
-    return NULL;
+    return v;
 }
 
 // ".../extensions/KHR_texture_transform/scale". Textures that are ignored have the slot −1.
-static const Member* find_transform( const char* path, int* slot )
+static RfChangedValue find_transform( const char* path, int* slot )
 {
     static const char* const s_extension = "/extensions/KHR_texture_transform/";
     const char* after = strstr( path, s_extension );
     if ( after == NULL || !rf_gltf_texture_slot( path, (size_t)( after - path ), slot ) )
-        return NULL;
-    return find_member( s_of_textures, after + strlen( s_extension ) );
+        return RF_CHANGED_COUNT;
+    return find_value( RF_OF_TEXTURE, after + strlen( s_extension ) );
 }
 
-static void take_member( const Member* member, const Pointer* parts, RfGltfTarget* out )
+static void follow_to_value( RfValueOwner owner, const Pointer* parts, RfGltfTarget* out )
 {
-    if ( member == NULL )
+    RfChangedValue value = find_value( owner, parts->member );
+    if ( value == RF_CHANGED_COUNT && owner == RF_OF_MATERIAL )
+        value = find_transform( parts->member, &out->change.slot );
+    bool known = value < RF_CHANGED_COUNT;
+    if ( !known && !is_ignored( parts->member ) )
         return;
     out->unrendered = NULL;
-    out->wanted = member->value != IGNORED && out->change.slot >= 0;
+    out->wanted = known && out->change.slot >= 0;
     if ( !out->wanted )
         return;
-    out->change.value = (RfChangedValue)member->value;
+    out->change.value = value;
     out->change.of = parts->index;
     out->change.channel.path = RF_VALUE;
-    out->change.channel.components = rf_changed_traits( out->change.value )->components;
+    out->change.channel.components = rf_changed_traits( value )->components;
 }
 
 static void follow_to_node( const Pointer* parts, RfGltfTarget* out )
@@ -160,14 +144,11 @@ static void follow( const Pointer* parts, RfGltfTarget* out )
     if ( parts->list->list == RF_GLTF_NODES )
         follow_to_node( parts, out );
     else if ( parts->list->list == -1 )
-        take_member( find_member( s_of_lights, parts->member ), parts, out );
+        follow_to_value( RF_OF_LAMP, parts, out );
     else if ( parts->list->list == RF_GLTF_CAMERAS )
-        take_member( find_member( s_of_cameras, parts->member ), parts, out );
+        follow_to_value( RF_OF_CAMERA, parts, out );
     else if ( parts->list->list == RF_GLTF_MATERIALS )
-    {
-        const Member* member = find_member( s_of_materials, parts->member );
-        take_member( member != NULL ? member : find_transform( parts->member, &out->change.slot ), parts, out );
-    }
+        follow_to_value( RF_OF_MATERIAL, parts, out );
 }
 
 RfResult rf_gltf_follow_pointer( RfGltf* gltf, const RfField* target, const char* where, RfGltfTarget* out )

@@ -525,13 +525,11 @@ static void drop_unused( const RfMaterial* m, RfTextured* textured )
         drop_slots( textured, RF_TEXTURE_THROUGH, RF_TEXTURE_THROUGH_COLOR );
 }
 
-static RfResult read_alpha( const RfField* material, RfTextured* out )
+static RfResult read_alpha( const RfField* material, double cutoff, RfTextured* out )
 {
     static const char* const s_modes[] = { "OPAQUE", "MASK", "BLEND", NULL };
     int mode = 0;
-    double cutoff = 0.5;
     rf_get_choice( material, "alphaMode", s_modes, &mode );
-    rf_get_number( material, "alphaCutoff", mode == 0 ? rf_any_number() : rf_range( 0.0, 1e6 ), &cutoff );
     out->masked = mode == 1;
     out->blended = mode == 2;
     out->alpha_cutoff = mode != 0 ? (float)cutoff : 0.0f;
@@ -545,13 +543,6 @@ static RfTexturedModel find_model( const RfMaterial* material, const json_t* jso
     if ( rf_gltf_is_unlit( json ) )
         return RF_TEXTURED_UNLIT;
     return material->kind >= RF_BSDF_FIRST_SPECULAR ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
-}
-
-// A factor of an extension, already validated by the extension's reader; 0 if missing.
-static double factor_of( const json_t* json, const char* extension, const char* key )
-{
-    const json_t* object = json_object_get( json_object_get( json, "extensions" ), extension );
-    return json_number_value( json_object_get( object, key ) );
 }
 
 // Do its textures show other images at other times?
@@ -593,10 +584,10 @@ static bool is_needed( const RfTextured* textured )
     return ( textured->masked && alpha < (double)textured->alpha_cutoff ) || ( textured->blended && alpha < 1.0 );
 }
 
-RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, const RfFactors* factors, RfMaterial* out )
+RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, const RfMaterialValues* values, RfMaterial* out )
 {
     const json_t* json = field->json;
-    out->textured = rf_gltf_textured( factors );
+    out->textured = rf_gltf_textured( &values->lobes );
     if ( out->textured == NULL )
         return rf_field_no_memory( field );
     RfTextured* textured = out->textured;
@@ -604,7 +595,7 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, const RfFact
     if ( result == RF_OK )
         result = check_thickness( gltf, field );
     if ( result == RF_OK )
-        result = read_alpha( field, textured );
+        result = read_alpha( field, values->alpha_cutoff, textured );
     if ( result != RF_OK )
         return result;
     undo_mirror( textured, out );
@@ -612,9 +603,9 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, const RfFact
     // our own models vary their own diffuse reflectance
     if ( textured->model == RF_TEXTURED_DIFFUSE )
         textured->factors.base[0] = textured->factors.base[1] = textured->factors.base[2] = 1.0;
-    textured->transmission = factor_of( json, "KHR_materials_transmission", "transmissionFactor" );
-    textured->clearcoat = factor_of( json, "KHR_materials_clearcoat", "clearcoatFactor" );
-    textured->clearcoat_roughness = factor_of( json, "KHR_materials_clearcoat", "clearcoatRoughnessFactor" );
+    textured->transmission = values->transmission;
+    textured->clearcoat = values->clearcoat;
+    textured->clearcoat_roughness = values->clearcoat_roughness;
     drop_unused( out, textured );
     textured->glossy = rf_gltf_has_glossiness_texture( json ) && textured->refs[RF_TEXTURE_SPECULAR_COLOR].texture >= 0;
     textured->optional = !is_needed( textured );

@@ -139,16 +139,6 @@ RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t
     return check_map( object, "bufferView", result, &error, text );
 }
 
-static void set_changed( RfEnvironment* environment, RfChangedValue value, const double* v )
-{
-    if ( value == RF_CHANGED_SKY_STRENGTH )
-        environment->radiance = rf_scale( environment->radiance, (float)v[0] );
-    else if ( value == RF_CHANGED_SKY_RADIANCE )
-        environment->radiance = rf_mul( environment->radiance, rf_vec3( (float)v[0], (float)v[1], (float)v[2] ) );
-    else
-        environment->rotation = (float)fmod( v[0], 2.0 * PI );
-}
-
 static bool varies( const RfChannel* channel )
 {
     for ( int i = channel->components; i < channel->count * channel->components; ++i )
@@ -174,7 +164,7 @@ RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, Rf
             continue;
         if ( !varies( &change.channel ) )
         {
-            set_changed( &text->environment, s_values[i], change.channel.values );
+            rf_change_sky( &text->environment, s_values[i], change.channel.values );
             continue;
         }
         text->environment.changes = true;
@@ -207,7 +197,7 @@ RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error )
             continue;
         }
         rf_sample_channel( &change->channel, time, value );
-        set_changed( &scene->environment, change->value, value );
+        rf_change_sky( &scene->environment, change->value, value );
         rf_destroy_channel( &change->channel );
     }
     movement->change_count = kept;

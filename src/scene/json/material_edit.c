@@ -134,77 +134,64 @@ static RfResult edit_lobes( const RfField* override, json_t* material )
 
 typedef enum Type
 {
-    NUMBERS,
     FLAG,
     ALPHA_MODE,
     SEQUENCE,
     NOT_COPIED, // handled by name
 } Type;
 
-// The destination of a key of an override.
+// The destination of a key of an override that is no number: those are rows of rf_changed_traits.
 typedef struct Entry
 {
     const char* key;
     Type type;
-    int count; // of numbers
-    double low, high;
-    const char* parent;    // member object of the material, or NULL: the material itself
-    const char* extension; // or in this one of its extensions
-    bool gltf_only;        // has no effect if extras.reframe selects another bsdf
+    const char* parent; // member object of the material, or NULL: the material itself
+    bool gltf_only;     // has no effect if extras.reframe selects another bsdf
 } Entry;
 
 #define PBR "pbrMetallicRoughness"
 
 static const Entry s_entries[] = {
-    { "bsdf", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
-    { "diffuse", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
-    { "specular", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
-    { "exponent", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
-    { "baseColorFactor", NUMBERS, 4, 0, 1, PBR, NULL, true },
-    { "metallicFactor", NUMBERS, 1, 0, 1, PBR, NULL, true },
-    { "roughnessFactor", NUMBERS, 1, 0, 1, PBR, NULL, true },
-    { "specularFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_specular", true },
-    { "specularColorFactor", NUMBERS, 3, 0, 1e6, NULL, "KHR_materials_specular", true },
-    { "ior", NUMBERS, 1, 1, 100, NULL, "KHR_materials_ior", true },
-    { "transmissionFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_transmission", true },
-    { "thicknessFactor", NUMBERS, 1, 0, 1e15, NULL, "KHR_materials_volume", true },
-    { "attenuationDistance", NUMBERS, 1, 1e-15, 1e15, NULL, "KHR_materials_volume", true },
-    { "attenuationColor", NUMBERS, 3, 0, 1, NULL, "KHR_materials_volume", true },
-    { "clearcoatFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_clearcoat", true },
-    { "clearcoatRoughnessFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_clearcoat", true },
-    { "sheenColorFactor", NUMBERS, 3, 0, 1, NULL, "KHR_materials_sheen", true },
-    { "sheenRoughnessFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_sheen", true },
-    { "diffuseTransmissionFactor", NUMBERS, 1, 0, 1, NULL, "KHR_materials_diffuse_transmission", true },
-    { "diffuseTransmissionColorFactor", NUMBERS, 3, 0, 1, NULL, "KHR_materials_diffuse_transmission", true },
-    { "emissiveFactor", NUMBERS, 3, 0, 1, NULL, NULL, false },
-    { "emissiveStrength", NUMBERS, 1, 0, 1e15, NULL, "KHR_materials_emissive_strength", false },
-    { "doubleSided", FLAG, 0, 0, 0, NULL, NULL, false },
-    { "alphaMode", ALPHA_MODE, 0, 0, 0, NULL, NULL, false },
-    { "alphaCutoff", NUMBERS, 1, 0, 1e6, NULL, NULL, false },
-    { "baseColorTexture", SEQUENCE, 0, 0, 0, PBR, NULL, false },
-    { "metallicRoughnessTexture", SEQUENCE, 0, 0, 0, PBR, NULL, true },
-    { "normalTexture", SEQUENCE, 0, 0, 0, NULL, NULL, false },
-    { "emissiveTexture", SEQUENCE, 0, 0, 0, NULL, NULL, false },
-    { "textures", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
-    { "light_group", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
-    { "interpolation", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
-    { "keys", NOT_COPIED, 0, 0, 0, NULL, NULL, false },
+    { "bsdf", NOT_COPIED, NULL, false },          { "diffuse", NOT_COPIED, NULL, false },
+    { "specular", NOT_COPIED, NULL, false },      { "exponent", NOT_COPIED, NULL, false },
+    { "doubleSided", FLAG, NULL, false },         { "alphaMode", ALPHA_MODE, NULL, false },
+    { "baseColorTexture", SEQUENCE, PBR, false }, { "metallicRoughnessTexture", SEQUENCE, PBR, true },
+    { "normalTexture", SEQUENCE, NULL, false },   { "emissiveTexture", SEQUENCE, NULL, false },
+    { "textures", NOT_COPIED, NULL, false },      { "light_group", NOT_COPIED, NULL, false },
+    { "interpolation", NOT_COPIED, NULL, false }, { "keys", NOT_COPIED, NULL, false },
 };
 
-#define ENTRY_COUNT ( sizeof s_entries / sizeof s_entries[0] )
+#define ENTRY_COUNT ( (int)( sizeof s_entries / sizeof s_entries[0] ) )
+
+// Values of materials that scene files have.
+static RfChangedValue next_value( int from, unsigned flag )
+{
+    RfChangedValue v = rf_next_value( RF_OF_MATERIAL, from );
+    while ( v < RF_CHANGED_COUNT && ( rf_changed_traits( v )->flags & flag ) == 0 )
+        v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 );
+    return v;
+}
+
+// How a value is read from a scene file.
+static RfKeyed keyed_of( RfChangedValue value )
+{
+    const RfChangedTraits* traits = rf_changed_traits( value );
+    bool own = traits->file_high > 0.0;
+    return ( RfKeyed ){ traits->name,
+                        RF_VALUE,
+                        traits->components,
+                        own ? traits->file_low : traits->low,
+                        own ? traits->file_high : traits->high,
+                        1,
+                        NULL };
+}
 
 static RfResult check_value( const RfField* field, const Entry* entry )
 {
     static const char* const s_modes[] = { "OPAQUE", "MASK", "BLEND", NULL };
-    double numbers[4];
     bool flag;
     int mode;
-    RfRange range = rf_range( entry->low, entry->high );
-    if ( entry->type == FLAG )
-        return rf_field_bool( field, &flag );
-    if ( entry->type == ALPHA_MODE )
-        return rf_field_choice( field, s_modes, &mode );
-    return entry->count == 1 ? rf_field_number( field, range, numbers ) : rf_field_numbers( field, range, entry->count, numbers );
+    return entry->type == FLAG ? rf_field_bool( field, &flag ) : rf_field_choice( field, s_modes, &mode );
 }
 
 // Appends an object to a list of the document, and gives its number.
@@ -251,21 +238,30 @@ static RfResult add_sequence( const RfField* field, const char* key, json_t* hom
 static RfResult copy_value( const RfField* field, const Entry* entry, json_t* material, json_t* root )
 {
     RfResult result = entry->type == SEQUENCE ? RF_OK : check_value( field, entry );
-    if ( result != RF_OK )
-        return result;
-    json_t* home = material;
-    if ( entry->parent != NULL )
-        home = edit_member( material, entry->parent );
-    else if ( entry->extension != NULL )
-    {
-        home = edit_member( material, "extensions" );
-        home = home != NULL ? edit_member( home, entry->extension ) : NULL;
-    }
-    if ( home == NULL )
-        return rf_field_no_memory( field );
+    json_t* home = entry->parent != NULL ? edit_member( material, entry->parent ) : material;
+    if ( result != RF_OK || home == NULL )
+        return result != RF_OK ? result : rf_field_no_memory( field );
     if ( entry->type == SEQUENCE )
         return add_sequence( field, entry->key, home, root );
     return json_object_set( home, entry->key, (json_t*)field->json ) == 0 ? RF_OK : rf_field_no_memory( field );
+}
+
+// Follows the path of a value in a material, of which the objects are created if missing.
+static RfResult copy_number( const RfField* field, RfChangedValue value, json_t* material )
+{
+    char path[RF_VALUE_PATH], *part = path;
+    double numbers[4];
+    RfKeyed kind = keyed_of( value );
+    RfResult result = rf_read_keyed( field, &kind, numbers );
+    rf_value_path( value, path );
+    for ( char* end = strchr( part, '/' ); material != NULL && end != NULL; end = strchr( part, '/' ) )
+    {
+        *end = 0;
+        material = edit_member( material, part );
+        part = end + 1;
+    }
+    bool done = material != NULL && ( result != RF_OK || json_object_set( material, part, (json_t*)field->json ) == 0 );
+    return done ? result : rf_field_no_memory( field );
 }
 
 // Takes the animations of a value out, which stands still then, or has keys of its own.
@@ -281,14 +277,12 @@ static void stop_channels( json_t* channels, const char* pointer )
     }
 }
 
-static void stop_value( json_t* root, size_t material, const Entry* entry )
+static void stop_value( json_t* root, size_t material, RfChangedValue value )
 {
-    char pointer[160];
+    char pointer[RF_VALUE_PATH + 40], path[RF_VALUE_PATH];
     const json_t* animations = json_object_get( root, "animations" );
-    const char *home = entry->parent != NULL ? entry->parent : entry->extension,
-               *before = entry->extension != NULL ? "extensions/" : "";
-    snprintf( pointer, sizeof pointer, "/materials/%zu/%s%s%s%s", material, before, home != NULL ? home : "",
-              home != NULL ? "/" : "", entry->key );
+    rf_value_path( value, path );
+    snprintf( pointer, sizeof pointer, "/materials/%zu/%s", material, path );
     for ( size_t i = 0; i < json_array_size( animations ); ++i )
         stop_channels( json_object_get( json_array_get( animations, i ), "channels" ), pointer );
 }
@@ -318,24 +312,7 @@ static RfResult edit_textures( const RfField* override, json_t* material )
     return result;
 }
 
-// Factors that may have keys.
-static const RfKeyed s_keyed[] = {
-    { "baseColorFactor", RF_VALUE, 4, 0, 1, 1, NULL },     { "metallicFactor", RF_VALUE, 1, 0, 1, 1, NULL },
-    { "roughnessFactor", RF_VALUE, 1, 0, 1, 1, NULL },     { "emissiveFactor", RF_VALUE, 3, 0, 1, 1, NULL },
-    { "emissiveStrength", RF_VALUE, 1, 0, 1e15, 1, NULL },
-};
-#define KEYED_COUNT ( sizeof s_keyed / sizeof s_keyed[0] )
-static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_BASE_COLOR, RF_CHANGED_METALLIC, RF_CHANGED_ROUGHNESS,
-                                                      RF_CHANGED_EMISSIVE, RF_CHANGED_EMISSIVE_STRENGTH };
-#define FIRST_EMISSION 3 // of these, which all models have
-
-static const Entry* find_entry( const char* key )
-{
-    const Entry* entry = s_entries;
-    while ( strcmp( entry->key, key ) != 0 )
-        ++entry;
-    return entry;
-}
+#define MOST_KEYED 8
 
 static bool add_change( const RfChange* change, RfMaterialKeys* keys )
 {
@@ -350,24 +327,31 @@ static bool add_change( const RfChange* change, RfMaterialKeys* keys )
 // Reads the keys of a material of this number.
 static RfResult read_keys( const RfField* override, json_t* root, size_t material, bool is_gltf, RfMaterialKeys* keys )
 {
-    RfChannel channels[KEYED_COUNT];
+    RfChannel channels[MOST_KEYED];
+    RfKeyed kinds[MOST_KEYED];
+    RfChangedValue values[MOST_KEYED];
+    int count = 0;
     bool in_frames;
-    RfFps fps = keys->fps.numerator > 0 ? keys->fps : rf_gltf_document_fps( root );
-    RfResult result = rf_read_keys( override, fps, s_keyed, KEYED_COUNT, channels, &in_frames );
-    RfField field = rf_field_member( override, "keys" );
-    for ( int i = 0; result == RF_OK && !is_gltf && i < FIRST_EMISSION; ++i )
+    for ( RfChangedValue v = next_value( 0, RF_VALUE_KEYED ); v < RF_CHANGED_COUNT && count < MOST_KEYED;
+          v = next_value( (int)v + 1, RF_VALUE_KEYED ) )
     {
-        if ( channels[i].count > 0 )
-            result = rf_field_fail( &field, "%s has no effect on another bsdf: add \"bsdf\": \"gltf\"", s_keyed[i].name );
+        kinds[count] = keyed_of( v );
+        values[count++] = v;
     }
-    for ( size_t i = 0; i < KEYED_COUNT; ++i )
+    RfFps fps = keys->fps.numerator > 0 ? keys->fps : rf_gltf_document_fps( root );
+    RfField field = rf_field_member( override, "keys" );
+    RfResult result = rf_read_keys( override, fps, kinds, count, channels, &in_frames );
+    for ( int i = 0; i < count; ++i )
     {
-        RfChange change = { .value = s_values[i], .of = (int)material, .channel = channels[i] };
-        bool added = result == RF_OK && change.channel.count > 0 && add_change( &change, keys );
-        if ( result == RF_OK && change.channel.count > 0 && !added )
+        RfChange change = { .value = values[i], .of = (int)material, .channel = channels[i] };
+        bool of_model = ( rf_changed_traits( values[i] )->flags & RF_VALUE_OF_MODEL ) != 0, given = change.channel.count > 0;
+        if ( result == RF_OK && given && of_model && !is_gltf )
+            result = rf_field_fail( &field, "%s has no effect on another bsdf: add \"bsdf\": \"gltf\"", kinds[i].name );
+        bool added = result == RF_OK && given && add_change( &change, keys );
+        if ( result == RF_OK && given && !added )
             result = rf_field_no_memory( &field );
         if ( added )
-            stop_value( root, material, find_entry( s_keyed[i].name ) );
+            stop_value( root, material, values[i] );
         else
             rf_destroy_channel( channels + i );
     }
@@ -383,6 +367,11 @@ void rf_destroy_material_keys( RfMaterialKeys* keys )
     *keys = ( RfMaterialKeys ){ .fps = keys->fps };
 }
 
+static RfResult fail_other_bsdf( const RfField* field, const char* bsdf )
+{
+    return rf_field_fail( field, "has no effect on bsdf \"%.20s\": add \"bsdf\": \"gltf\"", bsdf );
+}
+
 static RfResult edit_material( const RfField* override, json_t* root, size_t index, RfMaterialKeys* keys )
 {
     json_t* material = json_array_get( json_object_get( root, "materials" ), index );
@@ -391,18 +380,26 @@ static RfResult edit_material( const RfField* override, json_t* root, size_t ind
         result = edit_light_group( override, material );
     if ( result == RF_OK )
         result = edit_textures( override, material );
-    bool is_gltf = strcmp( edited_bsdf( material ), "gltf" ) == 0;
-    for ( size_t i = 0; i < ENTRY_COUNT && result == RF_OK; ++i )
+    const char* bsdf = edited_bsdf( material );
+    bool is_gltf = strcmp( bsdf, "gltf" ) == 0;
+    for ( int i = 0; i < ENTRY_COUNT && result == RF_OK; ++i )
     {
-        const Entry* entry = s_entries + i;
-        RfField field = rf_field_member( override, entry->key );
-        if ( entry->type == NOT_COPIED || field.json == NULL )
+        RfField field = rf_field_member( override, s_entries[i].key );
+        if ( s_entries[i].type == NOT_COPIED || field.json == NULL )
             continue;
-        if ( entry->gltf_only && !is_gltf )
-            return rf_field_fail( &field, "has no effect on bsdf \"%.20s\": add \"bsdf\": \"gltf\"", edited_bsdf( material ) );
-        result = copy_value( &field, entry, material, root );
+        result = s_entries[i].gltf_only && !is_gltf ? fail_other_bsdf( &field, bsdf )
+                                                    : copy_value( &field, s_entries + i, material, root );
+    }
+    for ( RfChangedValue v = next_value( 0, RF_VALUE_IN_FILE ); v < RF_CHANGED_COUNT && result == RF_OK;
+          v = next_value( (int)v + 1, RF_VALUE_IN_FILE ) )
+    {
+        RfField field = rf_field_member( override, rf_changed_traits( v )->name );
+        if ( field.json == NULL )
+            continue;
+        bool of_model = ( rf_changed_traits( v )->flags & RF_VALUE_OF_MODEL ) != 0;
+        result = of_model && !is_gltf ? fail_other_bsdf( &field, bsdf ) : copy_number( &field, v, material );
         if ( result == RF_OK )
-            stop_value( root, index, entry );
+            stop_value( root, index, v );
     }
     return result == RF_OK ? read_keys( override, root, index, is_gltf, keys ) : result;
 }
@@ -410,9 +407,13 @@ static RfResult edit_material( const RfField* override, json_t* root, size_t ind
 static RfResult edit_by_name( const RfField* override, const char* name, json_t* root, RfMaterialKeys* material_keys )
 {
     const json_t* list = json_object_get( root, "materials" );
-    const char* keys[ENTRY_COUNT + 1] = { NULL };
-    for ( size_t i = 0; i < ENTRY_COUNT; ++i )
-        keys[i] = s_entries[i].key;
+    const char* keys[ENTRY_COUNT + RF_CHANGED_COUNT + 1] = { NULL };
+    int count = 0;
+    for ( int i = 0; i < ENTRY_COUNT; ++i )
+        keys[count++] = s_entries[i].key;
+    for ( RfChangedValue v = next_value( 0, RF_VALUE_IN_FILE ); v < RF_CHANGED_COUNT;
+          v = next_value( (int)v + 1, RF_VALUE_IN_FILE ) )
+        keys[count++] = rf_changed_traits( v )->name;
     RfResult result = rf_field_keys( override, keys );
     bool found = false;
     for ( size_t i = 0; i < json_array_size( list ) && result == RF_OK; ++i )

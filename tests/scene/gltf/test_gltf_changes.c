@@ -535,7 +535,7 @@ static const struct
       "animations[0].samplers[0]: intensity of the output is -1, it must be 0 to 1e+09" },
     { LAMP ANIMATE( KEYS( "17" ), CHANGES( "0", LIGHT "intensity" ) ),
       "intensity of the output is 1e+10, beyond what reframe reads" },
-    { LAMP ANIMATE( KEYS( "1" ), CHANGES( "0", LIGHT "range" ) ), "range of the output is 0, it must be above 0" },
+    { LAMP ANIMATE( KEYS( "1" ), CHANGES( "0", LIGHT "range" ) ), "range of the output is 0, it must be more than 0" },
     { LAMP ANIMATE( KEYS( "2" ), CHANGES( "0", LIGHT "intensity" ) ), "accessors[2] has elements of 3 numbers, 1 are needed" },
     { LAMP ANIMATE( KEYS( "1" ), CHANGES( "0", "/extensions/KHR_lights_punctual/lights/1/intensity" ) ),
       "lights/1/intensity' names a light that does not exist" },
@@ -544,7 +544,7 @@ static const struct
     { TWO_TRIANGLES "\"materials\":[{},{}]," ANIMATE( KEYS( "1" ), CHANGES( "0", PBR "roughnessFactor" ) ),
       "roughnessFactor of the output is 8, it must be 0 to 1" },
     { CAMERA "," ANIMATE( KEYS( "1" ), CHANGES( "0", "/cameras/0/perspective/yfov" ) ),
-      "yfov of the output is 0, it must be above 0 to 3.141593" },
+      "yfov of the output is 0, it must be more than 0 and at most 3.14159" },
     { "\"nodes\":[{\"name\":\"a\"," WITH_LIGHT
       "}]," LIGHTS( SPOT ) "," ANIMATE( KEYS( "3" ), CHANGES( "0", LIGHT "spot/innerConeAngle" ) ),
       "light 'a' at 2.25 s: the inner angle of its cone is larger than the outer" },
