@@ -157,6 +157,44 @@ void rf_sample_channel( const RfChannel* channel, double time, double* value )
         rf_quat_normalize( value );
 }
 
+bool rf_channel_varies( const RfChannel* channel )
+{
+    size_t values = (size_t)channel->components, cubic = channel->interpolation == RF_CUBICSPLINE ? 3 : 1;
+    const double* first = channel->values + ( cubic == 3 ? values : 0 );
+    for ( int k = 1; k < channel->count; ++k )
+    {
+        for ( size_t i = 0; i < values; ++i )
+        {
+            if ( first[(size_t)k * cubic * values + i] != first[i] )
+                return true;
+            if ( cubic == 1 )
+                continue;
+            // equal keys with tangents: out of the key before, into this one
+            const double* out = channel->values + ( 3 * (size_t)k - 1 ) * values;
+            if ( out[i] != 0.0 || out[values + i] != 0.0 )
+                return true;
+        }
+    }
+    return false;
+}
+
+RfResult rf_copy_channel( const RfChannel* from, RfChannel* to, RfError* error )
+{
+    size_t keys = (size_t)from->count, per_key = from->interpolation == RF_CUBICSPLINE && from->curve == NULL ? 3 : 1;
+    size_t times = keys * sizeof *to->times, values = times * per_key * (size_t)from->components;
+    *to = *from;
+    to->times = malloc( times );
+    to->values = malloc( values );
+    to->curve = from->curve != NULL ? calloc( 1, sizeof *to->curve ) : NULL;
+    if ( to->times == NULL || to->values == NULL || ( from->curve != NULL && to->curve == NULL ) )
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory copying %d keys: close other programs", from->count );
+    memcpy( to->times, from->times, times );
+    memcpy( to->values, from->values, values );
+    if ( from->curve == NULL )
+        return RF_OK;
+    return rf_create_curve( from->curve->kind, from->curve->linear, from->count, from->times, from->values, to->curve, error );
+}
+
 const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count )
 {
     int low = 0, high = scene->channel_count;

@@ -11,6 +11,12 @@ void rf_sample_channel( const RfChannel* channel, double time, double* value );
 // From when to when a channel moves, in seconds of the scene, which begins at 0: of what loops, the first round.
 void rf_channel_span( const RfChannel* channel, double* start, double* end );
 
+// Whether its value is not the same at all times.
+bool rf_channel_varies( const RfChannel* channel );
+
+// Copies a channel with its keys, which are to be freed also where that fails.
+RfResult rf_copy_channel( const RfChannel* from, RfChannel* to, RfError* error );
+
 // The channels of one node, contiguous in `scene->channels`, which are sorted by node, then path. Returns
 // the first, and their number in `count` (0 to 5).
 const RfChannel* rf_node_channels( const RfScene* scene, int node, int* count );

@@ -1,6 +1,7 @@
 // Lists what changes besides the shapes and places of objects.
 #include "scene/changes.h"
 
+#include "scene/animation.h"
 #include "scene/movement.h"
 #include "scene/textured.h"
 
@@ -51,22 +52,11 @@ static void add_word( RfChanging* to, const char* word )
         to->what[to->what_count++] = word;
 }
 
-static bool varies( const RfChannel* channel )
-{
-    size_t n = (size_t)channel->components, all = (size_t)channel->count * ( channel->interpolation == RF_CUBICSPLINE ? 3 : 1 );
-    for ( size_t i = n; i < n * all; ++i )
-    {
-        if ( channel->values[i] != channel->values[i % n] )
-            return true;
-    }
-    return false;
-}
-
 static bool places( const RfScene* scene, int node )
 {
     for ( int i = 0; i < scene->channel_count; ++i )
     {
-        if ( scene->channels[i].node == node && scene->channels[i].path <= RF_SCALE && varies( scene->channels + i ) )
+        if ( scene->channels[i].node == node && scene->channels[i].path <= RF_SCALE && rf_channel_varies( scene->channels + i ) )
             return true;
     }
     return false;

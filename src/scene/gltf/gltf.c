@@ -323,6 +323,7 @@ static RfResult read_document( RfGltf* gltf )
 
 static void close_document( RfGltf* gltf )
 {
+    rf_gltf_free_unpacked( gltf );
     rf_gltf_free_buffers( gltf );
     json_decref( gltf->root );
     free( gltf->file );

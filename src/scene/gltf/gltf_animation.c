@@ -397,24 +397,6 @@ static RfResult check_chosen( const RfGltf* gltf )
                          count > 0 ? ": there are " : ": there are none", names );
 }
 
-RfResult rf_gltf_copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to )
-{
-    size_t keys = (size_t)from->count, per_key = from->interpolation == RF_CUBICSPLINE && from->curve == NULL ? 3 : 1;
-    size_t times = keys * sizeof *to->times, values = times * per_key * (size_t)from->components;
-    *to = *from;
-    to->times = malloc( times );
-    to->values = malloc( values );
-    to->curve = from->curve != NULL ? calloc( 1, sizeof *to->curve ) : NULL;
-    if ( to->times == NULL || to->values == NULL || ( from->curve != NULL && to->curve == NULL ) )
-        return rf_gltf_no_memory( gltf, "animations" );
-    memcpy( to->times, from->times, times );
-    memcpy( to->values, from->values, values );
-    if ( from->curve == NULL )
-        return RF_OK;
-    return rf_create_curve( from->curve->kind, from->curve->linear, from->count, from->times, from->values, to->curve,
-                            gltf->error );
-}
-
 // What comes from outside the file, of which the times are those of the scene.
 static RfResult add_given( RfGltf* gltf, Loader* loader )
 {
@@ -427,7 +409,7 @@ static RfResult add_given( RfGltf* gltf, Loader* loader )
         loader->given[given->node] |= (uint8_t)( 1u << given->path );
         if ( given->count == 0 )
             continue;
-        result = rf_gltf_copy_channel( gltf, given, &channel );
+        result = rf_copy_channel( given, &channel, gltf->error );
         if ( result == RF_OK )
             result = append_channel( gltf, loader, &channel );
         if ( result != RF_OK )
@@ -443,7 +425,7 @@ static RfResult add_given_changes( RfGltf* gltf )
     for ( int i = 0; result == RF_OK && i < gltf->options->change_count; ++i )
     {
         RfChange change = gltf->options->changes[i];
-        result = rf_gltf_copy_channel( gltf, &gltf->options->changes[i].channel, &change.channel );
+        result = rf_copy_channel( &gltf->options->changes[i].channel, &change.channel, gltf->error );
         if ( result == RF_OK )
             result = rf_gltf_add_change( gltf, &change );
         if ( result != RF_OK )

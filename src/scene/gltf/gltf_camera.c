@@ -134,7 +134,7 @@ static RfResult load_zoom( const RfGltf* gltf, int index, RfCamera* camera )
     camera->start = camera->animated ? fmin( camera->start, start ) : start;
     camera->end = camera->animated ? fmax( camera->end, end ) : end;
     camera->animated = true;
-    return rf_gltf_copy_channel( gltf, &gltf->changes[change].channel, &camera->zoom->channel );
+    return rf_copy_channel( &gltf->changes[change].channel, &camera->zoom->channel, gltf->error );
 }
 
 static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )

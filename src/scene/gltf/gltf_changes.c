@@ -146,12 +146,32 @@ int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int s
     if ( found == NULL )
         return -1;
     bool frozen = gltf->freeze && group_of( value ) != (int)RF_OF_CAMERA; // cameras never are
-    if ( !frozen && rf_gltf_channel_varies( &found->channel ) )
+    if ( !frozen && rf_channel_varies( &found->channel ) )
         return (int)( found - gltf->changes );
     double values[4];
     rf_sample_change( found, frozen ? gltf->frozen_at : 0.0, values );
     memcpy( still, values, (size_t)found->channel.components * sizeof *still );
     return -1;
+}
+
+bool rf_gltf_light_changes( const RfGltf* gltf, int index )
+{
+    for ( int i = 0; i < gltf->change_count; ++i )
+    {
+        const RfChange* change = gltf->changes + i;
+        bool varies = gltf->change_used[i] || rf_channel_varies( &change->channel ); // whose keys have gone to the scene
+        if ( change->value < RF_CHANGED_LAMP_VALUES && change->of == index && varies )
+            return true;
+    }
+    return false;
+}
+
+bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive )
+{
+    const json_t* material = json_object_get( primitive, "material" );
+    json_int_t index = json_is_integer( material ) ? json_integer_value( material ) : -1;
+    return rf_gltf_has_changing( gltf ) && index >= 0 && index < gltf->counts[RF_GLTF_MATERIALS] &&
+           gltf->scene->materials[index].changes;
 }
 
 RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name )
@@ -248,7 +268,7 @@ static bool follow_changes( RfGltf* gltf, const RfMovingMaterial* moving, RfMate
     for ( int i = 0; i < moving->change_count; ++i )
     {
         const RfChange* change = gltf->changes + moving->first_change + i;
-        bool varies = rf_gltf_channel_varies( &change->channel ) && has_effect( out, change );
+        bool varies = rf_channel_varies( &change->channel ) && has_effect( out, change );
         if ( !varies )
             continue;
         gltf->change_used[moving->first_change + i] = true;

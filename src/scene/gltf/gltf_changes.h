@@ -19,9 +19,6 @@ RfResult rf_gltf_follow_pointer( RfGltf* gltf, const RfField* target, const char
 // Lists what a pointer names as not rendered.
 RfResult rf_gltf_note_pointer( RfGltf* gltf, const char* pointer );
 
-// Copies a channel with its keys, which are to be freed also where that fails (gltf_animation.c).
-RfResult rf_gltf_copy_channel( const RfGltf* gltf, const RfChannel* from, RfChannel* to );
-
 // Reads a value of glTF into the struct of its owner's values, and checks its range (gltf_changes.c); one that is missing is left as
 // it is. `home`: the object that has it.
 RfResult rf_gltf_read_value( const RfGltf* gltf, const RfField* home, RfChangedValue value, void* values );
@@ -46,7 +43,7 @@ int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int s
 // Says in the list of what is frozen that something changes, where it is frozen.
 RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name );
 
-// Whether the document changes a light by keys (gltf_light.c).
+// Whether the document changes a light by keys.
 bool rf_gltf_light_changes( const RfGltf* gltf, int index );
 
 // Notes a punctual light that moves, is switched or changes. Its node is one of the scene, its changes are numbers of

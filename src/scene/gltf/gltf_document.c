@@ -69,6 +69,40 @@ void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... 
     rf_warn( gltf->log, "%s: %s", gltf->path, text );
 }
 
+RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* format, ... )
+{
+    char why[256];
+    va_list args;
+    va_start( args, format );
+    vsnprintf( why, sizeof why, format, args );
+    va_end( args );
+    return rf_note_unrendered( gltf->scene, what, why ) ? RF_OK : rf_gltf_no_memory( gltf, "animations" );
+}
+
+RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension, const char* library )
+{
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%s needs %s, which this build of reframe lacks: " RF_GLTF_UNPACK,
+                         extension, library );
+}
+
+bool rf_gltf_has_draco( void )
+{
+#ifdef REFRAME_DRACO
+    return true;
+#else
+    return false;
+#endif
+}
+
+bool rf_gltf_has_meshopt( void )
+{
+#ifdef REFRAME_MESHOPT
+    return true;
+#else
+    return false;
+#endif
+}
+
 RfField rf_gltf_field( const RfGltf* gltf, const char* path, const json_t* json )
 {
     RfField field = rf_make_field( gltf->path, path, json, gltf->error );

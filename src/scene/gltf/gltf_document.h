@@ -204,8 +204,8 @@ void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... 
 // What to do with a file that is compressed in a way that cannot be read.
 #define RF_GLTF_UNPACK "unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`"
 
-// Fails, since the library that an extension needs was left out of this build (gltf_extension.c).
-RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension );
+// Fails, since the library that an extension needs was left out of this build.
+RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension, const char* library );
 
 // Finds the top-level lists (gltf_document.c).
 RfResult rf_gltf_open_lists( RfGltf* gltf );
@@ -289,7 +289,7 @@ RfResult rf_gltf_load_buffers( RfGltf* gltf );
 // Frees the buffers.
 void rf_gltf_free_buffers( RfGltf* gltf );
 
-// The bytes of a view from `offset` on, of which `need` must exist.
+// The bytes of a view (gltf_accessor.c) from `offset` on, of which `need` must exist.
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes );
 
@@ -299,11 +299,14 @@ RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* object, const ui
 // Counts bytes that are decoded; fails where a file of its size must not hold so many.
 RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t bytes );
 
-// Whether the build has libdraco (gltf_draco.c) and libmeshoptimizer (gltf_meshopt.c).
+// Whether the build has libdraco and libmeshoptimizer (gltf_document.c).
 bool rf_gltf_has_draco( void );
 bool rf_gltf_has_meshopt( void );
 
-// Whether a buffer holds what is compressed elsewhere.
+// Frees what compressed views hold (gltf_draco.c).
+void rf_gltf_free_unpacked( RfGltf* gltf );
+
+// Whether a buffer holds what is compressed elsewhere (gltf_buffer.c).
 bool rf_gltf_is_fallback( const json_t* buffer );
 
 // Decodes a view; `out` is NULL where it is not compressed.
@@ -319,13 +322,13 @@ RfResult rf_gltf_packed_indices( RfGltf* gltf, const RfField* primitive, const R
 // The most accessors of compressed meshes that there may be.
 size_t rf_gltf_count_packed( const RfGltf* gltf );
 
-// Bytes of a component type, 0 if it does not exist (gltf_buffer.c).
+// Bytes of a component type, 0 if it does not exist (gltf_accessor.c).
 int rf_gltf_component_size( int component_type );
 
 // Reads count, type and component type of an accessor.
 RfResult rf_gltf_read_layout( const RfGltf* gltf, const RfField* object, bool matrix, RfGltfAccessor* out );
 
-// Finds a validated accessor (gltf_buffer.c).
+// Finds a validated accessor (gltf_accessor.c).
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
 
 // One of 4×4 matrices of floats.
@@ -373,9 +376,6 @@ RfResult rf_gltf_load_lights( RfGltf* gltf );
 // Does a node move?
 static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
 
-// Does a channel have different values over time?
-bool rf_gltf_channel_varies( const RfChannel* channel );
-
 // Do its transforms differ over time, or those of an ancestor?
 bool rf_gltf_varies( const RfGltf* gltf, int node );
 
@@ -390,6 +390,10 @@ static inline double rf_gltf_rest_time( const RfGltf* gltf, int node )
 
 // Adds the name of something that moves in the file.
 RfResult rf_gltf_note_moving( RfGltf* gltf, const char* name );
+
+// Whether materials change at all, and that of a primitive, unread (gltf_changes.c).
+static inline bool rf_gltf_has_changing( const RfGltf* gltf ) { return gltf->moving_material_count > 0 || gltf->plays; }
+bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive );
 
 // Whether a node and its ancestors are shown (gltf_mover.c).
 typedef enum RfGltfVisibility

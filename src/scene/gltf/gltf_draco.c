@@ -9,7 +9,15 @@
 
 #ifdef REFRAME_DRACO
 
-bool rf_gltf_has_draco( void ) { return true; }
+static void free_mesh( RfGltfUnpackedView* view )
+{
+    int attributes = view->mesh != NULL && view->attributes != NULL ? rf_draco_attributes( view->mesh ) : 0;
+    for ( int i = 0; i < attributes; ++i )
+        free( view->attributes[i].values );
+    free( view->attributes );
+    free( view->corners );
+    rf_draco_free( view->mesh );
+}
 
 // Triangles of a few bytes: a regular mesh may take 0.01 bits for each.
 #define LEAST_FACES ( (uint64_t)1 << 22 )
@@ -193,15 +201,7 @@ size_t rf_gltf_count_packed( const RfGltf* gltf )
 
 #else
 
-bool rf_gltf_has_draco( void ) { return false; }
-
-void rf_draco_free( RfDracoMesh* mesh ) { (void)mesh; }
-
-int rf_draco_attributes( const RfDracoMesh* mesh )
-{
-    (void)mesh;
-    return 0;
-}
+static void free_mesh( RfGltfUnpackedView* view ) { (void)view; } // there are none
 
 size_t rf_gltf_count_packed( const RfGltf* gltf )
 {
@@ -223,7 +223,17 @@ RfResult rf_gltf_find_attribute( RfGltf* gltf, const RfField* primitive, const c
     if ( *index < 0 || extension.json == NULL ||
          json_object_get( rf_gltf_item( gltf, RF_GLTF_ACCESSORS, *index ), "bufferView" ) != NULL )
         return rf_json_result( primitive );
-    return rf_gltf_fail_left_out( gltf, attributes.path, EXTENSION );
+    return rf_gltf_fail_left_out( gltf, attributes.path, EXTENSION, "Draco" );
 }
 
 #endif
+
+void rf_gltf_free_unpacked( RfGltf* gltf )
+{
+    for ( int i = 0; gltf->unpacked != NULL && i < gltf->counts[RF_GLTF_BUFFER_VIEWS]; ++i )
+    {
+        free_mesh( gltf->unpacked->views + i );
+        free( gltf->unpacked->views[i].bytes );
+    }
+    free( gltf->unpacked );
+}

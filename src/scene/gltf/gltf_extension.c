@@ -165,16 +165,10 @@ RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const RfField* texture )
     return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, texture->path, "has no source: give it a PNG, JPEG or WebP" );
 }
 
-RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension )
-{
-    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "%s needs %s, which this build of reframe lacks: " RF_GLTF_UNPACK,
-                         extension, missing_library( extension ) );
-}
-
 static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
 {
     if ( missing_library( name ) != NULL )
-        return rf_gltf_fail_left_out( gltf, "extensionsRequired", name );
+        return rf_gltf_fail_left_out( gltf, "extensionsRequired", name, missing_library( name ) );
     const char* advice = find_image_advice( name );
     if ( advice != NULL )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%s: %s", name, advice );

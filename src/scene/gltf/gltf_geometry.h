@@ -112,9 +112,6 @@ RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGlt
 // Up to eight joints for a vertex, rather than four?
 bool rf_gltf_has_eight_joints( const json_t* primitive );
 
-// Whether a primitive, unread, has a material that changes.
-bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive );
-
 // A mesh in its own space, of all primitives, or of those with materials that change. `deforms`: with its morph targets and all triangles; `skinned`: with its
 // joints as well; else without the triangles that have no area (gltf_shape.c).
 typedef struct RfGltfShape

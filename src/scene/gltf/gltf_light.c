@@ -234,18 +234,6 @@ static RfResult place_light( const RfGltf* gltf, int node, const char* where, Rf
     return RF_OK;
 }
 
-bool rf_gltf_light_changes( const RfGltf* gltf, int index )
-{
-    for ( int i = 0; i < gltf->change_count; ++i )
-    {
-        const RfChange* change = gltf->changes + i;
-        bool varies = gltf->change_used[i] || rf_gltf_channel_varies( &change->channel ); // whose keys have gone to the scene
-        if ( change->value < RF_CHANGED_LAMP_VALUES && change->of == index && varies )
-            return true;
-    }
-    return false;
-}
-
 // What moves, is switched or changes.
 static RfResult note_change( RfGltf* gltf, int node, Source* source, RfPunctual* out )
 {

@@ -3,6 +3,7 @@
 #include "scene/gltf/gltf_changes.h"
 
 #include "base/json.h"
+#include "scene/animation.h"
 #include "scene/light_groups.h"
 
 #include <stdio.h>
@@ -337,7 +338,7 @@ RfResult rf_gltf_copy_changes( RfGltf* gltf )
             if ( change.of != gltf->copies[k].from || !rf_is_of_material( change.value ) )
                 continue;
             change.of = gltf->copies[k].to;
-            result = rf_gltf_copy_channel( gltf, &gltf->changes[i].channel, &change.channel );
+            result = rf_copy_channel( &gltf->changes[i].channel, &change.channel, gltf->error );
             if ( result == RF_OK )
                 result = rf_gltf_add_change( gltf, &change );
             if ( result != RF_OK )

@@ -1,13 +1,10 @@
 // Materials and their extensions, except for textures.
 #include "scene/gltf/gltf_changes.h"
 #include "scene/gltf/gltf_materials.h"
-#include "scene/surfaces.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const RfRange s_share = { 0.0, 1.0, false };
 
 // Glass and mirrors: KHR_materials_transmission with _volume, metals without roughness; also
 // KHR_materials_unlit.
@@ -37,11 +34,6 @@ static void make_glass( const RfMaterialValues* in, RfMaterial* out )
     const double *color = in->attenuation_color, distance = in->attenuation_distance;
     out->absorption =
         rf_vec3( absorption( color[0], distance ), absorption( color[1], distance ), absorption( color[2], distance ) );
-}
-
-bool rf_gltf_is_unlit( const json_t* material )
-{
-    return json_object_get( json_object_get( material, "extensions" ), "KHR_materials_unlit" ) != NULL;
 }
 
 // A surface that looks the same in any light: emission of its base colour.
@@ -74,167 +66,6 @@ static void apply_glass( const json_t* material, const RfMaterialValues* values,
         out->kind = RF_BSDF_GLASS;
         out->alpha = 0.0f;
     }
-}
-
-// `extras.reframe` of a material: scattering models that glTF lacks.
-//
-//     {"bsdf": "phong", "diffuse": [r, g, b], "specular": [r, g, b], "exponent": 60}
-//     {"bsdf": "lambert", "diffuse": [r, g, b]}
-//     {"bsdf": "mirror", "specular": [r, g, b]}
-//     {"bsdf": "glass", "ior": 1.5}
-//     {"coat": "added"}: glTF's own model, with a coat that takes nothing from the base, as in Blender's Principled
-//
-// and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
-
-#define MAX_EXPONENT 1e6
-
-// The extras are written by hand or by other programs: errors give the JSON path and the
-// expected value.
-// Whether a key says nothing of how the material scatters.
-static bool is_beside_model( const char* key ) { return strcmp( key, "pass_index" ) == 0 || strcmp( key, "light_group" ) == 0; }
-
-static RfResult check_keys( const RfField* own, const char* const* keys )
-{
-    const char* key;
-    json_t* value;
-    json_object_foreach( (json_t*)own->json, key, value )
-    {
-        bool known = is_beside_model( key );
-        for ( int i = 0; keys[i] != NULL; ++i )
-            known = known || strcmp( key, keys[i] ) == 0;
-        RfField member = rf_field_member( own, key );
-        if ( known == false )
-            return rf_field_fail( &member, "is not known here: bsdf \"phong\" has diffuse, specular and exponent, "
-                                           "\"lambert\" has diffuse, \"mirror\" specular, \"glass\" ior" );
-    }
-    return rf_json_result( own );
-}
-
-static void read_reflectance( const RfField* own, const char* key, RfVec3* out )
-{
-    double rgb[3] = { 0 };
-    rf_field_require( own, key, "three numbers from 0 to 1" );
-    rf_get_numbers( own, key, s_share, 3, rgb );
-    *out = rf_vec3( (float)rgb[0], (float)rgb[1], (float)rgb[2] );
-}
-
-static RfResult read_lambert( const RfField* own, RfMaterial* out )
-{
-    static const char* const s_keys[] = { "bsdf", "diffuse", NULL };
-    check_keys( own, s_keys );
-    read_reflectance( own, "diffuse", &out->diffuse );
-    out->kind = RF_BSDF_LAMBERT;
-    return rf_json_result( own );
-}
-
-static RfResult read_phong( const RfField* own, RfMaterial* out )
-{
-    static const char* const s_keys[] = { "bsdf", "diffuse", "specular", "exponent", NULL };
-    double exponent = 0.0;
-    check_keys( own, s_keys );
-    read_reflectance( own, "diffuse", &out->diffuse );
-    read_reflectance( own, "specular", &out->specular );
-    rf_field_require( own, "exponent", "a number from 0 to 1000000" );
-    rf_get_number( own, "exponent", rf_range( 0.0, MAX_EXPONENT ), &exponent );
-    // the rounding of decimal fractions that sum to one does not violate energy conservation
-    if ( rf_max_component( rf_add( out->diffuse, out->specular ) ) > 1.0f + 1e-6f )
-        return rf_field_fail( own, "diffuse + specular reflect more light than arrives: lower their sum to 1 or less" );
-    out->kind = RF_BSDF_PHONG;
-    out->exponent = (float)exponent;
-    return rf_json_result( own );
-}
-
-static RfResult read_mirror( const RfField* own, RfMaterial* out )
-{
-    static const char* const s_keys[] = { "bsdf", "specular", NULL };
-    check_keys( own, s_keys );
-    out->kind = RF_BSDF_GLASS;
-    read_reflectance( own, "specular", &out->specular );
-    return rf_json_result( own );
-}
-
-// Solid, smooth and clear glass.
-static RfResult read_glass( const RfField* own, RfMaterial* out )
-{
-    static const char* const s_keys[] = { "bsdf", "ior", NULL };
-    double ior = 1.5;
-    check_keys( own, s_keys );
-    rf_get_number( own, "ior", rf_above( 1.0, 10.0 ), &ior );
-    out->kind = RF_BSDF_GLASS;
-    out->ior = (float)ior;
-    out->tint = rf_vec3( 1.0f, 1.0f, 1.0f );
-    return rf_json_result( own );
-}
-
-static const json_t* own_extras( const json_t* material )
-{
-    // extras of other programs may have any type
-    return json_object_get( json_object_get( material, "extras" ), "reframe" );
-}
-
-static bool has_only( const json_t* own, const char* only )
-{
-    const char* key;
-    json_t* value;
-    bool all = true;
-    json_object_foreach( (json_t*)own, key, value ) { all = all && ( strcmp( key, only ) == 0 || is_beside_model( key ) ); }
-    return all;
-}
-
-// Is the scattering model glTF's? `coat` says how its layers are joined.
-static bool keeps_model( const json_t* own )
-{
-    return json_object_get( own, "bsdf" ) == NULL &&
-           ( json_object_get( own, "coat" ) != NULL || ( json_object_size( own ) > 0 && has_only( own, "" ) ) );
-}
-
-bool rf_gltf_has_own_model( const json_t* material )
-{
-    const json_t* own = own_extras( material );
-    return own != NULL && !keeps_model( own );
-}
-
-// Reads from extras.reframe, if it has no scattering model, whether the coat is added to the base; and what compositors know the
-// material by.
-static void read_extras( const RfField* material, RfFactors* factors, RfMaterial* out )
-{
-    RfField own = rf_gltf_extras( material );
-    const char* text = json_string_value( json_object_get( own.json, "coat" ) );
-    int64_t index = 0;
-    if ( keeps_model( own.json ) && rf_has_member( &own, "coat" ) )
-    {
-        if ( !has_only( own.json, "coat" ) || text == NULL || strcmp( text, "added" ) != 0 )
-            rf_field_fail( &own, "must have coat \"added\" and nothing else, or a bsdf" );
-        factors->coat_is_added = true;
-    }
-    own.gltf = true;
-    rf_get_integer( &own, "pass_index", 0, RF_MOST_PASS_INDEX, &index );
-    out->pass_index = (unsigned int)index & RF_MOST_PASS_INDEX;
-}
-
-// Reads the scattering model in extras.reframe, if any.
-static RfResult read_lobes( const RfField* material, RfMaterial* out )
-{
-    RfField own = rf_gltf_extras( material );
-    if ( own.json == NULL || keeps_model( own.json ) )
-        return rf_json_result( material );
-    const char* bsdf = json_string_value( json_object_get( own.json, "bsdf" ) );
-    out->diffuse = out->specular = rf_vec3( 0.0f, 0.0f, 0.0f );
-    out->f90 = out->coat_f0 = out->coat_f90 = 0.0f;
-    out->alpha = 1.0f;
-    out->tint = out->absorption = rf_vec3( 0.0f, 0.0f, 0.0f );
-    out->ior = 0.0f;
-    out->thin = false;
-    if ( bsdf != NULL && strcmp( bsdf, "phong" ) == 0 )
-        return read_phong( &own, out );
-    if ( bsdf != NULL && strcmp( bsdf, "lambert" ) == 0 )
-        return read_lambert( &own, out );
-    out->alpha = 0.0f;
-    if ( bsdf != NULL && strcmp( bsdf, "mirror" ) == 0 )
-        return read_mirror( &own, out );
-    if ( bsdf != NULL && strcmp( bsdf, "glass" ) == 0 )
-        return read_glass( &own, out );
-    return rf_field_fail( &own, "must be an object with bsdf \"lambert\", \"phong\", \"mirror\" or \"glass\"" );
 }
 
 // KHR_materials_clearcoat: a clear coat over the metallic-roughness model.
@@ -323,7 +154,7 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     if ( values->lobes.ior != 0.0 && values->lobes.ior < 1.0 )
         rf_gltf_fail( gltf, RF_ERROR_FORMAT, rf_where( "%s.extensions.KHR_materials_ior", field.path ).text,
                       "ior is %g, it must be 0, or 1 and above", values->lobes.ior );
-    read_extras( &field, &values->lobes, out );
+    rf_gltf_read_material_extras( &field, &values->lobes, out );
     rf_get_bool( &field, "doubleSided", &out->double_sided );
     RfResult result = rf_gltf_read_light_group( gltf, &field, &tag );
     if ( result != RF_OK )
@@ -339,7 +170,7 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     apply_glass( json, values, reshapes, dense, out );
     rf_gltf_apply_surface( gltf, json, values, out );
     apply_clearcoat( gltf, json, values, out );
-    result = read_lobes( &field, out );
+    result = rf_gltf_read_own_model( &field, out );
     if ( result == RF_OK )
         result = rf_gltf_read_textured( gltf, &field, values, out );
     return result == RF_OK ? rf_gltf_change_material( gltf, json, &moving, out ) : result;

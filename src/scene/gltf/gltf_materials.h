@@ -11,8 +11,11 @@ RfResult rf_gltf_load_materials( RfGltf* gltf );
 // The index of the material for primitives without one, created on first use.
 RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 
-// Has a material in extras.reframe a scattering model that glTF lacks (gltf_material.c)?
+// Has a material in extras.reframe a scattering model that glTF lacks (gltf_own_model.c)? Reads that model, if there is one; and
+// reads what else these extras say, before.
 bool rf_gltf_has_own_model( const json_t* material );
+RfResult rf_gltf_read_own_model( const RfField* material, RfMaterial* out );
+void rf_gltf_read_material_extras( const RfField* material, RfFactors* factors, RfMaterial* out );
 
 // Gives a material, after its glass and before its coat, what extensions do to it that lay something over the metallic-roughness
 // model or change its lobes (gltf_surface.c).
@@ -33,7 +36,7 @@ RfTextured* rf_gltf_textured( const RfFactors* factors );
 // are loaded.
 RfResult rf_gltf_load_images( RfGltf* gltf );
 
-// True for materials with KHR_materials_unlit.
+// True for materials with KHR_materials_unlit (gltf_surface.c).
 bool rf_gltf_is_unlit( const json_t* material );
 
 // Image sequences (gltf_sequence.c). Whether an image is one, of several images that are not frozen.

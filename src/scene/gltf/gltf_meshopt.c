@@ -20,13 +20,6 @@ static RfField find_extension( const RfField* object, const char** name )
     return rf_gltf_extension( object, EXT );
 }
 
-bool rf_gltf_is_fallback( const json_t* buffer )
-{
-    const json_t* extensions = json_object_get( buffer, "extensions" );
-    return json_is_true( json_object_get( json_object_get( extensions, KHR ), "fallback" ) ) ||
-           json_is_true( json_object_get( json_object_get( extensions, EXT ), "fallback" ) );
-}
-
 #ifdef REFRAME_MESHOPT
 
 #include <meshoptimizer.h>
@@ -60,8 +53,6 @@ typedef struct Packed
 
 // 256 elements take at least a byte for every four of an element.
 #define MOST_PER_BYTE 1024
-
-bool rf_gltf_has_meshopt( void ) { return true; }
 
 // What may stand together, by the specification.
 static const char* find_fault( const Packed* p )
@@ -235,8 +226,6 @@ RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpacked
 
 #else
 
-bool rf_gltf_has_meshopt( void ) { return false; }
-
 RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpackedView** out )
 {
     const char* name;
@@ -245,7 +234,7 @@ RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpacked
     int buffer = extension.json != NULL ? rf_gltf_get_index( gltf, &json, "buffer", RF_GLTF_BUFFERS ) : -1;
     if ( buffer < 0 || gltf->buffers[buffer].data != NULL )
         return rf_json_result( &json );
-    return rf_gltf_fail_left_out( gltf, json.path, name );
+    return rf_gltf_fail_left_out( gltf, json.path, name, "meshoptimizer" );
 }
 
 #endif

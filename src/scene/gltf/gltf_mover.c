@@ -9,7 +9,6 @@
 #include "scene/surfaces.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,16 +19,6 @@
 #define FLAT_RATIO 1e-6
 
 #define BOUNDS_SAMPLES 16 // times at which the bounds are taken
-
-RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* format, ... )
-{
-    char why[256];
-    va_list args;
-    va_start( args, format );
-    vsnprintf( why, sizeof why, format, args );
-    va_end( args );
-    return rf_note_unrendered( gltf->scene, what, why ) ? RF_OK : rf_gltf_no_memory( gltf, "animations" );
-}
 
 // The channel of a node that animates `path`, or −1.
 static int find_channel( const RfScene* scene, int node, RfAnimatedPath path )
@@ -55,7 +44,7 @@ RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node )
         double shown = scene->nodes[node].hidden ? 0.0 : 1.0;
         if ( channel != NULL )
             rf_sample_channel( channel, rf_gltf_rest_time( gltf, node ), &shown );
-        if ( channel != NULL && !gltf->freeze && rf_gltf_channel_varies( channel ) )
+        if ( channel != NULL && !gltf->freeze && rf_channel_varies( channel ) )
             found = RF_GLTF_SHOWN_AT_TIMES;
         else if ( shown == 0.0 )
             return RF_GLTF_HIDDEN;
@@ -88,21 +77,12 @@ static RfResult is_morphed( const RfGltf* gltf, int node, int mesh, bool* morphe
     return result;
 }
 
-static bool has_changing( const RfGltf* gltf ) { return gltf->moving_material_count > 0 || gltf->plays; }
-
-bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive )
-{
-    const json_t* material = json_object_get( primitive, "material" );
-    json_int_t index = json_is_integer( material ) ? json_integer_value( material ) : -1;
-    return has_changing( gltf ) && index >= 0 && index < gltf->counts[RF_GLTF_MATERIALS] && gltf->scene->materials[index].changes;
-}
-
 // How many primitives of a mesh have a material that changes.
 static uint32_t count_changing( const RfGltf* gltf, int mesh )
 {
     const json_t* primitives = json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), "primitives" );
     uint32_t count = 0;
-    for ( size_t i = 0; has_changing( gltf ) && i < json_array_size( primitives ); ++i )
+    for ( size_t i = 0; rf_gltf_has_changing( gltf ) && i < json_array_size( primitives ); ++i )
         count += rf_gltf_primitive_changes( gltf, json_array_get( primitives, i ) );
     return count;
 }
@@ -252,7 +232,7 @@ static bool does_scale_vary( const RfScene* scene, int node )
     for ( ; node >= 0; node = scene->nodes[node].parent )
     {
         int scale = find_channel( scene, node, RF_SCALE );
-        if ( scale >= 0 && rf_gltf_channel_varies( scene->channels + scale ) )
+        if ( scale >= 0 && rf_channel_varies( scene->channels + scale ) )
             return true;
     }
     return false;
@@ -375,7 +355,7 @@ static RfResult check_joints( const Builder* b, const Common* common )
 
 static bool weights_vary( const RfScene* scene, const RfMover* mover )
 {
-    return mover->weights_moved >= 0 && rf_gltf_channel_varies( scene->channels + mover->weights_moved );
+    return mover->weights_moved >= 0 && rf_channel_varies( scene->channels + mover->weights_moved );
 }
 
 // Reads what the movers of a node have in common.

@@ -146,27 +146,6 @@ RfResult rf_gltf_read_camera_path( RfGltf* gltf, const RfField* node, RfCamera* 
     return RF_OK;
 }
 
-bool rf_gltf_channel_varies( const RfChannel* channel )
-{
-    size_t values = (size_t)channel->components, cubic = channel->interpolation == RF_CUBICSPLINE ? 3 : 1;
-    const double* first = channel->values + ( cubic == 3 ? values : 0 );
-    for ( int k = 1; k < channel->count; ++k )
-    {
-        for ( size_t i = 0; i < values; ++i )
-        {
-            if ( first[(size_t)k * cubic * values + i] != first[i] )
-                return true;
-            if ( cubic == 1 )
-                continue;
-            // equal keys with tangents: out of the key before, into this one
-            const double* out = channel->values + ( 3 * (size_t)k - 1 ) * values;
-            if ( out[i] != 0.0 || out[values + i] != 0.0 )
-                return true;
-        }
-    }
-    return false;
-}
-
 bool rf_gltf_varies( const RfGltf* gltf, int node )
 {
     const RfScene* scene = gltf->scene;
@@ -178,7 +157,7 @@ bool rf_gltf_varies( const RfGltf* gltf, int node )
         const RfChannel* channels = rf_node_channels( scene, node, &count );
         for ( int i = 0; i < count; ++i )
         {
-            if ( channels[i].path <= RF_SCALE && rf_gltf_channel_varies( channels + i ) )
+            if ( channels[i].path <= RF_SCALE && rf_channel_varies( channels + i ) )
                 return true;
         }
     }
@@ -195,7 +174,7 @@ bool rf_gltf_changes( const RfGltf* gltf, int node )
         const RfChannel* channels = rf_node_channels( gltf->scene, node, &count );
         for ( int i = 0; i < count; ++i )
         {
-            if ( channels[i].path == RF_VISIBILITY && rf_gltf_channel_varies( channels + i ) )
+            if ( channels[i].path == RF_VISIBILITY && rf_channel_varies( channels + i ) )
                 return true;
         }
     }

@@ -4,6 +4,11 @@
 
 #include <math.h>
 
+bool rf_gltf_is_unlit( const json_t* material )
+{
+    return json_object_get( json_object_get( material, "extensions" ), "KHR_materials_unlit" ) != NULL;
+}
+
 static bool has_value( const json_t* material, const char* extension, const char* key )
 {
     const json_t* object = json_object_get( json_object_get( material, "extensions" ), extension );

@@ -139,16 +139,6 @@ RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t
     return check_map( object, "bufferView", result, &error, text );
 }
 
-static bool varies( const RfChannel* channel )
-{
-    for ( int i = channel->components; i < channel->count * channel->components; ++i )
-    {
-        if ( channel->values[i] != channel->values[i % channel->components] )
-            return true;
-    }
-    return false;
-}
-
 RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene, RfLog* log )
 {
     static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_SKY_STRENGTH, RF_CHANGED_SKY_RADIANCE,
@@ -162,9 +152,10 @@ RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, Rf
         RfChange change = { .value = s_values[i], .channel = text->changes[i] };
         if ( change.channel.count == 0 || ( i == ROTATION && constant ) )
             continue;
-        if ( !varies( &change.channel ) )
+        if ( !rf_channel_varies( &change.channel ) )
         {
-            rf_change_sky( &text->environment, s_values[i], change.channel.values );
+            int value = change.channel.interpolation == RF_CUBICSPLINE ? change.channel.components : 0; // after its tangent
+            rf_change_sky( &text->environment, s_values[i], change.channel.values + value );
             continue;
         }
         text->environment.changes = true;

@@ -308,7 +308,7 @@ static void test_faults_of_materials( void** state )
           "\"materials\":[{\"extras\":{\"reframe\":{\"coat\":[\"added\"]}}}]" },
         { RF_ERROR_SCENE, "materials[0].extras.reframe: must have coat \"added\"",
           "\"materials\":[{\"extras\":{\"reframe\":{\"coat\":\"added\",\"ior\":1.5}}}]" },
-        { RF_ERROR_SCENE, "materials[0].extras.reframe.coat: is not known",
+        { RF_ERROR_SCENE, "materials[0].extras.reframe.coat: unknown key",
           "\"materials\":[{\"extras\":{\"reframe\":{\"bsdf\":\"lambert\",\"diffuse\":[0,0,0],\"coat\":\"added\"}}}]" },
         { RF_ERROR_SCENE, "materials[0].extras.reframe: diffuse + specular",
           "\"materials\":[{\"extras\":{\"reframe\":{\"bsdf\":\"phong\",\"diffuse\":[0.6,0,0],\"specular\":[0.5,0,0],"
