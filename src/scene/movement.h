@@ -179,6 +179,14 @@ void rf_sample_change( const RfChange* change, double time, double value[4] );
 // The most of each component at any time.
 void rf_most_of_change( const RfChange* change, double most[4] );
 
+// A value of a material in the place of that of its file, which nothing there changes.
+typedef struct RfOverride
+{
+    RfChangedValue value;
+    int material;
+    double numbers[4];
+} RfOverride;
+
 // A punctual light that moves, is switched or changes.
 typedef struct RfMovingLamp
 {

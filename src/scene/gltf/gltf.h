@@ -22,11 +22,13 @@ typedef struct RfGltfOptions
                                // there, which stands still. Read after the edit; copied
     int change_count;
     const struct RfChange* changes; // of materials by their numbers, which nothing in the file changes; set by the edit
-    const RfClock* clock;           // of the animations of the file, all of whose keys are played: start, speed, loops; or NULL
-    const double* origin;           // that the scene gets; NULL: its own
-    const char* beside;             // the file that names the image sequences that the edit adds, which lie beside it
-    RfFps fps;                      // of image sequences that do not say; 0/0: the frames per second of the file
-    const double* frozen_at;        // seconds; NULL: as in the first frame of its own default camera
+    int override_count;
+    const struct RfOverride* overrides; // likewise
+    const RfClock* clock;    // of the animations of the file, all of whose keys are played: start, speed, loops; or NULL
+    const double* origin;    // that the scene gets; NULL: its own
+    const char* beside;      // the file that names the image sequences that the edit adds, which lie beside it
+    RfFps fps;               // of image sequences that do not say; 0/0: the frames per second of the file
+    const double* frozen_at; // seconds; NULL: as in the first frame of its own default camera
 } RfGltfOptions;
 
 // When the default camera has its first frame: at 0 s, unless its path begins with the number of another.

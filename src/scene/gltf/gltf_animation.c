@@ -212,6 +212,18 @@ static RfResult check_node( RfGltf* gltf, Loader* loader, const char* where, con
     return RF_OK;
 }
 
+// Whether a value comes from outside the file.
+static bool is_given( const RfGltf* gltf, const RfChange* change )
+{
+    const RfGltfOptions* options = gltf->options;
+    bool found = false;
+    for ( int i = 0; i < options->change_count; ++i )
+        found = found || ( options->changes[i].value == change->value && options->changes[i].of == change->of );
+    for ( int i = 0; i < options->override_count; ++i )
+        found = found || ( options->overrides[i].value == change->value && options->overrides[i].material == change->of );
+    return found;
+}
+
 // Takes what a channel animates for an animation, unless something has it.
 static RfResult take_target( RfGltf* gltf, Loader* loader, const char* where, int animation, RfGltfTarget* target )
 {
@@ -224,6 +236,11 @@ static RfResult take_target( RfGltf* gltf, Loader* loader, const char* where, in
         return result;
     }
     RfWhere name = name_change( change );
+    if ( is_given( gltf, change ) )
+    {
+        target->wanted = false;
+        return RF_OK;
+    }
     if ( json_object_get( loader->changed, name.text ) != NULL )
     {
         rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS, "%s changes %s, which an earlier channel changes: the first is used",

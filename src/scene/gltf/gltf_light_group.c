@@ -106,7 +106,7 @@ static bool is_lit( const json_t* material )
     return json_object_get( json_object_get( material, "extensions" ), "KHR_materials_unlit" ) != NULL;
 }
 
-// What changes may come to emit.
+// What changes may come to emit, and what is made to.
 static void mark_changing( const Split* s )
 {
     const RfGltf* gltf = s->gltf;
@@ -127,6 +127,13 @@ static void mark_changing( const Split* s )
     }
     for ( int i = 0; i < gltf->options->change_count; ++i )
         s->emits[gltf->options->changes[i].of] = true;
+    for ( int i = 0; i < gltf->options->override_count; ++i )
+    {
+        const RfOverride* override = gltf->options->overrides + i;
+        const double* rgb = override->numbers;
+        if ( override->value == RF_CHANGED_EMISSIVE && rgb[0] + rgb[1] + rgb[2] > 0.0 )
+            s->emits[override->material] = true;
+    }
 }
 
 // The material of a primitive that emits, or −1.

@@ -141,6 +141,20 @@ static bool follow_changes( const RfGltf* gltf, int material, RfMaterialValues* 
     return reshapes;
 }
 
+// Of a copy, those of its original.
+static void apply_overrides( const RfGltf* gltf, int material, RfMaterialValues* values )
+{
+    for ( int i = 0; i < gltf->copy_count; ++i )
+        material = gltf->copies[i].to == material ? gltf->copies[i].from : material;
+    for ( int i = 0; i < gltf->options->override_count; ++i )
+    {
+        const RfOverride* from = gltf->options->overrides + i;
+        size_t bytes = (size_t)rf_changed_traits( from->value )->components * sizeof *from->numbers;
+        if ( from->material == material )
+            memcpy( rf_value_in( values, from->value ), from->numbers, bytes );
+    }
+}
+
 static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
 {
     RfField field = rf_gltf_item_field( gltf, RF_GLTF_MATERIALS, index );
@@ -150,6 +164,7 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     int tag;
     rf_gltf_copy_name( &field, field.path, &out->name );
     rf_gltf_read_values( gltf, &field, RF_OF_MATERIAL, values );
+    apply_overrides( gltf, index, values );
     // by the extension, 0 means total reflection
     if ( values->lobes.ior != 0.0 && values->lobes.ior < 1.0 )
         rf_gltf_fail( gltf, RF_ERROR_FORMAT, rf_where( "%s.extensions.KHR_materials_ior", field.path ).text,

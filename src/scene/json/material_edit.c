@@ -246,47 +246,6 @@ static RfResult copy_value( const RfField* field, const Entry* entry, json_t* ma
     return json_object_set( home, entry->key, (json_t*)field->json ) == 0 ? RF_OK : rf_field_no_memory( field );
 }
 
-// Follows the path of a value in a material, of which the objects are created if missing.
-static RfResult copy_number( const RfField* field, RfChangedValue value, json_t* material )
-{
-    char path[RF_VALUE_PATH], *part = path;
-    double numbers[4];
-    RfKeyed kind = keyed_of( value );
-    RfResult result = rf_read_keyed( field, &kind, numbers );
-    rf_value_path( value, path );
-    for ( char* end = strchr( part, '/' ); material != NULL && end != NULL; end = strchr( part, '/' ) )
-    {
-        *end = 0;
-        material = edit_member( material, part );
-        part = end + 1;
-    }
-    bool done = material != NULL && ( result != RF_OK || json_object_set( material, part, (json_t*)field->json ) == 0 );
-    return done ? result : rf_field_no_memory( field );
-}
-
-// Takes the animations of a value out, which stands still then, or has keys of its own.
-static void stop_channels( json_t* channels, const char* pointer )
-{
-    for ( size_t i = json_array_size( channels ); i-- > 0; )
-    {
-        const json_t* target = json_object_get( json_array_get( channels, i ), "target" );
-        const json_t* extension = json_object_get( json_object_get( target, "extensions" ), "KHR_animation_pointer" );
-        const char* own = json_string_value( json_object_get( extension, "pointer" ) );
-        if ( own != NULL && strcmp( own, pointer ) == 0 )
-            json_array_remove( channels, i );
-    }
-}
-
-static void stop_value( json_t* root, size_t material, RfChangedValue value )
-{
-    char pointer[RF_VALUE_PATH + 40], path[RF_VALUE_PATH];
-    const json_t* animations = json_object_get( root, "animations" );
-    rf_value_path( value, path );
-    snprintf( pointer, sizeof pointer, "/materials/%zu/%s", material, path );
-    for ( size_t i = 0; i < json_array_size( animations ); ++i )
-        stop_channels( json_object_get( json_array_get( animations, i ), "channels" ), pointer );
-}
-
 // Removes textures from an object and its member objects, to the depth at which glTF has them.
 static void drop_textures( json_t* object, int depth )
 {
@@ -313,6 +272,19 @@ static RfResult edit_textures( const RfField* override, json_t* material )
 }
 
 #define MOST_KEYED 8
+
+static RfResult add_override( const RfField* field, RfChangedValue value, size_t material, RfMaterialKeys* keys )
+{
+    RfOverride override = { .value = value, .material = (int)material };
+    RfKeyed kind = keyed_of( value );
+    RfResult result = rf_read_keyed( field, &kind, override.numbers );
+    RfOverride* grown = realloc( keys->overrides, ( (size_t)keys->override_count + 1 ) * sizeof *grown );
+    if ( grown == NULL )
+        return rf_field_no_memory( field );
+    keys->overrides = grown;
+    keys->overrides[keys->override_count++] = override;
+    return result;
+}
 
 static bool add_change( const RfChange* change, RfMaterialKeys* keys )
 {
@@ -350,9 +322,7 @@ static RfResult read_keys( const RfField* override, json_t* root, size_t materia
         bool added = result == RF_OK && given && add_change( &change, keys );
         if ( result == RF_OK && given && !added )
             result = rf_field_no_memory( &field );
-        if ( added )
-            stop_value( root, material, values[i] );
-        else
+        if ( !added )
             rf_destroy_channel( channels + i );
     }
     keys->in_frames = keys->in_frames || in_frames;
@@ -364,6 +334,7 @@ void rf_destroy_material_keys( RfMaterialKeys* keys )
     for ( int i = 0; i < keys->count; ++i )
         rf_destroy_channel( &keys->changes[i].channel );
     free( keys->changes );
+    free( keys->overrides );
     *keys = ( RfMaterialKeys ){ .fps = keys->fps };
 }
 
@@ -397,9 +368,7 @@ static RfResult edit_material( const RfField* override, json_t* root, size_t ind
         if ( field.json == NULL )
             continue;
         bool of_model = ( rf_changed_traits( v )->flags & RF_VALUE_OF_MODEL ) != 0;
-        result = of_model && !is_gltf ? fail_other_bsdf( &field, bsdf ) : copy_number( &field, v, material );
-        if ( result == RF_OK )
-            stop_value( root, index, v );
+        result = of_model && !is_gltf ? fail_other_bsdf( &field, bsdf ) : add_override( &field, v, index, keys );
     }
     return result == RF_OK ? read_keys( override, root, index, is_gltf, keys ) : result;
 }
@@ -427,8 +396,9 @@ static RfResult edit_by_name( const RfField* override, const char* name, json_t*
     return result == RF_OK && !found ? rf_fail_unknown_item( override, "material", name, list ) : result;
 }
 
-RfResult rf_edit_materials( const RfField* materials, json_t* root, RfMaterialKeys* keys )
+RfResult rf_edit_materials( const RfField* materials, json_t* root, RfMaterialKeys* keys, RfGltfOptions* options )
 {
+    options->change_count = options->override_count = 0;
     if ( materials->json == NULL )
         return RF_OK;
     if ( !json_is_object( materials->json ) )
@@ -443,5 +413,9 @@ RfResult rf_edit_materials( const RfField* materials, json_t* root, RfMaterialKe
         if ( result != RF_OK )
             break;
     }
+    options->changes = keys->changes;
+    options->change_count = keys->count;
+    options->overrides = keys->overrides;
+    options->override_count = keys->override_count;
     return result;
 }

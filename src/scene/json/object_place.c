@@ -284,9 +284,7 @@ static RfResult edit_placed( void* user, json_t* root, RfError* error )
     RfField materials = rf_field_member( &field, "materials" );
     p->environment = rf_leave_out_environment( root );
     rf_destroy_material_keys( &p->keys ); // where the file is read again
-    RfResult result = rf_edit_materials( &materials, root, &p->keys );
-    p->options.changes = p->keys.changes;
-    p->options.change_count = p->keys.count;
+    RfResult result = rf_edit_materials( &materials, root, &p->keys, &p->options );
     if ( result == RF_OK )
         result = put_under( p, &field, root, &index );
     for ( int i = 0; result == RF_OK && i < p->options.channel_count; ++i )

@@ -86,9 +86,7 @@ static RfResult edit( void* user, json_t* root, RfError* error )
         rf_leave_out_environment( root );
     changes->materials.error = changes->lights.error = error;
     rf_destroy_material_keys( &changes->keys ); // where the file is read again
-    RfResult result = rf_edit_materials( &changes->materials, root, &changes->keys );
-    changes->options->changes = changes->keys.changes;
-    changes->options->change_count = changes->keys.count;
+    RfResult result = rf_edit_materials( &changes->materials, root, &changes->keys, changes->options );
     if ( result == RF_OK )
         result = rf_edit_lights( &changes->lights, root );
     if ( result == RF_OK )

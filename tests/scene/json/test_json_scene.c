@@ -142,7 +142,8 @@ static void test_textures_can_be_dropped( void** state )
     RfError error = { 0 };
     RfField field = rf_make_field( "x.json", "materials", edits, &error );
     RfMaterialKeys keys = { 0 };
-    assert_int_equal( rf_edit_materials( &field, root, &keys ), RF_OK );
+    RfGltfOptions options = { 0 };
+    assert_int_equal( rf_edit_materials( &field, root, &keys, &options ), RF_OK );
     char* text = json_dumps( root, JSON_COMPACT | JSON_SORT_KEYS );
     assert_string_equal( text, "{\"materials\":[{\"extensions\":{\"KHR_x\":{\"xFactor\":1}},\"extras\":{\"aTexture\":1},"
                                "\"name\":\"a\",\"pbrMetallicRoughness\":{\"metallicFactor\":0.5}},"
