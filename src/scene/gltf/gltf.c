@@ -252,7 +252,7 @@ static bool is_version_2( const char* version )
     return strncmp( version, "2.", 2 ) == 0 && version[2] != 0 && strspn( version + 2, "0123456789" ) == strlen( version + 2 );
 }
 
-static RfResult check_asset( const RfGltf* gltf )
+static RfResult check_asset( RfGltf* gltf )
 {
     const char *version = "", *least = "2.0";
     RfField root = rf_gltf_root( gltf );
@@ -279,46 +279,46 @@ double rf_gltf_first_time( const RfScene* scene )
     return counts ? camera->start * (double)fps.denominator / (double)fps.numerator : 0.0;
 }
 
-static RfResult read_document( RfGltf* gltf )
+static RfResult create_accessors( RfGltf* gltf )
 {
-    RfResult result = check_asset( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_check_required( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_open_lists( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_choose_variant( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_split_light_groups( gltf );
-    if ( result != RF_OK )
-        return result;
     gltf->accessor_count = gltf->counts[RF_GLTF_ACCESSORS];
     gltf->accessors = calloc( (size_t)gltf->accessor_count + rf_gltf_count_packed( gltf ) + 1, sizeof *gltf->accessors );
-    if ( gltf->accessors == NULL )
-        return rf_gltf_no_memory( gltf, "accessors" );
-    result = rf_gltf_load_buffers( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_nodes( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_animations( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_cameras( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_environment( gltf ); // with the frames per second
+    return gltf->accessors != NULL ? RF_OK : rf_gltf_no_memory( gltf, "accessors" );
+}
+
+// What is frozen is as the default camera sees it first.
+static RfResult choose_time( RfGltf* gltf )
+{
     gltf->frozen_at = gltf->options->frozen_at != NULL ? *gltf->options->frozen_at : rf_gltf_first_time( gltf->scene );
-    if ( result == RF_OK && gltf->freeze )
-        result = rf_freeze_environment( gltf->scene, gltf->frozen_at, gltf->error );
-    if ( result == RF_OK )
-        result = rf_gltf_load_materials( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_lights( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_meshes( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_load_images( gltf );
-    if ( result == RF_OK )
-        result = rf_gltf_list_moving( gltf );
-    return result == RF_OK ? rf_gltf_notice_unread( gltf ) : result;
+    return gltf->freeze ? rf_freeze_environment( gltf->scene, gltf->frozen_at, gltf->error ) : RF_OK;
+}
+
+static RfResult read_document( RfGltf* gltf )
+{
+    static RfResult ( *const s_steps[] )( RfGltf * gltf ) = {
+        check_asset,
+        rf_gltf_check_required,
+        rf_gltf_open_lists,
+        rf_gltf_choose_variant,
+        rf_gltf_split_light_groups,
+        create_accessors,
+        rf_gltf_load_buffers,
+        rf_gltf_load_nodes,
+        rf_gltf_load_animations,
+        rf_gltf_load_cameras,
+        rf_gltf_load_environment, // with the frames per second
+        choose_time,
+        rf_gltf_load_materials,
+        rf_gltf_load_lights,
+        rf_gltf_load_meshes,
+        rf_gltf_load_images,
+        rf_gltf_list_moving,
+        rf_gltf_notice_unread,
+    };
+    RfResult result = RF_OK;
+    for ( size_t i = 0; result == RF_OK && i < sizeof s_steps / sizeof s_steps[0]; ++i )
+        result = s_steps[i]( gltf );
+    return result;
 }
 
 static void close_document( RfGltf* gltf )

@@ -37,8 +37,8 @@ static RfResult view_stride( const RfGltf* gltf, int view, uint64_t element, uin
     if ( result != RF_OK )
         return result;
     if ( (uint64_t)value < element )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "byteStride is %lld, but the elements have %llu bytes",
-                             (long long)value, (unsigned long long)element );
+        return rf_field_fail( &json, "byteStride is %lld, but the elements have %llu bytes", (long long)value,
+                              (unsigned long long)element );
     *stride = (uint64_t)value;
     return RF_OK;
 }
@@ -171,7 +171,7 @@ static const struct
     { "SCALAR", 1 }, { "VEC2", 2 }, { "VEC3", 3 }, { "VEC4", 4 }, { "MAT2", 4 }, { "MAT3", 9 }, { "MAT4", 16 },
 };
 
-static RfResult read_type( const RfGltf* gltf, const RfField* json, bool matrix, RfGltfAccessor* out )
+static RfResult read_type( const RfField* json, bool matrix, RfGltfAccessor* out )
 {
     const char* type = "";
     RfResult result = rf_get_text( json, "type", &type );
@@ -187,20 +187,20 @@ static RfResult read_type( const RfGltf* gltf, const RfField* json, bool matrix,
     {
         if ( out->components == 16 && out->component_type == FLOAT )
             return RF_OK;
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "type '%.20s' must be MAT4 of floats here", type );
+        return rf_field_fail( json, "type '%.20s' must be MAT4 of floats here", type );
     }
     if ( out->components == 0 || type[0] == 'M' )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "type '%.20s' must be SCALAR, VEC2, VEC3 or VEC4 here", type );
+        return rf_field_fail( json, "type '%.20s' must be SCALAR, VEC2, VEC3 or VEC4 here", type );
     return RF_OK;
 }
 
-static RfResult read_component_type( const RfGltf* gltf, const RfField* json, int* component_type )
+static RfResult read_component_type( const RfField* json, int* component_type )
 {
     int64_t value = 0;
     rf_gltf_require( json, "componentType", NULL );
     RfResult result = rf_get_integer( json, "componentType", BYTE, FLOAT, &value );
     if ( result == RF_OK && rf_gltf_component_size( (int)value ) == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "componentType %d does not exist", (int)value );
+        return rf_field_fail( json, "componentType %d does not exist", (int)value );
     *component_type = (int)value;
     return result;
 }
@@ -212,12 +212,12 @@ RfResult rf_gltf_read_layout( const RfGltf* gltf, const RfField* json, bool matr
     rf_get_integer( json, "count", 1, INT64_MAX, &count );
     rf_gltf_check_limit( gltf, json->path, "count", (double)count, (double)MAX_ELEMENTS );
     out->count = (uint32_t)count;
-    read_component_type( gltf, json, &out->component_type );
-    RfResult result = read_type( gltf, json, matrix, out );
+    read_component_type( json, &out->component_type );
+    RfResult result = read_type( json, matrix, out );
     if ( result == RF_OK )
         result = rf_get_bool( json, "normalized", &out->normalized );
     if ( result == RF_OK && out->normalized && out->component_type >= UNSIGNED_INT )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "normalized needs components of 8 or 16 bits" );
+        return rf_field_fail( json, "normalized needs components of 8 or 16 bits" );
     return result;
 }
 
@@ -287,11 +287,11 @@ static RfResult read_sparse( const RfGltf* gltf, const RfField* accessor, RfGltf
     RfField indices = rf_gltf_field( gltf, sparse.path, json_object_get( sparse.json, "indices" ) );
     bool typed = json_is_object( indices.json );
     if ( typed )
-        result = read_component_type( gltf, &indices, &out->sparse_type );
+        result = read_component_type( &indices, &out->sparse_type );
     if ( result != RF_OK )
         return result;
     if ( typed && out->sparse_type != UNSIGNED_BYTE && out->sparse_type != UNSIGNED_SHORT && out->sparse_type != UNSIGNED_INT )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, sparse.path, "indices must have an unsigned componentType" );
+        return rf_field_fail( &sparse, "indices must have an unsigned componentType" );
 
     uint64_t index_bytes = (uint64_t)count * (uint64_t)rf_gltf_component_size( out->sparse_type );
     result = read_sparse_part( gltf, &sparse, "indices", index_bytes, &out->sparse_indices );

@@ -251,8 +251,7 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
     else
         return fail_empty( gltf, json.path );
     if ( (uint64_t)length > size )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "byteLength is %lld, but there are %zu bytes", (long long)length,
-                             size );
+        return rf_field_fail( &json, "byteLength is %lld, but there are %zu bytes", (long long)length, size );
     buffer->size = (uint64_t)length;
     return RF_OK;
 }
@@ -308,8 +307,8 @@ RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* json, const uint
     uint64_t size = gltf->buffers[buffer].size, start = (uint64_t)offset;
     *length = (uint64_t)extent;
     if ( start > size || *length > size - start )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "bytes %llu + %llu are outside buffers[%d] of %llu bytes",
-                             (unsigned long long)start, (unsigned long long)*length, buffer, (unsigned long long)size );
+        return rf_field_fail( json, "bytes %llu + %llu are outside buffers[%d] of %llu bytes", (unsigned long long)start,
+                              (unsigned long long)*length, buffer, (unsigned long long)size );
     if ( gltf->buffers[buffer].data == NULL )
         return fail_empty( gltf, rf_where( "buffers[%d]", buffer ).text );
     *bytes = gltf->buffers[buffer].data + start;

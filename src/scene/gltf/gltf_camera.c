@@ -25,25 +25,23 @@ static RfField open_type( const RfField* json, const char* type, const char* key
 }
 
 // The shape of the picture may be left open.
-static RfResult read_perspective( const RfGltf* gltf, const RfField* json, RfCamera* camera )
+static RfResult read_perspective( const RfField* json, RfCamera* camera )
 {
     RfField object = open_type( json, "perspective", "yfov" );
     RfResult result = rf_get_number( &object, "yfov", rf_any_number(), &camera->yfov );
     if ( result == RF_OK && !( camera->yfov > 0.0 && camera->yfov < PI ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "yfov is %g, it must be more than 0 and less than pi radians",
-                             camera->yfov );
+        return rf_field_fail( json, "yfov is %g, it must be more than 0 and less than pi radians", camera->yfov );
     return rf_get_number( &object, "aspectRatio", rf_above( 0.0, HUGE_VAL ), &camera->aspect );
 }
 
-static RfResult read_orthographic( const RfGltf* gltf, const RfField* json, RfCamera* camera )
+static RfResult read_orthographic( const RfField* json, RfCamera* camera )
 {
     double xmag = 0.0;
     RfField object = open_type( json, "orthographic", "ymag" );
     RfResult result = rf_get_number( &object, "ymag", rf_any_number(), &camera->ymag );
     camera->ymag = fabs( camera->ymag ); // below 0 says the same
     if ( result == RF_OK && !( camera->ymag > 0.0 && camera->ymag < rf_changed_traits( RF_CHANGED_YMAG )->high ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "ymag is %g, it must be more than 0 and less than 1e12",
-                             camera->ymag );
+        return rf_field_fail( json, "ymag is %g, it must be more than 0 and less than 1e12", camera->ymag );
     rf_get_number( &object, "xmag", rf_any_number(), &xmag );
     camera->aspect = fabs( xmag ) / camera->ymag;
     return rf_json_result( json );
@@ -71,12 +69,12 @@ static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
         return result;
     int kind = kind_of( type );
     if ( kind < 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "type '%.20s' must be perspective or orthographic", type );
+        return rf_field_fail( &json, "type '%.20s' must be perspective or orthographic", type );
     camera->projection = kind;
     switch ( (RfProjectionKind)kind )
     {
-        case RF_PERSPECTIVE: return read_perspective( gltf, &json, camera );
-        case RF_ORTHOGRAPHIC: return read_orthographic( gltf, &json, camera );
+        case RF_PERSPECTIVE: return read_perspective( &json, camera );
+        case RF_ORTHOGRAPHIC: return read_orthographic( &json, camera );
         case RF_PANORAMIC: break; // glTF has none
     }
     return RF_OK;

@@ -211,18 +211,14 @@ static bool has_effect( const RfMaterial* m, const RfChange* change )
 }
 
 // The transforms of textures, which are the material's unless they change.
-static void follow_transforms( const RfGltf* gltf, const json_t* json, RfMovingMaterial* moving, const RfMaterial* out )
+static void follow_transforms( const RfGltf* gltf, RfMovingMaterial* moving, const RfMaterial* out )
 {
-    unsigned known = 0; // slots
     for ( int i = 0; i < moving->change_count; ++i )
     {
         const RfChange* change = gltf->changes + moving->first_change + i;
         if ( !is_of_texture( change->value ) || !has_effect( out, change ) )
             continue;
         double* transform = moving->transform[change->slot];
-        if ( ( known & 1u << change->slot ) == 0 )
-            rf_gltf_texture_transform( json, change->slot, transform );
-        known |= 1u << change->slot;
         rf_gltf_find_change( gltf, change->value, change->of, change->slot, rf_value_in( transform, change->value ) );
         rf_set_uv_transform( transform, out->textured->refs[change->slot].transform );
     }
@@ -309,7 +305,7 @@ static RfResult add_material( RfGltf* gltf, const RfMovingMaterial* moving )
     return RF_OK;
 }
 
-RfResult rf_gltf_change_material( RfGltf* gltf, const json_t* json, RfMovingMaterial* moving, RfMaterial* out )
+RfResult rf_gltf_change_material( RfGltf* gltf, RfMovingMaterial* moving, RfMaterial* out )
 {
     int first = first_of_material( gltf, moving->material ), end = first;
     while ( end < gltf->change_count && gltf->changes[end].of == moving->material &&
@@ -319,7 +315,7 @@ RfResult rf_gltf_change_material( RfGltf* gltf, const json_t* json, RfMovingMate
     moving->change_count = end - first;
     if ( first == end )
         return RF_OK;
-    follow_transforms( gltf, json, moving, out );
+    follow_transforms( gltf, moving, out );
     if ( !follow_changes( gltf, moving, out ) )
         return RF_OK;
     if ( gltf->freeze )

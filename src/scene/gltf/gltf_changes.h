@@ -50,9 +50,9 @@ bool rf_gltf_light_changes( const RfGltf* gltf, int index );
 // rf_gltf_find_change.
 RfResult rf_gltf_add_lamp( RfGltf* gltf, const RfMovingLamp* lamp );
 
-// Notes a material that dims or changes, in which its factors are as in the file, and prepares it for that: `out` is as `json`
-// says, of which the transforms of textures are followed here.
-RfResult rf_gltf_change_material( RfGltf* gltf, const json_t* json, RfMovingMaterial* moving, RfMaterial* out );
+// Notes a material that dims or changes, in which its factors are as in the file, and prepares it for that: `out` is as it
+// stands still, but for the transforms of textures, which are followed here.
+RfResult rf_gltf_change_material( RfGltf* gltf, RfMovingMaterial* moving, RfMaterial* out );
 
 // Moves what has been noted, and is of what is in the scene, to a movement. The nodes of lamps are moving ones by now.
 RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement );
@@ -60,8 +60,5 @@ RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement );
 // A use of a texture by its path within a material: its slot, −1 where it is ignored. False: there is no such use
 // (gltf_texture.c).
 bool rf_gltf_texture_slot( const char* path, size_t length, int* slot );
-
-// Offset, rotation and scale of a texture that a material has, as in the file.
-void rf_gltf_texture_transform( const json_t* material, int slot, double transform[5] );
 
 #endif

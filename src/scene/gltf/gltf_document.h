@@ -239,7 +239,7 @@ RfField rf_gltf_extras( const RfField* object );
 RfResult rf_gltf_copy_name( const RfField* object, const char* fallback, char** name );
 
 // Fails if the file requires an unsupported extension (gltf_extension.c).
-RfResult rf_gltf_check_required( const RfGltf* gltf );
+RfResult rf_gltf_check_required( RfGltf* gltf );
 
 // Is what an extension says read?
 bool rf_gltf_reads( const char* extension );

@@ -105,12 +105,11 @@ static RfResult copy_attribute( RfGltf* gltf, int declared, RfGltfUnpackedView* 
     RfGltfAccessor layout = { 0 };
     RfResult result = rf_gltf_read_layout( gltf, &json, false, &layout );
     if ( result == RF_OK && rf_has_member( &json, "sparse" ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "is sparse, and that of a compressed mesh" );
+        return rf_field_fail( &json, "is sparse, and that of a compressed mesh" );
     uint32_t points = rf_draco_points( mesh->mesh );
     int components = rf_draco_components( mesh->mesh, from );
     if ( result == RF_OK && components != layout.components )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "has elements of %d numbers, its compressed mesh of %d",
-                             layout.components, components );
+        return rf_field_fail( &json, "has elements of %d numbers, its compressed mesh of %d", layout.components, components );
     uint64_t stride = (uint64_t)components * (uint64_t)rf_gltf_component_size( layout.component_type ), bytes = stride * points;
     if ( result == RF_OK )
         result = rf_gltf_take_room( gltf, json.path, bytes );
@@ -124,8 +123,7 @@ static RfResult copy_attribute( RfGltf* gltf, int declared, RfGltfUnpackedView* 
         return rf_gltf_no_memory( gltf, json.path );
     mesh->attributes[from].values = values;
     if ( !rf_draco_copy( mesh->mesh, from, layout.component_type, values ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path,
-                             "its compressed mesh has numbers that are not of its componentType" );
+        return rf_field_fail( &json, "its compressed mesh has numbers that are not of its componentType" );
     *out = layout;
     out->open = true;
     out->count = points;
@@ -158,8 +156,7 @@ static RfResult find_packed( RfGltf* gltf, const char* where, const char* name, 
     if ( result != RF_OK || ( layout.component_type == accessor->component_type && layout.normalized == accessor->normalized &&
                               layout.components == accessor->components ) )
         return result;
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.path, "is of the same compressed mesh as accessors[%d], but another type",
-                         accessor->declared );
+    return rf_field_fail( &self, "is of the same compressed mesh as accessors[%d], but another type", accessor->declared );
 }
 
 RfResult rf_gltf_find_attribute( RfGltf* gltf, const RfField* primitive, const char* name, int* index )

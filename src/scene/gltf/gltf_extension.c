@@ -176,7 +176,7 @@ static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
                          name );
 }
 
-RfResult rf_gltf_check_required( const RfGltf* gltf )
+RfResult rf_gltf_check_required( RfGltf* gltf )
 {
     RfField root = rf_gltf_root( gltf );
     const json_t* list = rf_get_array( &root, "extensionsRequired" ).json;

@@ -35,7 +35,7 @@ RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out )
     open_attribute( gltf, &attributes, json.path, "ROTATION", 4, &out->rotation, &count );
     RfResult result = open_attribute( gltf, &attributes, json.path, "SCALE", 3, &out->scale, &count );
     if ( result == RF_OK && count == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "must have at least one of TRANSLATION, ROTATION and SCALE" );
+        return rf_field_fail( &json, "must have at least one of TRANSLATION, ROTATION and SCALE" );
     out->count = count;
     return result;
 }

@@ -47,15 +47,14 @@ static RfResult read_cone( const RfField* json, Source* source )
     return rf_get_number( &spot, "outerConeAngle", rf_any_number(), cone + 1 );
 }
 
-static RfResult check_cone( const RfGltf* gltf, const RfField* json, const Source* source )
+static RfResult check_cone( const RfField* json, const Source* source )
 {
     const double* cone = source->lamp.values.cone;
     // exporters round both to the same float: equal angles give a hard edge. Of what changes the pose finds out
     bool changes = source->lamp.changes[RF_CHANGED_INNER_CONE] >= 0 || source->lamp.changes[RF_CHANGED_OUTER_CONE] >= 0;
     if ( !( cone[0] >= 0.0 && ( changes || cone[0] <= cone[1] ) && cone[1] > 0.0 && cone[1] <= HALF_PI + 1e-6 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path,
-                             "cone angles %g and %g must be 0 <= inner <= outer, and outer above 0, at most pi/2", cone[0],
-                             cone[1] );
+        return rf_field_fail( json, "cone angles %g and %g must be 0 <= inner <= outer, and outer above 0, at most pi/2", cone[0],
+                              cone[1] );
     return RF_OK;
 }
 
@@ -195,7 +194,7 @@ static RfResult read_light( RfGltf* gltf, const RfField* json, Source* source, R
         return result;
     follow_changes( gltf, spot, source );
     if ( spot )
-        check_cone( gltf, json, source );
+        check_cone( json, source );
     result = read_extras( gltf, json, source, out );
     if ( result != RF_OK )
         return result;
@@ -254,7 +253,7 @@ static RfResult load_node_light( RfGltf* gltf, const RfField* lights, int node, 
 {
     int64_t index = -1, count = (int64_t)json_array_size( lights->json );
     if ( count == 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, extension->path, "the document's " EXTENSION " has no lights" );
+        return rf_field_fail( extension, "the document's " EXTENSION " has no lights" );
     rf_gltf_require( extension, "light", NULL );
     RfResult result = rf_get_integer( extension, "light", 0, count - 1, &index );
     if ( result != RF_OK )

@@ -177,7 +177,7 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     out->light_group = (uint16_t)( tag > 0 ? tag : 0 );
     rf_gltf_notice_extensions( gltf, &field, "material", out->name );
     bool dense = false, reshapes = follow_changes( gltf, index, values, &most );
-    result = rf_gltf_apply_scatter( gltf, &field, values, &dense );
+    result = rf_gltf_apply_scatter( &field, values, &dense );
     if ( result != RF_OK )
         return result;
     apply_factors( values, reshapes, out );
@@ -187,8 +187,8 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     apply_clearcoat( gltf, json, values, out );
     result = rf_gltf_read_own_model( &field, out );
     if ( result == RF_OK )
-        result = rf_gltf_read_textured( gltf, &field, values, out );
-    return result == RF_OK ? rf_gltf_change_material( gltf, json, &moving, out ) : result;
+        result = rf_gltf_read_textured( gltf, &field, &moving, out );
+    return result == RF_OK ? rf_gltf_change_material( gltf, &moving, out ) : result;
 }
 
 RfResult rf_gltf_load_materials( RfGltf* gltf )

@@ -23,11 +23,11 @@ void rf_gltf_apply_surface( RfGltf* gltf, const json_t* material, const RfMateri
 
 // KHR_materials_volume_scatter: where a body is dense, `dense` is set, and its values become those of an opaque surface with the
 // albedo of a half-space of what is inside (src/reuse/estimators.md, section 21).
-RfResult rf_gltf_apply_scatter( const RfGltf* gltf, const RfField* material, RfMaterialValues* values, bool* dense );
+RfResult rf_gltf_apply_scatter( const RfField* material, RfMaterialValues* values, bool* dense );
 
-// Sets the `textured` member of a material after all its other properties have been read
+// Sets the `textured` member of a material, and the transforms of its textures, after all its other properties have been read
 // (gltf_texture.c). rf_gltf_load_images removes it again if it is not needed.
-RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* json, const RfMaterialValues* values, RfMaterial* out );
+RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* json, RfMovingMaterial* moving, RfMaterial* out );
 
 // A struct without textures; NULL if out of memory.
 RfTextured* rf_gltf_textured( const RfFactors* factors );

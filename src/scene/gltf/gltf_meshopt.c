@@ -95,10 +95,10 @@ static RfResult read_packed( const RfGltf* gltf, const RfField* json, Packed* ou
     out->filter = (Filter)filter;
     const char* fault = find_fault( out );
     if ( fault != NULL )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "%s", fault );
+        return rf_field_fail( json, "%s", fault );
     if ( out->count * out->stride / MOST_PER_BYTE > out->length )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "%llu bytes cannot hold %llu elements of %llu bytes",
-                             (unsigned long long)out->length, (unsigned long long)out->count, (unsigned long long)out->stride );
+        return rf_field_fail( json, "%llu bytes cannot hold %llu elements of %llu bytes", (unsigned long long)out->length,
+                              (unsigned long long)out->count, (unsigned long long)out->stride );
     return RF_OK;
 }
 
@@ -189,9 +189,8 @@ static RfResult unpack( const RfGltf* gltf, const RfField* view, const RfField* 
         result = rf_get_integer( view, "byteLength", 1, INT64_MAX, &length );
     uint64_t bytes = packed.count * packed.stride;
     if ( result == RF_OK && (uint64_t)length != bytes )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, view->path,
-                             "byteLength is %lld, but %llu elements of %llu bytes are compressed", (long long)length,
-                             (unsigned long long)packed.count, (unsigned long long)packed.stride );
+        return rf_field_fail( view, "byteLength is %lld, but %llu elements of %llu bytes are compressed", (long long)length,
+                              (unsigned long long)packed.count, (unsigned long long)packed.stride );
     if ( result == RF_OK )
         result = rf_gltf_take_room( gltf, extension->path, bytes );
     if ( result != RF_OK )

@@ -19,8 +19,7 @@ RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count )
         RfField self = rf_field_item( &primitives, i );
         size_t own = json_array_size( rf_get_array( &self, "targets" ).json );
         if ( i > 0 && own != all )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, self.path, "has %zu targets, the primitives before it have %zu", own,
-                                 all );
+            return rf_field_fail( &self, "has %zu targets, the primitives before it have %zu", own, all );
         all = own;
     }
     *count = (int)all;
@@ -93,8 +92,7 @@ static RfResult open_delta( RfGltf* gltf, const RfField* target, const char* nam
     if ( result == RF_OK )
         result = rf_gltf_expect( gltf, *index, accessor, target->path, 3 );
     if ( result == RF_OK && accessor->count != count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, target->path, "%s has %u elements, the primitive has %u", name,
-                             accessor->count, count );
+        return rf_field_fail( target, "%s has %u elements, the primitive has %u", name, accessor->count, count );
     if ( result == RF_OK && accessor->data == NULL && accessor->sparse_count == 0 )
         *index = NO_ACCESSOR; // zeros
     return result;
@@ -120,7 +118,7 @@ static RfResult open_target( RfGltf* gltf, const RfField* target, const RfField*
     const json_t* attributes = json_object_get( owner->json, "attributes" );
     int base = NO_ACCESSOR;
     if ( !json_is_object( target->json ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, target->path, "must be an object" );
+        return rf_field_fail( target, "must be an object" );
     notice_left_out( gltf, target );
     RfResult result = rf_gltf_find_attribute( gltf, owner, "POSITION", &base );
     for ( int k = 0; result == RF_OK && k < 3; ++k )

@@ -16,24 +16,24 @@
 // Exporters write the last row of a matrix with rounding errors.
 #define AFFINE_TOLERANCE 1e-5
 
-static RfResult read_matrix( const RfGltf* gltf, const RfField* json, RfNode* node )
+static RfResult read_matrix( const RfField* json, RfNode* node )
 {
     if ( rf_has_member( json, "translation" ) || rf_has_member( json, "rotation" ) || rf_has_member( json, "scale" ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "has both a matrix and translation, rotation or scale" );
+        return rf_field_fail( json, "has both a matrix and translation, rotation or scale" );
     double* m = node->matrix.m;
     RfResult result = rf_get_numbers( json, "matrix", rf_any_number(), 16, m );
     if ( result != RF_OK )
         return result;
     if ( fabs( m[3] ) > AFFINE_TOLERANCE || fabs( m[7] ) > AFFINE_TOLERANCE || fabs( m[11] ) > AFFINE_TOLERANCE ||
          fabs( m[15] - 1.0 ) > AFFINE_TOLERANCE )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "matrix has a last row other than 0 0 0 1" );
+        return rf_field_fail( json, "matrix has a last row other than 0 0 0 1" );
     m[3] = m[7] = m[11] = 0.0;
     m[15] = 1.0;
     node->has_matrix = true;
     return RF_OK;
 }
 
-static RfResult read_trs( const RfGltf* gltf, const RfField* json, RfNode* node )
+static RfResult read_trs( const RfField* json, RfNode* node )
 {
     rf_get_numbers( json, "translation", rf_any_number(), 3, node->translation );
     rf_get_numbers( json, "rotation", rf_any_number(), 4, node->rotation );
@@ -43,7 +43,7 @@ static RfResult read_trs( const RfGltf* gltf, const RfField* json, RfNode* node 
     double* q = node->rotation;
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
     if ( ( length > 1e-6 && length < 1e6 ) == false )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "rotation is not a unit quaternion" );
+        return rf_field_fail( json, "rotation is not a unit quaternion" );
     for ( int i = 0; i < 4; ++i )
         q[i] /= length;
     return RF_OK;
@@ -92,7 +92,7 @@ static RfResult load_node( RfGltf* gltf, int index )
     RfResult result = read_extras( &json, node );
     if ( result != RF_OK )
         return result;
-    return rf_has_member( &json, "matrix" ) ? read_matrix( gltf, &json, node ) : read_trs( gltf, &json, node );
+    return rf_has_member( &json, "matrix" ) ? read_matrix( &json, node ) : read_trs( &json, node );
 }
 
 // Reads one index of an array, such as children[2].
@@ -123,10 +123,10 @@ static RfResult link_children( RfGltf* gltf, int parent )
             break;
         RfNode* node = gltf->scene->nodes + child;
         if ( node->parent >= 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path,
-                                 "children[%zu] is nodes[%d], which is a child of "
-                                 "nodes[%d] already",
-                                 i, child, node->parent );
+            return rf_field_fail( &json,
+                                  "children[%zu] is nodes[%d], which is a child of "
+                                  "nodes[%d] already",
+                                  i, child, node->parent );
         node->parent = parent;
     }
     return result;
@@ -203,7 +203,7 @@ static RfResult order_scene( RfGltf* gltf, int index, int* depth )
         if ( result != RF_OK )
             break;
         if ( depth[root] == 0 )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "nodes[%zu] is node %d, which is listed twice", i, root );
+            return rf_field_fail( &json, "nodes[%zu] is node %d, which is listed twice", i, root );
         depth[root] = 0;
         gltf->order[gltf->order_count++] = root;
     }

@@ -37,7 +37,7 @@ static RfResult open_indices( RfGltf* gltf, const RfField* primitive, int* mode,
         return result;
     int type = ( *accessor )->component_type;
     if ( ( type != 5121 && type != 5123 && type != 5125 ) || ( *accessor )->normalized )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, primitive->path, "indices accessors[%d] must be unsigned integers", index );
+        return rf_field_fail( primitive, "indices accessors[%d] must be unsigned integers", index );
     return RF_OK;
 }
 

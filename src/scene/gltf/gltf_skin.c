@@ -146,11 +146,10 @@ static RfResult open_influences( RfGltf* gltf, const RfField* json, Influences* 
         if ( result != RF_OK )
             return result;
         if ( ( out->joints[i] < 0 ) != ( out->weights[i] < 0 ) )
-            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, attributes.path, "must have %s and %s, or neither", s_names[i][0],
-                                 s_names[i][1] );
+            return rf_field_fail( &attributes, "must have %s and %s, or neither", s_names[i][0], s_names[i][1] );
     }
     if ( out->joints[0] < 0 )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, attributes.path, "has no JOINTS_0, but a node has its mesh with a skin" );
+        return rf_field_fail( &attributes, "has no JOINTS_0, but a node has its mesh with a skin" );
     if ( rf_has_member( &attributes, "JOINTS_2" ) )
         rf_gltf_notice( gltf, RF_GLTF_MORE_JOINTS, "%s has JOINTS_2: each vertex follows the first eight of its joints",
                         attributes.path );

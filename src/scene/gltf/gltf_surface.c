@@ -63,7 +63,7 @@ static double reflected( double base, double in, double albedo )
     return base + in * in * albedo / fmax( 1.0 - base * albedo, 1e-9 );
 }
 
-RfResult rf_gltf_apply_scatter( const RfGltf* gltf, const RfField* material, RfMaterialValues* values, bool* dense )
+RfResult rf_gltf_apply_scatter( const RfField* material, RfMaterialValues* values, bool* dense )
 {
     RfFactors* factors = &values->lobes;
     RfField json = rf_gltf_extension( material, "KHR_materials_volume_scatter" );
@@ -72,7 +72,7 @@ RfResult rf_gltf_apply_scatter( const RfGltf* gltf, const RfField* material, RfM
     if ( json.json == NULL )
         return rf_json_result( material );
     if ( !( g > -1.0 && g < 1.0 ) )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "scatterAnisotropy is %g, it must be between -1 and 1", g );
+        return rf_field_fail( &json, "scatterAnisotropy is %g, it must be between -1 and 1", g );
     if ( factors->metallic > 0.0 || rf_gltf_is_unlit( material->json ) || rf_gltf_has_own_model( material->json ) )
         return RF_OK;
     // by the extension, diffuse transmission says that a body is dense

@@ -277,18 +277,14 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
 #define MIRROR 33648
 #define REPEAT 10497
 
-// Larger scales of coordinates leave no precision.
-#define MAX_TRANSFORM 1e6
-
-static RfResult read_wrap( const RfGltf* gltf, const RfField* json, const char* key, RfWrap* out )
+static RfResult read_wrap( const RfField* json, const char* key, RfWrap* out )
 {
     int64_t value = REPEAT;
     RfResult result = rf_get_integer( json, key, 0, 65535, &value );
     if ( result != RF_OK )
         return result;
     if ( value != REPEAT && value != MIRROR && value != CLAMP )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json->path, "%s is %lld, it must be 10497, 33648 or 33071", key,
-                             (long long)value );
+        return rf_field_fail( json, "%s is %lld, it must be 10497, 33648 or 33071", key, (long long)value );
     *out = value == REPEAT ? RF_WRAP_REPEAT : value == MIRROR ? RF_WRAP_MIRROR : RF_WRAP_CLAMP;
     return RF_OK;
 }
@@ -299,11 +295,11 @@ static RfResult read_sampler( const RfGltf* gltf, int index, RfTextureRef* out )
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_SAMPLERS, index );
     int64_t filter = LINEAR;
-    read_wrap( gltf, &json, "wrapS", out->wrap );
-    read_wrap( gltf, &json, "wrapT", out->wrap + 1 );
+    read_wrap( &json, "wrapS", out->wrap );
+    read_wrap( &json, "wrapT", out->wrap + 1 );
     RfResult result = rf_get_integer( &json, "magFilter", 0, 65535, &filter );
     if ( result == RF_OK && filter != NEAREST && filter != LINEAR )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, json.path, "magFilter is %lld, it must be 9728 or 9729", (long long)filter );
+        return rf_field_fail( &json, "magFilter is %lld, it must be 9728 or 9729", (long long)filter );
     out->nearest = filter == NEAREST;
     return result;
 }
@@ -337,30 +333,25 @@ static RfResult read_texture( RfGltf* gltf, int index, bool srgb, RfTextureRef* 
 }
 
 // u' = T · R · S · u; the rotation is counter-clockwise as the image is seen.
-static RfResult read_transform( const RfGltf* gltf, const RfField* info, int64_t* set, RfTextureRef* out )
+// `t`: offset, rotation and scale as in the file.
+static RfResult read_transform( const RfGltf* gltf, const RfField* info, int64_t* set, double t[5], RfTextureRef* out )
 {
-    double t[5] = { 0, 0, 0, 1, 1 }; // offset, rotation, scale
     RfField json = rf_gltf_extension( info, "KHR_texture_transform" );
     if ( json.json == NULL )
         return rf_json_result( info );
-    rf_get_numbers( &json, "offset", rf_any_number(), 2, t );
-    rf_get_numbers( &json, "scale", rf_any_number(), 2, t + 3 );
-    rf_get_number( &json, "rotation", rf_any_number(), t + 2 );
+    rf_gltf_read_values( gltf, &json, RF_OF_TEXTURE, t );
     rf_get_integer( &json, "texCoord", 0, INT32_MAX, set );
-    for ( int i = 0; i < 2; ++i )
-    {
-        rf_gltf_check_limit( gltf, json.path, "offset", t[i], MAX_TRANSFORM );
-        rf_gltf_check_limit( gltf, json.path, "scale", t[3 + i], MAX_TRANSFORM );
-    }
     if ( rf_json_result( info ) == RF_OK )
         rf_set_uv_transform( t, out->transform );
     return rf_json_result( info );
 }
 
 // Reads a use of a texture, which its json is NULL without. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
-static RfResult read_texture_info( RfGltf* gltf, const RfField* info, bool srgb, RfTextureRef* out )
+static RfResult read_texture_info( RfGltf* gltf, const RfField* info, bool srgb, double transform[5], RfTextureRef* out )
 {
+    const double none[5] = { 0, 0, 0, 1, 1 };
     int64_t set = 0;
+    memcpy( transform, none, sizeof none );
     if ( info->json == NULL )
         return rf_json_result( info );
     rf_gltf_require( info, "index", NULL );
@@ -369,7 +360,7 @@ static RfResult read_texture_info( RfGltf* gltf, const RfField* info, bool srgb,
     if ( result == RF_OK )
         result = read_texture( gltf, index, srgb, out );
     if ( result == RF_OK )
-        result = read_transform( gltf, info, &set, out );
+        result = read_transform( gltf, info, &set, transform, out );
     if ( result == RF_OK && set > 1 )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, info->path,
                              "texCoord is %lld, only 0 and 1 are supported: bake it to one of these", (long long)set );
@@ -444,31 +435,7 @@ bool rf_gltf_texture_slot( const char* path, size_t length, int* slot )
     return false;
 }
 
-void rf_gltf_texture_transform( const json_t* material, int slot, double transform[5] )
-{
-    static const double s_none[5] = { 0, 0, 0, 1, 1 };
-    size_t i = 0;
-    while ( (int)s_slots[i].slot != slot )
-        ++i;
-    const json_t* parent = material;
-    if ( s_slots[i].part != NULL )
-        parent = json_object_get( material, s_slots[i].part );
-    if ( s_slots[i].extension != NULL )
-        parent = json_object_get( json_object_get( material, "extensions" ), s_slots[i].extension );
-    const json_t* json =
-        json_object_get( json_object_get( json_object_get( parent, s_slots[i].key ), "extensions" ), "KHR_texture_transform" );
-    const json_t *offset = json_object_get( json, "offset" ), *rotation = json_object_get( json, "rotation" ),
-                 *scale = json_object_get( json, "scale" );
-    memcpy( transform, s_none, sizeof s_none );
-    for ( size_t k = 0; k < 2; ++k )
-    {
-        transform[k] = offset != NULL ? json_number_value( json_array_get( offset, k ) ) : transform[k];
-        transform[3 + k] = scale != NULL ? json_number_value( json_array_get( scale, k ) ) : transform[3 + k];
-    }
-    transform[2] = json_number_value( rotation );
-}
-
-static RfResult read_slots( RfGltf* gltf, const RfField* material, RfTextured* out )
+static RfResult read_slots( RfGltf* gltf, const RfField* material, double transforms[][5], RfTextured* out )
 {
     double scale[RF_TEXTURE_SLOT_COUNT];
     for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
@@ -481,7 +448,7 @@ static RfResult read_slots( RfGltf* gltf, const RfField* material, RfTextured* o
         if ( !rf_has_member( &parent, slot->key ) )
             continue;
         RfField info = rf_get_object( &parent, slot->key );
-        RfResult result = read_texture_info( gltf, &info, slot->srgb, out->refs + slot->slot );
+        RfResult result = read_texture_info( gltf, &info, slot->srgb, transforms[slot->slot], out->refs + slot->slot );
         if ( result == RF_OK && ( slot->slot == RF_TEXTURE_NORMAL || slot->slot == RF_TEXTURE_CLEARCOAT_NORMAL ) )
             result = rf_get_number( &info, "scale", rf_any_number(), scale + slot->slot );
         if ( result != RF_OK )
@@ -497,8 +464,9 @@ static RfResult read_slots( RfGltf* gltf, const RfField* material, RfTextured* o
 static RfResult check_thickness( RfGltf* gltf, const RfField* material )
 {
     RfTextureRef unused;
+    double transform[5];
     RfField volume = rf_gltf_extension( material, "KHR_materials_volume" ), info = rf_get_object( &volume, "thicknessTexture" );
-    return read_texture_info( gltf, &info, false, &unused );
+    return read_texture_info( gltf, &info, false, transform, &unused );
 }
 
 static void drop_slots( RfTextured* textured, RfTextureSlot first, RfTextureSlot last )
@@ -584,14 +552,15 @@ static bool is_needed( const RfTextured* textured )
     return ( textured->masked && alpha < (double)textured->alpha_cutoff ) || ( textured->blended && alpha < 1.0 );
 }
 
-RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, const RfMaterialValues* values, RfMaterial* out )
+RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, RfMovingMaterial* moving, RfMaterial* out )
 {
+    const RfMaterialValues* values = &moving->values;
     const json_t* json = field->json;
     out->textured = rf_gltf_textured( &values->lobes );
     if ( out->textured == NULL )
         return rf_field_no_memory( field );
     RfTextured* textured = out->textured;
-    RfResult result = read_slots( gltf, field, textured );
+    RfResult result = read_slots( gltf, field, moving->transform, textured );
     if ( result == RF_OK )
         result = check_thickness( gltf, field );
     if ( result == RF_OK )
