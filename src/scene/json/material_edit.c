@@ -19,16 +19,6 @@ static const char* const s_bsdfs[] = { "gltf", "lambert", "phong", NULL };
 
 static const char* const s_lobe_keys[] = { "diffuse", "specular", "exponent", NULL };
 
-// The member object of that name, created if missing; NULL if out of memory.
-static json_t* edit_member( json_t* object, const char* key )
-{
-    json_t* member = json_object_get( object, key );
-    if ( json_is_object( member ) )
-        return member;
-    json_t* made = json_object();
-    return json_object_set_new( object, key, made ) == 0 ? made : NULL;
-}
-
 static json_t* find_lobes( const json_t* material )
 {
     return json_object_get( json_object_get( material, "extras" ), "reframe" );
@@ -72,7 +62,7 @@ static RfResult change_bsdf( const RfField* override, json_t* material )
         json_object_del( json_object_get( material, "extras" ), "reframe" );
         return RF_OK;
     }
-    json_t* extras = edit_member( material, "extras" );
+    json_t* extras = rf_edit_member( material, "extras" );
     bool done = index == 0 || json_object_set_new( lobes, "bsdf", json_string( s_bsdfs[index] ) ) == 0;
     return extras != NULL && json_object_set_new( extras, "reframe", lobes ) == 0 && done ? RF_OK : rf_field_no_memory( &field );
 }
@@ -102,8 +92,8 @@ static RfResult edit_light_group( const RfField* override, json_t* material )
     RfResult result = rf_read_light_group( override, &name );
     if ( result != RF_OK || name == NULL )
         return result;
-    json_t* extras = edit_member( material, "extras" );
-    json_t* ours = extras != NULL ? edit_member( extras, "reframe" ) : NULL;
+    json_t* extras = rf_edit_member( material, "extras" );
+    json_t* ours = extras != NULL ? rf_edit_member( extras, "reframe" ) : NULL;
     bool done = ours != NULL && json_object_set_new( ours, "light_group", json_string( name ) ) == 0;
     return done ? RF_OK : rf_field_no_memory( override );
 }
@@ -238,7 +228,7 @@ static RfResult add_sequence( const RfField* field, const char* key, json_t* hom
 static RfResult copy_value( const RfField* field, const Entry* entry, json_t* material, json_t* root )
 {
     RfResult result = entry->type == SEQUENCE ? RF_OK : check_value( field, entry );
-    json_t* home = entry->parent != NULL ? edit_member( material, entry->parent ) : material;
+    json_t* home = entry->parent != NULL ? rf_edit_member( material, entry->parent ) : material;
     if ( result != RF_OK || home == NULL )
         return result != RF_OK ? result : rf_field_no_memory( field );
     if ( entry->type == SEQUENCE )
@@ -343,9 +333,16 @@ static RfResult fail_other_bsdf( const RfField* field, const char* bsdf )
     return rf_field_fail( field, "has no effect on bsdf \"%.20s\": add \"bsdf\": \"gltf\"", bsdf );
 }
 
-static RfResult edit_material( const RfField* override, json_t* root, size_t index, RfMaterialKeys* keys )
+// What materials are edited in, and what their values go to.
+typedef struct Editing
 {
-    json_t* material = json_array_get( json_object_get( root, "materials" ), index );
+    json_t* root;
+    RfMaterialKeys* keys;
+} Editing;
+
+static RfResult edit_material( const RfField* override, json_t* material, size_t index, void* user )
+{
+    const Editing* editing = user;
     RfResult result = edit_lobes( override, material );
     if ( result == RF_OK )
         result = edit_light_group( override, material );
@@ -359,7 +356,7 @@ static RfResult edit_material( const RfField* override, json_t* root, size_t ind
         if ( s_entries[i].type == NOT_COPIED || field.json == NULL )
             continue;
         result = s_entries[i].gltf_only && !is_gltf ? fail_other_bsdf( &field, bsdf )
-                                                    : copy_value( &field, s_entries + i, material, root );
+                                                    : copy_value( &field, s_entries + i, material, editing->root );
     }
     for ( RfChangedValue v = next_value( 0, RF_VALUE_IN_FILE ); v < RF_CHANGED_COUNT && result == RF_OK;
           v = next_value( (int)v + 1, RF_VALUE_IN_FILE ) )
@@ -368,51 +365,23 @@ static RfResult edit_material( const RfField* override, json_t* root, size_t ind
         if ( field.json == NULL )
             continue;
         bool of_model = ( rf_changed_traits( v )->flags & RF_VALUE_OF_MODEL ) != 0;
-        result = of_model && !is_gltf ? fail_other_bsdf( &field, bsdf ) : add_override( &field, v, index, keys );
+        result = of_model && !is_gltf ? fail_other_bsdf( &field, bsdf ) : add_override( &field, v, index, editing->keys );
     }
-    return result == RF_OK ? read_keys( override, root, index, is_gltf, keys ) : result;
-}
-
-static RfResult edit_by_name( const RfField* override, const char* name, json_t* root, RfMaterialKeys* material_keys )
-{
-    const json_t* list = json_object_get( root, "materials" );
-    const char* keys[ENTRY_COUNT + RF_CHANGED_COUNT + 1] = { NULL };
-    int count = 0;
-    for ( int i = 0; i < ENTRY_COUNT; ++i )
-        keys[count++] = s_entries[i].key;
-    for ( RfChangedValue v = next_value( 0, RF_VALUE_IN_FILE ); v < RF_CHANGED_COUNT;
-          v = next_value( (int)v + 1, RF_VALUE_IN_FILE ) )
-        keys[count++] = rf_changed_traits( v )->name;
-    RfResult result = rf_field_keys( override, keys );
-    bool found = false;
-    for ( size_t i = 0; i < json_array_size( list ) && result == RF_OK; ++i )
-    {
-        char fallback[RF_ITEM_NAME];
-        if ( !json_is_object( json_array_get( list, i ) ) || strcmp( rf_item_name( list, "materials", i, fallback ), name ) != 0 )
-            continue;
-        found = true;
-        result = edit_material( override, root, i, material_keys );
-    }
-    return result == RF_OK && !found ? rf_fail_unknown_item( override, "material", name, list ) : result;
+    return result == RF_OK ? read_keys( override, editing->root, index, is_gltf, editing->keys ) : result;
 }
 
 RfResult rf_edit_materials( const RfField* materials, json_t* root, RfMaterialKeys* keys, RfGltfOptions* options )
 {
-    options->change_count = options->override_count = 0;
-    if ( materials->json == NULL )
-        return RF_OK;
-    if ( !json_is_object( materials->json ) )
-        return rf_field_must_be( materials, "an object of materials by name" );
-    RfResult result = RF_OK;
-    const char* name;
-    json_t* value;
-    json_object_foreach( (json_t*)materials->json, name, value )
-    {
-        RfField override = rf_field_member( materials, name );
-        result = edit_by_name( &override, name, root, keys );
-        if ( result != RF_OK )
-            break;
-    }
+    const char* names[ENTRY_COUNT + RF_CHANGED_COUNT + 1] = { NULL };
+    int count = 0;
+    Editing editing = { root, keys };
+    for ( int i = 0; i < ENTRY_COUNT; ++i )
+        names[count++] = s_entries[i].key;
+    for ( RfChangedValue v = next_value( 0, RF_VALUE_IN_FILE ); v < RF_CHANGED_COUNT;
+          v = next_value( (int)v + 1, RF_VALUE_IN_FILE ) )
+        names[count++] = rf_changed_traits( v )->name;
+    RfResult result =
+        rf_edit_items( materials, "material", json_object_get( root, "materials" ), names, edit_material, &editing );
     options->changes = keys->changes;
     options->change_count = keys->count;
     options->overrides = keys->overrides;
