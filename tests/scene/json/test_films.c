@@ -45,12 +45,14 @@ static void write_film( void )
 // room.glb: a wall of "paint" and a screen of "Screen", with coordinates, and an image of which `image` says more.
 static void write_screen( const char* image, const char* rest )
 {
-    static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, s_uvs[] = { 0, 0, 1, 0, 0, 1 };
+    static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, s_uvs[] = { 0, 0, 1, 0, 0, 1 }, s_keys[] = { 0, 1 };
     GltfBuilder b = { 0 };
     char text[4096];
     size_t size;
     add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
     add_gltf_floats( &b, "VEC2", 2, 3, s_uvs );
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_keys ); // times, and values of OWN
+    add_gltf_floats( &b, "SCALAR", 1, 2, s_keys );
     snprintf( text, sizeof text,
               "\"images\":[{\"uri\":\"film.2.png\"%s}],\"samplers\":[{\"magFilter\":9728}],"
               "\"textures\":[{\"sampler\":0,\"source\":0}],\"nodes\":[{\"mesh\":0},{\"name\":\"Tv\",\"mesh\":1}],"
@@ -364,6 +366,27 @@ static void test_materials_have_keys( void** state )
     "{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":"                    \
     "\"/materials/0/pbrMetallicRoughness/metallicFactor\"}}}}]}]"
 
+static void test_values_of_scene_files_go_before_animations( void** state )
+{
+    (void)state;
+    write_screen( "", OWN );
+    RfScene scene = load_scene( "\"materials\":{}" );
+    assert_true( scene.materials[0].changes && scene.movement != NULL );
+    rf_destroy_scene( &scene );
+    scene = load_scene( "\"materials\":{\"paint\":{\"metallicFactor\":1,\"roughnessFactor\":0.5}}" );
+    assert_true( !scene.materials[0].changes && scene.movement == NULL );
+    gltf_assert_rgb( scene.materials[0].diffuse, 0, 0, 0 );
+    assert_true( fabs( (double)scene.materials[0].alpha - 0.25 ) < 1e-6 );
+    rf_destroy_scene( &scene );
+    scene = load_scene( "\"materials\":{\"paint\":{\"keys\":[{\"time\":0,\"metallicFactor\":1},"
+                        "{\"time\":1,\"metallicFactor\":0}]}}" );
+    RfPosedScene pose = gltf_pose_at( &scene, 0.0 );
+    assert_true( scene.movement->change_count == 1 && pose.scene.materials[0].textured->factors.metallic == 1.0 );
+    rf_destroy_pose( &pose );
+    rf_destroy_scene( &scene );
+    write_screen( "", "" );
+}
+
 static void test_faults_of_keys_of_materials( void** state )
 {
     (void)state;
@@ -407,6 +430,7 @@ int main( void )
         cmocka_unit_test( test_images_are_of_the_content ),
         cmocka_unit_test( test_faults_of_films ),
         cmocka_unit_test( test_materials_have_keys ),
+        cmocka_unit_test( test_values_of_scene_files_go_before_animations ),
         cmocka_unit_test( test_faults_of_keys_of_materials ),
     };
     return cmocka_run_group_tests( tests, enter, cli_leave_group );
