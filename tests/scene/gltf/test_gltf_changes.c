@@ -548,6 +548,10 @@ static const struct
     { "\"nodes\":[{\"name\":\"a\"," WITH_LIGHT
       "}]," LIGHTS( SPOT ) "," ANIMATE( KEYS( "3" ), CHANGES( "0", LIGHT "spot/innerConeAngle" ) ),
       "light 'a' at 2.25 s: the inner angle of its cone is larger than the outer" },
+    { "\"nodes\":[{\"name\":\"a\"," WITH_LIGHT
+      "}]," LIGHTS( "{\"type\":\"spot\",\"spot\":{},\"extras\":{\"reframe\":{\"profile\":{\"vertical\":[0,90],\"horizontal\":[0],"
+                    "\"relative\":[1,0]}}}}" ) "," ANIMATE( KEYS( "3" ), CHANGES( "0", LIGHT "spot/innerConeAngle" ) ),
+      "has a profile, which stands still, in the place of a cone that changes" },
 };
 
 static void test_broken_files( void** state )
