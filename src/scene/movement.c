@@ -103,12 +103,10 @@ RfChangedValue rf_next_value( RfValueOwner owner, int value )
     return (RfChangedValue)value;
 }
 
-void rf_value_path( RfChangedValue value, char path[RF_VALUE_PATH] )
+void rf_member_path( const char* home, const char* name, char path[RF_VALUE_PATH] )
 {
-    const RfChangedTraits* traits = s_traits + value;
-    const char* before = traits->home != NULL && strncmp( traits->home, "KHR_", 4 ) == 0 ? "extensions/" : "";
-    snprintf( path, RF_VALUE_PATH, "%s%s%s%s", before, traits->home != NULL ? traits->home : "", traits->home != NULL ? "/" : "",
-              traits->name );
+    const char* before = home != NULL && strncmp( home, "KHR_", 4 ) == 0 ? "extensions/" : "";
+    snprintf( path, RF_VALUE_PATH, "%s%s%s%s", before, home != NULL ? home : "", home != NULL ? "/" : "", name );
 }
 
 void rf_change_sky( RfEnvironment* sky, RfChangedValue value, const double* v )

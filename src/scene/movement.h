@@ -150,9 +150,9 @@ static inline double* rf_value_in( void* values, RfChangedValue value )
     return (double*)(void*)( (char*)values + rf_changed_traits( value )->offset );
 }
 
-// Its path in glTF from its owner on, such as "extensions/KHR_materials_ior/ior".
+// The path of a member in glTF from its owner on, such as "extensions/KHR_materials_ior/ior"; `home` as in the traits.
 #define RF_VALUE_PATH 96
-void rf_value_path( RfChangedValue value, char path[RF_VALUE_PATH] );
+void rf_member_path( const char* home, const char* name, char path[RF_VALUE_PATH] );
 
 static inline bool rf_is_of_sky( RfChangedValue value ) { return rf_changed_traits( value )->owner == RF_OF_SKY; }
 

@@ -36,15 +36,13 @@ RfResult rf_gltf_read_value( const RfGltf* gltf, const RfField* home, RfChangedV
 
 RfResult rf_gltf_read_values( const RfGltf* gltf, const RfField* owner, RfValueOwner kind, void* values )
 {
-    const char* name = "";
+    const char* name = NULL;
     RfField home = *owner;
     for ( RfChangedValue v = rf_next_value( kind, 0 ); v < RF_CHANGED_COUNT; v = rf_next_value( kind, (int)v + 1 ) )
     {
-        const char* own = rf_changed_traits( v )->home;
-        bool extension = own != NULL && strncmp( own, "KHR_", 4 ) == 0;
-        if ( own != name ) // values of one place follow each other
-            home = extension ? rf_gltf_extension( owner, own ) : own != NULL ? rf_get_object( owner, own ) : *owner;
-        name = own;
+        if ( rf_changed_traits( v )->home != name ) // values of one place follow each other
+            home = rf_gltf_home( owner, rf_changed_traits( v )->home );
+        name = rf_changed_traits( v )->home;
         rf_gltf_read_value( gltf, &home, v, values );
     }
     return rf_json_result( owner );

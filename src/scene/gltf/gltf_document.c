@@ -161,6 +161,13 @@ RfField rf_gltf_extension( const RfField* object, const char* name )
     return rf_get_object( &extensions, name );
 }
 
+RfField rf_gltf_home( const RfField* object, const char* home )
+{
+    if ( home == NULL )
+        return *object;
+    return strncmp( home, "KHR_", 4 ) == 0 ? rf_gltf_extension( object, home ) : rf_get_object( object, home );
+}
+
 RfField rf_gltf_extras( const RfField* object )
 {
     const json_t* ours = json_object_get( json_object_get( object->json, "extras" ), "reframe" );

@@ -232,6 +232,9 @@ int rf_gltf_get_index( const RfGltf* gltf, const RfField* object, const char* ke
 // An extension of an object; its json is NULL without one.
 RfField rf_gltf_extension( const RfField* object, const char* name );
 
+// What of an object has a member (RfChangedTraits.home): an extension, an object, or itself.
+RfField rf_gltf_home( const RfField* object, const char* home );
+
 // `extras.reframe` of an object, which is ours: its errors are not those of glTF. Extras of other programs may have any type.
 RfField rf_gltf_extras( const RfField* object );
 

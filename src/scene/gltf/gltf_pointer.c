@@ -89,7 +89,7 @@ static RfChangedValue find_value( RfValueOwner owner, const char* path )
     for ( ; v < RF_CHANGED_COUNT; v = rf_next_value( owner, (int)v + 1 ) )
     {
         char own[RF_VALUE_PATH];
-        rf_value_path( v, own );
+        rf_member_path( rf_changed_traits( v )->home, rf_changed_traits( v )->name, own );
         if ( ( rf_changed_traits( v )->flags & RF_VALUE_ANIMATED ) != 0 && strcmp( own, path ) == 0 )
             break;
     }

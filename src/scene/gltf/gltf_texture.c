@@ -385,29 +385,29 @@ RfTextured* rf_gltf_textured( const RfFactors* factors )
 // The uses of textures: where they are in a material.
 typedef struct Slot
 {
-    const char *part, *extension, *key;
+    const char *home, *key; // home: as RfChangedTraits.home
     RfTextureSlot slot;
     bool srgb;
 } Slot;
 
 static const Slot s_slots[] = {
-    { "pbrMetallicRoughness", NULL, "baseColorTexture", RF_TEXTURE_BASE, true },
-    { "pbrMetallicRoughness", NULL, "metallicRoughnessTexture", RF_TEXTURE_METALLIC_ROUGHNESS, false },
-    { NULL, NULL, "normalTexture", RF_TEXTURE_NORMAL, false },
-    { NULL, NULL, "emissiveTexture", RF_TEXTURE_EMISSIVE, true },
-    { NULL, "KHR_materials_specular", "specularTexture", RF_TEXTURE_SPECULAR, false },
-    { NULL, "KHR_materials_specular", "specularColorTexture", RF_TEXTURE_SPECULAR_COLOR, true },
-    { NULL, "KHR_materials_transmission", "transmissionTexture", RF_TEXTURE_TRANSMISSION, false },
-    { NULL, "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
-    { NULL, "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
-    { NULL, "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
-    { NULL, "KHR_materials_sheen", "sheenColorTexture", RF_TEXTURE_SHEEN_COLOR, true },
-    { NULL, "KHR_materials_sheen", "sheenRoughnessTexture", RF_TEXTURE_SHEEN_ROUGHNESS, false },
-    { NULL, "KHR_materials_anisotropy", "anisotropyTexture", RF_TEXTURE_ANISOTROPY, false },
-    { NULL, "KHR_materials_iridescence", "iridescenceTexture", RF_TEXTURE_FILM, false },
-    { NULL, "KHR_materials_iridescence", "iridescenceThicknessTexture", RF_TEXTURE_FILM_THICKNESS, false },
-    { NULL, "KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", RF_TEXTURE_THROUGH, false },
-    { NULL, "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture", RF_TEXTURE_THROUGH_COLOR, true },
+    { "pbrMetallicRoughness", "baseColorTexture", RF_TEXTURE_BASE, true },
+    { "pbrMetallicRoughness", "metallicRoughnessTexture", RF_TEXTURE_METALLIC_ROUGHNESS, false },
+    { NULL, "normalTexture", RF_TEXTURE_NORMAL, false },
+    { NULL, "emissiveTexture", RF_TEXTURE_EMISSIVE, true },
+    { "KHR_materials_specular", "specularTexture", RF_TEXTURE_SPECULAR, false },
+    { "KHR_materials_specular", "specularColorTexture", RF_TEXTURE_SPECULAR_COLOR, true },
+    { "KHR_materials_transmission", "transmissionTexture", RF_TEXTURE_TRANSMISSION, false },
+    { "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
+    { "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
+    { "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
+    { "KHR_materials_sheen", "sheenColorTexture", RF_TEXTURE_SHEEN_COLOR, true },
+    { "KHR_materials_sheen", "sheenRoughnessTexture", RF_TEXTURE_SHEEN_ROUGHNESS, false },
+    { "KHR_materials_anisotropy", "anisotropyTexture", RF_TEXTURE_ANISOTROPY, false },
+    { "KHR_materials_iridescence", "iridescenceTexture", RF_TEXTURE_FILM, false },
+    { "KHR_materials_iridescence", "iridescenceThicknessTexture", RF_TEXTURE_FILM_THICKNESS, false },
+    { "KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", RF_TEXTURE_THROUGH, false },
+    { "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture", RF_TEXTURE_THROUGH_COLOR, true },
 };
 
 bool rf_gltf_texture_slot( const char* path, size_t length, int* slot )
@@ -416,14 +416,10 @@ bool rf_gltf_texture_slot( const char* path, size_t length, int* slot )
     static const char* const s_ignored[] = { "occlusionTexture", "extensions/KHR_materials_volume/thicknessTexture" };
     for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
     {
-        const Slot* s = s_slots + i;
-        RfWhere own = rf_where( "%s%s%s%s%s", s->part != NULL ? s->part : "", s->part != NULL ? "/" : "",
-                                s->extension != NULL ? "extensions/" : "", s->extension != NULL ? s->extension : "",
-                                s->extension != NULL ? "/" : "" );
-        size_t before = strlen( own.text );
-        *slot = (int)s->slot;
-        if ( length == before + strlen( s->key ) && strncmp( path, own.text, before ) == 0 &&
-             strncmp( path + before, s->key, length - before ) == 0 )
+        char own[RF_VALUE_PATH];
+        rf_member_path( s_slots[i].home, s_slots[i].key, own );
+        *slot = (int)s_slots[i].slot;
+        if ( length == strlen( own ) && strncmp( path, own, length ) == 0 )
             return true;
     }
     *slot = -1;
@@ -441,9 +437,7 @@ static RfResult read_slots( RfGltf* gltf, const RfField* material, double transf
     for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
     {
         const Slot* slot = s_slots + i;
-        RfField parent = slot->part != NULL        ? rf_get_object( material, slot->part )
-                         : slot->extension != NULL ? rf_gltf_extension( material, slot->extension )
-                                                   : *material;
+        RfField parent = rf_gltf_home( material, slot->home );
         scale[slot->slot] = 1.0;
         if ( !rf_has_member( &parent, slot->key ) )
             continue;
