@@ -191,7 +191,8 @@ static RfResult fail_empty( const RfGltf* gltf, const char* where )
     return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "has no uri, and the file no bytes for it" );
 }
 
-bool rf_gltf_is_fallback( const json_t* buffer )
+// Whether it holds what is compressed elsewhere.
+static bool is_fallback( const json_t* buffer )
 {
     const json_t* extensions = json_object_get( buffer, "extensions" );
     return json_is_true( json_object_get( json_object_get( extensions, "KHR_meshopt_compression" ), "fallback" ) ) ||
@@ -203,7 +204,7 @@ static bool may_be_empty( const RfGltf* gltf, const json_t* buffer )
 {
     const json_t *used = json_object_get( gltf->root, "extensionsUsed" ), *name;
     size_t i;
-    bool found = rf_gltf_is_fallback( buffer );
+    bool found = is_fallback( buffer );
     json_array_foreach( used, i, name )
     {
         const char* text = json_is_string( name ) ? json_string_value( name ) : "";
@@ -225,7 +226,7 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
         return result;
 
     size_t size = 0;
-    if ( rf_gltf_is_fallback( json.json ) && rf_gltf_has_meshopt() )
+    if ( is_fallback( json.json ) && rf_gltf_has_meshopt() )
     {
         buffer->size = (uint64_t)length;
         return RF_OK;

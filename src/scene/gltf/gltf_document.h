@@ -309,9 +309,6 @@ bool rf_gltf_has_meshopt( void );
 // Frees what compressed views hold (gltf_draco.c).
 void rf_gltf_free_unpacked( RfGltf* gltf );
 
-// Whether a buffer holds what is compressed elsewhere (gltf_buffer.c).
-bool rf_gltf_is_fallback( const json_t* buffer );
-
 // Decodes a view; `out` is NULL where it is not compressed.
 RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpackedView** out );
 

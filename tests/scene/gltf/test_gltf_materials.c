@@ -114,7 +114,8 @@ static void test_extras_are_read( void** state )
     rf_destroy_scene( &s );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"ior\":0.5}}", MESH, "",
                   "ior: must be a number > 1 and <= 10, got 0.5" );
-    assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"tint\":1}}", MESH, "", "tint: unknown key, the keys here are: bsdf, ior" );
+    assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"glass\",\"tint\":1}}", MESH, "",
+                  "tint: unknown key, the keys here are: bsdf, ior" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"mirror\"}}", MESH, "", "specular: is missing" );
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"wood\"}}", MESH, "", "\"mirror\" or \"glass\"" );
 }
