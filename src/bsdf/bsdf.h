@@ -12,7 +12,6 @@
 #ifndef REFRAME_BSDF_BSDF_H
 #define REFRAME_BSDF_BSDF_H
 
-#include "base/built_in.h"
 #include "base/fault.h"
 #include "bsdf/models.h"
 
@@ -22,30 +21,6 @@
 // with any other density is the same float, and the balance heuristic gives the
 // lobe all the weight without a special case.
 #define RF_DELTA_PDF ( RF_FAULT( delta_pdf ) ? INFINITY : 0x1p60f )
-
-// Whether this build has the model (base/built_in.h).
-static inline bool rf_is_model_built( RfBsdfKind kind )
-{
-    switch ( kind )
-    {
-        case RF_BSDF_PHONG: return rf_is_built( RF_EFFECT_PHONG );
-        case RF_BSDF_GGX: return rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_COATED: return rf_is_built( RF_EFFECT_CLEARCOAT ) && rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_SHEEN: return rf_is_built( RF_EFFECT_SHEEN ) && rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_ANISOTROPIC: return rf_is_built( RF_EFFECT_ANISOTROPY ) && rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_IRIDESCENT: return rf_is_built( RF_EFFECT_IRIDESCENCE ) && rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_LAYERED: return rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_TRANSLUCENT: return rf_is_built( RF_EFFECT_DIFFUSE_TRANSMISSION ) && rf_is_built( RF_EFFECT_GGX );
-        case RF_BSDF_SPECTRAL:
-            if ( !rf_is_built( RF_EFFECT_DISPERSION ) && !rf_is_built( RF_EFFECT_IRIDESCENCE ) )
-                return false;
-            return rf_is_built( RF_EFFECT_MIRRORS ) || rf_is_built( RF_EFFECT_TRANSMISSION );
-        case RF_BSDF_GLASS: return rf_is_built( RF_EFFECT_MIRRORS ) || rf_is_built( RF_EFFECT_TRANSMISSION );
-        case RF_BSDF_LAMBERT:
-        case RF_BSDF_KIND_COUNT: break;
-    }
-    return true;
-}
 
 // f (three arrays) and the density per solid angle with which sampling chooses
 // wi when seen from wo. Either output may be NULL. wo and wi are arrays of x,

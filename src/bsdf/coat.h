@@ -1,4 +1,4 @@
-// A clear coat as a layer, over lobes that something else evaluates and samples. Needs the parameters of RF_PARAMS_COAT, and of GGX
+// A clear coat as a layer, over lobes that something else evaluates and samples. Needs the parameters of the coat, and those of GGX
 // for the probability of the lobe.
 #ifndef REFRAME_BSDF_COAT_H
 #define REFRAME_BSDF_COAT_H

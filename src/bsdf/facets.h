@@ -18,7 +18,7 @@
 
 #include "bsdf/film.h"
 
-// What the functions below are compiled for: `stretch`: has RF_PARAMS_STRETCH, `film`: has RF_PARAMS_FILM.
+// What the functions below are compiled for: `stretch`: has the parameters of anisotropy, `film`: those of a film.
 typedef struct RfFacetsOf
 {
     bool stretch, film;

@@ -17,6 +17,14 @@
 #define RF_KERNEL static inline
 #endif
 
+// The functions of the table.
+RfBsdfEvaluate rf_lambert_evaluate, rf_phong_evaluate, rf_ggx_evaluate, rf_coated_evaluate, rf_sheen_evaluate,
+    rf_anisotropic_evaluate, rf_iridescent_evaluate, rf_layered_evaluate, rf_translucent_evaluate, rf_glass_evaluate,
+    rf_spectral_evaluate;
+RfBsdfSample rf_lambert_sample, rf_phong_sample, rf_ggx_sample, rf_coated_sample, rf_sheen_sample, rf_anisotropic_sample,
+    rf_iridescent_sample, rf_layered_sample, rf_translucent_sample;
+RfBsdfSampleWeighted rf_glass_sample, rf_spectral_sample;
+
 typedef struct RfScattering
 {
     RfVec3 f;

@@ -4,6 +4,7 @@
 #ifndef REFRAME_BSDF_MODELS_H
 #define REFRAME_BSDF_MODELS_H
 
+#include "base/built_in.h"
 #include "math/vec3.h"
 
 #include <stdbool.h>
@@ -99,14 +100,6 @@ static inline bool rf_is_plate( const RfMaterial* m )
 // True of opaque models with a lobe of GGX over a Lambert base.
 static inline bool rf_is_ggx( RfBsdfKind kind ) { return kind >= RF_BSDF_GGX && kind <= RF_BSDF_TRANSLUCENT; }
 
-// True of non-specular surfaces that scatter so widely that a direction drawn by the cosine serves as well as one drawn by the
-// model, by parameters of the material alone. `shape`: Phong's exponent, or alpha.
-static inline bool rf_is_matte( RfBsdfKind kind, float shape )
-{
-    bool ggx = kind == RF_BSDF_GGX || kind == RF_BSDF_IRIDESCENT;
-    return kind == RF_BSDF_LAMBERT || ( ggx && shape >= 0.25f ) || ( kind == RF_BSDF_PHONG && shape <= 8.0f );
-}
-
 // The model of an opaque surface of GGX with these on top of it or in its lobe.
 static inline RfBsdfKind rf_layered_kind( bool coat, bool sheen, bool anisotropy, bool film )
 {
@@ -176,11 +169,18 @@ typedef enum RfBsdfParam
     RF_PARAM_COUNT
 } RfBsdfParam;
 
-_Static_assert( RF_PARAM_COUNT <= 32, "a mask of parameters has 32 bits" );
+// A mask of parameters: bit p is parameter p.
+typedef uint64_t RfBsdfParams;
 
-// Masks of parameters: bit p is parameter p.
-#define RF_PARAM_BIT( param ) ( 1u << ( param ) )
-#define RF_PARAM_BITS3( param ) ( 7u << ( param ) )
+_Static_assert( RF_PARAM_COUNT + 16 <= 8 * sizeof( RfBsdfParams ), "no room for the parameters of another lobe" );
+
+#define RF_PARAM_BIT( param ) ( (RfBsdfParams)1 << ( param ) )
+#define RF_PARAM_BITS3( param ) ( (RfBsdfParams)7 << ( param ) )
+
+static inline bool rf_has_param( RfBsdfParams params, RfBsdfParam param ) { return ( params >> param & 1u ) != 0; }
+
+// The first parameter of a mask, which is not empty.
+static inline RfBsdfParam rf_first_param( RfBsdfParams params ) { return (RfBsdfParam)__builtin_ctzll( params ); }
 
 // Not copied from the material but set by path/surface.c from the hit.
 #define RF_PARAMS_OF_HIT                                                                                                         \
@@ -231,70 +231,93 @@ typedef void RfBsdfSample( int count, const RfBsdfLanes* lanes, const float* con
 typedef void RfBsdfSampleWeighted( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                                    float* const wi[3], float* const weight[3], float* pdf_solid_angle );
 
-RfBsdfEvaluate rf_lambert_evaluate, rf_phong_evaluate, rf_ggx_evaluate, rf_coated_evaluate, rf_sheen_evaluate,
-    rf_anisotropic_evaluate, rf_iridescent_evaluate, rf_layered_evaluate, rf_translucent_evaluate, rf_glass_evaluate,
-    rf_spectral_evaluate;
-RfBsdfSample rf_lambert_sample, rf_phong_sample, rf_ggx_sample, rf_coated_sample, rf_sheen_sample, rf_anisotropic_sample,
-    rf_iridescent_sample, rf_layered_sample, rf_translucent_sample;
-RfBsdfSampleWeighted rf_glass_sample, rf_spectral_sample;
+// What RF_PARAM_SHAPE of a model is.
+typedef enum RfBsdfShape
+{
+    RF_SHAPE_NONE,     // not a parameter of the model, which is Lambert's alone
+    RF_SHAPE_EXPONENT, // Phong's
+    RF_SHAPE_ALPHA,    // of GGX
+} RfBsdfShape;
 
+// Whether light that a surface sends on falls on others as a caustic (rf_throws_caustics).
+typedef enum RfBsdfCaustics
+{
+    RF_CAUSTICS_NEVER,
+    RF_CAUSTICS_OF_METAL, // without a base, up to RF_CAUSTIC_ALPHA
+    RF_CAUSTICS_OF_GLASS, // without a base; mirrors
+} RfBsdfCaustics;
+
+// A row of the table of models: all that other folders know of a model alone.
 typedef struct RfBsdfModel
 {
     const char* name;
-    uint32_t params;
+    RfBsdfParams params;
+    uint64_t built_by[2]; // two sets of RF_EFFECT_BITs: a build without all of one set is without the model; empty: no condition
+    uint64_t forced_by;   // a set of them: the effects that run the model where they are forced
+    RfBsdfShape shape;
+    bool matte; // a wide RF_PARAM_SHAPE makes all of the model wide (rf_is_matte)
+    RfBsdfCaustics caustics;
     RfBsdfEvaluate* evaluate;
     RfBsdfSample* sample;                  // NULL for specular models,
     RfBsdfSampleWeighted* sample_weighted; // which have this instead
 } RfBsdfModel;
 
-// The parameters of each model. Enumerators have no room for bit 31.
-#define RF_PARAMS_LAMBERT RF_PARAM_BITS3( RF_PARAM_DIFFUSE )
-#define RF_PARAMS_PHONG ( RF_PARAMS_LAMBERT | RF_PARAM_BITS3( RF_PARAM_SPECULAR ) | RF_PARAM_BIT( RF_PARAM_SHAPE ) )
-#define RF_PARAMS_GGX                                                                                                            \
-    ( RF_PARAMS_PHONG | RF_PARAM_BIT( RF_PARAM_F90 ) | RF_PARAM_BIT( RF_PARAM_COAT_F0 ) | RF_PARAM_BIT( RF_PARAM_COAT_F90 ) )
-#define RF_PARAMS_COAT                                                                                                           \
-    ( RF_PARAM_BIT( RF_PARAM_CLEARCOAT ) | RF_PARAM_BIT( RF_PARAM_CLEARCOAT_ALPHA ) | RF_PARAM_BITS3( RF_PARAM_CLEARCOAT_N ) )
-#define RF_PARAMS_SHEEN ( RF_PARAM_BITS3( RF_PARAM_SHEEN ) | RF_PARAM_BIT( RF_PARAM_SHEEN_ALPHA ) )
-#define RF_PARAMS_STRETCH ( RF_PARAM_BIT( RF_PARAM_ANISOTROPY ) | RF_PARAM_BITS3( RF_PARAM_TANGENT ) )
-#define RF_PARAMS_FILM                                                                                                           \
-    ( RF_PARAM_BIT( RF_PARAM_FILM ) | RF_PARAM_BIT( RF_PARAM_FILM_IOR ) | RF_PARAM_BIT( RF_PARAM_FILM_THICKNESS ) )
-#define RF_PARAMS_LAYERED ( RF_PARAMS_GGX | RF_PARAMS_COAT | RF_PARAMS_SHEEN | RF_PARAMS_STRETCH | RF_PARAMS_FILM )
-#define RF_PARAMS_TRANSLUCENT ( RF_PARAMS_GGX | RF_PARAM_BITS3( RF_PARAM_THROUGH ) | RF_PARAM_BIT( RF_PARAM_CHOICE ) )
-#define RF_PARAMS_GLASS ( RF_PARAMS_GGX | RF_PARAM_BITS3( RF_PARAM_TINT ) | RF_PARAM_BIT( RF_PARAM_IOR ) )
-#define RF_PARAMS_SPECTRAL                                                                                                       \
-    ( RF_PARAMS_GLASS | RF_PARAMS_FILM | RF_PARAM_BIT( RF_PARAM_DISPERSION ) | RF_PARAM_BIT( RF_PARAM_CHOICE ) )
+extern const RfBsdfModel g_rf_bsdf_models[RF_BSDF_KIND_COUNT];
 
-static inline const RfBsdfModel* rf_bsdf_model( RfBsdfKind kind )
+static inline const RfBsdfModel* rf_bsdf_model( RfBsdfKind kind ) { return g_rf_bsdf_models + kind; }
+
+// Whether this build has the model.
+static inline bool rf_is_model_built( RfBsdfKind kind )
 {
-    static const RfBsdfModel s_models[RF_BSDF_KIND_COUNT] = {
-        [RF_BSDF_LAMBERT] = { "lambert", RF_PARAMS_LAMBERT, rf_lambert_evaluate, rf_lambert_sample, NULL },
-        [RF_BSDF_PHONG] = { "phong", RF_PARAMS_PHONG, rf_phong_evaluate, rf_phong_sample, NULL },
-        [RF_BSDF_GGX] = { "ggx", RF_PARAMS_GGX, rf_ggx_evaluate, rf_ggx_sample, NULL },
-        [RF_BSDF_COATED] = { "coated", RF_PARAMS_GGX | RF_PARAMS_COAT, rf_coated_evaluate, rf_coated_sample, NULL },
-        [RF_BSDF_SHEEN] = { "sheen", RF_PARAMS_GGX | RF_PARAMS_SHEEN, rf_sheen_evaluate, rf_sheen_sample, NULL },
-        [RF_BSDF_ANISOTROPIC] = { "anisotropic", RF_PARAMS_GGX | RF_PARAMS_STRETCH, rf_anisotropic_evaluate,
-                                  rf_anisotropic_sample, NULL },
-        [RF_BSDF_IRIDESCENT] = { "iridescent", RF_PARAMS_GGX | RF_PARAMS_FILM, rf_iridescent_evaluate, rf_iridescent_sample,
-                                 NULL },
-        [RF_BSDF_LAYERED] = { "layered", RF_PARAMS_LAYERED, rf_layered_evaluate, rf_layered_sample, NULL },
-        [RF_BSDF_TRANSLUCENT] = { "translucent", RF_PARAMS_TRANSLUCENT, rf_translucent_evaluate, rf_translucent_sample, NULL },
-        [RF_BSDF_GLASS] = { "glass", RF_PARAMS_GLASS, rf_glass_evaluate, NULL, rf_glass_sample },
-        [RF_BSDF_SPECTRAL] = { "spectral", RF_PARAMS_SPECTRAL, rf_spectral_evaluate, NULL, rf_spectral_sample },
-    };
-    return s_models + kind;
+    for ( int k = 0; k < 2 && RF_EFFECTS_NOT_BUILT != 0; ++k )
+    {
+        uint64_t any = rf_bsdf_model( kind )->built_by[k];
+        if ( any != 0 && ( any & ~RF_EFFECTS_NOT_BUILT ) == 0 )
+            return false;
+    }
+    return true;
 }
 
-static inline bool rf_has_param( uint32_t params, RfBsdfParam param ) { return ( params >> param & 1u ) != 0; }
+// True of a set of models, bit k for kind k, with a specular one among them.
+static inline bool rf_has_specular( unsigned kinds ) { return ( kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0; }
+
+// True of non-specular surfaces that scatter so widely that a direction drawn by the cosine serves as well as one drawn by the
+// model, by parameters of the material alone. `shape`: RF_PARAM_SHAPE.
+static inline bool rf_is_matte( RfBsdfKind kind, float shape )
+{
+    const RfBsdfModel* model = rf_bsdf_model( kind );
+    switch ( model->shape )
+    {
+        case RF_SHAPE_NONE: break;
+        case RF_SHAPE_EXPONENT: return model->matte && shape <= 8.0f;
+        case RF_SHAPE_ALPHA: return model->matte && shape >= 0.25f;
+    }
+    return model->matte;
+}
+
+// The alpha of the narrowest lobe, or what is like it; of Lambert 1. `shape`, `clearcoat_alpha`: RF_PARAM_SHAPE and
+// RF_PARAM_CLEARCOAT_ALPHA, if the model has them.
+static inline float rf_narrowest_alpha( RfBsdfKind kind, float shape, float clearcoat_alpha )
+{
+    const RfBsdfModel* model = rf_bsdf_model( kind );
+    switch ( model->shape )
+    {
+        case RF_SHAPE_NONE: break;
+        case RF_SHAPE_EXPONENT: return sqrtf( 2.0f / ( shape + 2.0f ) );
+        case RF_SHAPE_ALPHA:
+            return rf_has_param( model->params, RF_PARAM_CLEARCOAT_ALPHA ) ? rf_minf( shape, clearcoat_alpha ) : shape;
+    }
+    return 1.0f;
+}
 
 // The lanes from `first` on of arrays, those that the model reads.
 static inline RfBsdfLanes rf_bsdf_lanes( RfBsdfKind kind, const float* const n[3], const float* const param[RF_PARAM_COUNT],
                                          int first )
 {
     RfBsdfLanes lanes = { .n = { n[0] + first, n[1] + first, n[2] + first } };
-    uint32_t params = rf_bsdf_model( kind )->params;
-    for ( uint32_t left = params; left != 0; left &= left - 1 )
+    for ( RfBsdfParams left = rf_bsdf_model( kind )->params; left != 0; left &= left - 1 )
     {
-        int p = __builtin_ctz( left );
+        RfBsdfParam p = rf_first_param( left );
         lanes.param[p] = param[p] + first;
     }
     return lanes;

@@ -1,4 +1,4 @@
-// Sheen as a layer, over lobes that something else evaluates and samples. Needs the parameters of RF_PARAMS_SHEEN, and of GGX
+// Sheen as a layer, over lobes that something else evaluates and samples. Needs the parameters of the sheen, and those of GGX
 // for the probability of the lobe.
 #ifndef REFRAME_BSDF_SHEEN_H
 #define REFRAME_BSDF_SHEEN_H

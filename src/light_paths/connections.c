@@ -186,9 +186,9 @@ static RfVec3 scattered_light( const RfTracer* tracer, const RfLightPath* path, 
         rf_material_at( scene, m, vpl->triangle, vpl->u, vpl->v, &here );
     RfVec3 wi = rf_scale( path->end.d, -1.0f ), f;
     RfBsdfLanes lanes = { .n = { &vpl->n.x, &vpl->n.y, &vpl->n.z } };
-    for ( uint32_t left = rf_bsdf_model( m->kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
+    for ( RfBsdfParams left = rf_bsdf_model( m->kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
     {
-        RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
+        RfBsdfParam p = rf_first_param( left );
         lanes.param[p] = rf_material_param( &here, p );
     }
     const float *wo_in[3] = { &d.x, &d.y, &d.z }, *wi_in[3] = { &wi.x, &wi.y, &wi.z };

@@ -8,15 +8,7 @@
 
 #define MOST_VERTICES 16 // mirrors and glass that a ray is followed through; the next one has its own albedo and normal
 
-static RfBsdfKind kind_of( const RfVertexLanes* v, int i )
-{
-    int kind = 0;
-    while ( i >= v->first[kind + 1] )
-        ++kind;
-    return (RfBsdfKind)kind;
-}
-
-static RfVec3 colour_param( const RfVertexLanes* v, uint32_t params, RfBsdfParam param, int i )
+static RfVec3 colour_param( const RfVertexLanes* v, RfBsdfParams params, RfBsdfParam param, int i )
 {
     return rf_has_param( params, param ) ? rf_vec3( v->param[param][i], v->param[param + 1][i], v->param[param + 2][i] )
                                          : rf_vec3( 0, 0, 0 );
@@ -31,8 +23,8 @@ static bool has_opaque_film( const RfVertexLanes* v, RfBsdfKind kind, int i )
 
 RfVec3 rf_albedo_of_lane( const RfVertexLanes* v, int i )
 {
-    RfBsdfKind kind = kind_of( v, i );
-    uint32_t params = rf_bsdf_model( kind )->params;
+    RfBsdfKind kind = rf_kind_of_lane( v, i );
+    RfBsdfParams params = rf_bsdf_model( kind )->params;
     RfVec3 diffuse = colour_param( v, params, RF_PARAM_DIFFUSE, i );
     RfVec3 specular = colour_param( v, params, RF_PARAM_SPECULAR, i );
     float lost = rf_has_param( params, RF_PARAM_COAT_F0 ) ? v->param[RF_PARAM_COAT_F0][i] : 0.0f;
@@ -75,12 +67,12 @@ typedef struct Event
 static bool is_smooth_metal( const RfVertexLanes* v, RfBsdfKind kind, int i )
 {
     return rf_is_ggx( kind ) && kind != RF_BSDF_TRANSLUCENT && v->param[RF_PARAM_SHAPE][i] < RF_SMOOTH_ALPHA &&
-           rf_max_component( colour_param( v, RF_PARAMS_LAMBERT, RF_PARAM_DIFFUSE, i ) ) == 0.0f;
+           rf_max_component( colour_param( v, RF_PARAM_BITS3( RF_PARAM_DIFFUSE ), RF_PARAM_DIFFUSE, i ) ) == 0.0f;
 }
 
 static Event event_at( const RfVertexLanes* v, int i )
 {
-    RfBsdfKind kind = kind_of( v, i );
+    RfBsdfKind kind = rf_kind_of_lane( v, i );
     RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), wo = rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
     Event e = { .own = { 0, 0, 0 } };
     if ( is_smooth_metal( v, kind, i ) )

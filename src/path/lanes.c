@@ -26,16 +26,16 @@ static inline void copy( const void* from, int count, void* to )
     for ( int c = 0; c < 3; ++c )                                                                                                \
     COPY( array[c] )
 
-void rf_copy_vertices( const RfVertexLanes* from, int first, int count, uint32_t params, RfVertexLanes* to, int at )
+void rf_copy_vertices( const RfVertexLanes* from, int first, int count, RfBsdfParams params, RfVertexLanes* to, int at )
 {
     COPY3( p );
     COPY3( ng );
     COPY3( n );
     COPY3( wo );
     COPY( offset );
-    for ( uint32_t left = params; left != 0; left &= left - 1 )
+    for ( RfBsdfParams left = params; left != 0; left &= left - 1 )
     {
-        int p = __builtin_ctz( left );
+        RfBsdfParam p = rf_first_param( left );
         COPY( param[p] );
     }
     COPY3( absorption );

@@ -58,6 +58,15 @@ typedef struct RfSurfaceLanes
 // Number of lanes that become records; the specular ones follow them.
 static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_SPECULAR]; }
 
+// The model of any lane.
+static inline RfBsdfKind rf_kind_of_lane( const RfVertexLanes* v, int i )
+{
+    int kind = 0;
+    while ( i >= v->first[kind + 1] )
+        ++kind;
+    return (RfBsdfKind)kind;
+}
+
 // The model of a specular lane.
 static inline RfBsdfKind rf_specular_kind( const RfVertexLanes* v, int i )
 {
@@ -80,7 +89,7 @@ static inline RfBsdfLanes rf_vertex_bsdf_lanes( const RfVertexLanes* v, RfBsdfKi
 
 // Copies `count` lanes from `first` on to the lanes from `at` on of another set of vertices,
 // with the parameters in the mask `params`. first[] and count are left alone.
-void rf_copy_vertices( const RfVertexLanes* from, int first, int count, uint32_t params, RfVertexLanes* to, int at );
+void rf_copy_vertices( const RfVertexLanes* from, int first, int count, RfBsdfParams params, RfVertexLanes* to, int at );
 
 // One light sample per vertex lane.
 typedef struct RfLightLanes

@@ -28,20 +28,11 @@ static inline RfArrivals* rf_own_arrivals( RfOwnLight* own, int base )
 static inline bool rf_throws_caustics( const RfVertexLanes* v, RfBsdfKind kind, int i )
 {
     float base = v->param[RF_PARAM_DIFFUSE][i] + v->param[RF_PARAM_DIFFUSE + 1][i] + v->param[RF_PARAM_DIFFUSE + 2][i];
-    switch ( kind )
+    switch ( rf_bsdf_model( kind )->caustics )
     {
-        case RF_BSDF_GGX:
-        case RF_BSDF_SHEEN:
-        case RF_BSDF_ANISOTROPIC:
-        case RF_BSDF_IRIDESCENT:
-        case RF_BSDF_LAYERED:
-        case RF_BSDF_COATED: return base == 0.0f && v->param[RF_PARAM_SHAPE][i] <= RF_CAUSTIC_ALPHA;
-        case RF_BSDF_SPECTRAL:
-        case RF_BSDF_GLASS: return base == 0.0f || v->param[RF_PARAM_IOR][i] == 0.0f; // mirrors have no base
-        case RF_BSDF_TRANSLUCENT:
-        case RF_BSDF_LAMBERT:
-        case RF_BSDF_PHONG:
-        case RF_BSDF_KIND_COUNT: break;
+        case RF_CAUSTICS_NEVER: break;
+        case RF_CAUSTICS_OF_METAL: return base == 0.0f && v->param[RF_PARAM_SHAPE][i] <= RF_CAUSTIC_ALPHA;
+        case RF_CAUSTICS_OF_GLASS: return base == 0.0f || v->param[RF_PARAM_IOR][i] == 0.0f; // mirrors have no base
     }
     return false;
 }

@@ -78,9 +78,9 @@ static void gather_params( const RfMaterial* materials, const int32_t* restrict 
                            RfVertexLanes* v )
 {
     const int32_t stride = sizeof *materials / sizeof( float );
-    for ( uint32_t left = rf_bsdf_model( kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
+    for ( RfBsdfParams left = rf_bsdf_model( kind )->params & ~RF_PARAMS_OF_HIT; left != 0; left &= left - 1 )
     {
-        RfBsdfParam p = (RfBsdfParam)__builtin_ctz( left );
+        RfBsdfParam p = rf_first_param( left );
         const float* restrict from = rf_material_param( materials, p );
         float* restrict to = v->param[p] + first;
 #pragma omp simd
@@ -98,7 +98,7 @@ static RfVec3 throughput_of( const RfRayLanes* rays, int r )
 // interpolated normal, which a coat keeps.
 static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial* m, float facing, const RfRayLanes* rays, int r )
 {
-    uint32_t params = rf_bsdf_model( m->kind )->params & RF_PARAMS_OF_HIT;
+    RfBsdfParams params = rf_bsdf_model( m->kind )->params & RF_PARAMS_OF_HIT;
     if ( params == 0 )
         return;
     if ( rf_has_param( params, RF_PARAM_CLEARCOAT_N ) )

@@ -370,8 +370,7 @@ static inline float rf_own_weight( float vpl_connections, float area, RfVec3 y, 
 // Whether a lane is matte.
 static inline bool rf_is_matte_lane( const RfPathSettings* settings, const RfVertexLanes* v, int i )
 {
-    RfBsdfKind kind = rf_tracer_scene( settings->tracer )->materials[v->material[i]].kind;
-    return rf_is_matte( kind, kind == RF_BSDF_LAMBERT ? 0.0f : v->param[RF_PARAM_SHAPE][i] );
+    return rf_is_matte( rf_tracer_scene( settings->tracer )->materials[v->material[i]].kind, v->param[RF_PARAM_SHAPE][i] );
 }
 
 // Adds a light sample of each vertex to wavefront->lit; the first (`sample` 0) replaces what is there.

@@ -297,7 +297,7 @@ static bool has_gloss( const RfScene* scene )
     for ( uint32_t i = 0; i < scene->material_count; ++i )
     {
         const RfMaterial* m = scene->materials + i;
-        if ( rf_roughness_varies( m ) || !rf_is_matte( m->kind, m->kind == RF_BSDF_PHONG ? m->exponent : m->alpha ) )
+        if ( rf_roughness_varies( m ) || !rf_is_matte( m->kind, m->alpha ) )
             return true;
     }
     return false;

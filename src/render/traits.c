@@ -89,7 +89,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
         add_triangles( scene, rf_triangle_list( scene, k ), &traits );
     traits.without_caustics = traits.without_caustics && rf_is_left_out( scene, RF_EFFECT_CAUSTICS );
-    traits.chains = traits.smooth || ( traits.kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
+    traits.chains = traits.smooth || rf_has_specular( traits.kinds );
     RfMirrors mirrors;
     if ( rf_find_mirrors( scene, &mirrors, NULL ) == RF_OK )
         traits.mirrors = mirrors.count > 0;
@@ -168,33 +168,15 @@ bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* setti
              ( settings->aovs & RF_PASS_AOVS ) != 0 ); // which tell what is seen by them
 }
 
-// The effect of which materials scatter by the model. Mirrors are GLASS as well.
-static RfEffectId effect_of( RfBsdfKind kind )
-{
-    switch ( kind ) // so that the compiler tells if a model has none
-    {
-        case RF_BSDF_LAMBERT: return RF_EFFECT_DIFFUSE;
-        case RF_BSDF_PHONG: return RF_EFFECT_PHONG;
-        case RF_BSDF_GGX: return RF_EFFECT_GGX;
-        case RF_BSDF_COATED: return RF_EFFECT_CLEARCOAT;
-        case RF_BSDF_SHEEN: return RF_EFFECT_SHEEN;
-        case RF_BSDF_ANISOTROPIC: return RF_EFFECT_ANISOTROPY;
-        case RF_BSDF_IRIDESCENT: return RF_EFFECT_IRIDESCENCE;
-        case RF_BSDF_LAYERED: return RF_EFFECT_COUNT;
-        case RF_BSDF_TRANSLUCENT: return RF_EFFECT_DIFFUSE_TRANSMISSION;
-        case RF_BSDF_GLASS: return RF_EFFECT_TRANSMISSION;
-        case RF_BSDF_SPECTRAL: return RF_EFFECT_DISPERSION;
-        case RF_BSDF_KIND_COUNT: break;
-    }
-    return RF_EFFECT_COUNT;
-}
-
 // The models that materials with forced effects scatter by.
 static unsigned forced_kinds( const RfScene* scene )
 {
-    unsigned kinds = rf_is_forced( scene, RF_EFFECT_MIRRORS ) ? 1u << RF_BSDF_GLASS : 0;
+    unsigned kinds = 0;
     for ( int k = 0; k < RF_BSDF_KIND_COUNT; ++k )
-        kinds |= rf_is_forced( scene, effect_of( (RfBsdfKind)k ) ) ? 1u << k : 0;
+    {
+        uint64_t forced = scene->effects_forced & ~RF_EFFECTS_NOT_BUILT & rf_bsdf_model( (RfBsdfKind)k )->forced_by;
+        kinds |= forced != 0 ? 1u << k : 0;
+    }
     return kinds;
 }
 

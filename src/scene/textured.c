@@ -298,7 +298,7 @@ static void film_at( const RfScene* scene, const RfMaterial* m, const RfTriangle
 static void layers_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
                        RfMaterial* out )
 {
-    uint32_t params = rf_bsdf_model( m->kind )->params;
+    RfBsdfParams params = rf_bsdf_model( m->kind )->params;
     if ( rf_has_param( params, RF_PARAM_CLEARCOAT ) )
         clearcoat_at( scene, m, t, index, u, v, out );
     if ( rf_has_param( params, RF_PARAM_SHEEN ) )

@@ -148,32 +148,16 @@ static inline bool rf_may_be_smooth( const RfMaterial* m )
 // True if a surface may throw caustics (path/own_light.h): mirrors, glass, and metals up to RF_CAUSTIC_ALPHA.
 static inline bool rf_may_throw_caustics( const RfMaterial* m )
 {
-    bool varies = rf_roughness_varies( m );
-    bool ggx = m->kind >= RF_BSDF_GGX && m->kind <= RF_BSDF_LAYERED;
-    bool metal = ggx && m->alpha <= RF_CAUSTIC_ALPHA && !( rf_max_component( m->diffuse ) > 0.0f );
-    return m->kind >= RF_BSDF_FIRST_SPECULAR || metal || ( varies && ggx );
+    RfBsdfCaustics caustics = rf_bsdf_model( m->kind )->caustics;
+    bool metal = m->alpha <= RF_CAUSTIC_ALPHA && !( rf_max_component( m->diffuse ) > 0.0f );
+    return caustics == RF_CAUSTICS_OF_GLASS || ( caustics == RF_CAUSTICS_OF_METAL && ( metal || rf_roughness_varies( m ) ) );
 }
 
 // True if some lobe of a material may mirror a lamp: its alpha, or what is like it, below RF_SHARP_ALPHA.
 static inline bool rf_may_be_sharp( const RfMaterial* m )
 {
-    bool varies = rf_roughness_varies( m );
-    switch ( m->kind )
-    {
-        case RF_BSDF_LAMBERT: return false;
-        case RF_BSDF_PHONG: return 2.0f < ( m->exponent + 2.0f ) * RF_SHARP_ALPHA * RF_SHARP_ALPHA;
-        case RF_BSDF_LAYERED:
-        case RF_BSDF_COATED: return varies || m->alpha < RF_SHARP_ALPHA || m->clearcoat_alpha < RF_SHARP_ALPHA;
-        case RF_BSDF_GGX:
-        case RF_BSDF_SHEEN:
-        case RF_BSDF_ANISOTROPIC:
-        case RF_BSDF_IRIDESCENT:
-        case RF_BSDF_TRANSLUCENT:
-        case RF_BSDF_SPECTRAL:
-        case RF_BSDF_GLASS: return varies || m->alpha < RF_SHARP_ALPHA;
-        case RF_BSDF_KIND_COUNT: break;
-    }
-    return false;
+    bool varies = rf_bsdf_model( m->kind )->shape == RF_SHAPE_ALPHA && rf_roughness_varies( m );
+    return varies || rf_narrowest_alpha( m->kind, m->alpha, m->clearcoat_alpha ) < RF_SHARP_ALPHA;
 }
 
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }

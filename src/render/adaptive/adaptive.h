@@ -49,10 +49,7 @@ typedef struct RfMaterialNoise
 } RfMaterialNoise;
 
 // Does the scene have materials whose noise is to be measured?
-static inline bool rf_noise_differs( const RfSceneTraits* traits )
-{
-    return traits->smooth || ( traits->kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
-}
+static inline bool rf_noise_differs( const RfSceneTraits* traits ) { return traits->smooth || rf_has_specular( traits->kinds ); }
 
 // Extra samples in a pass, per pixel, at most: where all materials are alike, and elsewhere.
 #define RF_MOST_EXTRA 4

@@ -149,17 +149,6 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const
         rf_directions_to_image( mirrors, at, batch, wo );
 }
 
-static RfBsdfLanes lanes_of( const RfHitBatch* b, RfBsdfKind kind, int first )
-{
-    RfBsdfLanes lanes = { .n = { b->n[0] + first, b->n[1] + first, b->n[2] + first } };
-    for ( uint32_t left = rf_bsdf_model( kind )->params; left != 0; left &= left - 1 )
-    {
-        int p = __builtin_ctz( left );
-        lanes.param[p] = b->param[p] + first;
-    }
-    return lanes;
-}
-
 void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const float* const wi[3], float* const f[3],
                          float* pdf_solid_angle )
 {
@@ -169,7 +158,7 @@ void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const fl
         int k = b->first[kind] - base, count = b->first[kind + 1] - b->first[kind];
         if ( count == 0 || !rf_is_model_built( (RfBsdfKind)kind ) )
             continue;
-        RfBsdfLanes lanes = lanes_of( b, (RfBsdfKind)kind, k );
+        RfBsdfLanes lanes = rf_bsdf_lanes( (RfBsdfKind)kind, (const float* const*)b->n, (const float* const*)b->param, k );
         const float* out_dir[3] = { wo[0] + k, wo[1] + k, wo[2] + k };
         const float* in_dir[3] = { wi[0] + k, wi[1] + k, wi[2] + k };
         if ( f != NULL )

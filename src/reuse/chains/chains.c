@@ -580,7 +580,7 @@ static void end_last( const RfPathSettings* path, int vertex, RfChains* chains )
 // Appends the non-specular first hits of a model; coats that were split leave their base.
 static void append_first( const RfVertexLanes* first, int kind, const RfChains* chains, RfVertexLanes* hits )
 {
-    uint32_t params = rf_bsdf_model( (RfBsdfKind)kind )->params;
+    RfBsdfParams params = rf_bsdf_model( (RfBsdfKind)kind )->params;
     int begin = first->first[kind], count = first->first[kind + 1] - begin;
     if ( kind != RF_BSDF_GGX )
     {

@@ -50,33 +50,9 @@ static RfVec3 get( float ( *array )[RF_LANES], int i ) { return rf_vec3( array[0
 
 static float mean_of( RfVec3 v ) { return ( v.x + v.y + v.z ) * ( 1.0f / 3.0f ); }
 
-static RfBsdfKind kind_of( const RfVertexLanes* v, int i )
-{
-    int kind = 0;
-    while ( i >= v->first[kind + 1] )
-        ++kind;
-    return (RfBsdfKind)kind;
-}
-
 static float alpha_of( const RfVertexLanes* v, int i )
 {
-    float shape = v->param[RF_PARAM_SHAPE][i];
-    switch ( kind_of( v, i ) )
-    {
-        case RF_BSDF_PHONG: return sqrtf( 2.0f / ( shape + 2.0f ) );
-        case RF_BSDF_LAYERED:
-        case RF_BSDF_COATED: return rf_minf( shape, v->param[RF_PARAM_CLEARCOAT_ALPHA][i] );
-        case RF_BSDF_GGX:
-        case RF_BSDF_SHEEN:
-        case RF_BSDF_ANISOTROPIC:
-        case RF_BSDF_IRIDESCENT:
-        case RF_BSDF_TRANSLUCENT:
-        case RF_BSDF_SPECTRAL:
-        case RF_BSDF_GLASS: return shape;
-        case RF_BSDF_LAMBERT:
-        case RF_BSDF_KIND_COUNT: break;
-    }
-    return 1.0f;
+    return rf_narrowest_alpha( rf_kind_of_lane( v, i ), v->param[RF_PARAM_SHAPE][i], v->param[RF_PARAM_CLEARCOAT_ALPHA][i] );
 }
 
 // Symmetric, 2 × 2.

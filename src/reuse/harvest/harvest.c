@@ -25,7 +25,7 @@ static int direct_samples( const RfEstimatorGroup* group, int tile_pixels, bool 
 RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
 {
     const RfRenderSettings* settings = group->settings;
-    bool specular = ( group->traits.kinds & ~0u << RF_BSDF_FIRST_SPECULAR ) != 0;
+    bool specular = rf_has_specular( group->traits.kinds );
     int tile_pixels = rf_tile_pixels( &settings->tile );
     bool chains = rf_wants_chains( &group->traits, settings, tile_pixels );
     bool connections = rf_wants_light_paths( &group->traits, settings );

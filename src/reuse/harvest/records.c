@@ -105,9 +105,9 @@ RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout )
     return batch;
 }
 
-uint32_t rf_glossy_params( unsigned kinds )
+RfBsdfParams rf_glossy_params( unsigned kinds )
 {
-    uint32_t params = 0;
+    RfBsdfParams params = 0;
     for ( int kind = RF_BSDF_FIRST_GLOSSY; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         if ( ( kinds >> kind & 1u ) != 0 && rf_is_model_built( (RfBsdfKind)kind ) )

@@ -87,7 +87,7 @@ typedef struct RfBatchShape
     int light_samples;      // K, at first hits
     int light_frames;       // in each of so many frames, where light may have parts by frame; else 1
     int tile_pixels;        // N, 1 without tiles
-    uint32_t params;        // of the glossy models in the scene (rf_glossy_params); 0: it has none
+    RfBsdfParams params;    // of the glossy models in the scene (rf_glossy_params); 0: it has none
     bool blended;           // visibility may be between 0 and 1
     bool panes;             // connections and, with chains, the cameras' rays may pass thin panes
     bool own_frame_light;   // misses may be lit: the scene has a sky or specular materials
@@ -194,7 +194,7 @@ static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others );
 
 // The parameters of the glossy models among `kinds`, a bit per RfBsdfKind.
-uint32_t rf_glossy_params( unsigned kinds );
+RfBsdfParams rf_glossy_params( unsigned kinds );
 
 RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout );
 

@@ -472,7 +472,7 @@ static void drop_slots( RfTextured* textured, RfTextureSlot first, RfTextureSlot
 // Drops textures of features that the material turned out not to have.
 static void drop_unused( const RfMaterial* m, RfTextured* textured )
 {
-    uint32_t params = rf_bsdf_model( m->kind )->params;
+    RfBsdfParams params = rf_bsdf_model( m->kind )->params;
     if ( textured->model != RF_TEXTURED_GLASS || m->ior == 0.0f )
         drop_slots( textured, RF_TEXTURE_TRANSMISSION, RF_TEXTURE_TRANSMISSION );
     if ( !rf_has_param( params, RF_PARAM_CLEARCOAT ) || m->clearcoat == 0.0f )
