@@ -64,16 +64,54 @@ const RfBsdfModel g_rf_bsdf_models[RF_BSDF_KIND_COUNT] = {
                            .sample_weighted = rf_spectral_sample },
 };
 
+static void shift( int first, const float* const from[3], const float* to[3] )
+{
+    for ( int c = 0; c < 3; ++c )
+        to[c] = from[c] + first;
+}
+
+static void shift_out( int first, float* const from[3], float* to[3] )
+{
+    for ( int c = 0; c < 3; ++c )
+        to[c] = from[c] + first;
+}
+
+// The lanes after the first block go by shifted arrays.
 void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                        float* const f[3], float* pdf_solid_angle )
 {
-    rf_bsdf_model( kind )->evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
+    const RfBsdfModel* model = rf_bsdf_model( kind );
+    model->evaluate( count < RF_BLOCK ? count : RF_BLOCK, lanes, wo, wi, f, pdf_solid_angle );
+    for ( int first = RF_BLOCK; first < count; first += RF_BLOCK )
+    {
+        const float *o[3], *in[3];
+        float *out[3], *pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
+        RfBsdfLanes block = rf_bsdf_lanes( kind, lanes->n, lanes->param, first );
+        shift( first, wo, o );
+        shift( first, wi, in );
+        if ( f != NULL )
+            shift_out( first, f, out );
+        int left = count - first;
+        model->evaluate( left < RF_BLOCK ? left : RF_BLOCK, &block, o, in, f != NULL ? out : NULL, pdf );
+    }
 }
 
 void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                      float* const wi[3] )
 {
-    rf_bsdf_model( kind )->sample( count, lanes, wo, u, wi );
+    const RfBsdfModel* model = rf_bsdf_model( kind );
+    model->sample( count < RF_BLOCK ? count : RF_BLOCK, lanes, wo, u, wi );
+    for ( int first = RF_BLOCK; first < count; first += RF_BLOCK )
+    {
+        const float *o[3], *random[3];
+        float* out[3];
+        RfBsdfLanes block = rf_bsdf_lanes( kind, lanes->n, lanes->param, first );
+        shift( first, wo, o );
+        shift( first, u, random );
+        shift_out( first, wi, out );
+        int left = count - first;
+        model->sample( left < RF_BLOCK ? left : RF_BLOCK, &block, o, random, out );
+    }
 }
 
 void rf_bsdf_sample_weighted( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],

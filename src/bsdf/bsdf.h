@@ -1,7 +1,6 @@
 // Scattering models, evaluated for many lanes at once: every argument is an
-// array of n values (structure of arrays), every model is one branch-free loop
-// that the compiler vectorises. One model per file; callers sort their lanes
-// by model.
+// array of n values (structure of arrays), every model is a few branch-free loops
+// that the compiler vectorises. Callers sort their lanes by model.
 //
 // Conventions: wo points to the camera, wi to the light, both unit and away from
 // the surface; n is the shading normal on the side the camera sees. f is the BSDF

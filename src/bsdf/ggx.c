@@ -24,6 +24,12 @@ RF_KERNEL float fifth_power( float x )
 // (1 − cos)⁵ of Schlick's Fresnel; rounding may have made the cosine exceed 1.
 RF_KERNEL float schlick_weight( float cos_theta ) { return fifth_power( rf_maxf( 1.0f - cos_theta, 0.0f ) ); }
 
+RF_KERNEL Parameters parameters_at( const RfGgxLanes* in, int i )
+{
+    return ( Parameters ){ rf_at( in->diffuse, i ), rf_at( in->specular, i ), in->alpha[i], in->f90[i],
+                           in->coat_f0[i],          in->coat_f90[i] };
+}
+
 RF_KERNEL float coat_transmission( const Parameters* p, float weight )
 {
     return 1.0f - ( p->coat_f0 + ( p->coat_f90 - p->coat_f0 ) * weight );
@@ -113,61 +119,29 @@ RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u, float
     return rf_vec3( is_specular ? mirrored.x : base.x, is_specular ? mirrored.y : base.y, is_specular ? mirrored.z : base.z );
 }
 
-RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
+RF_KERNEL void evaluate_block( int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
                                float* const f[3], float* pdf_solid_angle )
 {
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
-    const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
-    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
-    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
-                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
-    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
-    const float* restrict alpha = lanes->param[RF_PARAM_SHAPE] + first, * restrict f90 = lanes->param[RF_PARAM_F90] + first;
-    const float* restrict coat_f0 = lanes->param[RF_PARAM_COAT_F0] + first, * restrict coat_f90 =
-                                                                                lanes->param[RF_PARAM_COAT_F90] + first;
-    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
-    const float* restrict cos_o = eyes->cos_o;
-    const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
-    float* restrict fx = f != NULL ? f[0] + first : NULL;
-    float* restrict fy = f != NULL ? f[1] + first : NULL;
-    float* restrict fz = f != NULL ? f[2] + first : NULL;
-    float* restrict pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
-
+    const RfGgxLanes given = rf_ggx_lanes( lanes );
+    const RfLanes3 in = rf_lanes3( wi );
+    const RfLanesOut3 out = rf_lanes_out3( f );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        Parameters p = {
-            rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), alpha[i], f90[i], coat_f0[i], coat_f90[i]
-        };
-        RfEyeLane eye = { rf_vec3( ox[i], oy[i], oz[i] ), cos_o[i] };
-        RfScattering s = scatter( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( ix[i], iy[i], iz[i] ), p );
+        RfScattering s = scatter( rf_at( given.n, i ), rf_eye_at( eyes, i ), rf_at( in, i ), parameters_at( &given, i ) );
         if ( f != NULL )
-        {
-            fx[i] = s.f.x;
-            fy[i] = s.f.y;
-            fz[i] = s.f.z;
-        }
-        if ( pdf != NULL )
-            pdf[i] = s.pdf_solid_angle;
+            rf_put( out, i, s.f );
+        if ( pdf_solid_angle != NULL )
+            pdf_solid_angle[i] = s.pdf_solid_angle;
     }
 }
 
 void rf_ggx_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3], float* const f[3],
                       float* pdf_solid_angle )
 {
-    for ( int first = 0; first < count; first += RF_BLOCK )
-    {
-        RfEyeBlock eyes;
-        int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
-        if ( f != NULL && pdf_solid_angle != NULL )
-            evaluate_block( first, size, lanes, &eyes, wi, f, pdf_solid_angle );
-        else if ( f != NULL )
-            evaluate_block( first, size, lanes, &eyes, wi, f, NULL );
-        else if ( pdf_solid_angle != NULL )
-            evaluate_block( first, size, lanes, &eyes, wi, NULL, pdf_solid_angle );
-    }
+    RfEyeBlock eyes;
+    rf_lift_block( count, lanes->n, wo, &eyes );
+    RF_FOR_OUTPUTS( evaluate_block, count, lanes, &eyes, wi );
 }
 
 // A separate loop for the same reason as rf_lift_block.
@@ -176,64 +150,32 @@ typedef struct AzimuthBlock
     float x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK];
 } AzimuthBlock;
 
-static void azimuth_block( int first, int count, const RfBsdfLanes* lanes, const float* u, AzimuthBlock* block )
+static void azimuth_block( int count, const RfBsdfLanes* lanes, const float* u, AzimuthBlock* restrict block )
 {
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
-    const float* restrict nz = lanes->n[2] + first, * restrict u1 = u + first;
-    float* restrict x = block->x, * restrict y = block->y, * restrict z = block->z;
-
+    const RfLanes3 n = rf_lanes3( lanes->n );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfVec3 azimuth = rf_azimuth_direction( rf_vec3( nx[i], ny[i], nz[i] ), u1[i] );
-        x[i] = azimuth.x;
-        y[i] = azimuth.y;
-        z[i] = azimuth.z;
-    }
-}
-
-static void sample_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const AzimuthBlock* azimuths,
-                          const float* const u[3], float* const wi[3] )
-{
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
-    const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
-    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
-    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
-                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
-    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
-    const float* restrict alpha = lanes->param[RF_PARAM_SHAPE] + first, * restrict f90 = lanes->param[RF_PARAM_F90] + first;
-    const float* restrict coat_f0 = lanes->param[RF_PARAM_COAT_F0] + first, * restrict coat_f90 =
-                                                                                lanes->param[RF_PARAM_COAT_F90] + first;
-    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
-    const float* restrict cos_o = eyes->cos_o;
-    const float* restrict u0 = u[0] + first, * restrict u2 = u[2] + first;
-    const float* restrict ax = azimuths->x, * restrict ay = azimuths->y, * restrict az = azimuths->z;
-    float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
-
-#pragma omp simd
-    for ( int i = 0; i < count; ++i )
-    {
-        Parameters p = {
-            rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), alpha[i], f90[i], coat_f0[i], coat_f90[i]
-        };
-        RfEyeLane eye = { rf_vec3( ox[i], oy[i], oz[i] ), cos_o[i] };
-        RfVec3 w = sample( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( ax[i], ay[i], az[i] ), u0[i], u2[i], p );
-        ix[i] = w.x;
-        iy[i] = w.y;
-        iz[i] = w.z;
+        RfVec3 azimuth = rf_azimuth_direction( rf_at( n, i ), u[i] );
+        block->x[i] = azimuth.x;
+        block->y[i] = azimuth.y;
+        block->z[i] = azimuth.z;
     }
 }
 
 void rf_ggx_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] )
 {
-    for ( int first = 0; first < count; first += RF_BLOCK )
+    RfEyeBlock eyes;
+    AzimuthBlock azimuths;
+    rf_lift_block( count, lanes->n, wo, &eyes );
+    azimuth_block( count, lanes, u[1], &azimuths );
+    const RfGgxLanes given = rf_ggx_lanes( lanes );
+    const RfLanesOut3 out = rf_lanes_out3( wi );
+    const float *u0 = u[0], *u2 = u[2];
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
     {
-        RfEyeBlock eyes;
-        AzimuthBlock azimuths;
-        int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
-        azimuth_block( first, size, lanes, u[1], &azimuths );
-        sample_block( first, size, lanes, &eyes, &azimuths, u, wi );
+        RfVec3 azimuth = rf_vec3( azimuths.x[i], azimuths.y[i], azimuths.z[i] );
+        rf_put( out, i, sample( rf_at( given.n, i ), rf_eye_at( &eyes, i ), azimuth, u0[i], u2[i], parameters_at( &given, i ) ) );
     }
 }

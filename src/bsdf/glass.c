@@ -21,12 +21,10 @@ typedef struct Glass
 RF_KERNEL Glass glass_of( const RfBsdfLanes* lanes, int i, bool spectral )
 {
     Glass g = {
-        .n = rf_vec3( lanes->n[0][i], lanes->n[1][i], lanes->n[2][i] ),
-        .base = rf_vec3( lanes->param[RF_PARAM_DIFFUSE][i], lanes->param[RF_PARAM_DIFFUSE + 1][i],
-                         lanes->param[RF_PARAM_DIFFUSE + 2][i] ),
-        .specular = rf_vec3( lanes->param[RF_PARAM_SPECULAR][i], lanes->param[RF_PARAM_SPECULAR + 1][i],
-                             lanes->param[RF_PARAM_SPECULAR + 2][i] ),
-        .tint = rf_vec3( lanes->param[RF_PARAM_TINT][i], lanes->param[RF_PARAM_TINT + 1][i], lanes->param[RF_PARAM_TINT + 2][i] ),
+        .n = rf_at( rf_lanes3( lanes->n ), i ),
+        .base = rf_at( rf_lanes3( lanes->param + RF_PARAM_DIFFUSE ), i ),
+        .specular = rf_at( rf_lanes3( lanes->param + RF_PARAM_SPECULAR ), i ),
+        .tint = rf_at( rf_lanes3( lanes->param + RF_PARAM_TINT ), i ),
         .alpha = lanes->param[RF_PARAM_SHAPE][i],
         .ior = fabsf( lanes->param[RF_PARAM_IOR][i] ),
         .metal = lanes->param[RF_PARAM_F90][i],
@@ -331,50 +329,31 @@ RF_KERNEL GlassSample sample( const Glass* g, RfEyeLane eye, const float u[3] )
     return ( GlassSample ){ wi, rf_scale( f, 1.0f / ( ( 1.0f - base ) * reflect ) ), RF_DELTA_PDF };
 }
 
-static void put( float* const out[3], int i, RfVec3 v )
-{
-    out[0][i] = v.x;
-    out[1][i] = v.y;
-    out[2][i] = v.z;
-}
-
-RF_KERNEL void sample_lanes( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                             float* const wi[3], float* const weight[3], float* pdf_solid_angle, bool spectral )
+RF_KERNEL void sample_lanes( bool spectral, int count, const RfBsdfLanes* lanes, const float* const wo[3],
+                             const float* const u[3], float* const wi[3], float* const weight[3], float* pdf_solid_angle )
 {
     for ( int i = 0; i < count; ++i )
     {
         Glass g = glass_of( lanes, i, spectral );
         float random[3] = { u[0][i], u[1][i], u[2][i] };
-        RfEyeLane eye = rf_lift_to_horizon( g.n, rf_vec3( wo[0][i], wo[1][i], wo[2][i] ) );
+        RfEyeLane eye = rf_lift_to_horizon( g.n, rf_at( rf_lanes3( wo ), i ) );
         GlassSample s = sample( &g, eye, random );
-        put( wi, i, s.wi );
-        put( weight, i, s.weight );
+        rf_put( rf_lanes_out3( wi ), i, s.wi );
+        rf_put( rf_lanes_out3( weight ), i, s.weight );
         pdf_solid_angle[i] = s.pdf_solid_angle;
     }
 }
 
-void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3],
-                      float* const weight[3], float* pdf_solid_angle )
-{
-    sample_lanes( count, lanes, wo, u, wi, weight, pdf_solid_angle, false );
-}
-
-void rf_spectral_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                         float* const wi[3], float* const weight[3], float* pdf_solid_angle )
-{
-    sample_lanes( count, lanes, wo, u, wi, weight, pdf_solid_angle, true );
-}
-
-RF_KERNEL void evaluate_lanes( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                               float* const f[3], float* pdf_solid_angle, bool spectral )
+RF_KERNEL void evaluate_lanes( bool spectral, int count, const RfBsdfLanes* lanes, const float* const wo[3],
+                               const float* const wi[3], float* const f[3], float* pdf_solid_angle )
 {
     for ( int i = 0; i < count; ++i )
     {
         Glass g = glass_of( lanes, i, spectral );
-        RfEyeLane eye = rf_lift_to_horizon( g.n, rf_vec3( wo[0][i], wo[1][i], wo[2][i] ) );
-        RfScattering s = evaluate( &g, eye, rf_vec3( wi[0][i], wi[1][i], wi[2][i] ) );
+        RfEyeLane eye = rf_lift_to_horizon( g.n, rf_at( rf_lanes3( wo ), i ) );
+        RfScattering s = evaluate( &g, eye, rf_at( rf_lanes3( wi ), i ) );
         if ( f != NULL )
-            put( f, i, s.f );
+            rf_put( rf_lanes_out3( f ), i, s.f );
         if ( pdf_solid_angle != NULL )
             pdf_solid_angle[i] = s.pdf_solid_angle;
     }
@@ -383,13 +362,25 @@ RF_KERNEL void evaluate_lanes( int count, const RfBsdfLanes* lanes, const float*
 void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                         float* const f[3], float* pdf_solid_angle )
 {
-    evaluate_lanes( count, lanes, wo, wi, f, pdf_solid_angle, false );
+    evaluate_lanes( false, count, lanes, wo, wi, f, pdf_solid_angle );
+}
+
+void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3],
+                      float* const weight[3], float* pdf_solid_angle )
+{
+    sample_lanes( false, count, lanes, wo, u, wi, weight, pdf_solid_angle );
 }
 
 void rf_spectral_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                            float* const f[3], float* pdf_solid_angle )
 {
-    evaluate_lanes( count, lanes, wo, wi, f, pdf_solid_angle, true );
+    evaluate_lanes( true, count, lanes, wo, wi, f, pdf_solid_angle );
+}
+
+void rf_spectral_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                         float* const wi[3], float* const weight[3], float* pdf_solid_angle )
+{
+    sample_lanes( true, count, lanes, wo, u, wi, weight, pdf_solid_angle );
 }
 
 // What single lobes of mirrors and glass are: panes, and delta lobes that are asked for by name.
@@ -406,19 +397,25 @@ RF_KERNEL RfPane pane( const Glass* g, float cos_o )
     return ( RfPane ){ probability, rf_mul( g->tint, rf_vec3( 1.0f - reflected.x, 1.0f - reflected.y, 1.0f - reflected.z ) ) };
 }
 
-RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
+// What a material without a spectrum is, with an index of refraction of the far side over the near one.
+static Glass glass_of_material( const RfMaterial* m, float ior )
 {
-    Glass g = {
+    return ( Glass ){
         .base = m->diffuse,
         .specular = m->specular,
         .tint = m->tint,
         .alpha = m->alpha,
-        .ior = m->ior,
+        .ior = ior,
         .metal = m->f90,
         .base_share = m->coat_f0,
         .bare = m->coat_f90,
-        .thin = m->thin && m->ior > 0.0f,
+        .thin = m->thin && ior > 0.0f,
     };
+}
+
+RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
+{
+    Glass g = glass_of_material( m, m->ior );
     if ( m->kind != RF_BSDF_SPECTRAL )
         return pane( &g, cos_o );
     g.spectral = true;
@@ -455,14 +452,7 @@ RfDeltaEvent rf_glass_event( const RfBsdfLanes* lanes, int lane, RfVec3 wo, bool
 
 float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weight )
 {
-    Glass g = { .base = material->diffuse,
-                .specular = material->specular,
-                .tint = material->tint,
-                .ior = material->ior,
-                .metal = material->f90,
-                .base_share = material->coat_f0,
-                .bare = material->coat_f90,
-                .thin = material->thin };
+    Glass g = glass_of_material( material, material->ior );
     float base = base_probability( &g, cos_o );
     RfVec3 f = reflectance( &g, cos_o );
     float probability = ( 1.0f - base ) * reflection_probability( &g, f );
@@ -472,13 +462,7 @@ float rf_glass_reflection( const RfMaterial* material, float cos_o, RfVec3* weig
 
 void rf_glass_delta_lobes( const RfMaterial* m, float ior, float cos_o, RfVec3* reflected, RfVec3* transmitted )
 {
-    Glass g = { .base = m->diffuse,
-                .specular = m->specular,
-                .tint = m->tint,
-                .ior = ior,
-                .metal = m->f90,
-                .base_share = m->coat_f0,
-                .bare = m->coat_f90 };
+    Glass g = glass_of_material( m, ior );
     *reflected = reflectance( &g, cos_o );
     *transmitted = ior > 0.0f ? rf_scale( m->tint, 1.0f - dielectric( cos_o, ior ) ) : rf_vec3( 0, 0, 0 );
 }

@@ -17,12 +17,12 @@
 #define RF_KERNEL static inline
 #endif
 
-// The functions of the table.
+// The functions of the table, and those of GGX with anisotropy and a film together.
 RfBsdfEvaluate rf_lambert_evaluate, rf_phong_evaluate, rf_ggx_evaluate, rf_coated_evaluate, rf_sheen_evaluate,
-    rf_anisotropic_evaluate, rf_iridescent_evaluate, rf_layered_evaluate, rf_translucent_evaluate, rf_glass_evaluate,
-    rf_spectral_evaluate;
+    rf_anisotropic_evaluate, rf_iridescent_evaluate, rf_facets_evaluate, rf_layered_evaluate, rf_translucent_evaluate,
+    rf_glass_evaluate, rf_spectral_evaluate;
 RfBsdfSample rf_lambert_sample, rf_phong_sample, rf_ggx_sample, rf_coated_sample, rf_sheen_sample, rf_anisotropic_sample,
-    rf_iridescent_sample, rf_layered_sample, rf_translucent_sample;
+    rf_iridescent_sample, rf_facets_sample, rf_layered_sample, rf_translucent_sample;
 RfBsdfSampleWeighted rf_glass_sample, rf_spectral_sample;
 
 typedef struct RfScattering
@@ -48,36 +48,93 @@ RF_KERNEL RfEyeLane rf_lift_to_horizon( RfVec3 n, RfVec3 wo )
     return ( RfEyeLane ){ rf_scale( raised, scale ), rf_dot( n, raised ) * scale };
 }
 
-// The kernels are long dependency chains, longer than the processor can reorder.
-// So they run as a few short loops over a block of lanes instead of a long one:
-// first all directions to the camera are lifted, then the rest follows.
+// Models get at most so many lanes at once. Their kernels are long dependency chains, longer than the processor can reorder: so
+// they run as a few short loops over the lanes instead of a long one, first one that lifts all directions to the camera.
 #define RF_BLOCK 256
+
+// Three arrays of lanes: a vector or a colour.
+typedef struct RfLanes3
+{
+    const float *x, *y, *z;
+} RfLanes3;
+
+RF_KERNEL RfLanes3 rf_lanes3( const float* const v[3] ) { return ( RfLanes3 ){ v[0], v[1], v[2] }; }
+
+RF_KERNEL RfVec3 rf_at( RfLanes3 v, int i ) { return rf_vec3( v.x[i], v.y[i], v.z[i] ); }
+
+typedef struct RfLanesOut3
+{
+    float *x, *y, *z;
+} RfLanesOut3;
+
+// `v` may be NULL.
+RF_KERNEL RfLanesOut3 rf_lanes_out3( float* const v[3] )
+{
+    return v != NULL ? ( RfLanesOut3 ){ v[0], v[1], v[2] } : ( RfLanesOut3 ){ NULL, NULL, NULL };
+}
+
+RF_KERNEL void rf_put( RfLanesOut3 out, int i, RfVec3 v )
+{
+    out.x[i] = v.x;
+    out.y[i] = v.y;
+    out.z[i] = v.z;
+}
+
+// Ends a call of a kernel by its outputs `f` and `pdf_solid_angle`: NULL, those that are not asked for, are constants in it.
+#define RF_FOR_OUTPUTS( kernel, ... )                                                                                            \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        if ( f != NULL && pdf_solid_angle != NULL )                                                                              \
+            kernel( __VA_ARGS__, f, pdf_solid_angle );                                                                           \
+        else if ( f != NULL )                                                                                                    \
+            kernel( __VA_ARGS__, f, NULL );                                                                                      \
+        else if ( pdf_solid_angle != NULL )                                                                                      \
+            kernel( __VA_ARGS__, NULL, pdf_solid_angle );                                                                        \
+    } while ( 0 )
 
 typedef struct RfEyeBlock
 {
     float x[RF_BLOCK], y[RF_BLOCK], z[RF_BLOCK], cos_o[RF_BLOCK];
 } RfEyeBlock;
 
-static inline void rf_lift_block( int first, int count, const RfBsdfLanes* lanes, const float* const wo[3], RfEyeBlock* block )
+RF_KERNEL RfEyeLane rf_eye_at( const RfEyeBlock* eyes, int i )
 {
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
-    const float* restrict nz = lanes->n[2] + first;
-    const float* restrict ox = wo[0] + first, * restrict oy = wo[1] + first, * restrict oz = wo[2] + first;
-    float* restrict x = block->x, * restrict y = block->y, * restrict z = block->z, * restrict cos_o = block->cos_o;
+    return ( RfEyeLane ){ rf_vec3( eyes->x[i], eyes->y[i], eyes->z[i] ), eyes->cos_o[i] };
+}
 
+// Lifted to the horizon of the normals `normal`.
+static inline void rf_lift_block( int count, const float* const normal[3], const float* const wo[3], RfEyeBlock* restrict block )
+{
+    const RfLanes3 n = rf_lanes3( normal ), o = rf_lanes3( wo );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfEyeLane eye = rf_lift_to_horizon( rf_vec3( nx[i], ny[i], nz[i] ), rf_vec3( ox[i], oy[i], oz[i] ) );
-        x[i] = eye.wo.x;
-        y[i] = eye.wo.y;
-        z[i] = eye.wo.z;
-        cos_o[i] = eye.cos_o;
+        RfEyeLane eye = rf_lift_to_horizon( rf_at( n, i ), rf_at( o, i ) );
+        block->x[i] = eye.wo.x;
+        block->y[i] = eye.wo.y;
+        block->z[i] = eye.wo.z;
+        block->cos_o[i] = eye.cos_o;
     }
 }
 
-// Number of lanes in the block that begins at `first`.
-static inline int rf_block_size( int first, int count ) { return count - first < RF_BLOCK ? count - first : RF_BLOCK; }
+// The parameters that all opaque models with a lobe of GGX have.
+typedef struct RfGgxLanes
+{
+    RfLanes3 n, diffuse, specular;
+    const float *alpha, *f90, *coat_f0, *coat_f90;
+} RfGgxLanes;
+
+RF_KERNEL RfGgxLanes rf_ggx_lanes( const RfBsdfLanes* lanes )
+{
+    const float* const* p = lanes->param;
+    return ( RfGgxLanes ){ rf_lanes3( lanes->n ),
+                           rf_lanes3( p + RF_PARAM_DIFFUSE ),
+                           rf_lanes3( p + RF_PARAM_SPECULAR ),
+                           p[RF_PARAM_SHAPE],
+                           p[RF_PARAM_F90],
+                           p[RF_PARAM_COAT_F0],
+                           p[RF_PARAM_COAT_F90] };
+}
 
 // The tangent at azimuth φ = 2πu around n: cos φ · t + sin φ · b.
 RF_KERNEL RfVec3 rf_azimuth_direction( RfVec3 n, float u )
@@ -87,6 +144,13 @@ RF_KERNEL RfVec3 rf_azimuth_direction( RfVec3 n, float u )
     rf_basis( n, &t, &b );
     rf_sincos_2pi( u, &s, &c );
     return rf_madd( rf_scale( t, c ), b, s );
+}
+
+// The number for what is below a layer that is sampled with this probability by u, or −1 where it is the layer.
+RF_KERNEL float rf_below_layer( float u, float probability )
+{
+    float below = rf_minf( ( u - probability ) / ( 1.0f - probability ), 0x1.fffffep-1f );
+    return u < probability ? -1.0f : below;
 }
 
 RF_KERNEL float rf_mean( RfVec3 c ) { return ( c.x + c.y + c.z ) * ( 1.0f / 3.0f ); }

@@ -1,39 +1,92 @@
-// Several layers at once: a clear coat over sheen over GGX that may be anisotropic and have a thin film. What a surface lacks has
-// the strength 0.
+// The models made of layers over GGX: a clear coat (KHR_materials_clearcoat), sheen, or any of coat, sheen, anisotropy and film
+// together, of which those that a surface lacks have the strength 0.
 #include "bsdf/coat.h"
-#include "bsdf/facets.h"
+#include "bsdf/lane.h"
 #include "bsdf/sheen.h"
 
-static const RfFacetsOf s_of = { true, true };
+// What is below, and the layers over it, from below.
+typedef struct Layers
+{
+    RfBsdfEvaluate* evaluate;
+    RfBsdfSample* sample;
+    bool sheen, coat;
+} Layers;
+
+static const Layers s_coated = { rf_ggx_evaluate, rf_ggx_sample, false, true };
+static const Layers s_sheen = { rf_ggx_evaluate, rf_ggx_sample, true, false };
+static const Layers s_layered = { rf_facets_evaluate, rf_facets_sample, true, true };
+
+RF_KERNEL void evaluate( Layers of, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                         float* const f[3], float* pdf_solid_angle )
+{
+    of.evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
+    if ( of.sheen )
+        rf_lay_sheen( count, lanes, wo, wi, f, pdf_solid_angle );
+    if ( of.coat )
+        rf_lay_coat( count, lanes, wo, wi, f, pdf_solid_angle );
+}
+
+// What the layer leaves to those below; where it was chosen, any number does.
+static void pass_on( int count, const float* u_below, float* left )
+{
+    for ( int i = 0; i < count; ++i )
+        left[i] = rf_maxf( u_below[i], 0.0f );
+}
+
+// All lobes are sampled, from the base on; those that were chosen are kept.
+RF_KERNEL void sample( Layers of, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                       float* const wi[3] )
+{
+    float below_coat[RF_BLOCK], below_sheen[RF_BLOCK], left[RF_BLOCK];
+    if ( of.coat )
+    {
+        rf_choose_coat( count, lanes, wo, u[2], below_coat );
+        pass_on( count, below_coat, left );
+    }
+    if ( of.sheen )
+    {
+        rf_choose_sheen( count, lanes, wo, of.coat ? left : u[2], below_sheen );
+        pass_on( count, below_sheen, left );
+    }
+    const float* random[3] = { u[0], u[1], left };
+    of.sample( count, lanes, wo, random, wi );
+    if ( of.sheen )
+        rf_sample_sheen( count, lanes, random, below_sheen, wi );
+    if ( of.coat )
+        rf_sample_coat( count, lanes, wo, random, below_coat, wi );
+}
+
+void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                         float* const f[3], float* pdf_solid_angle )
+{
+    evaluate( s_coated, count, lanes, wo, wi, f, pdf_solid_angle );
+}
+
+void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                       float* const wi[3] )
+{
+    sample( s_coated, count, lanes, wo, u, wi );
+}
+
+void rf_sheen_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                        float* const f[3], float* pdf_solid_angle )
+{
+    evaluate( s_sheen, count, lanes, wo, wi, f, pdf_solid_angle );
+}
+
+void rf_sheen_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] )
+{
+    sample( s_sheen, count, lanes, wo, u, wi );
+}
 
 void rf_layered_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                           float* const f[3], float* pdf_solid_angle )
 {
-    rf_facets_evaluate( s_of, count, lanes, wo, wi, f, pdf_solid_angle );
-    rf_lay_sheen( count, lanes, wo, wi, f, pdf_solid_angle );
-    rf_lay_coat( count, lanes, wo, wi, f, pdf_solid_angle );
+    evaluate( s_layered, count, lanes, wo, wi, f, pdf_solid_angle );
 }
 
-// All lobes are sampled, from the base on; those that were chosen are kept.
 void rf_layered_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                         float* const wi[3] )
 {
-    for ( int first = 0; first < count; first += RF_BLOCK )
-    {
-        float below_coat[RF_BLOCK], below_sheen[RF_BLOCK], left[RF_BLOCK];
-        int size = rf_block_size( first, count );
-        RfBsdfLanes block = rf_bsdf_lanes( RF_BSDF_LAYERED, lanes->n, lanes->param, first );
-        const float* o[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
-        float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
-        rf_choose_coat( size, &block, o, u[2] + first, below_coat );
-        for ( int i = 0; i < size; ++i )
-            left[i] = rf_maxf( below_coat[i], 0.0f );
-        rf_choose_sheen( size, &block, o, left, below_sheen );
-        for ( int i = 0; i < size; ++i )
-            left[i] = rf_maxf( below_sheen[i], 0.0f );
-        const float* random[3] = { u[0] + first, u[1] + first, left };
-        rf_facets_sample( s_of, size, &block, o, random, out );
-        rf_sample_sheen( size, &block, random, below_sheen, out );
-        rf_sample_coat( size, &block, o, random, below_coat, out );
-    }
+    sample( s_layered, count, lanes, wo, u, wi );
 }

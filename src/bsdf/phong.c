@@ -63,110 +63,60 @@ typedef struct AngleBlock
     float cos_i[RF_BLOCK], d[RF_BLOCK];
 } AngleBlock;
 
-static void angle_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
-                         AngleBlock* block )
+static void angle_block( int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
+                         AngleBlock* restrict block )
 {
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
-    const float* restrict nz = lanes->n[2] + first;
-    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
-    const float* restrict cos_o = eyes->cos_o;
-    const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
-    float* restrict cos_i = block->cos_i, * restrict d = block->d;
-
+    const RfLanes3 normal = rf_lanes3( lanes->n ), in = rf_lanes3( wi );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfVec3 n = rf_vec3( nx[i], ny[i], nz[i] ), w = rf_vec3( ix[i], iy[i], iz[i] );
-        RfEyeLane eye = { rf_vec3( ox[i], oy[i], oz[i] ), cos_o[i] };
-        cos_i[i] = rf_dot( n, w );
-        d[i] = one_minus_cos_alpha( n, eye, w, cos_i[i] );
+        RfVec3 n = rf_at( normal, i ), w = rf_at( in, i );
+        float cos_i = rf_dot( n, w );
+        block->cos_i[i] = cos_i;
+        block->d[i] = one_minus_cos_alpha( n, rf_eye_at( eyes, i ), w, cos_i );
     }
 }
 
-RF_KERNEL void evaluate_block( int first, int count, const RfBsdfLanes* lanes, const AngleBlock* angles, float* const f[3],
+RF_KERNEL void evaluate_block( int count, const RfBsdfLanes* lanes, const AngleBlock* angles, float* const f[3],
                                float* pdf_solid_angle )
 {
-    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
-    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
-    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
-                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
-    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
-    const float* restrict cos_i = angles->cos_i, * restrict d = angles->d;
-    const float* restrict exponent = lanes->param[RF_PARAM_SHAPE] + first;
-    float* restrict fx = f != NULL ? f[0] + first : NULL;
-    float* restrict fy = f != NULL ? f[1] + first : NULL;
-    float* restrict fz = f != NULL ? f[2] + first : NULL;
-    float* restrict pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
-
+    const RfLanes3 diffuse = rf_lanes3( lanes->param + RF_PARAM_DIFFUSE ),
+                   specular = rf_lanes3( lanes->param + RF_PARAM_SPECULAR );
+    const float* exponent = lanes->param[RF_PARAM_SHAPE];
+    const RfLanesOut3 out = rf_lanes_out3( f );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfScattering s = scatter( cos_i[i], d[i], rf_vec3( dx[i], dy[i], dz[i] ), rf_vec3( sx[i], sy[i], sz[i] ), exponent[i] );
+        RfScattering s = scatter( angles->cos_i[i], angles->d[i], rf_at( diffuse, i ), rf_at( specular, i ), exponent[i] );
         if ( f != NULL )
-        {
-            fx[i] = s.f.x;
-            fy[i] = s.f.y;
-            fz[i] = s.f.z;
-        }
-        if ( pdf != NULL )
-            pdf[i] = s.pdf_solid_angle;
+            rf_put( out, i, s.f );
+        if ( pdf_solid_angle != NULL )
+            pdf_solid_angle[i] = s.pdf_solid_angle;
     }
 }
 
 void rf_phong_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                         float* const f[3], float* pdf_solid_angle )
 {
-    for ( int first = 0; first < count; first += RF_BLOCK )
-    {
-        RfEyeBlock eyes;
-        AngleBlock angles;
-        int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
-        angle_block( first, size, lanes, &eyes, wi, &angles );
-        if ( f != NULL && pdf_solid_angle != NULL )
-            evaluate_block( first, size, lanes, &angles, f, pdf_solid_angle );
-        else if ( f != NULL )
-            evaluate_block( first, size, lanes, &angles, f, NULL );
-        else if ( pdf_solid_angle != NULL )
-            evaluate_block( first, size, lanes, &angles, NULL, pdf_solid_angle );
-    }
-}
-
-static void sample_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const u[3],
-                          float* const wi[3] )
-{
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first;
-    const float* restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
-    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first;
-    const float* restrict sx = lanes->param[RF_PARAM_SPECULAR] + first, * restrict sy =
-                                                                            lanes->param[RF_PARAM_SPECULAR + 1] + first;
-    const float* restrict sz = lanes->param[RF_PARAM_SPECULAR + 2] + first;
-    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z;
-    const float* restrict cos_o = eyes->cos_o;
-    const float* restrict u0 = u[0] + first, * restrict u1 = u[1] + first, * restrict u2 = u[2] + first;
-    const float* restrict exponent = lanes->param[RF_PARAM_SHAPE] + first;
-    float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
-
-#pragma omp simd
-    for ( int i = 0; i < count; ++i )
-    {
-        RfEyeLane eye = { rf_vec3( ox[i], oy[i], oz[i] ), cos_o[i] };
-        RfVec3 w = sample( rf_vec3( nx[i], ny[i], nz[i] ), eye, rf_vec3( u0[i], u1[i], u2[i] ), rf_vec3( dx[i], dy[i], dz[i] ),
-                           rf_vec3( sx[i], sy[i], sz[i] ), exponent[i] );
-        ix[i] = w.x;
-        iy[i] = w.y;
-        iz[i] = w.z;
-    }
+    RfEyeBlock eyes;
+    AngleBlock angles;
+    rf_lift_block( count, lanes->n, wo, &eyes );
+    angle_block( count, lanes, &eyes, wi, &angles );
+    RF_FOR_OUTPUTS( evaluate_block, count, lanes, &angles );
 }
 
 void rf_phong_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] )
 {
-    for ( int first = 0; first < count; first += RF_BLOCK )
-    {
-        RfEyeBlock eyes;
-        int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
-        sample_block( first, size, lanes, &eyes, u, wi );
-    }
+    RfEyeBlock eyes;
+    rf_lift_block( count, lanes->n, wo, &eyes );
+    const RfLanes3 n = rf_lanes3( lanes->n ), random = rf_lanes3( u );
+    const RfLanes3 diffuse = rf_lanes3( lanes->param + RF_PARAM_DIFFUSE ),
+                   specular = rf_lanes3( lanes->param + RF_PARAM_SPECULAR );
+    const float* exponent = lanes->param[RF_PARAM_SHAPE];
+    const RfLanesOut3 out = rf_lanes_out3( wi );
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+        rf_put( out, i,
+                sample( rf_at( n, i ), rf_eye_at( &eyes, i ), rf_at( random, i ), rf_at( diffuse, i ), rf_at( specular, i ),
+                        exponent[i] ) );
 }

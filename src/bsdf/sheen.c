@@ -110,75 +110,55 @@ typedef struct SideBlock
     float cos_i[RF_BLOCK];
 } SideBlock;
 
-static void side_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
-                        SideBlock* block )
+static void side_block( int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],
+                        SideBlock* restrict block )
 {
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first, * restrict nz = lanes->n[2] + first;
-    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
-    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first, * restrict sx =
-                                                                               lanes->param[RF_PARAM_SPECULAR] + first;
-    const float* restrict sy = lanes->param[RF_PARAM_SPECULAR + 1] + first, * restrict sz =
-                                                                                lanes->param[RF_PARAM_SPECULAR + 2] + first;
-    const float* restrict cx = lanes->param[RF_PARAM_SHEEN] + first, * restrict cy = lanes->param[RF_PARAM_SHEEN + 1] + first;
-    const float* restrict cz = lanes->param[RF_PARAM_SHEEN + 2] + first, * restrict alpha =
-                                                                             lanes->param[RF_PARAM_SHEEN_ALPHA] + first;
-    const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
-    const float* restrict cos_o = eyes->cos_o;
-    float* restrict fibres = block->fibres, * restrict albedo = block->albedo, * restrict probability = block->probability,
-                            * restrict cos_i = block->cos_i;
+    const RfLanes3 n = rf_lanes3( lanes->n ), w = rf_lanes3( wi ), colour = rf_lanes3( lanes->param + RF_PARAM_SHEEN );
+    const RfLanes3 diffuse = rf_lanes3( lanes->param + RF_PARAM_DIFFUSE ),
+                   specular = rf_lanes3( lanes->param + RF_PARAM_SPECULAR );
+    const float* alpha = lanes->param[RF_PARAM_SHEEN_ALPHA];
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        float mi = rf_dot( rf_vec3( nx[i], ny[i], nz[i] ), rf_vec3( ix[i], iy[i], iz[i] ) );
+        float cos_o = eyes->cos_o[i], mi = rf_dot( rf_at( n, i ), rf_at( w, i ) );
         Shape shape = shape_of( alpha[i] );
-        Side o = side_of( &shape, cos_o[i] ), in = side_of( &shape, mi );
+        Side o = side_of( &shape, cos_o ), in = side_of( &shape, mi );
         // 1e-12: what divides is never 0
-        fibres[i] = rf_minf( o.limit, in.limit ) / ( 4.0f * cos_o[i] * rf_maxf( mi, 1e-12f ) * ( 1.0f + o.lambda + in.lambda ) );
-        albedo[i] = rf_maxf( o.albedo, in.albedo );
-        probability[i] = sheen_probability( rf_vec3( cx[i], cy[i], cz[i] ), o.albedo, rf_vec3( dx[i], dy[i], dz[i] ),
-                                            rf_vec3( sx[i], sy[i], sz[i] ) );
-        cos_i[i] = mi;
+        block->fibres[i] =
+            rf_minf( o.limit, in.limit ) / ( 4.0f * cos_o * rf_maxf( mi, 1e-12f ) * ( 1.0f + o.lambda + in.lambda ) );
+        block->albedo[i] = rf_maxf( o.albedo, in.albedo );
+        block->probability[i] = sheen_probability( rf_at( colour, i ), o.albedo, rf_at( diffuse, i ), rf_at( specular, i ) );
+        block->cos_i[i] = mi;
     }
 }
 
-RF_KERNEL void sheen_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const SideBlock* sides,
+RF_KERNEL void sheen_block( int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const SideBlock* sides,
                             const float* const wi[3], float* const f[3], float* pdf_solid_angle )
 {
-    const float* restrict nx = lanes->n[0] + first, * restrict ny = lanes->n[1] + first, * restrict nz = lanes->n[2] + first;
-    const float* restrict cx = lanes->param[RF_PARAM_SHEEN] + first, * restrict cy = lanes->param[RF_PARAM_SHEEN + 1] + first;
-    const float* restrict cz = lanes->param[RF_PARAM_SHEEN + 2] + first, * restrict alpha =
-                                                                             lanes->param[RF_PARAM_SHEEN_ALPHA] + first;
-    const float* restrict ix = wi[0] + first, * restrict iy = wi[1] + first, * restrict iz = wi[2] + first;
-    const float* restrict ox = eyes->x, * restrict oy = eyes->y, * restrict oz = eyes->z, * restrict cos_o = eyes->cos_o;
-    const float* restrict fibres = sides->fibres, * restrict albedo = sides->albedo, * restrict probability = sides->probability,
-                                  * restrict cos_i = sides->cos_i;
-    float* restrict fx = f != NULL ? f[0] + first : NULL;
-    float* restrict fy = f != NULL ? f[1] + first : NULL;
-    float* restrict fz = f != NULL ? f[2] + first : NULL;
-    float* restrict pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
+    const RfLanes3 n = rf_lanes3( lanes->n ), w = rf_lanes3( wi ), colour = rf_lanes3( lanes->param + RF_PARAM_SHEEN );
+    const float* alpha = lanes->param[RF_PARAM_SHEEN_ALPHA];
+    const RfLanesOut3 out = rf_lanes_out3( f );
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        float lit = cos_i[i] > 0.0f ? 1.0f : 0.0f, mi = rf_minf( rf_maxf( cos_i[i], 0.0f ), 1.0f );
+        float cos_i = sides->cos_i[i], lit = cos_i > 0.0f ? 1.0f : 0.0f, mi = rf_minf( rf_maxf( cos_i, 0.0f ), 1.0f );
         if ( f != NULL )
         {
             // across n and along it: sin θ is no difference (see ggx.c)
-            RfVec3 half = rf_add( rf_vec3( ox[i], oy[i], oz[i] ), rf_vec3( ix[i], iy[i], iz[i] ) );
-            RfVec3 cross = rf_cross( rf_vec3( nx[i], ny[i], nz[i] ), half );
-            float along = cos_o[i] + mi, across2 = rf_dot( cross, cross ), inverse = 1.0f / alpha[i];
+            RfEyeLane eye = rf_eye_at( eyes, i );
+            RfVec3 cross = rf_cross( rf_at( n, i ), rf_add( eye.wo, rf_at( w, i ) ) ), c = rf_at( colour, i );
+            float along = eye.cos_o + mi, across2 = rf_dot( cross, cross ), inverse = 1.0f / alpha[i];
             // D = (2 + 1/α) sin^(1/α) θ / 2π
             float d = ( 2.0f + inverse ) * ( 0.5f * RF_INV_PI ) * rf_pow( across2 / ( along * along + across2 ), 0.5f * inverse );
-            float lobe = lit * d * fibres[i];
-            float below = 1.0f - rf_max_component( rf_vec3( cx[i], cy[i], cz[i] ) ) * albedo[i];
-            fx[i] = fx[i] * below + cx[i] * lobe;
-            fy[i] = fy[i] * below + cy[i] * lobe;
-            fz[i] = fz[i] * below + cz[i] * lobe;
+            float lobe = lit * d * sides->fibres[i], below = 1.0f - rf_max_component( c ) * sides->albedo[i];
+            rf_put( out, i,
+                    rf_vec3( out.x[i] * below + c.x * lobe, out.y[i] * below + c.y * lobe, out.z[i] * below + c.z * lobe ) );
         }
-        if ( pdf != NULL )
+        if ( pdf_solid_angle != NULL )
         {
-            float inverse = 1.0f / spread( sqrtf( alpha[i] ) );
+            float inverse = 1.0f / spread( sqrtf( alpha[i] ) ), probability = sides->probability[i];
             float drawn = lit * ( 0.5f * RF_INV_PI ) * inverse * rf_pow_one_minus( mi, rf_maxf( inverse - 1.0f, 0.0f ) );
-            pdf[i] = ( 1.0f - probability[i] ) * pdf[i] + probability[i] * drawn;
+            pdf_solid_angle[i] = ( 1.0f - probability ) * pdf_solid_angle[i] + probability * drawn;
         }
     }
 }
@@ -186,97 +166,44 @@ RF_KERNEL void sheen_block( int first, int count, const RfBsdfLanes* lanes, cons
 void rf_lay_sheen( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3], float* const f[3],
                    float* pdf_solid_angle )
 {
-    for ( int first = 0; first < count; first += RF_BLOCK )
-    {
-        RfEyeBlock eyes;
-        SideBlock sides;
-        int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
-        side_block( first, size, lanes, &eyes, wi, &sides );
-        if ( f != NULL && pdf_solid_angle != NULL )
-            sheen_block( first, size, lanes, &eyes, &sides, wi, f, pdf_solid_angle );
-        else if ( f != NULL )
-            sheen_block( first, size, lanes, &eyes, &sides, wi, f, NULL );
-        else if ( pdf_solid_angle != NULL )
-            sheen_block( first, size, lanes, &eyes, &sides, wi, NULL, pdf_solid_angle );
-    }
-}
-
-static void choose_block( int first, int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* u, float* u_below )
-{
-    const float* restrict dx = lanes->param[RF_PARAM_DIFFUSE] + first, * restrict dy = lanes->param[RF_PARAM_DIFFUSE + 1] + first;
-    const float* restrict dz = lanes->param[RF_PARAM_DIFFUSE + 2] + first, * restrict sx =
-                                                                               lanes->param[RF_PARAM_SPECULAR] + first;
-    const float* restrict sy = lanes->param[RF_PARAM_SPECULAR + 1] + first, * restrict sz =
-                                                                                lanes->param[RF_PARAM_SPECULAR + 2] + first;
-    const float* restrict cx = lanes->param[RF_PARAM_SHEEN] + first, * restrict cy = lanes->param[RF_PARAM_SHEEN + 1] + first;
-    const float* restrict cz = lanes->param[RF_PARAM_SHEEN + 2] + first, * restrict alpha =
-                                                                             lanes->param[RF_PARAM_SHEEN_ALPHA] + first;
-    const float* restrict cos_o = eyes->cos_o, * restrict lobe = u + first;
-    float* restrict out = u_below + first;
-#pragma omp simd
-    for ( int i = 0; i < count; ++i )
-    {
-        Shape shape = shape_of( alpha[i] );
-        Side o = side_of( &shape, cos_o[i] );
-        float probability = sheen_probability( rf_vec3( cx[i], cy[i], cz[i] ), o.albedo, rf_vec3( dx[i], dy[i], dz[i] ),
-                                               rf_vec3( sx[i], sy[i], sz[i] ) );
-        float rest = rf_minf( ( lobe[i] - probability ) / ( 1.0f - probability ), 0x1.fffffep-1f );
-        out[i] = lobe[i] < probability ? -1.0f : rest;
-    }
+    RfEyeBlock eyes;
+    SideBlock sides;
+    rf_lift_block( count, lanes->n, wo, &eyes );
+    side_block( count, lanes, &eyes, wi, &sides );
+    RF_FOR_OUTPUTS( sheen_block, count, lanes, &eyes, &sides, wi );
 }
 
 void rf_choose_sheen( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* u, float* u_below )
 {
-    for ( int first = 0; first < count; first += RF_BLOCK )
+    RfEyeBlock eyes;
+    rf_lift_block( count, lanes->n, wo, &eyes );
+    const RfLanes3 diffuse = rf_lanes3( lanes->param + RF_PARAM_DIFFUSE ),
+                   specular = rf_lanes3( lanes->param + RF_PARAM_SPECULAR );
+    const RfLanes3 colour = rf_lanes3( lanes->param + RF_PARAM_SHEEN );
+    const float* alpha = lanes->param[RF_PARAM_SHEEN_ALPHA];
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
     {
-        RfEyeBlock eyes;
-        int size = rf_block_size( first, count );
-        rf_lift_block( first, size, lanes, wo, &eyes );
-        choose_block( first, size, lanes, &eyes, u, u_below );
+        Shape shape = shape_of( alpha[i] );
+        Side o = side_of( &shape, eyes.cos_o[i] );
+        float probability = sheen_probability( rf_at( colour, i ), o.albedo, rf_at( diffuse, i ), rf_at( specular, i ) );
+        u_below[i] = rf_below_layer( u[i], probability );
     }
 }
 
 void rf_sample_sheen( int count, const RfBsdfLanes* lanes, const float* const u[3], const float* u_below, float* const wi[3] )
 {
-    const float* restrict nx = lanes->n[0], * restrict ny = lanes->n[1], * restrict nz = lanes->n[2];
-    const float* restrict alpha = lanes->param[RF_PARAM_SHEEN_ALPHA], * restrict u0 = u[0], * restrict u1 = u[1];
-    float* restrict ix = wi[0], * restrict iy = wi[1], * restrict iz = wi[2];
+    const RfLanes3 normal = rf_lanes3( lanes->n );
+    const RfLanesOut3 out = rf_lanes_out3( wi );
+    const float *alpha = lanes->param[RF_PARAM_SHEEN_ALPHA], *u0 = u[0], *u1 = u[1];
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfVec3 n = rf_vec3( nx[i], ny[i], nz[i] );
+        RfVec3 n = rf_at( normal, i );
         float y = spread( sqrtf( alpha[i] ) ) * rf_log2( u0[i] );
         float sunk = rf_exp2( y ), mu = rf_one_minus_exp2( y );
         RfVec3 w = rf_madd( rf_scale( rf_azimuth_direction( n, u1[i] ), sqrtf( sunk * ( 1.0f + mu ) ) ), n, mu );
         bool chosen = u_below[i] < 0.0f;
-        ix[i] = chosen ? w.x : ix[i];
-        iy[i] = chosen ? w.y : iy[i];
-        iz[i] = chosen ? w.z : iz[i];
-    }
-}
-
-void rf_sheen_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                        float* const f[3], float* pdf_solid_angle )
-{
-    rf_ggx_evaluate( count, lanes, wo, wi, f, pdf_solid_angle );
-    rf_lay_sheen( count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_sheen_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] )
-{
-    for ( int first = 0; first < count; first += RF_BLOCK )
-    {
-        float u_below[RF_BLOCK], u_base[RF_BLOCK];
-        int size = rf_block_size( first, count );
-        RfBsdfLanes block = rf_bsdf_lanes( RF_BSDF_SHEEN, lanes->n, lanes->param, first );
-        const float* o[3] = { wo[0] + first, wo[1] + first, wo[2] + first };
-        float* out[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
-        rf_choose_sheen( size, &block, o, u[2] + first, u_below );
-        for ( int i = 0; i < size; ++i )
-            u_base[i] = rf_maxf( u_below[i], 0.0f );
-        const float* random[3] = { u[0] + first, u[1] + first, u_base };
-        rf_ggx_sample( size, &block, o, random, out );
-        rf_sample_sheen( size, &block, random, u_below, out );
+        rf_put( out, i, rf_vec3( chosen ? w.x : out.x[i], chosen ? w.y : out.y[i], chosen ? w.z : out.z[i] ) );
     }
 }
