@@ -13,7 +13,7 @@
 // specular one by visible normals.
 //
 // Nothing cancels, for the reasons given in ggx.c: half vectors and normals stay unnormalised, split along t, b and n.
-#include "bsdf/film.h"
+#include "bsdf/thin_film.h"
 
 // What the functions below are compiled for: `stretch`: has the parameters of anisotropy, `film`: those of a film.
 typedef struct FacetsOf

@@ -3,7 +3,7 @@
 #ifndef REFRAME_BSDF_SPECTRUM_H
 #define REFRAME_BSDF_SPECTRUM_H
 
-#include "bsdf/film.h"
+#include "bsdf/thin_film.h"
 #include "bsdf/lane.h"
 
 typedef struct RfSpectrum

@@ -8,7 +8,7 @@
 #include "image/exr.h"
 #include "output/matte_strings.h"
 #include "output/names.h"
-#include "output/passes.h"
+#include "output/pass_channels.h"
 #include "output/time_code.h"
 #include "reframe/output.h"
 #include "reframe/render.h"

@@ -2,7 +2,7 @@
 #ifndef REFRAME_PAGE_MATTE_NAMES_H
 #define REFRAME_PAGE_MATTE_NAMES_H
 
-#include "page/passes.h"
+#include "page/pass_groups.h"
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 // Follows camera rays through mirrors and clear glass to the surfaces whose albedo and normal a denoiser needs.
 #include "path/features.h"
 
-#include "bsdf/film.h"
+#include "bsdf/thin_film.h"
 #include "bsdf/sheen.h"
 
 #include <string.h>

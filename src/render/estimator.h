@@ -23,7 +23,7 @@
 #include "film/film_error.h"
 #include "film/pixel_filter.h"
 #include "reframe/render.h"
-#include "render/clamp.h"
+#include "render/clamp_threshold.h"
 #include "render/traits.h"
 
 // Numbers of groups for what has random numbers of its own; no group of the path has them. Extra samples and glints of group n have
@@ -58,7 +58,7 @@ typedef struct RfEstimatorGroup
     bool single;          // pixel by pixel, not in tiles
     bool first_hits_only; // no light: for add_own_shares and count_reuse alone
     const RfClampThresholds* clamp; // with settings.clamp: the threshold of each frame, like eyes; NULL: none
-    RfClampWatch* clamp_watch;      // is told of what paths bring, by one thread (render/clamp.h); NULL: nobody
+    RfClampWatch* clamp_watch;      // is told of what paths bring, by one thread (render/clamp_threshold.h); NULL: nobody
     bool even_light_samples;        // first hits have no more light samples than other vertices
     const void* shared;             // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;

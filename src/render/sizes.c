@@ -3,7 +3,7 @@
 
 #include "image/exr.h"
 #include "render/adaptive/adaptive.h"
-#include "render/adaptive/glints.h"
+#include "render/adaptive/glint_pilot.h"
 #include "render/memory/memory.h"
 #include "render/settings.h"
 #include "render/worlds.h"

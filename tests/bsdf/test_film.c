@@ -1,6 +1,6 @@
 // Thin films: the integrals of waves over light of D65 against sums over wavelengths, and the reflectance of one wavelength against
 // Airy's closed form.
-#include "bsdf/film.h"
+#include "bsdf/thin_film.h"
 
 #include <complex.h>
 #include <math.h>
@@ -58,7 +58,7 @@ static void wave_of( double difference, double out[3] )
 static void test_waves( void** state )
 {
     (void)state;
-    const double limit[3] = { 0.017, 0.005, 0.003 }; // as film.h has it
+    const double limit[3] = { 0.017, 0.005, 0.003 }; // as thin_film.h has it
     double worst[3] = { 0 };
     for ( int i = 0; i <= 300; ++i )
     {

@@ -1,6 +1,6 @@
 // Mirrors and glass: Fresnel's and Snell's laws by hand, energy, and agreement of
 // sampling, density and evaluation for rough lobes; channel by channel where glass disperses or has a film.
-#include "bsdf/film.h"
+#include "bsdf/thin_film.h"
 
 #include "base/random.h"
 

@@ -27,7 +27,7 @@ static double stretched_lambda( const Stretched* s, D3 w )
     return ggx_lambda( hypot( cos( phi ) * s->along, sin( phi ) * s->across ), d3_angle( s->n, w ) );
 }
 
-// The mean over the light that a channel sees of cos 2πσD: the fit of src/bsdf/film.h.
+// The mean over the light that a channel sees of cos 2πσD: the fit of src/bsdf/thin_film.h.
 static double film_wave( int channel, double difference )
 {
     static const double s_mean[] = { 1.662381, 1.813970, 1.911180, 2.208079 },
@@ -46,7 +46,7 @@ static double film_wave( int channel, double difference )
 }
 
 // Belcour and Barla 2017, equations 8 to 11 as KHR_materials_iridescence takes them: Schlick's Fresnel, phases of 0 or π. Both F0
-// and what is reflected within the film are less by a factor of 0.9999 (src/bsdf/film.h).
+// and what is reflected within the film are less by a factor of 0.9999 (src/bsdf/thin_film.h).
 static double film_reflectance( int channel, double f0, double cos_theta, const double* p )
 {
     double ior = p[FILM_INDEX], nm = p[FILM_NM];

@@ -1,6 +1,6 @@
 // AOVs of a render: closed forms, the variance against the true one, the same bits however
 // the frames come about, and no influence on colour.
-#include "bsdf/film.h"
+#include "bsdf/thin_film.h"
 #include "bsdf/sheen.h"
 #include "support/filter_reference.h"
 #include "support/render_support.h"

@@ -1,5 +1,5 @@
 // Passes are found in files of Reframe, Blender and Nuke, in one part or several, each once, and look as what they are.
-#include "page/passes.h"
+#include "page/pass_groups.h"
 #include "support/image_files.h"
 #include "support/image_support.h"
 

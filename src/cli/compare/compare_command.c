@@ -11,7 +11,7 @@
 #include "measure/image_error.h"
 #include "measure/sequences.h"
 #include "output/frame_file.h"
-#include "page/passes.h"
+#include "page/pass_groups.h"
 #include "reframe/effects.h"
 #include "reframe/image.h"
 #include "reframe/measure.h"

@@ -9,7 +9,7 @@
 #include "measure/flicker.h"
 #include "measure/flicker_sequence.h"
 #include "measure/sequences.h"
-#include "page/passes.h"
+#include "page/pass_groups.h"
 #include "reframe/image.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "base/words.h"
 #include "image/png.h"
 #include "page/matte_names.h"
-#include "page/passes.h"
+#include "page/pass_groups.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/render/films_file.h"
-#include "cli/render/preview.h"
+#include "cli/render/preview_output.h"
 #include "cli/render/progress.h"
 #include "reframe/output.h"
 #include "reframe/plan.h"

@@ -14,7 +14,7 @@
 #include "measure/image_error.h"
 #include "page/matte_names.h"
 #include "page/page.h"
-#include "page/passes.h"
+#include "page/pass_groups.h"
 
 #include <jansson.h>
 

@@ -5,7 +5,7 @@
 
 #include "cli/options/frame_lists.h"
 #include "image/exr.h"
-#include "page/passes.h"
+#include "page/pass_groups.h"
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 #include "base/system.h"
-#include "render/adaptive/glints.h"
+#include "render/adaptive/glint_pilot.h"
 #include "render/adaptive/need.h"
 #include "scene/textured.h"
 

@@ -19,7 +19,7 @@
 // With RF_ADAPTIVE_AUTO a coarse look comes first, a ray for a sixteenth of the pixels: where few of them are without
 // help the frame gets neither a pilot nor extra samples. The pilot's random numbers do not depend on it.
 //
-// Glints, pixels in which few first hits bring most of the light, have a pilot and extra samples of their own (glints.h).
+// Glints, pixels in which few first hits bring most of the light, have a pilot and extra samples of their own (glint_pilot.h).
 //
 // An extra sample belongs to a group of one frame: f |cos| L / p, plain or shared in its
 // tile, with the weight of a pass. It adds 1 to B and 1 to the pixel's number of

@@ -18,7 +18,7 @@ typedef struct RfLiveFilm
     RfPairNoise pair;
     float* need; // adaptive sampling: extra samples wanted by each pixel in a pass; NULL: none in this render
     float most_need;
-    float* glints; // the same for glints, pixel by pixel (render/adaptive/glints.h); NULL: none in this render
+    float* glints; // the same for glints, pixel by pixel (render/adaptive/glint_pilot.h); NULL: none in this render
     float most_glints;
 } RfLiveFilm;
 

@@ -3,7 +3,7 @@
 
 #include "base/fault.h"
 #include "path/mis.h"
-#include "reuse/accumulate/covering.h"
+#include "reuse/accumulate/covering_weights.h"
 #include "reuse/accumulate/pass_light.h"
 #include "reuse/accumulate/reprojection.h"
 #include "reuse/accumulate/splat.h"

@@ -5,7 +5,7 @@
 #define REFRAME_REUSE_HARVEST_CLAMP_H
 
 #include "math/vec3.h"
-#include "render/clamp.h"
+#include "render/clamp_threshold.h"
 #include "reuse/harvest/records.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 // The passes of a frame as channels of its file, with their names and conventions: the AOVs and the layers that only some renders have.
-#ifndef REFRAME_OUTPUT_PASSES_H
-#define REFRAME_OUTPUT_PASSES_H
+#ifndef REFRAME_OUTPUT_PASS_CHANNELS_H
+#define REFRAME_OUTPUT_PASS_CHANNELS_H
 
 #include "output/pass_names.h"
 #include "reframe/render.h"

@@ -1,5 +1,5 @@
 // Adds what cameras see first to the tables of the pixels, by the weights and the filter of the colour: as `alpha`.
-#include "reuse/accumulate/covering.h"
+#include "reuse/accumulate/covering_weights.h"
 
 // Where a sample goes.
 typedef struct Cover

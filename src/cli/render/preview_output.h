@@ -1,6 +1,6 @@
 // render --preview: the frame in work as a PNG, or everything on a live page.
-#ifndef REFRAME_CLI_RENDER_PREVIEW_H
-#define REFRAME_CLI_RENDER_PREVIEW_H
+#ifndef REFRAME_CLI_RENDER_PREVIEW_OUTPUT_H
+#define REFRAME_CLI_RENDER_PREVIEW_OUTPUT_H
 
 #include "cli/render/http_server.h"
 #include "page/picture.h"

@@ -1,5 +1,5 @@
 // Writes the picture of the frame in work to a file, or keeps it for the live page and answers that page's requests.
-#include "cli/render/preview.h"
+#include "cli/render/preview_output.h"
 
 #include "base/system.h"
 #include "cli/messages.h"
@@ -7,7 +7,7 @@
 #include "image/atomic_file.h"
 #include "image/png.h"
 #include "page/page_assets.h"
-#include "page/passes.h"
+#include "page/pass_groups.h"
 #include "page/picture.h"
 #include "scene/scene.h"
 #include "trace/trace.h"

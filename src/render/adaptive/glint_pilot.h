@@ -1,6 +1,6 @@
 // Internal to adaptive sampling: extra samples for glints, which are few pixels and most of a picture's error.
-#ifndef REFRAME_RENDER_ADAPTIVE_GLINTS_H
-#define REFRAME_RENDER_ADAPTIVE_GLINTS_H
+#ifndef REFRAME_RENDER_ADAPTIVE_GLINT_PILOT_H
+#define REFRAME_RENDER_ADAPTIVE_GLINT_PILOT_H
 
 #include "render/renderer.h"
 

@@ -1,6 +1,6 @@
 // The threshold of the clamp (src/reuse/estimators.md, E15): as it was given, or found by a pilot.
-#ifndef REFRAME_RENDER_CLAMP_H
-#define REFRAME_RENDER_CLAMP_H
+#ifndef REFRAME_RENDER_CLAMP_THRESHOLD_H
+#define REFRAME_RENDER_CLAMP_THRESHOLD_H
 
 #include "reframe/error.h"
 

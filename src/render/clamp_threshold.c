@@ -3,7 +3,7 @@
 // bias: in blocks of pixels, by the product of what both halves have lost, which is unbiased, relative to the brightness of the
 // block. The least sum for the samples that the render will have is taken. It grows with them, since the
 // variance falls with their number and the bias does not.
-#include "render/clamp.h"
+#include "render/clamp_threshold.h"
 
 #include "base/random.h"
 #include "base/system.h"

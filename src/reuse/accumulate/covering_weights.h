@@ -1,6 +1,6 @@
 // The surfaces that cover the pixels of a frame, by the samples that land in it (film/covering.h).
-#ifndef REFRAME_REUSE_ACCUMULATE_COVERING_H
-#define REFRAME_REUSE_ACCUMULATE_COVERING_H
+#ifndef REFRAME_REUSE_ACCUMULATE_COVERING_WEIGHTS_H
+#define REFRAME_REUSE_ACCUMULATE_COVERING_WEIGHTS_H
 
 #include "reuse/accumulate/accumulate.h"
 

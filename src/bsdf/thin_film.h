@@ -1,8 +1,8 @@
 // A thin film over a dielectric or metal: its Fresnel reflectance per channel (Belcour and Barla, A Practical Extension to
 // Microfacet Theory for the Modeling of Varying Iridescence, 2017), as KHR_materials_iridescence simplifies it: Schlick's Fresnel
 // at both interfaces, no polarisation, the base an index without extinction per channel, from its F0 in air.
-#ifndef REFRAME_BSDF_FILM_H
-#define REFRAME_BSDF_FILM_H
+#ifndef REFRAME_BSDF_THIN_FILM_H
+#define REFRAME_BSDF_THIN_FILM_H
 
 #include "bsdf/lane.h"
 

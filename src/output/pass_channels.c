@@ -1,5 +1,5 @@
 // The passes of a frame as channels of its file.
-#include "output/passes.h"
+#include "output/pass_channels.h"
 
 #include "film/aov.h"
 

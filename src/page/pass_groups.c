@@ -1,5 +1,5 @@
 // Groups the channels of a file into passes.
-#include "page/passes.h"
+#include "page/pass_groups.h"
 
 #include "output/pass_names.h"
 #include "reframe/aov.h"

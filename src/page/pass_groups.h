@@ -1,7 +1,7 @@
 // The passes that a file holds beside its picture, by the names of Reframe, Blender or Nuke, in one part or several, and how each is
 // shown: the only place that knows how a pass looks, for the report page and for PNG files.
-#ifndef REFRAME_PAGE_PASSES_H
-#define REFRAME_PAGE_PASSES_H
+#ifndef REFRAME_PAGE_PASS_GROUPS_H
+#define REFRAME_PAGE_PASS_GROUPS_H
 
 #include "image/exr.h"
 #include "page/picture.h"
