@@ -33,16 +33,12 @@ static void turn( int count, const RfBsdfLanes* lanes, const float* const wo[3],
         float scale = drawn > 0.0f ? 1.0f / ( drawn > 0.0f ? drawn : 1.0f ) : 0.0f;
         RfVec3 base = rf_scale( rf_madd( rf_scale( d, here ), t, through ), scale );
         RfVec3 seen = rf_madd( o, n, RF_FAULT( mirrored_eye ) ? 0.0f : -2.0f * through * rf_dot( n, o ) );
-        out->diffuse[0][i] = base.x;
-        out->diffuse[1][i] = base.y;
-        out->diffuse[2][i] = base.z;
+        RF_PUT3( out->diffuse, i, base );
         out->specular[0][i] = s.x * here * scale;
         out->specular[1][i] = s.y * here * scale;
         out->specular[2][i] = s.z * here * scale;
         out->f90[i] = f90[i] * here * scale;
-        out->wo[0][i] = seen.x;
-        out->wo[1][i] = seen.y;
-        out->wo[2][i] = seen.z;
+        RF_PUT3( out->wo, i, seen );
     }
     out->lanes = *lanes;
     for ( int c = 0; c < 3; ++c )

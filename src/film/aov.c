@@ -259,7 +259,7 @@ _Static_assert( true RF_AOV_LIST( CHANNELS_FIT ), "channels of an AOV" );
 static Seen seen_at( const RfAovJob* job, RfFirstHits first, int i )
 {
     const RfVertexLanes* v = first.hits;
-    Seen seen = { .point = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ) };
+    Seen seen = { .point = RF_GET3( v->p, i ) };
     if ( job->scene == NULL || first.surfaces == NULL )
         return seen;
     int ray = v->ray[i];
@@ -280,7 +280,7 @@ static Seen seen_at( const RfAovJob* job, RfFirstHits first, int i )
 static void value_at_hit( const RfAovJob* job, RfAov aov, RfFirstHits first, int i, float value[MOST_CHANNELS] )
 {
     const RfVertexLanes* v = first.hits;
-    RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
+    RfVec3 p = RF_GET3( v->p, i );
     switch ( aov )
     {
         case RF_AOV_ALBEDO: store( value, rf_albedo_of_lane( v, i ) ); break;
@@ -313,7 +313,7 @@ static void value_at_miss( const RfAovJob* job, RfAov aov, const RfRayLanes* ray
     memset( value, 0, MOST_CHANNELS * sizeof *value );
     if ( aov == RF_AOV_MOTION )
     {
-        RfVec3 d = rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] );
+        RfVec3 d = RF_GET3( rays->d, slot );
         motion_of( job, ( Seen ){ .point = d, .infinite = true }, value );
     }
 }

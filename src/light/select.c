@@ -185,8 +185,8 @@ static inline __attribute__( ( always_inline ) ) void select_block( const RfLigh
     {
         int k = first + i;
         d[i] = begin( bits[0][k], bits[1][k] );
-        position[i] = in_ball( lights, rf_vec3( x[0][k], x[1][k], x[2][k] ) );
-        normal[i] = rf_vec3( n[0][k], n[1][k], n[2][k] );
+        position[i] = in_ball( lights, RF_GET3( x, k ) );
+        normal[i] = RF_GET3( n, k );
         if ( two )
             nodes[i] = descend_from_roots( lights, position[i], normal[i], d + i );
         else

@@ -361,10 +361,7 @@ static float throughput_of( const RfConnectionWork* w, int i )
     if ( w->vertex == 1 )
         return 1.0f;
     int r = w->v->ray[i];
-    return SCATTERED *
-           ( w->rays == NULL
-                 ? 1.0f
-                 : rf_luminance( rf_vec3( w->rays->throughput[0][r], w->rays->throughput[1][r], w->rays->throughput[2][r] ) ) );
+    return SCATTERED * ( w->rays == NULL ? 1.0f : rf_luminance( RF_GET3( w->rays->throughput, r ) ) );
 }
 
 // Connections of this kind found with a share of all light paths (rf_find_footprint).

@@ -81,10 +81,7 @@ struct RfConnectionWork
     float chosen[RF_LANES]; // the sum of what was drawn from
 };
 
-static inline RfVec3 rf_lane_of( const float ( *array )[RF_LANES], int i )
-{
-    return rf_vec3( array[0][i], array[1][i], array[2][i] );
-}
+static inline RfVec3 rf_lane_of( const float ( *array )[RF_LANES], int i ) { return RF_GET3( array, i ); }
 
 // Shadow rays start there as well.
 static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )

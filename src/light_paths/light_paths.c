@@ -193,7 +193,7 @@ static uint64_t scatter_block( const RfEstimatorGroup* group, RfLightPaths* path
             continue;
         const RfTriangleRecord* t = rf_triangle_record( group->tracer, hit[k], &place );
         uint32_t path = number[k] / RF_SCATTERED_PER_PATH;
-        RfVec3 p = rf_hit_point( t, u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ), rf_vec3( d[0][k], d[1][k], d[2][k] ) ).p;
+        RfVec3 p = rf_hit_point( t, u[k], v[k], RF_GET3( o, k ), RF_GET3( d, k ) ).p;
         float radius = rf_scattered_radius( paths, paths->path + path, p, t->ng );
         paths->scattered[number[k]] = ( RfScatteredPath ){ { p, rf_vec3( radius, radius, radius ) }, path };
     }

@@ -264,12 +264,8 @@ typedef struct Rays
 static void add_ray( Rays* rays, int index, const RfRayPair* ray )
 {
     int k = rays->count++;
-    rays->o[0][k] = ray->o.x;
-    rays->o[1][k] = ray->o.y;
-    rays->o[2][k] = ray->o.z;
-    rays->d[0][k] = ray->d.x;
-    rays->d[1][k] = ray->d.y;
-    rays->d[2][k] = ray->d.z;
+    RF_PUT3( rays->o, k, ray->o );
+    RF_PUT3( rays->d, k, ray->d );
     rays->index[k] = index;
 }
 

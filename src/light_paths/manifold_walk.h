@@ -67,7 +67,7 @@ typedef struct RfPassedPanes
 // T = q κ of what ray number `i` passed.
 static inline RfVec3 rf_passed_colour( const RfPassedPanes* panes, int i )
 {
-    RfVec3 kappa = rf_vec3( panes->weight[0][i], panes->weight[1][i], panes->weight[2][i] );
+    RfVec3 kappa = RF_GET3( panes->weight, i );
     return panes->any ? rf_scale( kappa, panes->probability[i] ) : rf_vec3( 1.0f, 1.0f, 1.0f );
 }
 
@@ -171,12 +171,8 @@ static inline void rf_steer( RfEmission* e, float s1, float s2 )
 // Ray number `i` of a block, as rf_trace_nearest and rf_trace_segments take them.
 static inline void rf_put_ray( float o[3][RF_CHAIN_BLOCK], float d[3][RF_CHAIN_BLOCK], int i, RfVec3 from, RfVec3 way )
 {
-    o[0][i] = from.x;
-    o[1][i] = from.y;
-    o[2][i] = from.z;
-    d[0][i] = way.x;
-    d[1][i] = way.y;
-    d[2][i] = way.z;
+    RF_PUT3( o, i, from );
+    RF_PUT3( d, i, way );
 }
 
 // Throughput of flux over that of radiance, which scales with the squared index: not 1 if light starts inside a

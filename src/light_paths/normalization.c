@@ -144,7 +144,7 @@ static int try_vpls_again( RfConnectionWork* w, uint32_t trial, bool* pending )
             continue;
         RfTriangleRecord place;
         const RfTriangleRecord* t = rf_triangle_record( tracer, hit[k], &place );
-        RfVec3 p = rf_hit_point( t, u[k], v[k], rf_vec3( o[0][k], o[1][k], o[2][k] ), rf_vec3( d[0][k], d[1][k], d[2][k] ) ).p;
+        RfVec3 p = rf_hit_point( t, u[k], v[k], RF_GET3( o, k ), RF_GET3( d, k ) ).p;
         bool found = covers( w, w->vpl_connection + index[k], hit[k], p );
         pending[index[k]] = !found;
         left -= found;

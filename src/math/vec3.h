@@ -18,6 +18,18 @@ static inline RfVec3 rf_load_vec3( const float* array, uint32_t index )
 {
     return rf_vec3( array[3 * (size_t)index], array[3 * (size_t)index + 1], array[3 * (size_t)index + 2] );
 }
+
+// Element i of three arrays, or of three pointers to arrays: they are evaluated three times.
+#define RF_GET3( arrays, i ) rf_vec3( ( arrays )[0][i], ( arrays )[1][i], ( arrays )[2][i] )
+#define RF_PUT3( arrays, i, ... )                                                                                                \
+    do                                                                                                                           \
+    {                                                                                                                            \
+        RfVec3 put = __VA_ARGS__;                                                                                                \
+        ( arrays )[0][i] = put.x;                                                                                                \
+        ( arrays )[1][i] = put.y;                                                                                                \
+        ( arrays )[2][i] = put.z;                                                                                                \
+    } while ( 0 )
+
 static inline RfVec3 rf_add( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x + b.x, a.y + b.y, a.z + b.z ); }
 static inline RfVec3 rf_sub( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x - b.x, a.y - b.y, a.z - b.z ); }
 static inline RfVec3 rf_mul( RfVec3 a, RfVec3 b ) { return rf_vec3( a.x * b.x, a.y * b.y, a.z * b.z ); }

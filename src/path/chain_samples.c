@@ -23,13 +23,6 @@ static float step( float u, float by )
 
 #define LANE( array, i ) rf_vec3( ( array )[0][i], ( array )[1][i], ( array )[2][i] )
 
-static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
-{
-    array[0][i] = v.x;
-    array[1][i] = v.y;
-    array[2][i] = v.z;
-}
-
 // A cosine-weighted direction.
 static RfVec3 direction_by( RfVec3 n, float u0, float u1 )
 {
@@ -66,11 +59,11 @@ static void leave( const RfVertexLanes* v, int sample, RfWavefront* wavefront, R
         RfVec3 n = LANE( v->n, i ), ng = LANE( v->ng, i );
         RfVec3 d = direction_by( n, u0, u1 );
         int slot = v->slot[i], at = rays->count;
-        put( samples->way, slot, d );
-        put( samples->light, slot, rf_vec3( 0, 0, 0 ) );
-        put( rays->o, at, rf_madd( LANE( v->p, i ), ng, v->offset[i] ) );
-        put( rays->d, at, d );
-        put( rays->throughput, at, rf_vec3( 1, 1, 1 ) );
+        RF_PUT3( samples->way, slot, d );
+        RF_PUT3( samples->light, slot, rf_vec3( 0, 0, 0 ) );
+        RF_PUT3( rays->o, at, rf_madd( LANE( v->p, i ), ng, v->offset[i] ) );
+        RF_PUT3( rays->d, at, d );
+        RF_PUT3( rays->throughput, at, rf_vec3( 1, 1, 1 ) );
         rays->slot[at] = slot;
         rays->count += rf_dot( d, ng ) > 0.0f && rf_dot( d, n ) > 0.0f;
     }
@@ -82,8 +75,8 @@ static void compact( const float* wanted, RfRayLanes* rays )
     int count = 0;
     for ( int r = 0; r < rays->count; ++r )
     {
-        put( rays->o, count, LANE( rays->o, r ) );
-        put( rays->d, count, LANE( rays->d, r ) );
+        RF_PUT3( rays->o, count, LANE( rays->o, r ) );
+        RF_PUT3( rays->d, count, LANE( rays->d, r ) );
         rays->slot[count] = rays->slot[r];
         count += wanted[r] > 0.0f;
     }
@@ -109,7 +102,7 @@ static void keep_chains( const RfPathSettings* settings, RfWavefront* wavefront 
 
 static void note_light( const RfPathSettings* settings, int slot, RfVec3 light, int part, RfChainSamples* samples )
 {
-    put( samples->light, slot, light );
+    RF_PUT3( samples->light, slot, light );
     if ( settings->grouped )
         samples->part[slot] = (uint8_t)rf_counts_in( settings, part );
 }
@@ -164,9 +157,9 @@ static void scatter( const RfPathSettings* settings, const RfRayLanes* rays, int
              !( rf_max_component( t ) > 0.0f ) )
             continue;
         int at = next->count++;
-        put( next->o, at, rf_madd( LANE( v->p, i ), LANE( v->ng, i ), side * v->offset[i] ) );
-        put( next->d, at, LANE( s->wi, i ) );
-        put( next->throughput, at, t );
+        RF_PUT3( next->o, at, rf_madd( LANE( v->p, i ), LANE( v->ng, i ), side * v->offset[i] ) );
+        RF_PUT3( next->d, at, LANE( s->wi, i ) );
+        RF_PUT3( next->throughput, at, t );
         next->slot[at] = v->slot[i];
     }
 }
@@ -205,11 +198,11 @@ static void keep_one( const RfVertexLanes* v, int i, float random, int base_part
     samples->sum[slot] += luminance;
     if ( !( luminance > 0.0f && random * samples->sum[slot] < luminance ) )
         return;
-    put( found->wi, i, LANE( samples->way, slot ) );
+    RF_PUT3( found->wi, i, LANE( samples->way, slot ) );
     for ( int part = 1; part < base_parts; ++part )
-        put( rf_chain_samples_of( samples, part ), i, rf_vec3( 0, 0, 0 ) );
-    put( found->radiance_cos, i, rf_vec3( 0, 0, 0 ) );
-    put( rf_chain_samples_of( samples, base_parts > 1 ? samples->part[slot] : 0 ), i, rf_scale( light, 1.0f / luminance ) );
+        RF_PUT3( rf_chain_samples_of( samples, part ), i, rf_vec3( 0, 0, 0 ) );
+    RF_PUT3( found->radiance_cos, i, rf_vec3( 0, 0, 0 ) );
+    RF_PUT3( rf_chain_samples_of( samples, base_parts > 1 ? samples->part[slot] : 0 ), i, rf_scale( light, 1.0f / luminance ) );
 }
 
 static void keep( const RfVertexLanes* v, int sample, int base_parts, RfWavefront* wavefront, RfChainSamples* samples )
@@ -234,8 +227,8 @@ static void clear( const RfVertexLanes* v, int base_parts, RfChainSamples* sampl
         memset( samples->part, 0, RF_LANES );
     for ( int i = 0; i < v->count; ++i )
     {
-        put( samples->found.wi, i, LANE( v->n, i ) );
-        put( samples->found.radiance_cos, i, rf_vec3( 0, 0, 0 ) );
+        RF_PUT3( samples->found.wi, i, LANE( v->n, i ) );
+        RF_PUT3( samples->found.radiance_cos, i, rf_vec3( 0, 0, 0 ) );
         samples->found.pdf_solid_angle[i] = 0.0f;
         samples->sum[v->slot[i]] = 0.0f;
     }

@@ -163,8 +163,7 @@ typedef struct LightPoints
 // same directions and distances.
 static inline RfVec3 start_of( const RfVertexLanes* v, int i )
 {
-    return rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] ),
-                    v->offset[i] );
+    return rf_madd( RF_GET3( v->p, i ), RF_GET3( v->ng, i ), v->offset[i] );
 }
 
 static void select_lights( const RfPathSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
@@ -174,9 +173,7 @@ static void select_lights( const RfPathSettings* settings, const RfVertexLanes* 
     for ( int i = 0; i < v->count; ++i )
     {
         RfVec3 from = start_of( v, i );
-        scratch->o[0][i] = from.x;
-        scratch->o[1][i] = from.y;
-        scratch->o[2][i] = from.z;
+        RF_PUT3( scratch->o, i, from );
     }
     const float* x[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* n[3] = { v->n[0], v->n[1], v->n[2] };
@@ -208,15 +205,9 @@ static void sample_points( const RfLights* lights, int count, const RfLaneScratc
         float root = sqrtf( scratch->random[0][i] );
         float b1 = 1.0f - root, b2 = scratch->random[1][i] * root;
         RfVec3 p = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
-        out->p[0][i] = p.x;
-        out->p[1][i] = p.y;
-        out->p[2][i] = p.z;
-        out->n[0][i] = light->normal.x;
-        out->n[1][i] = light->normal.y;
-        out->n[2][i] = light->normal.z;
-        out->radiance[0][i] = light->radiance.x;
-        out->radiance[1][i] = light->radiance.y;
-        out->radiance[2][i] = light->radiance.z;
+        RF_PUT3( out->p, i, p );
+        RF_PUT3( out->n, i, light->normal );
+        RF_PUT3( out->radiance, i, light->radiance );
         out->pdf_area[i] = light->pdf_area * out->selection[i].probability;
         out->offset[i] = light->offset;
         out->two_sided[i] = light->two_sided ? 1.0f : 0.0f;
@@ -234,9 +225,7 @@ static void look_up_radiance( const RfScene* scene, const RfLights* lights, int 
             continue;
         float root = sqrtf( scratch->random[0][i] );
         RfVec3 radiance = rf_light_radiance( scene, lights->light + number, 1.0f - root, scratch->random[1][i] * root );
-        out->radiance[0][i] = radiance.x;
-        out->radiance[1][i] = radiance.y;
-        out->radiance[2][i] = radiance.z;
+        RF_PUT3( out->radiance, i, radiance );
     }
 }
 
@@ -249,10 +238,10 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
     {
-        RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
-        RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-        RfVec3 z = rf_vec3( points->p[0][i], points->p[1][i], points->p[2][i] );
-        RfVec3 nz = rf_vec3( points->n[0][i], points->n[1][i], points->n[2][i] );
+        RfVec3 ng = RF_GET3( v->ng, i );
+        RfVec3 n = RF_GET3( v->n, i );
+        RfVec3 z = RF_GET3( points->p, i );
+        RfVec3 nz = RF_GET3( points->n, i );
         RfVec3 from = start_of( v, i );
         RfVec3 to_light = rf_sub( z, from );
         float d2 = rf_dot( to_light, to_light );
@@ -277,9 +266,7 @@ static void connect( const RfVertexLanes* restrict v, const LightPoints* restric
         float rounding = RF_FAULT( light_rounding ) ? 0.0f : rf_ray_offset( rf_largest_coordinate( from ) );
         float lift = rf_maxf( points->offset[i], rounding );
         RfVec3 to = rf_madd( z, nz, RF_FAULT( light_offset ) ? 0.0f : lift * side );
-        scratch->o[0][i] = from.x;
-        scratch->o[1][i] = from.y;
-        scratch->o[2][i] = from.z;
+        RF_PUT3( scratch->o, i, from );
         scratch->d[0][i] = to.x - from.x;
         scratch->d[1][i] = to.y - from.y;
         scratch->d[2][i] = to.z - from.z;
@@ -306,11 +293,11 @@ static void connect_non_area( const RfPathSettings* settings, const RfWavefront*
     for ( int k = 0; k < points->non_area_count; ++k )
     {
         int i = points->non_area[k];
-        RfVec3 from = rf_vec3( scratch->o[0][i], scratch->o[1][i], scratch->o[2][i] );
+        RfVec3 from = RF_GET3( scratch->o, i );
         RfRandomKey key = { keys->key_a[v->slot[i]], keys->key_b[v->slot[i]] };
         float u[2] = { scratch->random[0][i], scratch->random[1][i] };
-        RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
-        RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
+        RfVec3 ng = RF_GET3( v->ng, i );
+        RfVec3 n = RF_GET3( v->n, i );
         NonAreaSample s = sample_non_area( lights, points->selection[i], key, dimension, u, from, n );
         float cos_x = rf_dot( n, s.wi );
         bool is_finite = rf_max_component( s.radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
@@ -356,7 +343,7 @@ static void look_up_sky( const RfLights* lights, const LightPoints* points, int 
         int i = scratch->index[k];
         if ( !points->sky[i] || scratch->visible[k] == 0.0f )
             continue;
-        RfVec3 l = rf_sky_radiance( &lights->sky, rf_vec3( out->wi[0][i], out->wi[1][i], out->wi[2][i] ) );
+        RfVec3 l = rf_sky_radiance( &lights->sky, RF_GET3( out->wi, i ) );
         float radiance[3] = { l.x, l.y, l.z };
         bool bounded = rf_max_component( l ) <= MAX_PUNCTUAL_RADIANCE;
         for ( int c = 0; c < 3; ++c )

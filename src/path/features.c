@@ -10,8 +10,7 @@
 
 static RfVec3 colour_param( const RfVertexLanes* v, RfBsdfParams params, RfBsdfParam param, int i )
 {
-    return rf_has_param( params, param ) ? rf_vec3( v->param[param][i], v->param[param + 1][i], v->param[param + 2][i] )
-                                         : rf_vec3( 0, 0, 0 );
+    return rf_has_param( params, param ) ? RF_GET3( v->param + param, i ) : rf_vec3( 0, 0, 0 );
 }
 
 // Whether there may be a film, on GGX or on a mirror. What glass under a film does not reflect it transmits.
@@ -53,7 +52,7 @@ RfVec3 rf_albedo_of_lane( const RfVertexLanes* v, int i )
 RfVec3 rf_seen_normal( const RfVertexLanes* v, int i )
 {
     bool drawn = i >= v->first[RF_BSDF_TRANSLUCENT] && i < v->first[RF_BSDF_TRANSLUCENT + 1];
-    return rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), drawn ? v->param[RF_PARAM_CHOICE][i] : 1.0f );
+    return rf_scale( RF_GET3( v->n, i ), drawn ? v->param[RF_PARAM_CHOICE][i] : 1.0f );
 }
 
 // What happens at a vertex, in shares of the albedo: what it shows of itself, and the ways that go on.
@@ -73,7 +72,7 @@ static bool is_smooth_metal( const RfVertexLanes* v, RfBsdfKind kind, int i )
 static Event event_at( const RfVertexLanes* v, int i )
 {
     RfBsdfKind kind = rf_kind_of_lane( v, i );
-    RfVec3 n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), wo = rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
+    RfVec3 n = RF_GET3( v->n, i ), wo = RF_GET3( v->wo, i );
     Event e = { .own = { 0, 0, 0 } };
     if ( is_smooth_metal( v, kind, i ) )
     {
@@ -132,8 +131,8 @@ static void add_sky( const RfPathSettings* path, const RfRayLanes* rays, int r, 
 {
     if ( !rf_has_sky( rf_tracer_lights( path->tracer ) ) )
         return;
-    RfVec3 sky = rf_sky_in_frame( path, rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] ) );
-    RfVec3 throughput = rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] );
+    RfVec3 sky = rf_sky_in_frame( path, RF_GET3( rays->d, r ) );
+    RfVec3 throughput = RF_GET3( rays->throughput, r );
     add( f, rays->slot[r], rf_mul( throughput, sky ), rf_vec3( 0, 0, 0 ) );
 }
 
@@ -148,9 +147,7 @@ static void append( const RfVertexLanes* v, int i, RfVec3 wi, Way way, RfRayLane
         return;
     }
     int to = rays->count++;
-    rays->throughput[0][to] = way.throughput.x;
-    rays->throughput[1][to] = way.throughput.y;
-    rays->throughput[2][to] = way.throughput.z;
+    RF_PUT3( rays->throughput, to, way.throughput );
     f->share[v->slot[i]] = way.share;
     rf_write_ray( v, i, direction, side, RF_DELTA_PDF, rays, to );
 }
@@ -180,7 +177,7 @@ static void follow( const RfPathSettings* path, RfWavefront* wavefront, RfFeatur
         {
             int r = v->ray[i];
             Event e = event_at( v, i );
-            Way way = { rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ), f->share[v->slot[i]] };
+            Way way = { RF_GET3( rays->throughput, r ), f->share[v->slot[i]] };
             RfVec3 both = rf_add( e.way[0], e.way[1] );
             add_own( path, v, i, &e, way, f );
             if ( !goes_on( &e ) )
@@ -208,8 +205,7 @@ static void split( const RfPathSettings* path, const RfVertexLanes* first, const
         int r = first->ray[i];
         Way way = { rf_vec3( 1, 1, 1 ), 1.0f };
         if ( i >= rf_record_count( first ) )
-            way.throughput =
-                rf_transmittance_from( first, i, rf_vec3( camera_rays->o[0][r], camera_rays->o[1][r], camera_rays->o[2][r] ) );
+            way.throughput = rf_transmittance_from( first, i, RF_GET3( camera_rays->o, r ) );
         if ( k == 0 )
             add_own( path, first, i, &e, way, f );
         if ( !( rf_mean( e.way[k] ) > 0.0f ) )

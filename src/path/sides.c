@@ -1,10 +1,7 @@
 // The sides of translucent surfaces on which light is drawn to arrive (src/reuse/estimators.md, section 20).
 #include "path/wavefront.h"
 
-static RfVec3 colour_at( const RfVertexLanes* v, RfBsdfParam param, int i )
-{
-    return rf_vec3( v->param[param][i], v->param[param + 1][i], v->param[param + 2][i] );
-}
+static RfVec3 colour_at( const RfVertexLanes* v, RfBsdfParam param, int i ) { return RF_GET3( v->param + param, i ); }
 
 void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* v )
 {

@@ -57,13 +57,6 @@ static void sort_by_kind( const RfTracer* tracer, int count, RfLaneScratch* scra
         scratch->index[bucket[scratch->kind[i]]++] = i;
 }
 
-static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
-{
-    array[0][i] = v.x;
-    array[1][i] = v.y;
-    array[2][i] = v.z;
-}
-
 // Index of refraction of the far side over the near side (RF_PARAM_IOR).
 static float relative_ior( const RfMaterial* m, float facing )
 {
@@ -89,10 +82,7 @@ static void gather_params( const RfMaterial* materials, const int32_t* restrict 
     }
 }
 
-static RfVec3 throughput_of( const RfRayLanes* rays, int r )
-{
-    return rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] );
-}
+static RfVec3 throughput_of( const RfRayLanes* rays, int r ) { return RF_GET3( rays->throughput, r ); }
 
 // Sets the parameters of a lane that depend on the hit and its ray. v->n is still the
 // interpolated normal, which a coat keeps.
@@ -102,13 +92,13 @@ static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial
     if ( params == 0 )
         return;
     if ( rf_has_param( params, RF_PARAM_CLEARCOAT_N ) )
-        put( v->param + RF_PARAM_CLEARCOAT_N, i, rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) );
+        RF_PUT3( v->param + RF_PARAM_CLEARCOAT_N, i, RF_GET3( v->n, i ) );
     if ( rf_has_param( params, RF_PARAM_CHOICE ) )
         v->param[RF_PARAM_CHOICE][i] = m->kind == RF_BSDF_SPECTRAL ? rf_pack_channels( throughput_of( rays, r ) ) : 1.0f;
     if ( rf_has_param( params, RF_PARAM_IOR ) )
     {
         v->param[RF_PARAM_IOR][i] = relative_ior( m, facing );
-        put( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
+        RF_PUT3( v->absorption, i, facing < 0.0f && !m->thin ? m->absorption : rf_vec3( 0, 0, 0 ) );
     }
 }
 
@@ -118,13 +108,13 @@ static inline __attribute__( ( always_inline ) ) void fill_emission( RfVertexLan
                                                                      uint32_t index, float facing, RfVec3 to_hit )
 {
     v->light_pdf_solid_angle[i] = 0.0f;
-    put( v->emission, i, rf_vec3( 0, 0, 0 ) );
+    RF_PUT3( v->emission, i, rf_vec3( 0, 0, 0 ) );
     if ( index == RF_NO_LIGHT )
         return;
     const RfLight* light = lights->light + index;
     if ( facing <= 0.0f && ( RF_FAULT( two_sided ) || !rf_calls_for( light->two_sided, RF_EFFECT_TWO_SIDED_EMISSION ) ) )
         return;
-    put( v->emission, i, light->radiance );
+    RF_PUT3( v->emission, i, light->radiance );
     float cos_light = fabsf( facing );
     if ( cos_light > 0.0f )
         v->light_pdf_solid_angle[i] = light->pdf_area * rf_dot( to_hit, to_hit ) / cos_light;
@@ -160,7 +150,7 @@ static inline __attribute__( ( always_inline ) ) void fill_lane( const Source* f
     RfTriangleRecord place;
     const RfTriangleRecord* t = placed ? rf_triangle_record( from->tracer, from->scratch->triangle[r], &place )
                                        : from->triangles + from->scratch->triangle[r];
-    RfVec3 o = rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] );
+    RfVec3 o = RF_GET3( rays->o, r );
     RfVec3 wo = rf_vec3( -rays->d[0][r], -rays->d[1][r], -rays->d[2][r] );
     RfHitPoint hit = rf_hit_point( t, bu, bv, o, rf_scale( wo, -1.0f ) );
     float facing = rf_dot( t->ng, wo );
@@ -168,10 +158,10 @@ static inline __attribute__( ( always_inline ) ) void fill_lane( const Source* f
     RfVec3 ng = rf_scale( t->ng, side );
     bool smooth = rf_calls_for( !t->flat, RF_EFFECT_INTERPOLATED_NORMALS );
     RfVec3 n = smooth ? shading_normal( t, bu, bv, side, ng ) : ng;
-    put( v->p, i, hit.p );
-    put( v->ng, i, ng );
-    put( v->n, i, n );
-    put( v->wo, i, wo );
+    RF_PUT3( v->p, i, hit.p );
+    RF_PUT3( v->ng, i, ng );
+    RF_PUT3( v->n, i, n );
+    RF_PUT3( v->wo, i, wo );
     v->offset[i] = hit.offset;
     v->ray[i] = r;
     v->slot[i] = rays->slot[r];
@@ -192,12 +182,12 @@ static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hi
 {
     if ( !rf_is_built( RF_EFFECT_NORMAL_MAPS ) )
         return;
-    RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), hit->side );
+    RfVec3 n = rf_scale( RF_GET3( v->n, i ), hit->side );
     if ( m->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 )
-        put( v->n, i, rf_scale( rf_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
+        RF_PUT3( v->n, i, rf_scale( rf_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
     if ( m->textured->refs[RF_TEXTURE_CLEARCOAT_NORMAL].texture >= 0 )
-        put( v->param + RF_PARAM_CLEARCOAT_N, i,
-             rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
+        RF_PUT3( v->param + RF_PARAM_CLEARCOAT_N, i,
+                 rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
 }
 
 // Looks up the material of a textured lane into `here`, and replaces the normals and
@@ -210,13 +200,13 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
     float bu = from->scratch->u[r], bv = from->scratch->v[r];
     RfTriangleRecord place;
     const RfTriangleRecord* t = rf_triangle_record( from->tracer, triangle, &place );
-    float facing = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
+    float facing = rf_dot( t->ng, RF_GET3( v->wo, i ) );
     rf_material_at( scene, m, triangle, bu, bv, here );
     fill_params_of_hit( v, i, here, facing, from->rays, r );
     Hit hit = { .triangle = triangle, .u = bu, .v = bv, .side = facing < 0.0f ? -1.0f : 1.0f };
     look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
-        put( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
+        RF_PUT3( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
 }
 
 // The tangents of lanes [first, end), which have their normals. Lane first + k has material number[k].
@@ -229,10 +219,10 @@ static void fill_tangents( const RfScene* scene, const Source* from, const RfMat
         uint32_t triangle = from->scratch->triangle[r];
         RfTriangleRecord place;
         const RfTriangleRecord* t = rf_triangle_record( from->tracer, triangle, &place );
-        float side = rf_dot( t->ng, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ) < 0.0f ? -1.0f : 1.0f;
-        RfVec3 n = rf_scale( rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ), side );
-        put( v->param + RF_PARAM_TANGENT, i,
-             rf_stretch_at( scene, materials + number[i - first], triangle, from->scratch->u[r], from->scratch->v[r], n ) );
+        float side = rf_dot( t->ng, RF_GET3( v->wo, i ) ) < 0.0f ? -1.0f : 1.0f;
+        RfVec3 n = rf_scale( RF_GET3( v->n, i ), side );
+        RF_PUT3( v->param + RF_PARAM_TANGENT, i,
+                 rf_stretch_at( scene, materials + number[i - first], triangle, from->scratch->u[r], from->scratch->v[r], n ) );
     }
 }
 
@@ -329,7 +319,7 @@ static void stop_at_panes_of( RfBsdfKind kind, const RfVertexLanes* v, RfRayLane
     RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, kind, 0 );
     for ( int i = v->first[kind]; i < v->first[kind + 1]; ++i )
     {
-        RfPane pane = rf_pane_of_lane( kind, &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) );
+        RfPane pane = rf_pane_of_lane( kind, &lanes, i, RF_GET3( v->wo, i ) );
         if ( v->ray[i] < first_past || !( pane.probability > 0.0f ) )
             continue;
         float stopped = rf_maxf( 1.0f - pane.probability, 0x1p-24f );

@@ -101,8 +101,8 @@ static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes
 // The probability that a light sample at the ray's origin selects this light.
 static float selection_probability( const RfPathSettings* settings, const RfRayLanes* rays, int r, uint32_t light )
 {
-    RfVec3 o = rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] );
-    RfVec3 n = rf_vec3( rays->n[0][r], rays->n[1][r], rays->n[2][r] );
+    RfVec3 o = RF_GET3( rays->o, r );
+    RfVec3 n = RF_GET3( rays->n, r );
     return rf_light_probability( rf_tracer_lights( settings->tracer ), settings->light_sampling, light, o, n );
 }
 
@@ -122,7 +122,7 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
         if ( v->light_pdf_solid_angle[i] == 0.0f )
             continue;
         int r = v->ray[i];
-        RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
+        RfVec3 emission = RF_GET3( v->emission, i );
         uint32_t light = rf_triangle_light( settings->tracer, triangle[r] );
         float probability = RF_FAULT( selection ) ? 1.0f : selection_probability( settings, rays, r, light );
         float light_pdf = light_pdf_behind( pane_probability, r, v->light_pdf_solid_angle[i] * probability );
@@ -134,8 +134,8 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
 static void add_changing_sky( const RfPathSettings* settings, const RfRayLanes* rays, int r, float probability,
                               const RfReceiver* to )
 {
-    RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
-    RfVec3 n = rf_vec3( rays->n[0][r], rays->n[1][r], rays->n[2][r] );
+    RfVec3 d = RF_GET3( rays->d, r );
+    RfVec3 n = RF_GET3( rays->n, r );
     int slot = rays->slot[r], frames = rf_lit_frames( settings );
     bool alone = ( to->own != NULL && to->own->touched[slot] ) ||
                  ( to->chain_light != NULL && rf_may_take_chain_light( to->chain_light, slot ) );
@@ -159,7 +159,7 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
     {
         if ( triangle[r] != RF_MISS )
             continue;
-        RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] );
+        RfVec3 d = RF_GET3( rays->d, r );
         float probability = selection_probability( settings, rays, r, rf_sky_number( lights ) );
         int part = rf_light_part( lights, rf_sky_number( lights ) );
         if ( rf_is_own_part( part ) && settings->parts && settings->frames != NULL )
@@ -167,7 +167,7 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
             add_changing_sky( settings, rays, r, light_pdf_behind( pane_probability, r, probability ), to );
             continue;
         }
-        RfVec3 n = rf_vec3( rays->n[0][r], rays->n[1][r], rays->n[2][r] );
+        RfVec3 n = RF_GET3( rays->n, r );
         float light_pdf = rf_sky_pdf_solid_angle_at( &lights->sky, n, d ) * probability;
         add_arrival( settings, rays, r, rf_sky_radiance( &lights->sky, d ), part,
                      light_pdf_behind( pane_probability, r, light_pdf ), to );
@@ -187,7 +187,7 @@ void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const 
         return;
     for ( int i = 0; i < count; ++i )
     {
-        RfVec3 radiance = rf_vec3( lights->radiance_cos[0][i], lights->radiance_cos[1][i], lights->radiance_cos[2][i] );
+        RfVec3 radiance = RF_GET3( lights->radiance_cos, i );
         float lit = rf_luminance( radiance ) / ( (float)settings->light_samples * lights->pdf_solid_angle[i] );
         wavefront->lit[i] = lit + ( sample > 0 ? wavefront->lit[i] : 0.0f );
     }
@@ -195,9 +195,9 @@ void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const 
 
 static void begin_trail( const RfVertexLanes* v, int i, int vertex, RfTrail* trail )
 {
-    trail->n = rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] );
-    trail->ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
-    trail->start = rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), trail->ng, v->offset[i] );
+    trail->n = RF_GET3( v->n, i );
+    trail->ng = RF_GET3( v->ng, i );
+    trail->start = rf_madd( RF_GET3( v->p, i ), trail->ng, v->offset[i] );
     trail->vertex = vertex;
 }
 
@@ -229,7 +229,7 @@ static void share_emission( const RfPathSettings* settings, const RfLaneScratch*
     int r = v->ray[i];
     if ( length > 0 && connector->connected[v->material[i]] && v->light_pdf_solid_angle[i] > 0.0f )
     {
-        RfVec3 p = rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] );
+        RfVec3 p = RF_GET3( v->p, i );
         float weight = connector->weigh_chance( connector, trail, length, hits->triangle[r], p );
         v->light_pdf_solid_angle[i] = weight > 0.0f ? v->light_pdf_solid_angle[i] : 0.0f;
         for ( int c = 0; c < 3; ++c )
@@ -458,7 +458,7 @@ void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
     for ( int i = rf_record_count( v ); rf_is_built( RF_EFFECT_ABSORPTION ) && i < v->count; ++i )
     {
         int r = v->ray[i];
-        RfVec3 transmittance = rf_transmittance_from( v, i, rf_vec3( rays->o[0][r], rays->o[1][r], rays->o[2][r] ) );
+        RfVec3 transmittance = rf_transmittance_from( v, i, RF_GET3( rays->o, r ) );
         rays->throughput[0][r] *= transmittance.x;
         rays->throughput[1][r] *= transmittance.y;
         rays->throughput[2][r] *= transmittance.z;

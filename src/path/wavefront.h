@@ -220,7 +220,7 @@ static inline RfPathSettings rf_settings_of_sample( const RfPathSettings* settin
 static inline RfVec3 rf_emission_in_frame( const RfPathSettings* settings, const RfVertexLanes* v, int i )
 {
     const RfLights* lights = rf_tracer_lights( settings->tracer );
-    RfVec3 emission = rf_vec3( v->emission[0][i], v->emission[1][i], v->emission[2][i] );
+    RfVec3 emission = RF_GET3( v->emission, i );
     return rf_mul( emission, rf_part_scale( lights, rf_material_part( lights, v->material[i] ) ) );
 }
 
@@ -333,10 +333,10 @@ static inline RfVec3 rf_transmittance( RfVec3 absorption, float distance )
 // unless the ray ran inside the body.
 static inline RfVec3 rf_transmittance_from( const RfVertexLanes* v, int i, RfVec3 o )
 {
-    RfVec3 absorption = rf_vec3( v->absorption[0][i], v->absorption[1][i], v->absorption[2][i] );
+    RfVec3 absorption = RF_GET3( v->absorption, i );
     if ( !rf_calls_for( rf_max_component( absorption ) > 0.0f, RF_EFFECT_ABSORPTION ) )
         return rf_vec3( 1, 1, 1 );
-    return rf_transmittance( absorption, rf_length( rf_sub( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), o ) ) );
+    return rf_transmittance( absorption, rf_length( rf_sub( RF_GET3( v->p, i ), o ) ) );
 }
 
 // Scatters all lanes of the vertices, the path's `vertex`-th, with deferred MIS.

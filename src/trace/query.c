@@ -514,9 +514,7 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
             RfHitPoint at = rf_hit_point( t, packet.hit.u[i], packet.hit.v[i], origin, d );
             float side = rf_dot( t->ng, rf_sub( origin, at.p ) ) < 0.0f ? -1.0f : 1.0f;
             RfVec3 p = rf_madd( at.p, t->ng, side * rf_maxf( at.offset, least ) );
-            hit[0][first + i] = p.x;
-            hit[1][first + i] = p.y;
-            hit[2][first + i] = p.z;
+            RF_PUT3( hit, first + i, p );
         }
     }
 }

@@ -20,8 +20,7 @@ static void project_lanes( const RfEye* eye, const RfHitBatch* batch, int32_t* p
 {
     for ( int i = 0; i < batch->count; ++i )
     {
-        RfProjection at = rf_project_any( eye, rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ),
-                                          rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ) );
+        RfProjection at = rf_project_any( eye, RF_GET3( batch->p, i ), RF_GET3( batch->ng, i ) );
         pixel[i] = at.y * eye->width + at.x;
         density[i] = at.seen ? at.density : 0.0f;
     }
@@ -57,15 +56,15 @@ static void project_places( const RfEye* eye_in, const RfHitBatch* batch, float*
 #pragma omp simd
     for ( int i = 0; i < straight; ++i )
     {
-        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
-        RfProjection at = rf_project( &eye, p, rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ) );
+        RfVec3 p = RF_GET3( batch->p, i );
+        RfProjection at = rf_project( &eye, p, RF_GET3( batch->ng, i ) );
         u[i] = at.u;
         v[i] = at.v;
     }
     for ( int i = straight; i < batch->count; ++i )
     {
-        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
-        RfProjection at = rf_project_any( eye_in, p, rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ) );
+        RfVec3 p = RF_GET3( batch->p, i );
+        RfProjection at = rf_project_any( eye_in, p, RF_GET3( batch->ng, i ) );
         u[i] = at.u;
         v[i] = at.v;
     }
@@ -90,14 +89,14 @@ void rf_own_densities( const RfMirrors* mirrors, const RfEye* eye, const RfHitBa
     int straight = rf_is_perspective( eye ) ? batch->count : 0;
     for ( int i = 0; i < straight; ++i )
     {
-        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
-        RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
+        RfVec3 p = RF_GET3( batch->p, i );
+        RfVec3 ng = RF_GET3( batch->ng, i );
         out.density[i] = rf_project( eye, p, ng ).density;
     }
     for ( int i = straight; i < batch->count; ++i )
     {
-        RfVec3 p = rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] );
-        RfVec3 ng = rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] );
+        RfVec3 p = RF_GET3( batch->p, i );
+        RfVec3 ng = RF_GET3( batch->ng, i );
         out.density[i] = rf_project_any( eye, p, ng ).density;
     }
     if ( !rf_has_views( batch ) )

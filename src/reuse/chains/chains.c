@@ -14,17 +14,9 @@
 // Reflections more likely than this are not split: they would be followed twice.
 #define SELDOM 0.5f
 
-static inline RfVec3 throughput_of( const RfChains* chains, int slot )
-{
-    return rf_vec3( chains->throughput[0][slot], chains->throughput[1][slot], chains->throughput[2][slot] );
-}
+static inline RfVec3 throughput_of( const RfChains* chains, int slot ) { return RF_GET3( chains->throughput, slot ); }
 
-static inline void set_throughput( RfChains* chains, int slot, RfVec3 t )
-{
-    chains->throughput[0][slot] = t.x;
-    chains->throughput[1][slot] = t.y;
-    chains->throughput[2][slot] = t.z;
-}
+static inline void set_throughput( RfChains* chains, int slot, RfVec3 t ) { RF_PUT3( chains->throughput, slot, t ); }
 
 _Static_assert( RF_CHAIN_ROULETTE_BEYOND >= MOST_SPLIT, "chains that may pass panes straight have no roulette" );
 
@@ -141,7 +133,7 @@ static void append_rays( const Scattering* at, bool end_at_panes, RfChains* chai
     {
         float direction[3] = { s->wi[0][i], s->wi[1][i], s->wi[2][i] };
         float side = rf_leaving_side( v, i, direction );
-        RfVec3 t = rf_mul( throughput_of( chains, v->slot[i] ), rf_vec3( s->f[0][i], s->f[1][i], s->f[2][i] ) );
+        RfVec3 t = rf_mul( throughput_of( chains, v->slot[i] ), RF_GET3( s->f, i ) );
         float survival = at->roulette ? rf_survival( rf_max_component( t ), at->vertex ) : 1.0f;
         if ( side == 0.0f || !( rf_max_component( t ) > 0.0f ) || s->random[0][i] >= survival ||
              ends_at_panes( at, chains, i, side ) != end_at_panes )
@@ -149,9 +141,7 @@ static void append_rays( const Scattering* at, bool end_at_panes, RfChains* chai
         chains->reflected[v->slot[i]] = side > 0.0f;
         int to = rays->count++;
         t = rf_scale( t, 1.0f / survival );
-        rays->throughput[0][to] = t.x;
-        rays->throughput[1][to] = t.y;
-        rays->throughput[2][to] = t.z;
+        RF_PUT3( rays->throughput, to, t );
         rf_write_ray( v, i, direction, side, s->pdf[i], rays, to );
     }
 }
@@ -200,7 +190,7 @@ static bool reflects_seldom( const RfVertexLanes* v, int i, bool mirrored )
         return false;
     RfBsdfKind kind = rf_specular_kind( v, i );
     RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, kind, 0 );
-    RfVec3 wo = mirrored ? rf_vec3( v->n[0][i], v->n[1][i], v->n[2][i] ) : rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] );
+    RfVec3 wo = mirrored ? RF_GET3( v->n, i ) : RF_GET3( v->wo, i );
     return rf_reflection_probability_of_lane( kind, &lanes, i, wo ) < SELDOM;
 }
 
@@ -276,7 +266,7 @@ static void follow_reflections( const RfPathSettings* path, int vertex, const Rf
     for ( int r = 0; r < rays->count; ++r )
     {
         bool last = vertex - chains->straight[rays->slot[r]] >= path->max_depth;
-        RfVec3 t = rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] );
+        RfVec3 t = RF_GET3( rays->throughput, r );
         set_throughput( chains, rays->slot[r], last ? rf_vec3( 0, 0, 0 ) : t );
     }
     go_to( &wavefront->vertices, at );
@@ -334,7 +324,7 @@ bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
         return false;
     RfBsdfKind kind = rf_specular_kind( v, i );
     RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, kind, 0 );
-    return rf_pane_of_lane( kind, &lanes, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ) ).probability > 0.0f;
+    return rf_pane_of_lane( kind, &lanes, i, RF_GET3( v->wo, i ) ).probability > 0.0f;
 }
 
 // What arrives of the light group of a material's emission.
@@ -351,7 +341,7 @@ static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, 
     for ( int i = 0; i < v->count; ++i )
     {
         int slot = v->slot[i];
-        RfVec3 t = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        RfVec3 t = rf_transmittance_from( v, i, RF_GET3( rays->o, slot ) );
         float left[3] = { t.x, t.y, t.z };
         set_throughput( chains, slot, t );
         chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
@@ -545,8 +535,7 @@ static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, c
     bool ghosts = rf_tracer_has_ghosts( path->tracer );
     RfVertexLanes* ends = &chains->ends;
     for ( int r = 0; r < rays->count; ++r )
-        set_throughput( chains, rays->slot[r],
-                        rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) );
+        set_throughput( chains, rays->slot[r], RF_GET3( rays->throughput, r ) );
     for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         for ( int i = found->first[kind]; i < found->first[kind + 1]; ++i )

@@ -45,8 +45,8 @@ void rf_weight_bases( const RfHitBatch* batch, const RfEye* eye, float* density,
         if ( batch->view[i] != RF_VIEW_BASE )
             continue;
         int k = i - first;
-        RfVec3 way = rf_scale( rf_eye_way( eye, rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ) ), -1.0f );
-        float cos_o = rf_dot( way, rf_vec3( batch->n[0][k], batch->n[1][k], batch->n[2][k] ) ) / rf_length( way );
+        RfVec3 way = rf_scale( rf_eye_way( eye, RF_GET3( batch->p, i ) ), -1.0f );
+        float cos_o = rf_dot( way, RF_GET3( batch->n, k ) ) / rf_length( way );
         float q = rf_base_probability( mean3( batch->param, RF_PARAM_DIFFUSE, k ), batch->param[RF_PARAM_COAT_F0][k],
                                        batch->param[RF_PARAM_COAT_F90][k], cos_o );
         density[i] *= q;

@@ -34,9 +34,9 @@ static inline void look_into( Image* i, uint8_t view, RfVec3 p )
         i->side = -rf_mirror_distance( i->mirror, rf_eye_start( &i->image, p ) );
 }
 
-static RfVec3 position( const RfHitBatch* batch, int i ) { return rf_vec3( batch->p[0][i], batch->p[1][i], batch->p[2][i] ); }
+static RfVec3 position( const RfHitBatch* batch, int i ) { return RF_GET3( batch->p, i ); }
 
-static RfVec3 normal( const RfHitBatch* batch, int i ) { return rf_vec3( batch->ng[0][i], batch->ng[1][i], batch->ng[2][i] ); }
+static RfVec3 normal( const RfHitBatch* batch, int i ) { return RF_GET3( batch->ng, i ); }
 
 // The probability of the reflection between the image and a hit, and its weight. 0 where the shading model would deflect the
 // ray, and from inside a body.
@@ -47,13 +47,6 @@ static float reflection( const Image* image, RfVec3 way, RfVec3* weight )
     if ( !( cos_o >= RF_MIN_COS ) || ( image->side < 0.0f && m->ior > 0.0f && !m->thin ) )
         return 0.0f;
     return rf_glass_reflection( m, rf_minf( cos_o, 1.0f ), weight );
-}
-
-static void put( float* const out[3], int i, RfVec3 v )
-{
-    out[0][i] = v.x;
-    out[1][i] = v.y;
-    out[2][i] = v.z;
 }
 
 void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* batch, RfProjectedLanes out )
@@ -76,7 +69,7 @@ void rf_project_mirrored( const RfMirrors* mirrors, const RfEye* eye, const RfHi
             out.offset[1][i] = at.v;
         }
         if ( out.filter[0] != NULL )
-            put( out.filter, i, weight );
+            RF_PUT3( out.filter, i, weight );
     }
 }
 
@@ -93,7 +86,7 @@ void rf_own_mirrored_densities( const RfMirrors* mirrors, const RfEye* eye, cons
         // the mirror did reflect, whatever rounding does to its angle
         out.density[i] = rf_maxf( rf_project_any( &image.image, p, normal( batch, i ) ).density * probability, RF_MIN_DENSITY );
         if ( out.filter[0] != NULL )
-            put( out.filter, i, weight );
+            RF_PUT3( out.filter, i, weight );
     }
 }
 
@@ -107,7 +100,7 @@ void rf_directions_to_image( const RfMirrors* mirrors, const RfEye* eye, const R
             continue;
         RfVec3 p = position( batch, i );
         look_into( &image, batch->view[i], p );
-        put( wo, i - first, rf_normalize( rf_scale( rf_eye_way( &image.image, p ), -1.0f ) ) );
+        RF_PUT3( wo, i - first, rf_normalize( rf_scale( rf_eye_way( &image.image, p ), -1.0f ) ) );
     }
 }
 
@@ -136,8 +129,7 @@ static void pack( const RfMirrors* mirrors, const RfEye* eye, const RfHitBatch* 
         look_into( &image, batch->view[i], p );
         RfVec3 o = rf_eye_start( &image.image, p );
         float before = fabsf( image.side ), after = fabsf( rf_mirror_distance( image.mirror, p ) );
-        put( ( float* [3] ){ out->on_mirror[0], out->on_mirror[1], out->on_mirror[2] }, out->count,
-             rf_madd( o, rf_sub( p, o ), before / ( before + after ) ) );
+        RF_PUT3( out->on_mirror, out->count, rf_madd( o, rf_sub( p, o ), before / ( before + after ) ) );
         out->mirror[out->count] = (uint8_t)( batch->view[i] - RF_VIEW_FIRST_MIRROR );
         out->weight[out->count] = density[i];
         out->lane[out->count++] = i;

@@ -24,8 +24,7 @@ void rf_begin_clamp( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScrat
         int slot = scratch->hits->slot[i];
         clamp->dimmed[i] = 1.0f;
         if ( chains && batch->view[i] == RF_VIEW_CHAIN )
-            clamp->dimmed[i] = rf_luminance( rf_vec3( scratch->chains->throughput[0][slot], scratch->chains->throughput[1][slot],
-                                                      scratch->chains->throughput[2][slot] ) );
+            clamp->dimmed[i] = rf_luminance( RF_GET3( scratch->chains->throughput, slot ) );
     }
     for ( int c = 0; c < 3 * rf_base_parts( &harvest->path ) && scratch->own != NULL; ++c )
         memset( rf_own_group( scratch, c / 3 )->removed[c % 3], 0, (size_t)batch->count * sizeof( float ) );

@@ -52,10 +52,7 @@ RfPilot* rf_place_pilot( const RfEstimatorGroup* group, RfLayout* layout )
     return pilot;
 }
 
-static float lane_luminance( float ( *light )[RF_LANES], int i )
-{
-    return rf_luminance( rf_vec3( light[0][i], light[1][i], light[2][i] ) );
-}
+static float lane_luminance( float ( *light )[RF_LANES], int i ) { return rf_luminance( RF_GET3( light, i ) ); }
 
 // Traces the batches, `count` of `all`, evenly spread over the frames.
 static void trace( RfPilot* pilot, const RfLightPaths* paths, int pass, int count, int all, Found* found, RfRayCounts* rays )

@@ -15,8 +15,6 @@ typedef struct Segments
     uint32_t first[RF_LANES];
 } Segments;
 
-static RfVec3 point_of( const float* const a[3], int i ) { return rf_vec3( a[0][i], a[1][i], a[2][i] ); }
-
 static void pack( const RfEye* eye, int count, const float* const point[3], const float* weight, Segments* s )
 {
     s->count = 0;
@@ -24,12 +22,10 @@ static void pack( const RfEye* eye, int count, const float* const point[3], cons
     {
         if ( !( weight[i] > 0.0f ) )
             continue;
-        RfVec3 p = point_of( point, i ), from = rf_eye_start( eye, p );
+        RfVec3 p = RF_GET3( point, i ), from = rf_eye_start( eye, p );
         int k = s->count++;
         s->lane[k] = i;
-        s->from[0][k] = from.x;
-        s->from[1][k] = from.y;
-        s->from[2][k] = from.z;
+        RF_PUT3( s->from, k, from );
         s->way[0][k] = p.x - from.x;
         s->way[1][k] = p.y - from.y;
         s->way[2][k] = p.z - from.z;
@@ -91,7 +87,7 @@ void rf_trace_mirrors_from_eye( const RfTracer* tracer, const RfEye* eye, int co
     {
         const float* one[3] = { point[0] + i, point[1] + i, point[2] + i };
         float* out[3] = { hit[0] + i, hit[1] + i, hit[2] + i };
-        RfVec3 from = rf_eye_start( eye, point_of( point, i ) );
+        RfVec3 from = rf_eye_start( eye, RF_GET3( point, i ) );
         rf_trace_mirrors( tracer, from, 1, one, mirror + i, out, triangle + i, weight + i );
     }
 }

@@ -46,8 +46,6 @@ static size_t film_pixel( const Block* b, const RfEye* eye, int slot )
     return (size_t)( b->y0 + k / b->width ) * (size_t)eye->width + (size_t)( b->x0 + k % b->width );
 }
 
-static RfVec3 get( float ( *array )[RF_LANES], int i ) { return rf_vec3( array[0][i], array[1][i], array[2][i] ); }
-
 static float mean_of( RfVec3 v ) { return ( v.x + v.y + v.z ) * ( 1.0f / 3.0f ); }
 
 static float alpha_of( const RfVertexLanes* v, int i )
@@ -66,7 +64,7 @@ static RfVec3 half_vector( RfVec3 a, RfVec3 b ) { return rf_normalize( rf_add( a
 // How the half vector for light from wi differs from the normal.
 static RfVec3 deviation( RfVertexLanes* v, int i, RfVec3 wi )
 {
-    return rf_sub( half_vector( get( v->wo, i ), wi ), get( v->n, i ) );
+    return rf_sub( half_vector( RF_GET3( v->wo, i ), wi ), RF_GET3( v->n, i ) );
 }
 
 // The covariance of the deviation in the pixel of lane i, by some hits on the material in this pixel and those around it.
@@ -103,9 +101,9 @@ static float gaussian( Spread c, float x, float y )
 // What one light sample at hit i, `k` among the sharp ones, brings to its pixel.
 static void add_light( RfVertexLanes* v, const Block* block, int i, const RfLightLanes* light, int k, RfVec3 lobe, float* sum )
 {
-    RfVec3 wi = get( (float( * )[RF_LANES])light->wi, k ), wo = get( v->wo, i ), n = get( v->n, i );
+    RfVec3 wi = RF_GET3( (float( * )[RF_LANES])light->wi, k ), wo = RF_GET3( v->wo, i ), n = RF_GET3( v->n, i );
     float cos_lobe = rf_dot( lobe, wi ), pdf = light->pdf_solid_angle[k];
-    float radiance = mean_of( get( (float( * )[RF_LANES])light->radiance_cos, k ) );
+    float radiance = mean_of( RF_GET3( (float( * )[RF_LANES])light->radiance_cos, k ) );
     if ( !( radiance > 0.0f ) || !( pdf > 0.0f ) || !( cos_lobe > 0.0f ) )
         return;
     radiance /= cos_lobe;
@@ -117,7 +115,7 @@ static void add_light( RfVertexLanes* v, const Block* block, int i, const RfLigh
     spread.yy += 0.5f * alpha * alpha;
     RfVec3 d = deviation( v, i, wi );
     float grazing = 1.0f - rf_dot( half_vector( wo, wi ), wo ),
-          f0 = rf_maxf( mean_of( get( v->param + RF_PARAM_SPECULAR, i ) ), LEAST_FRESNEL );
+          f0 = rf_maxf( mean_of( RF_GET3( v->param + RF_PARAM_SPECULAR, i ) ), LEAST_FRESNEL );
     float fresnel = f0 + ( 1.0f - f0 ) * grazing * grazing * grazing * grazing * grazing;
     float reflected = fresnel * all / ( 4.0f * cos_o );
     float mean = reflected * gaussian( spread, rf_dot( d, t ), rf_dot( d, b ) );
@@ -140,10 +138,8 @@ static int gather_sharp( RfVertexLanes* v, int32_t* of, RfVertexLanes* out )
         if ( !( alpha_of( v, i ) < RF_SHARP_ALPHA ) )
             continue;
         rf_copy_vertices( v, i, 1, 0, out, count );
-        RfVec3 wo = get( v->wo, i ), n = get( v->n, i ), lobe = rf_sub( rf_scale( n, 2.0f * rf_dot( n, wo ) ), wo );
-        out->n[0][count] = lobe.x;
-        out->n[1][count] = lobe.y;
-        out->n[2][count] = lobe.z;
+        RfVec3 wo = RF_GET3( v->wo, i ), n = RF_GET3( v->n, i ), lobe = rf_sub( rf_scale( n, 2.0f * rf_dot( n, wo ) ), wo );
+        RF_PUT3( out->n, count, lobe );
         of[count++] = i;
     }
     out->count = count;
@@ -162,7 +158,7 @@ static void add_emission( RfVertexLanes* v, const Block* block, const RfEye* eye
         for ( int k = 0; k < 9; ++k )
         {
             int j = lane_at( block, p % block->width + k % 3 - 1, p / block->width + k / 3 - 1, 0 );
-            float e = j >= 0 ? mean_of( get( v->emission, j ) ) : 0.0f;
+            float e = j >= 0 ? mean_of( RF_GET3( v->emission, j ) ) : 0.0f;
             mean += e;
             square += e * e;
             count += j >= 0 ? 1.0f : 0.0f;
@@ -211,7 +207,7 @@ static bool is_thin_or_curved( RfVertexLanes* v, const Block* block, int i )
         if ( is_inside( block, nx, ny ) && ( j < 0 || v->material[j] != v->material[i] ) )
             return true;
     }
-    RfVec3 t, b, n = get( v->n, i );
+    RfVec3 t, b, n = RF_GET3( v->n, i );
     rf_basis( n, &t, &b );
     Spread spread = find_spread( v, block, i, n, t, b );
     return spread.xx + spread.yy > CURVED;
@@ -242,7 +238,7 @@ static void add_part( const RfHarvest* at, int x0, int y0, float* sums, RfHarves
     for ( int k = 0; k < found; ++k )
     {
         float* sum = sums + 4 * film_pixel( &block, at->eyes, v->slot[of[k]] );
-        add_light( v, &block, of[k], scratch->direct, k, get( sharp->n, k ), sum );
+        add_light( v, &block, of[k], scratch->direct, k, RF_GET3( sharp->n, k ), sum );
         sum[3] += 1.0f / COPIES;
     }
 }

@@ -460,12 +460,8 @@ static void make_other_rays( const RfEye* eye, int count, const int32_t* pixel, 
     {
         RfVec3 o, d;
         rf_eye_ray( eye, inverse, pixel[i] % eye->width, pixel[i] / eye->width, random[0][i], random[1][i], &o, &d );
-        rays->o[0][i] = o.x;
-        rays->o[1][i] = o.y;
-        rays->o[2][i] = o.z;
-        rays->d[0][i] = d.x;
-        rays->d[1][i] = d.y;
-        rays->d[2][i] = d.z;
+        RF_PUT3( rays->o, i, o );
+        RF_PUT3( rays->d, i, d );
     }
 }
 
@@ -494,12 +490,8 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
     {
         int y = pixel[i] / e.width, x = pixel[i] - y * e.width;
         RfVec3 d = rf_pinhole_ray( &e, inverse, x, y, random[0][i], random[1][i] );
-        rays->o[0][i] = origin.x;
-        rays->o[1][i] = origin.y;
-        rays->o[2][i] = origin.z;
-        rays->d[0][i] = d.x;
-        rays->d[1][i] = d.y;
-        rays->d[2][i] = d.z;
+        RF_PUT3( rays->o, i, origin );
+        RF_PUT3( rays->d, i, d );
     }
     rays->count = count;
 }

@@ -35,7 +35,7 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
         if ( seen )
         {
             int slot = scratch->miss_slot[k];
-            sky = rf_sky_in_frame( &harvest->path, rf_vec3( rays->d[0][slot], rays->d[1][slot], rays->d[2][slot] ) );
+            sky = rf_sky_in_frame( &harvest->path, RF_GET3( rays->d, slot ) );
         }
         put_light( batch, base, k, sky );
     }
@@ -152,7 +152,7 @@ static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, in
     {
         int slot = v->slot[i];
         float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
-        RfVec3 transmittance = rf_transmittance_from( v, i, rf_vec3( rays->o[0][slot], rays->o[1][slot], rays->o[2][slot] ) );
+        RfVec3 transmittance = rf_transmittance_from( v, i, RF_GET3( rays->o, slot ) );
         float left[3] = { transmittance.x, transmittance.y, transmittance.z };
         float* removed = batch->removed + 4 * (size_t)( batch->count + first_miss + i - rf_record_count( v ) );
         for ( int c = 0; c < 3; ++c )

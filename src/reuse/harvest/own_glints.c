@@ -102,7 +102,7 @@ void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScr
 
 static float sample_luminance( const RfLightLanes* direct, int i )
 {
-    RfVec3 light = rf_vec3( direct->radiance_cos[0][i], direct->radiance_cos[1][i], direct->radiance_cos[2][i] );
+    RfVec3 light = RF_GET3( direct->radiance_cos, i );
     return direct->pdf_solid_angle[i] > 0.0f ? rf_luminance( light ) / direct->pdf_solid_angle[i] : 0.0f;
 }
 

@@ -204,7 +204,7 @@ void rf_pass_throughput( const RfHarvest* harvest, RfHitBatch* batch, const RfHa
         if ( batch->view[i] != RF_VIEW_CHAIN )
             continue;
         const RfChains* chains = scratch->chains;
-        RfVec3 left = rf_vec3( chains->throughput[0][slot], chains->throughput[1][slot], chains->throughput[2][slot] );
+        RfVec3 left = RF_GET3( chains->throughput, slot );
         for ( int part = rf_base_parts( &harvest->path ) - 1; part <= batch->dimmed_count; ++part )
         {
             const RfPassLight* light = light_of_part( harvest, batch, part );

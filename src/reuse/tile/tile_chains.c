@@ -7,9 +7,9 @@
 
 #define NO_PART 255
 
-static RfVec3 point_of( const RfVertexLanes* v, int i ) { return rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ); }
+static RfVec3 point_of( const RfVertexLanes* v, int i ) { return RF_GET3( v->p, i ); }
 
-static RfVec3 direction_of( float* const d[3], int i ) { return rf_vec3( d[0][i], d[1][i], d[2][i] ); }
+static RfVec3 direction_of( float* const d[3], int i ) { return RF_GET3( d, i ); }
 
 static float distance2( RfVec3 a, RfVec3 b )
 {
@@ -46,13 +46,11 @@ void rf_sort_chains( RfTileReuse* reuse )
 // Hit i starts in the direction that another has drawn.
 static void leave_parallel( const RfVertexLanes* hits, int i, RfVec3 wi, RfPairingLanes* pairing )
 {
-    RfVec3 n = rf_vec3( hits->n[0][i], hits->n[1][i], hits->n[2][i] );
-    RfVec3 ng = rf_vec3( hits->ng[0][i], hits->ng[1][i], hits->ng[2][i] );
+    RfVec3 n = RF_GET3( hits->n, i );
+    RfVec3 ng = RF_GET3( hits->ng, i );
     bool leaves = rf_dot( n, wi ) > 0.0f && rf_dot( ng, wi ) > 0.0f;
     RfVec3 to = leaves ? wi : n;
-    pairing->wi[0][i] = to.x;
-    pairing->wi[1][i] = to.y;
-    pairing->wi[2][i] = to.z;
+    RF_PUT3( pairing->wi, i, to );
     pairing->weight[i] = leaves ? 1.0f : 0.0f;
 }
 
@@ -100,15 +98,6 @@ typedef struct Walk
 
 static int slot_of( const Walk* walk, int follower ) { return walk->reuse->second.lanes.slot[walk->all.vertex[follower]]; }
 
-static void put( float ( *array )[RF_LANES], int i, RfVec3 v )
-{
-    array[0][i] = v.x;
-    array[1][i] = v.y;
-    array[2][i] = v.z;
-}
-
-static RfVec3 get( float ( *const array )[RF_LANES], int i ) { return rf_vec3( array[0][i], array[1][i], array[2][i] ); }
-
 static RfDeltaEvent event_at( const Walk* walk, int follower, int at, const RfVertexLanes* v, int i, RfVec3 wo )
 {
     RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, RF_BSDF_GLASS, 0 );
@@ -134,16 +123,14 @@ static void take_event( Walk* walk, int follower, int at, const RfVertexLanes* v
     int to = next->count++;
     for ( int c = 0; c < 3; ++c )
         next->o[c][to] = v->p[c][i] + v->ng[c][i] * ( side * v->offset[i] );
-    put( next->d, to, event.wi );
-    put( next->throughput, to, t );
+    RF_PUT3( next->d, to, event.wi );
+    RF_PUT3( next->throughput, to, t );
     next->slot[to] = follower;
 }
 
 static void end( Walk* walk, int follower, RfVec3 light )
 {
-    walk->all.light[0][follower] = light.x;
-    walk->all.light[1][follower] = light.y;
-    walk->all.light[2][follower] = light.z;
+    RF_PUT3( walk->all.light, follower, light );
     if ( !( light.x + light.y + light.z > 0.0f ) )
         walk->all.probability[follower] = 0.0f;
 }
@@ -165,13 +152,13 @@ static void end_misses( Walk* walk, int at, const RfRayLanes* rays )
         if ( walk->wavefront->scratch.triangle[r] != RF_MISS )
             continue;
         int follower = rays->slot[r];
-        RfVec3 d = rf_vec3( rays->d[0][r], rays->d[1][r], rays->d[2][r] ), sky = rf_vec3( 0, 0, 0 );
+        RfVec3 d = RF_GET3( rays->d, r ), sky = rf_vec3( 0, 0, 0 );
         if ( rf_has_sky( lights ) && at == walk->reuse->slots.chain_light.length[slot_of( walk, follower )] )
         {
             sky = rf_sky_in_frame( walk->path, d );
             note_part( walk, follower, rf_light_part( lights, rf_sky_number( lights ) ) );
         }
-        end( walk, follower, rf_mul( sky, rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ) ) );
+        end( walk, follower, rf_mul( sky, RF_GET3( rays->throughput, r ) ) );
     }
 }
 
@@ -181,7 +168,7 @@ static void arrive( Walk* walk, int at, int i, const RfRayLanes* rays, RfRayLane
     const RfTileReuse* reuse = walk->reuse;
     const RfVertexLanes* v = &walk->wavefront->vertices;
     int follower = v->slot[i], r = v->ray[i];
-    RfVec3 t = rf_vec3( rays->throughput[0][r], rays->throughput[1][r], rays->throughput[2][r] ), light = rf_vec3( 0, 0, 0 );
+    RfVec3 t = RF_GET3( rays->throughput, r ), light = rf_vec3( 0, 0, 0 );
     if ( v->light_pdf_solid_angle[i] > 0.0f )
         light = rf_mul( t, rf_emission_in_frame( walk->path, v, i ) );
     bool lit = rf_max_component( light ) > 0.0f, ends = at == reuse->slots.chain_light.length[slot_of( walk, follower )];
@@ -193,7 +180,7 @@ static void arrive( Walk* walk, int at, int i, const RfRayLanes* rays, RfRayLane
     else if ( lit || strays )
         walk->all.probability[follower] = 0.0f;
     else
-        take_event( walk, follower, at, v, i, rf_vec3( v->wo[0][i], v->wo[1][i], v->wo[2][i] ), t, next );
+        take_event( walk, follower, at, v, i, RF_GET3( v->wo, i ), t, next );
 }
 
 // Traces the rays to vertices number `at` of the chains, and appends those that leave them to `next`.
@@ -221,7 +208,7 @@ static void start( Walk* walk, RfRayLanes* to_first, RfRayLanes* beyond )
     for ( int k = 0; k < all->count; ++k )
     {
         int a = all->vertex[k], i = all->hit[k];
-        RfVec3 wi = get( reuse->pairings[all->pairing[k]].wi, i );
+        RfVec3 wi = RF_GET3( reuse->pairings[all->pairing[k]].wi, i );
         all->probability[k] = 1.0f;
         all->touched[k] = reuse->split && ( reuse->pairings[all->pairing[k]].touched[i] ||
                                             ( !reuse->second.parallel[a] && reuse->own->moving[slot_of( walk, k )] ) );
@@ -233,8 +220,8 @@ static void start( Walk* walk, RfRayLanes* to_first, RfRayLanes* beyond )
         int to = to_first->count++;
         for ( int c = 0; c < 3; ++c )
             to_first->o[c][to] = reuse->hits.lifted[c][i];
-        put( to_first->d, to, wi );
-        put( to_first->throughput, to, rf_vec3( 1, 1, 1 ) );
+        RF_PUT3( to_first->d, to, wi );
+        RF_PUT3( to_first->throughput, to, rf_vec3( 1, 1, 1 ) );
         to_first->slot[to] = k;
     }
 }
@@ -274,9 +261,9 @@ static void finish_own( Walk* walk, int k )
     RfTileReuse* reuse = walk->reuse;
     const Followers* all = &walk->all;
     int a = all->vertex[k], brightest = 0;
-    RfVec3 light = get( reuse->slots.chain_light.light, slot_of( walk, k ) );
+    RfVec3 light = RF_GET3( reuse->slots.chain_light.light, slot_of( walk, k ) );
     if ( reuse->second.parallel[a] )
-        light = rf_mul( light, get( reuse->second.throughput, a ) );
+        light = rf_mul( light, RF_GET3( reuse->second.throughput, a ) );
     float found[3] = { light.x, light.y, light.z };
     for ( int c = 1; c < 3; ++c )
         brightest = found[c] > found[brightest] ? c : brightest;
@@ -315,9 +302,9 @@ static void follow_others( Walk* walk )
     {
         int a = all->vertex[k], i = all->hit[k];
         RfPairingLanes* pairing = reuse->pairings + all->pairing[k];
-        RfVec3 left = rf_vec3( 1, 1, 1 ), light = rf_vec3( all->light[0][k], all->light[1][k], all->light[2][k] );
+        RfVec3 left = rf_vec3( 1, 1, 1 ), light = RF_GET3( all->light, k );
         if ( !reuse->second.parallel[a] )
-            left = rf_transmittance_from( &reuse->second.lanes, a, get( reuse->hits.lifted, i ) );
+            left = rf_transmittance_from( &reuse->second.lanes, a, RF_GET3( reuse->hits.lifted, i ) );
         pairing->weight[i] *= all->probability[k];
         if ( reuse->split )
         {
@@ -325,7 +312,7 @@ static void follow_others( Walk* walk )
             pairing->any_touched = pairing->any_touched || all->touched[k];
         }
         bool grouped = walk->path->grouped;
-        put( grouped ? pairing->chains->light : pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
+        RF_PUT3( grouped ? pairing->chains->light : pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
         if ( grouped )
             pairing->chains->part[a] = all->probability[k] > 0.0f ? all->part[k] : NO_PART;
     }

@@ -65,11 +65,9 @@ static float connection_weight( const RfPathSettings* settings, const RfTileReus
     const RfVertexLanes *x = reuse->hits.lanes, *y = &reuse->second.lanes;
     if ( i < 0 || reuse->second.connection_area[a] == INFINITY || !rf_is_matte_lane( settings, x, i ) )
         return 1.0f;
-    RfVec3 from =
-        rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), rf_vec3( x->ng[0][i], x->ng[1][i], x->ng[2][i] ), x->offset[i] );
-    return rf_own_weight( settings->connector->vpl_connections, reuse->second.connection_area[a], from,
-                          rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] ), rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ),
-                          rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ) );
+    RfVec3 from = rf_madd( RF_GET3( x->p, i ), RF_GET3( x->ng, i ), x->offset[i] );
+    return rf_own_weight( settings->connector->vpl_connections, reuse->second.connection_area[a], from, RF_GET3( x->n, i ),
+                          RF_GET3( y->p, a ), RF_GET3( y->ng, a ) );
 }
 
 // The same for second vertices [first, end) and their receivers in a pairing; 0 without one.

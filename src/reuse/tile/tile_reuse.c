@@ -88,8 +88,7 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
     {
         int i = hit_of_slot[y->slot[a]];
         if ( i >= 0 ) // connections end here: the rounding of where they begin counts, too
-            y->offset[a] = rf_maxf(
-                y->offset[a], rf_ray_offset( rf_largest_coordinate( rf_vec3( hits->p[0][i], hits->p[1][i], hits->p[2][i] ) ) ) );
+            y->offset[a] = rf_maxf( y->offset[a], rf_ray_offset( rf_largest_coordinate( RF_GET3( hits->p, i ) ) ) );
         reuse->second.owner[a] = -1;
         reuse->second.hit[a] = i;
         if ( i < 0 || !( a < rf_record_count( y ) || rf_has_chain_light( settings, reuse, a ) ) ||

@@ -15,13 +15,13 @@ static inline void connect( const RfVertexLanes* restrict x, const RfTileReuse* 
 {
     const RfVertexLanes* restrict y = &reuse->second.lanes;
     int a = pairing->vertex[i];
-    RfVec3 ng = rf_vec3( x->ng[0][i], x->ng[1][i], x->ng[2][i] );
-    RfVec3 n = rf_vec3( x->n[0][i], x->n[1][i], x->n[2][i] );
-    RfVec3 from = rf_madd( rf_vec3( x->p[0][i], x->p[1][i], x->p[2][i] ), ng, x->offset[i] );
-    RfVec3 to_vertex = rf_sub( rf_vec3( y->p[0][a], y->p[1][a], y->p[2][a] ), from );
+    RfVec3 ng = RF_GET3( x->ng, i );
+    RfVec3 n = RF_GET3( x->n, i );
+    RfVec3 from = rf_madd( RF_GET3( x->p, i ), ng, x->offset[i] );
+    RfVec3 to_vertex = rf_sub( RF_GET3( y->p, a ), from );
     float d2 = rf_maxf( rf_dot( to_vertex, to_vertex ), FLT_MIN );
     RfVec3 wi = rf_scale( to_vertex, 1.0f / sqrtf( d2 ) );
-    float cos_y = -rf_dot( rf_vec3( y->ng[0][a], y->ng[1][a], y->ng[2][a] ), wi );
+    float cos_y = -rf_dot( RF_GET3( y->ng, a ), wi );
     float geometry = cos_y / d2 * reuse->second.own_distance2_cos[a];
     // & of int: the loop stays free of branches
     int sees = (int)( pairing->weight[i] > 0.0f ) & (int)( cos_y > 0.0f ) & (int)( rf_dot( n, wi ) > 0.0f ) &
@@ -128,8 +128,8 @@ static void test_segments( Queue* q )
 
 static inline RfVec3 lifted( const RfVertexLanes* v, int i )
 {
-    RfVec3 ng = rf_vec3( v->ng[0][i], v->ng[1][i], v->ng[2][i] );
-    return rf_madd( rf_vec3( v->p[0][i], v->p[1][i], v->p[2][i] ), ng, v->offset[i] );
+    RfVec3 ng = RF_GET3( v->ng, i );
+    return rf_madd( RF_GET3( v->p, i ), ng, v->offset[i] );
 }
 
 static void lift_hits( const RfVertexLanes* x, RfTileReuse* reuse )
@@ -139,9 +139,7 @@ static void lift_hits( const RfVertexLanes* x, RfTileReuse* reuse )
     for ( int i = 0; i < count; ++i )
     {
         RfVec3 p = lifted( x, i );
-        reuse->hits.lifted[0][i] = p.x;
-        reuse->hits.lifted[1][i] = p.y;
-        reuse->hits.lifted[2][i] = p.z;
+        RF_PUT3( reuse->hits.lifted, i, p );
     }
 }
 
@@ -151,9 +149,7 @@ static inline void queue_segment( Queue* q, RfVec3 from, int pairing, int hit )
     const RfTileReuse* reuse = q->reuse;
     RfLaneScratch* s = q->scratch;
     int k = q->count;
-    s->o[0][k] = from.x;
-    s->o[1][k] = from.y;
-    s->o[2][k] = from.z;
+    RF_PUT3( s->o, k, from );
     s->d[0][k] = reuse->hits.lifted[0][hit] - from.x;
     s->d[1][k] = reuse->hits.lifted[1][hit] - from.y;
     s->d[2][k] = reuse->hits.lifted[2][hit] - from.z;
