@@ -21,10 +21,6 @@ typedef struct FacetsOf
     bool stretch, film;
 } FacetsOf;
 
-static const FacetsOf s_stretch = { true, false };
-static const FacetsOf s_film = { false, true };
-static const FacetsOf s_both = { true, true };
-
 // The arrays of lanes.
 typedef struct FacetsIn
 {
@@ -249,38 +245,6 @@ RF_KERNEL void sample( FacetsOf of, int count, const RfBsdfLanes* lanes, const f
     sample_block( of, count, &in, &eyes, &draw, u, wi );
 }
 
-void rf_anisotropic_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                              float* const f[3], float* pdf_solid_angle )
-{
-    evaluate( s_stretch, count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_anisotropic_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                            float* const wi[3] )
-{
-    sample( s_stretch, count, lanes, wo, u, wi );
-}
-
-void rf_iridescent_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                             float* const f[3], float* pdf_solid_angle )
-{
-    evaluate( s_film, count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_iridescent_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                           float* const wi[3] )
-{
-    sample( s_film, count, lanes, wo, u, wi );
-}
-
-void rf_facets_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                         float* const f[3], float* pdf_solid_angle )
-{
-    evaluate( s_both, count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_facets_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                       float* const wi[3] )
-{
-    sample( s_both, count, lanes, wo, u, wi );
-}
+RF_MODEL_FUNCTIONS( anisotropic, ( ( FacetsOf ){ .stretch = true } ) )
+RF_MODEL_FUNCTIONS( iridescent, ( ( FacetsOf ){ .film = true } ) )
+RF_MODEL_FUNCTIONS( facets, ( ( FacetsOf ){ .stretch = true, .film = true } ) )

@@ -31,6 +31,19 @@ typedef struct RfScattering
     float pdf_solid_angle;
 } RfScattering;
 
+// The functions of a model from the kernels `evaluate` and `sample` of its file, compiled for `of`.
+#define RF_MODEL_FUNCTIONS( model, of )                                                                                          \
+    void rf_##model##_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],         \
+                                float* const f[3], float* pdf_solid_angle )                                                      \
+    {                                                                                                                            \
+        evaluate( of, count, lanes, wo, wi, f, pdf_solid_angle );                                                                \
+    }                                                                                                                            \
+    void rf_##model##_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],            \
+                              float* const wi[3] )                                                                               \
+    {                                                                                                                            \
+        sample( of, count, lanes, wo, u, wi );                                                                                   \
+    }
+
 // wo and its cosine; if below the shading horizon, lifted to it along n.
 // The lifted length is never near 0: its part along n is RF_MIN_COS.
 typedef struct RfEyeLane

@@ -56,37 +56,6 @@ RF_KERNEL void sample( Layers of, int count, const RfBsdfLanes* lanes, const flo
         rf_sample_coat( count, lanes, wo, random, below_coat, wi );
 }
 
-void rf_coated_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                         float* const f[3], float* pdf_solid_angle )
-{
-    evaluate( s_coated, count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_coated_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                       float* const wi[3] )
-{
-    sample( s_coated, count, lanes, wo, u, wi );
-}
-
-void rf_sheen_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                        float* const f[3], float* pdf_solid_angle )
-{
-    evaluate( s_sheen, count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_sheen_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3] )
-{
-    sample( s_sheen, count, lanes, wo, u, wi );
-}
-
-void rf_layered_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                          float* const f[3], float* pdf_solid_angle )
-{
-    evaluate( s_layered, count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_layered_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                        float* const wi[3] )
-{
-    sample( s_layered, count, lanes, wo, u, wi );
-}
+RF_MODEL_FUNCTIONS( coated, s_coated )
+RF_MODEL_FUNCTIONS( sheen, s_sheen )
+RF_MODEL_FUNCTIONS( layered, s_layered )
