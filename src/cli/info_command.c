@@ -56,8 +56,12 @@ static const RfOption s_options[] = {
       .keyword_value = RF_GROUP_AUTO,
       .meta = "N|auto",
       .help = "say how light that changes is shared in groups of 2N+1 frames, as render --group" },
-    RF_JSON_OPTION( s_json, "write the result as JSON; - for standard output" ),
-    RF_QUIET_OPTION( s_quiet, "accepted for consistency; there is no progress" ),
+    { .name = "json",
+      .writes = ".json",
+      RF_VALUE( s_json ),
+      .meta = "FILE",
+      .help = "write the result as JSON; - for standard output" },
+    { .name = "quiet", RF_VALUE( s_quiet ), .help = "accepted for consistency; there is no progress" },
 };
 static const RfCommandTable s_table = {
     .command = "info",

@@ -535,8 +535,13 @@ int rf_command_reconstruct( int argc, char** argv )
           .help = "read dy from this file or sequence instead" },
         TEXT_OPTION( "frames", job.files.frames, "A-B[xSTEP][,...]", "all", "reconstruct only these frames of the sequence" ),
         { .name = "half", RF_VALUE( job.half ), .help = "16-bit floats instead of 32", .heading = RF_HEADING_OUTPUT },
-        RF_JSON_OPTION( job.json, "write statistics of the solves as JSON; - for standard output" ),
-        RF_QUIET_OPTION( job.quiet, "no progress, no summary" ),
+        { .name = "json",
+          .writes = ".json",
+          RF_VALUE( job.json ),
+          .meta = "FILE",
+          .help = "write statistics of the solves as JSON; - for standard output",
+          .heading = RF_HEADING_OUTPUT },
+        { .name = "quiet", RF_VALUE( job.quiet ), .help = "no progress, no summary", .heading = RF_HEADING_OUTPUT },
     };
     const RfCommandTable table = {
         .command = COMMAND,

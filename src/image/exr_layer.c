@@ -283,6 +283,14 @@ static size_t count_clipped( const float* values, size_t pixels, const bool* hal
     return count;
 }
 
+static void take_value( void* user, int channel, int x, int y, const float* values, int count )
+{
+    RfImage* image = user;
+    float* out = image->rgb + 3 * ( (size_t)y * (size_t)image->width + (size_t)x ) + channel;
+    for ( int i = 0; i < count; ++i )
+        out[3 * i] = values[i];
+}
+
 // Is it the letter of red (0), green or blue?
 static bool is_letter( const char* word, int c )
 {
@@ -346,7 +354,7 @@ static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels
         result = rf_create_image( part->width, part->height, image, error );
     // duplicate channels are read once, then copied
     if ( result == RF_OK )
-        result = rf_read_exr_lines( part, channels->names, channels->count, rf_take_exr_colour, image, error );
+        result = rf_read_exr_lines( part, channels->names, channels->count, take_value, image, error );
     int like[3] = { 0, channels->count == 1 ? 0 : 1, channels->count == 1 ? 0 : 2 };
     for ( int c = channels->count - 1; c > 0; --c )
     {

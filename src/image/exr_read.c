@@ -361,7 +361,7 @@ RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error
     return rf_fail( error, RF_ERROR_IO, "%s: not a regular file", path );
 }
 
-void rf_take_exr_colour( void* user, int channel, int x, int y, const float* values, int count )
+static void take_colour( void* user, int channel, int x, int y, const float* values, int count )
 {
     RfImage* image = user;
     float* out = image->rgb + 3 * ( (size_t)y * (size_t)image->width + (size_t)x ) + channel;
@@ -415,7 +415,7 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfColourConver
     if ( result == RF_OK )
         result = rf_create_image( part.width, part.height, image, error );
     if ( result == RF_OK )
-        result = rf_read_exr_lines( &part, channels.names, channels.count, rf_take_exr_colour, image, error );
+        result = rf_read_exr_lines( &part, channels.names, channels.count, take_colour, image, error );
     if ( result == RF_OK && channels.count == 1 )
         spread_luminance( image );
     rf_close_exr_part( &part );

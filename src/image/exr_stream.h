@@ -83,9 +83,6 @@ typedef void RfExrLineFn( void* user, int channel, int x, int y, const float* va
 RfResult rf_read_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
                             RfError* error );
 
-// Takes the lines of an RfImage, its `user`: a component for each of the names.
-RfExrLineFn rf_take_exr_colour;
-
 // The attribute of a part with a checksum of its pixels, rf_hash_bytes: of the samples, line by line, which another lossless
 // compression leaves as they are; with DWA, where decoders may round differently, of its compressed chunks.
 #define RF_EXR_CHECKSUM "reframe/checksum"

@@ -697,8 +697,12 @@ int rf_command_compare( int argc, char** argv )
           RF_VALUE( compare.diff ),
           .meta = "FILE",
           .help = "write the signed difference A - B as EXR; #### is the frame number" },
-        RF_JSON_OPTION( compare.json, "write the result as JSON; - for standard output, instead of the table" ),
-        RF_QUIET_OPTION( compare.quiet, "no progress" ),
+        { .name = "json",
+          .writes = ".json",
+          RF_VALUE( compare.json ),
+          .meta = "FILE",
+          .help = "write the result as JSON; - for standard output, instead of the table" },
+        { .name = "quiet", RF_VALUE( compare.quiet ), .help = "no progress" },
     };
     const RfCommandTable table = {
         .command = COMMAND,

@@ -550,8 +550,13 @@ int rf_command_flicker( int argc, char** argv )
           .given = &flicker.exposure_given,
           .help = "exposure of the slit-scan in stops",
           .heading = RF_HEADING_OUTPUT },
-        RF_JSON_OPTION( flicker.json, "write the result as JSON; - for standard output, instead of the table" ),
-        RF_QUIET_OPTION( flicker.quiet, "no progress" ),
+        { .name = "json",
+          .writes = ".json",
+          RF_VALUE( flicker.json ),
+          .meta = "FILE",
+          .help = "write the result as JSON; - for standard output, instead of the table",
+          .heading = RF_HEADING_OUTPUT },
+        { .name = "quiet", RF_VALUE( flicker.quiet ), .help = "no progress", .heading = RF_HEADING_OUTPUT },
     };
     const RfCommandTable table = {
         .command = COMMAND,

@@ -92,16 +92,6 @@ typedef struct RfOption
 #define RF_CHOICE( place, words )                                                                                                \
     .type = _Generic( ( place ), int : RF_OPTION_CHOICE, unsigned : RF_OPTION_CHOICE ), .value = &( place ), .choices = words
 
-// Rows of most commands.
-#define RF_JSON_OPTION( place, words )                                                                                           \
-    {                                                                                                                            \
-        .name = "json", .writes = ".json", RF_VALUE( place ), .meta = "FILE", .heading = RF_HEADING_OUTPUT, .help = words        \
-    }
-#define RF_QUIET_OPTION( place, words )                                                                                          \
-    {                                                                                                                            \
-        .name = "quiet", RF_VALUE( place ), .heading = RF_HEADING_OUTPUT, .help = words                                          \
-    }
-
 // The command line of a command. All its files are required; the last may be repeated
 // where file_max allows it.
 typedef struct RfCommandTable

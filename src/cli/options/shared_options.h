@@ -284,6 +284,14 @@ extern RfDefaultTexts rf_default_texts;
     }
 
 #define RF_RESULT_OPTIONS( o, json_help, quiet_help )                                                                            \
-    RF_JSON_OPTION( ( o ).json, ( json_help ) ), RF_QUIET_OPTION( ( o ).quiet, ( quiet_help ) )
+    { .name = "json",                                                                                                            \
+      RF_VALUE( ( o ).json ),                                                                                                    \
+      .writes = ".json",                                                                                                         \
+      .meta = "FILE",                                                                                                            \
+      .heading = RF_HEADING_OUTPUT,                                                                                              \
+      .help = ( json_help ) },                                                                                                   \
+    {                                                                                                                            \
+        .name = "quiet", RF_VALUE( ( o ).quiet ), .heading = RF_HEADING_OUTPUT, .help = ( quiet_help )                           \
+    }
 
 #endif

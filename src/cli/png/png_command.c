@@ -53,7 +53,7 @@ static const RfOption s_options[] = {
       .meta = "[@]A-B[xSTEP][,...]",
       .default_text = "all",
       .help = "convert only these frames of a sequence" },
-    RF_QUIET_OPTION( s_quiet, "no progress, no summary" ),
+    { .name = "quiet", RF_VALUE( s_quiet ), .help = "no progress, no summary" },
 };
 static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary =
