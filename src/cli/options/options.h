@@ -30,7 +30,7 @@ typedef enum RfOptionType
     RF_OPTION_SIZE,   // RfSize, "960x540", each from min to max, or "1080p"
     RF_OPTION_MEMORY, // size_t, bytes, "512M", "4G", "1.5G", from min on (a plain number is bytes)
     RF_OPTION_FPS,    // RfFps, "24", "24000/1001" or "23.976"
-    RF_OPTION_CHOICE, // int or enum, index into choices
+    RF_OPTION_CHOICE, // int, index into choices
     RF_OPTION_STRING, // const char*, points into argv; may not be empty
     RF_OPTION_BOOL,   // bool
 } RfOptionType;
@@ -87,10 +87,9 @@ typedef struct RfOption
     bool: RF_OPTION_BOOL ),                                                                                                      \
     .value = &( place )
 
-// One with limits, and one of these words: an int, or an enum that is stored as one.
+// One with limits, and one of these words.
 #define RF_RANGE( place, least, most ) RF_VALUE( place ), .min = least, .max = most
-#define RF_CHOICE( place, words )                                                                                                \
-    .type = _Generic( ( place ), int : RF_OPTION_CHOICE, unsigned : RF_OPTION_CHOICE ), .value = &( place ), .choices = words
+#define RF_CHOICE( place, words ) .type = _Generic( ( place ), int : RF_OPTION_CHOICE ), .value = &( place ), .choices = words
 
 // The command line of a command. All its files are required; the last may be repeated
 // where file_max allows it.

@@ -24,6 +24,7 @@ typedef struct RenderParse
 {
     RfRenderOptions options;
     const char* compression; // NULL: the default
+    int parts, names;        // indices of their words
     bool is_float, is_float_given, is_half_given;
 } RenderParse;
 
@@ -233,7 +234,7 @@ static const RfOption s_options[] = {
                      "auto: the limit of least error, which grows with the samples" ),
     { .name = "light-paths",
       .in_file = true,
-      RF_CHOICE( render_parse.options.settings.light_paths, rf_light_paths_words ),
+      RF_CHOICE( render_parse.options.light_paths, rf_light_paths_words ),
       .help = "trace paths from the lights, for caustics and lamps behind glass; auto (experimental): from small lights, where "
               "it seems to pay off",
       .heading = RF_HEADING_QUALITY },
@@ -257,11 +258,11 @@ static const RfOption s_options[] = {
               "which higher is smaller and coarser; with --float they need --parts each",
       .heading = RF_HEADING_OUTPUT },
     { .name = "parts",
-      RF_CHOICE( render_parse.options.settings.files.parts, rf_parts_words ),
+      RF_CHOICE( render_parse.parts, rf_parts_words ),
       .help = "one part of the EXR files for all channels, or a part for each pass, that of the colour first",
       .heading = RF_HEADING_OUTPUT },
     { .name = "names",
-      RF_CHOICE( render_parse.options.settings.files.names, rf_pass_names_words ),
+      RF_CHOICE( render_parse.names, rf_pass_names_words ),
       .help = "names of the channels, with the conventions of the program for motion and normals",
       .heading = RF_HEADING_OUTPUT },
     { .name = "timecode",
@@ -272,7 +273,7 @@ static const RfOption s_options[] = {
       .heading = RF_HEADING_OUTPUT },
     { .name = "colorspace",
       .in_file = true,
-      RF_CHOICE( render_parse.options.settings.files.colour_space, rf_colour_space_words ),
+      RF_CHOICE( render_parse.options.colour_space, rf_colour_space_words ),
       .help = "linear colour space of the colours in the files, in the attribute chromaticities too",
       .heading = RF_HEADING_OUTPUT },
     { .name = "half",
@@ -328,13 +329,13 @@ static const RfOption s_options[] = {
     RF_ESTIMATOR_OPTION( render_parse.options ),
     { .name = "reconstruction",
       .in_file = true,
-      RF_CHOICE( render_parse.options.settings.reconstruction, rf_reconstruction_words ),
+      RF_CHOICE( render_parse.options.reconstruction, rf_reconstruction_words ),
       .help = "with --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
       .heading = RF_HEADING_RESEARCH },
     RF_WEIGHT_OPTIONS( render_parse.options ),
     { .name = "kernel-normalization",
       .in_file = true,
-      RF_CHOICE( render_parse.options.settings.kernel_normalization, rf_kernel_normalization_words ),
+      RF_CHOICE( render_parse.options.kernel_normalization, rf_kernel_normalization_words ),
       .help = "normalisation of connections to light paths; disc (fast) and density (photon mapping) are biased, for comparison",
       .heading = RF_HEADING_RESEARCH },
     RF_EFFECT_OPTIONS( render_parse.options ),
@@ -454,6 +455,13 @@ RfRenderOptions rf_default_render_options( void )
     RfRenderOptions options = { .settings = rf_default_render_settings(), .autosave = AUTOSAVE_SECONDS };
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
+    options.weights = options.settings.weights;
+    options.normalize = options.settings.normalize;
+    options.adaptive = options.settings.adaptive;
+    options.reconstruction = options.settings.reconstruction;
+    options.light_paths = options.settings.light_paths;
+    options.kernel_normalization = options.settings.kernel_normalization;
+    options.colour_space = options.settings.files.colour_space;
     options.filter = -1;
     options.blur_steps = RF_BLUR_STEPS;
     print_default_texts( &options.settings );
@@ -465,6 +473,19 @@ static void reset( void )
     render_parse.options = rf_default_render_options();
     render_parse.is_float = render_parse.is_float_given = render_parse.is_half_given = false;
     render_parse.compression = NULL;
+    render_parse.parts = render_parse.options.settings.files.parts;
+    render_parse.names = render_parse.options.settings.files.names;
+}
+
+static void take_words( RfRenderOptions* options )
+{
+    options->settings.weights = (RfWeights)options->weights;
+    options->settings.normalize = (RfNormalize)options->normalize;
+    options->settings.adaptive = (RfAdaptive)options->adaptive;
+    options->settings.reconstruction = (RfReconstruction)options->reconstruction;
+    options->settings.light_paths = (RfLightPathsUse)options->light_paths;
+    options->settings.kernel_normalization = (RfKernelNormalization)options->kernel_normalization;
+    options->settings.files.colour_space = (RfColourSpace)options->colour_space;
 }
 
 void rf_settle_filter( RfRenderOptions* options )
@@ -507,12 +528,13 @@ RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
 {
     RfRenderSettings* settings = &options->settings;
+    take_words( options );
     if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: needs --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
     rf_take_estimator_option( options );
     rf_settle_filter( options );
-    if ( !settings->estimator->has_gradients && settings->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+    if ( !settings->estimator->has_gradients && options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: needs --estimator gradient" );
     RfResult result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
@@ -535,6 +557,8 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     result = check( &render_parse.options, error );
     if ( result == RF_OK && render_parse.compression != NULL )
         result = parse_compression( render_parse.compression, &render_parse.options.settings.files, error );
+    render_parse.options.settings.files.parts = (RfFileParts)render_parse.parts;
+    render_parse.options.settings.files.names = (RfPassNames)render_parse.names;
     if ( render_parse.is_float_given )
         render_parse.options.settings.files.half = !render_parse.is_float;
     *options = render_parse.options;
@@ -563,6 +587,7 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
         result = rf_fail_file_option( &cryptomatte, &error );
     if ( result == RF_OK && parse_effect_options( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &no_effect, &error );
+    take_words( &render_parse.options );
     *options = render_parse.options;
     return result;
 }

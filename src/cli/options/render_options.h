@@ -35,7 +35,8 @@ typedef struct RfRenderOptions
     uint64_t left_out;       // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int filter, estimator;   // indices of their words; of the filter -1: not given
+    int weights, normalize, adaptive, filter, reconstruction, light_paths, kernel_normalization, colour_space,
+        estimator;           // indices of their words; of the filter -1: not given
     const char* tile;        // NULL: that of the estimator
     const char* aov;         // NULL: none
     const char* cryptomatte; // likewise
@@ -96,7 +97,7 @@ struct RfSceneFile;
 RfResult rf_check_file_light_groups( const RfRenderOptions* options, const struct RfSceneFile* file, const RfScene* scene,
                                      RfError* error );
 
-// Completes the settings once all options are known, with the limit
+// Completes the settings once all options are known: enums from their words, and the limit
 // of samples for --noise, --flicker and --time where none was given, by one rule for all commands.
 // Fails with RF_ERROR_USAGE for options that exclude each other.
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error );

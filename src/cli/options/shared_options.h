@@ -138,8 +138,8 @@ extern RfDefaultTexts rf_default_texts;
 
 #define RF_ADAPTIVE_OPTION( o, adaptive_help )                                                                                   \
     {                                                                                                                            \
-        .name = "adaptive", .in_file = true, RF_CHOICE( ( o ).settings.adaptive, rf_adaptive_words ), .bare = "on",              \
-        .negated = "off", .heading = RF_HEADING_QUALITY, .help = ( adaptive_help )                                               \
+        .name = "adaptive", .in_file = true, RF_CHOICE( ( o ).adaptive, rf_adaptive_words ), .bare = "on", .negated = "off",     \
+        .heading = RF_HEADING_QUALITY, .help = ( adaptive_help )                                                                 \
     }
 
 #define RF_CLAMP_OPTION( o, clamp_help )                                                                                         \
@@ -237,12 +237,12 @@ extern RfDefaultTexts rf_default_texts;
 #define RF_WEIGHT_OPTIONS( o )                                                                                                   \
     { .name = "weights",                                                                                                         \
       .in_file = true,                                                                                                           \
-      RF_CHOICE( ( o ).settings.weights, rf_weights_words ),                                                                     \
+      RF_CHOICE( ( o ).weights, rf_weights_words ),                                                                              \
       .heading = RF_HEADING_RESEARCH,                                                                                            \
       .help = "weights of reused paths; eq15 and unweighted are biased, for comparison" },                                       \
     {                                                                                                                            \
-        .name = "normalize", .in_file = true, RF_CHOICE( ( o ).settings.normalize, rf_normalize_words ),                         \
-        .heading = RF_HEADING_RESEARCH, .help = "normalisation of the weights: crossfit and none are unbiased, none is noisy"    \
+        .name = "normalize", .in_file = true, RF_CHOICE( ( o ).normalize, rf_normalize_words ), .heading = RF_HEADING_RESEARCH,  \
+        .help = "normalisation of the weights: crossfit and none are unbiased, none is noisy"                                    \
     }
 
 // Effects that are forced or left out.
