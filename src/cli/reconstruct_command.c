@@ -490,7 +490,7 @@ static RfResult run( Job* job, RfError* error )
 
 #define TEXT_OPTION( option, to, what, usual, words )                                                                            \
     {                                                                                                                            \
-        .name = option, RF_VALUE( ( to ) ), .meta = what, .default_text = usual, .help = words                                   \
+        .name = option, .type = RF_OPTION_STRING, .value = &( to ), .meta = what, .default_text = usual, .help = words           \
     }
 
 int rf_command_reconstruct( int argc, char** argv )
@@ -501,7 +501,8 @@ int rf_command_reconstruct( int argc, char** argv )
         { .name = "output",
           .letter = 'o',
           .writes = ".exr",
-          RF_VALUE( job.output ),
+          .type = RF_OPTION_STRING,
+          .value = &job.output,
           .meta = "FILE",
           .help = "output image; for a sequence, with #### for the frame number" },
         { .name = "method",
@@ -513,8 +514,11 @@ int rf_command_reconstruct( int argc, char** argv )
           .help = "least squares with constant weights, or weighted by the variances of the other half; least absolute "
                   "differences, which is biased" },
         { .name = "alpha",
-          RF_RANGE( job.choice.alpha, 1e-4, 1e4 ),
+          .type = RF_OPTION_REAL,
+          .value = &job.choice.alpha,
           .given = &job.choice.alpha_given,
+          .min = 1e-4,
+          .max = 1e4,
           .meta = "A",
           .help = "weight of the primal image against the gradients, with l2 and l1" },
         TEXT_OPTION( "primal", job.files.primal, "NAME", "primal, else colour",
@@ -524,24 +528,35 @@ int rf_command_reconstruct( int argc, char** argv )
         TEXT_OPTION( "variance", job.files.variance, "A,X,Y", "primal.variance,dx.variance,dy.variance",
                      "three channels: variances of primal, dx and dy" ),
         { .name = "dx-from",
-          RF_VALUE( job.files.dx_from ),
+          .type = RF_OPTION_STRING,
+          .value = &job.files.dx_from,
           .reads = true,
           .meta = "FILE",
           .help = "read dx from this file or sequence instead" },
         { .name = "dy-from",
-          RF_VALUE( job.files.dy_from ),
+          .type = RF_OPTION_STRING,
+          .value = &job.files.dy_from,
           .reads = true,
           .meta = "FILE",
           .help = "read dy from this file or sequence instead" },
         TEXT_OPTION( "frames", job.files.frames, "A-B[xSTEP][,...]", "all", "reconstruct only these frames of the sequence" ),
-        { .name = "half", RF_VALUE( job.half ), .help = "16-bit floats instead of 32", .heading = RF_HEADING_OUTPUT },
+        { .name = "half",
+          .type = RF_OPTION_BOOL,
+          .value = &job.half,
+          .help = "16-bit floats instead of 32",
+          .heading = RF_HEADING_OUTPUT },
         { .name = "json",
           .writes = ".json",
-          RF_VALUE( job.json ),
+          .type = RF_OPTION_STRING,
+          .value = &job.json,
           .meta = "FILE",
           .help = "write statistics of the solves as JSON; - for standard output",
           .heading = RF_HEADING_OUTPUT },
-        { .name = "quiet", RF_VALUE( job.quiet ), .help = "no progress, no summary", .heading = RF_HEADING_OUTPUT },
+        { .name = "quiet",
+          .type = RF_OPTION_BOOL,
+          .value = &job.quiet,
+          .help = "no progress, no summary",
+          .heading = RF_HEADING_OUTPUT },
     };
     const RfCommandTable table = {
         .command = COMMAND,

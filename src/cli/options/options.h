@@ -76,21 +76,6 @@ typedef struct RfOption
     RfHeading heading;
 } RfOption;
 
-// The type of an option by its value: for rows of a table, in which the compiler checks the two.
-#define RF_VALUE( place )                                                                                                        \
-    .type = _Generic( ( place ),                                                                                                 \
-    int: RF_OPTION_INT,                                                                                                          \
-    double: RF_OPTION_REAL,                                                                                                      \
-    RfSize: RF_OPTION_SIZE,                                                                                                      \
-    RfFps: RF_OPTION_FPS,                                                                                                        \
-    const char*: RF_OPTION_STRING,                                                                                               \
-    bool: RF_OPTION_BOOL ),                                                                                                      \
-    .value = &( place )
-
-// One with limits, and one of these words.
-#define RF_RANGE( place, least, most ) RF_VALUE( place ), .min = least, .max = most
-#define RF_CHOICE( place, words ) .type = _Generic( ( place ), int : RF_OPTION_CHOICE ), .value = &( place ), .choices = words
-
 // The command line of a command. All its files are required; the last may be repeated
 // where file_max allows it.
 typedef struct RfCommandTable

@@ -17,11 +17,11 @@ typedef struct RfViewOptions
 } RfViewOptions;
 
 // clang-format off
-#define RF_VIEW_OPTIONS( options, group ) \
-    { .name = "view", RF_VALUE( ( options ).view ), .meta = "NAME", \
-      .default_text = "the files', else standard", \
-      .help = "view transform: standard (sRGB), filmic, agx, or one of the configuration in $OCIO", .heading = group }, \
-    { .name = "look", RF_VALUE( ( options ).look ), .meta = "NAME", .default_text = "the files'", \
+#define RF_VIEW_OPTIONS( options, group )                                                                                        \
+    { .name = "view", .type = RF_OPTION_STRING, .value = &( options ).view, .meta = "NAME",                                      \
+      .default_text = "the files', else standard",                                                                               \
+      .help = "view transform: standard (sRGB), filmic, agx, or one of the configuration in $OCIO", .heading = group },          \
+    { .name = "look", .type = RF_OPTION_STRING, .value = &( options ).look, .meta = "NAME", .default_text = "the files'",        \
       .help = "look of the view, such as \"high contrast\"; none", .heading = group }
 // clang-format on
 
