@@ -31,43 +31,18 @@ static bool s_effects_given, s_group_given;
 #define MOST_CHOICE 2e6        // triangles and lights for which a group is chosen in about three seconds
 
 static const RfOption s_options[] = {
-    { .name = "fps",
-      .type = RF_OPTION_FPS,
-      .value = &s_fps,
-      .given = &s_fps_given,
-      .meta = "R",
-      .default_text = "the scene's, else 24",
-      .help = "frames per second, for the frame counts of the cameras" },
-    { .name = "effects",
-      .type = RF_OPTION_CHOICE,
-      .value = &s_render.effects,
-      .given = &s_effects_given,
-      .choices = rf_effects_words,
-      .help = "list the effects as with render --effects" },
-    { .name = "no-effect",
-      .type = RF_OPTION_STRING,
-      .value = &s_render.no_effect,
-      .meta = "NAME[,...]",
-      .default_text = "none",
-      .help = "list the effects as with render --no-effect" },
+    RF_FPS_OPTION( "fps", &s_fps, "R", "frames per second, for the frame counts of the cameras", .given = &s_fps_given,
+                   .default_text = "the scene's, else 24" ),
+    RF_CHOICE_OPTION( "effects", &s_render.effects, rf_effects_words, "list the effects as with render --effects",
+                      .given = &s_effects_given ),
+    RF_TEXT_OPTION( "no-effect", &s_render.no_effect, "NAME[,...]", "list the effects as with render --no-effect",
+                    .default_text = "none" ),
     RF_MOVEMENT_OPTIONS( s_render ),
-    { .name = "group",
-      .type = RF_OPTION_INT,
-      .value = &s_render.settings.group,
-      .given = &s_group_given,
-      .min = 0,
-      .max = RF_MAX_GROUP,
-      .keyword = "auto",
-      .keyword_value = RF_GROUP_AUTO,
-      .meta = "N|auto",
-      .help = "say how light that changes is shared in groups of 2N+1 frames, as render --group" },
-    { .name = "json",
-      .writes = ".json",
-      .type = RF_OPTION_STRING,
-      .value = &s_json,
-      .meta = "FILE",
-      .help = "write the result as JSON; - for standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "accepted for consistency; there is no progress" },
+    RF_INT_OPTION( "group", &s_render.settings.group, 0, RF_MAX_GROUP, "N|auto",
+                   "say how light that changes is shared in groups of 2N+1 frames, as render --group", .given = &s_group_given,
+                   .keyword = "auto", .keyword_value = RF_GROUP_AUTO ),
+    RF_TEXT_OPTION( "json", &s_json, "FILE", "write the result as JSON; - for standard output", .writes = ".json" ),
+    RF_FLAG_OPTION( "quiet", &s_quiet, "accepted for consistency; there is no progress" ),
 };
 static const RfCommandTable s_table = {
     .command = "info",
@@ -454,8 +429,9 @@ static RfResult load( const char* name, RfSceneFile* file, RfScene* scene, RfRen
     return result == RF_OK ? rf_take_effect_options( options, scene, &log, error ) : result;
 }
 
-static RfResult report_result( const char* name, RfError* error )
+static RfResult report_result( void* user, RfError* error )
 {
+    const char* const name = *(const char* const*)user;
     RfScene scene = { 0 };
     Facts facts = { 0 };
     RfResult result = load( name, &facts.file, &scene, &facts.render, error );
@@ -478,15 +454,8 @@ static RfResult report_result( const char* name, RfError* error )
 int rf_command_info( int argc, char** argv )
 {
     const char* files[1];
-    bool help;
-    RfError error;
     s_fps = ( RfFps ){ 0, 0 };
     s_fps_given = s_effects_given = s_group_given = false;
     s_render = rf_default_render_options();
-    RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
-    if ( result == RF_OK && help )
-        result = rf_show_help( &s_table, &error );
-    else if ( result == RF_OK )
-        result = report_result( files[0], &error );
-    return result == RF_OK ? 0 : rf_report_error( "info", &error );
+    return rf_run_command( &s_table, argc, argv, files, report_result, files );
 }

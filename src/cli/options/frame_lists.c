@@ -480,7 +480,16 @@ RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceI
     result = rf_sequence_frames( input->pattern, &input->frames, &input->count, error );
     if ( result != RF_OK )
         return result;
+    input->first = input->frames[0];
     return list != NULL ? choose_frames( list, input, error ) : RF_OK;
+}
+
+RfResult rf_sequence_input_name( const RfSequenceInput* input, int frame, char name[RF_FILE_NAME_SIZE], RfError* error )
+{
+    if ( input->is_sequence )
+        return rf_sequence_name( input->pattern, frame, name, RF_FILE_NAME_SIZE, error );
+    snprintf( name, RF_FILE_NAME_SIZE, "%s", input->pattern );
+    return RF_OK;
 }
 
 void rf_free_sequence_input( RfSequenceInput* input )

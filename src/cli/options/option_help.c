@@ -155,3 +155,14 @@ RfResult rf_show_help( const RfCommandTable* table, RfError* error )
     rf_print_help( table, stdout );
     return rf_flush_output( error );
 }
+
+int rf_run_command( const RfCommandTable* table, int argc, char** argv, const char** files,
+                    RfResult ( *run )( void* user, RfError* error ), void* user )
+{
+    RfError error = { 0 };
+    bool help = false;
+    RfResult result = rf_parse_options( table, argc, argv, files, &help, &error );
+    if ( result == RF_OK )
+        result = help ? rf_show_help( table, &error ) : run( user, &error );
+    return result == RF_OK ? 0 : rf_report_error( table->command, &error );
+}

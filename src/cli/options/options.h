@@ -76,6 +76,35 @@ typedef struct RfOption
     RfHeading heading;
 } RfOption;
 
+// Rows of a table, by the type of the value, whose pointer the compiler checks. `what` is the value's name in the help. The last
+// arguments are the help and, behind it, what else there is to say: .default_text = "all", .heading = RF_HEADING_OUTPUT.
+#define RF_OPTION_ROW( option, kind, pointer, to, ... )                                                                          \
+    {                                                                                                                            \
+        .name = ( option ), .type = ( kind ), .value = 1 ? ( to ) : (pointer)0, .help = __VA_ARGS__                              \
+    }
+#define RF_TEXT_OPTION( option, to, what, ... )                                                                                  \
+    RF_OPTION_ROW( option, RF_OPTION_STRING, const char**, to, __VA_ARGS__, .meta = ( what ) )
+#define RF_FLAG_OPTION( option, to, ... ) RF_OPTION_ROW( option, RF_OPTION_BOOL, bool*, to, __VA_ARGS__ )
+#define RF_CHOICE_OPTION( option, to, words, ... )                                                                               \
+    RF_OPTION_ROW( option, RF_OPTION_CHOICE, int*, to, __VA_ARGS__, .choices = ( words ) )
+#define RF_RANGE_OPTION( option, kind, pointer, to, low, high, what, ... )                                                       \
+    RF_OPTION_ROW( option, kind, pointer, to, __VA_ARGS__, .min = ( low ), .max = ( high ), .meta = ( what ) )
+#define RF_INT_OPTION( option, to, low, high, what, ... )                                                                        \
+    RF_RANGE_OPTION( option, RF_OPTION_INT, int*, to, low, high, what, __VA_ARGS__ )
+#define RF_REAL_OPTION( option, to, low, high, what, ... )                                                                       \
+    RF_RANGE_OPTION( option, RF_OPTION_REAL, double*, to, low, high, what, __VA_ARGS__ )
+#define RF_NOISE_OPTION( option, to, low, high, what, ... )                                                                      \
+    RF_RANGE_OPTION( option, RF_OPTION_NOISE, double*, to, low, high, what, __VA_ARGS__ )
+#define RF_TIME_OPTION( option, to, low, high, what, ... )                                                                       \
+    RF_RANGE_OPTION( option, RF_OPTION_TIME, double*, to, low, high, what, __VA_ARGS__ )
+#define RF_SIZE_OPTION( option, to, low, high, what, ... )                                                                       \
+    RF_RANGE_OPTION( option, RF_OPTION_SIZE, RfSize*, to, low, high, what, __VA_ARGS__ )
+#define RF_MEMORY_OPTION( option, to, low, what, ... )                                                                           \
+    RF_OPTION_ROW( option, RF_OPTION_MEMORY, size_t*, to, __VA_ARGS__, .min = ( low ), .meta = ( what ) )
+#define RF_FPS_OPTION( option, to, what, ... ) RF_OPTION_ROW( option, RF_OPTION_FPS, RfFps*, to, __VA_ARGS__, .meta = ( what ) )
+#define RF_UINT64_OPTION( option, to, what, ... )                                                                                \
+    RF_OPTION_ROW( option, RF_OPTION_UINT64, uint64_t*, to, __VA_ARGS__, .meta = ( what ) )
+
 // The command line of a command. All its files are required; the last may be repeated
 // where file_max allows it.
 typedef struct RfCommandTable
@@ -102,6 +131,11 @@ void rf_print_help( const RfCommandTable* table, FILE* file );
 
 // The same on standard output: what a command does for --help.
 RfResult rf_show_help( const RfCommandTable* table, RfError* error );
+
+// Runs a command: parses its arguments into the options and `files`, and calls `run`, or prints the help. Reports an error, and
+// returns the exit status.
+int rf_run_command( const RfCommandTable* table, int argc, char** argv, const char** files,
+                    RfResult ( *run )( void* user, RfError* error ), void* user );
 
 // Calls `heading` with the name of each heading, where the command has so many options that the help has any, and
 // `option` for each option below it.

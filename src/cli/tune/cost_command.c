@@ -1,5 +1,6 @@
 // reframe cost: what accuracy costs in time.
 #include "base/system.h"
+#include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
@@ -206,7 +207,7 @@ static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
     char name[64], gain[160];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
-    int used = snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
+    snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
     if ( r->options->error_count == 0 )
         return;
     Goal goal = noise_goal( r->options->errors[0] );
@@ -215,15 +216,13 @@ static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
     format_goal( goal, wanted, sizeof wanted );
     rf_format_span( exact.prediction.frame_seconds, frame, sizeof frame );
     if ( exact.prediction.spp == 0 )
-        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%s: exact more than %d spp, the limit", wanted,
-                          RF_MAX_SPP );
+        rf_append( text, RF_VERDICT_SIZE, "\n%s: exact more than %d spp, the limit", wanted, RF_MAX_SPP );
     else
-        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%s: exact %s%s a frame", wanted,
-                          exact.at_least ? "at least " : "", frame );
+        rf_append( text, RF_VERDICT_SIZE, "\n%s: exact %s%s a frame", wanted, exact.at_least ? "at least " : "", frame );
     rf_format_span( clamped.prediction.frame_seconds, frame, sizeof frame );
     if ( clamped.clamp != NULL && clamped.prediction.spp > 0 )
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", clamp %s%s and %.2g %% of the light missing",
-                  clamped.at_least ? "at least " : "", frame, 100.0 * clamped.clamp->missing );
+        rf_append( text, RF_VERDICT_SIZE, ", clamp %s%s and %.2g %% of the light missing", clamped.at_least ? "at least " : "",
+                   frame, 100.0 * clamped.clamp->missing );
 }
 
 static void print_cost( const CostReport* r )
@@ -254,16 +253,24 @@ static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
     char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &c->tile, tile );
     for ( int i = 0; i < c->count; ++i )
-        json_array_append_new( rows, json_pack( "{s:b, s:i, s:s, s:i, s:o, s:o, s:o}", "reuse", reuse, "group", c->group, "tile",
-                                                tile, "spp", c->rows[i].spp, "seconds", rf_json_number( c->rows[i].seconds ),
-                                                "cpu_seconds", rf_json_number( c->rows[i].cpu_seconds ), "relmse",
-                                                rf_json_number( c->rows[i].relmse ) ) );
+    {
+        json_t* row = json_pack( "{s:b, s:i, s:s, s:i}", "reuse", reuse, "group", c->group, "tile", tile, "spp", c->rows[i].spp );
+        json_array_append_new( rows,
+                               RF_SET_FIGURES( row, { "seconds", c->rows[i].seconds }, { "cpu_seconds", c->rows[i].cpu_seconds },
+                                               { "relmse", c->rows[i].relmse } ) );
+    }
 }
 
 static json_t* prediction_json( const CostReport* r, RfCostPrediction p )
 {
-    return json_pack( "{s:o, s:o, s:o}", "spp", p.spp > 0 ? json_integer( p.spp ) : json_null(), "frame_seconds",
-                      rf_json_number( p.frame_seconds ), "seconds", rf_json_number( path_seconds( r, p ) ) );
+    return RF_SET_FIGURES( json_pack( "{s:o}", "spp", p.spp > 0 ? json_integer( p.spp ) : json_null() ),
+                           { "frame_seconds", p.frame_seconds }, { "seconds", path_seconds( r, p ) } );
+}
+
+// Of path tracing, and with reuse.
+static json_t* both_json( double plain, double reuse )
+{
+    return json_pack( "[o, o]", rf_json_number( plain ), rf_json_number( reuse ) );
 }
 
 static json_t* goal_json( const CostReport* r, Goal goal, const char* key )
@@ -273,9 +280,7 @@ static json_t* goal_json( const CostReport* r, Goal goal, const char* key )
     json_t* clamped = json_null();
     if ( !goal.is_flicker && clamp != NULL && p.spp > 0 )
     {
-        clamped = prediction_json( r, p );
-        json_object_set_new( clamped, "clamp", rf_json_number( clamp->threshold ) );
-        json_object_set_new( clamped, "missing", rf_json_number( clamp->missing ) );
+        clamped = RF_SET_FIGURES( prediction_json( r, p ), { "clamp", clamp->threshold }, { "missing", clamp->missing } );
     }
     return json_pack( "{s:o, s:f, s:o, s:o}", "clamped", clamped, key, goal.value, "plain",
                       prediction_json( r, predict( r, goal, 0 ) ), "reuse", prediction_json( r, predict( r, goal, 1 ) ) );
@@ -284,41 +289,33 @@ static json_t* goal_json( const CostReport* r, Goal goal, const char* key )
 static json_t* cost_json( const CostReport* r )
 {
     const RfCost* cost = r->cost;
-    json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array();
+    const RfInterval *reuse = &cost->reuse.slope, *plain = &cost->plain.slope, *speedup = &cost->speedup;
+    json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array(), *clamps = json_array();
+    char verdict[RF_VERDICT_SIZE];
     add_rows( rows, &cost->plain, false );
     add_rows( rows, &cost->reuse, true );
     for ( int i = 0; i < r->options->error_count; ++i )
-    {
         json_array_append_new( wanted, goal_json( r, noise_goal( r->options->errors[i] ), "relmse" ) );
-    }
     for ( int i = 0; i < r->options->flicker_count; ++i )
         json_array_append_new( flickers, goal_json( r, flicker_goal( r->options->flickers[i] ), "f1" ) );
-    char verdict[RF_VERDICT_SIZE];
+    for ( const RfCostClamp* c = cost->clamps; c < cost->clamps + cost->clamp_count; ++c )
+        json_array_append_new( clamps, RF_SET_FIGURES( json_object(), { "clamp", c->threshold },
+                                                       { "relmse_of_one_sample", c->error.value }, { "bias", c->bias },
+                                                       { "missing", c->missing } ) );
     format_verdict( r, verdict );
+    // the scene, so that `report` can refuse what was measured with another one
     json_t* json = json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
-        verdict, "rows", rows, "slope", rf_json_number( cost->reuse.slope.value ), "slope_low",
-        rf_json_number( cost->reuse.slope.low ), "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
-        rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ), "slope_plain_high",
-        rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error", rf_json_number( cost->speedup.value ), "speedup_low",
-        rf_json_number( cost->speedup.low ), "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
-        json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
-        "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels", cost->pixels, "places",
-        cost->positions, "frames", r->job->shot.frame_count, "seconds", cost->seconds, "budget", r->options->budget );
-    json_object_set_new(
-        json, "f1_squared_of_one_sample",
-        json_pack( "[o, o]", rf_json_number( cost->plain.f1_squared ), rf_json_number( cost->reuse.f1_squared ) ) );
-    json_object_set_new( json, "wanted_flicker", flickers );
-    json_t* clamps = json_array();
-    for ( int i = 0; i < cost->clamp_count; ++i )
-    {
-        const RfCostClamp* c = cost->clamps + i;
-        json_array_append_new( clamps, json_pack( "{s:f, s:o, s:f, s:f}", "clamp", c->threshold, "relmse_of_one_sample",
-                                                  rf_json_number( c->error.value ), "bias", c->bias, "missing", c->missing ) );
-    }
-    json_object_set_new( json, "clamps", clamps );
-    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->beyond_depth ) );
-    return json;
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "verdict", verdict, "scene",
+        rf_json_text( r->options->render.scene ), "rows", rows, "wanted", wanted, "wanted_flicker", flickers, "clamps", clamps,
+        "relmse_of_one_sample", both_json( cost->plain.relmse, cost->reuse.relmse ), "f1_squared_of_one_sample",
+        both_json( cost->plain.f1_squared, cost->reuse.f1_squared ), "width", r->options->render.size.width, "height",
+        r->options->render.size.height, "places", cost->positions, "frames", r->job->shot.frame_count );
+    return RF_SET_FIGURES( json, { "slope", reuse->value }, { "slope_low", reuse->low }, { "slope_high", reuse->high },
+                           { "slope_plain", plain->value }, { "slope_plain_low", plain->low },
+                           { "slope_plain_high", plain->high }, { "speedup_at_equal_error", speedup->value },
+                           { "speedup_low", speedup->low }, { "speedup_high", speedup->high }, { "pixels", cost->pixels },
+                           { "seconds", cost->seconds }, { "budget", r->options->budget },
+                           { "beyond_depth_share", r->beyond_depth } );
 }
 
 // The points of a curve and the line fitted to them.
@@ -392,33 +389,16 @@ static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
     RF_MOVEMENT_OPTIONS( s_parsed.render ),
-    { .name = "budget",
-      .type = RF_OPTION_TIME,
-      .value = &s_parsed.budget,
-      .min = 1.0,
-      .max = 1e6,
-      .meta = "T",
-      .help = "time to spend, in seconds or as 5m; more time narrows the intervals" },
-    { .name = "noise",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.noise,
-      .meta = "E[,...]",
-      .help = "predict the time to reach each relMSE, or noise of a channel in percent: 5.8% is relMSE 0.01" },
-    { .name = "flicker",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.flicker,
-      .meta = "F[,...]",
-      .help = "predict the time to reach each F1 between neighbouring frames" },
+    RF_TIME_OPTION( "budget", &s_parsed.budget, 1.0, 1e6, "T",
+                    "time to spend, in seconds or as 5m; more time narrows the intervals" ),
+    RF_TEXT_OPTION( "noise", &s_parsed.noise, "E[,...]",
+                    "predict the time to reach each relMSE, or noise of a channel in percent: 5.8% is relMSE 0.01" ),
+    RF_TEXT_OPTION( "flicker", &s_parsed.flicker, "F[,...]", "predict the time to reach each F1 between neighbouring frames" ),
     RF_FILTER_OPTIONS( s_parsed.render ),
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
-    { .name = "svg",
-      .writes = ".svg",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.svg,
-      .meta = "FILE",
-      .help = "plot error against time, with and without reuse",
-      .heading = RF_HEADING_OUTPUT },
+    RF_TEXT_OPTION( "svg", &s_parsed.svg, "FILE", "plot error against time, with and without reuse", .writes = ".svg",
+                    .heading = RF_HEADING_OUTPUT ),
     RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
     RF_GROUP_OPTION( s_parsed.render, "with reuse, share paths between 2N+1 neighbouring frames" ),
     RF_TILE_OPTION( s_parsed.render ),
@@ -525,14 +505,6 @@ static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* 
     return RF_OK;
 }
 
-// Names the scene, so that `report` can refuse what was measured with another one.
-static json_t* result_json( const CostReport* r )
-{
-    json_t* json = cost_json( r );
-    json_object_set_new( json, "scene", rf_json_text( r->options->render.scene ) );
-    return json;
-}
-
 // Reports what was found so far, also after an interruption.
 static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* error )
 {
@@ -554,7 +526,7 @@ static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* erro
     }
     if ( result == RF_OK && job->options.svg != NULL )
         result = write_cost_plot( &r, job->options.svg, error );
-    return result == RF_OK && json != NULL ? rf_write_json( json, result_json( &r ), error ) : result;
+    return result == RF_OK && json != NULL ? rf_write_json( json, cost_json( &r ), error ) : result;
 }
 
 static RfResult run( Job* job, RfError* error )

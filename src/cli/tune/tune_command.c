@@ -1,6 +1,7 @@
 // reframe tune: finds the best group and tile by short renders.
 #include "base/plain_text.h"
 #include "base/system.h"
+#include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
@@ -157,10 +158,10 @@ static void print_rows( const TuneReport* r )
     printf( "\n" );
 }
 
-static int format_shot( const TuneReport* r, int spp, char* text, size_t size )
+static void append_shot( const TuneReport* r, int spp, char text[RF_VERDICT_SIZE] )
 {
-    return snprintf( text, size, "%d frame%s at %dx%d and %d spp: ", r->frames, r->frames == 1 ? "" : "s",
-                     r->options->render.size.width, r->options->render.size.height, spp );
+    rf_append( text, RF_VERDICT_SIZE, "%d frame%s at %dx%d and %d spp: ", r->frames, r->frames == 1 ? "" : "s",
+               r->options->render.size.width, r->options->render.size.height, spp );
 }
 
 // What is known without rendering, or in too little time.
@@ -178,28 +179,27 @@ static void format_planned( const TuneReport* r, char text[RF_VERDICT_SIZE] )
         return;
     }
     rf_format_reuse( row->eyes, &r->options->render.settings.tile, name, sizeof name );
-    int used = snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s\n", rf_has_groups( estimator ) ? "group" : "estimator",
-                         rf_has_groups( estimator ) ? "auto" : rf_estimator_name( estimator ), name );
-    used += format_shot( r, row->spp, text + used, RF_VERDICT_SIZE - (size_t)used );
-    snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "%s%.0f MiB beyond the scene%s",
-              at_most( &r->options->render.settings ) ? "at most " : "", ceil( fit_mib( &row->fit ) ), rest );
+    snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s\n", rf_has_groups( estimator ) ? "group" : "estimator",
+              rf_has_groups( estimator ) ? "auto" : rf_estimator_name( estimator ), name );
+    append_shot( r, row->spp, text );
+    rf_append( text, RF_VERDICT_SIZE, "%s%.0f MiB beyond the scene%s", at_most( &r->options->render.settings ) ? "at most " : "",
+               ceil( fit_mib( &row->fit ) ), rest );
 }
 
 // "about 11 min, 419 MiB beyond the scene, about 7.1 % noise (relMSE 0.015)".
-static void format_promise( const TuneReport* r, const RfTuneRow* row, char* text, size_t size )
+static void append_promise( const TuneReport* r, const RfTuneRow* row, char* text, size_t size )
 {
     char all[32], noise[RF_NOISE_TEXT_SIZE];
     bool known = rf_is_known( &row->error );
     double relmse = known ? row->relmse : row->error.low;
     rf_format_span( row->seconds, all, sizeof all );
     rf_format_noise( relmse, noise );
-    int used = snprintf( text, size, "%s %s, %.0f MiB beyond the scene",
-                         at_most( &r->options->render.settings ) ? "at most" : "about", all, ceil( fit_mib( &row->fit ) ) );
+    rf_append( text, size, "%s %s, %.0f MiB beyond the scene", at_most( &r->options->render.settings ) ? "at most" : "about", all,
+               ceil( fit_mib( &row->fit ) ) );
     if ( isfinite( relmse ) )
-        used += snprintf( text + used, size - (size_t)used, ", %s %s noise (relMSE %.2g)", known ? "about" : "at least", noise,
-                          relmse );
+        rf_append( text, size, ", %s %s noise (relMSE %.2g)", known ? "about" : "at least", noise, relmse );
     if ( r->tune->goal == RF_TUNE_FLICKER )
-        snprintf( text + used, size - (size_t)used, ", F1 about %.2g", row->f1 );
+        rf_append( text, size, ", F1 about %.2g", row->f1 );
 }
 
 // Two lines: the best setting and what it is worth, and what the render takes with it.
@@ -219,9 +219,9 @@ static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
         rf_tell_flicker_gain( &row->gain, gain, sizeof gain );
     else if ( reuse )
         rf_format_gain( &row->gain, r->tune->seconds, gain, sizeof gain );
-    int used = snprintf( text, RF_VERDICT_SIZE, "best: %s, %s\n", name, gain );
-    used += format_shot( r, row->spp, text + used, RF_VERDICT_SIZE - (size_t)used );
-    format_promise( r, row, text + used, RF_VERDICT_SIZE - (size_t)used );
+    snprintf( text, RF_VERDICT_SIZE, "best: %s, %s\n", name, gain );
+    append_shot( r, row->spp, text );
+    append_promise( r, row, text, RF_VERDICT_SIZE );
 }
 
 // What a render without --group and --tile takes, where that is not the best.
@@ -230,11 +230,11 @@ static void print_default( const TuneReport* r )
     for ( int i = 0; i < r->tune->count; ++i )
     {
         const RfTuneRow* row = r->tune->rows + i;
-        char name[64], promise[256];
+        char name[64], promise[256] = "";
         if ( !row->usual || row->rounds == 0 || row->chosen )
             continue;
         rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
-        format_promise( r, row, promise, sizeof promise );
+        append_promise( r, row, promise, sizeof promise );
         printf( "--group auto: %s, %s\n", name, promise );
     }
 }
@@ -270,29 +270,25 @@ static json_t* memory_json( int group, int eyes, const RfTile* tile, int spp, co
 static json_t* group_json( const RfPlanRow* row, const RfTile* tile )
 {
     json_t* json = memory_json( row->group, row->eyes, tile, row->spp, &row->fit, row->excluded );
-    json_t* rays = json_pack( "{s:o, s:o, s:o, s:o, s:o}", "primary", rf_json_number( row->rays_primary ), "path",
-                              rf_json_number( row->rays_path ), "shadow", rf_json_number( row->rays_shadow ), "tile",
-                              rf_json_number( row->rays_tile ), "eye", rf_json_number( row->rays_eye ) );
-    json_t* more = json_pack( "{s:o, s:o, s:o, s:b}", "rays", rays, "reach", rf_json_number( row->reach ), "predicted_gain",
-                              rf_json_number( row->gain ), "chosen", row->chosen );
-    json_object_update( json, more );
-    json_decref( more );
+    json_object_set_new( json, "rays",
+                         RF_SET_FIGURES( json_object(), { "primary", row->rays_primary }, { "path", row->rays_path },
+                                         { "shadow", row->rays_shadow }, { "tile", row->rays_tile }, { "eye", row->rays_eye } ) );
+    RF_SET_FIGURES( json, { "reach", row->reach }, { "predicted_gain", row->gain } );
+    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
     return json;
 }
 
 static json_t* row_json( const RfTuneRow* row )
 {
     json_t* json = memory_json( row->group, row->eyes, &row->tile, row->spp, &row->fit, row->excluded );
-    json_t* more =
-        json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:b, s:b}", "predicted_gain",
-                   rf_json_number( row->predicted_gain ), "seconds", rf_json_number( row->seconds ), "cpu_seconds",
-                   rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "relmse_low",
-                   rf_json_number( row->error.low ), "relmse_high", rf_json_number( row->error.high ), "flicker",
-                   rf_json_number( row->f1 ), "phi", rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ),
-                   "gain", rf_json_number( row->gain.value ), "gain_low", rf_json_number( row->gain.low ), "gain_high",
-                   rf_json_number( row->gain.high ), "rounds", row->rounds, "default", row->usual, "chosen", row->chosen );
-    json_object_update( json, more );
-    json_decref( more );
+    RF_SET_FIGURES( json, { "predicted_gain", row->predicted_gain }, { "seconds", row->seconds },
+                    { "cpu_seconds", row->cpu_seconds }, { "relmse", row->relmse }, { "relmse_low", row->error.low },
+                    { "relmse_high", row->error.high }, { "flicker", row->f1 }, { "phi", row->phi },
+                    { "efficiency", row->efficiency }, { "gain", row->gain.value }, { "gain_low", row->gain.low },
+                    { "gain_high", row->gain.high } );
+    json_object_set_new( json, "rounds", json_integer( row->rounds ) );
+    json_object_set_new( json, "default", json_boolean( row->usual ) );
+    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
     return json;
 }
 
@@ -413,19 +409,12 @@ static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
     RF_MOVEMENT_OPTIONS( s_parsed.render ),
-    { .name = "budget",
-      .type = RF_OPTION_TIME,
-      .value = &s_parsed.budget,
-      .min = 0.0,
-      .max = 1e6,
-      .meta = "T",
-      .help = "time to spend, in seconds or as 5m: more time tries more settings and narrows the intervals; 0: no renders, only "
-              "the table of groups" },
-    { .name = "goal",
-      .type = RF_OPTION_CHOICE,
-      .value = &s_parsed.goal,
-      .choices = s_goals,
-      .help = "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" },
+    RF_TIME_OPTION(
+        "budget", &s_parsed.budget, 0.0, 1e6, "T",
+        "time to spend, in seconds or as 5m: more time tries more settings and narrows the intervals; 0: no renders, only "
+        "the table of groups" ),
+    RF_CHOICE_OPTION( "goal", &s_parsed.goal, s_goals,
+                      "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" ),
     RF_STOP_OPTIONS( s_parsed.render,
                      "of a render that stops at this relMSE, or noise in percent: its memory; time and rays are upper limits, "
                      "cost --noise predicts them",
@@ -439,33 +428,14 @@ static const RfOption s_options[] = {
     RF_AOV_OPTION( s_parsed.render, "additional layers, which take memory:" ),
     RF_CRYPTOMATTE_OPTION( s_parsed.render, "count the memory of Cryptomatte of these kinds:" ),
     RF_LIGHT_GROUPS_OPTION( s_parsed.render, "say what layers of light groups cost:" ),
-    { .name = "svg",
-      .writes = ".svg",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.svg,
-      .meta = "FILE",
-      .help = "plot efficiency against memory, one line per tile",
-      .heading = RF_HEADING_OUTPUT },
+    RF_TEXT_OPTION( "svg", &s_parsed.svg, "FILE", "plot efficiency against memory, one line per tile", .writes = ".svg",
+                    .heading = RF_HEADING_OUTPUT ),
     RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
-    { .name = "group",
-      .type = RF_OPTION_INT,
-      .value = &s_parsed.render.settings.group,
-      .min = 0,
-      .max = RF_MAX_GROUP,
-      .keyword = "auto",
-      .keyword_value = RF_GROUP_AUTO,
-      .meta = "N|auto",
-      .given = &s_group_given,
-      .default_text = "the scene file's, else auto",
-      .help = "group size assumed when frames are split over --nodes",
-      .heading = RF_HEADING_PERFORMANCE },
-    { .name = "tile",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.render.tile,
-      .meta = "WxH|rooksN|1",
-      .default_text = rf_default_texts.tile,
-      .heading = RF_HEADING_PERFORMANCE,
-      .help = "tile of the table of groups; the renders try others, too" },
+    RF_INT_OPTION( "group", &s_parsed.render.settings.group, 0, RF_MAX_GROUP, "N|auto",
+                   "group size assumed when frames are split over --nodes", .keyword = "auto", .keyword_value = RF_GROUP_AUTO,
+                   .given = &s_group_given, .default_text = "the scene file's, else auto", .heading = RF_HEADING_PERFORMANCE ),
+    RF_TEXT_OPTION( "tile", &s_parsed.render.tile, "WxH|rooksN|1", "tile of the table of groups; the renders try others, too",
+                    .default_text = rf_default_texts.tile, .heading = RF_HEADING_PERFORMANCE ),
     RF_MACHINE_OPTIONS( s_parsed.render, "threads; each measures one setting at a time" ),
     RF_NODES_OPTION( s_parsed.render, "also split the frames into ranges for N machines, and report the overhead" ),
     RF_ESTIMATOR_OPTION( s_parsed.render ),
