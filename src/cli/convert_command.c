@@ -41,11 +41,8 @@ static const RfOption s_options[] = {
 };
 static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary = "Converts OBJ, PLY, FBX or Collada to .glb.",
-                                        .files = s_files,
-                                        .file_count = 2,
-                                        .writes_last = ".glb",
-                                        .options = s_options,
-                                        .option_count = (int)( sizeof s_options / sizeof s_options[0] ) };
+                                        RF_TABLE_ROWS( s_files, s_options ),
+                                        .writes_last = ".glb" };
 
 static bool is_interrupted( void* user )
 {

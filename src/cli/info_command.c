@@ -47,10 +47,7 @@ static const RfOption s_options[] = {
 static const RfCommandTable s_table = {
     .command = "info",
     .summary = "Lists what is in a scene (.glb, .gltf or .json scene file), what moves and changes, and which effects it uses.",
-    .files = s_files,
-    .file_count = 1,
-    .options = s_options,
-    .option_count = sizeof s_options / sizeof s_options[0]
+    RF_TABLE_ROWS( s_files, s_options )
 };
 
 // What is printed.

@@ -516,12 +516,9 @@ int rf_command_reconstruct( int argc, char** argv )
         .summary = "Reconstructs images from a noisy primal image and noisy gradients, layers of EXR files of this or another "
                    "program. IMAGES is a file, a sequence named with ####, or its folder; or two of them, the independent halves "
                    "of a render. Halves may also be the layers even.primal, even.dx, odd.primal and so on of one file.",
-        .files = names,
-        .file_count = 1,
+        RF_TABLE_ROWS( names, options ),
         .file_max = 2,
-        .file_total = &job.files.image_count,
-        .options = options,
-        .option_count = sizeof options / sizeof options[0],
+        .file_total = &job.files.image_count
     };
     job.rows = json_array();
     job.warnings = json_array();

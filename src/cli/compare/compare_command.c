@@ -570,10 +570,7 @@ int rf_command_compare( int argc, char** argv )
         .command = COMMAND,
         .summary = "Measures the error of A against the reference B: EXR files, sequences named with ####, or folders of one "
                    "sequence each, whose frames are matched by number.",
-        .files = files,
-        .file_count = 2,
-        .options = options,
-        .option_count = sizeof options / sizeof options[0],
+        RF_TABLE_ROWS( files, options )
     };
     int status = rf_run_command( &table, argc, argv, compare.in.names, run, &compare );
     free_compare_frames( &compare.in );

@@ -270,10 +270,7 @@ int rf_command_flicker( int argc, char** argv )
         .command = COMMAND,
         .summary = "Measures how much the error of a sequence changes from frame to frame. SEQ is a sequence of EXR files named "
                    "with ####.",
-        .files = files,
-        .file_count = 1,
-        .options = options,
-        .option_count = sizeof options / sizeof options[0],
+        RF_TABLE_ROWS( files, options )
     };
     return rf_run_command( &table, argc, argv, &flicker.run.pattern, run, &flicker );
 }

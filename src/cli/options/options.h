@@ -120,6 +120,11 @@ typedef struct RfCommandTable
     int option_count;
 } RfCommandTable;
 
+// The files and options of a table, which are arrays.
+#define RF_TABLE_ROWS( file_names, rows )                                                                                        \
+    .files = ( file_names ), .file_count = (int)( sizeof( file_names ) / sizeof( file_names )[0] ), .options = ( rows ),         \
+    .option_count = (int)( sizeof( rows ) / sizeof( rows )[0] )
+
 // Parses argv[1 …] (argv[0] is the command's name) into the options' values and
 // files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
 // *help, and nothing else counts. What is written may not be what is read, nor have the ending of another kind of file, and it is

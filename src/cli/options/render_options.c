@@ -308,10 +308,7 @@ static const RfOption s_options[] = {
 const RfCommandTable rf_render_table = { .command = "render",
                                          .summary = "Renders a camera animation to a sequence of EXR files. SCENE is a .glb, a "
                                                     ".gltf or a scene file (.json), which may set defaults of these options.",
-                                         .files = s_files,
-                                         .file_count = 1,
-                                         .options = s_options,
-                                         .option_count = sizeof s_options / sizeof s_options[0] };
+                                         RF_TABLE_ROWS( s_files, s_options ) };
 
 #define WRITE_QUEUE 2 // frames: one being written, one waiting
 #define AUTOSAVE_SECONDS 300.0

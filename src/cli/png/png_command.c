@@ -47,11 +47,8 @@ static const RfCommandTable s_table = { .command = COMMAND,
                                             "and with their alpha if they have one. IN is a file, a sequence named with "
                                             "####, or its folder; OUT a file, a name with #### for a sequence, or a folder, "
                                             "which is made where it is missing.",
-                                        .files = s_files,
-                                        .file_count = 2,
-                                        .writes_last = ".png",
-                                        .options = s_options,
-                                        .option_count = sizeof s_options / sizeof s_options[0] };
+                                        RF_TABLE_ROWS( s_files, s_options ),
+                                        .writes_last = ".png" };
 
 // What is read and written.
 typedef struct Job

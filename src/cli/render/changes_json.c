@@ -28,11 +28,9 @@ static json_t* change_json( const RfChanging* change, const RfLightSharing* shar
 
 static json_t* sharing_json( const RfSharing* sharing )
 {
-    return json_pack( "{s:i, s:i, s:o, s:o, s:o, s:o}", "group", sharing->group, "frames", sharing->frames, s_keys[0],
-                      rf_json_number( sharing->light[RF_SHARED_AS_IT_IS] ), s_keys[1],
-                      rf_json_number( sharing->light[RF_SHARED_SCALED] ), s_keys[2],
-                      rf_json_number( sharing->light[RF_SHARED_NOT] + sharing->moving ), "moving",
-                      rf_json_number( sharing->moving ) );
+    return RF_SET_FIGURES( json_pack( "{s:i, s:i}", "group", sharing->group, "frames", sharing->frames ),
+                           { s_keys[0], sharing->light[RF_SHARED_AS_IT_IS] }, { s_keys[1], sharing->light[RF_SHARED_SCALED] },
+                           { s_keys[2], sharing->light[RF_SHARED_NOT] + sharing->moving }, { "moving", sharing->moving } );
 }
 
 // The path with the small films of the pilot.
