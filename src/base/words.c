@@ -16,6 +16,12 @@ void rf_append( char* text, size_t size, const char* format, ... )
     va_end( args );
 }
 
+void rf_append_words( char* text, size_t size, const char* const* words, const char* between, const char* last )
+{
+    for ( int i = 0; words[i] != NULL; ++i )
+        rf_append( text, size, "%s%s", i == 0 ? "" : words[i + 1] != NULL ? between : last, words[i] );
+}
+
 bool rf_ends_with( const char* text, const char* end )
 {
     size_t length = strlen( text ), end_length = strlen( end );

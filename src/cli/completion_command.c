@@ -26,8 +26,7 @@ static RfCompletion completion_of( const RfOption* option, char* words, size_t s
     {
         case RF_OPTION_BOOL: return COMPLETE_NOTHING;
         case RF_OPTION_CHOICE:
-            for ( int i = 0; option->choices[i] != NULL; ++i )
-                rf_append( words, size, "%s%s", i > 0 ? " " : "", option->choices[i] );
+            rf_append_words( words, size, option->choices, " ", " " );
             return option->bare != NULL ? COMPLETE_OPTIONAL_WORDS : COMPLETE_WORDS;
         case RF_OPTION_SIZE: rf_append( words, size, "720p 1080p 1440p 2160p 4k" ); return COMPLETE_WORDS;
         case RF_OPTION_STRING: return option->reads || option->writes != NULL ? COMPLETE_FILE : COMPLETE_TEXT;

@@ -11,6 +11,7 @@
 #include "scene/json/scene_file.h"
 #include "scene/pose.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,15 +154,21 @@ static void print_film( const RfSceneInfo* scene )
         rf_print( "size       %dx%d%s\n", scene->width, scene->height, scene->alpha ? ", with alpha" : "" );
 }
 
+// A line each, at most so many of them.
+static void print_names( const char* const* names, int count, int most )
+{
+    for ( int i = 0; i < count && i < most; ++i )
+        rf_print( "  %s\n", names[i] );
+    if ( count > most )
+        rf_print( "  and %d more\n", count - most );
+}
+
 static void print_moving( const RfSceneInfo* scene )
 {
     if ( scene->moving_count > 0 )
         rf_print( "%s     %d object%s\n", scene->frozen ? "frozen" : "moving", scene->moving_count,
                   scene->moving_count == 1 ? "" : "s" );
-    for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
-        rf_print( "  %s\n", scene->moving[i] );
-    if ( scene->moving_count > MAX_MOVING )
-        rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
+    print_names( scene->moving, scene->moving_count, MAX_MOVING );
 }
 
 // "light 'Desk'"
@@ -208,8 +215,7 @@ static void print_variants( const RfSceneInfo* scene )
 {
     if ( scene->variant_count > 0 )
         rf_print( "variants   %d\n", scene->variant_count );
-    for ( int i = 0; i < scene->variant_count; ++i )
-        rf_print( "  %s\n", scene->variants[i] );
+    print_names( scene->variants, scene->variant_count, INT_MAX );
 }
 
 // "  key: lamp 'Desk', material 'bulb'": what shines in a light group; −1: in none, the layer of which is "rest".
@@ -267,16 +273,14 @@ static void print_losses( const RfSceneInfo* scene )
     if ( scene->export_loss_count > 0 )
         rf_print( "LOST       by the export, %d: movements stand still, or the light of the picture is another\n",
                   scene->export_loss_count );
-    for ( int i = 0; i < scene->export_loss_count; ++i )
-        rf_print( "  %s\n", scene->export_losses[i] );
+    print_names( scene->export_losses, scene->export_loss_count, INT_MAX );
 }
 
 static void print_warnings( const RfSceneInfo* scene )
 {
     if ( scene->export_warning_count > 0 )
         rf_print( "warnings   %d from the export\n", scene->export_warning_count );
-    for ( int i = 0; i < scene->export_warning_count; ++i )
-        rf_print( "  %s\n", scene->export_warnings[i] );
+    print_names( scene->export_warnings, scene->export_warning_count, INT_MAX );
 }
 
 static void print_cameras( const Facts* facts )

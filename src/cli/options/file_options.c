@@ -1,6 +1,7 @@
 // Turns the `render` object of a scene file into option values: by the same table, and errors with the JSON path.
 #include "cli/options/file_options.h"
 
+#include "base/words.h"
 #include "cli/options/options.h"
 #include "base/json.h"
 
@@ -75,7 +76,6 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
 // Describes the JSON values that an option accepts.
 static void describe_wanted( const RfOption* option, char* words, size_t size )
 {
-    size_t used;
     switch ( option->type )
     {
         case RF_OPTION_INT:
@@ -103,9 +103,8 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
             snprintf( words, size, "a whole number from 1 to 1000000, 29.97 and the like, or a string such as \"24000/1001\"" );
             break;
         case RF_OPTION_CHOICE:
-            used = (size_t)snprintf( words, size, "%sone of", option->bare != NULL ? "true, false, or " : "" );
-            for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
-                used += (size_t)snprintf( words + used, size - used, "%s %s", i > 0 ? "," : "", option->choices[i] );
+            snprintf( words, size, "%sone of ", option->bare != NULL ? "true, false, or " : "" );
+            rf_append_words( words, size, option->choices, ", ", ", " );
             break;
         case RF_OPTION_MEMORY:
             snprintf( words, size, "a string such as \"512M\" or \"4G\", at least %.0f bytes", option->min );

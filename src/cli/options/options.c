@@ -412,16 +412,6 @@ static bool is_choice( const RfOption* option, const char* text )
 }
 
 // Describes the values that an option accepts.
-static void describe_choices( const RfOption* option, char* words, size_t size )
-{
-    size_t used = 0;
-    for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
-    {
-        const char* before = i == 0 ? "" : option->choices[i + 1] != NULL ? ", " : " or ";
-        used += (size_t)snprintf( words + used, size - used, "%s%s", before, option->choices[i] );
-    }
-}
-
 static void describe_wanted( const RfOption* option, char* words, size_t size )
 {
     switch ( option->type )
@@ -451,7 +441,10 @@ static void describe_wanted( const RfOption* option, char* words, size_t size )
             snprintf( words, size, "a size such as 512M, 4G or 1.5G, at least %.0f bytes", option->min );
             break;
         case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24, 29.97 or 30000/1001" ); break;
-        case RF_OPTION_CHOICE: describe_choices( option, words, size ); break;
+        case RF_OPTION_CHOICE:
+            words[0] = '\0';
+            rf_append_words( words, size, option->choices, ", ", " or " );
+            break;
         case RF_OPTION_STRING: snprintf( words, size, "a value that is not empty" ); break;
         case RF_OPTION_BOOL: snprintf( words, size, "no value" ); break;
     }

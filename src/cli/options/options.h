@@ -85,6 +85,7 @@ typedef struct RfOption
 #define RF_TEXT_OPTION( option, to, what, ... )                                                                                  \
     RF_OPTION_ROW( option, RF_OPTION_STRING, const char**, to, __VA_ARGS__, .meta = ( what ) )
 #define RF_FLAG_OPTION( option, to, ... ) RF_OPTION_ROW( option, RF_OPTION_BOOL, bool*, to, __VA_ARGS__ )
+#define RF_ENUM( to ) ( (int*)( to ) ) // whose constants are the indices of its words
 #define RF_CHOICE_OPTION( option, to, words, ... )                                                                               \
     RF_OPTION_ROW( option, RF_OPTION_CHOICE, int*, to, __VA_ARGS__, .choices = ( words ) )
 #define RF_RANGE_OPTION( option, kind, pointer, to, low, high, what, ... )                                                       \

@@ -24,9 +24,10 @@ typedef struct RenderParse
 {
     RfRenderOptions options;
     const char* compression; // NULL: the default
-    int parts, names;        // indices of their words
     bool is_float, is_float_given, is_half_given;
 } RenderParse;
+
+_Static_assert( sizeof( RfWeights ) == sizeof( int ) && sizeof( RfColourSpace ) == sizeof( int ), "RF_ENUM" );
 
 // --overscan, --shutter, --fstop and --focus.
 
@@ -231,7 +232,7 @@ static const RfOption s_options[] = {
                      "against white specks: limit the luminance that one indirect path brings, and report the light taken out; "
                      "auto: the limit of least error, which grows with the samples" ),
     RF_CHOICE_OPTION(
-        "light-paths", &render_parse.options.light_paths, rf_light_paths_words,
+        "light-paths", RF_ENUM( &render_parse.options.settings.light_paths ), rf_light_paths_words,
         "trace paths from the lights, for caustics and lamps behind glass; auto (experimental): from small lights, where "
         "it seems to pay off",
         .in_file = true, .heading = RF_HEADING_QUALITY ),
@@ -249,17 +250,17 @@ static const RfOption s_options[] = {
         "compression of the EXR files; dwaa and dwab change colours a little and keep the rest; dwaa:45 sets the level, of "
         "which higher is smaller and coarser; with --float they need --parts each",
         .default_text = "zip", .heading = RF_HEADING_OUTPUT ),
-    RF_CHOICE_OPTION( "parts", &render_parse.parts, rf_parts_words,
+    RF_CHOICE_OPTION( "parts", RF_ENUM( &render_parse.options.settings.files.parts ), rf_parts_words,
                       "one part of the EXR files for all channels, or a part for each pass, that of the colour first",
                       .heading = RF_HEADING_OUTPUT ),
-    RF_CHOICE_OPTION( "names", &render_parse.names, rf_pass_names_words,
+    RF_CHOICE_OPTION( "names", RF_ENUM( &render_parse.options.settings.files.names ), rf_pass_names_words,
                       "names of the channels, with the conventions of the program for motion and normals",
                       .heading = RF_HEADING_OUTPUT ),
     RF_TEXT_OPTION(
         "timecode", &render_parse.options.settings.files.time_code, "HH:MM:SS:FF",
         "time code of the first frame of the camera path; HH:MM:SS;FF: drop frame, at 29.97 and 59.94 frames per second",
         .default_text = "frame 0 is 00:00:00:00", .heading = RF_HEADING_OUTPUT ),
-    RF_CHOICE_OPTION( "colorspace", &render_parse.options.colour_space, rf_colour_space_words,
+    RF_CHOICE_OPTION( "colorspace", RF_ENUM( &render_parse.options.settings.files.colour_space ), rf_colour_space_words,
                       "linear colour space of the colours in the files, in the attribute chromaticities too", .in_file = true,
                       .heading = RF_HEADING_OUTPUT ),
     RF_FLAG_OPTION( "half", &render_parse.options.settings.files.half,
@@ -294,12 +295,12 @@ static const RfOption s_options[] = {
     RF_NODES_OPTION( render_parse.options, "with --check: split the missing frames into ranges for N machines" ),
     RF_ESTIMATOR_OPTION( render_parse.options ),
     RF_CHOICE_OPTION(
-        "reconstruction", &render_parse.options.reconstruction, rf_reconstruction_words,
+        "reconstruction", RF_ENUM( &render_parse.options.settings.reconstruction ), rf_reconstruction_words,
         "with --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
         .in_file = true, .heading = RF_HEADING_RESEARCH ),
     RF_WEIGHT_OPTIONS( render_parse.options ),
     RF_CHOICE_OPTION(
-        "kernel-normalization", &render_parse.options.kernel_normalization, rf_kernel_normalization_words,
+        "kernel-normalization", RF_ENUM( &render_parse.options.settings.kernel_normalization ), rf_kernel_normalization_words,
         "normalisation of connections to light paths; disc (fast) and density (photon mapping) are biased, for comparison",
         .in_file = true, .heading = RF_HEADING_RESEARCH ),
     RF_EFFECT_OPTIONS( render_parse.options ),
@@ -415,13 +416,6 @@ RfRenderOptions rf_default_render_options( void )
     RfRenderOptions options = { .settings = rf_default_render_settings(), .autosave = AUTOSAVE_SECONDS };
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
-    options.weights = options.settings.weights;
-    options.normalize = options.settings.normalize;
-    options.adaptive = options.settings.adaptive;
-    options.reconstruction = options.settings.reconstruction;
-    options.light_paths = options.settings.light_paths;
-    options.kernel_normalization = options.settings.kernel_normalization;
-    options.colour_space = options.settings.files.colour_space;
     options.filter = -1;
     options.blur_steps = RF_BLUR_STEPS;
     print_default_texts( &options.settings );
@@ -433,19 +427,6 @@ static void reset( void )
     render_parse.options = rf_default_render_options();
     render_parse.is_float = render_parse.is_float_given = render_parse.is_half_given = false;
     render_parse.compression = NULL;
-    render_parse.parts = render_parse.options.settings.files.parts;
-    render_parse.names = render_parse.options.settings.files.names;
-}
-
-static void take_words( RfRenderOptions* options )
-{
-    options->settings.weights = (RfWeights)options->weights;
-    options->settings.normalize = (RfNormalize)options->normalize;
-    options->settings.adaptive = (RfAdaptive)options->adaptive;
-    options->settings.reconstruction = (RfReconstruction)options->reconstruction;
-    options->settings.light_paths = (RfLightPathsUse)options->light_paths;
-    options->settings.kernel_normalization = (RfKernelNormalization)options->kernel_normalization;
-    options->settings.files.colour_space = (RfColourSpace)options->colour_space;
 }
 
 void rf_settle_filter( RfRenderOptions* options )
@@ -488,13 +469,12 @@ RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
 {
     RfRenderSettings* settings = &options->settings;
-    take_words( options );
     if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: needs --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
     rf_take_estimator_option( options );
     rf_settle_filter( options );
-    if ( !settings->estimator->has_gradients && options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+    if ( !settings->estimator->has_gradients && settings->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: needs --estimator gradient" );
     RfResult result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
@@ -517,8 +497,6 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     result = check( &render_parse.options, error );
     if ( result == RF_OK && render_parse.compression != NULL )
         result = parse_compression( render_parse.compression, &render_parse.options.settings.files, error );
-    render_parse.options.settings.files.parts = (RfFileParts)render_parse.parts;
-    render_parse.options.settings.files.names = (RfPassNames)render_parse.names;
     if ( render_parse.is_float_given )
         render_parse.options.settings.files.half = !render_parse.is_float;
     *options = render_parse.options;
@@ -547,7 +525,6 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
         result = rf_fail_file_option( &cryptomatte, &error );
     if ( result == RF_OK && parse_effect_options( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &no_effect, &error );
-    take_words( &render_parse.options );
     *options = render_parse.options;
     return result;
 }

@@ -66,9 +66,6 @@ extern RfDefaultTexts rf_default_texts;
 #define RF_SPP_HELP                                                                                                              \
     "samples traced per pixel and frame; effective samples are all that land in a pixel, with those reused from other frames"
 
-#define RF_SPP_OPTION( o )                                                                                                       \
-    RF_INT_OPTION( "spp", &( o ).settings.spp, 1, RF_MAX_SPP, "S", RF_SPP_HELP, .in_file = true, .heading = RF_HEADING_QUALITY )
-
 // Of a render that may stop at an error or after a time.
 #define RF_STOP_OPTIONS( o, noise_help, flicker_help, time_help )                                                                \
     RF_INT_OPTION( "spp", &( o ).settings.spp, 1, RF_MAX_SPP, "S", RF_SPP_HELP "; the limit with --noise, --flicker and --time", \
@@ -82,8 +79,8 @@ extern RfDefaultTexts rf_default_texts;
                         .default_text = "off", .heading = RF_HEADING_QUALITY )
 
 #define RF_ADAPTIVE_OPTION( o, adaptive_help )                                                                                   \
-    RF_CHOICE_OPTION( "adaptive", &( o ).adaptive, rf_adaptive_words, ( adaptive_help ), .in_file = true, .bare = "on",          \
-                      .negated = "off", .heading = RF_HEADING_QUALITY )
+    RF_CHOICE_OPTION( "adaptive", RF_ENUM( &( o ).settings.adaptive ), rf_adaptive_words, ( adaptive_help ), .in_file = true,    \
+                      .bare = "on", .negated = "off", .heading = RF_HEADING_QUALITY )
 
 #define RF_CLAMP_OPTION( o, clamp_help )                                                                                         \
     RF_REAL_OPTION( "clamp", &( o ).settings.clamp, 0, RF_MAX_CLAMP, "off|auto|VALUE", ( clamp_help ), .in_file = true,          \
@@ -138,10 +135,10 @@ extern RfDefaultTexts rf_default_texts;
                       .heading = RF_HEADING_RESEARCH )
 
 #define RF_WEIGHT_OPTIONS( o )                                                                                                   \
-    RF_CHOICE_OPTION( "weights", &( o ).weights, rf_weights_words,                                                               \
+    RF_CHOICE_OPTION( "weights", RF_ENUM( &( o ).settings.weights ), rf_weights_words,                                           \
                       "weights of reused paths; eq15 and unweighted are biased, for comparison", .in_file = true,                \
                       .heading = RF_HEADING_RESEARCH ),                                                                          \
-        RF_CHOICE_OPTION( "normalize", &( o ).normalize, rf_normalize_words,                                                     \
+        RF_CHOICE_OPTION( "normalize", RF_ENUM( &( o ).settings.normalize ), rf_normalize_words,                                 \
                           "normalisation of the weights: crossfit and none are unbiased, none is noisy", .in_file = true,        \
                           .heading = RF_HEADING_RESEARCH )
 
