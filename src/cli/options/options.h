@@ -168,6 +168,9 @@ const char* rf_file_dots( const RfCommandTable* table, int i );
 // Parses one value by the option's type.
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
 
+// Appends what an option wants: `wanted`, formatted with its min and max, and its words in quotes.
+void rf_describe_wanted( const RfOption* option, const char* wanted, const char* quote, char* words, size_t size );
+
 // A relMSE, or the noise of a channel with %, at the start of `text`; `rest`: what follows.
 bool rf_parse_noise( const char* text, double* relmse, const char** rest );
 
