@@ -233,41 +233,40 @@ static bool has_channels( const RfExrHeader* header, const char* const* names, i
     return true;
 }
 
+// Motion, depth and variance.
 static RfResult read_layers( const char* path, const RfFlickerLayers* layers, const RfExrHeader* header, RfFlickerFrame* frame,
                              RfError* error )
 {
-    bool lack = layers->may_lack;
-    bool has_motion = layers->motion[0] != NULL && ( !lack || has_channels( header, layers->motion, 2 ) );
-    bool has_depth = layers->depth != NULL && ( !lack || has_channels( header, &layers->depth, 1 ) );
-    bool has_variance = layers->variance[0] != NULL && ( !lack || has_channels( header, layers->variance, 3 ) );
-    int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 };
+    const char* const* const names[3] = { layers->motion, &layers->depth, layers->variance };
+    static const int counts[3] = { 2, 1, 3 };
+    int where[3][3] = { { 0 } };
+    bool has[3];
+    float *all, *values[3] = { NULL, NULL, NULL };
     Wanted wanted = { .count = 0 };
-    add_wanted( &wanted, layers->motion, has_motion ? 2 : 0, motion );
-    add_wanted( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
-    add_wanted( &wanted, layers->variance, has_variance ? 3 : 0, variance );
+    RfExrWindow window;
+    for ( int k = 0; k < 3; ++k )
+    {
+        has[k] = names[k][0] != NULL && ( !layers->may_lack || has_channels( header, names[k], counts[k] ) );
+        add_wanted( &wanted, names[k], has[k] ? counts[k] : 0, where[k] );
+    }
     if ( wanted.count == 0 )
         return RF_OK;
-    float* values;
-    RfExrWindow window;
-    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &window, &values, error );
+    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &window, &all, error );
     if ( result == RF_OK )
         result = check_window( path, &window, path, header, "layers and colour need the same data window", error );
-    if ( result != RF_OK )
+    for ( int k = 0; k < 3 && result == RF_OK; ++k )
     {
-        free( values );
-        return result;
+        size_t pixels = (size_t)window.width * (size_t)window.height;
+        values[k] = has[k] ? select_channels( all, pixels, wanted.count, where[k], counts[k] ) : NULL;
+        if ( has[k] && values[k] == NULL )
+            result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its layers", path );
     }
-    size_t pixels = (size_t)window.width * (size_t)window.height;
-    frame->motion = has_motion ? select_channels( values, pixels, wanted.count, motion, 2 ) : NULL;
-    frame->depth = has_depth ? select_channels( values, pixels, wanted.count, depth, 1 ) : NULL;
-    if ( has_variance )
-        frame->variance =
-            ( RfImage ){ window.width, window.height, select_channels( values, pixels, wanted.count, variance, 3 ) };
-    free( values );
-    if ( has_motion != ( frame->motion != NULL ) || has_depth != ( frame->depth != NULL ) ||
-         has_variance != ( frame->variance.rgb != NULL ) )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its layers", path );
-    return RF_OK;
+    free( all );
+    frame->motion = values[0];
+    frame->depth = values[1];
+    if ( values[2] != NULL )
+        frame->variance = ( RfImage ){ window.width, window.height, values[2] };
+    return result;
 }
 
 static RfResult read_colour( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first, const char* first_path,
