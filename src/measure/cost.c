@@ -287,7 +287,9 @@ static RfResult make_regions( CostStudy* s, RfError* error )
     for ( int i = 0; i < count; ++i )
         sites[i] = ( RfTestSite ){ shot->frames[(int)( ( i + 0.5 ) / count * shot->frame_count )], 2 * s->settings[1].group + 1,
                                    s->pixels };
-    return rf_make_trial_regions( &s->runs, sites, count, 1, s->settings + 1, error );
+    s->runs.first = 1;
+    s->runs.pilot = s->settings[1];
+    return rf_make_trial_regions( &s->runs, sites, count, error );
 }
 
 static bool no_more( void* user, const RfProgress* progress )

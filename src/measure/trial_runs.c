@@ -91,17 +91,14 @@ void rf_end_trial_runs( RfTrialRuns* runs )
     free_trials( runs );
 }
 
-RfResult rf_make_trial_regions( RfTrialRuns* runs, const RfTestSite* sites, int count, int first,
-                                const RfRenderSettings* settings, RfError* error )
+RfResult rf_make_trial_regions( RfTrialRuns* runs, const RfTestSite* sites, int count, RfError* error )
 {
     rf_end_trial_runs( runs );
     runs->regions = calloc( (size_t)count, sizeof *runs->regions );
     if ( runs->regions == NULL )
         return fail_memory( error );
     runs->region_count = count;
-    runs->first = first;
     runs->sites = sites;
-    runs->pilot = *settings;
     runs->stopper = ( RfTrialWatch ){ should_continue, runs };
     return run_tasks( runs, count, make_region, error );
 }

@@ -21,24 +21,24 @@ typedef struct RfTrialRuns
     const RfTrialWatch* watch; // the caller's, or NULL
     double deadline;           // rf_wall_seconds(); 0: none
     int workers;
+    RfRenderSettings pilot; // of the regions, for a worker
+    int first;              // the first region is the so many-th of all: other ones have other pieces and seeds
     // what is held
     RfTestRegion* regions;
     int region_count;
-    int first; // the first region is the so many-th of all: other ones have other pieces and seeds
-    const RfTrialRow* rows;
-    int row_count;
     RfTrial* trials; // by region, then row; NULL: not run yet
     bool* done;      // in the same order
+    int row_count;
+    // while it runs
     const RfTestSite* sites;
-    RfRenderSettings pilot;
+    const RfTrialRow* rows;
     RfTrialWatch stopper; // of the trials: the watch and the deadline
     atomic_bool stop;
 } RfTrialRuns;
 
-// Creates regions at `sites`, with pilots by `settings` for a worker, in the place of those of before. The runs must not move until
-// rf_end_trial_runs. Fails with RF_ERROR_INTERRUPTED at the deadline.
-RfResult rf_make_trial_regions( RfTrialRuns* runs, const RfTestSite* sites, int count, int first,
-                                const RfRenderSettings* settings, RfError* error );
+// Creates regions at `sites` in the place of those of before. The runs must not move until rf_end_trial_runs. Fails with
+// RF_ERROR_INTERRUPTED at the deadline.
+RfResult rf_make_trial_regions( RfTrialRuns* runs, const RfTestSite* sites, int count, RfError* error );
 
 // Tries all rows at all regions, region by region. Fails with RF_ERROR_INTERRUPTED at the deadline: `done` says which are valid.
 RfResult rf_run_trials( RfTrialRuns* runs, const RfTrialRow* rows, int count, RfError* error );

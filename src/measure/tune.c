@@ -144,7 +144,6 @@ typedef struct Tuner
     RfTune* tune;
     RfTrialRuns runs;
     RfRenderSettings common; // resolved
-    RfRenderSettings one;    // the same for one of the workers
     bool candidate[RF_TUNE_ROWS];
     double start;
     int positions;    // positions used for test regions so far
@@ -163,7 +162,8 @@ static RfResult make_regions( Tuner* t, const RfTuneRound* round, int first, RfE
     for ( int i = 0; i < round->regions; ++i )
         sites[i] =
             ( RfTestSite ){ shot->frames[(int)( rf_tune_position( first + i ) * shot->frame_count )], frames, round->pixels };
-    RfResult result = rf_make_trial_regions( &t->runs, sites, round->regions, first, &t->one, error );
+    t->runs.first = first;
+    RfResult result = rf_make_trial_regions( &t->runs, sites, round->regions, error );
     free( sites );
     return result;
 }
@@ -216,7 +216,7 @@ static RfResult run_round( Tuner* t, const RfTuneRound* round, int* complete, Rf
     for ( int k = 0; k < count; ++k )
     {
         const RfTuneRow* row = t->tune->rows + order[k];
-        rows[k] = ( RfTrialRow ){ rf_tune_settings( row, &t->one ), 1, rf_tune_passes( row->eyes, round->passes ) };
+        rows[k] = ( RfTrialRow ){ rf_tune_settings( row, &t->runs.pilot ), 1, rf_tune_passes( row->eyes, round->passes ) };
     }
     *complete = 0;
     double start = rf_wall_seconds();
@@ -328,9 +328,9 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
     if ( result == RF_OK )
     {
         t.common.threads = t.runs.workers = rf_tune_workers( job, tune, &t.common );
-        t.one = t.common;
-        t.one.threads = 1;
-        t.one.memory /= (size_t)t.common.threads;
+        t.runs.pilot = t.common;
+        t.runs.pilot.threads = 1;
+        t.runs.pilot.memory /= (size_t)t.common.threads;
         result = calibrate( &t, error );
     }
     bool last = rf_is_late( &t.runs, result );
