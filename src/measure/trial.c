@@ -132,19 +132,6 @@ static void begin_pair( TrialPair* p, int first )
     p->step_count = 0;
 }
 
-// The slots of a frame of the region: which cell each is.
-typedef struct Slots
-{
-    const int32_t* slot; // by cell; −1: none
-    int cells;
-} Slots;
-
-static Slots slots_of( const RfTestPieces* pieces, int frame )
-{
-    int cells = pieces->across * pieces->down;
-    return ( Slots ){ pieces->slot + (size_t)frame * (size_t)cells, cells };
-}
-
 // Where the colours of a slot are.
 static float* colors_of( const TrialPair* p, int32_t slot )
 {
@@ -163,12 +150,12 @@ static RfResult keep_first( void* user, const RfFrameResult* frame, RfError* err
 {
     (void)error;
     TrialPair* p = user;
-    Slots s = slots_of( p->pieces, p->first + frame->frame );
+    const int32_t* slot = rf_frame_slots( p->pieces, p->first + frame->frame );
     int32_t pixel[RF_CELL_PIXELS];
-    for ( int cell = 0; cell < s.cells; ++cell )
+    for ( int cell = 0; cell < p->pieces->across * p->pieces->down; ++cell )
     {
-        int count = s.slot[cell] >= 0 ? rf_cell_pixels( p->pieces, cell, pixel ) : 0;
-        size_t to = count > 0 ? (size_t)( colors_of( p, s.slot[cell] ) - p->rgb ) : 0;
+        int count = slot[cell] >= 0 ? rf_cell_pixels( p->pieces, cell, pixel ) : 0;
+        size_t to = count > 0 ? (size_t)( colors_of( p, slot[cell] ) - p->rgb ) : 0;
         for ( int k = 0; k < 3 * count; ++k )
         {
             size_t i = 3 * (size_t)pixel[k / 3] + (size_t)( k % 3 );
@@ -241,20 +228,21 @@ static RfResult compare_second( void* user, const RfFrameResult* frame, RfError*
 {
     (void)error;
     TrialPair* p = user;
-    Slots s = slots_of( p->pieces, p->first + frame->frame );
-    const int32_t* before = frame->frame > 0 ? s.slot - s.cells : NULL;
+    int cells = p->pieces->across * p->pieces->down;
+    const int32_t* slot = rf_frame_slots( p->pieces, p->first + frame->frame );
+    const int32_t* before = frame->frame > 0 ? slot - cells : NULL;
     int32_t pixel[RF_CELL_PIXELS];
     double square = 0.0, step = 0.0, all = 0.0, shared = 0.0;
-    for ( int cell = 0; cell < s.cells; ++cell )
+    for ( int cell = 0; cell < cells; ++cell )
     {
-        if ( s.slot[cell] < 0 )
+        if ( slot[cell] < 0 )
             continue;
         int count = rf_cell_pixels( p->pieces, cell, pixel );
-        square += subtract_cell( p, frame, s.slot[cell], count, pixel );
+        square += subtract_cell( p, frame, slot[cell], count, pixel );
         all += count;
         if ( before == NULL || before[cell] < 0 )
             continue;
-        step += change_of_cell( p, s.slot[cell], before[cell], count );
+        step += change_of_cell( p, slot[cell], before[cell], count );
         shared += count;
     }
     p->trial->clamp.threshold += frame->clamp;
@@ -323,10 +311,9 @@ static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* e
     (void)error;
     RfTestRegion* region = user;
     const RfTestPieces* pieces = &region->pieces;
-    int cells = pieces->across * pieces->down;
-    const int32_t* slot = pieces->slot + (size_t)frame->frame * (size_t)cells;
+    const int32_t* slot = rf_frame_slots( pieces, frame->frame );
     int32_t pixel[RF_CELL_PIXELS];
-    for ( int cell = 0; cell < cells; ++cell )
+    for ( int cell = 0; cell < pieces->across * pieces->down; ++cell )
     {
         int pixels = slot[cell] >= 0 ? rf_cell_pixels( pieces, cell, pixel ) : 0;
         if ( pixels == 0 )
