@@ -98,21 +98,15 @@ static void print_motion_words( const RfFlickerRun* run, const RfFlickerSums* su
         printf( "no pixel is visible in two neighbouring frames: check the motion and depth layers\n" );
 }
 
+// What the verdict does not say: what is missing for more.
 static void print_words( const RfFlickerRun* run, const char* unfollowed )
 {
     RfFlickerMetrics m = rf_flicker_metrics( &run->plain.all );
-    if ( isfinite( m.phi ) && m.mse > 0.0 && has_variance( run ) )
-        printf( "phi %.3f, RMSE %.3e from the variance layers; moving edges and highlights count as flicker unless --reference "
-                "is given\n",
-                m.phi, sqrt( m.mse ) );
-    else if ( isfinite( m.phi ) && m.mse > 0.0 )
-        printf( "%s: phi %.3f, RMSE %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
-    else if ( isfinite( m.phi ) )
-        printf( "no flicker: there is no error\n" );
-    else if ( run->reference == NULL && !has_variance( run ) && isfinite( m.f1 ) )
-        printf( "phi needs the size of the error: give --reference, or render --aov variance\n" );
-    else if ( has_variance( run ) && isfinite( m.f1 ) )
+    bool is_unknown = run->reference == NULL && !isfinite( m.phi ) && isfinite( m.f1 );
+    if ( is_unknown && has_variance( run ) )
         printf( "phi is unknown: the variance layers are 0, as after a single pass: give --reference\n" );
+    else if ( is_unknown )
+        printf( "phi needs the size of the error: give --reference, or render --aov variance\n" );
     if ( !rf_is_compensated( run ) && run->reference == NULL )
         printf( "not motion-compensated: motion counts as flicker (render --aov motion,depth, or give --reference)\n" );
     print_followed_words( run, unfollowed );
