@@ -1,8 +1,26 @@
 // Ends of names; the nearest word by Levenshtein's edit distance, for suggestions in error messages.
 #include "base/words.h"
 
+#include <stdio.h>
+#include <stdarg.h>
 #include <string.h>
 #include <strings.h>
+
+void rf_append( char* text, size_t size, const char* format, ... )
+{
+    size_t used = strlen( text );
+    va_list args;
+    va_start( args, format );
+    if ( used < size )
+        vsnprintf( text + used, size - used, format, args );
+    va_end( args );
+}
+
+void rf_append_words( char* text, size_t size, const char* const* words, const char* between, const char* last )
+{
+    for ( int i = 0; words[i] != NULL; ++i )
+        rf_append( text, size, "%s%s", i == 0 ? "" : words[i + 1] != NULL ? between : last, words[i] );
+}
 
 bool rf_ends_with( const char* text, const char* end )
 {

@@ -1,5 +1,6 @@
 // reframe completion: scripts that make shells complete commands, options and their values.
 #include "cli/commands.h"
+#include "base/words.h"
 #include "cli/messages.h"
 
 #include <stdio.h>
@@ -17,12 +18,6 @@ typedef enum RfCompletion
     COMPLETE_TEXT, // anything
 } RfCompletion;
 
-static void append( char* words, size_t size, const char* word )
-{
-    size_t used = strlen( words );
-    snprintf( words + used, size - used, "%s%s", used > 0 ? " " : "", word );
-}
-
 // Its words go into `words` with blanks between them.
 static RfCompletion completion_of( const RfOption* option, char* words, size_t size )
 {
@@ -31,16 +26,15 @@ static RfCompletion completion_of( const RfOption* option, char* words, size_t s
     {
         case RF_OPTION_BOOL: return COMPLETE_NOTHING;
         case RF_OPTION_CHOICE:
-            for ( int i = 0; option->choices[i] != NULL; ++i )
-                append( words, size, option->choices[i] );
+            rf_append_words( words, size, option->choices, " ", " " );
             return option->bare != NULL ? COMPLETE_OPTIONAL_WORDS : COMPLETE_WORDS;
-        case RF_OPTION_SIZE: append( words, size, "720p 1080p 1440p 2160p 4k" ); return COMPLETE_WORDS;
+        case RF_OPTION_SIZE: rf_append( words, size, "720p 1080p 1440p 2160p 4k" ); return COMPLETE_WORDS;
         case RF_OPTION_STRING: return option->reads || option->writes != NULL ? COMPLETE_FILE : COMPLETE_TEXT;
         default: break;
     }
     if ( option->keyword == NULL )
         return COMPLETE_TEXT;
-    append( words, size, option->keyword );
+    rf_append( words, size, "%s", option->keyword );
     return COMPLETE_WORDS;
 }
 

@@ -30,52 +30,19 @@ static const char* const s_ups[] = { "y", "z", NULL };
 static const char* const s_files[] = { "IN", "OUT.glb" };
 
 static const RfOption s_options[] = {
-    { .name = "up",
-      .type = RF_OPTION_CHOICE,
-      .value = &s_up,
-      .choices = s_ups,
-      .help = "up axis of IN; z is rotated to glTF's y" },
-    { .name = "scale",
-      .type = RF_OPTION_REAL,
-      .value = &s_convert.scale,
-      .min = 1e-9,
-      .max = 1e9,
-      .meta = "S",
-      .help = "metres per unit of IN, in addition to the file's own unit" },
-    { .name = "importer",
-      .type = RF_OPTION_CHOICE,
-      .value = &s_importer,
-      .choices = s_importers,
-      .help = "reader for IN; auto: Reframe's own for PLY, assimp for the rest" },
-    { .name = "memory",
-      .type = RF_OPTION_MEMORY,
-      .value = &s_convert.memory,
-      .min = 128 << 20,
-      .meta = "SIZE",
-      .help = "address space limit for assimp" },
-    { .name = "timeout",
-      .type = RF_OPTION_TIME,
-      .value = &s_convert.seconds,
-      .min = 0.1,
-      .max = 86400,
-      .meta = "SECONDS",
-      .help = "time limit for assimp" },
-    { .name = "overwrite", .type = RF_OPTION_BOOL, .value = &s_convert.overwrite, .help = "replace an existing OUT.glb" },
-    { .name = "json",
-      .writes = ".json",
-      .type = RF_OPTION_STRING,
-      .value = &s_json,
-      .meta = "FILE",
-      .help = "write the result as JSON; - for standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no summary, no warnings" },
+    RF_CHOICE_OPTION( "up", &s_up, s_ups, "up axis of IN; z is rotated to glTF's y" ),
+    RF_REAL_OPTION( "scale", &s_convert.scale, 1e-9, 1e9, "S", "metres per unit of IN, in addition to the file's own unit" ),
+    RF_CHOICE_OPTION( "importer", &s_importer, s_importers, "reader for IN; auto: Reframe's own for PLY, assimp for the rest" ),
+    RF_MEMORY_OPTION( "memory", &s_convert.memory, 128 << 20, "SIZE", "address space limit for assimp" ),
+    RF_TIME_OPTION( "timeout", &s_convert.seconds, 0.1, 86400, "SECONDS", "time limit for assimp" ),
+    RF_FLAG_OPTION( "overwrite", &s_convert.overwrite, "replace an existing OUT.glb" ),
+    RF_TEXT_OPTION( "json", &s_json, "FILE", "write the result as JSON; - for standard output", .writes = ".json" ),
+    RF_FLAG_OPTION( "quiet", &s_quiet, "no summary, no warnings" ),
 };
 static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary = "Converts OBJ, PLY, FBX or Collada to .glb.",
-                                        .files = s_files,
-                                        .file_count = 2,
-                                        .writes_last = ".glb",
-                                        .options = s_options,
-                                        .option_count = (int)( sizeof s_options / sizeof s_options[0] ) };
+                                        RF_TABLE_ROWS( s_files, s_options ),
+                                        .writes_last = ".glb" };
 
 static bool is_interrupted( void* user )
 {
@@ -97,8 +64,9 @@ static RfResult report_result( const char* from, const char* to, const RfModelCo
     return rf_write_json( s_json, json, error );
 }
 
-static RfResult convert( const char* from, const char* to, RfError* error )
+static RfResult convert( void* user, RfError* error )
 {
+    const char *const *files = user, *from = files[0], *to = files[1];
     RfModelCounts counts;
     RfLog log = rf_stderr_log( COMMAND );
     if ( s_quiet )
@@ -114,13 +82,6 @@ static RfResult convert( const char* from, const char* to, RfError* error )
 int rf_command_convert( int argc, char** argv )
 {
     const char* files[2];
-    bool help;
-    RfError error;
     s_convert = rf_default_convert_options();
-    RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
-    if ( result == RF_OK && help )
-        result = rf_show_help( &s_table, &error );
-    else if ( result == RF_OK )
-        result = convert( files[0], files[1], &error );
-    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+    return rf_run_command( &s_table, argc, argv, files, convert, files );
 }

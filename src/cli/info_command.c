@@ -11,6 +11,7 @@
 #include "scene/json/scene_file.h"
 #include "scene/pose.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,51 +32,23 @@ static bool s_effects_given, s_group_given;
 #define MOST_CHOICE 2e6        // triangles and lights for which a group is chosen in about three seconds
 
 static const RfOption s_options[] = {
-    { .name = "fps",
-      .type = RF_OPTION_FPS,
-      .value = &s_fps,
-      .given = &s_fps_given,
-      .meta = "R",
-      .default_text = "the scene's, else 24",
-      .help = "frames per second, for the frame counts of the cameras" },
-    { .name = "effects",
-      .type = RF_OPTION_CHOICE,
-      .value = &s_render.effects,
-      .given = &s_effects_given,
-      .choices = rf_effects_words,
-      .help = "list the effects as with render --effects" },
-    { .name = "no-effect",
-      .type = RF_OPTION_STRING,
-      .value = &s_render.no_effect,
-      .meta = "NAME[,...]",
-      .default_text = "none",
-      .help = "list the effects as with render --no-effect" },
+    RF_FPS_OPTION( "fps", &s_fps, "R", "frames per second, for the frame counts of the cameras", .given = &s_fps_given,
+                   .default_text = "the scene's, else 24" ),
+    RF_CHOICE_OPTION( "effects", &s_render.effects, rf_effects_words, "list the effects as with render --effects",
+                      .given = &s_effects_given ),
+    RF_TEXT_OPTION( "no-effect", &s_render.no_effect, "NAME[,...]", "list the effects as with render --no-effect",
+                    .default_text = "none" ),
     RF_MOVEMENT_OPTIONS( s_render ),
-    { .name = "group",
-      .type = RF_OPTION_INT,
-      .value = &s_render.settings.group,
-      .given = &s_group_given,
-      .min = 0,
-      .max = RF_MAX_GROUP,
-      .keyword = "auto",
-      .keyword_value = RF_GROUP_AUTO,
-      .meta = "N|auto",
-      .help = "say how light that changes is shared in groups of 2N+1 frames, as render --group" },
-    { .name = "json",
-      .writes = ".json",
-      .type = RF_OPTION_STRING,
-      .value = &s_json,
-      .meta = "FILE",
-      .help = "write the result as JSON; - for standard output" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "accepted for consistency; there is no progress" },
+    RF_INT_OPTION( "group", &s_render.settings.group, 0, RF_MAX_GROUP, "N|auto",
+                   "say how light that changes is shared in groups of 2N+1 frames, as render --group", .given = &s_group_given,
+                   .keyword = "auto", .keyword_value = RF_GROUP_AUTO ),
+    RF_TEXT_OPTION( "json", &s_json, "FILE", "write the result as JSON; - for standard output", .writes = ".json" ),
+    RF_FLAG_OPTION( "quiet", &s_quiet, "accepted for consistency; there is no progress" ),
 };
 static const RfCommandTable s_table = {
     .command = "info",
     .summary = "Lists what is in a scene (.glb, .gltf or .json scene file), what moves and changes, and which effects it uses.",
-    .files = s_files,
-    .file_count = 1,
-    .options = s_options,
-    .option_count = sizeof s_options / sizeof s_options[0]
+    RF_TABLE_ROWS( s_files, s_options )
 };
 
 // What is printed.
@@ -181,15 +154,21 @@ static void print_film( const RfSceneInfo* scene )
         rf_print( "size       %dx%d%s\n", scene->width, scene->height, scene->alpha ? ", with alpha" : "" );
 }
 
+// A line each, at most so many of them.
+static void print_names( const char* const* names, int count, int most )
+{
+    for ( int i = 0; i < count && i < most; ++i )
+        rf_print( "  %s\n", names[i] );
+    if ( count > most )
+        rf_print( "  and %d more\n", count - most );
+}
+
 static void print_moving( const RfSceneInfo* scene )
 {
     if ( scene->moving_count > 0 )
         rf_print( "%s     %d object%s\n", scene->frozen ? "frozen" : "moving", scene->moving_count,
                   scene->moving_count == 1 ? "" : "s" );
-    for ( int i = 0; i < scene->moving_count && i < MAX_MOVING; ++i )
-        rf_print( "  %s\n", scene->moving[i] );
-    if ( scene->moving_count > MAX_MOVING )
-        rf_print( "  and %d more\n", scene->moving_count - MAX_MOVING );
+    print_names( scene->moving, scene->moving_count, MAX_MOVING );
 }
 
 // "light 'Desk'"
@@ -236,8 +215,7 @@ static void print_variants( const RfSceneInfo* scene )
 {
     if ( scene->variant_count > 0 )
         rf_print( "variants   %d\n", scene->variant_count );
-    for ( int i = 0; i < scene->variant_count; ++i )
-        rf_print( "  %s\n", scene->variants[i] );
+    print_names( scene->variants, scene->variant_count, INT_MAX );
 }
 
 // "  key: lamp 'Desk', material 'bulb'": what shines in a light group; −1: in none, the layer of which is "rest".
@@ -295,16 +273,14 @@ static void print_losses( const RfSceneInfo* scene )
     if ( scene->export_loss_count > 0 )
         rf_print( "LOST       by the export, %d: movements stand still, or the light of the picture is another\n",
                   scene->export_loss_count );
-    for ( int i = 0; i < scene->export_loss_count; ++i )
-        rf_print( "  %s\n", scene->export_losses[i] );
+    print_names( scene->export_losses, scene->export_loss_count, INT_MAX );
 }
 
 static void print_warnings( const RfSceneInfo* scene )
 {
     if ( scene->export_warning_count > 0 )
         rf_print( "warnings   %d from the export\n", scene->export_warning_count );
-    for ( int i = 0; i < scene->export_warning_count; ++i )
-        rf_print( "  %s\n", scene->export_warnings[i] );
+    print_names( scene->export_warnings, scene->export_warning_count, INT_MAX );
 }
 
 static void print_cameras( const Facts* facts )
@@ -454,8 +430,9 @@ static RfResult load( const char* name, RfSceneFile* file, RfScene* scene, RfRen
     return result == RF_OK ? rf_take_effect_options( options, scene, &log, error ) : result;
 }
 
-static RfResult report_result( const char* name, RfError* error )
+static RfResult report_result( void* user, RfError* error )
 {
+    const char* const name = *(const char* const*)user;
     RfScene scene = { 0 };
     Facts facts = { 0 };
     RfResult result = load( name, &facts.file, &scene, &facts.render, error );
@@ -478,15 +455,8 @@ static RfResult report_result( const char* name, RfError* error )
 int rf_command_info( int argc, char** argv )
 {
     const char* files[1];
-    bool help;
-    RfError error;
     s_fps = ( RfFps ){ 0, 0 };
     s_fps_given = s_effects_given = s_group_given = false;
     s_render = rf_default_render_options();
-    RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
-    if ( result == RF_OK && help )
-        result = rf_show_help( &s_table, &error );
-    else if ( result == RF_OK )
-        result = report_result( files[0], &error );
-    return result == RF_OK ? 0 : rf_report_error( "info", &error );
+    return rf_run_command( &s_table, argc, argv, files, report_result, files );
 }

@@ -40,7 +40,7 @@ static const char* hint_of( const RfError* error )
         case RF_REMEDY_LAYER: return ": name one by --layer";
         case RF_REMEDY_MOTION: return ": choose by --motion X,Y";
         case RF_REMEDY_DEPTH: return ": choose by --depth NAME";
-        case RF_REMEDY_FRAMES: return ": choose those that both have by --frames";
+        case RF_REMEDY_FRAMES: return ": choose others by --frames";
         case RF_REMEDY_OVERWRITE: return ": give another name or --overwrite";
         case RF_REMEDY_CONVERT_MEMORY: return ": give it more by --memory, or " EXPORT_INSTEAD;
         case RF_REMEDY_CONVERT_SECONDS: return ": give it more by --timeout, or " EXPORT_INSTEAD;
@@ -128,6 +128,13 @@ json_t* rf_json_texts( const char* const* texts, int count )
 }
 
 json_t* rf_json_number( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
+
+json_t* rf_set_figures( json_t* object, const RfFigure* figures )
+{
+    for ( ; figures->key != NULL; ++figures )
+        json_object_set_new( object, figures->key, rf_json_number( figures->value ) );
+    return object;
+}
 
 double rf_json_number_of( const json_t* object, const char* key )
 {

@@ -52,6 +52,17 @@ json_t* rf_json_frames( const int* frames, int count );
 // A JSON number, null where it is not finite.
 json_t* rf_json_number( double value );
 
+// A key and its number, null where it is not finite.
+typedef struct RfFigure
+{
+    const char* key;
+    double value;
+} RfFigure;
+
+// Sets keys of an object to numbers, up to one that is NULL; returns the object. RF_SET_FIGURES takes the figures as a list.
+json_t* rf_set_figures( json_t* object, const RfFigure* figures );
+#define RF_SET_FIGURES( object, ... ) rf_set_figures( object, ( const RfFigure[] ){ __VA_ARGS__, { NULL, 0.0 } } )
+
 // The number of an object's key; NaN where there is none, or no object.
 double rf_json_number_of( const json_t* object, const char* key );
 

@@ -239,13 +239,7 @@ static RfResult read_reconstruct_frame( const ReconstructFiles* files, int numbe
     RfResult result = paths != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of files" );
     *frame = ( ReconstructFrame ){ .half_count = 0 };
     for ( int k = 0; k < 4 && result == RF_OK; ++k )
-    {
-        const RfSequenceInput* input = files->inputs + k;
-        if ( input->is_sequence )
-            result = rf_sequence_name( input->pattern, number, paths->of[k], sizeof paths->of[k], error );
-        else
-            memcpy( paths->of[k], input->pattern, sizeof input->pattern );
-    }
+        result = rf_sequence_input_name( files->inputs + k, number, paths->of[k], error );
     for ( int k = 0; k < files->image_count && result == RF_OK; ++k )
         result = read_file( files, paths, k, frame, error );
     free( paths );
@@ -424,9 +418,7 @@ static RfResult reconstruct_frame( Job* job, int number, RfError* error )
     RfImage image = { 0 };
     RfReconstructInfo info = { 0 };
     char name[RF_FILE_NAME_SIZE];
-    const RfSequenceInput* input = job->files.inputs;
-    snprintf( name, sizeof name, "%s", input->pattern );
-    RfResult result = input->is_sequence ? rf_sequence_name( input->pattern, number, name, sizeof name, error ) : RF_OK;
+    RfResult result = rf_sequence_input_name( job->files.inputs, number, name, error );
     if ( result != RF_OK )
         return result;
     result = read_reconstruct_frame( &job->files, number, &frame, error );
@@ -462,8 +454,10 @@ static RfResult finish( Job* job, RfError* error )
     return rf_write_json( job->json, json, error );
 }
 
-static RfResult run( Job* job, RfError* error )
+static RfResult run( void* user, RfError* error )
 {
+    Job* job = user;
+    job->table = rf_prints_text( job->json );
     const RfSequenceInput* input = job->files.inputs;
     if ( job->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "-o FILE is missing, see reframe reconstruct --help" );
@@ -488,106 +482,52 @@ static RfResult run( Job* job, RfError* error )
     return result == RF_OK ? finish( job, error ) : result;
 }
 
-#define TEXT_OPTION( option, to, what, usual, words )                                                                            \
-    {                                                                                                                            \
-        .name = option, .type = RF_OPTION_STRING, .value = &( to ), .meta = what, .default_text = usual, .help = words           \
-    }
-
 int rf_command_reconstruct( int argc, char** argv )
 {
     static const char* const names[] = { "IMAGES" };
     Job job = { .choice.alpha = 0.2, .info = { .converged = true } };
     const RfOption options[] = {
-        { .name = "output",
-          .letter = 'o',
-          .writes = ".exr",
-          .type = RF_OPTION_STRING,
-          .value = &job.output,
-          .meta = "FILE",
-          .help = "output image; for a sequence, with #### for the frame number" },
-        { .name = "method",
-          .type = RF_OPTION_CHOICE,
-          .value = &job.choice.method,
-          .given = &job.choice.method_given,
-          .choices = reconstruct_methods,
-          .default_text = "weighted where two halves have variances, else l2",
-          .help = "least squares with constant weights, or weighted by the variances of the other half; least absolute "
-                  "differences, which is biased" },
-        { .name = "alpha",
-          .type = RF_OPTION_REAL,
-          .value = &job.choice.alpha,
-          .given = &job.choice.alpha_given,
-          .min = 1e-4,
-          .max = 1e4,
-          .meta = "A",
-          .help = "weight of the primal image against the gradients, with l2 and l1" },
-        TEXT_OPTION( "primal", job.files.primal, "NAME", "primal, else colour",
-                     "layer of the noisy image, or three channels X,Y,Z" ),
-        TEXT_OPTION( "dx", job.files.dx, "NAME", "dx", "layer of differences to the pixel on the right" ),
-        TEXT_OPTION( "dy", job.files.dy, "NAME", "dy", "layer of differences to the pixel below" ),
-        TEXT_OPTION( "variance", job.files.variance, "A,X,Y", "primal.variance,dx.variance,dy.variance",
-                     "three channels: variances of primal, dx and dy" ),
-        { .name = "dx-from",
-          .type = RF_OPTION_STRING,
-          .value = &job.files.dx_from,
-          .reads = true,
-          .meta = "FILE",
-          .help = "read dx from this file or sequence instead" },
-        { .name = "dy-from",
-          .type = RF_OPTION_STRING,
-          .value = &job.files.dy_from,
-          .reads = true,
-          .meta = "FILE",
-          .help = "read dy from this file or sequence instead" },
-        TEXT_OPTION( "frames", job.files.frames, "A-B[xSTEP][,...]", "all", "reconstruct only these frames of the sequence" ),
-        { .name = "half",
-          .type = RF_OPTION_BOOL,
-          .value = &job.half,
-          .help = "16-bit floats instead of 32",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "json",
-          .writes = ".json",
-          .type = RF_OPTION_STRING,
-          .value = &job.json,
-          .meta = "FILE",
-          .help = "write statistics of the solves as JSON; - for standard output",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "quiet",
-          .type = RF_OPTION_BOOL,
-          .value = &job.quiet,
-          .help = "no progress, no summary",
-          .heading = RF_HEADING_OUTPUT },
+        RF_TEXT_OPTION( "output", &job.output, "FILE", "output image; for a sequence, with #### for the frame number",
+                        .letter = 'o', .writes = ".exr" ),
+        RF_CHOICE_OPTION( "method", &job.choice.method, reconstruct_methods,
+                          "least squares with constant weights, or weighted by the variances of the other half; least absolute "
+                          "differences, which is biased",
+                          .given = &job.choice.method_given,
+                          .default_text = "weighted where two halves have variances, else l2" ),
+        RF_REAL_OPTION( "alpha", &job.choice.alpha, 1e-4, 1e4, "A",
+                        "weight of the primal image against the gradients, with l2 and l1", .given = &job.choice.alpha_given ),
+        RF_TEXT_OPTION( "primal", &job.files.primal, "NAME", "layer of the noisy image, or three channels X,Y,Z",
+                        .default_text = "primal, else colour" ),
+        RF_TEXT_OPTION( "dx", &job.files.dx, "NAME", "layer of differences to the pixel on the right", .default_text = "dx" ),
+        RF_TEXT_OPTION( "dy", &job.files.dy, "NAME", "layer of differences to the pixel below", .default_text = "dy" ),
+        RF_TEXT_OPTION( "variance", &job.files.variance, "A,X,Y", "three channels: variances of primal, dx and dy",
+                        .default_text = "primal.variance,dx.variance,dy.variance" ),
+        RF_TEXT_OPTION( "dx-from", &job.files.dx_from, "FILE", "read dx from this file or sequence instead", .reads = true ),
+        RF_TEXT_OPTION( "dy-from", &job.files.dy_from, "FILE", "read dy from this file or sequence instead", .reads = true ),
+        RF_TEXT_OPTION( "frames", &job.files.frames, "A-B[xSTEP][,...]", "reconstruct only these frames of the sequence",
+                        .default_text = "all" ),
+        RF_FLAG_OPTION( "half", &job.half, "16-bit floats instead of 32", .heading = RF_HEADING_OUTPUT ),
+        RF_TEXT_OPTION( "json", &job.json, "FILE", "write statistics of the solves as JSON; - for standard output",
+                        .writes = ".json", .heading = RF_HEADING_OUTPUT ),
+        RF_FLAG_OPTION( "quiet", &job.quiet, "no progress, no summary", .heading = RF_HEADING_OUTPUT ),
     };
     const RfCommandTable table = {
         .command = COMMAND,
         .summary = "Reconstructs images from a noisy primal image and noisy gradients, layers of EXR files of this or another "
                    "program. IMAGES is a file, a sequence named with ####, or its folder; or two of them, the independent halves "
                    "of a render. Halves may also be the layers even.primal, even.dx, odd.primal and so on of one file.",
-        .files = names,
-        .file_count = 1,
+        RF_TABLE_ROWS( names, options ),
         .file_max = 2,
-        .file_total = &job.files.image_count,
-        .options = options,
-        .option_count = sizeof options / sizeof options[0],
+        .file_total = &job.files.image_count
     };
-    RfError error = { 0 };
-    bool help = false;
-    RfResult result = rf_parse_options( &table, argc, argv, job.files.images, &help, &error );
-    if ( result == RF_OK && help )
-    {
-        result = rf_show_help( &table, &error );
-        return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
-    }
     job.rows = json_array();
     job.warnings = json_array();
     RfReportedWarnings reported = { COMMAND, job.warnings };
     RfLog log = rf_keeping_log( &reported );
     job.log = &log;
-    job.table = rf_prints_text( job.json );
-    if ( result == RF_OK )
-        result = run( &job, &error );
+    int status = rf_run_command( &table, argc, argv, job.files.images, run, &job );
     free_reconstruct_files( &job.files );
     json_decref( job.rows );
     json_decref( job.warnings );
-    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+    return status;
 }

@@ -1,10 +1,9 @@
 // The measurement of cost: levels of ever more passes at some positions of the path.
 #include "measure/cost.h"
 
-#include "base/random.h"
 #include "base/system.h"
 #include "measure/image_error.h"
-#include "measure/trial.h"
+#include "measure/trial_runs.h"
 #include "render/groups.h"
 #include "render/settings.h"
 #include "render/estimator.h"
@@ -12,11 +11,12 @@
 #include "scene/leave_out.h"
 #include "trace/trace.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
 #define COST_ROUNDS 100
-#define COST_TASKS ( 2 * RF_COST_POSITIONS )
+#define COST_TASKS ( 2 * RF_COST_POSITIONS ) // of a round: path tracing and reuse by turns, with different seeds
 
 // The trials of a curve with the same number of passes.
 typedef struct CostLevel
@@ -30,18 +30,15 @@ typedef struct CostStudy
     const RfCostJob* job;
     RfCost* cost;
     RfRenderSettings settings[2]; // resolved
-    RfTestRegion regions[RF_COST_POSITIONS];
-    double pixels;            // to trace of each of their frames
-    int workers;              // trials at a time, with a thread each
+    RfTrialRuns runs;
+    double pixels;            // to trace of each frame of a region
     int threads;              // of the render
     int first_passes, passes; // of the first level and of this one
     double clamp;             // threshold of the first round; 0: none is tried
     int round;
-    RfTrial trials[COST_TASKS];      // of this round: path tracing and reuse by turns, with different seeds
     RfTrial sums[2];                 // of all rounds: each weighs as its passes, since more samples determine the error better
     RfTrial clamped[RF_COST_CLAMPS]; // of reuse, by the clamp of the round
     CostLevel levels[2][RF_COST_LEVELS];
-    RfTrialWatch watch; // the job's, and the deadline
     double start;
 } CostStudy;
 
@@ -95,31 +92,6 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
-// Adds a trial of one of the positions, whose pieces are the same in all rounds, with the weight of its passes.
-static void add_weighed( const CostStudy* s, int position, const RfTrial* trial, RfTrial* sum )
-{
-    RfTrial weighed = *trial;
-    int first = 0, pieces = sum->piece_count;
-    for ( int k = 0; k < position; ++k )
-        first += s->regions[k].pieces.count;
-    for ( int k = 0; k < trial->piece_count; ++k )
-    {
-        sum->pieces[first + k].weight += s->passes * trial->pieces[k].weight;
-        sum->pieces[first + k].relmse += s->passes * trial->pieces[k].relmse;
-        sum->pieces[first + k].clamped += s->passes * trial->pieces[k].clamped;
-    }
-    double* const scaled[] = { &weighed.weight,        &weighed.relmse,        &weighed.mse,
-                               &weighed.change_weight, &weighed.change,        &weighed.clamp.relmse,
-                               &weighed.clamp.bias,    &weighed.clamp.removed, &weighed.clamp.light };
-    for ( size_t k = 0; k < sizeof scaled / sizeof scaled[0]; ++k )
-        *scaled[k] *= s->passes;
-    for ( int k = 0; k < RF_WORST_CELLS; ++k )
-        weighed.worst[k] *= s->passes;
-    weighed.piece_count = 0;
-    rf_add_trial( sum, &weighed );
-    sum->piece_count = first + trial->piece_count > pieces ? first + trial->piece_count : pieces;
-}
-
 // Adds a trial of a curve.
 static void add_trial( CostStudy* s, int curve, int position, const RfTrial* trial )
 {
@@ -130,9 +102,12 @@ static void add_trial( CostStudy* s, int curve, int position, const RfTrial* tri
     level->cpu_seconds += trial->cpu_seconds;
     level->samples += trial->timed_samples;
     level->trials += 1;
-    add_weighed( s, position, trial, s->sums + curve );
+    int first = 0; // of the pieces of this position, the same in all rounds
+    for ( int k = 0; k < position; ++k )
+        first += s->runs.regions[k].pieces.count;
+    rf_add_weighed_trial( s->sums + curve, trial, s->passes, first );
     if ( curve == 1 )
-        add_weighed( s, position, trial, s->clamped + s->round % RF_COST_CLAMPS );
+        rf_add_weighed_trial( s->clamped + s->round % RF_COST_CLAMPS, trial, s->passes, first );
 }
 
 // What all trials say together. All threads of a render work as fast as those of the trials.
@@ -254,17 +229,14 @@ static void share_threads( CostStudy* s )
     int longest = rf_longest_shot( s->job->shot.eyes, s->job->shot.eye_count );
     int eyes = 2 * settings.group + 1 < longest ? 2 * settings.group + 1 : longest;
     s->threads = s->settings[1].threads;
-    s->workers = s->threads < COST_TASKS ? s->threads : COST_TASKS;
+    s->runs.workers = s->threads < COST_TASKS ? s->threads : COST_TASKS;
     RfShot group = { s->job->shot.tracer, s->job->shot.eyes, eyes, NULL, eyes };
     if ( rf_fit_memory( &group, &settings, &fit, NULL ) == RF_OK )
-    {
-        size_t room = settings.memory / ( 2 * ( fit.bytes_films + fit.bytes_hits + fit.bytes_lists ) );
-        s->workers = room < 1 ? 1 : room < (size_t)s->workers ? (int)room : s->workers;
-    }
+        s->runs.workers = rf_trial_workers( settings.memory, &fit, s->runs.workers );
     for ( int k = 0; k < 2; ++k )
     {
         s->settings[k].threads = 1;
-        s->settings[k].memory /= (size_t)s->workers;
+        s->settings[k].memory /= (size_t)s->runs.workers;
     }
 }
 
@@ -307,65 +279,17 @@ static const double s_clamp_steps[RF_COST_CLAMPS] = { 1.0, 4.0, 0.25, 16.0 };
 #define PROBE_PIXELS 1000.0
 #define SLACK 0.9 // of the time left: trials end at different times
 
-static bool should_continue( void* user )
+static RfResult make_regions( CostStudy* s, RfError* error )
 {
-    const CostStudy* s = user;
-    const RfTrialWatch* outer = s->job->watch;
-    return !( s->job->deadline > 0.0 && rf_wall_seconds() > s->job->deadline ) &&
-           ( outer == NULL || outer->should_continue == NULL || outer->should_continue( outer->user ) );
-}
-
-// Was that the deadline, and nobody's wish?
-static bool is_late( const CostStudy* s, RfResult result )
-{
-    return result == RF_ERROR_INTERRUPTED && s->job->deadline > 0.0 && rf_wall_seconds() > s->job->deadline;
-}
-
-// Renders all frames of the region one by one, or as one group with reuse.
-static RfResult try_position( CostStudy* s, int number, RfError* error )
-{
-    int position = number / 2;
-    const RfTestRegion* region = s->regions + position;
-    RfRenderSettings settings = s->settings[number % 2];
-    settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( s->round * RF_COST_POSITIONS + position + 1 ) ) );
-    return rf_run_trial( region, settings.group == 0 ? region->frames : 1, s->passes, &settings, s->trials + number, error );
-}
-
-// Runs `task` for 0 … count − 1 on several threads, and returns the first failure.
-typedef RfResult TaskFn( CostStudy* study, int number, RfError* error );
-
-static RfResult run_tasks( CostStudy* s, int count, TaskFn* task, RfError* error )
-{
-    RfResult results[COST_TASKS];
-    RfError errors[COST_TASKS];
-#pragma omp parallel for schedule( dynamic, 1 ) num_threads( s->workers )
+    const RfShot* shot = &s->job->shot;
+    RfTestSite sites[RF_COST_POSITIONS];
+    int count = s->cost->positions;
     for ( int i = 0; i < count; ++i )
-    {
-        rf_set_float_mode();
-        results[i] = task( s, i, errors + i );
-    }
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( results[i] == RF_OK )
-            continue;
-        *error = errors[i];
-        return results[i];
-    }
-    return RF_OK;
-}
-
-static RfResult make_position( CostStudy* s, int number, RfError* error )
-{
-    const RfCostJob* job = s->job;
-    int frame = job->shot.frames[(int)( ( number + 0.5 ) / s->cost->positions * job->shot.frame_count )];
-    RfTestSite site = { frame, 2 * s->settings[1].group + 1, s->pixels };
-    return rf_create_test_region( &job->shot, &s->watch, &site, s->settings + 1, s->regions + number, error );
-}
-
-static void free_regions( CostStudy* s )
-{
-    for ( int i = 0; i < RF_COST_POSITIONS; ++i )
-        rf_destroy_test_region( s->regions + i );
+        sites[i] = ( RfTestSite ){ shot->frames[(int)( ( i + 0.5 ) / count * shot->frame_count )], 2 * s->settings[1].group + 1,
+                                   s->pixels };
+    s->runs.first = 1;
+    s->runs.pilot = s->settings[1];
+    return rf_make_trial_regions( &s->runs, sites, count, error );
 }
 
 static bool no_more( void* user, const RfProgress* progress )
@@ -377,7 +301,7 @@ static bool no_more( void* user, const RfProgress* progress )
 // The threshold that --clamp auto takes for the relMSE wanted: a render that ends when it has begun. Without one, none is tried.
 static void find_clamp( CostStudy* s )
 {
-    const RfTestRegion* region = s->regions;
+    const RfTestRegion* region = s->runs.regions;
     RfRenderSettings settings = *s->job->settings;
     RfRenderStats stats = { .clamp = 0.0 };
     settings.group = s->settings[1].group;
@@ -405,18 +329,16 @@ static RfResult choose_pixels( CostStudy* s, RfError* error )
 {
     double start = rf_wall_seconds(), samples = 0.0, frames = 0.0;
     s->pixels = PROBE_PIXELS;
-    RfResult result = run_tasks( s, s->cost->positions, make_position, error );
-    for ( int i = 0; i < s->cost->positions; ++i )
+    RfResult result = make_regions( s, error );
+    for ( int i = 0; i < s->runs.region_count; ++i )
     {
-        samples += s->regions[i].samples;
-        frames += s->regions[i].frames;
+        samples += s->runs.regions[i].samples;
+        frames += s->runs.regions[i].frames;
     }
     double sample_seconds = ( rf_wall_seconds() - start ) / samples;
-    if ( result == RF_OK )
-        find_clamp( s );
-    free_regions( s );
     if ( result != RF_OK )
         return result;
+    find_clamp( s );
     double now = rf_wall_seconds(), left = SLACK * ( s->job->budget - ( now - s->start ) );
     // both renders of a trial by both curves, and as much again for the pilot pictures of all rounds
     double first = 4.0 * s->first_passes * frames * sample_seconds, pilots = s->first_passes * frames * sample_seconds;
@@ -435,26 +357,31 @@ static RfResult choose_pixels( CostStudy* s, RfError* error )
     return RF_OK;
 }
 
-static RfResult make_regions( CostStudy* s, RfError* error )
+static RfResult begin( CostStudy* s, RfError* error )
 {
     s->cost->positions = s->job->shot.frame_count < RF_COST_POSITIONS ? s->job->shot.frame_count : RF_COST_POSITIONS;
     RfResult result = choose_pixels( s, error );
     if ( result == RF_OK )
-        result = run_tasks( s, s->cost->positions, make_position, error );
-    for ( int i = 0; i < s->cost->positions; ++i )
-        s->cost->pixels += rf_region_pixels( s->regions + i ) / s->cost->positions;
+        result = make_regions( s, error );
+    for ( int i = 0; i < s->cost->positions && result == RF_OK; ++i )
+        s->cost->pixels += rf_region_pixels( s->runs.regions + i ) / s->cost->positions;
     return result;
 }
 
+// Renders all frames of each region one by one, and as one group with reuse.
 static RfResult run_round( CostStudy* s, RfError* error )
 {
+    RfTrialRow rows[2];
+    for ( int k = 0; k < 2; ++k )
+        rows[k] = ( RfTrialRow ){ s->settings[k], s->settings[k].group == 0 ? INT_MAX : 1, s->passes };
     if ( s->job->report != NULL )
         s->job->report( s->job->user, s->cost, s->passes );
-    RfResult result = run_tasks( s, 2 * s->cost->positions, try_position, error );
+    s->runs.first = s->round * RF_COST_POSITIONS + 1;
+    RfResult result = rf_run_trials( &s->runs, rows, 2, error );
     if ( result != RF_OK )
         return result;
     for ( int i = 0; i < 2 * s->cost->positions; ++i )
-        add_trial( s, i % 2, i / 2, s->trials + i );
+        add_trial( s, i % 2, i / 2, s->runs.trials + i );
     s->round += 1;
     s->settings[1].clamp = s->clamp * s_clamp_steps[s->round % RF_COST_CLAMPS];
     return RF_OK;
@@ -473,7 +400,7 @@ static RfResult run_rounds( CostStudy* s, RfError* error )
         if ( s->round > 0 && left < each * s->passes )
             break;
         RfResult result = run_round( s, error );
-        if ( is_late( s, result ) && s->round > 0 )
+        if ( rf_is_late( &s->runs, result ) && s->round > 0 )
             break;
         if ( result != RF_OK )
             return result;
@@ -497,20 +424,23 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
     *cost = ( RfCost ){ .positions = 0 };
     if ( s == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
-    *s = ( CostStudy ){ .job = job, .cost = cost, .watch = { should_continue, s }, .start = rf_wall_seconds() };
+    *s = ( CostStudy ){ .job = job,
+                        .cost = cost,
+                        .runs = { .shot = job->shot, .watch = job->watch, .deadline = job->deadline },
+                        .start = rf_wall_seconds() };
     RfResult result = resolve_cost_settings( s, error );
     if ( result == RF_OK )
-        result = make_regions( s, error );
+        result = begin( s, error );
     if ( result == RF_OK )
         result = run_rounds( s, error );
-    if ( is_late( s, result ) )
+    if ( rf_is_late( &s->runs, result ) )
         result = fail_late( s, error );
     for ( int k = 0; k < 2 && s->round > 0; ++k )
         fit_cost_curve( s, k, k == 0 ? &cost->plain : &cost->reuse );
     fit_clamps( s );
     cost->speedup = rf_trial_gain( s->sums, s->sums + 1 );
     cost->seconds = rf_wall_seconds() - s->start;
-    free_regions( s );
+    rf_end_trial_runs( &s->runs );
     free( s );
     if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
         return rf_fail( error, RF_ERROR_SCENE,

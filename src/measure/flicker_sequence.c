@@ -1,4 +1,4 @@
-// The flicker of a whole sequence (reframe/measure.h).
+// Layers of files for flicker, and the flicker of a whole sequence (also that of reframe/measure.h).
 #include "measure/flicker_sequence.h"
 
 #include "base/remedy.h"
@@ -7,8 +7,11 @@
 #include "measure/flicker.h"
 #include "measure/sequences.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define MAX_LAYERS 6
 
@@ -230,41 +233,40 @@ static bool has_channels( const RfExrHeader* header, const char* const* names, i
     return true;
 }
 
+// Motion, depth and variance.
 static RfResult read_layers( const char* path, const RfFlickerLayers* layers, const RfExrHeader* header, RfFlickerFrame* frame,
                              RfError* error )
 {
-    bool lack = layers->may_lack;
-    bool has_motion = layers->motion[0] != NULL && ( !lack || has_channels( header, layers->motion, 2 ) );
-    bool has_depth = layers->depth != NULL && ( !lack || has_channels( header, &layers->depth, 1 ) );
-    bool has_variance = layers->variance[0] != NULL && ( !lack || has_channels( header, layers->variance, 3 ) );
-    int motion[2] = { 0 }, depth[1] = { 0 }, variance[3] = { 0 };
+    const char* const* const names[3] = { layers->motion, &layers->depth, layers->variance };
+    static const int counts[3] = { 2, 1, 3 };
+    int where[3][3] = { { 0 } };
+    bool has[3];
+    float *all, *values[3] = { NULL, NULL, NULL };
     Wanted wanted = { .count = 0 };
-    add_wanted( &wanted, layers->motion, has_motion ? 2 : 0, motion );
-    add_wanted( &wanted, &layers->depth, has_depth ? 1 : 0, depth );
-    add_wanted( &wanted, layers->variance, has_variance ? 3 : 0, variance );
+    RfExrWindow window;
+    for ( int k = 0; k < 3; ++k )
+    {
+        has[k] = names[k][0] != NULL && ( !layers->may_lack || has_channels( header, names[k], counts[k] ) );
+        add_wanted( &wanted, names[k], has[k] ? counts[k] : 0, where[k] );
+    }
     if ( wanted.count == 0 )
         return RF_OK;
-    float* values;
-    RfExrWindow window;
-    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &window, &values, error );
+    RfResult result = rf_read_exr_channels( path, wanted.names, wanted.count, &window, &all, error );
     if ( result == RF_OK )
         result = check_window( path, &window, path, header, "layers and colour need the same data window", error );
-    if ( result != RF_OK )
+    for ( int k = 0; k < 3 && result == RF_OK; ++k )
     {
-        free( values );
-        return result;
+        size_t pixels = (size_t)window.width * (size_t)window.height;
+        values[k] = has[k] ? select_channels( all, pixels, wanted.count, where[k], counts[k] ) : NULL;
+        if ( has[k] && values[k] == NULL )
+            result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its layers", path );
     }
-    size_t pixels = (size_t)window.width * (size_t)window.height;
-    frame->motion = has_motion ? select_channels( values, pixels, wanted.count, motion, 2 ) : NULL;
-    frame->depth = has_depth ? select_channels( values, pixels, wanted.count, depth, 1 ) : NULL;
-    if ( has_variance )
-        frame->variance =
-            ( RfImage ){ window.width, window.height, select_channels( values, pixels, wanted.count, variance, 3 ) };
-    free( values );
-    if ( has_motion != ( frame->motion != NULL ) || has_depth != ( frame->depth != NULL ) ||
-         has_variance != ( frame->variance.rgb != NULL ) )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its layers", path );
-    return RF_OK;
+    free( all );
+    frame->motion = values[0];
+    frame->depth = values[1];
+    if ( values[2] != NULL )
+        frame->variance = ( RfImage ){ window.width, window.height, values[2] };
+    return result;
 }
 
 static RfResult read_colour( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first, const char* first_path,
@@ -304,39 +306,227 @@ bool rf_has_flicker_layers( const RfFlickerLayers* layers, const RfFlickerFrame*
            ( layers->variance[0] == NULL || ( now->variance.rgb != NULL && before->variance.rgb != NULL ) );
 }
 
-#define MAX_NAME 4096
+#define MOST_FRAMES 10000000
 
-typedef struct Run
+static bool read_whole( const char* path, const char* name, int min, int max, int* value )
 {
-    const char* pattern;
-    const char* reference; // or NULL
-    char first_path[MAX_NAME];
-    RfExrHeader first;
-    RfFlickerLayers layers; // their names lie in `first`
-    RfFlickerSums sums;
-} Run;
+    double number = rf_read_exr_number( path, name );
+    bool is_whole = number >= min && number <= max && number == floor( number );
+    *value = is_whole ? (int)number : 0;
+    return is_whole;
+}
 
-static RfResult check_numbers( const Run* run, const int* numbers, int count, RfError* error )
+RfSeams rf_read_seams( const char* path, int number, int last )
 {
-    if ( count < 2 )
-        return rf_fail( error, RF_ERROR_IO, "%s: is frame %d alone: flicker needs two neighbouring ones at least", run->pattern,
-                        numbers[0] );
-    int step = rf_sequence_step( run->pattern, numbers[0] );
-    for ( int i = 1; i < count; ++i )
+    RfSeams seams = { 0 };
+    int group, spp, frame, frames;
+    if ( !read_whole( path, "reframe/group", 1, MOST_FRAMES, &group ) || !read_whole( path, "reframe/spp", 1, 1 << 20, &spp ) ||
+         !read_whole( path, "reframe/frame", -MOST_FRAMES, MOST_FRAMES, &frame ) )
+        return seams;
+    seams.first = number - ( frame - 1 );
+    if ( !read_whole( path, "reframe/frames", 1, MOST_FRAMES, &frames ) )
+        frames = last - seams.first + 1;
+    char shot[64];
+    int first, end;
+    if ( rf_read_exr_string( path, "reframe/shot", shot, sizeof shot, NULL ) == RF_OK &&
+         sscanf( shot, "%d-%d", &first, &end ) == 2 )
     {
-        if ( numbers[i] != numbers[i - 1] + step )
-            return rf_fail( error, RF_ERROR_IO, "%s: after frame %d comes %d: flicker needs every frame", run->pattern,
-                            numbers[i - 1], numbers[i] );
+        seams.first = number - ( frame - first );
+        frames = end - first + 1;
+        frame = frame - first + 1;
+    }
+    if ( frames < frame || frame < 1 )
+        return seams;
+    seams.slides = true;
+    seams.plan = rf_plan_groups( frames, group, spp );
+    return seams;
+}
+
+// The frames are consecutive, and the reference has all of them.
+static RfResult check_frames( const RfFlickerRun* run, RfError* error )
+{
+    const int* frames = run->frames;
+    char path[RF_FLICKER_NAME_SIZE];
+    if ( run->frame_count < 2 )
+        return rf_fail( error, RF_ERROR_IO, "%s: has only frame %d: flicker needs at least two neighbouring frames", run->pattern,
+                        frames[0] );
+    int step = rf_sequence_step( run->pattern, frames[0] );
+    for ( int i = 1; i < run->frame_count; ++i )
+    {
+        if ( frames[i] != frames[i - 1] + step )
+            return rf_advise( rf_fail( error, RF_ERROR_IO, "%s: frame %d is followed by %d, and flicker needs consecutive frames",
+                                       run->pattern, frames[i - 1], frames[i] ),
+                              RF_REMEDY_FRAMES, 0, error );
+    }
+    for ( int i = 0; i < run->frame_count && run->reference != NULL; ++i )
+    {
+        RfResult result = rf_sequence_name( run->reference, frames[i], path, sizeof path, error );
+        if ( result != RF_OK )
+            return result;
+        if ( access( path, F_OK ) != 0 )
+            return rf_fail( error, RF_ERROR_IO, "%.400s: is missing: the reference needs frame %d, which %.400s has", path,
+                            frames[i], run->pattern );
     }
     return RF_OK;
 }
 
-// Against a reference pixels are compared where they are, else along the motion.
-static RfResult open_first( Run* run, int number, RfError* error )
+RfResult rf_open_flicker_run( RfFlickerRun* run, RfError* error )
 {
-    RfResult result = rf_sequence_name( run->pattern, number, run->first_path, sizeof run->first_path, error );
+    RfResult result = check_frames( run, error );
+    return result == RF_OK ? rf_sequence_name( run->pattern, run->frames[0], run->first_path, sizeof run->first_path, error )
+                           : result;
+}
+
+void rf_close_flicker_run( RfFlickerRun* run )
+{
+    for ( int i = 0; i < RF_SPECTRUM_FRAMES; ++i )
+        rf_destroy_flicker_frame( run->ring + i );
+    rf_destroy_exr_header( &run->first );
+    rf_destroy_summary( &run->summary );
+    free( run->pairs );
+}
+
+// Groups, the window of the spectrum, and room for what is measured.
+static RfResult begin( RfFlickerRun* run, RfError* error )
+{
+    run->seams = run->period > 0 ? ( RfSeams ){ .period = run->period, .first = run->first_frame }
+                                 : rf_read_seams( run->first_path, run->frames[0], run->frames[run->frame_count - 1] );
+    run->has_seams = rf_has_seams( &run->seams );
+    run->window = run->frame_count < RF_SPECTRUM_FRAMES ? run->frame_count : RF_SPECTRUM_FRAMES;
+    run->ring_size = run->has_spectrum ? run->window : 2;
+    run->pairs = calloc( (size_t)run->frame_count, sizeof *run->pairs );
+    if ( run->pairs == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d frames", run->frame_count );
+    return rf_create_summary( run->first.width, run->first.height, run->frame_count, &run->summary, error );
+}
+
+static size_t count_not_finite( const RfErrorSummary* s ) { return s->nan + s->inf + s->reference_nan + s->reference_inf; }
+
+// Counts values that are not finite, adds the slit, and makes the signal the error where there is a reference.
+static RfResult take_images( RfFlickerRun* run, int i, RfFlickerFrame* frame, const RfImage* reference, RfError* error )
+{
+    bool has_reference = reference->rgb != NULL;
+    size_t before = count_not_finite( &run->summary );
+    RfResult result = rf_summary_add( &run->summary, &frame->signal, has_reference ? reference : &frame->signal, error );
+    if ( result != RF_OK )
+        return result;
+    frame->number = run->frames[i];
+    frame->is_finite = count_not_finite( &run->summary ) == before;
+    if ( run->slit != NULL )
+        rf_add_slit( run->slit, i, 0, &frame->signal, run->column );
+    if ( run->slit != NULL && has_reference )
+        rf_add_slit( run->slit, i, 1, reference, run->column );
+    size_t values = 3 * (size_t)frame->signal.width * (size_t)frame->signal.height;
+    for ( size_t k = 0; has_reference && k < values; ++k )
+        frame->signal.rgb[k] -= reference->rgb[k];
+    return RF_OK;
+}
+
+static RfResult read_frame( RfFlickerRun* run, int i, RfError* error )
+{
+    char path[RF_FLICKER_NAME_SIZE];
+    RfFlickerFrame* frame = run->ring + i % run->ring_size;
+    RfImage reference = { 0 };
+    rf_destroy_flicker_frame( frame );
+    RfResult result = rf_sequence_name( run->pattern, run->frames[i], path, sizeof path, error );
     if ( result == RF_OK )
-        result = rf_read_exr_header( run->first_path, NULL, &run->first, error );
+        result = rf_read_flicker_frame( path, &run->layers, &run->first, run->first_path, frame, error );
+    if ( result == RF_OK && run->reference != NULL )
+    {
+        result = rf_sequence_name( run->reference, run->frames[i], path, sizeof path, error );
+        if ( result == RF_OK )
+            result = rf_read_aligned( path, run->reference_layer, &run->first, run->first_path, &reference, error );
+    }
+    if ( result == RF_OK )
+        result = take_images( run, i, frame, &reference, error );
+    rf_destroy_image( &reference );
+    return result;
+}
+
+static void add_to_parts( RfFlickerParts* parts, bool border, const RfFlickerSums* sums )
+{
+    rf_add_flicker( &parts->all, sums );
+    rf_add_flicker( border ? &parts->border : &parts->inside, sums );
+}
+
+// Frees what the spectrum, which keeps the frame, does not need.
+static void forget_layers( const RfFlickerRun* run, RfFlickerFrame* frame )
+{
+    rf_destroy_image( &frame->variance );
+    if ( rf_is_compensated( run ) )
+        return;
+    free( frame->motion );
+    free( frame->depth );
+    frame->motion = frame->depth = NULL;
+}
+
+// The groups of a shot are its own.
+static RfResult enter_shot( RfFlickerRun* run, int i, RfError* error )
+{
+    char path[RF_FLICKER_NAME_SIZE];
+    RfResult result = rf_sequence_name( run->pattern, run->frames[i], path, sizeof path, error );
+    run->cuts += 1;
+    if ( result != RF_OK || run->period > 0 )
+        return result;
+    run->seams = rf_read_seams( path, run->frames[i], run->frames[run->frame_count - 1] );
+    run->has_seams = run->has_seams || rf_has_seams( &run->seams );
+    return RF_OK;
+}
+
+static RfResult measure_pair( RfFlickerRun* run, int i, RfError* error )
+{
+    const RfFlickerFrame* now = run->ring + i % run->ring_size;
+    RfFlickerFrame* before = run->ring + ( i - 1 ) % run->ring_size;
+    if ( rf_is_cut( now, before ) )
+        return enter_shot( run, i, error );
+    RfFlickerPair* pair = run->pairs + run->pair_count;
+    RfResult result = rf_measure_flicker( now, before, rf_is_compensated( run ), run->reference != NULL, &pair->sums, error );
+    pair->frame = now->number;
+    pair->border = run->has_seams && rf_is_seam( &run->seams, now->number );
+    pair->is_followed = run->follows && rf_has_flicker_layers( &run->layers, now, before );
+    if ( result == RF_OK && pair->is_followed )
+        result = rf_measure_flicker( now, before, true, true, &pair->followed, error );
+    if ( result != RF_OK )
+        return result;
+    run->pair_count += 1;
+    add_to_parts( &run->plain, pair->border, &pair->sums );
+    if ( pair->is_followed )
+        add_to_parts( &run->followed, pair->border, &pair->followed );
+    forget_layers( run, before );
+    return RF_OK;
+}
+
+static RfResult measure_window( RfFlickerRun* run, int i, RfError* error )
+{
+    const RfFlickerFrame* frames[RF_SPECTRUM_FRAMES];
+    if ( !run->has_spectrum || !rf_ends_group( i, run->frame_count ) )
+        return RF_OK;
+    for ( int t = 0; t < run->window; ++t )
+        frames[t] = run->ring + ( i - run->window + 1 + t ) % run->ring_size;
+    return rf_add_spectrum_group( &run->spectrum, frames, run->window, rf_is_compensated( run ), error );
+}
+
+RfResult rf_measure_flicker_run( RfFlickerRun* run, RfError* error )
+{
+    RfResult result = begin( run, error );
+    for ( int i = 0; i < run->frame_count && result == RF_OK; ++i )
+    {
+        result = read_frame( run, i, error );
+        if ( result == RF_OK && i > 0 )
+            result = measure_pair( run, i, error );
+        if ( result == RF_OK )
+            result = measure_window( run, i, error );
+        if ( run->progress != NULL )
+            run->progress( run->user, i + 1 );
+    }
+    run->errors = rf_summary_metrics( &run->summary );
+    return result;
+}
+
+// Against a reference pixels are compared where they are, else along the motion.
+static RfResult choose_usual_layers( RfFlickerRun* run, RfError* error )
+{
+    RfResult result = rf_read_exr_header( run->first_path, NULL, &run->first, error );
     if ( result != RF_OK || run->reference != NULL )
         return result;
     result = rf_find_flicker_layers( run->first_path, &run->first, NULL, NULL, &run->layers, error );
@@ -345,73 +535,21 @@ static RfResult open_first( Run* run, int number, RfError* error )
     return result == RF_OK ? rf_find_variance_layers( run->first_path, &run->first, &run->layers, error ) : result;
 }
 
-static RfResult read_reference( const Run* run, int number, RfImage* image, RfError* error )
-{
-    char path[MAX_NAME];
-    RfResult result = rf_sequence_name( run->reference, number, path, sizeof path, error );
-    return result == RF_OK ? rf_read_aligned( path, NULL, &run->first, run->first_path, image, error ) : result;
-}
-
-// The signal becomes the error where there is a reference.
-static RfResult read_frame( const Run* run, int number, RfFlickerFrame* frame, RfError* error )
-{
-    char path[MAX_NAME];
-    RfImage reference = { 0 };
-    RfErrorMetrics metrics;
-    RfResult result = rf_sequence_name( run->pattern, number, path, sizeof path, error );
-    if ( result == RF_OK )
-        result = rf_read_flicker_frame( path, &run->layers, &run->first, run->first_path, frame, error );
-    if ( result == RF_OK && run->reference != NULL )
-        result = read_reference( run, number, &reference, error );
-    const RfImage* to = reference.rgb != NULL ? &reference : &frame->signal;
-    if ( result == RF_OK )
-        result = rf_measure_error( &frame->signal, to, &metrics, error );
-    if ( result == RF_OK )
-        frame->is_finite = !rf_has_no_error( &metrics );
-    size_t values = 3 * (size_t)frame->signal.width * (size_t)frame->signal.height;
-    for ( size_t i = 0; result == RF_OK && reference.rgb != NULL && i < values; ++i )
-        frame->signal.rgb[i] -= reference.rgb[i];
-    rf_destroy_image( &reference );
-    return result;
-}
-
-static RfResult add_frames( Run* run, const int* numbers, int count, RfError* error )
-{
-    RfFlickerFrame frames[2] = { { 0 }, { 0 } };
-    RfResult result = RF_OK;
-    for ( int i = 0; i < count && result == RF_OK; ++i )
-    {
-        RfFlickerFrame *now = frames + i % 2, *before = frames + ( i + 1 ) % 2;
-        RfFlickerSums pair;
-        rf_destroy_flicker_frame( now );
-        result = read_frame( run, numbers[i], now, error );
-        if ( result == RF_OK && i > 0 )
-        {
-            result = rf_measure_flicker( now, before, run->layers.motion[0] != NULL, run->reference != NULL, &pair, error );
-            if ( result == RF_OK )
-                rf_add_flicker( &run->sums, &pair );
-        }
-    }
-    rf_destroy_flicker_frame( frames );
-    rf_destroy_flicker_frame( frames + 1 );
-    return result;
-}
-
 RfResult rf_measure_sequence_flicker( const char* pattern, const char* reference, RfFlickerMetrics* metrics, RfError* error )
 {
-    Run run = { .pattern = pattern, .reference = reference };
-    int* numbers = NULL;
-    int count = 0;
-    RfResult result = rf_sequence_frames( pattern, &numbers, &count, error );
+    RfFlickerRun run = { .pattern = pattern, .reference = reference };
+    int* frames = NULL;
+    RfResult result = rf_sequence_frames( pattern, &frames, &run.frame_count, error );
+    run.frames = frames;
     if ( result == RF_OK )
-        result = check_numbers( &run, numbers, count, error );
+        result = rf_open_flicker_run( &run, error );
     if ( result == RF_OK )
-        result = open_first( &run, numbers[0], error );
+        result = choose_usual_layers( &run, error );
     if ( result == RF_OK )
-        result = add_frames( &run, numbers, count, error );
+        result = rf_measure_flicker_run( &run, error );
     if ( result == RF_OK )
-        *metrics = rf_flicker_metrics( &run.sums );
-    rf_destroy_exr_header( &run.first );
-    free( numbers );
+        *metrics = rf_flicker_metrics( &run.plain.all );
+    rf_close_flicker_run( &run );
+    free( frames );
     return result;
 }

@@ -11,6 +11,7 @@
 
 #include "image/exr.h"
 #include "measure/flicker.h"
+#include "measure/image_error.h"
 
 // Channel names; they point into the header in which they were found.
 typedef struct RfFlickerLayers
@@ -45,5 +46,77 @@ bool rf_has_flicker_layers( const RfFlickerLayers* layers, const RfFlickerFrame*
 // of `first`.
 RfResult rf_read_aligned( const char* path, const char* layer, const RfExrHeader* first, const char* first_path, RfImage* image,
                           RfError* error );
+
+// Reads group, spp, frame number and number of frames from the header of a file by Reframe.
+// `number` is the frame's in the sequence, whose last frame ends the path where the header does
+// not say; of a path with cuts they are those of the frame's shot. There are no seams (rf_has_seams) where the file is another
+// program's or has no groups.
+RfSeams rf_read_seams( const char* path, int number, int last );
+
+// Sums over the pairs, of all and of those inside and at the border of groups.
+typedef struct RfFlickerParts
+{
+    RfFlickerSums all, inside, border;
+} RfFlickerParts;
+
+// A frame and the one before.
+typedef struct RfFlickerPair
+{
+    int frame; // number of the later one
+    bool border;
+    bool is_followed; // with `follows`; else its frames lack the layers
+    RfFlickerSums sums, followed;
+} RfFlickerPair;
+
+#define RF_FLICKER_NAME_SIZE 4096
+
+// The measurement of a sequence, frame by frame. All zero but for what is asked for.
+typedef struct RfFlickerRun
+{
+    // what is measured
+    const char* pattern;
+    const char* reference;       // a pattern; NULL: none
+    const char* reference_layer; // as in rf_read_exr_layer
+    const int* frames;           // numbers, the caller's
+    int frame_count;
+    int period;        // of consecutive groups, counted from frame `first_frame` on; 0: the groups of the files
+    int first_frame;   // of the whole sequence
+    bool has_spectrum; // keeps RF_SPECTRUM_FRAMES frames
+    bool follows;      // the error in place, and beside it along the motion; else along the motion where `layers` has one
+    RfFlickerLayers layers;
+    RfExrHeader first;                          // of the first frame: all have its data window
+    RfSlitScan* slit;                           // gets a column of each frame, and of the reference's; or NULL
+    int column;                                 // from 0
+    void ( *progress )( void* user, int done ); // after each frame; may be NULL
+    void* user;
+    char first_path[RF_FLICKER_NAME_SIZE]; // as opened
+    // what is found
+    RfFlickerPair* pairs;
+    int pair_count;
+    RfFlickerParts plain, followed; // the second: with `follows`
+    RfSpectrumSums spectrum;
+    int window; // frames of each window of the spectrum
+    int cuts;   // between shots, which are not compared
+    bool has_seams;
+    RfErrorMetrics errors; // of all frames; without a reference only the counts mean something
+    // while it runs
+    RfSeams seams;
+    RfErrorSummary summary;
+    RfFlickerFrame ring[RF_SPECTRUM_FRAMES]; // frame i at i modulo the number of them
+    int ring_size;
+} RfFlickerRun;
+
+// Are the main figures those along the motion?
+static inline bool rf_is_compensated( const RfFlickerRun* run ) { return !run->follows && run->layers.motion[0] != NULL; }
+
+// Checks that the frames are at least two and consecutive, and that the reference has them; names the first one. Then the caller
+// reads its header and chooses layers.
+RfResult rf_open_flicker_run( RfFlickerRun* run, RfError* error );
+
+// Goes through the frames. NaN and infinite pixels are counted, and do not fail.
+RfResult rf_measure_flicker_run( RfFlickerRun* run, RfError* error );
+
+// Frees what the run holds, also after a failure.
+void rf_close_flicker_run( RfFlickerRun* run );
 
 #endif

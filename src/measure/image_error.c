@@ -24,16 +24,18 @@ double rf_student_quantile( int freedom )
            ( 3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z ) / ( 384.0 * n * n * n );
 }
 
-// Blocks of side_x × side_y pixels.
+static int ceil_divide( int a, int b ) { return ( a + b - 1 ) / b; }
+
+static int blocks_of( int side ) { return ceil_divide( side, BLOCK_SIDE ); }
+
+// The smallest blocks of an image.
 typedef struct Blocks
 {
-    const double* smallest; // the sums of the smallest blocks
-    double* sums;           // as many elements
-    int width, height;      // of the image
-    double values;
+    const double* sums; // row by row
+    int width, height;  // of the image
+    double values;      // of a pixel: channels times frames
+    double mean;
 } Blocks;
-
-static int ceil_divide( int a, int b ) { return ( a + b - 1 ) / b; }
 
 static double cropped_side( int index, int side, int size )
 {
@@ -41,60 +43,39 @@ static double cropped_side( int index, int side, int size )
     return left < side ? left : side;
 }
 
-// Merges the smallest blocks into blocks of `across` × `down` of them.
-static void join_blocks( const Blocks* blocks, int across, int down )
+// The half-width of the interval from blocks of `across` × `down` of the smallest. With w the number of pixels of a block,
+// the sampling variance of the weighted mean is Σ w² (block mean − mean)² / (Σ w)². NaN if there are fewer than `fewest` blocks.
+static double margin_of( const Blocks* b, int across, int down, int fewest )
 {
-    int columns = ceil_divide( blocks->width, BLOCK_SIDE ), rows = ceil_divide( blocks->height, BLOCK_SIDE );
-    int joined = ceil_divide( columns, across );
-    memset( blocks->sums, 0, (size_t)joined * (size_t)ceil_divide( rows, down ) * sizeof( double ) );
-    for ( int y = 0; y < rows; ++y )
-    {
-        for ( int x = 0; x < columns; ++x )
-            blocks->sums[y / down * joined + x / across] += blocks->smallest[y * columns + x];
-    }
-}
-
-// The half-width of the interval from one block size. With w the number of pixels of a block,
-// the sampling variance of the weighted mean is Σ w² (block mean − mean)² / (Σ w)². NaN if
-// there are fewer than `fewest` blocks.
-static double margin_of( const Blocks* blocks, int across, int down, int fewest )
-{
-    int side_x = across * BLOCK_SIDE, side_y = down * BLOCK_SIDE;
-    int columns = ceil_divide( blocks->width, side_x ), rows = ceil_divide( blocks->height, side_y ), count = columns * rows;
-    double pixels = (double)blocks->width * blocks->height, sum = 0.0, spread = 0.0;
+    int smallest = blocks_of( b->width ), rows = blocks_of( b->height ), columns = ceil_divide( smallest, across );
+    int count = columns * ceil_divide( rows, down );
+    double spread = 0.0;
     if ( count < fewest )
         return NAN;
-    join_blocks( blocks, across, down );
-    for ( int i = 0; i < count; ++i )
-        sum += blocks->sums[i];
-    double mean = sum / ( pixels * blocks->values );
     for ( int i = 0; i < count; ++i )
     {
-        double weight = cropped_side( i % columns, side_x, blocks->width ) * cropped_side( i / columns, side_y, blocks->height );
-        double delta = blocks->sums[i] / blocks->values - weight * mean;
+        int column = i % columns, row = i / columns;
+        double weight = cropped_side( column, across * BLOCK_SIDE, b->width ) * cropped_side( row, down * BLOCK_SIDE, b->height );
+        double sum = 0.0;
+        for ( int y = row * down; y < ( row + 1 ) * down && y < rows; ++y )
+        {
+            for ( int x = column * across; x < ( column + 1 ) * across && x < smallest; ++x )
+                sum += b->sums[y * smallest + x];
+        }
+        double delta = sum / b->values - weight * b->mean;
         spread += delta * delta;
     }
-    return rf_student_quantile( count - 1 ) * sqrt( count / ( count - 1.0 ) * spread ) / pixels;
+    return rf_student_quantile( count - 1 ) * sqrt( count / ( count - 1.0 ) * spread ) / ( (double)b->width * b->height );
 }
 
-// Half the width of the interval of the mean. `sums` holds the sum of the values in each block
-// of an image of width × height pixels, row by row; `values` is the number of values per pixel
-// (channels times frames). NaN for a single block. Fails with RF_ERROR_MEMORY.
-static RfResult mean_margin( const double* sums, int width, int height, double values, double* margin, RfError* error )
+// Half the width of the interval of the mean; NaN for a single block.
+static double mean_margin( const Blocks* b )
 {
-    int columns = ceil_divide( width, BLOCK_SIDE ), rows = ceil_divide( height, BLOCK_SIDE );
-    Blocks blocks = { .smallest = sums, .width = width, .height = height, .values = values };
-    *margin = NAN;
-    blocks.sums = malloc( (size_t)columns * (size_t)rows * sizeof( double ) );
-    if ( blocks.sums == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the blocks of %dx%d pixels", width, height );
-    *margin = margin_of( &blocks, 1, 1, 2 ); // fmax ignores NaN
+    int columns = blocks_of( b->width ), rows = blocks_of( b->height );
+    double margin = margin_of( b, 1, 1, 2 ); // fmax ignores NaN
     for ( int side = 2; side < columns || side < rows; side *= 2 )
-        *margin = fmax( *margin, margin_of( &blocks, side, side, MIN_BLOCKS ) );
-    *margin = fmax( *margin, margin_of( &blocks, columns, 1, MIN_STRIPS ) );
-    *margin = fmax( *margin, margin_of( &blocks, 1, rows, MIN_STRIPS ) );
-    free( blocks.sums );
-    return RF_OK;
+        margin = fmax( margin, margin_of( b, side, side, MIN_BLOCKS ) );
+    return fmax( fmax( margin, margin_of( b, columns, 1, MIN_STRIPS ) ), margin_of( b, 1, rows, MIN_STRIPS ) );
 }
 
 RfInterval rf_log_interval( double value, double margin )
@@ -122,8 +103,6 @@ double rf_influence_margin( const double* influence, int count, double variance 
 
 #define TRIMMED_PER_THOUSAND 1
 
-static int blocks_of( int side ) { return ( side + BLOCK_SIDE - 1 ) / BLOCK_SIDE; }
-
 RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* summary, RfError* error )
 {
     *summary = ( RfErrorSummary ){ .width = width, .height = height, .worst_pixel = { -1, -1, -1, 0.0 } };
@@ -131,7 +110,7 @@ RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* s
         return rf_fail( error, RF_ERROR_USAGE, "%d frames of %dx%d pixels cannot be measured", frames, width, height );
     size_t pixels = (size_t)width * (size_t)height * (size_t)frames;
     summary->worst_room = pixels / 1000 * TRIMMED_PER_THOUSAND;
-    summary->worst = malloc( ( summary->worst_room + 1 ) * sizeof( double ) );
+    summary->worst = calloc( summary->worst_room + 1, sizeof( double ) );
     summary->block_sums = calloc( (size_t)blocks_of( width ) * (size_t)blocks_of( height ), sizeof( double ) );
     summary->below = malloc( (size_t)width * (size_t)height * sizeof( double ) );
     if ( summary->worst != NULL && summary->block_sums != NULL && summary->below != NULL )
@@ -153,15 +132,6 @@ static void swap( double* a, double* b )
     double c = *a;
     *a = *b;
     *b = c;
-}
-
-static void sift_up( double* heap, size_t i )
-{
-    while ( i > 0 && heap[i] < heap[( i - 1 ) / 2] )
-    {
-        swap( heap + i, heap + ( i - 1 ) / 2 );
-        i = ( i - 1 ) / 2;
-    }
 }
 
 static void sift_down( double* heap, size_t count )
@@ -186,16 +156,10 @@ static void add_relative( RfErrorSummary* summary, double value, int x, int y )
     summary->relative_sum += value;
     if ( value > summary->worst_pixel.relative )
         summary->worst_pixel = ( RfWorstPixel ){ summary->frames, x, y, value };
-    if ( summary->worst_count < summary->worst_room )
-    {
-        summary->worst[summary->worst_count] = value;
-        sift_up( summary->worst, summary->worst_count++ );
-        return;
-    }
     if ( summary->worst_room > 0 && value > summary->worst[0] )
     {
         swap( &value, summary->worst );
-        sift_down( summary->worst, summary->worst_count );
+        sift_down( summary->worst, summary->worst_room );
     }
     summary->kept_sum += value;
 }
@@ -276,13 +240,13 @@ RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary )
     }
     double pixels = (double)summary->pixels;
     metrics.relmse = summary->relative_sum / pixels;
-    metrics.relmse_trimmed = summary->kept_sum / ( pixels - (double)summary->worst_count );
+    metrics.relmse_trimmed = summary->kept_sum / ( pixels - fmin( (double)summary->worst_room, pixels ) );
     metrics.mse = summary->squared_sum / ( 3.0 * pixels );
     metrics.max = summary->max;
     metrics.bias = summary->signed_sum / ( 3.0 * pixels );
     metrics.reference_mean = summary->reference_sum / pixels;
-    double margin;
-    mean_margin( summary->block_sums, summary->width, summary->height, 3.0 * summary->frames, &margin, NULL );
+    double margin =
+        mean_margin( &( Blocks ){ summary->block_sums, summary->width, summary->height, 3.0 * summary->frames, metrics.bias } );
     metrics.bias_low = metrics.bias - margin;
     metrics.bias_high = metrics.bias + margin;
     return metrics;

@@ -63,8 +63,8 @@ typedef struct RfErrorSummary
     double squared_sum, signed_sum; // over pixels and channels
     double max;
     size_t nan, inf, reference_nan, reference_inf;
-    double* worst; // min-heap of the largest relative errors
-    size_t worst_count, worst_room;
+    double* worst; // min-heap of the largest relative errors, at first zeros
+    size_t worst_room;
     double* below;        // denominators of a frame
     double reference_sum; // Σ of the means of the reference's channels
     double* block_sums;   // Σ v_c − r_c per block over all frames, row by row

@@ -1,6 +1,7 @@
 // Draws plots as SVG: ticks, axes, curves, markers, legend and notes.
 #include "measure/plot.h"
 
+#include "base/plain_text.h"
 #include "image/atomic_file.h"
 #include "reframe/error.h"
 
@@ -136,44 +137,24 @@ typedef struct Paper
     PlotScale x, y;
 } Paper;
 
-// Bytes of the UTF-8 character at `c`; 0 if it is invalid.
-static int character_bytes( const unsigned char* c )
-{
-    int more = c[0] < 0x80                   ? 0
-               : c[0] >= 0xc2 && c[0] < 0xe0 ? 1
-               : c[0] >= 0xe0 && c[0] < 0xf0 ? 2
-               : c[0] >= 0xf0 && c[0] < 0xf5 ? 3
-                                             : -1;
-    for ( int i = 1; i <= more; ++i )
-    {
-        if ( ( c[i] & 0xc0 ) != 0x80 )
-            return 0;
-    }
-    if ( ( c[0] == 0xe0 && c[1] < 0xa0 ) || ( c[0] == 0xed && c[1] > 0x9f ) || ( c[0] == 0xf0 && c[1] < 0x90 ) ||
-         ( c[0] == 0xf4 && c[1] > 0x8f ) )
-        return 0; // overlong, half of a surrogate pair, or above U+10FFFF
-    bool forbidden = ( c[0] < 0x20 && c[0] != '\t' ) || ( c[0] == 0xef && c[1] == 0xbf && c[2] >= 0xbe );
-    return forbidden ? 0 : more + 1;
-}
-
+// What XML forbids, and what is no UTF-8, becomes '?'.
 static void print_text( FILE* file, const char* text )
 {
-    for ( const unsigned char* c = (const unsigned char*)text; *c != '\0'; )
+    static const char* const escapes[][2] = { { "<", "&lt;" }, { ">", "&gt;" }, { "&", "&amp;" }, { "\"", "&quot;" } };
+    while ( *text != '\0' )
     {
-        int bytes = character_bytes( c );
-        if ( *c == '<' )
-            fputs( "&lt;", file );
-        else if ( *c == '>' )
-            fputs( "&gt;", file );
-        else if ( *c == '&' )
-            fputs( "&amp;", file );
-        else if ( *c == '"' )
-            fputs( "&quot;", file );
-        else if ( bytes == 0 )
-            fputc( '?', file );
+        size_t bytes = rf_utf8_bytes( text );
+        unsigned char first = (unsigned char)*text;
+        bool forbidden = bytes == 0 || ( first < 0x20 && first != '\t' ) || strncmp( text, "\xef\xbf\xbe", 3 ) == 0 ||
+                         strncmp( text, "\xef\xbf\xbf", 3 ) == 0;
+        const char* shown = forbidden ? "?" : NULL;
+        for ( size_t k = 0; k < 4 && !forbidden; ++k )
+            shown = *text == *escapes[k][0] ? escapes[k][1] : shown;
+        if ( shown != NULL )
+            fputs( shown, file );
         else
-            fwrite( c, 1, (size_t)bytes, file );
-        c += bytes > 0 ? bytes : 1;
+            fwrite( text, 1, bytes, file );
+        text += bytes > 0 ? bytes : 1;
     }
 }
 
@@ -227,25 +208,21 @@ static void draw_frame( const Paper* p )
     fputs( "</g>\n", p->file );
 }
 
-// Circle, square, triangle, diamond, triangle upside down, cross.
+// A marker, as far as its end tag or its slash: circle, square, triangle, diamond, triangle upside down, cross.
 static void draw_marker( FILE* file, double x, double y, int style )
 {
-    double r = MARKER;
-    switch ( style )
-    {
-        case 0: fprintf( file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"", x, y, r ); break;
-        case 1: fprintf( file, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"", x - r, y - r, 2 * r, 2 * r ); break;
-        case 2: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"", x, y - 1.2 * r, 1.2 * r, 2.1 * r, -2.4 * r ); break;
-        case 3:
-            fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fl%.1f %.1fl%.1f %.1fz\"", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r,
-                     1.3 * r, -1.3 * r, -1.3 * r );
-            break;
-        case 4: fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"", x, y + 1.2 * r, 1.2 * r, -2.1 * r, -2.4 * r ); break;
-        default:
-            fprintf( file, "<path d=\"M%.1f %.1fl%.1f %.1fm0 %.1fl%.1f %.1f\" stroke-width=\"2.5\"", x - r, y - r, 2 * r, 2 * r,
-                     -2 * r, -2 * r, 2 * r );
-            break;
-    }
+    static const char* const paths[RF_PLOT_STYLES] = { NULL,
+                                                       "m-4.5 -4.5h9v9h-9z",
+                                                       "m0 -5.4l5.4 9.5h-10.8z",
+                                                       "m0 -5.9l5.9 5.9 -5.9 5.9 -5.9 -5.9z",
+                                                       "m0 5.4l5.4 -9.5h-10.8z",
+                                                       "m-4.5 -4.5l9 9m0 -9l-9 9" };
+    bool cross = style == RF_PLOT_STYLES - 1;
+    if ( paths[style] == NULL )
+        fprintf( file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"", x, y, MARKER );
+    else
+        fprintf( file, "<path d=\"M%.1f %.1f%s\"%s", x, y, paths[style], cross ? " stroke-width=\"2.5\"" : "" );
+    fprintf( file, " fill=\"%s\" stroke=\"%s\"", s_colours[style], cross ? s_colours[style] : "#fff" );
 }
 
 static bool is_inside( const Paper* p, double x, double y )
@@ -273,15 +250,13 @@ static void draw_curve( const Paper* p, const RfPlotSeries* s )
 
 static void draw_points( const Paper* p, const RfPlotSeries* s )
 {
-    const char* colour = s_colours[s->style % RF_PLOT_STYLES];
+    int style = s->style % RF_PLOT_STYLES;
     for ( int i = 0; i < s->count; ++i )
     {
         if ( !is_inside( p, s->x[i], s->y[i] ) )
             continue;
         double x = plot_position( &p->x, s->x[i] ), y = plot_position( &p->y, s->y[i] );
-        draw_marker( p->file, x, y, s->style % RF_PLOT_STYLES );
-        fprintf( p->file, " fill=\"%s\" stroke=\"%s\"", colour,
-                 s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
+        draw_marker( p->file, x, y, style );
         if ( s->labels == NULL )
         {
             fputs( "/>\n", p->file );
@@ -289,10 +264,7 @@ static void draw_points( const Paper* p, const RfPlotSeries* s )
         }
         fputs( "><title>", p->file );
         print_text( p->file, s->labels[i] );
-        fprintf( p->file, "</title></%s>\n",
-                 s->style % RF_PLOT_STYLES == 0   ? "circle"
-                 : s->style % RF_PLOT_STYLES == 1 ? "rect"
-                                                  : "path" );
+        fprintf( p->file, "</title></%s>\n", style == 0 ? "circle" : "path" );
         if ( s->show_labels )
             draw_text( p->file, x, y - 11.0, "middle", " font-size=\"12\" class=\"halo\"", s->labels[i] );
     }
@@ -314,8 +286,7 @@ static double draw_legend( const Paper* p )
         if ( !s->no_markers )
         {
             draw_marker( p->file, x + 15.0, y, s->style % RF_PLOT_STYLES );
-            fprintf( p->file, " fill=\"%s\" stroke=\"%s\"/>\n", colour,
-                     s->style % RF_PLOT_STYLES == RF_PLOT_STYLES - 1 ? colour : "#fff" );
+            fputs( "/>\n", p->file );
         }
         draw_text( p->file, x + 40.0, y + 4.5, "start", "", s->name );
         y += 24.0;

@@ -10,19 +10,47 @@
 
 #define MAX_NAME 4096
 
-static RfResult match( const char* const patterns[2], int* const numbers[2], const int counts[2], RfError* error )
+RfResult rf_pair_frames( const int* const numbers[2], const int counts[2], RfFramePairs* pairs, RfError* error )
 {
-    int count = counts[0] > counts[1] ? counts[0] : counts[1];
-    for ( int i = 0; i < count; ++i )
+    size_t most = (size_t)counts[0] + (size_t)counts[1];
+    int at[2] = { 0, 0 };
+    *pairs = ( RfFramePairs ){ .all = malloc( ( 4 * most + 1 ) * sizeof( int ) ) };
+    if ( pairs->all == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %zu frames", most );
+    pairs->both = pairs->all + most;
+    pairs->lacking[0] = pairs->both + most;
+    pairs->lacking[1] = pairs->lacking[0] + most;
+    while ( at[0] < counts[0] || at[1] < counts[1] )
     {
-        if ( i < counts[0] && i < counts[1] && numbers[0][i] == numbers[1][i] )
-            continue;
-        bool in_a = i == counts[1] || ( i < counts[0] && numbers[0][i] < numbers[1][i] );
-        return rf_advise( rf_fail( error, RF_ERROR_IO, "frame %d is in %.300s but not in %.300s", numbers[!in_a][i],
-                                   patterns[!in_a], patterns[in_a] ),
-                          RF_REMEDY_FRAMES, 0, error );
+        bool first = at[0] < counts[0] && ( at[1] == counts[1] || numbers[0][at[0]] <= numbers[1][at[1]] );
+        int number = first ? numbers[0][at[0]] : numbers[1][at[1]];
+        bool both = first && at[1] < counts[1] && numbers[1][at[1]] == number;
+        pairs->all[pairs->all_count++] = number;
+        if ( both )
+            pairs->both[pairs->count++] = number;
+        else // the first lacks what is the second's alone
+            pairs->lacking[first][pairs->lacking_count[first]++] = number;
+        at[0] += first;
+        at[1] += both || !first;
     }
     return RF_OK;
+}
+
+void rf_free_frame_pairs( RfFramePairs* pairs )
+{
+    free( pairs->all );
+    *pairs = ( RfFramePairs ){ 0 };
+}
+
+RfResult rf_check_all_paired( const RfFramePairs* pairs, const char* const patterns[2], RfError* error )
+{
+    const int* counts = pairs->lacking_count;
+    if ( counts[0] + counts[1] == 0 )
+        return RF_OK;
+    bool by = counts[0] == 0 || ( counts[1] > 0 && pairs->lacking[1][0] < pairs->lacking[0][0] ); // which lacks the first one
+    return rf_advise( rf_fail( error, RF_ERROR_IO, "frame %d is in %.300s but not in %.300s", pairs->lacking[by][0],
+                               patterns[!by], patterns[by] ),
+                      RF_REMEDY_FRAMES, 0, error );
 }
 
 int rf_sequence_step( const char* pattern, int number )
@@ -34,31 +62,17 @@ int rf_sequence_step( const char* pattern, int number )
     return isgreaterequal( step, 1.0 ) && step <= 1e6 ? (int)step : 1;
 }
 
-RfResult rf_match_sequences( const char* a, const char* b, int** numbers, int* count, RfError* error )
+static RfResult pair_sequences( const char* const patterns[2], RfFramePairs* pairs, RfError* error )
 {
-    const char* const patterns[2] = { a, b };
-    int* found[2] = { NULL, NULL };
-    int counts[2] = { 0, 0 };
+    int *numbers[2] = { NULL, NULL }, counts[2] = { 0, 0 };
     RfResult result = RF_OK;
     for ( int i = 0; i < 2 && result == RF_OK; ++i )
-        result = rf_sequence_frames( patterns[i], found + i, counts + i, error );
+        result = rf_sequence_frames( patterns[i], numbers + i, counts + i, error );
     if ( result == RF_OK )
-        result = match( patterns, found, counts, error );
-    free( found[1] );
-    if ( result != RF_OK )
-        free( found[0] );
-    *numbers = result == RF_OK ? found[0] : NULL;
-    *count = result == RF_OK ? counts[0] : 0;
-    return result;
-}
-
-RfResult rf_check_patterns( const char* a, const char* b, bool* are_sequences, RfError* error )
-{
-    *are_sequences = rf_is_sequence( a );
-    if ( *are_sequences == rf_is_sequence( b ) )
-        return RF_OK;
-    return rf_fail( error, RF_ERROR_USAGE, "%s is a sequence and %s a single file: give two of a kind", *are_sequences ? a : b,
-                    *are_sequences ? b : a );
+        result = rf_pair_frames( (const int* const*)numbers, counts, pairs, error );
+    free( numbers[0] );
+    free( numbers[1] );
+    return result == RF_OK ? rf_check_all_paired( pairs, patterns, error ) : result;
 }
 
 // The same pixels in both files.
@@ -95,17 +109,19 @@ RfResult rf_measure_sequences( const char* pattern, const char* reference, RfErr
 {
     const char* const patterns[2] = { pattern, reference };
     RfErrorSummary sum = { 0 };
-    int* numbers = NULL;
-    int count = 1;
-    bool are_sequences;
-    RfResult result = rf_check_patterns( pattern, reference, &are_sequences, error );
-    if ( result == RF_OK && are_sequences )
-        result = rf_match_sequences( pattern, reference, &numbers, &count, error );
-    for ( int i = 0; i < count && result == RF_OK; ++i )
-        result = add_pair( patterns, numbers != NULL ? numbers[i] : 1, count, &sum, error );
+    RfFramePairs pairs = { .count = 1 };
+    bool are_sequences = rf_is_sequence( pattern );
+    RfResult result = RF_OK;
+    if ( are_sequences != rf_is_sequence( reference ) )
+        result = rf_fail( error, RF_ERROR_USAGE, "%s is a sequence and %s a single file: give two of a kind",
+                          patterns[!are_sequences], patterns[are_sequences] );
+    else if ( are_sequences )
+        result = pair_sequences( patterns, &pairs, error );
+    for ( int i = 0; i < pairs.count && result == RF_OK; ++i )
+        result = add_pair( patterns, are_sequences ? pairs.both[i] : 1, pairs.count, &sum, error );
     if ( result == RF_OK )
         *metrics = rf_summary_metrics( &sum );
     rf_destroy_summary( &sum );
-    free( numbers );
+    rf_free_frame_pairs( &pairs );
     return result;
 }

@@ -26,22 +26,18 @@ typedef struct TrialMeter
     double all_samples, all_cpu;
 } TrialMeter;
 
-// Two renders of a group.
+// Two renders of a group, and what is not a sum over its pixels.
 typedef struct TrialPair
 {
-    int eyes;
-    bool whole;                    // the frames are the whole path
-    const RfTestPieces* pieces;    // of the region
-    int first;                     // frame of the region
-    const float* weight;           // of the region
-    float* rgb;                    // of the group's slots: the first render, then the differences to the second
-    float* removed;                // with a clamp: what it took out of the first render; NULL: there is none
-    RfClampSums clamp;             // `relmse` and `bias` weighted
-    double clamped[RF_MAX_PIECES]; // of clamp.relmse
-    double relmse[RF_MAX_PIECES];  // sums over the pixels of a piece: of weighted ½ d², summed over channels
-    double pixels[RF_MAX_PIECES];
-    double worst[RF_WORST_CELLS]; // of relmse
-    double square;                // sum of ½ d² over pixels, mean over channels
+    RfTrial* trial; // gets the errors, times the passes
+    int passes, eyes;
+    bool whole;                   // the frames are the whole path
+    const RfTestPieces* pieces;   // of the region
+    int first;                    // frame of the region
+    const float* weight;          // of the region
+    float* rgb;                   // of the group's slots: the first render, then the differences to the second
+    float* removed;               // with a clamp: what it took out of the first render; NULL: there is none
+    double pixels;                // measured
     double first_mean, last_mean; // of ½ d² in the first and the last frame
     double steps;                 // sum of the means of ½ (d_t − d_{t−1})² over the pixels that both frames measure
     int step_count;
@@ -132,26 +128,8 @@ static RfResult render_metered( const RfTestRegion* region, int first, int eye_c
 static void begin_pair( TrialPair* p, int first )
 {
     p->first = first;
-    p->square = p->first_mean = p->last_mean = p->steps = 0.0;
+    p->pixels = p->first_mean = p->last_mean = p->steps = 0.0;
     p->step_count = 0;
-    p->clamp = ( RfClampSums ){ 0 };
-    memset( p->clamped, 0, sizeof p->clamped );
-    memset( p->relmse, 0, sizeof p->relmse );
-    memset( p->pixels, 0, sizeof p->pixels );
-    memset( p->worst, 0, sizeof p->worst );
-}
-
-// The slots of a frame of the region: which cell each is.
-typedef struct Slots
-{
-    const int32_t* slot; // by cell; −1: none
-    int cells;
-} Slots;
-
-static Slots slots_of( const RfTestPieces* pieces, int frame )
-{
-    int cells = pieces->across * pieces->down;
-    return ( Slots ){ pieces->slot + (size_t)frame * (size_t)cells, cells };
 }
 
 // Where the colours of a slot are.
@@ -172,12 +150,12 @@ static RfResult keep_first( void* user, const RfFrameResult* frame, RfError* err
 {
     (void)error;
     TrialPair* p = user;
-    Slots s = slots_of( p->pieces, p->first + frame->frame );
+    const int32_t* slot = rf_frame_slots( p->pieces, p->first + frame->frame );
     int32_t pixel[RF_CELL_PIXELS];
-    for ( int cell = 0; cell < s.cells; ++cell )
+    for ( int cell = 0; cell < p->pieces->across * p->pieces->down; ++cell )
     {
-        int count = s.slot[cell] >= 0 ? rf_cell_pixels( p->pieces, cell, pixel ) : 0;
-        size_t to = count > 0 ? (size_t)( colors_of( p, s.slot[cell] ) - p->rgb ) : 0;
+        int count = slot[cell] >= 0 ? rf_cell_pixels( p->pieces, cell, pixel ) : 0;
+        size_t to = count > 0 ? (size_t)( colors_of( p, slot[cell] ) - p->rgb ) : 0;
         for ( int k = 0; k < 3 * count; ++k )
         {
             size_t i = 3 * (size_t)pixel[k / 3] + (size_t)( k % 3 );
@@ -193,9 +171,9 @@ static RfResult keep_first( void* user, const RfFrameResult* frame, RfError* err
 static double add_clamped( TrialPair* p, double delta, double exact, double first, double second, double weight )
 {
     double left = delta - ( first - second );
-    p->clamp.bias += weight * first * second;
-    p->clamp.removed += first + second;
-    p->clamp.light += 2.0 * exact + delta;
+    p->trial->clamp.bias += weight * first * second;
+    p->trial->clamp.removed += first + second;
+    p->trial->clamp.light += 2.0 * exact + delta;
     return weight * 0.5 * left * left;
 }
 
@@ -221,11 +199,14 @@ static double subtract_cell( TrialPair* p, const RfFrameResult* frame, int32_t s
         square += sum;
         relmse += (double)weight[k] * sum;
     }
-    p->relmse[p->pieces->piece[slot]] += relmse;
-    p->clamped[p->pieces->piece[slot]] += clamped;
-    p->clamp.relmse += clamped;
-    rf_keep_worst_cell( p->worst, relmse );
-    p->pixels[p->pieces->piece[slot]] += count;
+    RfPieceError* piece = p->trial->pieces + p->pieces->piece[slot];
+    piece->weight += count;
+    piece->relmse += p->passes * relmse;
+    piece->clamped += p->passes * clamped;
+    p->trial->relmse += p->passes * relmse;
+    p->trial->clamp.relmse += p->passes * clamped;
+    rf_keep_worst_cell( p->trial->worst, p->passes * relmse );
+    p->pixels += count;
     return square;
 }
 
@@ -247,26 +228,27 @@ static RfResult compare_second( void* user, const RfFrameResult* frame, RfError*
 {
     (void)error;
     TrialPair* p = user;
-    Slots s = slots_of( p->pieces, p->first + frame->frame );
-    const int32_t* before = frame->frame > 0 ? s.slot - s.cells : NULL;
+    int cells = p->pieces->across * p->pieces->down;
+    const int32_t* slot = rf_frame_slots( p->pieces, p->first + frame->frame );
+    const int32_t* before = frame->frame > 0 ? slot - cells : NULL;
     int32_t pixel[RF_CELL_PIXELS];
     double square = 0.0, step = 0.0, all = 0.0, shared = 0.0;
-    for ( int cell = 0; cell < s.cells; ++cell )
+    for ( int cell = 0; cell < cells; ++cell )
     {
-        if ( s.slot[cell] < 0 )
+        if ( slot[cell] < 0 )
             continue;
         int count = rf_cell_pixels( p->pieces, cell, pixel );
-        square += subtract_cell( p, frame, s.slot[cell], count, pixel );
+        square += subtract_cell( p, frame, slot[cell], count, pixel );
         all += count;
         if ( before == NULL || before[cell] < 0 )
             continue;
-        step += change_of_cell( p, s.slot[cell], before[cell], count );
+        step += change_of_cell( p, slot[cell], before[cell], count );
         shared += count;
     }
-    p->clamp.threshold += frame->clamp;
-    p->clamp.frames += 1.0;
+    p->trial->clamp.threshold += frame->clamp;
+    p->trial->clamp.frames += 1.0;
     double mean = all > 0.0 ? square / ( 3.0 * all ) : 0.0;
-    p->square += square / 3.0;
+    p->trial->mse += p->passes * square / 3.0;
     p->first_mean = frame->frame == 0 ? mean : p->first_mean;
     p->last_mean = frame->frame == p->eyes - 1 ? mean : p->last_mean;
     p->steps += shared > 0.0 ? step / ( 3.0 * shared ) : 0.0;
@@ -287,29 +269,13 @@ static double change_of( const TrialPair* p )
     return p->whole ? 0.5 * step : ( ends + 0.5 * step * ( p->eyes - 1 ) ) / p->eyes;
 }
 
-// Adds the result, measured with `passes` passes, to a trial; its pieces are the first of the trial.
-static void end_pair( const TrialPair* p, int passes, RfTrial* trial )
+static void end_pair( const TrialPair* p )
 {
-    double weight = 0.0, change = change_of( p );
-    for ( int i = 0; i < p->pieces->count; ++i )
-    {
-        trial->pieces[i].weight += p->pixels[i];
-        trial->pieces[i].relmse += passes * p->relmse[i];
-        trial->relmse += passes * p->relmse[i];
-        trial->pieces[i].clamped += passes * p->clamped[i];
-        weight += p->pixels[i];
-    }
-    for ( int k = 0; k < RF_WORST_CELLS; ++k )
-        rf_keep_worst_cell( trial->worst, passes * p->worst[k] );
-    RfClampSums clamp = p->clamp;
-    clamp.relmse *= passes;
-    rf_add_clamp_sums( &trial->clamp, &clamp );
-    trial->piece_count = p->pieces->count;
-    trial->groups += 1;
-    trial->weight += weight;
-    trial->mse += passes * p->square;
-    trial->change_weight += change == change ? weight : 0.0;
-    trial->change += change == change ? passes * weight * change : 0.0;
+    double change = change_of( p );
+    p->trial->groups += 1;
+    p->trial->weight += p->pixels;
+    p->trial->change_weight += change == change ? p->pixels : 0.0;
+    p->trial->change += change == change ? p->passes * p->pixels * change : 0.0;
 }
 
 #define PILOT_PASSES 2
@@ -345,10 +311,9 @@ static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* e
     (void)error;
     RfTestRegion* region = user;
     const RfTestPieces* pieces = &region->pieces;
-    int cells = pieces->across * pieces->down;
-    const int32_t* slot = pieces->slot + (size_t)frame->frame * (size_t)cells;
+    const int32_t* slot = rf_frame_slots( pieces, frame->frame );
     int32_t pixel[RF_CELL_PIXELS];
-    for ( int cell = 0; cell < cells; ++cell )
+    for ( int cell = 0; cell < pieces->across * pieces->down; ++cell )
     {
         int pixels = slot[cell] >= 0 ? rf_cell_pixels( pieces, cell, pixel ) : 0;
         if ( pixels == 0 )
@@ -480,8 +445,9 @@ static uint64_t group_seed( uint64_t seed, int group, int twin )
 }
 
 static RfResult try_group( const RfTestRegion* region, int first, const RfRenderSettings* settings, TrialPair* pair,
-                           RfTrial* trial, RfError* error )
+                           RfError* error )
 {
+    RfTrial* trial = pair->trial;
     double seconds[2];
     RfPieces pieces = rf_pieces_from( &region->pieces, first );
     begin_pair( pair, first );
@@ -505,7 +471,7 @@ static RfResult try_group( const RfTestRegion* region, int first, const RfRender
     double noise = log( seconds[0] / seconds[1] );
     trial->time_noise += isfinite( noise ) ? noise * noise : 0.0;
     trial->time_count += 1;
-    end_pair( pair, settings->spp, trial );
+    end_pair( pair );
     return RF_OK;
 }
 
@@ -524,7 +490,7 @@ static size_t most_slots( const RfTestPieces* pieces, int eyes )
 RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const RfRenderSettings* settings, RfTrial* trial,
                        RfError* error )
 {
-    *trial = ( RfTrial ){ 0 };
+    *trial = ( RfTrial ){ .piece_count = region->pieces.count };
     // a group with more frames than the region must contain the whole path
     int eyes = 2 * settings->group + 1 <= region->frames ? 2 * settings->group + 1 : region->frames;
     if ( settings->group < 0 || settings->group > region->frames / 2 )
@@ -537,9 +503,12 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
     s.spp = passes; // of a single group
     s.aovs = ( s.aovs & RF_PASS_AOVS ) | ( s.clamp != 0.0 ? RF_AOV_BIT( RF_AOV_REMOVED ) : 0u );
     s.queue = 0;
-    TrialPair pair = {
-        .eyes = eyes, .whole = region->whole && eyes == region->frames, .pieces = &region->pieces, .weight = region->weight
-    };
+    TrialPair pair = { .trial = trial,
+                       .passes = passes,
+                       .eyes = eyes,
+                       .whole = region->whole && eyes == region->frames,
+                       .pieces = &region->pieces,
+                       .weight = region->weight };
     size_t values = ( most_slots( &region->pieces, eyes ) + 1 ) * 3 * RF_CELL_PIXELS;
     pair.rgb = malloc( ( s.clamp != 0.0 ? 2 : 1 ) * values * sizeof( float ) );
     pair.removed = s.clamp != 0.0 && pair.rgb != NULL ? pair.rgb + values : NULL;
@@ -547,42 +516,46 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
         return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try groups of %d frames", eyes );
     RfResult result = RF_OK;
     for ( int w = 0; w < count && result == RF_OK; ++w )
-        result = try_group( region, first + w * eyes, &s, &pair, trial, error );
+        result = try_group( region, first + w * eyes, &s, &pair, error );
     free( pair.rgb );
     return result;
 }
 
-void rf_add_clamp_sums( RfClampSums* sum, const RfClampSums* clamp )
-{
-    sum->relmse += clamp->relmse;
-    sum->bias += clamp->bias;
-    sum->removed += clamp->removed;
-    sum->light += clamp->light;
-    sum->threshold += clamp->threshold;
-    sum->frames += clamp->frames;
-}
-
-void rf_add_trial( RfTrial* sum, const RfTrial* trial )
+void rf_add_weighed_trial( RfTrial* sum, const RfTrial* trial, double weight, int first )
 {
     sum->groups += trial->groups;
-    sum->weight += trial->weight;
     sum->samples += trial->samples;
     sum->timed_samples += trial->timed_samples;
     sum->cpu_seconds += trial->cpu_seconds;
     sum->finish_seconds += trial->finish_seconds;
     sum->finish_pixels += trial->finish_pixels;
-    sum->relmse += trial->relmse;
-    sum->mse += trial->mse;
-    sum->change_weight += trial->change_weight;
-    sum->change += trial->change;
     sum->time_noise += trial->time_noise;
     sum->time_count += trial->time_count;
-    rf_add_clamp_sums( &sum->clamp, &trial->clamp );
+    sum->clamp.threshold += trial->clamp.threshold;
+    sum->clamp.frames += trial->clamp.frames;
+    sum->weight += weight * trial->weight;
+    sum->relmse += weight * trial->relmse;
+    sum->mse += weight * trial->mse;
+    sum->change_weight += weight * trial->change_weight;
+    sum->change += weight * trial->change;
+    sum->clamp.relmse += weight * trial->clamp.relmse;
+    sum->clamp.bias += weight * trial->clamp.bias;
+    sum->clamp.removed += weight * trial->clamp.removed;
+    sum->clamp.light += weight * trial->clamp.light;
     for ( int k = 0; k < RF_WORST_CELLS; ++k )
-        rf_keep_worst_cell( sum->worst, trial->worst[k] );
-    for ( int i = 0; i < trial->piece_count && sum->piece_count < RF_TRIAL_PIECES; ++i )
-        sum->pieces[sum->piece_count++] = trial->pieces[i];
+        rf_keep_worst_cell( sum->worst, weight * trial->worst[k] );
+    int end = first + trial->piece_count < RF_TRIAL_PIECES ? first + trial->piece_count : RF_TRIAL_PIECES;
+    for ( int i = first; i < end; ++i )
+    {
+        const RfPieceError* piece = trial->pieces + ( i - first );
+        sum->pieces[i].weight += weight * piece->weight;
+        sum->pieces[i].relmse += weight * piece->relmse;
+        sum->pieces[i].clamped += weight * piece->clamped;
+    }
+    sum->piece_count = end > sum->piece_count ? end : sum->piece_count;
 }
+
+void rf_add_trial( RfTrial* sum, const RfTrial* trial ) { rf_add_weighed_trial( sum, trial, 1.0, sum->piece_count ); }
 
 // NaN where nothing was measured.
 static double mean( double sum, double count ) { return count > 0.0 ? sum / count : (double)NAN; }

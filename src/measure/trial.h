@@ -134,11 +134,11 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
 // Adds the error of a cell to the list of the worst ones, if it is among them.
 void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse );
 
-// Adds the sums of a clamp.
-void rf_add_clamp_sums( RfClampSums* sum, const RfClampSums* clamp );
-
 // Adds the sums of another trial, and lists its pieces behind those of `sum`.
 void rf_add_trial( RfTrial* sum, const RfTrial* trial );
+
+// Adds a trial whose errors count `weight` times; its pieces are those of `sum` from number `first` on.
+void rf_add_weighed_trial( RfTrial* sum, const RfTrial* trial, double weight, int first );
 
 // How many times less CPU time `reuse` takes than `plain` for the same error, with a 95 % interval from the scatter
 // between pieces (a jackknife) and of the times, and from how much of the errors the worst cells hold. Both were tried in the same regions, one of them perhaps in more: what

@@ -40,6 +40,41 @@ typedef struct PieceChooser
 
 static inline size_t film_cells( const RfTestPieces* pieces ) { return (size_t)pieces->across * (size_t)pieces->down; }
 
+// Room for pieces of films; false where memory ran out.
+static bool make_room( int width, int height, int frames, RfTestPieces* p )
+{
+    *p = ( RfTestPieces ){ .width = width, .height = height, .frames = frames, .pixels = (double)width * height };
+    p->across = rf_cells_along( width );
+    p->down = rf_cells_along( height );
+    size_t cells = film_cells( p ) * (size_t)frames;
+    p->slot = malloc( cells * sizeof *p->slot );
+    p->first_slot = malloc( (size_t)( frames + 1 ) * sizeof *p->first_slot );
+    p->piece = malloc( cells );
+    return p->slot != NULL && p->first_slot != NULL && p->piece != NULL;
+}
+
+// By `target`, which has 1 + the piece of each frame and cell; 0: none.
+static void number_slots( RfTestPieces* p, const uint8_t* target )
+{
+    int32_t slots = 0;
+    for ( int f = 0; f < p->frames; ++f )
+    {
+        p->first_slot[f] = slots;
+        for ( size_t i = (size_t)f * film_cells( p ); i < (size_t)( f + 1 ) * film_cells( p ); ++i )
+        {
+            p->slot[i] = target[i] != 0 ? slots : -1;
+            if ( target[i] != 0 )
+                p->piece[slots++] = (uint8_t)( target[i] - 1 );
+        }
+    }
+    p->first_slot[p->frames] = slots;
+}
+
+static RfResult fail_memory( int frames, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for pieces of %d frames", frames );
+}
+
 #define LEAST_CROP_SIDE 32 // of a window, pixels
 #define MOST 0.6           // of the pictures: as well the whole of them
 #define ACROSS 3           // pieces of a window
@@ -78,39 +113,24 @@ static RfEye crop( const RfEye* eye, int x, int y, int width, int height )
     return out;
 }
 
-static void number_crop_slots( RfTestPieces* p )
+// All cells of the windows but those at their borders.
+static RfResult cut_crops( int width, int height, RfTestPieces* p, RfError* error )
 {
-    int32_t slots = 0;
-    int cells = p->across * p->down;
-    for ( int f = 0; f < p->frames; ++f )
+    bool enough = make_room( width, height, RF_CROPS, p );
+    size_t cells = film_cells( p );
+    uint8_t* target = calloc( cells, RF_CROPS );
+    p->count = RF_CROPS * ACROSS * DOWN;
+    for ( size_t i = 0; i < cells * RF_CROPS && enough && target != NULL; ++i )
     {
-        p->first_slot[f] = slots;
-        for ( int i = 0; i < cells; ++i )
-        {
-            int x = i % p->across, y = i / p->across;
-            bool inside = x > 0 && y > 0 && x + 1 < p->across && y + 1 < p->down;
-            p->slot[f * cells + i] = inside ? slots : -1;
-            if ( inside )
-                p->piece[slots++] = (uint8_t)( ( f * DOWN + y * DOWN / p->down ) * ACROSS + x * ACROSS / p->across );
-        }
+        int f = (int)( i / cells ), x = (int)( i % cells ) % p->across, y = (int)( i % cells ) / p->across;
+        if ( x > 0 && y > 0 && x + 1 < p->across && y + 1 < p->down )
+            target[i] = (uint8_t)( 1 + ( f * DOWN + y * DOWN / p->down ) * ACROSS + x * ACROSS / p->across );
     }
-    p->first_slot[p->frames] = slots;
-}
-
-static RfResult make_pieces( int width, int height, RfTestPieces* p, RfError* error )
-{
-    *p = ( RfTestPieces ){ .width = width, .height = height, .frames = RF_CROPS, .count = RF_CROPS * ACROSS * DOWN };
-    p->across = rf_cells_along( width );
-    p->down = rf_cells_along( height );
-    p->pixels = (double)width * height;
-    size_t cells = (size_t)p->across * (size_t)p->down * RF_CROPS;
-    p->slot = malloc( cells * sizeof *p->slot );
-    p->first_slot = malloc( ( RF_CROPS + 1 ) * sizeof *p->first_slot );
-    p->piece = malloc( cells );
-    if ( p->slot == NULL || p->first_slot == NULL || p->piece == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for pieces of %d frames", RF_CROPS );
-    number_crop_slots( p );
-    return RF_OK;
+    enough = enough && target != NULL;
+    if ( enough )
+        number_slots( p, target );
+    free( target );
+    return enough ? RF_OK : fail_memory( RF_CROPS, error );
 }
 
 RfResult rf_choose_crops( const RfEye* eyes, int frames, double pixels, uint64_t seed, RfEye** crops, RfTestPieces* pieces,
@@ -122,7 +142,7 @@ RfResult rf_choose_crops( const RfEye* eyes, int frames, double pixels, uint64_t
     *crops = NULL;
     if ( (double)width * height * RF_CROPS > MOST * film * frames )
         return RF_OK;
-    RfResult result = make_pieces( width, height, pieces, error );
+    RfResult result = cut_crops( width, height, pieces, error );
     if ( result != RF_OK )
         return result;
     *crops = malloc( RF_CROPS * sizeof **crops );
@@ -366,23 +386,6 @@ static void count_traced( RfTestPieces* p )
     p->pixels = pixels / p->frames;
 }
 
-static void number_slots( const PieceChooser* c )
-{
-    RfTestPieces* p = c->pieces;
-    int32_t slots = 0;
-    for ( int f = 0; f < p->frames; ++f )
-    {
-        p->first_slot[f] = slots;
-        for ( size_t i = (size_t)f * film_cells( p ); i < (size_t)( f + 1 ) * film_cells( p ); ++i )
-        {
-            p->slot[i] = c->target[i] != 0 ? slots : -1;
-            if ( c->target[i] != 0 )
-                p->piece[slots++] = (uint8_t)( c->target[i] - 1 );
-        }
-    }
-    p->first_slot[p->frames] = slots;
-}
-
 // Adds to the pieces of a frame the cells beside them: no filter reaches beyond these.
 static void grow_pieces( PieceChooser* c, int frame )
 {
@@ -438,24 +441,18 @@ static void choose( PieceChooser* c, int centre, double pixels, uint64_t seed )
             break;
         wanted *= pixels / traced;
     }
-    number_slots( c );
+    number_slots( c->pieces, c->target );
 }
 
 RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames, int centre, double pixels, bool filtered,
                            uint64_t seed, RfTestPieces* p, RfError* error )
 {
-    *p = ( RfTestPieces ){ .width = eyes->width, .height = eyes->height, .frames = frames };
-    p->across = rf_cells_along( p->width );
-    p->down = rf_cells_along( p->height );
+    bool enough = make_room( eyes->width, eyes->height, frames, p );
     size_t cells = film_cells( p ) * (size_t)frames;
     p->traced = calloc( cells, 1 );
-    p->slot = malloc( cells * sizeof *p->slot );
-    p->first_slot = malloc( (size_t)( frames + 1 ) * sizeof *p->first_slot );
-    p->piece = malloc( cells );
     PieceChooser* c = calloc( 1, sizeof *c );
     uint8_t *target = calloc( cells, 1 ), *around = calloc( cells, 1 );
-    bool enough = p->traced != NULL && p->slot != NULL && p->first_slot != NULL && p->piece != NULL && c != NULL &&
-                  target != NULL && around != NULL;
+    enough = enough && p->traced != NULL && c != NULL && target != NULL && around != NULL;
     if ( enough )
     {
         c->tracer = tracer;
@@ -469,7 +466,7 @@ RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames
     free( target );
     free( around );
     free( c );
-    return enough ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for pieces of %d frames", frames );
+    return enough ? RF_OK : fail_memory( frames, error );
 }
 
 void rf_destroy_test_pieces( RfTestPieces* p )

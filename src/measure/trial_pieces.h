@@ -52,6 +52,12 @@ static inline int rf_cell_pixels( const RfTestPieces* pieces, int cell, int32_t 
     return count;
 }
 
+// The slots of the cells of a frame; −1: in no piece.
+static inline const int32_t* rf_frame_slots( const RfTestPieces* pieces, int frame )
+{
+    return pieces->slot + (size_t)frame * (size_t)pieces->across * (size_t)pieces->down;
+}
+
 // Bytes that pieces of so many frames take at most, whose films have `pixels` pixels.
 size_t rf_test_pieces_bytes( int frames, size_t pixels );
 

@@ -7,16 +7,10 @@
 // same seeds. Errors are summed over all positions before they are compared: relMSE is
 // dominated by few pixels, and a mean of ratios would have a bias that depends on the noise. A
 // row also borrows strength from the trials of the other rows (rf_smooth_tune_rows).
-//
-// Trials run in parallel on one thread each, so that their times are those of the work alone,
-// however small the images are.
 #ifndef REFRAME_MEASURE_TUNE_H
 #define REFRAME_MEASURE_TUNE_H
 
 #include "measure/trial.h"
-
-#include <pthread.h>
-#include <stdatomic.h>
 
 #define RF_TUNE_GROUPS 9
 #define RF_TUNE_TILES 5

@@ -3,6 +3,7 @@
 
 #include "base/remedy.h"
 #include "base/system.h"
+#include "measure/trial_runs.h"
 #include "measure/tune.h"
 #include "reframe/plan.h"
 #include "render/groups.h"
@@ -164,7 +165,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
 
 int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common )
 {
-    size_t most = 1;
+    int workers = common->threads;
     for ( int i = 0; i < tune->count; ++i )
     {
         RfRenderSettings settings = rf_tune_settings( tune->rows + i, common );
@@ -173,12 +174,10 @@ int rf_tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSet
         settings.aovs &= RF_PASS_AOVS;
         RfShot group = { job->shot.tracer, job->shot.eyes, tune->rows[i].eyes, NULL, tune->rows[i].eyes };
         RfResult result = rf_fit_memory( &group, &settings, &fit, NULL );
-        size_t bytes = fit.bytes_films + fit.bytes_hits + fit.bytes_lists;
-        if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 && bytes > most )
-            most = bytes;
+        if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 )
+            workers = rf_trial_workers( common->memory, &fit, workers );
     }
-    size_t room = common->memory / ( 2 * most );
-    return room < 1 ? 1 : room < (size_t)common->threads ? (int)room : common->threads;
+    return workers;
 }
 
 // The error of a sample that the goal is about.

@@ -2,6 +2,7 @@
 // sequences, frame by frame and over all frames.
 #include "cli/compare/compare_command.h"
 
+#include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
@@ -25,29 +26,24 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define COMPARE_NAME_SIZE 4096
-
 typedef struct CompareFrames
 {
-    const char* patterns[2]; // A, B; a folder's sequence once it is found
-    char found[2][COMPARE_NAME_SIZE];
-    bool by_number;        // one is a folder: what both have is measured
+    const char* names[2]; // A, B as given
+    RfSequenceInput in[2];
     const char* layers[2]; // NULL: the colour
     const char* list;      // of --frames; NULL: all
     bool overlap;          // measure what both have
-    int* frames;           // NULL: two files, which count as frame 1
-    int count;
-    int* missing; // between the first and the last, of both sequences
+    RfFramePairs pairs;    // of sequences
+    int count;             // of frames, or 1
+    int* missing;          // between the first and the last, of both sequences
     int missing_count;
-    int* lacking[2]; // frames that the other alone has; by_number
-    int lacking_count[2];
 } CompareFrames;
 
 // Two images of the same pixels, and their window.
 typedef struct ComparePair
 {
     size_t clipped[2]; // pixels
-    char names[2][COMPARE_NAME_SIZE];
+    char names[2][RF_FILE_NAME_SIZE];
     RfImage images[2];
     RfExrWindow window;
 } ComparePair;
@@ -65,20 +61,15 @@ static void print_error_row( const char* frame, const RfErrorMetrics* metrics )
             metrics->inf + metrics->reference_inf );
 }
 
-static void set_metrics( json_t* object, const RfErrorMetrics* metrics )
+static void set_metrics( json_t* object, const RfErrorMetrics* m )
 {
-    json_object_set_new( object, "relmse", rf_json_number( metrics->relmse ) );
-    json_object_set_new( object, "relmse_trimmed", rf_json_number( metrics->relmse_trimmed ) );
-    json_object_set_new( object, "mse", rf_json_number( metrics->mse ) );
-    json_object_set_new( object, "bias", rf_json_number( metrics->bias ) );
-    json_object_set_new( object, "bias_low", rf_json_number( metrics->bias_low ) );
-    json_object_set_new( object, "bias_high", rf_json_number( metrics->bias_high ) );
-    json_object_set_new( object, "max", rf_json_number( metrics->max ) );
-    json_object_set_new( object, "nan", json_integer( (json_int_t)metrics->nan ) );
-    json_object_set_new( object, "inf", json_integer( (json_int_t)metrics->inf ) );
-    json_object_set_new( object, "reference_nan", json_integer( (json_int_t)metrics->reference_nan ) );
-    json_object_set_new( object, "reference_inf", json_integer( (json_int_t)metrics->reference_inf ) );
-    json_object_set_new( object, "reference_mean", rf_json_number( metrics->reference_mean ) );
+    RF_SET_FIGURES( object, { "relmse", m->relmse }, { "relmse_trimmed", m->relmse_trimmed }, { "mse", m->mse },
+                    { "bias", m->bias }, { "bias_low", m->bias_low }, { "bias_high", m->bias_high }, { "max", m->max } );
+    json_object_set_new( object, "nan", json_integer( (json_int_t)m->nan ) );
+    json_object_set_new( object, "inf", json_integer( (json_int_t)m->inf ) );
+    json_object_set_new( object, "reference_nan", json_integer( (json_int_t)m->reference_nan ) );
+    json_object_set_new( object, "reference_inf", json_integer( (json_int_t)m->reference_inf ) );
+    json_object_set_new( object, "reference_mean", rf_json_number( m->reference_mean ) );
 }
 
 static void set_clipped( json_t* object, const size_t clipped[2] )
@@ -115,33 +106,23 @@ static json_t* error_json( json_t* rows, const RfErrorMetrics* metrics, int wors
     return object;
 }
 
-static void append( char* text, size_t size, const char* more )
-{
-    size_t used = strlen( text );
-    snprintf( text + used, size - used, "%s", more );
-}
-
 // In percent of the reference's brightness, where it has one. Clipped pixels lack light, so their bias is not that of the renders.
 static void say_bias( const RfErrorMetrics* m, const size_t clipped[2], char* text, size_t size )
 {
     bool relative = m->reference_mean > 0.0;
     double scale = relative ? 100.0 / m->reference_mean : 1.0, bias = m->bias * scale;
+    double low = m->bias_low * scale, high = m->bias_high * scale;
     const char* unit = relative ? " %" : "";
-    char part[256];
+    const char* what = low > 0.0    ? "significant bias, too bright"
+                       : high < 0.0 ? "significant bias, too dark"
+                                    : "no significant bias";
     if ( clipped[0] + clipped[1] > 0 )
-        snprintf( part, sizeof part, "no verdict on bias, clipped pixels are compared (%zu of A, %zu of B): mean error %+.2g%s",
-                  clipped[0], clipped[1], bias, unit );
+        rf_append( text, size, "no verdict on bias, clipped pixels are compared (%zu of A, %zu of B): mean error %+.2g%s",
+                   clipped[0], clipped[1], bias, unit );
     else if ( !isfinite( m->bias_low ) )
-        snprintf( part, sizeof part, "mean error %+.2g%s (too few pixels to tell bias from noise)", bias, unit );
+        rf_append( text, size, "mean error %+.2g%s (too few pixels to tell bias from noise)", bias, unit );
     else
-    {
-        double low = m->bias_low * scale, high = m->bias_high * scale;
-        const char* what = low > 0.0    ? "significant bias, too bright"
-                           : high < 0.0 ? "significant bias, too dark"
-                                        : "no significant bias";
-        snprintf( part, sizeof part, "%s: mean error %+.2g%s (95 %%: %+.2g to %+.2g%s)", what, bias, unit, low, high, unit );
-    }
-    append( text, size, part );
+        rf_append( text, size, "%s: mean error %+.2g%s (95 %%: %+.2g to %+.2g%s)", what, bias, unit, low, high, unit );
 }
 
 // Of a picture that is off everywhere the error is not noise.
@@ -149,17 +130,13 @@ static bool is_offset( const RfErrorMetrics* m ) { return m->bias * m->bias > 0.
 
 static void say_noise( const RfErrorMetrics* m, char* text, size_t size )
 {
-    char part[256], percent[RF_NOISE_TEXT_SIZE];
+    char percent[RF_NOISE_TEXT_SIZE];
     rf_format_noise( m->relmse, percent );
-    snprintf( part, sizeof part, "; relMSE %.3g (about %s %s per pixel", m->relmse, percent, is_offset( m ) ? "error" : "noise" );
-    append( text, size, part );
+    rf_append( text, size, "; relMSE %.3g (about %s %s per pixel", m->relmse, percent, is_offset( m ) ? "error" : "noise" );
+    rf_format_noise( m->relmse_trimmed, percent );
     if ( m->relmse_trimmed < 0.5 * m->relmse )
-    {
-        rf_format_noise( m->relmse_trimmed, percent );
-        snprintf( part, sizeof part, ", %s without the worst 0.1 %% of pixels", percent );
-        append( text, size, part );
-    }
-    append( text, size, ")" );
+        rf_append( text, size, ", %s without the worst 0.1 %% of pixels", percent );
+    rf_append( text, size, ")" );
 }
 
 void rf_error_verdict( const RfErrorMetrics* m, const size_t clipped[2], const int* worst_frame, char* text, size_t size )
@@ -167,27 +144,22 @@ void rf_error_verdict( const RfErrorMetrics* m, const size_t clipped[2], const i
     text[0] = '\0';
     if ( rf_has_no_error( m ) )
     {
-        append( text, size, "no error can be reported: there are NaN or infinite values" );
+        rf_append( text, size, "no error can be reported: there are NaN or infinite values" );
         return;
     }
     if ( m->max == 0.0 )
     {
-        append( text, size, "no difference: all pixels are identical" );
-        if ( clipped[0] > 0 )
-            append( text, size, ", clipped ones too" );
+        rf_append( text, size, "no difference: all pixels are identical%s", clipped[0] > 0 ? ", clipped ones too" : "" );
         return;
     }
     say_bias( m, clipped, text, size );
     say_noise( m, text, size );
-    char part[128], frame[32] = "";
+    if ( m->worst.frame < 0 )
+        return;
+    rf_append( text, size, "; worst pixel (%d, %d)", m->worst.x, m->worst.y );
     if ( worst_frame != NULL )
-        snprintf( frame, sizeof frame, " in frame %d", *worst_frame );
-    if ( m->worst.frame >= 0 )
-    {
-        snprintf( part, sizeof part, "; worst pixel (%d, %d)%s, off by %.2g %%", m->worst.x, m->worst.y, frame,
-                  100.0 * sqrt( m->worst.relative / 3.0 ) );
-        append( text, size, part );
-    }
+        rf_append( text, size, " in frame %d", *worst_frame );
+    rf_append( text, size, ", off by %.2g %%", 100.0 * sqrt( m->worst.relative / 3.0 ) );
 }
 
 static void print_not_measured( const char* lacking, const int* frames, int count )
@@ -204,174 +176,69 @@ static void print_missing( const CompareFrames* frames )
 {
     print_not_measured( "both sequences", frames->missing, frames->missing_count );
     for ( int i = 0; i < 2; ++i )
-        print_not_measured( frames->patterns[i], frames->lacking[i], frames->lacking_count[i] );
+        print_not_measured( frames->in[i].pattern, frames->pairs.lacking[i], frames->pairs.lacking_count[i] );
 }
 
 static void set_missing( json_t* json, const CompareFrames* frames )
 {
+    const RfFramePairs* pairs = &frames->pairs;
     json_object_set_new( json, "missing", rf_json_frames( frames->missing, frames->missing_count ) );
-    json_object_set_new( json, "missing_a", rf_json_frames( frames->lacking[0], frames->lacking_count[0] ) );
-    json_object_set_new( json, "missing_b", rf_json_frames( frames->lacking[1], frames->lacking_count[1] ) );
+    json_object_set_new( json, "missing_a", rf_json_frames( pairs->lacking[0], pairs->lacking_count[0] ) );
+    json_object_set_new( json, "missing_b", rf_json_frames( pairs->lacking[1], pairs->lacking_count[1] ) );
 }
 
-static bool has_frame( const int* frames, int count, int frame )
+// Of the sequence that has a frame which both are to have, but for folders, whose common frames are measured.
+static RfResult check_pairs( CompareFrames* frames, RfError* error )
 {
-    for ( int i = 0; i < count; ++i )
+    RfFramePairs* pairs = &frames->pairs;
+    const char* const patterns[2] = { frames->in[0].pattern, frames->in[1].pattern };
+    if ( frames->list != NULL && pairs->lacking_count[1] > 0 )
+        return rf_fail( error, RF_ERROR_IO, "%s: frame %d is missing", patterns[1], pairs->lacking[1][0] );
+    if ( frames->list != NULL ) // what else B has is not wanted
     {
-        if ( frames[i] == frame )
-            return true;
+        pairs->lacking_count[0] = 0;
+        return RF_OK;
     }
-    return false;
-}
-
-// Replaces the list by the frames that --frames names, all of which must exist.
-static RfResult choose_frames( CompareFrames* frames, const int* b, int b_count, RfError* error )
-{
-    int *wanted, count;
-    RfResult result = rf_parse_frames( frames->list, frames->frames, frames->count, &wanted, &count, error );
-    for ( int i = 0; i < count && result == RF_OK; ++i )
-    {
-        bool in_a = has_frame( frames->frames, frames->count, wanted[i] );
-        if ( !in_a || !has_frame( b, b_count, wanted[i] ) )
-            result = rf_fail( error, RF_ERROR_IO, "%s: frame %d is missing", frames->patterns[in_a ? 1 : 0], wanted[i] );
-    }
-    if ( result != RF_OK )
-    {
-        free( wanted );
-        return result;
-    }
-    free( frames->frames );
-    frames->frames = wanted;
-    frames->count = count;
-    return RF_OK;
-}
-
-static RfResult find_chosen( CompareFrames* frames, RfError* error )
-{
-    int* b = NULL;
-    int b_count = 0;
-    RfResult result = rf_sequence_frames( frames->patterns[0], &frames->frames, &frames->count, error );
-    if ( result == RF_OK )
-        result = rf_sequence_frames( frames->patterns[1], &b, &b_count, error );
-    if ( result == RF_OK )
-        result = choose_frames( frames, b, b_count, error );
-    free( b );
-    return result;
-}
-
-static RfResult find_all( CompareFrames* frames, RfError* error )
-{
-    RfResult result = rf_match_sequences( frames->patterns[0], frames->patterns[1], &frames->frames, &frames->count, error );
-    if ( result != RF_OK )
-        return result;
-    return rf_missing_frames( frames->frames, frames->count, &frames->missing, &frames->missing_count, error );
-}
-
-// Sorts the frames of both into those that they share, and those that one lacks; *all gets them all.
-static RfResult pair_frames( CompareFrames* frames, int* const numbers[2], const int counts[2], int** all, int* all_count,
-                             RfError* error )
-{
-    size_t most = (size_t)counts[0] + (size_t)counts[1];
-    int at[2] = { 0, 0 };
-    *all_count = frames->count = 0;
-    *all = malloc( most * sizeof( int ) );
-    frames->frames = malloc( most * sizeof( int ) );
-    for ( int i = 0; i < 2; ++i )
-        frames->lacking[i] = malloc( most * sizeof( int ) );
-    if ( *all == NULL || frames->frames == NULL || frames->lacking[0] == NULL || frames->lacking[1] == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %zu frames", most );
-    while ( at[0] < counts[0] || at[1] < counts[1] )
-    {
-        bool first = at[0] < counts[0] && ( at[1] == counts[1] || numbers[0][at[0]] <= numbers[1][at[1]] );
-        int number = first ? numbers[0][at[0]] : numbers[1][at[1]];
-        bool both = first && at[1] < counts[1] && numbers[1][at[1]] == number;
-        ( *all )[( *all_count )++] = number;
-        if ( both )
-            frames->frames[frames->count++] = number;
-        else // A lacks what is B's alone
-            frames->lacking[first][frames->lacking_count[first]++] = number;
-        at[0] += first;
-        at[1] += both || !first;
-    }
-    if ( frames->count == 0 )
-        return rf_fail( error, RF_ERROR_IO, "%.400s and %.400s have no frame in common", frames->patterns[0],
-                        frames->patterns[1] );
-    return RF_OK;
-}
-
-static RfResult find_common( CompareFrames* frames, RfError* error )
-{
-    int *numbers[2] = { NULL, NULL }, counts[2], *all = NULL, all_count;
-    RfResult result = rf_sequence_frames( frames->patterns[0], numbers, counts, error );
-    if ( result == RF_OK )
-        result = rf_sequence_frames( frames->patterns[1], numbers + 1, counts + 1, error );
-    if ( result == RF_OK )
-        result = pair_frames( frames, numbers, counts, &all, &all_count, error );
-    if ( result == RF_OK )
-        result = rf_missing_frames( all, all_count, &frames->missing, &frames->missing_count, error );
-    free( numbers[0] );
-    free( numbers[1] );
-    free( all );
-    return result;
-}
-
-static RfResult open_folders( CompareFrames* frames, RfError* error )
-{
-    struct stat status;
-    RfResult result = RF_OK;
-    for ( int i = 0; i < 2 && result == RF_OK; ++i )
-    {
-        if ( stat( frames->patterns[i], &status ) != 0 || !S_ISDIR( status.st_mode ) )
-            continue;
-        result = rf_find_folder_sequence( frames->patterns[i], frames->found[i], COMPARE_NAME_SIZE, error );
-        frames->patterns[i] = frames->found[i];
-        frames->by_number = true;
-    }
-    return result;
+    if ( !rf_is_folder( frames->names[0] ) && !rf_is_folder( frames->names[1] ) )
+        return rf_check_all_paired( pairs, patterns, error );
+    return pairs->count > 0
+               ? RF_OK
+               : rf_fail( error, RF_ERROR_IO, "%.400s and %.400s have no frame in common", patterns[0], patterns[1] );
 }
 
 // Finds the frames of two sequences, which must be the same but for those of folders, or the two files.
 // free_compare_frames in any case.
 static RfResult find_compare_frames( CompareFrames* frames, RfError* error )
 {
-    bool are_sequences;
-    frames->count = 1;
-    RfResult result = open_folders( frames, error );
+    RfSequenceInput* in = frames->in;
+    RfResult result = rf_find_sequence_input( frames->names[0], frames->list, in, error );
     if ( result == RF_OK )
-        result = rf_check_patterns( frames->patterns[0], frames->patterns[1], &are_sequences, error );
-    if ( result != RF_OK )
+        result = rf_find_sequence_input( frames->names[1], NULL, in + 1, error );
+    if ( result == RF_OK && in[0].is_sequence != in[1].is_sequence )
+        result = rf_fail( error, RF_ERROR_USAGE, "%s is a sequence and %s a single file: give two of a kind",
+                          in[!in[0].is_sequence].pattern, in[in[0].is_sequence].pattern );
+    frames->count = 1;
+    if ( result != RF_OK || !in[0].is_sequence )
         return result;
-    if ( !are_sequences && frames->list != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "--frames: needs sequences, and these are two files" );
-    if ( !are_sequences )
-        return RF_OK;
-    if ( frames->by_number && frames->list == NULL )
-        return find_common( frames, error );
-    return frames->list != NULL ? find_chosen( frames, error ) : find_all( frames, error );
+    result = rf_pair_frames( ( const int* const[] ){ in[0].frames, in[1].frames }, ( const int[] ){ in[0].count, in[1].count },
+                             &frames->pairs, error );
+    if ( result == RF_OK )
+        result = check_pairs( frames, error );
+    frames->count = frames->pairs.count;
+    if ( result != RF_OK || frames->list != NULL )
+        return result;
+    return rf_missing_frames( frames->pairs.all, frames->pairs.all_count, &frames->missing, &frames->missing_count, error );
 }
 
 static void free_compare_frames( CompareFrames* frames )
 {
-    free( frames->frames );
+    rf_free_sequence_input( frames->in );
+    rf_free_sequence_input( frames->in + 1 );
+    rf_free_frame_pairs( &frames->pairs );
     free( frames->missing );
-    for ( int i = 0; i < 2; ++i )
-    {
-        free( frames->lacking[i] );
-        frames->lacking[i] = NULL;
-    }
-    frames->frames = frames->missing = NULL;
 }
 
-// The file of a frame. '#' is special only in sequences.
-static RfResult compare_name( const CompareFrames* frames, const char* pattern, int frame, char name[COMPARE_NAME_SIZE],
-                              RfError* error )
-{
-    if ( frames->frames != NULL || rf_is_sequence( pattern ) )
-        return rf_sequence_name( pattern, frame, name, COMPARE_NAME_SIZE, error );
-    if ( snprintf( name, COMPARE_NAME_SIZE, "%s", pattern ) >= COMPARE_NAME_SIZE )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", pattern );
-    return RF_OK;
-}
+static int frame_number( const CompareFrames* frames, int i ) { return frames->pairs.both != NULL ? frames->pairs.both[i] : 1; }
 
 static int at_least( int a, int b ) { return a > b ? a : b; }
 static int at_most( int a, int b ) { return a < b ? a : b; }
@@ -440,7 +307,7 @@ static RfResult read_compare_pair( const CompareFrames* frames, int frame, Compa
     pair->images[0] = pair->images[1] = ( RfImage ){ 0 };
     for ( int i = 0; i < 2 && result == RF_OK; ++i )
     {
-        result = compare_name( frames, frames->patterns[i], frame, pair->names[i], error );
+        result = rf_sequence_input_name( frames->in + i, frame, pair->names[i], error );
         if ( result == RF_OK )
             result =
                 rf_read_pass_image( pair->names[i], frames->layers[i], pair->images + i, windows + i, pair->clipped + i, error );
@@ -478,26 +345,34 @@ static void show_progress( const Compare* compare, int i )
     rf_show_frame_count( compare->quiet || rows_are_seen || compare->in.count < 2, i, compare->in.count );
 }
 
-static int frame_number( const Compare* compare, int i ) { return compare->in.frames != NULL ? compare->in.frames[i] : 1; }
+// The signed difference of a frame.
+static RfResult diff_name( const Compare* compare, int frame, char name[RF_FILE_NAME_SIZE], RfError* error )
+{
+    if ( rf_is_sequence( compare->diff ) )
+        return rf_sequence_name( compare->diff, frame, name, RF_FILE_NAME_SIZE, error );
+    if ( snprintf( name, RF_FILE_NAME_SIZE, "%s", compare->diff ) >= RF_FILE_NAME_SIZE )
+        return rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", compare->diff );
+    return RF_OK;
+}
 
 // No difference image may overwrite a frame of this sequence.
-static RfResult check_diff_names( const Compare* compare, const char* pattern, RfError* error )
+static RfResult check_diff_names( const Compare* compare, const RfSequenceInput* in, RfError* error )
 {
     int count = compare->in.count;
     struct stat* frames = calloc( (size_t)count, sizeof *frames );
-    char name[COMPARE_NAME_SIZE];
+    char name[RF_FILE_NAME_SIZE];
     RfResult result =
         frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of %d frames", count );
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
-        result = compare_name( &compare->in, pattern, frame_number( compare, i ), name, error );
+        result = rf_sequence_input_name( in, frame_number( &compare->in, i ), name, error );
         if ( result == RF_OK && stat( name, frames + i ) != 0 )
             frames[i].st_ino = 0;
     }
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
         struct stat diff;
-        result = compare_name( &compare->in, compare->diff, frame_number( compare, i ), name, error );
+        result = diff_name( compare, frame_number( &compare->in, i ), name, error );
         bool is_there = result == RF_OK && stat( name, &diff ) == 0;
         for ( int k = 0; k < count && is_there && result == RF_OK; ++k )
         {
@@ -518,8 +393,8 @@ static RfResult check_diff( const Compare* compare, RfError* error )
     if ( compare->in.count > 1 && !rf_is_sequence( compare->diff ) )
         return rf_fail( error, RF_ERROR_USAGE, "--diff: %d frames need a name with ####, got '%s'", compare->in.count,
                         compare->diff );
-    RfResult result = check_diff_names( compare, compare->in.patterns[0], error );
-    return result == RF_OK ? check_diff_names( compare, compare->in.patterns[1], error ) : result;
+    RfResult result = check_diff_names( compare, compare->in.in, error );
+    return result == RF_OK ? check_diff_names( compare, compare->in.in + 1, error ) : result;
 }
 
 // Turns the image into the signed difference, and writes it.
@@ -527,8 +402,8 @@ static RfResult write_diff( const Compare* compare, int frame, ComparePair* pair
 {
     RfImage* image = pair->images;
     const RfImage* reference = pair->images + 1;
-    char name[COMPARE_NAME_SIZE];
-    RfResult result = compare_name( &compare->in, compare->diff, frame, name, error );
+    char name[RF_FILE_NAME_SIZE];
+    RfResult result = diff_name( compare, frame, name, error );
     if ( result != RF_OK )
         return result;
     size_t count = 3 * (size_t)image->width * (size_t)image->height;
@@ -606,14 +481,14 @@ static RfResult compare_frame( Compare* compare, int frame, RfError* error )
 static RfResult check_finite( const Compare* compare, const RfErrorMetrics* m, RfError* error )
 {
     bool image = m->nan > 0 || m->inf > 0, reference = m->reference_nan > 0 || m->reference_inf > 0;
-    const char* const* patterns = compare->in.patterns;
+    const char *a = compare->in.in[0].pattern, *b = compare->in.in[1].pattern;
     if ( image && reference )
         return rf_fail( error, RF_ERROR_FORMAT,
-                        "%.380s: %zu pixels with NaN, %zu with infinity, and %.380s: %zu and %zu: no error can be reported",
-                        patterns[0], m->nan, m->inf, patterns[1], m->reference_nan, m->reference_inf );
+                        "%.380s: %zu pixels with NaN, %zu with infinity, and %.380s: %zu and %zu: no error can be reported", a,
+                        m->nan, m->inf, b, m->reference_nan, m->reference_inf );
     if ( image || reference )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: %zu pixels with NaN, %zu with infinity: no error can be reported",
-                        patterns[reference], image ? m->nan : m->reference_nan, image ? m->inf : m->reference_inf );
+                        reference ? b : a, image ? m->nan : m->reference_nan, image ? m->inf : m->reference_inf );
     return RF_OK;
 }
 
@@ -623,8 +498,8 @@ static RfResult finish( Compare* compare, RfError* error )
     metrics.worst = compare->worst;
     if ( rf_has_no_error( &metrics ) )
         metrics.worst.frame = -1;
-    bool has_worst = metrics.worst.frame >= 0 && compare->in.frames != NULL;
-    int worst = metrics.worst.frame >= 0 ? frame_number( compare, metrics.worst.frame ) : 0;
+    bool has_worst = metrics.worst.frame >= 0 && compare->in.pairs.both != NULL;
+    int worst = metrics.worst.frame >= 0 ? frame_number( &compare->in, metrics.worst.frame ) : 0;
     char verdict[1024];
     rf_error_verdict( &metrics, compare->clipped, has_worst ? &worst : NULL, verdict, sizeof verdict );
     if ( compare->table )
@@ -648,8 +523,12 @@ static RfResult finish( Compare* compare, RfError* error )
     return result == RF_OK ? check_finite( compare, &metrics, error ) : result;
 }
 
-static RfResult run( Compare* compare, RfError* error )
+static RfResult run( void* user, RfError* error )
 {
+    Compare* compare = user;
+    compare->table = rf_prints_text( compare->json );
+    if ( compare->in.layers[1] == NULL )
+        compare->in.layers[1] = compare->in.layers[0];
     RfResult result = find_compare_frames( &compare->in, error );
     if ( result == RF_OK )
         result = check_diff( compare, error );
@@ -658,7 +537,7 @@ static RfResult run( Compare* compare, RfError* error )
     compare->rows = json_array();
     for ( int i = 0; i < compare->in.count && result == RF_OK; ++i )
     {
-        result = compare_frame( compare, frame_number( compare, i ), error );
+        result = compare_frame( compare, frame_number( &compare->in, i ), error );
         show_progress( compare, i + 1 );
     }
     if ( result == RF_OK )
@@ -674,64 +553,26 @@ int rf_command_compare( int argc, char** argv )
     static const char* const files[] = { "A", "B" };
     Compare compare = { .worst = { .frame = -1 } };
     const RfOption options[] = {
-        { .name = "frames",
-          .type = RF_OPTION_STRING,
-          .value = &compare.in.list,
-          .meta = "[@]A-B[xSTEP][,...]",
-          .default_text = "all",
-          .help = "compare only these frames of the sequences" },
-        { .name = "layer",
-          .type = RF_OPTION_STRING,
-          .value = compare.in.layers,
-          .meta = "NAME",
-          .default_text = "colour",
-          .help = "a pass by name, a part or a channel of the files, or three channels X,Y,Z" },
-        { .name = "reference-layer",
-          .type = RF_OPTION_STRING,
-          .value = compare.in.layers + 1,
-          .meta = "NAME",
-          .default_text = "that of --layer",
-          .help = "layer of B, if it is named differently" },
-        { .name = "overlap",
-          .type = RF_OPTION_BOOL,
-          .value = &compare.in.overlap,
-          .help = "if the data windows differ, compare the pixels that both have" },
-        { .name = "diff",
-          .writes = ".exr",
-          .type = RF_OPTION_STRING,
-          .value = &compare.diff,
-          .meta = "FILE",
-          .help = "write the signed difference A - B as EXR; #### is the frame number" },
-        { .name = "json",
-          .writes = ".json",
-          .type = RF_OPTION_STRING,
-          .value = &compare.json,
-          .meta = "FILE",
-          .help = "write the result as JSON; - for standard output, instead of the table" },
-        { .name = "quiet", .type = RF_OPTION_BOOL, .value = &compare.quiet, .help = "no progress" },
+        RF_TEXT_OPTION( "frames", &compare.in.list, "[@]A-B[xSTEP][,...]", "compare only these frames of the sequences",
+                        .default_text = "all" ),
+        RF_TEXT_OPTION( "layer", compare.in.layers, "NAME",
+                        "a pass by name, a part or a channel of the files, or three channels X,Y,Z", .default_text = "colour" ),
+        RF_TEXT_OPTION( "reference-layer", compare.in.layers + 1, "NAME", "layer of B, if it is named differently",
+                        .default_text = "that of --layer" ),
+        RF_FLAG_OPTION( "overlap", &compare.in.overlap, "if the data windows differ, compare the pixels that both have" ),
+        RF_TEXT_OPTION( "diff", &compare.diff, "FILE", "write the signed difference A - B as EXR; #### is the frame number",
+                        .writes = ".exr" ),
+        RF_TEXT_OPTION( "json", &compare.json, "FILE", "write the result as JSON; - for standard output, instead of the table",
+                        .writes = ".json" ),
+        RF_FLAG_OPTION( "quiet", &compare.quiet, "no progress" ),
     };
     const RfCommandTable table = {
         .command = COMMAND,
         .summary = "Measures the error of A against the reference B: EXR files, sequences named with ####, or folders of one "
                    "sequence each, whose frames are matched by number.",
-        .files = files,
-        .file_count = 2,
-        .options = options,
-        .option_count = sizeof options / sizeof options[0],
+        RF_TABLE_ROWS( files, options )
     };
-    RfError error = { 0 };
-    bool help = false;
-    RfResult result = rf_parse_options( &table, argc, argv, compare.in.patterns, &help, &error );
-    if ( result == RF_OK && help )
-    {
-        result = rf_show_help( &table, &error );
-        return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
-    }
-    compare.table = rf_prints_text( compare.json );
-    if ( compare.in.layers[1] == NULL )
-        compare.in.layers[1] = compare.in.layers[0];
-    if ( result == RF_OK )
-        result = run( &compare, &error );
+    int status = rf_run_command( &table, argc, argv, compare.in.names, run, &compare );
     free_compare_frames( &compare.in );
-    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+    return status;
 }

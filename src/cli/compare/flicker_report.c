@@ -1,55 +1,14 @@
 // Prints what `flicker` measured: metrics of all pairs of frames, of those at the borders of groups, and a verdict.
 #include "cli/compare/flicker_report.h"
 
+#include "base/words.h"
 #include "cli/messages.h"
-#include "cli/options/options.h"
 #include "measure/image_error.h"
-#include "measure/flicker.h"
-#include "reframe/image.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 
-#define MOST_FRAMES 10000000
-
-static bool read_whole( const char* path, const char* name, long long min, long long max, int* value )
-{
-    char text[32];
-    long long whole;
-    if ( rf_read_exr_string( path, name, text, sizeof text, NULL ) != RF_OK || !rf_parse_whole( text, min, max, &whole ) )
-        return false;
-    *value = (int)whole;
-    return true;
-}
-
-RfSeams rf_read_seams( const char* path, int number, int last )
-{
-    RfSeams seams = { 0 };
-    int group, spp, frame, frames;
-    if ( !read_whole( path, "reframe/group", 1, MOST_FRAMES, &group ) || !read_whole( path, "reframe/spp", 1, 1 << 20, &spp ) ||
-         !read_whole( path, "reframe/frame", -MOST_FRAMES, MOST_FRAMES, &frame ) )
-        return seams;
-    seams.first = number - ( frame - 1 );
-    if ( !read_whole( path, "reframe/frames", 1, MOST_FRAMES, &frames ) )
-        frames = last - seams.first + 1;
-    char shot[64];
-    int first, end;
-    if ( rf_read_exr_string( path, "reframe/shot", shot, sizeof shot, NULL ) == RF_OK &&
-         sscanf( shot, "%d-%d", &first, &end ) == 2 )
-    {
-        seams.first = number - ( frame - first );
-        frames = end - first + 1;
-        frame = frame - first + 1;
-    }
-    if ( frames < frame || frame < 1 )
-        return seams;
-    seams.slides = true;
-    seams.plan = rf_plan_groups( frames, group, spp );
-    return seams;
-}
-
-RfSeams rf_fixed_seams( int period, int first ) { return ( RfSeams ){ .period = period, .first = first }; }
+static bool has_variance( const RfFlickerRun* run ) { return run->reference == NULL && run->layers.variance[0] != NULL; }
 
 // A number, or a dash where it is not known.
 static const char* format( double value, const char* how, char text[32] )
@@ -58,68 +17,44 @@ static const char* format( double value, const char* how, char text[32] )
     return text;
 }
 
-void rf_add_flicker_pair( RfFlickerParts* parts, bool border, const RfFlickerSums* pair )
-{
-    rf_add_flicker( &parts->all, pair );
-    rf_add_flicker( border ? &parts->border : &parts->inside, pair );
-}
-
-static void print_metrics( const char* name, const RfFlickerMetrics* m, const char* note )
-{
-    char f1[32], phi[32], rmse[32];
-    printf( "%12s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m->f1, "%.4e", f1 ), format( m->phi, "%.4f", phi ),
-            format( sqrt( m->mse ), "%.4e", rmse ), 100.0 * m->coverage, note[0] != '\0' ? "  " : "", note );
-}
-
 static void print_row( const char* name, const RfFlickerSums* sums, const char* note )
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
-    print_metrics( name, &m, note );
+    char f1[32], phi[32], rmse[32];
+    printf( "%12s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m.f1, "%.4e", f1 ), format( m.phi, "%.4f", phi ),
+            format( sqrt( m.mse ), "%.4e", rmse ), 100.0 * m.coverage, note[0] != '\0' ? "  " : "", note );
 }
 
-// The pairs, as they stand in the JSON.
-static void print_pairs( const RfFlickerReport* report )
+static void print_rows( const RfFlickerRun* run )
 {
-    size_t i;
-    const json_t* pair;
+    char text[32];
     printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" );
-    json_array_foreach( report->pairs, i, pair )
+    for ( int i = 0; i < run->pair_count; ++i )
     {
-        char number[32];
-        RfFlickerMetrics m = { .f1 = rf_json_number_of( pair, "f1" ),
-                               .phi = rf_json_number_of( pair, "phi" ),
-                               .mse = rf_json_number_of( pair, "mse" ),
-                               .coverage = rf_json_number_of( pair, "coverage" ) };
-        snprintf( number, sizeof number, "%lld", (long long)json_integer_value( json_object_get( pair, "frame" ) ) );
-        print_metrics( number, &m, json_is_true( json_object_get( pair, "border" ) ) ? "border" : "" );
+        snprintf( text, sizeof text, "%d", run->pairs[i].frame );
+        print_row( text, &run->pairs[i].sums, run->pairs[i].border ? "border" : "" );
     }
+    print_row( "all", &run->plain.all, "" );
+    if ( run->cuts > 0 )
+        printf( "%d cut%s: no pair of frames is compared across one\n", run->cuts, run->cuts == 1 ? "" : "s" );
+    for ( int border = 0; border < 2 && run->has_seams; ++border )
+    {
+        const RfFlickerSums* sums = border ? &run->plain.border : &run->plain.inside;
+        snprintf( text, sizeof text, "%d pairs", sums->pairs );
+        print_row( border ? "border" : "inside", sums, text );
+    }
+    if ( run->follows && run->followed.all.pairs > 0 )
+        print_row( "along motion", &run->followed.all, "" );
 }
 
-static void print_seams( const RfFlickerReport* report )
+static void print_spectrum( const RfFlickerRun* run )
 {
-    if ( !report->has_seams )
+    if ( !run->has_spectrum )
         return;
-    char note[32];
-    snprintf( note, sizeof note, "%d pairs", report->plain.inside.pairs );
-    print_row( "inside", &report->plain.inside, note );
-    snprintf( note, sizeof note, "%d pairs", report->plain.border.pairs );
-    print_row( "border", &report->plain.border, note );
-}
-
-static void print_followed( const RfFlickerReport* report )
-{
-    if ( report->follows && report->followed.all.pairs > 0 )
-        print_row( "along motion", &report->followed.all, "" );
-}
-
-static void print_spectrum( const RfFlickerReport* report )
-{
-    if ( !report->has_spectrum )
-        return;
-    RfSpectrum s = rf_spectrum( &report->spectrum );
+    RfSpectrum s = rf_spectrum( &run->spectrum );
     char frozen[32], drift[32], boiling[32];
-    printf( "spectrum over %d frames, RMS: ", report->window );
-    if ( report->source == RF_ERROR_FROM_REFERENCE )
+    printf( "spectrum over %d frames, RMS: ", run->window );
+    if ( run->reference != NULL )
         printf( "frozen %s, ", format( s.frozen, "%.4e", frozen ) );
     printf( "slow drift (periods of %.0f frames and more) %s, boiling (shorter) %s; coverage %.2f %%\n", 1.0 / RF_SPECTRUM_SPLIT,
             format( s.drift, "%.4e", drift ), format( s.boiling, "%.4e", boiling ), 100.0 * s.coverage );
@@ -138,67 +73,59 @@ static const char* describe_phi( double phi )
 }
 
 // The same error measured along the motion.
-static void print_followed_words( const RfFlickerReport* report )
+static void print_followed_words( const RfFlickerRun* run, const char* unfollowed )
 {
-    const RfFlickerSums* sums = &report->followed.all;
+    const RfFlickerSums* sums = &run->followed.all;
     RfFlickerMetrics m = rf_flicker_metrics( sums );
-    if ( report->unfollowed[0] != '\0' )
-        printf( "no figures along the motion: %s\n", report->unfollowed );
-    if ( report->follows && isfinite( m.phi ) && m.mse > 0.0 )
+    if ( unfollowed[0] != '\0' )
+        printf( "no figures along the motion: %s\n", unfollowed );
+    if ( run->follows && isfinite( m.phi ) && m.mse > 0.0 )
         printf( "along the motion, %s: phi %.3f, RMSE %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
-    if ( report->follows && sums->pairs < report->plain.all.pairs )
+    if ( run->follows && sums->pairs < run->plain.all.pairs )
         printf( "along the motion, %d of %d pairs are measured: the other frames lack the layers\n", sums->pairs,
-                report->plain.all.pairs );
+                run->plain.all.pairs );
 }
 
-static void print_motion_words( const RfFlickerReport* report, const RfFlickerSums* sums )
+static void print_motion_words( const RfFlickerRun* run, const RfFlickerSums* sums )
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
     if ( isfinite( m.motion ) )
         printf( "average motion: %.2f pixels per frame\n", m.motion );
-    if ( !report->masked )
+    if ( run->layers.depth == NULL )
         printf( "%s without depth: disocclusions count as flicker\n",
-                report->compensated ? "motion-compensated" : "along the motion" );
+                rf_is_compensated( run ) ? "motion-compensated" : "along the motion" );
     if ( sums->pairs > 0 && !( sums->pixels > 0.0 ) )
         printf( "no pixel is visible in two neighbouring frames: check the motion and depth layers\n" );
 }
 
-static void print_words( const RfFlickerReport* report )
+// What the verdict does not say: what is missing for more.
+static void print_words( const RfFlickerRun* run, const char* unfollowed )
 {
-    RfFlickerMetrics m = rf_flicker_metrics( &report->plain.all );
-    if ( isfinite( m.phi ) && m.mse > 0.0 && report->source == RF_ERROR_FROM_VARIANCE )
-        printf( "phi %.3f, RMSE %.3e from the variance layers; moving edges and highlights count as flicker unless --reference "
-                "is given\n",
-                m.phi, sqrt( m.mse ) );
-    else if ( isfinite( m.phi ) && m.mse > 0.0 )
-        printf( "%s: phi %.3f, RMSE %.3e\n", describe_phi( m.phi ), m.phi, sqrt( m.mse ) );
-    else if ( isfinite( m.phi ) )
-        printf( "no flicker: there is no error\n" );
-    else if ( report->source == RF_ERROR_UNKNOWN && isfinite( m.f1 ) )
-        printf( "phi needs the size of the error: give --reference, or render --aov variance\n" );
-    else if ( report->source == RF_ERROR_FROM_VARIANCE && isfinite( m.f1 ) )
+    RfFlickerMetrics m = rf_flicker_metrics( &run->plain.all );
+    bool is_unknown = run->reference == NULL && !isfinite( m.phi ) && isfinite( m.f1 );
+    if ( is_unknown && has_variance( run ) )
         printf( "phi is unknown: the variance layers are 0, as after a single pass: give --reference\n" );
-    if ( !report->compensated && report->source != RF_ERROR_FROM_REFERENCE )
+    else if ( is_unknown )
+        printf( "phi needs the size of the error: give --reference, or render --aov variance\n" );
+    if ( !rf_is_compensated( run ) && run->reference == NULL )
         printf( "not motion-compensated: motion counts as flicker (render --aov motion,depth, or give --reference)\n" );
-    print_followed_words( report );
-    if ( report->compensated || report->follows )
-        print_motion_words( report, report->compensated ? &report->plain.all : &report->followed.all );
+    print_followed_words( run, unfollowed );
+    if ( rf_is_compensated( run ) || run->follows )
+        print_motion_words( run, rf_is_compensated( run ) ? &run->plain.all : &run->followed.all );
 }
 
 // The pair whose F1 is the largest: the number of its second frame.
-static long long worst_pair( const RfFlickerReport* report, double* f1 )
+static int worst_pair( const RfFlickerRun* run, double* f1 )
 {
-    size_t i;
-    const json_t* pair;
-    long long worst = 0;
+    int worst = 0;
     *f1 = -1.0;
-    json_array_foreach( report->pairs, i, pair )
+    for ( int i = 0; i < run->pair_count; ++i )
     {
-        double value = rf_json_number_of( pair, "f1" );
+        double value = rf_flicker_metrics( &run->pairs[i].sums ).f1;
         if ( !( value > *f1 ) )
             continue;
         *f1 = value;
-        worst = (long long)json_integer_value( json_object_get( pair, "frame" ) );
+        worst = run->pairs[i].frame;
     }
     return worst;
 }
@@ -206,151 +133,121 @@ static long long worst_pair( const RfFlickerReport* report, double* f1 )
 #define VERDICT_SIZE 512
 
 // Two lines: how the error changes, and how much of it there is.
-static void format_verdict( const RfFlickerReport* report, char text[VERDICT_SIZE] )
+static void format_verdict( const RfFlickerRun* run, char text[VERDICT_SIZE] )
 {
-    RfFlickerMetrics m = rf_flicker_metrics( &report->plain.all );
-    bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
+    RfFlickerMetrics m = rf_flicker_metrics( &run->plain.all );
+    bool is_error = run->reference != NULL, has_phi = isfinite( m.phi ) && m.mse > 0.0;
     double most;
-    long long worst = worst_pair( report, &most );
-    int used;
+    int worst = worst_pair( run, &most );
+    char percent[RF_NOISE_TEXT_SIZE];
+    text[0] = '\0';
     if ( !isfinite( m.f1 ) )
-        used = snprintf( text, VERDICT_SIZE, "no flicker can be measured" );
-    else if ( isfinite( m.phi ) && m.mse > 0.0 && is_error )
-        used = snprintf( text, VERDICT_SIZE, "%s (phi %.2f)", describe_phi( m.phi ), m.phi );
-    else if ( isfinite( m.phi ) && m.mse > 0.0 )
-        used = snprintf( text, VERDICT_SIZE,
-                         "phi at most %.2f: without a reference, moving edges and highlights count as flicker", m.phi );
-    else if ( isfinite( m.phi ) )
-        used = snprintf( text, VERDICT_SIZE, "no flicker: there is no error" );
-    else
-        used = snprintf( text, VERDICT_SIZE, "phi unknown: the size of the error is not known" );
-    char *rest = text + used, changes[96], percent[RF_NOISE_TEXT_SIZE];
-    rf_format_noise( report->errors.relmse, percent );
-    size_t size = VERDICT_SIZE - (size_t)used;
-    snprintf( changes, sizeof changes, "between neighbouring frames, largest at frame %lld: %.2g", worst, most );
-    if ( !isfinite( m.f1 ) )
-        snprintf( rest, size, "\n%s", "there are NaN or infinite values, or no pixel is visible in two neighbouring frames" );
-    else if ( is_error && isfinite( report->errors.relmse ) )
-        snprintf( rest, size, "\nF1 %.2g (RMS change of the error %s); relMSE %.2g (%s noise per pixel)", m.f1, changes,
-                  report->errors.relmse, percent );
-    else
-        snprintf( rest, size, "\nF1 %.2g (RMS change of the picture %s)", m.f1, changes );
-}
-
-void rf_print_flicker( const RfFlickerReport* report )
-{
-    char verdict[VERDICT_SIZE];
-    format_verdict( report, verdict );
-    printf( "%s\n\n", verdict );
-    print_pairs( report );
-    print_row( "all", &report->plain.all, "" );
-    if ( report->cuts > 0 )
-        printf( "%d cut%s: no pair of frames is compared across one\n", report->cuts, report->cuts == 1 ? "" : "s" );
-    print_seams( report );
-    print_followed( report );
-    print_spectrum( report );
-    if ( report->source == RF_ERROR_FROM_REFERENCE && isfinite( report->errors.relmse ) )
     {
-        char percent[RF_NOISE_TEXT_SIZE];
-        rf_format_noise( report->errors.relmse, percent );
-        printf( "relMSE over all frames: %.4e (%s noise)\n", report->errors.relmse, percent );
+        rf_append( text, VERDICT_SIZE,
+                   "no flicker can be measured\nthere are NaN or infinite values, or no pixel is visible in two "
+                   "neighbouring frames" );
+        return;
     }
-    print_words( report );
+    if ( has_phi && is_error )
+        rf_append( text, VERDICT_SIZE, "%s (phi %.2f)", describe_phi( m.phi ), m.phi );
+    else if ( has_phi )
+        rf_append( text, VERDICT_SIZE, "phi at most %.2f: without a reference, moving edges and highlights count as flicker",
+                   m.phi );
+    else
+        rf_append( text, VERDICT_SIZE,
+                   isfinite( m.phi ) ? "no flicker: there is no error" : "phi unknown: the size of the error is not known" );
+    is_error = is_error && isfinite( run->errors.relmse );
+    rf_append( text, VERDICT_SIZE, "\nF1 %.2g (RMS change of the %s between neighbouring frames, largest at frame %d: %.2g)",
+               m.f1, is_error ? "error" : "picture", worst, most );
+    rf_format_noise( run->errors.relmse, percent );
+    if ( is_error )
+        rf_append( text, VERDICT_SIZE, "; relMSE %.2g (%s noise per pixel)", run->errors.relmse, percent );
 }
 
-static void set_metrics( json_t* object, const RfFlickerSums* sums )
+void rf_print_flicker( const RfFlickerRun* run, const char* unfollowed )
+{
+    char verdict[VERDICT_SIZE], percent[RF_NOISE_TEXT_SIZE];
+    format_verdict( run, verdict );
+    printf( "%s\n\n", verdict );
+    print_rows( run );
+    print_spectrum( run );
+    rf_format_noise( run->errors.relmse, percent );
+    if ( run->reference != NULL && isfinite( run->errors.relmse ) )
+        printf( "relMSE over all frames: %.4e (%s noise)\n", run->errors.relmse, percent );
+    print_words( run, unfollowed );
+}
+
+static json_t* set_metrics( json_t* object, const RfFlickerSums* sums )
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
-    json_object_set_new( object, "f1", rf_json_number( m.f1 ) );
-    json_object_set_new( object, "phi", rf_json_number( m.phi ) );
-    json_object_set_new( object, "mse", rf_json_number( m.mse ) );
-    json_object_set_new( object, "coverage", rf_json_number( m.coverage ) );
-    json_object_set_new( object, "motion", rf_json_number( m.motion ) );
+    return RF_SET_FIGURES( object, { "f1", m.f1 }, { "phi", m.phi }, { "mse", m.mse }, { "coverage", m.coverage },
+                           { "motion", m.motion } );
 }
 
-json_t* rf_flicker_pair_json( int frame, bool border, const RfFlickerSums* sums )
+static json_t* pairs_json( const RfFlickerRun* run )
 {
-    json_t* row = json_object();
-    json_object_set_new( row, "frame", json_integer( frame ) );
-    set_metrics( row, sums );
-    json_object_set_new( row, "border", json_boolean( border ) );
-    return row;
-}
-
-json_t* rf_followed_pair_json( const RfFlickerSums* sums )
-{
-    if ( sums == NULL )
-        return json_null();
-    json_t* object = json_object();
-    set_metrics( object, sums );
-    return object;
+    json_t* list = json_array();
+    for ( int i = 0; i < run->pair_count; ++i )
+    {
+        const RfFlickerPair* pair = run->pairs + i;
+        json_t* row = set_metrics( json_pack( "{s:i}", "frame", pair->frame ), &pair->sums );
+        json_object_set_new( row, "border", json_boolean( pair->border ) );
+        if ( run->follows )
+            json_object_set_new( row, "followed",
+                                 pair->is_followed ? set_metrics( json_object(), &pair->followed ) : json_null() );
+        json_array_append_new( list, row );
+    }
+    return list;
 }
 
 // `followed` NULL: none.
 static json_t* part_json( const RfFlickerSums* sums, const RfFlickerSums* followed )
 {
-    json_t* object = json_object();
-    json_object_set_new( object, "pairs", json_integer( sums->pairs ) );
-    set_metrics( object, sums );
+    json_t* object = set_metrics( json_pack( "{s:i}", "pairs", sums->pairs ), sums );
     if ( followed != NULL )
         json_object_set_new( object, "followed", part_json( followed, NULL ) );
     return object;
 }
 
-static json_t* spectrum_json( const RfFlickerReport* report )
+static json_t* spectrum_json( const RfFlickerRun* run )
 {
-    RfSpectrum s = rf_spectrum( &report->spectrum );
-    json_t* object = json_object();
-    json_object_set_new( object, "frames", json_integer( report->window ) );
-    json_object_set_new( object, "windows", json_integer( report->spectrum.groups ) );
-    json_object_set_new( object, "split", json_real( RF_SPECTRUM_SPLIT ) );
-    bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
-    json_object_set_new( object, "frozen", is_error ? rf_json_number( s.frozen ) : json_null() );
-    json_object_set_new( object, "drift", rf_json_number( s.drift ) );
-    json_object_set_new( object, "boiling", rf_json_number( s.boiling ) );
-    json_object_set_new( object, "coverage", rf_json_number( s.coverage ) );
-    return object;
+    RfSpectrum s = rf_spectrum( &run->spectrum );
+    return RF_SET_FIGURES( json_pack( "{s:i, s:i}", "frames", run->window, "windows", run->spectrum.groups ),
+                           { "split", RF_SPECTRUM_SPLIT }, { "frozen", run->reference != NULL ? s.frozen : (double)NAN },
+                           { "drift", s.drift }, { "boiling", s.boiling }, { "coverage", s.coverage } );
 }
 
-static json_t* seams_json( const RfFlickerReport* report )
+static json_t* seams_json( const RfFlickerRun* run )
 {
-    json_t* object = json_object();
-    const RfFlickerParts* followed = report->follows ? &report->followed : NULL;
-    json_object_set_new( object, "inside", part_json( &report->plain.inside, followed != NULL ? &followed->inside : NULL ) );
-    json_object_set_new( object, "border", part_json( &report->plain.border, followed != NULL ? &followed->border : NULL ) );
-    return object;
+    bool follows = run->follows;
+    return json_pack( "{s:o, s:o}", "inside", part_json( &run->plain.inside, follows ? &run->followed.inside : NULL ), "border",
+                      part_json( &run->plain.border, follows ? &run->followed.border : NULL ) );
 }
 
-json_t* rf_flicker_json( RfFlickerReport* report )
+json_t* rf_flicker_json( const RfFlickerRun* run )
 {
-    json_t* object = json_object();
-    const RfErrorMetrics* e = &report->errors;
+    const RfErrorMetrics* e = &run->errors;
+    bool has_reference = run->reference != NULL, masked = run->layers.depth != NULL;
     char verdict[VERDICT_SIZE];
-    format_verdict( report, verdict );
-    json_object_set_new( object, "verdict", json_string( verdict ) );
-    json_object_set_new( object, "pairs", report->pairs );
-    report->pairs = NULL;
-    set_metrics( object, &report->plain.all );
-    json_object_set_new( object, "cuts", json_integer( report->cuts ) );
-    if ( report->follows )
+    format_verdict( run, verdict );
+    json_t* object = set_metrics( json_pack( "{s:s, s:o}", "verdict", verdict, "pairs", pairs_json( run ) ), &run->plain.all );
+    json_t* more = json_pack( "{s:i, s:b, s:b, s:s?, s:o, s:o, s:o, s:I, s:I, s:I, s:I}", "cuts", run->cuts, "compensated",
+                              rf_is_compensated( run ), "masked", rf_is_compensated( run ) && masked, "error_from",
+                              has_reference         ? "reference"
+                              : has_variance( run ) ? "variance"
+                                                    : NULL,
+                              "relmse", rf_json_number( has_reference ? e->relmse : (double)NAN ), "groups",
+                              run->has_seams ? seams_json( run ) : json_null(), "spectrum",
+                              run->has_spectrum ? spectrum_json( run ) : json_null(), "nan", (json_int_t)e->nan, "inf",
+                              (json_int_t)e->inf, "reference_nan", (json_int_t)( has_reference ? e->reference_nan : 0 ),
+                              "reference_inf", (json_int_t)( has_reference ? e->reference_inf : 0 ) );
+    if ( run->follows )
     {
-        json_t* followed = part_json( &report->followed.all, NULL );
-        json_object_set_new( followed, "masked", json_boolean( report->masked ) );
+        json_t* followed = part_json( &run->followed.all, NULL );
+        json_object_set_new( followed, "masked", json_boolean( masked ) );
         json_object_set_new( object, "followed", followed );
     }
-    json_object_set_new( object, "compensated", json_boolean( report->compensated ) );
-    json_object_set_new( object, "masked", json_boolean( report->compensated && report->masked ) );
-    json_object_set_new( object, "error_from",
-                         report->source == RF_ERROR_FROM_REFERENCE  ? json_string( "reference" )
-                         : report->source == RF_ERROR_FROM_VARIANCE ? json_string( "variance" )
-                                                                    : json_null() );
-    bool is_error = report->source == RF_ERROR_FROM_REFERENCE;
-    json_object_set_new( object, "relmse", is_error ? rf_json_number( e->relmse ) : json_null() );
-    json_object_set_new( object, "groups", report->has_seams ? seams_json( report ) : json_null() );
-    json_object_set_new( object, "spectrum", report->has_spectrum ? spectrum_json( report ) : json_null() );
-    json_object_set_new( object, "nan", json_integer( (json_int_t)e->nan ) );
-    json_object_set_new( object, "inf", json_integer( (json_int_t)e->inf ) );
-    json_object_set_new( object, "reference_nan", json_integer( is_error ? (json_int_t)e->reference_nan : 0 ) );
-    json_object_set_new( object, "reference_inf", json_integer( is_error ? (json_int_t)e->reference_inf : 0 ) );
+    json_object_update( object, more );
+    json_decref( more );
     return object;
 }

@@ -1,6 +1,7 @@
 // Turns the `render` object of a scene file into option values: by the same table, and errors with the JSON path.
 #include "cli/options/file_options.h"
 
+#include "base/words.h"
 #include "cli/options/options.h"
 #include "base/json.h"
 
@@ -72,58 +73,34 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
     return NULL;
 }
 
-// Describes the JSON values that an option accepts.
-static void describe_wanted( const RfOption* option, char* words, size_t size )
-{
-    size_t used;
-    switch ( option->type )
-    {
-        case RF_OPTION_INT:
-            snprintf( words, size, "a whole number from %.0f to %.0f%s%s%s", option->min, option->max,
-                      option->keyword != NULL ? " or \"" : "", option->keyword != NULL ? option->keyword : "",
-                      option->keyword != NULL ? "\"" : "" );
-            break;
-        case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %lld", (long long)INT64_MAX ); break;
-        case RF_OPTION_REAL:
-            snprintf( words, size, "%s%s%s%s%s%sa number from %g to %g", option->negated != NULL ? "\"" : "",
-                      option->negated != NULL ? option->negated : "", option->negated != NULL ? "\", " : "",
-                      option->keyword != NULL ? "\"" : "", option->keyword != NULL ? option->keyword : "",
-                      option->keyword != NULL ? "\" or " : "", option->min, option->max );
-            break;
-        case RF_OPTION_NOISE:
-            snprintf( words, size, "a relMSE from %g to %g, or the noise of a channel in percent, such as \"5%%\"", option->min,
-                      option->max );
-            break;
-        case RF_OPTION_TIME: snprintf( words, size, "a number from %g to %g", option->min, option->max ); break;
-        case RF_OPTION_SIZE:
-            snprintf( words, size, "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",
-                      option->min, option->max );
-            break;
-        case RF_OPTION_FPS:
-            snprintf( words, size, "a whole number from 1 to 1000000, 29.97 and the like, or a string such as \"24000/1001\"" );
-            break;
-        case RF_OPTION_CHOICE:
-            used = (size_t)snprintf( words, size, "%sone of", option->bare != NULL ? "true, false, or " : "" );
-            for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
-                used += (size_t)snprintf( words + used, size - used, "%s %s", i > 0 ? "," : "", option->choices[i] );
-            break;
-        case RF_OPTION_MEMORY:
-            snprintf( words, size, "a string such as \"512M\" or \"4G\", at least %.0f bytes", option->min );
-            break;
-        case RF_OPTION_STRING: snprintf( words, size, "a string that is not empty" ); break;
-        case RF_OPTION_BOOL: snprintf( words, size, "true or false" ); break;
-    }
-}
+// What JSON values an option accepts, by its min and max.
+static const char* const s_wanted[] = {
+    [RF_OPTION_INT] = "a whole number from %.0f to %.0f",
+    [RF_OPTION_UINT64] = "a whole number from 0 to 9223372036854775807",
+    [RF_OPTION_REAL] = "a number from %g to %g",
+    [RF_OPTION_NOISE] = "a relMSE from %g to %g, or the noise of a channel in percent, such as \"5%%\"",
+    [RF_OPTION_TIME] = "a number from %g to %g",
+    [RF_OPTION_SIZE] = "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",
+    [RF_OPTION_FPS] = "a whole number from 1 to 1000000, 29.97 and the like, or a string such as \"24000/1001\"",
+    [RF_OPTION_CHOICE] = "one of ",
+    [RF_OPTION_MEMORY] = "a string such as \"512M\" or \"4G\", at least %.0f bytes",
+    [RF_OPTION_STRING] = "a string that is not empty",
+    [RF_OPTION_BOOL] = "true or false",
+};
 
 static RfResult take( const RfOption* option, const RfField* field )
 {
     if ( option->type == RF_OPTION_BOOL )
         return rf_field_bool( field, option->value );
-    char buffer[80], want[256], side[2][32];
+    char buffer[80], want[256] = "", side[2][32];
     const char* text = to_text( option, field->json, buffer, sizeof buffer );
     if ( text != NULL && rf_parse_option_value( option, text, NULL ) == RF_OK )
         return RF_OK;
-    describe_wanted( option, want, sizeof want );
+    if ( option->bare != NULL )
+        rf_append( want, sizeof want, "true, false, or " );
+    rf_describe_wanted( option, s_wanted[option->type], "\"", want, sizeof want );
+    if ( option->type == RF_OPTION_CHOICE )
+        rf_append_words( want, sizeof want, option->choices, ", ", ", " );
     if ( option->type != RF_OPTION_SIZE || text == NULL )
         return rf_field_must_be( field, want );
     for ( size_t i = 0; i < 2; ++i ) // two numbers

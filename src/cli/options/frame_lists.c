@@ -22,8 +22,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define ENTRY 40 // characters of "@-1234567890--1234567890x1234567890,"
-
 RfResult rf_cut_ranges( int nodes, const RfDividedFrames* frames, const RfRenderSettings* settings, RfRanges* ranges,
                         RfError* error )
 {
@@ -57,22 +55,23 @@ static int series( const int* numbers, int count, int step )
 // Frames as --frames takes them: "1-24", "1,7,9-15x2", "@-3-24". The caller frees the text; NULL where memory ran out.
 static char* frame_list( const int* numbers, int count, int step )
 {
-    char* text = malloc( (size_t)( count > 0 ? count : 1 ) * ENTRY );
-    size_t used = 0;
-    if ( text == NULL )
-        return NULL;
-    text[0] = '\0';
-    for ( int i = 0, length; i < count; i += length )
+    char* text = NULL;
+    size_t size;
+    FILE* file = open_memstream( &text, &size );
+    for ( int i = 0, length; i < count && file != NULL; i += length )
     {
         length = series( numbers + i, count - i, step );
         int apart = length > 1 ? numbers[i + 1] - numbers[i] : step;
-        used += (size_t)snprintf( text + used, ENTRY, "%s%s%d", i > 0 ? "," : "", numbers[i] < 0 ? "@" : "", numbers[i] );
+        fprintf( file, "%s%s%d", i > 0 ? "," : "", numbers[i] < 0 ? "@" : "", numbers[i] );
         if ( length > 1 )
-            used += (size_t)snprintf( text + used, ENTRY, "-%d", numbers[i + length - 1] );
+            fprintf( file, "-%d", numbers[i + length - 1] );
         if ( apart != step )
-            used += (size_t)snprintf( text + used, ENTRY, "x%d", apart );
+            fprintf( file, "x%d", apart );
     }
-    return text;
+    if ( file == NULL || fclose( file ) == 0 )
+        return text;
+    free( text );
+    return NULL;
 }
 
 static void sum_up( const RfRanges* r, double* all, double* longest )
@@ -122,42 +121,29 @@ json_t* rf_ranges_json( const RfRanges* r )
 
 #define NAME_SIZE 512
 
-static int compare_names( const void* a, const void* b ) { return strcmp( *(char* const*)a, *(char* const*)b ); }
+static int compare_names( const struct dirent** a, const struct dirent** b ) { return strcmp( ( *a )->d_name, ( *b )->d_name ); }
 
-static bool append( RfFolderList* list, int* room, const char* name )
-{
-    if ( list->count == *room )
-    {
-        int more = *room > 0 ? 2 * *room : 64;
-        char** moved = realloc( list->names, (size_t)more * sizeof( char* ) );
-        if ( moved == NULL )
-            return false;
-        list->names = moved;
-        *room = more;
-    }
-    char* copy = malloc( strlen( name ) + 1 );
-    if ( copy == NULL )
-        return false;
-    list->names[list->count++] = strcpy( copy, name );
-    return true;
-}
+static int is_shown( const struct dirent* entry ) { return entry->d_name[0] != '.'; }
 
 RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* list, RfError* error )
 {
+    struct dirent** entries;
     *list = ( RfFolderList ){ 0 };
-    int room = 0;
-    DIR* dir = opendir( folder );
-    if ( dir == NULL )
+    int count = scandir( folder, &entries, is_shown, compare_names );
+    if ( count < 0 )
         return rf_fail_io( folder, "this folder cannot be read", errno, error );
     RfResult result = RF_OK;
-    for ( const struct dirent* entry = readdir( dir ); entry != NULL && result == RF_OK; entry = readdir( dir ) )
+    list->names = malloc( ( (size_t)count + 1 ) * sizeof( char* ) );
+    for ( int i = 0; i < count; ++i )
     {
-        if ( entry->d_name[0] != '.' && rf_ends_with( entry->d_name, suffix ) && !append( list, &room, entry->d_name ) )
+        bool is_wanted = rf_ends_with( entries[i]->d_name, suffix ), has_room = is_wanted && list->names != NULL;
+        if ( has_room && ( list->names[list->count] = strdup( entries[i]->d_name ) ) != NULL )
+            list->count += 1;
+        else if ( is_wanted )
             result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its files", folder );
+        free( entries[i] );
     }
-    closedir( dir );
-    if ( list->count > 1 )
-        qsort( list->names, (size_t)list->count, sizeof( char* ), compare_names );
+    free( entries );
     return result;
 }
 
@@ -480,7 +466,16 @@ RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceI
     result = rf_sequence_frames( input->pattern, &input->frames, &input->count, error );
     if ( result != RF_OK )
         return result;
+    input->first = input->frames[0];
     return list != NULL ? choose_frames( list, input, error ) : RF_OK;
+}
+
+RfResult rf_sequence_input_name( const RfSequenceInput* input, int frame, char name[RF_FILE_NAME_SIZE], RfError* error )
+{
+    if ( input->is_sequence )
+        return rf_sequence_name( input->pattern, frame, name, RF_FILE_NAME_SIZE, error );
+    snprintf( name, RF_FILE_NAME_SIZE, "%s", input->pattern );
+    return RF_OK;
 }
 
 void rf_free_sequence_input( RfSequenceInput* input )

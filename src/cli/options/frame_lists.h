@@ -33,11 +33,15 @@ typedef struct RfSequenceInput
     bool is_sequence;
     int* frames; // numbers in the names, ascending; NULL for a file
     int count;
+    int first; // number of the first frame, whether it is wanted or not
 } RfSequenceInput;
 
 // Finds the frames of `from`; `list` (--frames) names those that are wanted, or NULL: all. Free it in any case.
 RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceInput* input, RfError* error );
 void rf_free_sequence_input( RfSequenceInput* input );
+
+// The file of a frame, or the one file.
+RfResult rf_sequence_input_name( const RfSequenceInput* input, int frame, char name[RF_FILE_NAME_SIZE], RfError* error );
 
 // Warns of frames that are missing between the first and the last.
 RfResult rf_warn_of_missing( const RfSequenceInput* input, RfLog* log, RfError* error );

@@ -1,4 +1,5 @@
 // Options as the help shows them.
+#include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/options.h"
 
@@ -6,25 +7,19 @@
 
 void rf_format_option( const RfOption* option, char* text, size_t size )
 {
-    size_t used = 0;
+    text[0] = '\0';
     if ( option->letter != 0 )
-        used += (size_t)snprintf( text, size, "-%c, ", option->letter );
+        rf_append( text, size, "-%c, ", option->letter );
     if ( option->type == RF_OPTION_BOOL )
-    {
-        snprintf( text + used, size - used, "--[no-]%s", option->name );
-        return;
-    }
-    const char* no = option->negated != NULL ? "[no-]" : "";
-    used += (size_t)snprintf( text + used, size - used, "--%s%s %s", no, option->name, option->bare != NULL ? "[" : "" );
+        rf_append( text, size, "--[no-]%s", option->name );
+    else
+        rf_append( text, size, "--%s%s %s", option->negated != NULL ? "[no-]" : "", option->name,
+                   option->bare != NULL ? "[" : "" );
     if ( option->type != RF_OPTION_CHOICE )
-    {
-        snprintf( text + used, size - used, "%s", option->meta );
-        return;
-    }
-    for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
-        used += (size_t)snprintf( text + used, size - used, "%s%s", i > 0 ? "|" : "", option->choices[i] );
-    if ( option->bare != NULL && used < size )
-        snprintf( text + used, size - used, "]" );
+        rf_append( text, size, "%s", option->type != RF_OPTION_BOOL ? option->meta : "" );
+    else
+        rf_append_words( text, size, option->choices, "|", "|" );
+    rf_append( text, size, "%s", option->bare != NULL ? "]" : "" );
 }
 
 const char* rf_file_dots( const RfCommandTable* table, int i )
@@ -154,4 +149,15 @@ RfResult rf_show_help( const RfCommandTable* table, RfError* error )
 {
     rf_print_help( table, stdout );
     return rf_flush_output( error );
+}
+
+int rf_run_command( const RfCommandTable* table, int argc, char** argv, const char** files,
+                    RfResult ( *run )( void* user, RfError* error ), void* user )
+{
+    RfError error = { 0 };
+    bool help = false;
+    RfResult result = rf_parse_options( table, argc, argv, files, &help, &error );
+    if ( result == RF_OK )
+        result = help ? rf_show_help( table, &error ) : run( user, &error );
+    return result == RF_OK ? 0 : rf_report_error( table->command, &error );
 }

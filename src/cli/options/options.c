@@ -223,8 +223,9 @@ bool rf_parse_whole( const char* text, long long min, long long max, long long* 
     return true;
 }
 
-static bool parse_unsigned( const char* text, uint64_t* value )
+static bool parse_unsigned( const RfOption* option, const char* text, void* value )
 {
+    (void)option;
     if ( !isdigit( (unsigned char)text[0] ) )
         return false;
     char* end;
@@ -232,7 +233,7 @@ static bool parse_unsigned( const char* text, uint64_t* value )
     unsigned long long number = strtoull( text, &end, 10 );
     if ( errno != 0 || *end != '\0' )
         return false;
-    *value = number;
+    *(uint64_t*)value = number;
     return true;
 }
 
@@ -251,19 +252,19 @@ static bool parse_decimal( const char* text, double* value, const char** rest )
     return end != copy && isfinite( *value );
 }
 
-static bool parse_real( const RfOption* option, const char* text, double* value )
+static bool parse_real( const RfOption* option, const char* text, void* value )
 {
     const char* rest;
     double number;
     bool keyword = option->keyword != NULL && strcmp( text, option->keyword ) == 0;
     if ( keyword || ( option->negated != NULL && strcmp( text, option->negated ) == 0 ) )
     {
-        *value = keyword ? option->keyword_value : 0.0;
+        *(double*)value = keyword ? option->keyword_value : 0.0;
         return true;
     }
     if ( !parse_decimal( text, &number, &rest ) || *rest != '\0' || number < option->min || number > option->max )
         return false;
-    *value = number;
+    *(double*)value = number;
     return true;
 }
 
@@ -279,18 +280,18 @@ bool rf_parse_noise( const char* text, double* relmse, const char** rest )
     return positive;
 }
 
-static bool parse_noise( const RfOption* option, const char* text, double* value )
+static bool parse_noise( const RfOption* option, const char* text, void* value )
 {
     const char* rest;
     double number;
     if ( !rf_parse_noise( text, &number, &rest ) || *rest != '\0' || number < option->min || number > option->max )
         return false;
-    *value = number;
+    *(double*)value = number;
     return true;
 }
 
 // Seconds, or hours, minutes and seconds in this order, each with its letter.
-static bool parse_time( const RfOption* option, const char* text, double* value )
+static bool parse_time( const RfOption* option, const char* text, void* value )
 {
     static const struct
     {
@@ -313,11 +314,11 @@ static bool parse_time( const RfOption* option, const char* text, double* value 
     }
     if ( rest == text || *rest != '\0' || sum < option->min || sum > option->max )
         return false;
-    *value = sum;
+    *(double*)value = sum;
     return true;
 }
 
-static bool parse_memory( const RfOption* option, const char* text, size_t* value )
+static bool parse_memory( const RfOption* option, const char* text, void* value )
 {
     const char* rest;
     double number;
@@ -334,7 +335,7 @@ static bool parse_memory( const RfOption* option, const char* text, size_t* valu
     // 2^62 bytes are more than any machine has, and far from overflow.
     if ( number < option->min || number > 0x1p62 )
         return false;
-    *value = (size_t)number;
+    *(size_t*)value = (size_t)number;
     return true;
 }
 
@@ -356,8 +357,9 @@ static bool parse_pair( const char* text, char separator, long long min, long lo
 }
 
 // Names of sizes, all 16:9.
-static bool parse_size( const RfOption* option, const char* text, RfSize* size )
+static bool parse_size( const RfOption* option, const char* text, void* value )
 {
+    RfSize* size = value;
     static const struct
     {
         const char* name;
@@ -377,32 +379,73 @@ static bool parse_size( const RfOption* option, const char* text, RfSize* size )
     return parse_pair( text, 'x', (long long)option->min, (long long)option->max, &size->width, &size->height );
 }
 
-static bool parse_int( const RfOption* option, const char* text, int* value )
+static bool parse_int( const RfOption* option, const char* text, void* value )
 {
     if ( option->keyword != NULL && strcmp( text, option->keyword ) == 0 )
     {
-        *value = option->keyword_value;
+        *(int*)value = option->keyword_value;
         return true;
     }
     long long whole;
     if ( !rf_parse_whole( text, (long long)option->min, (long long)option->max, &whole ) )
         return false;
-    *value = (int)whole;
+    *(int*)value = (int)whole;
     return true;
 }
 
-static bool parse_choice( const RfOption* option, const char* text, int* value )
+static bool parse_choice( const RfOption* option, const char* text, void* value )
 {
     for ( int i = 0; option->choices[i] != NULL; ++i )
     {
         if ( strcmp( text, option->choices[i] ) == 0 )
         {
-            *value = i;
+            *(int*)value = i;
             return true;
         }
     }
     return false;
 }
+
+static bool parse_fps( const RfOption* option, const char* text, void* value )
+{
+    (void)option;
+    return rf_parse_fps( text, value );
+}
+
+static bool parse_text( const RfOption* option, const char* text, void* value )
+{
+    (void)option;
+    *(const char**)value = text;
+    return text[0] != '\0';
+}
+
+static bool parse_nothing( const RfOption* option, const char* text, void* value )
+{
+    (void)option, (void)text, (void)value;
+    return false;
+}
+
+// Values of a type, and what is wanted, by the option's min and max.
+static const struct
+{
+    size_t size;
+    bool ( *parse )( const RfOption* option, const char* text, void* value );
+    const char* wanted;
+} s_types[] = {
+    [RF_OPTION_INT] = { sizeof( int ), parse_int, "a whole number from %.0f to %.0f" },
+    [RF_OPTION_UINT64] = { sizeof( uint64_t ), parse_unsigned, "a whole number from 0 to 18446744073709551615" },
+    [RF_OPTION_REAL] = { sizeof( double ), parse_real, "a number from %g to %g" },
+    [RF_OPTION_NOISE] = { sizeof( double ), parse_noise,
+                          "a relMSE from %g to %g, or the noise of a channel in percent, such as 5%%" },
+    [RF_OPTION_TIME] = { sizeof( double ), parse_time, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m" },
+    [RF_OPTION_SIZE] = { sizeof( RfSize ), parse_size,
+                         "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f, or 720p, 1080p, 1440p, 2160p or 4k" },
+    [RF_OPTION_MEMORY] = { sizeof( size_t ), parse_memory, "a size such as 512M, 4G or 1.5G, at least %.0f bytes" },
+    [RF_OPTION_FPS] = { sizeof( RfFps ), parse_fps, "frames per second, such as 24, 29.97 or 30000/1001" },
+    [RF_OPTION_CHOICE] = { sizeof( int ), parse_choice, "" },
+    [RF_OPTION_STRING] = { sizeof( const char* ), parse_text, "a value that is not empty" },
+    [RF_OPTION_BOOL] = { sizeof( bool ), parse_nothing, "no value" },
+};
 
 // Is the text one of the option's choices?
 static bool is_choice( const RfOption* option, const char* text )
@@ -411,77 +454,26 @@ static bool is_choice( const RfOption* option, const char* text )
     return parse_choice( option, text, &unused );
 }
 
-// Describes the values that an option accepts.
-static void describe_choices( const RfOption* option, char* words, size_t size )
+void rf_describe_wanted( const RfOption* option, const char* wanted, const char* quote, char* words, size_t size )
 {
-    size_t used = 0;
-    for ( int i = 0; option->choices[i] != NULL && used < size; ++i )
-    {
-        const char* before = i == 0 ? "" : option->choices[i + 1] != NULL ? ", " : " or ";
-        used += (size_t)snprintf( words + used, size - used, "%s%s", before, option->choices[i] );
-    }
-}
-
-static void describe_wanted( const RfOption* option, char* words, size_t size )
-{
-    switch ( option->type )
-    {
-        case RF_OPTION_INT:
-            snprintf( words, size, "a whole number from %.0f to %.0f%s%s", option->min, option->max,
-                      option->keyword != NULL ? " or " : "", option->keyword != NULL ? option->keyword : "" );
-            break;
-        case RF_OPTION_UINT64: snprintf( words, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX ); break;
-        case RF_OPTION_REAL:
-            snprintf( words, size, "%s%s%s%sa number from %g to %g", option->negated != NULL ? option->negated : "",
-                      option->negated != NULL ? ", " : "", option->keyword != NULL ? option->keyword : "",
-                      option->keyword != NULL ? " or " : "", option->min, option->max );
-            break;
-        case RF_OPTION_NOISE:
-            snprintf( words, size, "a relMSE from %g to %g, or the noise of a channel in percent, such as 5%%", option->min,
-                      option->max );
-            break;
-        case RF_OPTION_TIME:
-            snprintf( words, size, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m", option->min, option->max );
-            break;
-        case RF_OPTION_SIZE:
-            snprintf( words, size, "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f, or 720p, 1080p, 1440p, 2160p or 4k",
-                      option->min, option->max );
-            break;
-        case RF_OPTION_MEMORY:
-            snprintf( words, size, "a size such as 512M, 4G or 1.5G, at least %.0f bytes", option->min );
-            break;
-        case RF_OPTION_FPS: snprintf( words, size, "frames per second, such as 24, 29.97 or 30000/1001" ); break;
-        case RF_OPTION_CHOICE: describe_choices( option, words, size ); break;
-        case RF_OPTION_STRING: snprintf( words, size, "a value that is not empty" ); break;
-        case RF_OPTION_BOOL: snprintf( words, size, "no value" ); break;
-    }
-}
-
-static bool parse_value( const RfOption* option, const char* text )
-{
-    switch ( option->type )
-    {
-        case RF_OPTION_INT: return parse_int( option, text, option->value );
-        case RF_OPTION_UINT64: return parse_unsigned( text, option->value );
-        case RF_OPTION_REAL: return parse_real( option, text, option->value );
-        case RF_OPTION_NOISE: return parse_noise( option, text, option->value );
-        case RF_OPTION_TIME: return parse_time( option, text, option->value );
-        case RF_OPTION_SIZE: return parse_size( option, text, option->value );
-        case RF_OPTION_MEMORY: return parse_memory( option, text, option->value );
-        case RF_OPTION_FPS: return rf_parse_fps( text, option->value );
-        case RF_OPTION_CHOICE: return parse_choice( option, text, option->value );
-        case RF_OPTION_STRING: *(const char**)option->value = text; return text[0] != '\0';
-        case RF_OPTION_BOOL: return false;
-    }
-    return false;
+    bool is_real = option->type == RF_OPTION_REAL;
+    if ( is_real && option->negated != NULL )
+        rf_append( words, size, "%s%s%s, ", quote, option->negated, quote );
+    if ( is_real && option->keyword != NULL )
+        rf_append( words, size, "%s%s%s or ", quote, option->keyword, quote );
+    rf_append( words, size, wanted, option->min, option->max );
+    if ( option->type == RF_OPTION_INT && option->keyword != NULL )
+        rf_append( words, size, " or %s%s%s", quote, option->keyword, quote );
 }
 
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error )
 {
-    if ( parse_value( option, text ) )
+    char wanted[256] = "";
+    if ( s_types[option->type].parse( option, text, option->value ) )
         return RF_OK;
-    char wanted[256];
-    describe_wanted( option, wanted, sizeof wanted );
+    rf_describe_wanted( option, s_types[option->type].wanted, "", wanted, sizeof wanted );
+    if ( option->type == RF_OPTION_CHOICE )
+        rf_append_words( wanted, sizeof wanted, option->choices, ", ", " or " );
     return rf_fail( error, RF_ERROR_USAGE, "--%s: expected %s, got '%s'", option->name, wanted, text );
 }
 
@@ -639,36 +631,17 @@ static RfResult take_file( Parse* parse, const char* argument, RfError* error )
     return RF_OK;
 }
 
-static size_t value_size( RfOptionType type )
-{
-    switch ( type )
-    {
-        case RF_OPTION_INT:
-        case RF_OPTION_CHOICE: return sizeof( int );
-        case RF_OPTION_UINT64: return sizeof( uint64_t );
-        case RF_OPTION_REAL:
-        case RF_OPTION_NOISE:
-        case RF_OPTION_TIME: return sizeof( double );
-        case RF_OPTION_SIZE: return sizeof( RfSize );
-        case RF_OPTION_MEMORY: return sizeof( size_t );
-        case RF_OPTION_FPS: return sizeof( RfFps );
-        case RF_OPTION_STRING: return sizeof( const char* );
-        case RF_OPTION_BOOL: return sizeof( bool );
-    }
-    return 0;
-}
-
 // The help states defaults, whatever stands before --help.
 static void keep_defaults( Parse* parse )
 {
     for ( int i = 0; i < parse->table->option_count; ++i )
-        memcpy( parse->defaults + i, parse->table->options[i].value, value_size( parse->table->options[i].type ) );
+        memcpy( parse->defaults + i, parse->table->options[i].value, s_types[parse->table->options[i].type].size );
 }
 
 static void restore_defaults( const Parse* parse )
 {
     for ( int i = 0; i < parse->table->option_count; ++i )
-        memcpy( parse->table->options[i].value, parse->defaults + i, value_size( parse->table->options[i].type ) );
+        memcpy( parse->table->options[i].value, parse->defaults + i, s_types[parse->table->options[i].type].size );
 }
 
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error )

@@ -76,6 +76,36 @@ typedef struct RfOption
     RfHeading heading;
 } RfOption;
 
+// Rows of a table, by the type of the value, whose pointer the compiler checks. `what` is the value's name in the help. The last
+// arguments are the help and, behind it, what else there is to say: .default_text = "all", .heading = RF_HEADING_OUTPUT.
+#define RF_OPTION_ROW( option, kind, pointer, to, ... )                                                                          \
+    {                                                                                                                            \
+        .name = ( option ), .type = ( kind ), .value = 1 ? ( to ) : (pointer)0, .help = __VA_ARGS__                              \
+    }
+#define RF_TEXT_OPTION( option, to, what, ... )                                                                                  \
+    RF_OPTION_ROW( option, RF_OPTION_STRING, const char**, to, __VA_ARGS__, .meta = ( what ) )
+#define RF_FLAG_OPTION( option, to, ... ) RF_OPTION_ROW( option, RF_OPTION_BOOL, bool*, to, __VA_ARGS__ )
+#define RF_ENUM( to ) ( (int*)( to ) ) // whose constants are the indices of its words
+#define RF_CHOICE_OPTION( option, to, words, ... )                                                                               \
+    RF_OPTION_ROW( option, RF_OPTION_CHOICE, int*, to, __VA_ARGS__, .choices = ( words ) )
+#define RF_RANGE_OPTION( option, kind, pointer, to, low, high, what, ... )                                                       \
+    RF_OPTION_ROW( option, kind, pointer, to, __VA_ARGS__, .min = ( low ), .max = ( high ), .meta = ( what ) )
+#define RF_INT_OPTION( option, to, low, high, what, ... )                                                                        \
+    RF_RANGE_OPTION( option, RF_OPTION_INT, int*, to, low, high, what, __VA_ARGS__ )
+#define RF_REAL_OPTION( option, to, low, high, what, ... )                                                                       \
+    RF_RANGE_OPTION( option, RF_OPTION_REAL, double*, to, low, high, what, __VA_ARGS__ )
+#define RF_NOISE_OPTION( option, to, low, high, what, ... )                                                                      \
+    RF_RANGE_OPTION( option, RF_OPTION_NOISE, double*, to, low, high, what, __VA_ARGS__ )
+#define RF_TIME_OPTION( option, to, low, high, what, ... )                                                                       \
+    RF_RANGE_OPTION( option, RF_OPTION_TIME, double*, to, low, high, what, __VA_ARGS__ )
+#define RF_SIZE_OPTION( option, to, low, high, what, ... )                                                                       \
+    RF_RANGE_OPTION( option, RF_OPTION_SIZE, RfSize*, to, low, high, what, __VA_ARGS__ )
+#define RF_MEMORY_OPTION( option, to, low, what, ... )                                                                           \
+    RF_OPTION_ROW( option, RF_OPTION_MEMORY, size_t*, to, __VA_ARGS__, .min = ( low ), .meta = ( what ) )
+#define RF_FPS_OPTION( option, to, what, ... ) RF_OPTION_ROW( option, RF_OPTION_FPS, RfFps*, to, __VA_ARGS__, .meta = ( what ) )
+#define RF_UINT64_OPTION( option, to, what, ... )                                                                                \
+    RF_OPTION_ROW( option, RF_OPTION_UINT64, uint64_t*, to, __VA_ARGS__, .meta = ( what ) )
+
 // The command line of a command. All its files are required; the last may be repeated
 // where file_max allows it.
 typedef struct RfCommandTable
@@ -91,6 +121,11 @@ typedef struct RfCommandTable
     int option_count;
 } RfCommandTable;
 
+// The files and options of a table, which are arrays.
+#define RF_TABLE_ROWS( file_names, rows )                                                                                        \
+    .files = ( file_names ), .file_count = (int)( sizeof( file_names ) / sizeof( file_names )[0] ), .options = ( rows ),         \
+    .option_count = (int)( sizeof( rows ) / sizeof( rows )[0] )
+
 // Parses argv[1 …] (argv[0] is the command's name) into the options' values and
 // files[0 … file_count), or up to file_max. With `--help` or `-h` anywhere before an error sets
 // *help, and nothing else counts. What is written may not be what is read, nor have the ending of another kind of file, and it is
@@ -102,6 +137,11 @@ void rf_print_help( const RfCommandTable* table, FILE* file );
 
 // The same on standard output: what a command does for --help.
 RfResult rf_show_help( const RfCommandTable* table, RfError* error );
+
+// Runs a command: parses its arguments into the options and `files`, and calls `run`, or prints the help. Reports an error, and
+// returns the exit status.
+int rf_run_command( const RfCommandTable* table, int argc, char** argv, const char** files,
+                    RfResult ( *run )( void* user, RfError* error ), void* user );
 
 // Calls `heading` with the name of each heading, where the command has so many options that the help has any, and
 // `option` for each option below it.
@@ -127,6 +167,9 @@ const char* rf_file_dots( const RfCommandTable* table, int i );
 
 // Parses one value by the option's type.
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
+
+// Appends what an option wants: `wanted`, formatted with its min and max, and its words in quotes.
+void rf_describe_wanted( const RfOption* option, const char* wanted, const char* quote, char* words, size_t size );
 
 // A relMSE, or the noise of a channel with %, at the start of `text`; `rest`: what follows.
 bool rf_parse_noise( const char* text, double* relmse, const char** rest );

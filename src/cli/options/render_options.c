@@ -24,9 +24,10 @@ typedef struct RenderParse
 {
     RfRenderOptions options;
     const char* compression; // NULL: the default
-    int parts, names;        // indices of their words
     bool is_float, is_float_given, is_half_given;
 } RenderParse;
+
+_Static_assert( sizeof( RfWeights ) == sizeof( int ) && sizeof( RfColourSpace ) == sizeof( int ), "RF_ENUM" );
 
 // --overscan, --shutter, --fstop and --focus.
 
@@ -209,13 +210,10 @@ static const char* const s_files[] = { "SCENE" };
 static RenderParse render_parse;
 
 static const RfOption s_options[] = {
-    { .name = "output",
-      .writes = "",
-      .letter = 'o',
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.output,
-      .meta = "PATTERN",
-      .help = "output files, such as out/frame.####.exr; #### (or %04d) is the frame number; the folder is created if missing" },
+    RF_TEXT_OPTION(
+        "output", &render_parse.options.output, "PATTERN",
+        "output files, such as out/frame.####.exr; #### (or %04d) is the frame number; the folder is created if missing",
+        .writes = "", .letter = 'o' ),
     RF_PATH_OPTIONS(
         render_parse.options,
         "frame numbers follow Blender's, else start at 1; negative ones count from the end, with @ they are the path's own: "
@@ -233,144 +231,85 @@ static const RfOption s_options[] = {
     RF_CLAMP_OPTION( render_parse.options,
                      "against white specks: limit the luminance that one indirect path brings, and report the light taken out; "
                      "auto: the limit of least error, which grows with the samples" ),
-    { .name = "light-paths",
-      .in_file = true,
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.light_paths,
-      .choices = rf_light_paths_words,
-      .help = "trace paths from the lights, for caustics and lamps behind glass; auto (experimental): from small lights, where "
-              "it seems to pay off",
-      .heading = RF_HEADING_QUALITY },
+    RF_CHOICE_OPTION(
+        "light-paths", RF_ENUM( &render_parse.options.settings.light_paths ), rf_light_paths_words,
+        "trace paths from the lights, for caustics and lamps behind glass; auto (experimental): from small lights, where "
+        "it seems to pay off",
+        .in_file = true, .heading = RF_HEADING_QUALITY ),
     RF_FILTER_OPTIONS( render_parse.options ),
     RF_PATH_TRACING_OPTIONS( render_parse.options ),
     RF_SEED_OPTION( render_parse.options ),
     RF_AOV_OPTION( render_parse.options, "additional layers:" ),
     RF_CRYPTOMATTE_OPTION( render_parse.options, "write Cryptomatte of these kinds:" ),
     RF_LIGHT_GROUPS_OPTION( render_parse.options, "the light of each group as a layer light_NAME, which add up to the picture:" ),
-    { .name = "alpha",
-      .in_file = true,
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.alpha,
-      .given = &render_parse.options.alpha_given,
-      .help = "write RGBA: alpha is the coverage by anything but sky, colour is premultiplied; on if the scene asks for it",
-      .heading = RF_HEADING_PASSES },
-    { .name = "compression",
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.compression,
-      .meta = "zip|zips|piz|none|dwaa|dwab",
-      .default_text = "zip",
-      .help = "compression of the EXR files; dwaa and dwab change colours a little and keep the rest; dwaa:45 sets the level, of "
-              "which higher is smaller and coarser; with --float they need --parts each",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "parts",
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.parts,
-      .choices = rf_parts_words,
-      .help = "one part of the EXR files for all channels, or a part for each pass, that of the colour first",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "names",
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.names,
-      .choices = rf_pass_names_words,
-      .help = "names of the channels, with the conventions of the program for motion and normals",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "timecode",
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.settings.files.time_code,
-      .meta = "HH:MM:SS:FF",
-      .default_text = "frame 0 is 00:00:00:00",
-      .help = "time code of the first frame of the camera path; HH:MM:SS;FF: drop frame, at 29.97 and 59.94 frames per second",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "colorspace",
-      .in_file = true,
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.colour_space,
-      .choices = rf_colour_space_words,
-      .help = "linear colour space of the colours in the files, in the attribute chromaticities too",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "half",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.settings.files.half,
-      .given = &render_parse.is_half_given,
-      .help = "16-bit floats for colour and for AOVs that do not need 32",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "float",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.is_float,
-      .given = &render_parse.is_float_given,
-      .help = "32-bit floats for all channels",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "preview",
-      .type = RF_OPTION_STRING,
-      .value = &render_parse.options.preview,
-      .writes = ".png",
-      .meta = "FILE.png|PORT",
-      .help = "show the frame in work from its first pass on: in a file, or with all frames on a page at http://127.0.0.1:PORT/",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "autosave",
-      .in_file = true,
-      .type = RF_OPTION_TIME,
-      .value = &render_parse.options.autosave,
-      .min = 0,
-      .max = RF_MAX_TIME,
-      .meta = "T",
-      .default_text = "5m",
-      .help = "save the films of frames in work this often, for --resume after a crash or power cut: seconds, or 20s, 5m, 1h30m; "
-              "0: never; more seldom where writing would take more than 1% of the time",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "resume",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.resume,
-      .help =
-          "keep finished frames of the same render, and go on from the films of those in work; other existing files are an error",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "overwrite",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.overwrite,
-      .help = "replace existing frames; with --resume, only those of another render",
-      .heading = RF_HEADING_OUTPUT },
-    { .name = "check",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.check,
-      .help = "render nothing; report which frames are finished, with exit status 1 unless all are",
-      .heading = RF_HEADING_OUTPUT },
+    RF_FLAG_OPTION( "alpha", &render_parse.options.alpha,
+                    "write RGBA: alpha is the coverage by anything but sky, colour is premultiplied; on if the scene asks for it",
+                    .in_file = true, .given = &render_parse.options.alpha_given, .heading = RF_HEADING_PASSES ),
+    RF_TEXT_OPTION(
+        "compression", &render_parse.compression, "zip|zips|piz|none|dwaa|dwab",
+        "compression of the EXR files; dwaa and dwab change colours a little and keep the rest; dwaa:45 sets the level, of "
+        "which higher is smaller and coarser; with --float they need --parts each",
+        .default_text = "zip", .heading = RF_HEADING_OUTPUT ),
+    RF_CHOICE_OPTION( "parts", RF_ENUM( &render_parse.options.settings.files.parts ), rf_parts_words,
+                      "one part of the EXR files for all channels, or a part for each pass, that of the colour first",
+                      .heading = RF_HEADING_OUTPUT ),
+    RF_CHOICE_OPTION( "names", RF_ENUM( &render_parse.options.settings.files.names ), rf_pass_names_words,
+                      "names of the channels, with the conventions of the program for motion and normals",
+                      .heading = RF_HEADING_OUTPUT ),
+    RF_TEXT_OPTION(
+        "timecode", &render_parse.options.settings.files.time_code, "HH:MM:SS:FF",
+        "time code of the first frame of the camera path; HH:MM:SS;FF: drop frame, at 29.97 and 59.94 frames per second",
+        .default_text = "frame 0 is 00:00:00:00", .heading = RF_HEADING_OUTPUT ),
+    RF_CHOICE_OPTION( "colorspace", RF_ENUM( &render_parse.options.settings.files.colour_space ), rf_colour_space_words,
+                      "linear colour space of the colours in the files, in the attribute chromaticities too", .in_file = true,
+                      .heading = RF_HEADING_OUTPUT ),
+    RF_FLAG_OPTION( "half", &render_parse.options.settings.files.half,
+                    "16-bit floats for colour and for AOVs that do not need 32", .given = &render_parse.is_half_given,
+                    .heading = RF_HEADING_OUTPUT ),
+    RF_FLAG_OPTION( "float", &render_parse.is_float, "32-bit floats for all channels", .given = &render_parse.is_float_given,
+                    .heading = RF_HEADING_OUTPUT ),
+    RF_TEXT_OPTION(
+        "preview", &render_parse.options.preview, "FILE.png|PORT",
+        "show the frame in work from its first pass on: in a file, or with all frames on a page at http://127.0.0.1:PORT/",
+        .writes = ".png", .heading = RF_HEADING_OUTPUT ),
+    RF_TIME_OPTION(
+        "autosave", &render_parse.options.autosave, 0, RF_MAX_TIME, "T",
+        "save the films of frames in work this often, for --resume after a crash or power cut: seconds, or 20s, 5m, 1h30m; "
+        "0: never; more seldom where writing would take more than 1% of the time",
+        .in_file = true, .default_text = "5m", .heading = RF_HEADING_OUTPUT ),
+    RF_FLAG_OPTION(
+        "resume", &render_parse.options.resume,
+        "keep finished frames of the same render, and go on from the films of those in work; other existing files are an error",
+        .heading = RF_HEADING_OUTPUT ),
+    RF_FLAG_OPTION( "overwrite", &render_parse.options.overwrite,
+                    "replace existing frames; with --resume, only those of another render", .heading = RF_HEADING_OUTPUT ),
+    RF_FLAG_OPTION( "check", &render_parse.options.check,
+                    "render nothing; report which frames are finished, with exit status 1 unless all are",
+                    .heading = RF_HEADING_OUTPUT ),
     RF_RESULT_OPTIONS( render_parse.options, "write the result as JSON, even if interrupted; - for standard output",
                        "no progress" ),
-    { .name = "verbose",
-      .type = RF_OPTION_BOOL,
-      .value = &render_parse.options.verbose,
-      .help = "also list the effects in use",
-      .heading = RF_HEADING_OUTPUT },
+    RF_FLAG_OPTION( "verbose", &render_parse.options.verbose, "also list the effects in use", .heading = RF_HEADING_OUTPUT ),
     RF_GROUP_OPTION( render_parse.options, "share paths between 2N+1 neighbouring frames; 0: no frame reuse" ),
     RF_TILE_OPTION( render_parse.options ),
     RF_MACHINE_OPTIONS( render_parse.options, "threads; their number does not affect the pictures" ),
     RF_NODES_OPTION( render_parse.options, "with --check: split the missing frames into ranges for N machines" ),
     RF_ESTIMATOR_OPTION( render_parse.options ),
-    { .name = "reconstruction",
-      .in_file = true,
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.reconstruction,
-      .choices = rf_reconstruction_words,
-      .help = "with --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
-      .heading = RF_HEADING_RESEARCH },
+    RF_CHOICE_OPTION(
+        "reconstruction", RF_ENUM( &render_parse.options.settings.reconstruction ), rf_reconstruction_words,
+        "with --estimator gradient: least squares, weighted by variance or plain; l1 (biased); none: the primal picture",
+        .in_file = true, .heading = RF_HEADING_RESEARCH ),
     RF_WEIGHT_OPTIONS( render_parse.options ),
-    { .name = "kernel-normalization",
-      .in_file = true,
-      .type = RF_OPTION_CHOICE,
-      .value = &render_parse.options.kernel_normalization,
-      .choices = rf_kernel_normalization_words,
-      .help = "normalisation of connections to light paths; disc (fast) and density (photon mapping) are biased, for comparison",
-      .heading = RF_HEADING_RESEARCH },
+    RF_CHOICE_OPTION(
+        "kernel-normalization", RF_ENUM( &render_parse.options.settings.kernel_normalization ), rf_kernel_normalization_words,
+        "normalisation of connections to light paths; disc (fast) and density (photon mapping) are biased, for comparison",
+        .in_file = true, .heading = RF_HEADING_RESEARCH ),
     RF_EFFECT_OPTIONS( render_parse.options ),
 };
 
 const RfCommandTable rf_render_table = { .command = "render",
                                          .summary = "Renders a camera animation to a sequence of EXR files. SCENE is a .glb, a "
                                                     ".gltf or a scene file (.json), which may set defaults of these options.",
-                                         .files = s_files,
-                                         .file_count = 1,
-                                         .options = s_options,
-                                         .option_count = sizeof s_options / sizeof s_options[0] };
+                                         RF_TABLE_ROWS( s_files, s_options ) };
 
 #define WRITE_QUEUE 2 // frames: one being written, one waiting
 #define AUTOSAVE_SECONDS 300.0
@@ -380,23 +319,22 @@ RfDefaultTexts rf_default_texts;
 // Adds what another estimator has by default, where it differs.
 static void add_other( char* text, size_t size, const char* usual, const char* other, const RfEstimator* estimator )
 {
-    size_t used = strlen( text );
     if ( strcmp( other, usual ) != 0 )
-        snprintf( text + used, size - used, "; %s with --estimator %s", other, rf_estimator_name( estimator ) );
+        rf_append( text, size, "; %s with --estimator %s", other, rf_estimator_name( estimator ) );
 }
 
 // That of the box; and of the filters with others, which are listed side by side.
 static void print_filter_widths( char* text, size_t size )
 {
     double usual = rf_default_filter_width( RF_FILTER_BOX ), before = usual;
-    size_t used = (size_t)snprintf( text, size, "%g", usual );
-    for ( int i = 0; rf_is_filter( (RfFilter)i ) && used < size; ++i )
+    snprintf( text, size, "%g", usual );
+    for ( int i = 0; rf_is_filter( (RfFilter)i ); ++i )
     {
         double width = rf_default_filter_width( (RfFilter)i );
         if ( width != usual && width == before )
-            used += (size_t)snprintf( text + used, size - used, " and %s", rf_filter_words[i] );
+            rf_append( text, size, " and %s", rf_filter_words[i] );
         else if ( width != usual )
-            used += (size_t)snprintf( text + used, size - used, "; %g for %s", width, rf_filter_words[i] );
+            rf_append( text, size, "; %g for %s", width, rf_filter_words[i] );
         before = width;
     }
 }
@@ -478,13 +416,6 @@ RfRenderOptions rf_default_render_options( void )
     RfRenderOptions options = { .settings = rf_default_render_settings(), .autosave = AUTOSAVE_SECONDS };
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
-    options.weights = options.settings.weights;
-    options.normalize = options.settings.normalize;
-    options.adaptive = options.settings.adaptive;
-    options.reconstruction = options.settings.reconstruction;
-    options.light_paths = options.settings.light_paths;
-    options.kernel_normalization = options.settings.kernel_normalization;
-    options.colour_space = options.settings.files.colour_space;
     options.filter = -1;
     options.blur_steps = RF_BLUR_STEPS;
     print_default_texts( &options.settings );
@@ -496,19 +427,6 @@ static void reset( void )
     render_parse.options = rf_default_render_options();
     render_parse.is_float = render_parse.is_float_given = render_parse.is_half_given = false;
     render_parse.compression = NULL;
-    render_parse.parts = render_parse.options.settings.files.parts;
-    render_parse.names = render_parse.options.settings.files.names;
-}
-
-static void take_words( RfRenderOptions* options )
-{
-    options->settings.weights = (RfWeights)options->weights;
-    options->settings.normalize = (RfNormalize)options->normalize;
-    options->settings.adaptive = (RfAdaptive)options->adaptive;
-    options->settings.reconstruction = (RfReconstruction)options->reconstruction;
-    options->settings.light_paths = (RfLightPathsUse)options->light_paths;
-    options->settings.kernel_normalization = (RfKernelNormalization)options->kernel_normalization;
-    options->settings.files.colour_space = (RfColourSpace)options->colour_space;
 }
 
 void rf_settle_filter( RfRenderOptions* options )
@@ -551,13 +469,12 @@ RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
 {
     RfRenderSettings* settings = &options->settings;
-    take_words( options );
     if ( settings->adaptive == RF_ADAPTIVE_ON && settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "--adaptive: needs --weights exact, not %s",
                         rf_weights_name( settings->weights ) );
     rf_take_estimator_option( options );
     rf_settle_filter( options );
-    if ( !settings->estimator->has_gradients && options->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
+    if ( !settings->estimator->has_gradients && settings->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: needs --estimator gradient" );
     RfResult result = rf_parse_tile_option( options, error );
     if ( result == RF_OK )
@@ -580,8 +497,6 @@ static RfResult parse( int argc, char** argv, RfRenderOptions* options, bool* he
     result = check( &render_parse.options, error );
     if ( result == RF_OK && render_parse.compression != NULL )
         result = parse_compression( render_parse.compression, &render_parse.options.settings.files, error );
-    render_parse.options.settings.files.parts = (RfFileParts)render_parse.parts;
-    render_parse.options.settings.files.names = (RfPassNames)render_parse.names;
     if ( render_parse.is_float_given )
         render_parse.options.settings.files.half = !render_parse.is_float;
     *options = render_parse.options;
@@ -610,7 +525,6 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
         result = rf_fail_file_option( &cryptomatte, &error );
     if ( result == RF_OK && parse_effect_options( &render_parse.options, &error ) != RF_OK )
         result = rf_fail_file_option( &no_effect, &error );
-    take_words( &render_parse.options );
     *options = render_parse.options;
     return result;
 }

@@ -35,8 +35,7 @@ typedef struct RfRenderOptions
     uint64_t left_out;       // a set of RF_EFFECT_BITs: those of no_effect
     RfRenderSettings settings;
     bool spp_given;
-    int weights, normalize, adaptive, filter, reconstruction, light_paths, kernel_normalization, colour_space,
-        estimator;           // indices of their words; of the filter -1: not given
+    int filter, estimator;   // indices of their words; of the filter -1: not given
     const char* tile;        // NULL: that of the estimator
     const char* aov;         // NULL: none
     const char* cryptomatte; // likewise

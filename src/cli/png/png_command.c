@@ -22,47 +22,24 @@ static bool s_quiet;
 static const char* const s_windows[] = { "display", "data", NULL };
 static const char* const s_files[] = { "IN", "OUT" };
 static const RfOption s_options[] = {
-    { .name = "exposure",
-      .type = RF_OPTION_REAL,
-      .value = &s_view.exposure,
-      .given = &s_view.exposure_given,
-      .min = -32,
-      .max = 32,
-      .keyword = "auto",
-      .keyword_value = RF_EXPOSURE_AUTO,
-      .meta = "E|auto",
-      .default_text = "the files', else 0",
-      .help = "exposure in stops: each doubles the brightness; auto: middle grey, for all frames alike" },
+    RF_REAL_OPTION( "exposure", &s_view.exposure, -32, 32, "E|auto",
+                    "exposure in stops: each doubles the brightness; auto: middle grey, for all frames alike",
+                    .given = &s_view.exposure_given, .keyword = "auto", .keyword_value = RF_EXPOSURE_AUTO,
+                    .default_text = "the files', else 0" ),
     RF_VIEW_OPTIONS( s_view, RF_HEADING_BASIC ),
-    { .name = "layer",
-      .type = RF_OPTION_STRING,
-      .value = &s_picture.layer,
-      .meta = "NAME",
-      .default_text = "colour",
-      .help = "a pass, such as depth, light_key or CryptoObject, drawn so that it can be seen; or a part, a channel, or three "
-              "channels X,Y,Z as they are" },
-    { .name = "matte",
-      .type = RF_OPTION_STRING,
-      .value = &s_picture.matte,
-      .meta = "NAME",
-      .help = "the pixels that an object, material or asset of this name covers, by the Cryptomatte of the files" },
-    { .name = "mix",
-      .type = RF_OPTION_STRING,
-      .value = &s_picture.mix,
-      .meta = "GROUP=F[,...]",
-      .help = "the sum of the light groups, these with other factors: key=0.3,fill=2; the others with 1" },
-    { .name = "window",
-      .type = RF_OPTION_CHOICE,
-      .value = &s_window,
-      .choices = s_windows,
-      .help = "the picture alone, or all pixels of the files, with overscan" },
-    { .name = "frames",
-      .type = RF_OPTION_STRING,
-      .value = &s_frames,
-      .meta = "[@]A-B[xSTEP][,...]",
-      .default_text = "all",
-      .help = "convert only these frames of a sequence" },
-    { .name = "quiet", .type = RF_OPTION_BOOL, .value = &s_quiet, .help = "no progress, no summary" },
+    RF_TEXT_OPTION(
+        "layer", &s_picture.layer, "NAME",
+        "a pass, such as depth, light_key or CryptoObject, drawn so that it can be seen; or a part, a channel, or three "
+        "channels X,Y,Z as they are",
+        .default_text = "colour" ),
+    RF_TEXT_OPTION( "matte", &s_picture.matte, "NAME",
+                    "the pixels that an object, material or asset of this name covers, by the Cryptomatte of the files" ),
+    RF_TEXT_OPTION( "mix", &s_picture.mix, "GROUP=F[,...]",
+                    "the sum of the light groups, these with other factors: key=0.3,fill=2; the others with 1" ),
+    RF_CHOICE_OPTION( "window", &s_window, s_windows, "the picture alone, or all pixels of the files, with overscan" ),
+    RF_TEXT_OPTION( "frames", &s_frames, "[@]A-B[xSTEP][,...]", "convert only these frames of a sequence",
+                    .default_text = "all" ),
+    RF_FLAG_OPTION( "quiet", &s_quiet, "no progress, no summary" ),
 };
 static const RfCommandTable s_table = { .command = COMMAND,
                                         .summary =
@@ -70,15 +47,13 @@ static const RfCommandTable s_table = { .command = COMMAND,
                                             "and with their alpha if they have one. IN is a file, a sequence named with "
                                             "####, or its folder; OUT a file, a name with #### for a sequence, or a folder, "
                                             "which is made where it is missing.",
-                                        .files = s_files,
-                                        .file_count = 2,
-                                        .writes_last = ".png",
-                                        .options = s_options,
-                                        .option_count = sizeof s_options / sizeof s_options[0] };
+                                        RF_TABLE_ROWS( s_files, s_options ),
+                                        .writes_last = ".png" };
 
 // What is read and written.
 typedef struct Job
 {
+    const char* files[2];
     RfSequenceInput from;
     char to[RF_FILE_NAME_SIZE]; // a pattern or a file
     RfView* view;               // NULL: what is shown is no light
@@ -113,7 +88,7 @@ static RfResult name_output( const char* to, Job* job, RfError* error )
 static RfResult convert_frame( const Job* job, int frame, RfError* error )
 {
     char from[RF_FILE_NAME_SIZE], to[RF_FILE_NAME_SIZE];
-    RfResult result = rf_sequence_name( job->from.pattern, frame, from, sizeof from, error );
+    RfResult result = rf_sequence_input_name( &job->from, frame, from, error );
     if ( result == RF_OK )
         result = rf_sequence_name( job->to, frame, to, sizeof to, error );
     return result == RF_OK ? rf_write_png_picture( &s_picture, from, to, error ) : result;
@@ -135,10 +110,7 @@ static RfResult choose_samples( const RfSequenceInput* from, Samples* samples, R
     for ( int i = 0; i < samples->count && result == RF_OK; ++i )
     {
         samples->paths[i] = samples->names[i];
-        if ( from->is_sequence )
-            result = rf_sequence_name( from->pattern, from->frames[chosen[i]], samples->names[i], RF_FILE_NAME_SIZE, error );
-        else
-            snprintf( samples->names[i], RF_FILE_NAME_SIZE, "%s", from->pattern );
+        result = rf_sequence_input_name( from, from->is_sequence ? from->frames[chosen[i]] : 0, samples->names[i], error );
     }
     return result;
 }
@@ -174,13 +146,14 @@ static RfResult open_picture( Job* job, RfError* error )
     return result == RF_OK ? open_view( job, &samples, error ) : result;
 }
 
-static RfResult run( const char* const files[2], Job* job, RfError* error )
+static RfResult run( void* user, RfError* error )
 {
+    Job* job = user;
     const RfSequenceInput* from = &job->from;
     RfLog log = rf_stderr_log( COMMAND );
-    RfResult result = rf_find_sequence_input( files[0], s_frames, &job->from, error );
+    RfResult result = rf_find_sequence_input( job->files[0], s_frames, &job->from, error );
     if ( result == RF_OK )
-        result = name_output( files[1], job, error );
+        result = name_output( job->files[1], job, error );
     if ( result == RF_OK )
         result = open_picture( job, error );
     if ( result == RF_OK )
@@ -202,16 +175,9 @@ static RfResult run( const char* const files[2], Job* job, RfError* error )
 
 int rf_command_png( int argc, char** argv )
 {
-    const char* files[2];
-    bool help;
-    RfError error;
-    Job job = { .from = { .count = 0 } };
-    RfResult result = rf_parse_options( &s_table, argc, argv, files, &help, &error );
-    if ( result == RF_OK && help )
-        result = rf_show_help( &s_table, &error );
-    else if ( result == RF_OK )
-        result = run( files, &job, &error );
+    Job job = { .view = NULL };
+    int status = rf_run_command( &s_table, argc, argv, job.files, run, &job );
     rf_close_view( job.view );
     rf_free_sequence_input( &job.from );
-    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+    return status;
 }

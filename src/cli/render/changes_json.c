@@ -1,6 +1,7 @@
 // Prints what changes.
 #include "cli/render/changes_json.h"
 
+#include "base/words.h"
 #include "cli/messages.h"
 #include "render/sharing.h"
 #include "scene/scene.h"
@@ -27,11 +28,9 @@ static json_t* change_json( const RfChanging* change, const RfLightSharing* shar
 
 static json_t* sharing_json( const RfSharing* sharing )
 {
-    return json_pack( "{s:i, s:i, s:o, s:o, s:o, s:o}", "group", sharing->group, "frames", sharing->frames, s_keys[0],
-                      rf_json_number( sharing->light[RF_SHARED_AS_IT_IS] ), s_keys[1],
-                      rf_json_number( sharing->light[RF_SHARED_SCALED] ), s_keys[2],
-                      rf_json_number( sharing->light[RF_SHARED_NOT] + sharing->moving ), "moving",
-                      rf_json_number( sharing->moving ) );
+    return RF_SET_FIGURES( json_pack( "{s:i, s:i}", "group", sharing->group, "frames", sharing->frames ),
+                           { s_keys[0], sharing->light[RF_SHARED_AS_IT_IS] }, { s_keys[1], sharing->light[RF_SHARED_SCALED] },
+                           { s_keys[2], sharing->light[RF_SHARED_NOT] + sharing->moving }, { "moving", sharing->moving } );
 }
 
 // The path with the small films of the pilot.
@@ -85,15 +84,6 @@ static void format_share( double share, char text[32] )
     snprintf( text, 32, percent > 0.0 && percent < 1.0 ? "under 1 %%" : "%.0f %%", percent );
 }
 
-__attribute__( ( format( printf, 2, 3 ) ) ) static void append( char text[RF_CHANGE_TEXT], const char* format, ... )
-{
-    size_t used = strlen( text );
-    va_list args;
-    va_start( args, format );
-    vsnprintf( text + used, RF_CHANGE_TEXT - used, format, args );
-    va_end( args );
-}
-
 // "own-frame", or "scaled in 12 of 48 frames, own-frame in 1, else shared".
 static void append_ways( const json_t* frames, char text[RF_CHANGE_TEXT] )
 {
@@ -102,20 +92,20 @@ static void append_ways( const json_t* frames, char text[RF_CHANGE_TEXT] )
         all += of[k] = rf_json_number_of( frames, s_keys[k] );
     if ( !( all > 0.0 ) )
         return;
-    append( text, "; " );
+    rf_append( text, RF_CHANGE_TEXT, "; " );
     bool begun = false;
     for ( int k = RF_SHARED_WAYS - 1; k >= 0; --k )
     {
         const char* way = rf_shared_name( (RfShared)k );
         if ( of[k] == all )
-            append( text, "%s", way );
+            rf_append( text, RF_CHANGE_TEXT, "%s", way );
         else if ( of[k] > 0.0 && k == 0 )
-            append( text, ", else %s", way );
+            rf_append( text, RF_CHANGE_TEXT, ", else %s", way );
         else if ( of[k] > 0.0 )
         {
-            append( text, "%s%s in %.0f", begun ? ", " : "", way, of[k] );
+            rf_append( text, RF_CHANGE_TEXT, "%s%s in %.0f", begun ? ", " : "", way, of[k] );
             if ( !begun )
-                append( text, " of %.0f frames", all );
+                rf_append( text, RF_CHANGE_TEXT, " of %.0f frames", all );
             begun = true;
         }
     }
@@ -129,19 +119,19 @@ void rf_format_change( const json_t* change, const json_t* sharing, char text[RF
     const json_t* frames = json_object_get( change, "frames" );
     text[0] = '\0';
     json_array_foreach( json_object_get( change, "what" ), i, word )
-        append( text, "%s%s", i > 0 ? ", " : "", json_is_string( word ) ? json_string_value( word ) : "" );
+        rf_append( text, RF_CHANGE_TEXT, "%s%s", i > 0 ? ", " : "", json_is_string( word ) ? json_string_value( word ) : "" );
     const char* kind = json_string_value( json_object_get( change, "kind" ) );
     bool grouped = isgreater( rf_json_number_of( sharing, "group" ), 0.0 ),
          material = kind != NULL && strcmp( kind, "material" ) == 0;
     if ( grouped && json_is_object( frames ) )
         append_ways( frames, text );
     else if ( grouped && material )
-        append( text, "; own-frame" );
+        rf_append( text, RF_CHANGE_TEXT, "; own-frame" );
     double of_light = rf_json_number_of( change, "share" );
     if ( isfinite( of_light ) && json_is_object( frames ) )
     {
         format_share( of_light, share );
-        append( text, "; %s of the light", share );
+        rf_append( text, RF_CHANGE_TEXT, "; %s of the light", share );
     }
 }
 
@@ -157,10 +147,10 @@ void rf_format_sharing( const json_t* sharing, char text[RF_CHANGE_TEXT] )
     format_share( moving, share[RF_SHARED_WAYS] );
     double frames = rf_json_number_of( sharing, "frames" ); // no group has more than the path
     if ( group > 0.0 )
-        append( text, "in groups of %.0f frames %s of the light is shared, %s scaled, %s own-frame",
-                fmin( 2.0 * group + 1.0, frames ), share[0], share[1], share[2] );
+        rf_append( text, RF_CHANGE_TEXT, "in groups of %.0f frames %s of the light is shared, %s scaled, %s own-frame",
+                   fmin( 2.0 * group + 1.0, frames ), share[0], share[1], share[2] );
     else
-        append( text, "frames share no light: groups of one frame" );
+        rf_append( text, RF_CHANGE_TEXT, "frames share no light: groups of one frame" );
     if ( moving > 0.0 && group > 0.0 )
-        append( text, " (%s on what moves)", share[RF_SHARED_WAYS] );
+        rf_append( text, RF_CHANGE_TEXT, " (%s on what moves)", share[RF_SHARED_WAYS] );
 }

@@ -1,6 +1,7 @@
 // Pixels that frames clip: from their headers into JSON and a warning.
 #include "cli/render/clipped_pixels.h"
 
+#include "base/words.h"
 #include "cli/messages.h"
 #include "image/sequence.h"
 #include "output/frame_file.h"
@@ -44,9 +45,8 @@ static void join_words( const json_t* list, char* text, size_t size )
         char whole[2 * RF_EFFECTS_TEXT_SIZE], item[RF_EFFECTS_TEXT_SIZE];
         snprintf( whole, sizeof whole, ", %s,", text );
         snprintf( item, sizeof item, ", %s,", json_string_value( word ) );
-        size_t used = strlen( text );
         if ( strstr( whole, item ) == NULL )
-            snprintf( text + used, size - used, "%s%s", used > 0 ? ", " : "", json_string_value( word ) );
+            rf_append( text, size, "%s%s", text[0] != '\0' ? ", " : "", json_string_value( word ) );
     }
 }
 

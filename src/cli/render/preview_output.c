@@ -74,8 +74,6 @@ static bool take_bytes( void* bytes, size_t size, const char* type, RfHttpReply*
     return bytes != NULL;
 }
 
-static json_t* number_or_null( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
-
 // Opens the file of a finished frame. The caller frees both in any case.
 static bool open_frame( const RfLivePreview* p, int number, char name[MAX_NAME], RfExrHeader* header, RfFilePasses* passes )
 {
@@ -115,12 +113,10 @@ static bool answer_status( RfLivePreview* p, RfHttpReply* reply )
         list_passes( p, first );
     pthread_mutex_lock( &p->mutex );
     const RfProgress* progress = &p->progress;
-    json_t* finished = json_array();
-    for ( int i = 0; i < p->finished_count; ++i )
-        json_array_append_new( finished, json_integer( p->finished[i] ) );
+    json_t* finished = rf_json_frames( p->finished, p->finished_count );
     json_t* json =
         json_pack( "{s:o, s:i, s:f, s:f, s:o, s:i, s:i, s:f, s:f}", "finished", finished, "frames", progress->frames_all, "share",
-                   progress->share, "seconds", progress->seconds, "left", number_or_null( progress->left ), "version", p->version,
+                   progress->share, "seconds", progress->seconds, "left", rf_json_number( progress->left ), "version", p->version,
                    "frame", p->frame, "spp", p->spp, "fps", (double)path->fps.numerator / path->fps.denominator );
     pthread_mutex_unlock( &p->mutex );
     json_object_set_new( json, "passes", p->passes != NULL ? json_incref( p->passes ) : json_array() );

@@ -33,7 +33,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #define MUCH_HALO 0.25 // of the work
 
@@ -379,10 +378,7 @@ static void list_effects( RfRenderJob* job )
 {
     const RfRenderSettings* settings = &job->options.settings;
     job->effect_count = rf_list_render_effects( &job->scene, job->path.runs, job->path.run_count, settings, job->effects );
-    uint64_t on = 0;
-    for ( int i = 0; i < job->effect_count; ++i )
-        on |= job->effects[i].on ? RF_EFFECT_BIT( job->effects[i].id ) : 0;
-    rf_format_effects( on, job->calls_for, sizeof job->calls_for );
+    rf_format_effects( set_of( job->effects, job->effect_count, false, false ), job->calls_for, sizeof job->calls_for );
 }
 
 // Loads the scene, the path and the frames of the options, and settles what is left to render: reported on standard error.
@@ -447,13 +443,6 @@ static RfResult warn_before_render( RfRenderJob* job, RfError* error )
     return rf_warn_of_depth( &shot, &job->options.settings, &job->log, &job->output.beyond_depth, error );
 }
 
-static double now( void )
-{
-    struct timespec time;
-    clock_gettime( CLOCK_MONOTONIC, &time );
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 // A black picture of a scene with lights: most likely the camera is inside something.
 static void warn_if_black( RfRenderJob* job, const RfFrameResult* result )
 {
@@ -484,7 +473,8 @@ static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int 
     ++job->frames_done;
     note_frame_error( &job->errors, result, number );
     warn_if_black( job, result );
-    rf_show_frame( &job->line, result, number, job->frames_done, job->frame_count, now() - job->start - job->seconds_scene );
+    rf_show_frame( &job->line, result, number, job->frames_done, job->frame_count,
+                   rf_wall_seconds() - job->start - job->seconds_scene );
     pthread_mutex_unlock( &job->speech );
     json_t* row = rf_frame_json( result, &job->scene, &job->path, &job->options.settings, same_as );
     rf_add_clipped( job->options.output, number, row );
@@ -678,7 +668,7 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
 {
     const RfRenderOptions* options = &job->options;
     RfRenderRun run = { .stats = &job->stats,
-                        .seconds = now() - job->start,
+                        .seconds = rf_wall_seconds() - job->start,
                         .seconds_scene = job->seconds_scene,
                         .frames =
                             rf_join_kept_frames( options, &job->scene, &job->path, job->kept, job->kept_count, job->frames_json ),
@@ -705,7 +695,7 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
 
 static RfResult report( RfRenderJob* job, RfError* error )
 {
-    double seconds = now() - job->start;
+    double seconds = rf_wall_seconds() - job->start;
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
@@ -738,7 +728,7 @@ static RfResult run( RfRenderJob* job, RfError* error )
     if ( result == RF_OK )
         result = warn_before_render( job, error );
     job->frames_json = json_array();
-    job->seconds_scene = now() - job->start;
+    job->seconds_scene = rf_wall_seconds() - job->start;
     // where nothing is rendered: all frames exist already, or an interruption came first
     job->stats = ( RfRenderStats ){ .group = job->options.settings.group, .spp = job->options.settings.spp };
     if ( result == RF_OK && job->frame_count > 0 )
@@ -759,18 +749,16 @@ int rf_command_render( int argc, char** argv )
 {
     RfError error;
     bool help;
-    RfRenderJob job = {
-        .argc = argc, .argv = argv, .reported = { "render", json_array() }, .speech = PTHREAD_MUTEX_INITIALIZER, .start = now()
-    };
+    RfRenderJob job = { .argc = argc,
+                        .argv = argv,
+                        .reported = { "render", json_array() },
+                        .speech = PTHREAD_MUTEX_INITIALIZER,
+                        .start = rf_wall_seconds() };
     job.log = rf_keeping_log( &job.reported );
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );
     if ( result == RF_OK && help )
-    {
         result = rf_show_help( &rf_render_table, &error );
-        destroy_render_job( &job );
-        return result == RF_OK ? 0 : rf_report_error( "render", &error );
-    }
-    if ( result == RF_OK )
+    else if ( result == RF_OK )
     {
         rf_catch_interrupts();
         result = run( &job, &error );

@@ -1,6 +1,7 @@
 // Checks the frame files that exist: whole, damaged or of another render, for --resume and --check.
 #include "cli/render/render_files.h"
 
+#include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/options/render_options.h"
@@ -148,10 +149,9 @@ static json_t* state_json( const RfRenderJob* job, const Check* check, const RfR
 static void add_list( const Check* check, Kind kind, const char* words, char* text, size_t size )
 {
     char frames[MOST_TEXT];
-    size_t used = strlen( text );
     rf_format_frames( check->lists[kind], check->counts[kind], frames, sizeof frames );
     if ( check->counts[kind] > 0 )
-        snprintf( text + used, size - used, "; %s: %s", words, frames );
+        rf_append( text, size, "; %s: %s", words, frames );
 }
 
 static RfResult fail_incomplete( const RfRenderJob* job, const Check* check, RfError* error )
@@ -232,38 +232,27 @@ static const json_t* older_row( Older* older, const RfFrameResult* said, int num
 static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* scene, const RfCameraPath* path, int frame,
                                 Older* older )
 {
-    char name[RF_FILE_NAME_SIZE];
+    char name[RF_FILE_NAME_SIZE] = "", text[8];
     int number = rf_frame_number( path, frame );
-    RfFrameResult said = { .frame = frame,
-                           .relmse_estimate = (double)NAN,
-                           .relmse_likely = (double)NAN,
-                           .worst_ten_share = (double)NAN,
-                           .flicker_estimate = (double)NAN,
-                           .flicker_likely = (double)NAN,
-                           .flicker_worst_ten_share = (double)NAN,
-                           .native_spp = (double)NAN,
-                           .effective_spp = (double)NAN };
-    char text[8];
-    if ( rf_sequence_name( options->output, number, name, sizeof name, NULL ) == RF_OK )
-    {
-        said.relmse_is_lower_bound =
-            rf_read_exr_string( name, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
-        said.relmse_likely = rf_read_exr_number( name, "reframe/relmse-likely" );
-        said.worst_ten_share = rf_read_exr_number( name, "reframe/worst-ten-share" );
-        said.reached = rf_read_exr_string( name, "reframe/reached", text, sizeof text, NULL ) == RF_OK && text[0] == 'y';
-        said.relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" );
-        said.flicker_estimate = rf_read_exr_number( name, "reframe/flicker-estimate" );
-        said.flicker_is_lower_bound =
-            rf_read_exr_string( name, "reframe/flicker-is-lower-bound", text, sizeof text, NULL ) == RF_OK;
-        said.flicker_likely = rf_read_exr_number( name, "reframe/flicker-likely" );
-        said.flicker_worst_ten_share = rf_read_exr_number( name, "reframe/flicker-worst-ten-share" );
-        said.native_spp = rf_read_exr_number( name, "reframe/native-spp" );
-        said.effective_spp = rf_read_exr_number( name, "reframe/effective-spp" );
-        said.clamp = rf_read_exr_number( name, "reframe/clamp-threshold" );
-        said.clamp_chains = rf_read_exr_number( name, "reframe/clamp-threshold-chains" );
-        said.removed = rf_read_exr_number( name, "reframe/removed-share" );
-        said.removes = isfinite( said.removed );
-    }
+    rf_sequence_name( options->output, number, name, sizeof name, NULL );
+    RfFrameResult said = {
+        .frame = frame,
+        .relmse_is_lower_bound = rf_read_exr_string( name, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK,
+        .relmse_likely = rf_read_exr_number( name, "reframe/relmse-likely" ),
+        .worst_ten_share = rf_read_exr_number( name, "reframe/worst-ten-share" ),
+        .reached = rf_read_exr_string( name, "reframe/reached", text, sizeof text, NULL ) == RF_OK && text[0] == 'y',
+        .relmse_estimate = rf_read_exr_number( name, "reframe/relmse-estimate" ),
+        .flicker_estimate = rf_read_exr_number( name, "reframe/flicker-estimate" ),
+        .flicker_is_lower_bound = rf_read_exr_string( name, "reframe/flicker-is-lower-bound", text, sizeof text, NULL ) == RF_OK,
+        .flicker_likely = rf_read_exr_number( name, "reframe/flicker-likely" ),
+        .flicker_worst_ten_share = rf_read_exr_number( name, "reframe/flicker-worst-ten-share" ),
+        .native_spp = rf_read_exr_number( name, "reframe/native-spp" ),
+        .effective_spp = rf_read_exr_number( name, "reframe/effective-spp" ),
+        .clamp = rf_read_exr_number( name, "reframe/clamp-threshold" ),
+        .clamp_chains = rf_read_exr_number( name, "reframe/clamp-threshold-chains" ),
+        .removed = rf_read_exr_number( name, "reframe/removed-share" ),
+    };
+    said.removes = isfinite( said.removed );
     const json_t *row = older_row( older, &said, number ), *specks = json_object_get( row, "specks" );
     said.seconds = rf_json_number_of( row, "seconds" );
     json_t* json = rf_frame_json( &said, scene, path, &options->settings, -1 );
@@ -301,9 +290,8 @@ static void format_differences( const RfOutput* output, int frame, char* text, s
     static const char* const words[] = { "version", "frame", "frames in the path" };
     RfFrameDifference list[RF_MAX_DIFFERENCES];
     int count = rf_list_frame_differences( output, frame, list );
-    size_t used = 0;
     text[0] = '\0';
-    for ( int i = 0; i < count && used < size; ++i )
+    for ( int i = 0; i < count; ++i )
     {
         char option[48];
         snprintf( option, sizeof option, "--%s", list[i].name );
@@ -312,8 +300,7 @@ static void format_differences( const RfOutput* output, int frame, char* text, s
             if ( strcmp( list[i].name, facts[k] ) == 0 )
                 snprintf( option, sizeof option, "%s", words[k] );
         }
-        used += (size_t)snprintf( text + used, size - used, "%s%s %s (here %s)", i > 0 ? ", " : "", option, list[i].there,
-                                  list[i].here );
+        rf_append( text, size, "%s%s %s (here %s)", i > 0 ? ", " : "", option, list[i].there, list[i].here );
     }
 }
 

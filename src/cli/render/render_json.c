@@ -14,13 +14,13 @@
 json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const RfCameraPath* path,
                        const RfRenderSettings* settings, int same_as )
 {
-    json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:b}", "frame", rf_frame_number( path, result->frame ),
-                              "seconds", rf_json_number( result->seconds ), "relmse_estimate",
-                              rf_json_number( result->relmse_estimate ), "relmse_is_lower_bound", result->relmse_is_lower_bound,
-                              "relmse_likely", rf_json_number( result->relmse_likely ), "worst_ten_share",
-                              rf_json_number( result->worst_ten_share ), "native_spp", rf_json_number( result->native_spp ),
-                              "effective_spp", rf_json_number( result->effective_spp ), "kept", false );
-    json_object_set_new( json, "noise_percent", rf_json_number( rf_noise_percent( result->relmse_estimate ) ) );
+    json_t* json = json_pack( "{s:i}", "frame", rf_frame_number( path, result->frame ) );
+    RF_SET_FIGURES( json, { "seconds", result->seconds }, { "relmse_estimate", result->relmse_estimate } );
+    json_object_set_new( json, "relmse_is_lower_bound", json_boolean( result->relmse_is_lower_bound ) );
+    RF_SET_FIGURES( json, { "relmse_likely", result->relmse_likely }, { "worst_ten_share", result->worst_ten_share },
+                    { "native_spp", result->native_spp }, { "effective_spp", result->effective_spp } );
+    json_object_set_new( json, "kept", json_false() );
+    RF_SET_FIGURES( json, { "noise_percent", rf_noise_percent( result->relmse_estimate ) } );
     json_object_set_new( json, "specks", rf_specks_json( &result->specks, scene ) );
     if ( result->solved != RF_SOLVED )
         json_object_set_new( json, "reconstruction",
@@ -31,16 +31,13 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const 
         json_object_set_new( json, "same_as", json_integer( rf_frame_number( path, same_as ) ) );
     if ( settings->flicker > 0.0 )
     {
-        json_object_set_new( json, "flicker_estimate", rf_json_number( result->flicker_estimate ) );
+        RF_SET_FIGURES( json, { "flicker_estimate", result->flicker_estimate } );
         json_object_set_new( json, "flicker_is_lower_bound", json_boolean( result->flicker_is_lower_bound ) );
-        json_object_set_new( json, "flicker_likely", rf_json_number( result->flicker_likely ) );
-        json_object_set_new( json, "flicker_worst_ten_share", rf_json_number( result->flicker_worst_ten_share ) );
+        RF_SET_FIGURES( json, { "flicker_likely", result->flicker_likely },
+                        { "flicker_worst_ten_share", result->flicker_worst_ten_share } );
     }
     if ( settings->clamp != 0.0 )
-    {
-        json_object_set_new( json, "clamp_threshold", rf_json_number( result->clamp ) );
-        json_object_set_new( json, "clamp_threshold_chains", rf_json_number( result->clamp_chains ) );
-    }
+        RF_SET_FIGURES( json, { "clamp_threshold", result->clamp }, { "clamp_threshold_chains", result->clamp_chains } );
     if ( result->removes )
         json_object_set_new( json, "removed_share", rf_json_number( result->removed ) );
     if ( settings->noise > 0.0 || settings->flicker > 0.0 )

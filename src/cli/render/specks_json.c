@@ -18,10 +18,8 @@ static json_t* part_json( int64_t pixels, double share )
 
 static json_t* head_json( int64_t pixels, double share, double rest )
 {
-    json_t* json = part_json( pixels, share );
-    json_object_set_new( json, "rest_relmse", rf_json_number( rest ) );
-    json_object_set_new( json, "rest_noise_percent", rf_json_number( rf_noise_percent( rest ) ) );
-    return json;
+    return RF_SET_FIGURES( part_json( pixels, share ), { "rest_relmse", rest },
+                           { "rest_noise_percent", rf_noise_percent( rest ) } );
 }
 
 // Adds pixels to an object that part_json made.

@@ -407,8 +407,10 @@ static RfResult report_result( const RfPageRun* report, uint64_t bytes, RfError*
                                 : rf_flush_output( error );
 }
 
-static RfResult run( RfPageRun* report, RfError* error )
+static RfResult run( void* user, RfError* error )
 {
+    RfPageRun* report = user;
+    rf_catch_interrupts();
     uint64_t bytes;
     RfResult result = prepare_page( report, error );
     if ( result == RF_OK )
@@ -421,109 +423,38 @@ int rf_command_report( int argc, char** argv )
     static const char* const files[] = { "DIR" };
     RfPageRun report = { .values = (size_t)12 << 20, .passes = (size_t)16 << 20 };
     const RfOption options[] = {
-        { .name = "output",
-          .writes = "",
-          .letter = 'o',
-          .type = RF_OPTION_STRING,
-          .value = &report.output,
-          .meta = "FILE.html",
-          .help = "the HTML page to write" },
-        { .name = "overwrite",
-          .type = RF_OPTION_BOOL,
-          .value = &report.overwrite,
-          .help = "replace an existing page",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "reference",
-          .reads = true,
-          .type = RF_OPTION_STRING,
-          .value = &report.reference,
-          .meta = "DIR",
-          .help = "reference sequence, for true error and flicker; shown beside the others" },
-        { .name = "layer",
-          .type = RF_OPTION_STRING,
-          .value = &report.layer,
-          .meta = "NAME",
-          .default_text = "colour",
-          .help = "a layer, part or channel of all files, or three channels X,Y,Z" },
-        { .name = "reference-layer",
-          .type = RF_OPTION_STRING,
-          .value = &report.reference_layer,
-          .meta = "NAME",
-          .default_text = "that of --layer",
-          .help = "layer of the reference, if it is named differently" },
-        { .name = "render-json",
-          .reads = true,
-          .type = RF_OPTION_STRING,
-          .value = &report.render_file,
-          .meta = "FILE",
-          .default_text = "the one in the folder",
-          .help = "output of render --json: time, memory, rays, estimated error" },
-        { .name = "frames",
-          .type = RF_OPTION_STRING,
-          .value = &report.frame_list,
-          .meta = "[@]A-B[xSTEP][,...]",
-          .default_text = "all",
-          .help = "show only these frames" },
-        { .name = "width",
-          .type = RF_OPTION_INT,
-          .value = &report.page.width,
-          .min = 16,
-          .max = 65500,
-          .meta = "W",
-          .default_text = "as they are",
-          .help = "maximum width of the pictures; the figures are those of the files",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "values",
-          .type = RF_OPTION_MEMORY,
-          .value = &report.values,
-          .min = 0,
-          .meta = "SIZE",
-          .help = "page space for the scene values of the pixel probe; less is coarser, 0: none",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "passes",
-          .type = RF_OPTION_MEMORY,
-          .value = &report.passes,
-          .min = 0,
-          .meta = "SIZE",
-          .help = "page space for pictures of the files' passes, which become smaller or are left out to fit; 0: none",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "fps",
-          .type = RF_OPTION_FPS,
-          .value = &report.fps,
-          .meta = "R",
-          .default_text = "the files', else 24",
-          .help = "playback rate, frames per second",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "exposure",
-          .type = RF_OPTION_REAL,
-          .value = &report.view.exposure,
-          .given = &report.view.exposure_given,
-          .min = -8,
-          .max = 8,
-          .meta = "E",
-          .default_text = "the files', else 0",
-          .help = "initial exposure in stops",
-          .heading = RF_HEADING_OUTPUT },
+        RF_TEXT_OPTION( "output", &report.output, "FILE.html", "the HTML page to write", .writes = "", .letter = 'o' ),
+        RF_FLAG_OPTION( "overwrite", &report.overwrite, "replace an existing page", .heading = RF_HEADING_OUTPUT ),
+        RF_TEXT_OPTION( "reference", &report.reference, "DIR",
+                        "reference sequence, for true error and flicker; shown beside the others", .reads = true ),
+        RF_TEXT_OPTION( "layer", &report.layer, "NAME", "a layer, part or channel of all files, or three channels X,Y,Z",
+                        .default_text = "colour" ),
+        RF_TEXT_OPTION( "reference-layer", &report.reference_layer, "NAME", "layer of the reference, if it is named differently",
+                        .default_text = "that of --layer" ),
+        RF_TEXT_OPTION( "render-json", &report.render_file, "FILE",
+                        "output of render --json: time, memory, rays, estimated error", .reads = true,
+                        .default_text = "the one in the folder" ),
+        RF_TEXT_OPTION( "frames", &report.frame_list, "[@]A-B[xSTEP][,...]", "show only these frames", .default_text = "all" ),
+        RF_INT_OPTION( "width", &report.page.width, 16, 65500, "W",
+                       "maximum width of the pictures; the figures are those of the files", .default_text = "as they are",
+                       .heading = RF_HEADING_OUTPUT ),
+        RF_MEMORY_OPTION( "values", &report.values, 0, "SIZE",
+                          "page space for the scene values of the pixel probe; less is coarser, 0: none",
+                          .heading = RF_HEADING_OUTPUT ),
+        RF_MEMORY_OPTION( "passes", &report.passes, 0, "SIZE",
+                          "page space for pictures of the files' passes, which become smaller or are left out to fit; 0: none",
+                          .heading = RF_HEADING_OUTPUT ),
+        RF_FPS_OPTION( "fps", &report.fps, "R", "playback rate, frames per second", .default_text = "the files', else 24",
+                       .heading = RF_HEADING_OUTPUT ),
+        RF_REAL_OPTION( "exposure", &report.view.exposure, -8, 8, "E", "initial exposure in stops",
+                        .given = &report.view.exposure_given, .default_text = "the files', else 0",
+                        .heading = RF_HEADING_OUTPUT ),
         RF_VIEW_OPTIONS( report.view, RF_HEADING_OUTPUT ),
-        { .name = "title",
-          .type = RF_OPTION_STRING,
-          .value = &report.title,
-          .meta = "TEXT",
-          .default_text = "the folders' names",
-          .help = "title of the page",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "json",
-          .writes = ".json",
-          .type = RF_OPTION_STRING,
-          .value = &report.json,
-          .meta = "FILE",
-          .help = "write the result as JSON; - for standard output",
-          .heading = RF_HEADING_OUTPUT },
-        { .name = "quiet",
-          .type = RF_OPTION_BOOL,
-          .value = &report.quiet,
-          .help = "no progress and no hints",
-          .heading = RF_HEADING_OUTPUT },
+        RF_TEXT_OPTION( "title", &report.title, "TEXT", "title of the page", .default_text = "the folders' names",
+                        .heading = RF_HEADING_OUTPUT ),
+        RF_TEXT_OPTION( "json", &report.json, "FILE", "write the result as JSON; - for standard output", .writes = ".json",
+                        .heading = RF_HEADING_OUTPUT ),
+        RF_FLAG_OPTION( "quiet", &report.quiet, "no progress and no hints", .heading = RF_HEADING_OUTPUT ),
     };
     const RfCommandTable table = {
         .command = COMMAND,
@@ -532,24 +463,11 @@ int rf_command_report( int argc, char** argv )
             "probe, passes, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames at "
             "960x540 take about 10 MB of pictures per sequence, at most 40 MB, and --values for the probe and --passes for the "
             "passes of the files.",
-        .files = files,
-        .file_count = 1,
+        RF_TABLE_ROWS( files, options ),
         .file_max = RF_PAGE_MOST_SEQUENCES,
         .file_total = &report.place_count,
-        .options = options,
-        .option_count = sizeof options / sizeof options[0],
     };
-    RfError error = { 0 };
-    bool help = false;
-    RfResult result = rf_parse_options( &table, argc, argv, report.places, &help, &error );
-    if ( result == RF_OK && help )
-    {
-        result = rf_show_help( &table, &error );
-        return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
-    }
-    rf_catch_interrupts();
-    if ( result == RF_OK )
-        result = run( &report, &error );
+    int status = rf_run_command( &table, argc, argv, report.places, run, &report );
     destroy_page_run( &report );
-    return result == RF_OK ? 0 : rf_report_error( COMMAND, &error );
+    return status;
 }

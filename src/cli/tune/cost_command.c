@@ -1,5 +1,6 @@
 // reframe cost: what accuracy costs in time.
 #include "base/system.h"
+#include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
@@ -33,16 +34,19 @@ typedef struct CostOptions
     const char* svg; // NULL: none
 } CostOptions;
 
-typedef struct CostReport
+typedef struct Job
 {
-    const CostOptions* options;
-    const RfCostJob* job;
-    const RfCost* cost;
+    int argc;
+    char** argv;
+    bool help; // was asked for
+    CostOptions options;
+    RfLoadedShot shot; // options may point into it
+    RfCostJob asked;
+    RfCost cost;
     int threads;
-    int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
-    double load_seconds; // until rays can be traced: part of a render of all frames
-    double beyond_depth; // share of the light
-} CostReport;
+    int per_sweep[2];           // frames of a sweep, by path tracing and with reuse
+    double start, load_seconds; // until rays can be traced: part of a render of all frames
+} Job;
 
 typedef struct NoiseText
 {
@@ -66,14 +70,14 @@ static void print_rows( const RfCostCurve* c, const char* name )
 }
 
 // The same samples with the clamp that leaves the least error.
-static void print_clamped( const CostReport* r )
+static void print_clamped( const Job* r )
 {
-    const RfCostCurve* c = &r->cost->reuse;
-    for ( int i = 0; i < c->count && r->cost->clamp_count > 0; ++i )
+    const RfCostCurve* c = &r->cost.reuse;
+    for ( int i = 0; i < c->count && r->cost.clamp_count > 0; ++i )
     {
         double relmse;
         char noise[RF_NOISE_TEXT_SIZE];
-        const RfCostClamp* clamp = rf_best_clamp( r->cost, c->rows[i].spp, &relmse );
+        const RfCostClamp* clamp = rf_best_clamp( &r->cost, c->rows[i].spp, &relmse );
         if ( clamp == NULL )
             break;
         rf_format_noise( relmse, noise );
@@ -90,7 +94,7 @@ static void print_slope( const RfCostCurve* c, const char* name )
 }
 
 // The whole render, including the loading of the scene.
-static double path_seconds( const CostReport* r, RfCostPrediction p ) { return p.seconds + r->load_seconds; }
+static double path_seconds( const Job* r, RfCostPrediction p ) { return p.seconds + r->load_seconds; }
 
 // What is wanted: a relMSE, or an F1.
 typedef struct Goal
@@ -104,12 +108,13 @@ static Goal noise_goal( double relmse ) { return ( Goal ){ "relMSE", relmse, fal
 
 static Goal flicker_goal( double f1 ) { return ( Goal ){ "F1", f1, true }; }
 
-// By path tracing (0) or with reuse (1).
-static RfCostPrediction predict( const CostReport* r, Goal goal, int curve )
+static const RfCostCurve* curve_of( const Job* r, int number ) { return number == 0 ? &r->cost.plain : &r->cost.reuse; }
+
+// By the curve of path tracing (0) or with reuse (1), or one in its place.
+static RfCostPrediction predict( const Job* r, Goal goal, int number, const RfCostCurve* c )
 {
-    const RfCostCurve* c = curve == 0 ? &r->cost->plain : &r->cost->reuse;
-    return goal.is_flicker ? rf_predict_flicker_cost( r->job, c, goal.value, r->per_sweep[curve] )
-                           : rf_predict_cost( r->job, c, goal.value, r->per_sweep[curve] );
+    return goal.is_flicker ? rf_predict_flicker_cost( &r->asked, c, goal.value, r->per_sweep[number] )
+                           : rf_predict_cost( &r->asked, c, goal.value, r->per_sweep[number] );
 }
 
 // What a goal takes: samples and seconds, with `at_least` where the error is known too little, so that this is the lower end.
@@ -120,41 +125,38 @@ typedef struct Price
     const RfCostClamp* clamp; // NULL: none
 } Price;
 
-static Price exact_price( const CostReport* r, Goal goal, int curve )
+static Price exact_price( const Job* r, Goal goal, int number )
 {
-    CostReport lower = *r;
-    RfCost cost = *r->cost;
-    RfCostCurve* c = curve == 0 ? &cost.plain : &cost.reuse;
-    bool at_least = !rf_is_known( &c->error ) && isfinite( c->error.low );
-    lower.cost = &cost;
+    RfCostCurve c = *curve_of( r, number );
+    bool at_least = !rf_is_known( &c.error ) && isfinite( c.error.low );
     if ( at_least )
     {
-        c->f1_squared *= c->error.low / c->relmse;
-        c->relmse = c->error.low;
+        c.f1_squared *= c.error.low / c.relmse;
+        c.relmse = c.error.low;
     }
-    return ( Price ){ predict( &lower, goal, curve ), at_least, NULL };
+    return ( Price ){ predict( r, goal, number, &c ), at_least, NULL };
 }
 
-static Price clamped_price( const CostReport* r, Goal goal )
+static Price clamped_price( const Job* r, Goal goal )
 {
     Price price = { { 0 }, false, NULL };
     if ( goal.is_flicker )
         return price;
-    RfCost lower = *r->cost;
+    RfCost lower = r->cost;
     for ( int i = 0; i < lower.clamp_count; ++i )
     {
         RfInterval* error = &lower.clamps[i].error;
         error->value = rf_is_known( error ) || !isfinite( error->low ) ? error->value : error->low;
     }
     const RfCostClamp* clamp;
-    price.prediction = rf_predict_clamped_cost( r->job, &lower, goal.value, r->per_sweep[1], &clamp );
-    price.clamp = clamp != NULL ? r->cost->clamps + ( clamp - lower.clamps ) : NULL;
+    price.prediction = rf_predict_clamped_cost( &r->asked, &lower, goal.value, r->per_sweep[1], &clamp );
+    price.clamp = clamp != NULL ? r->cost.clamps + ( clamp - lower.clamps ) : NULL;
     price.at_least = clamp != NULL && !rf_is_known( &price.clamp->error );
     return price;
 }
 
 // "94 s a frame, 16 min for all 48 (--spp 28)".
-static void print_price( const CostReport* r, const char* name, Price price )
+static void print_price( const Job* r, const char* name, Price price )
 {
     char frame[32], all[32], clamp[32] = "", missing[64] = "";
     if ( price.prediction.spp == 0 )
@@ -170,7 +172,7 @@ static void print_price( const CostReport* r, const char* name, Price price )
         snprintf( missing, sizeof missing, ", %.2g %% of the light missing", 100.0 * price.clamp->missing );
     }
     printf( "  %-16s %s%s a frame, %s for all %d (--spp %d%s)%s\n", name, price.at_least ? "at least " : "", frame, all,
-            r->job->shot.frame_count, price.prediction.spp, clamp, missing );
+            r->asked.shot.frame_count, price.prediction.spp, clamp, missing );
 }
 
 static void format_goal( Goal goal, char* text, size_t size )
@@ -183,7 +185,7 @@ static void format_goal( Goal goal, char* text, size_t size )
         snprintf( text, size, "%s noise (relMSE %.3g)", noise, goal.value );
 }
 
-static void print_goal( const CostReport* r, Goal goal )
+static void print_goal( const Job* r, Goal goal )
 {
     char name[64];
     format_goal( goal, name, sizeof name );
@@ -192,46 +194,44 @@ static void print_goal( const CostReport* r, Goal goal )
     print_price( r, "exact", exact_price( r, goal, 1 ) );
     if ( clamped.clamp != NULL )
         print_price( r, "clamped", clamped );
-    else if ( r->cost->clamp_count > 0 && !goal.is_flicker )
+    else if ( r->cost.clamp_count > 0 && !goal.is_flicker )
         printf( "  %-16s no clamp that was tried takes fewer samples\n", "clamped" );
-    else if ( rf_is_left_out( rf_tracer_scene( r->job->shot.tracer ), RF_EFFECT_CAUSTICS ) )
+    else if ( rf_is_left_out( rf_tracer_scene( r->asked.shot.tracer ), RF_EFFECT_CAUSTICS ) )
         printf( "  %-16s not tried where caustics are left out\n", "clamped" );
     print_price( r, "path tracing", exact_price( r, goal, 0 ) );
 }
 
 // What reuse is worth, and what the first error asked for takes.
-static void format_verdict( const CostReport* r, char text[RF_VERDICT_SIZE] )
+static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
 {
-    const RfCost* cost = r->cost;
+    const RfCost* cost = &r->cost;
     char name[64], gain[160];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
-    int used = snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
-    if ( r->options->error_count == 0 )
+    snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
+    if ( r->options.error_count == 0 )
         return;
-    Goal goal = noise_goal( r->options->errors[0] );
+    Goal goal = noise_goal( r->options.errors[0] );
     Price exact = exact_price( r, goal, 1 ), clamped = clamped_price( r, goal );
     char wanted[64], frame[32];
     format_goal( goal, wanted, sizeof wanted );
     rf_format_span( exact.prediction.frame_seconds, frame, sizeof frame );
     if ( exact.prediction.spp == 0 )
-        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%s: exact more than %d spp, the limit", wanted,
-                          RF_MAX_SPP );
+        rf_append( text, RF_VERDICT_SIZE, "\n%s: exact more than %d spp, the limit", wanted, RF_MAX_SPP );
     else
-        used += snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "\n%s: exact %s%s a frame", wanted,
-                          exact.at_least ? "at least " : "", frame );
+        rf_append( text, RF_VERDICT_SIZE, "\n%s: exact %s%s a frame", wanted, exact.at_least ? "at least " : "", frame );
     rf_format_span( clamped.prediction.frame_seconds, frame, sizeof frame );
     if ( clamped.clamp != NULL && clamped.prediction.spp > 0 )
-        snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, ", clamp %s%s and %.2g %% of the light missing",
-                  clamped.at_least ? "at least " : "", frame, 100.0 * clamped.clamp->missing );
+        rf_append( text, RF_VERDICT_SIZE, ", clamp %s%s and %.2g %% of the light missing", clamped.at_least ? "at least " : "",
+                   frame, 100.0 * clamped.clamp->missing );
 }
 
-static void print_cost( const CostReport* r )
+static void print_cost( const Job* r )
 {
     char verdict[RF_VERDICT_SIZE];
     format_verdict( r, verdict );
     printf( "%s\n\n", verdict );
-    const RfCost* cost = r->cost;
+    const RfCost* cost = &r->cost;
     char name[64];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     printf( "%-28s %7s %10s %10s %8s %10s\n", "", "spp", "seconds", "CPU s", "noise", "relMSE" );
@@ -239,14 +239,14 @@ static void print_cost( const CostReport* r )
     print_rows( &cost->reuse, name );
     print_clamped( r );
     printf( "seconds: of a frame of %dx%d with %d threads, from %.0f of its pixels at %d camera position%s, measured in %.1f s\n",
-            r->options->render.size.width, r->options->render.size.height, r->threads, cost->pixels, cost->positions,
+            r->options.render.size.width, r->options.render.size.height, r->threads, cost->pixels, cost->positions,
             cost->positions == 1 ? "" : "s", cost->seconds );
     print_slope( &cost->plain, "path tracing" );
     print_slope( &cost->reuse, name );
-    for ( int i = 0; i < r->options->error_count; ++i )
-        print_goal( r, noise_goal( r->options->errors[i] ) );
-    for ( int i = 0; i < r->options->flicker_count; ++i )
-        print_goal( r, flicker_goal( r->options->flickers[i] ) );
+    for ( int i = 0; i < r->options.error_count; ++i )
+        print_goal( r, noise_goal( r->options.errors[i] ) );
+    for ( int i = 0; i < r->options.flicker_count; ++i )
+        print_goal( r, flicker_goal( r->options.flickers[i] ) );
 }
 
 static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
@@ -254,71 +254,70 @@ static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
     char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &c->tile, tile );
     for ( int i = 0; i < c->count; ++i )
-        json_array_append_new( rows, json_pack( "{s:b, s:i, s:s, s:i, s:o, s:o, s:o}", "reuse", reuse, "group", c->group, "tile",
-                                                tile, "spp", c->rows[i].spp, "seconds", rf_json_number( c->rows[i].seconds ),
-                                                "cpu_seconds", rf_json_number( c->rows[i].cpu_seconds ), "relmse",
-                                                rf_json_number( c->rows[i].relmse ) ) );
+    {
+        json_t* row = json_pack( "{s:b, s:i, s:s, s:i}", "reuse", reuse, "group", c->group, "tile", tile, "spp", c->rows[i].spp );
+        json_array_append_new( rows,
+                               RF_SET_FIGURES( row, { "seconds", c->rows[i].seconds }, { "cpu_seconds", c->rows[i].cpu_seconds },
+                                               { "relmse", c->rows[i].relmse } ) );
+    }
 }
 
-static json_t* prediction_json( const CostReport* r, RfCostPrediction p )
+static json_t* prediction_json( const Job* r, RfCostPrediction p )
 {
-    return json_pack( "{s:o, s:o, s:o}", "spp", p.spp > 0 ? json_integer( p.spp ) : json_null(), "frame_seconds",
-                      rf_json_number( p.frame_seconds ), "seconds", rf_json_number( path_seconds( r, p ) ) );
+    return RF_SET_FIGURES( json_pack( "{s:o}", "spp", p.spp > 0 ? json_integer( p.spp ) : json_null() ),
+                           { "frame_seconds", p.frame_seconds }, { "seconds", path_seconds( r, p ) } );
 }
 
-static json_t* goal_json( const CostReport* r, Goal goal, const char* key )
+// Of path tracing, and with reuse.
+static json_t* both_json( double plain, double reuse )
+{
+    return json_pack( "[o, o]", rf_json_number( plain ), rf_json_number( reuse ) );
+}
+
+static json_t* goal_json( const Job* r, Goal goal, const char* key )
 {
     const RfCostClamp* clamp;
-    RfCostPrediction p = rf_predict_clamped_cost( r->job, r->cost, goal.value, r->per_sweep[1], &clamp );
+    RfCostPrediction p = rf_predict_clamped_cost( &r->asked, &r->cost, goal.value, r->per_sweep[1], &clamp );
     json_t* clamped = json_null();
     if ( !goal.is_flicker && clamp != NULL && p.spp > 0 )
     {
-        clamped = prediction_json( r, p );
-        json_object_set_new( clamped, "clamp", rf_json_number( clamp->threshold ) );
-        json_object_set_new( clamped, "missing", rf_json_number( clamp->missing ) );
+        clamped = RF_SET_FIGURES( prediction_json( r, p ), { "clamp", clamp->threshold }, { "missing", clamp->missing } );
     }
     return json_pack( "{s:o, s:f, s:o, s:o}", "clamped", clamped, key, goal.value, "plain",
-                      prediction_json( r, predict( r, goal, 0 ) ), "reuse", prediction_json( r, predict( r, goal, 1 ) ) );
+                      prediction_json( r, predict( r, goal, 0, &r->cost.plain ) ), "reuse",
+                      prediction_json( r, predict( r, goal, 1, &r->cost.reuse ) ) );
 }
 
-static json_t* cost_json( const CostReport* r )
+static json_t* cost_json( const Job* r )
 {
-    const RfCost* cost = r->cost;
-    json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array();
+    const RfCost* cost = &r->cost;
+    const RfInterval *reuse = &cost->reuse.slope, *plain = &cost->plain.slope, *speedup = &cost->speedup;
+    json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array(), *clamps = json_array();
+    char verdict[RF_VERDICT_SIZE];
     add_rows( rows, &cost->plain, false );
     add_rows( rows, &cost->reuse, true );
-    for ( int i = 0; i < r->options->error_count; ++i )
-    {
-        json_array_append_new( wanted, goal_json( r, noise_goal( r->options->errors[i] ), "relmse" ) );
-    }
-    for ( int i = 0; i < r->options->flicker_count; ++i )
-        json_array_append_new( flickers, goal_json( r, flicker_goal( r->options->flickers[i] ), "f1" ) );
-    char verdict[RF_VERDICT_SIZE];
+    for ( int i = 0; i < r->options.error_count; ++i )
+        json_array_append_new( wanted, goal_json( r, noise_goal( r->options.errors[i] ), "relmse" ) );
+    for ( int i = 0; i < r->options.flicker_count; ++i )
+        json_array_append_new( flickers, goal_json( r, flicker_goal( r->options.flickers[i] ), "f1" ) );
+    for ( const RfCostClamp* c = cost->clamps; c < cost->clamps + cost->clamp_count; ++c )
+        json_array_append_new( clamps, RF_SET_FIGURES( json_object(), { "clamp", c->threshold },
+                                                       { "relmse_of_one_sample", c->error.value }, { "bias", c->bias },
+                                                       { "missing", c->missing } ) );
     format_verdict( r, verdict );
-    json_t* json = json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:f, s:i, s:i, s:f, s:f}", "verdict",
-        verdict, "rows", rows, "slope", rf_json_number( cost->reuse.slope.value ), "slope_low",
-        rf_json_number( cost->reuse.slope.low ), "slope_high", rf_json_number( cost->reuse.slope.high ), "slope_plain",
-        rf_json_number( cost->plain.slope.value ), "slope_plain_low", rf_json_number( cost->plain.slope.low ), "slope_plain_high",
-        rf_json_number( cost->plain.slope.high ), "speedup_at_equal_error", rf_json_number( cost->speedup.value ), "speedup_low",
-        rf_json_number( cost->speedup.low ), "speedup_high", rf_json_number( cost->speedup.high ), "relmse_of_one_sample",
-        json_pack( "[o, o]", rf_json_number( cost->plain.relmse ), rf_json_number( cost->reuse.relmse ) ), "wanted", wanted,
-        "width", r->options->render.size.width, "height", r->options->render.size.height, "pixels", cost->pixels, "places",
-        cost->positions, "frames", r->job->shot.frame_count, "seconds", cost->seconds, "budget", r->options->budget );
-    json_object_set_new(
-        json, "f1_squared_of_one_sample",
-        json_pack( "[o, o]", rf_json_number( cost->plain.f1_squared ), rf_json_number( cost->reuse.f1_squared ) ) );
-    json_object_set_new( json, "wanted_flicker", flickers );
-    json_t* clamps = json_array();
-    for ( int i = 0; i < cost->clamp_count; ++i )
-    {
-        const RfCostClamp* c = cost->clamps + i;
-        json_array_append_new( clamps, json_pack( "{s:f, s:o, s:f, s:f}", "clamp", c->threshold, "relmse_of_one_sample",
-                                                  rf_json_number( c->error.value ), "bias", c->bias, "missing", c->missing ) );
-    }
-    json_object_set_new( json, "clamps", clamps );
-    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->beyond_depth ) );
-    return json;
+    // the scene, so that `report` can refuse what was measured with another one
+    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "verdict", verdict, "scene",
+                              rf_json_text( r->options.render.scene ), "rows", rows, "wanted", wanted, "wanted_flicker", flickers,
+                              "clamps", clamps, "relmse_of_one_sample", both_json( cost->plain.relmse, cost->reuse.relmse ),
+                              "f1_squared_of_one_sample", both_json( cost->plain.f1_squared, cost->reuse.f1_squared ), "width",
+                              r->options.render.size.width, "height", r->options.render.size.height, "places", cost->positions,
+                              "frames", r->asked.shot.frame_count );
+    return RF_SET_FIGURES( json, { "slope", reuse->value }, { "slope_low", reuse->low }, { "slope_high", reuse->high },
+                           { "slope_plain", plain->value }, { "slope_plain_low", plain->low },
+                           { "slope_plain_high", plain->high }, { "speedup_at_equal_error", speedup->value },
+                           { "speedup_low", speedup->low }, { "speedup_high", speedup->high }, { "pixels", cost->pixels },
+                           { "seconds", cost->seconds }, { "budget", r->options.budget },
+                           { "beyond_depth_share", r->shot.beyond_depth } );
 }
 
 // The points of a curve and the line fitted to them.
@@ -356,9 +355,9 @@ static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSer
                                   .style = style };
 }
 
-static RfResult write_cost_plot( const CostReport* r, const char* path, RfError* error )
+static RfResult write_cost_plot( const Job* r, const char* path, RfError* error )
 {
-    const RfCost* cost = r->cost;
+    const RfCost* cost = &r->cost;
     Curve plain, reuse;
     RfPlotSeries series[4];
     snprintf( plain.name, sizeof plain.name, "path tracing" );
@@ -368,10 +367,10 @@ static RfResult write_cost_plot( const CostReport* r, const char* path, RfError*
     draw_curve( &cost->plain, 0, &plain, series );
     draw_curve( &cost->reuse, 1, &reuse, series + 2 );
     char subtitle[512], gain[160];
-    const char* slash = strrchr( r->options->render.scene, '/' );
+    const char* slash = strrchr( r->options.render.scene, '/' );
     rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
-    snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", slash != NULL ? slash + 1 : r->options->render.scene,
-              r->options->render.size.width, r->options->render.size.height, gain );
+    snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", slash != NULL ? slash + 1 : r->options.render.scene,
+              r->options.render.size.width, r->options.render.size.height, gain );
     RfPlot plot = { .title = "Error against render time",
                     .subtitle = subtitle,
                     .series = series,
@@ -386,39 +385,21 @@ static RfResult write_cost_plot( const CostReport* r, const char* path, RfError*
 
 static const char* const s_files[] = { "SCENE" };
 static CostOptions s_parsed; // the table points here
-static const char* s_scene;
 
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
     RF_MOVEMENT_OPTIONS( s_parsed.render ),
-    { .name = "budget",
-      .type = RF_OPTION_TIME,
-      .value = &s_parsed.budget,
-      .min = 1.0,
-      .max = 1e6,
-      .meta = "T",
-      .help = "time to spend, in seconds or as 5m; more time narrows the intervals" },
-    { .name = "noise",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.noise,
-      .meta = "E[,...]",
-      .help = "predict the time to reach each relMSE, or noise of a channel in percent: 5.8% is relMSE 0.01" },
-    { .name = "flicker",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.flicker,
-      .meta = "F[,...]",
-      .help = "predict the time to reach each F1 between neighbouring frames" },
+    RF_TIME_OPTION( "budget", &s_parsed.budget, 1.0, 1e6, "T",
+                    "time to spend, in seconds or as 5m; more time narrows the intervals" ),
+    RF_TEXT_OPTION( "noise", &s_parsed.noise, "E[,...]",
+                    "predict the time to reach each relMSE, or noise of a channel in percent: 5.8% is relMSE 0.01" ),
+    RF_TEXT_OPTION( "flicker", &s_parsed.flicker, "F[,...]", "predict the time to reach each F1 between neighbouring frames" ),
     RF_FILTER_OPTIONS( s_parsed.render ),
     RF_PATH_TRACING_OPTIONS( s_parsed.render ),
     RF_SEED_OPTION( s_parsed.render ),
-    { .name = "svg",
-      .writes = ".svg",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.svg,
-      .meta = "FILE",
-      .help = "plot error against time, with and without reuse",
-      .heading = RF_HEADING_OUTPUT },
+    RF_TEXT_OPTION( "svg", &s_parsed.svg, "FILE", "plot error against time, with and without reuse", .writes = ".svg",
+                    .heading = RF_HEADING_OUTPUT ),
     RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
     RF_GROUP_OPTION( s_parsed.render, "with reuse, share paths between 2N+1 neighbouring frames" ),
     RF_TILE_OPTION( s_parsed.render ),
@@ -432,10 +413,7 @@ static const RfCommandTable s_table = {
     .summary = "Measures error against render time: renders a few frames at increasing sample counts, with path tracing and with "
                "reuse, and predicts the time to reach each target error, per frame and in total. SCENE and options are those of "
                "render.",
-    .files = s_files,
-    .file_count = 1,
-    .options = s_options,
-    .option_count = sizeof s_options / sizeof s_options[0]
+    RF_TABLE_ROWS( s_files, s_options )
 };
 
 // The numbers of an option; those of relMSE may be in percent.
@@ -461,16 +439,15 @@ static RfResult parse_list( const char* name, const char* text, bool is_noise, d
 }
 
 // Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
-// With *help set the help was asked for and nothing else is valid.
-static RfResult parse( const RfField* defaults, int argc, char** argv, CostOptions* options, bool* help, RfError* error )
+static RfResult parse( const RfField* defaults, void* user, RfError* error )
 {
+    Job* job = user;
     s_parsed = ( CostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
     RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
     if ( result == RF_OK )
-        result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
-    if ( result != RF_OK || *help )
+        result = rf_parse_options( &s_table, job->argc, job->argv, &s_parsed.render.scene, &job->help, error );
+    if ( result != RF_OK || job->help )
         return result;
-    s_parsed.render.scene = s_scene;
     rf_take_estimator_option( &s_parsed.render );
     rf_settle_filter( &s_parsed.render );
     result = rf_parse_tile_option( &s_parsed.render, error );
@@ -478,25 +455,8 @@ static RfResult parse( const RfField* defaults, int argc, char** argv, CostOptio
         result = parse_list( "--noise", s_parsed.noise, true, s_parsed.errors, &s_parsed.error_count, error );
     if ( result == RF_OK )
         result = parse_list( "--flicker", s_parsed.flicker, false, s_parsed.flickers, &s_parsed.flicker_count, error );
-    *options = s_parsed;
+    job->options = s_parsed;
     return result;
-}
-
-typedef struct Job
-{
-    int argc;
-    char** argv;
-    CostOptions options;
-    RfLoadedShot shot; // options may point into it
-    RfCost cost;
-    double start, load_seconds;
-} Job;
-
-static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
-{
-    Job* job = user;
-    bool help;
-    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 static void say( void* user, const RfCost* cost, int spp )
@@ -507,89 +467,72 @@ static void say( void* user, const RfCost* cost, int spp )
                  cost->positions == 1 ? "" : "s" );
 }
 
-// Frames that one sweep of a render finishes.
-static RfResult count_per_sweep( const Job* job, const RfCostCurve* curve, int* per_sweep, int* threads, RfError* error )
+// Finds how many frames one sweep of a render finishes.
+static RfResult count_per_sweep( Job* job, int number, RfError* error )
 {
     RfRenderSettings settings = job->options.render.settings, resolved;
-    settings.group = curve->group;
-    settings.tile = curve->tile;
+    settings.group = curve_of( job, number )->group;
+    settings.tile = curve_of( job, number )->tile;
     RfMemoryFit fit;
-    RfShot shot = rf_shot_to_render( &job->shot );
-    RfResult result = rf_resolve_settings( &shot, &settings, &resolved, error );
+    RfResult result = rf_resolve_settings( &job->asked.shot, &settings, &resolved, error );
     if ( result == RF_OK )
-        result = rf_fit_memory( &shot, &resolved, &fit, error );
+        result = rf_fit_memory( &job->asked.shot, &resolved, &fit, error );
     if ( result != RF_OK )
         return result;
-    *per_sweep = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
-    *threads = fit.threads;
+    job->per_sweep[number] = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
+    job->threads = fit.threads;
     return RF_OK;
 }
 
-// Names the scene, so that `report` can refuse what was measured with another one.
-static json_t* result_json( const CostReport* r )
-{
-    json_t* json = cost_json( r );
-    json_object_set_new( json, "scene", rf_json_text( r->options->render.scene ) );
-    return json;
-}
-
 // Reports what was found so far, also after an interruption.
-static RfResult report( const Job* job, const RfCostJob* cost_job, RfError* error )
+static RfResult report( Job* job, RfError* error )
 {
-    CostReport r = { .options = &job->options,
-                     .job = cost_job,
-                     .cost = &job->cost,
-                     .load_seconds = job->load_seconds,
-                     .beyond_depth = job->shot.beyond_depth };
-    RfResult result = count_per_sweep( job, &job->cost.plain, r.per_sweep, &r.threads, error );
+    const char *json = job->options.render.json, *svg = job->options.svg;
+    RfResult result = count_per_sweep( job, 0, error );
     if ( result == RF_OK )
-        result = count_per_sweep( job, &job->cost.reuse, r.per_sweep + 1, &r.threads, error );
-    if ( result != RF_OK )
-        return result;
-    const char* json = job->options.render.json;
-    if ( rf_prints_text( json ) )
+        result = count_per_sweep( job, 1, error );
+    if ( result == RF_OK && rf_prints_text( json ) )
     {
-        print_cost( &r );
+        print_cost( job );
         result = rf_flush_output( error );
     }
-    if ( result == RF_OK && job->options.svg != NULL )
-        result = write_cost_plot( &r, job->options.svg, error );
-    return result == RF_OK && json != NULL ? rf_write_json( json, result_json( &r ), error ) : result;
+    if ( result == RF_OK && svg != NULL )
+        result = write_cost_plot( job, svg, error );
+    return result == RF_OK && json != NULL ? rf_write_json( json, cost_json( job ), error ) : result;
 }
 
 static RfResult run( Job* job, RfError* error )
 {
-    RfResult result = rf_load_shot( "cost", &job->options.render, take_defaults, job, &job->shot, error );
+    RfResult result = rf_load_shot( "cost", &job->options.render, parse, job, &job->shot, error );
     if ( result != RF_OK )
         return result;
     job->load_seconds = rf_wall_seconds() - job->start;
     RfTrialWatch watch = { rf_may_go_on, NULL };
-    RfCostJob cost = { .shot = rf_shot_to_render( &job->shot ),
-                       .settings = &job->options.render.settings,
-                       .watch = &watch,
-                       .report = say,
-                       .user = job };
+    job->asked = ( RfCostJob ){ .shot = rf_shot_to_render( &job->shot ),
+                                .settings = &job->options.render.settings,
+                                .watch = &watch,
+                                .report = say,
+                                .user = job };
     if ( job->options.error_count > 0 )
-        cost.relmse = job->options.errors[job->options.error_count / 2];
-    cost.budget = rf_budget_left( job->options.budget, job->start, &cost.deadline );
-    result = rf_measure_cost( &cost, &job->cost, error );
-    if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count > 0 )
-    {
-        RfResult reported = report( job, &cost, error );
-        return reported != RF_OK ? reported : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: the results so far are above" );
-    }
-    if ( result == RF_ERROR_INTERRUPTED )
+        job->asked.relmse = job->options.errors[job->options.error_count / 2];
+    job->asked.budget = rf_budget_left( job->options.budget, job->start, &job->asked.deadline );
+    result = rf_measure_cost( &job->asked, &job->cost, error );
+    if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count == 0 )
         return rf_fail( error, result, "interrupted before the first result" );
-    return result == RF_OK ? report( job, &cost, error ) : result;
+    if ( result != RF_OK && result != RF_ERROR_INTERRUPTED )
+        return result;
+    RfResult reported = report( job, error );
+    return result == RF_OK || reported != RF_OK
+               ? reported
+               : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: the results so far are above" );
 }
 
 int rf_command_cost( int argc, char** argv )
 {
     RfError error;
-    bool help;
     Job job = { .argc = argc, .argv = argv, .start = rf_wall_seconds() };
-    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
-    if ( result == RF_OK && help )
+    RfResult result = parse( NULL, &job, &error );
+    if ( result == RF_OK && job.help )
         result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
     {

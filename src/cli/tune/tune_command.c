@@ -1,6 +1,7 @@
 // reframe tune: finds the best group and tile by short renders.
 #include "base/plain_text.h"
 #include "base/system.h"
+#include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
@@ -33,17 +34,20 @@ typedef struct TuneOptions
     const char* svg;        // NULL: none
 } TuneOptions;
 
-typedef struct TuneReport
+typedef struct Job
 {
-    const TuneOptions* options;
-    const RfPlan* plan;
-    const RfTune* tune;
-    const char* command;    // of the winner; NULL: there is none
-    int frames;             // asked for
-    const RfRanges* ranges; // for --nodes; its list is NULL: none
+    int argc;
+    char** argv;
+    double start;
+    bool help; // was asked for
+    TuneOptions options;
+    RfLoadedShot shot; // options may point into it
+    RfPlan plan;
+    RfTune tune;
+    RfRanges ranges; // for --nodes; its list is NULL: none
+    char* command;   // of the winner; NULL: there is none
     RfSplitCosts split;
-    double beyond_depth; // share of the light
-} TuneReport;
+} Job;
 
 static double fit_mib( const RfMemoryFit* fit )
 {
@@ -51,7 +55,7 @@ static double fit_mib( const RfMemoryFit* fit )
 }
 
 // What a render without --group takes; NULL where nothing with this tile fits.
-static const RfPlanRow* auto_row( const TuneReport* r ) { return r->plan->count > 0 ? r->plan->rows + r->plan->chosen : NULL; }
+static const RfPlanRow* auto_row( const Job* r ) { return r->plan.count > 0 ? r->plan.rows + r->plan.chosen : NULL; }
 
 static bool at_most( const RfRenderSettings* s ) { return s->noise > 0.0 || s->flicker > 0.0 || s->time > 0.0; }
 
@@ -73,24 +77,24 @@ static void print_group( const RfPlanRow* row )
 }
 
 // What is known without rendering.
-static void print_groups( const TuneReport* r )
+static void print_groups( const Job* r )
 {
     char tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &r->options->render.settings.tile, tile );
-    if ( r->plan->count == 0 )
+    rf_tile_name( &r->options.render.settings.tile, tile );
+    if ( r->plan.count == 0 )
         return;
     printf( "%6s %7s %5s %9s %8s %8s %8s %7s %6s %6s\n", "group", "cameras", "spp", "MiB", "films", "hits", "work", "chunks",
             "reach", "gain" );
-    for ( int i = 0; i < r->plan->count; ++i )
-        print_group( r->plan->rows + i );
+    for ( int i = 0; i < r->plan.count; ++i )
+        print_group( r->plan.rows + i );
     printf( "with tile %s; MiB: beyond the scene; reach: effective samples for each one traced; gain: upper bound, "
             "over the "
             "tile alone\n",
             tile );
-    if ( at_most( &r->options->render.settings ) )
-        printf( "memory is for %d spp, the limit with --noise, --flicker and --time\n", r->options->render.settings.spp );
-    if ( rf_has_groups( r->options->render.settings.estimator ) )
-        printf( "* --group auto: %s\n", r->plan->why );
+    if ( at_most( &r->options.render.settings ) )
+        printf( "memory is for %d spp, the limit with --noise, --flicker and --time\n", r->options.render.settings.spp );
+    if ( rf_has_groups( r->options.render.settings.estimator ) )
+        printf( "* --group auto: %s\n", r->plan.why );
     printf( "\n" );
 }
 
@@ -135,9 +139,9 @@ static void print_left_out( const RfTune* tune )
     printf( "%s", before[0] == ';' ? "\n" : "" );
 }
 
-static void print_rows( const TuneReport* r )
+static void print_rows( const Job* r )
 {
-    const RfTune* tune = r->tune;
+    const RfTune* tune = &r->tune;
     printf( "%6s %8s %5s %9s %9s %8s %9s %9s %8s  %s\n", "group", "tile", "spp", "MiB", "seconds", "noise", "relMSE", "F1",
             "gain", "95 %" );
     for ( int i = 0; i < tune->count; ++i )
@@ -148,7 +152,7 @@ static void print_rows( const TuneReport* r )
     printf(
         "seconds: of all %d frames with %d threads; gain: over path tracing (group 0, tile 1) at equal %s; > and ?: the interval "
         "is wider than a factor of 4\n",
-        r->frames, tune->rows[0].fit.threads, tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise" );
+        r->shot.frame_count, tune->rows[0].fit.threads, tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise" );
     print_left_out( tune );
     printf( "measured in %.1f s:", tune->seconds );
     for ( int i = 0; i < tune->round_count; ++i )
@@ -157,95 +161,94 @@ static void print_rows( const TuneReport* r )
     printf( "\n" );
 }
 
-static int format_shot( const TuneReport* r, int spp, char* text, size_t size )
+static void append_shot( const Job* r, int spp, char text[RF_VERDICT_SIZE] )
 {
-    return snprintf( text, size, "%d frame%s at %dx%d and %d spp: ", r->frames, r->frames == 1 ? "" : "s",
-                     r->options->render.size.width, r->options->render.size.height, spp );
+    rf_append( text, RF_VERDICT_SIZE, "%d frame%s at %dx%d and %d spp: ", r->shot.frame_count,
+               r->shot.frame_count == 1 ? "" : "s", r->options.render.size.width, r->options.render.size.height, spp );
 }
 
 // What is known without rendering, or in too little time.
-static void format_planned( const TuneReport* r, char text[RF_VERDICT_SIZE] )
+static void format_planned( const Job* r, char text[RF_VERDICT_SIZE] )
 {
     const RfPlanRow* row = auto_row( r );
-    const RfEstimator* estimator = r->options->render.settings.estimator;
+    const RfEstimator* estimator = r->options.render.settings.estimator;
     char name[64], span[32], rest[112] = "; time and noise: --budget 20";
-    rf_format_span( r->tune->needed, span, sizeof span );
-    if ( r->options->budget > 0.0 )
+    rf_format_span( r->tune.needed, span, sizeof span );
+    if ( r->options.budget > 0.0 )
         snprintf( rest, sizeof rest, "; time and noise not known within the budget: needs about %s", span );
     if ( row == NULL )
     {
         snprintf( text, RF_VERDICT_SIZE, "no group with this tile fits in memory\n%s", rest + 2 );
         return;
     }
-    rf_format_reuse( row->eyes, &r->options->render.settings.tile, name, sizeof name );
-    int used = snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s\n", rf_has_groups( estimator ) ? "group" : "estimator",
-                         rf_has_groups( estimator ) ? "auto" : rf_estimator_name( estimator ), name );
-    used += format_shot( r, row->spp, text + used, RF_VERDICT_SIZE - (size_t)used );
-    snprintf( text + used, RF_VERDICT_SIZE - (size_t)used, "%s%.0f MiB beyond the scene%s",
-              at_most( &r->options->render.settings ) ? "at most " : "", ceil( fit_mib( &row->fit ) ), rest );
+    rf_format_reuse( row->eyes, &r->options.render.settings.tile, name, sizeof name );
+    snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s\n", rf_has_groups( estimator ) ? "group" : "estimator",
+              rf_has_groups( estimator ) ? "auto" : rf_estimator_name( estimator ), name );
+    append_shot( r, row->spp, text );
+    rf_append( text, RF_VERDICT_SIZE, "%s%.0f MiB beyond the scene%s", at_most( &r->options.render.settings ) ? "at most " : "",
+               ceil( fit_mib( &row->fit ) ), rest );
 }
 
 // "about 11 min, 419 MiB beyond the scene, about 7.1 % noise (relMSE 0.015)".
-static void format_promise( const TuneReport* r, const RfTuneRow* row, char* text, size_t size )
+static void append_promise( const Job* r, const RfTuneRow* row, char* text, size_t size )
 {
     char all[32], noise[RF_NOISE_TEXT_SIZE];
     bool known = rf_is_known( &row->error );
     double relmse = known ? row->relmse : row->error.low;
     rf_format_span( row->seconds, all, sizeof all );
     rf_format_noise( relmse, noise );
-    int used = snprintf( text, size, "%s %s, %.0f MiB beyond the scene",
-                         at_most( &r->options->render.settings ) ? "at most" : "about", all, ceil( fit_mib( &row->fit ) ) );
+    rf_append( text, size, "%s %s, %.0f MiB beyond the scene", at_most( &r->options.render.settings ) ? "at most" : "about", all,
+               ceil( fit_mib( &row->fit ) ) );
     if ( isfinite( relmse ) )
-        used += snprintf( text + used, size - (size_t)used, ", %s %s noise (relMSE %.2g)", known ? "about" : "at least", noise,
-                          relmse );
-    if ( r->tune->goal == RF_TUNE_FLICKER )
-        snprintf( text + used, size - (size_t)used, ", F1 about %.2g", row->f1 );
+        rf_append( text, size, ", %s %s noise (relMSE %.2g)", known ? "about" : "at least", noise, relmse );
+    if ( r->tune.goal == RF_TUNE_FLICKER )
+        rf_append( text, size, ", F1 about %.2g", row->f1 );
 }
 
 // Two lines: the best setting and what it is worth, and what the render takes with it.
-static void format_verdict( const TuneReport* r, char text[RF_VERDICT_SIZE] )
+static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
 {
-    if ( r->tune->chosen < 0 )
+    if ( r->tune.chosen < 0 )
     {
         format_planned( r, text );
         return;
     }
-    const RfTuneRow* row = r->tune->rows + r->tune->chosen;
+    const RfTuneRow* row = r->tune.rows + r->tune.chosen;
     char name[64], gain[160];
-    bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE, flicker = r->tune->goal == RF_TUNE_FLICKER;
+    bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE, flicker = r->tune.goal == RF_TUNE_FLICKER;
     rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
     snprintf( gain, sizeof gain, "no group or tile is known to be faster at equal %s", flicker ? "flicker" : "noise" );
     if ( reuse && flicker )
         rf_tell_flicker_gain( &row->gain, gain, sizeof gain );
     else if ( reuse )
-        rf_format_gain( &row->gain, r->tune->seconds, gain, sizeof gain );
-    int used = snprintf( text, RF_VERDICT_SIZE, "best: %s, %s\n", name, gain );
-    used += format_shot( r, row->spp, text + used, RF_VERDICT_SIZE - (size_t)used );
-    format_promise( r, row, text + used, RF_VERDICT_SIZE - (size_t)used );
+        rf_format_gain( &row->gain, r->tune.seconds, gain, sizeof gain );
+    snprintf( text, RF_VERDICT_SIZE, "best: %s, %s\n", name, gain );
+    append_shot( r, row->spp, text );
+    append_promise( r, row, text, RF_VERDICT_SIZE );
 }
 
 // What a render without --group and --tile takes, where that is not the best.
-static void print_default( const TuneReport* r )
+static void print_default( const Job* r )
 {
-    for ( int i = 0; i < r->tune->count; ++i )
+    for ( int i = 0; i < r->tune.count; ++i )
     {
-        const RfTuneRow* row = r->tune->rows + i;
-        char name[64], promise[256];
+        const RfTuneRow* row = r->tune.rows + i;
+        char name[64], promise[256] = "";
         if ( !row->usual || row->rounds == 0 || row->chosen )
             continue;
         rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
-        format_promise( r, row, promise, sizeof promise );
+        append_promise( r, row, promise, sizeof promise );
         printf( "--group auto: %s, %s\n", name, promise );
     }
 }
 
-static void print_tune( const TuneReport* r )
+static void print_tune( const Job* r )
 {
     char verdict[RF_VERDICT_SIZE];
     format_verdict( r, verdict );
     printf( "%s\n\n", verdict );
     print_groups( r );
-    if ( r->tune->chosen >= 0 )
+    if ( r->tune.chosen >= 0 )
     {
         print_rows( r );
         print_default( r );
@@ -253,8 +256,8 @@ static void print_tune( const TuneReport* r )
     rf_print_split_costs( &r->split );
     if ( r->command != NULL )
         printf( "* best:\n%s\n", r->command );
-    if ( r->ranges->list != NULL )
-        rf_print_ranges( r->ranges );
+    if ( r->ranges.list != NULL )
+        rf_print_ranges( &r->ranges );
 }
 
 static json_t* memory_json( int group, int eyes, const RfTile* tile, int spp, const RfMemoryFit* fit, const char* excluded )
@@ -270,45 +273,41 @@ static json_t* memory_json( int group, int eyes, const RfTile* tile, int spp, co
 static json_t* group_json( const RfPlanRow* row, const RfTile* tile )
 {
     json_t* json = memory_json( row->group, row->eyes, tile, row->spp, &row->fit, row->excluded );
-    json_t* rays = json_pack( "{s:o, s:o, s:o, s:o, s:o}", "primary", rf_json_number( row->rays_primary ), "path",
-                              rf_json_number( row->rays_path ), "shadow", rf_json_number( row->rays_shadow ), "tile",
-                              rf_json_number( row->rays_tile ), "eye", rf_json_number( row->rays_eye ) );
-    json_t* more = json_pack( "{s:o, s:o, s:o, s:b}", "rays", rays, "reach", rf_json_number( row->reach ), "predicted_gain",
-                              rf_json_number( row->gain ), "chosen", row->chosen );
-    json_object_update( json, more );
-    json_decref( more );
+    json_object_set_new( json, "rays",
+                         RF_SET_FIGURES( json_object(), { "primary", row->rays_primary }, { "path", row->rays_path },
+                                         { "shadow", row->rays_shadow }, { "tile", row->rays_tile }, { "eye", row->rays_eye } ) );
+    RF_SET_FIGURES( json, { "reach", row->reach }, { "predicted_gain", row->gain } );
+    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
     return json;
 }
 
 static json_t* row_json( const RfTuneRow* row )
 {
     json_t* json = memory_json( row->group, row->eyes, &row->tile, row->spp, &row->fit, row->excluded );
-    json_t* more =
-        json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:b, s:b}", "predicted_gain",
-                   rf_json_number( row->predicted_gain ), "seconds", rf_json_number( row->seconds ), "cpu_seconds",
-                   rf_json_number( row->cpu_seconds ), "relmse", rf_json_number( row->relmse ), "relmse_low",
-                   rf_json_number( row->error.low ), "relmse_high", rf_json_number( row->error.high ), "flicker",
-                   rf_json_number( row->f1 ), "phi", rf_json_number( row->phi ), "efficiency", rf_json_number( row->efficiency ),
-                   "gain", rf_json_number( row->gain.value ), "gain_low", rf_json_number( row->gain.low ), "gain_high",
-                   rf_json_number( row->gain.high ), "rounds", row->rounds, "default", row->usual, "chosen", row->chosen );
-    json_object_update( json, more );
-    json_decref( more );
+    RF_SET_FIGURES( json, { "predicted_gain", row->predicted_gain }, { "seconds", row->seconds },
+                    { "cpu_seconds", row->cpu_seconds }, { "relmse", row->relmse }, { "relmse_low", row->error.low },
+                    { "relmse_high", row->error.high }, { "flicker", row->f1 }, { "phi", row->phi },
+                    { "efficiency", row->efficiency }, { "gain", row->gain.value }, { "gain_low", row->gain.low },
+                    { "gain_high", row->gain.high } );
+    json_object_set_new( json, "rounds", json_integer( row->rounds ) );
+    json_object_set_new( json, "default", json_boolean( row->usual ) );
+    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
     return json;
 }
 
-static json_t* tune_json( const TuneReport* r )
+static json_t* tune_json( const Job* r )
 {
-    const RfPlan* plan = r->plan;
-    const RfRenderSettings* settings = &r->options->render.settings;
-    RfSize size = r->options->render.size;
+    const RfPlan* plan = &r->plan;
+    const RfRenderSettings* settings = &r->options.render.settings;
+    RfSize size = r->options.render.size;
     json_t *groups = json_array(), *rows = json_array(), *rounds = json_array();
     for ( int i = 0; i < plan->count; ++i )
         json_array_append_new( groups, group_json( plan->rows + i, &settings->tile ) );
-    for ( int i = 0; i < r->tune->count; ++i )
-        json_array_append_new( rows, row_json( r->tune->rows + i ) );
-    for ( int i = 0; i < r->tune->round_count; ++i )
+    for ( int i = 0; i < r->tune.count; ++i )
+        json_array_append_new( rows, row_json( r->tune.rows + i ) );
+    for ( int i = 0; i < r->tune.round_count; ++i )
     {
-        const RfTuneRound* round = r->tune->rounds + i;
+        const RfTuneRound* round = r->tune.rounds + i;
         json_array_append_new( rounds, json_pack( "{s:i, s:i, s:f, s:i, s:i}", "width", size.width, "height", size.height,
                                                   "pixels", round->pixels, "places", round->regions, "passes", round->passes ) );
     }
@@ -316,16 +315,16 @@ static json_t* tune_json( const TuneReport* r )
                                 (json_int_t)plan->bytes_glossy, "glossy_share", plan->glossy_share );
     char verdict[RF_VERDICT_SIZE];
     format_verdict( r, verdict );
-    json_t* json = json_pack( "{s:s, s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict,
-                              "goal", r->tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise", "groups", groups, "rows", rows,
-                              "rounds", rounds, "why", plan->why, "adaptive_mode", rf_adaptive_name( plan->adaptive ), "at_most",
-                              at_most( settings ), "bytes_record", record, "seconds", r->tune->seconds, "budget",
-                              r->options->budget, "frames", r->frames, "width", size.width, "height", size.height, "command",
-                              r->command != NULL ? rf_json_text( r->command ) : json_null() );
-    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->beyond_depth ) );
+    json_t* json =
+        json_pack( "{s:s, s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "goal",
+                   r->tune.goal == RF_TUNE_FLICKER ? "flicker" : "noise", "groups", groups, "rows", rows, "rounds", rounds, "why",
+                   plan->why, "adaptive_mode", rf_adaptive_name( plan->adaptive ), "at_most", at_most( settings ), "bytes_record",
+                   record, "seconds", r->tune.seconds, "budget", r->options.budget, "frames", r->shot.frame_count, "width",
+                   size.width, "height", size.height, "command", r->command != NULL ? rf_json_text( r->command ) : json_null() );
+    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->shot.beyond_depth ) );
     json_object_set_new( json, "split_light", rf_split_costs_json( &r->split ) );
-    if ( r->ranges->list != NULL )
-        json_object_set_new( json, "nodes", rf_ranges_json( r->ranges ) );
+    if ( r->ranges.list != NULL )
+        json_object_set_new( json, "nodes", rf_ranges_json( &r->ranges ) );
     return json;
 }
 
@@ -370,16 +369,16 @@ static void collect( const RfTune* tune, Curves* c )
     }
 }
 
-static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError* error )
+static RfResult write_tune_plot( const Job* r, const char* path, RfError* error )
 {
-    const RfTune* tune = r->tune;
+    const RfTune* tune = &r->tune;
     Curves curves = { 0 };
     collect( tune, &curves );
     char subtitle[512], note[64] = "", tile[RF_TILE_NAME_SIZE];
-    const RfRenderOptions* o = &r->options->render;
+    const RfRenderOptions* o = &r->options.render;
     const char* slash = strrchr( o->scene, '/' );
     snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d, %d frames; numbers are the group's half-width N",
-              slash != NULL ? slash + 1 : o->scene, o->size.width, o->size.height, r->frames );
+              slash != NULL ? slash + 1 : o->scene, o->size.width, o->size.height, r->shot.frame_count );
     RfPlot plot = { .title = "Efficiency against memory",
                     .subtitle = subtitle,
                     .series = curves.series,
@@ -406,26 +405,18 @@ static RfResult write_tune_plot( const TuneReport* r, const char* path, RfError*
 static const char* const s_goals[] = { "noise", "flicker", NULL }; // in the order of RfTuneGoal
 static const char* const s_files[] = { "SCENE" };
 static TuneOptions s_parsed; // the table points here
-static const char* s_scene;
 static bool s_group_given;
 
 static const RfOption s_options[] = {
     RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
     RF_LENS_OPTIONS( s_parsed.render ),
     RF_MOVEMENT_OPTIONS( s_parsed.render ),
-    { .name = "budget",
-      .type = RF_OPTION_TIME,
-      .value = &s_parsed.budget,
-      .min = 0.0,
-      .max = 1e6,
-      .meta = "T",
-      .help = "time to spend, in seconds or as 5m: more time tries more settings and narrows the intervals; 0: no renders, only "
-              "the table of groups" },
-    { .name = "goal",
-      .type = RF_OPTION_CHOICE,
-      .value = &s_parsed.goal,
-      .choices = s_goals,
-      .help = "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" },
+    RF_TIME_OPTION(
+        "budget", &s_parsed.budget, 0.0, 1e6, "T",
+        "time to spend, in seconds or as 5m: more time tries more settings and narrows the intervals; 0: no renders, only "
+        "the table of groups" ),
+    RF_CHOICE_OPTION( "goal", &s_parsed.goal, s_goals,
+                      "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" ),
     RF_STOP_OPTIONS( s_parsed.render,
                      "of a render that stops at this relMSE, or noise in percent: its memory; time and rays are upper limits, "
                      "cost --noise predicts them",
@@ -439,33 +430,14 @@ static const RfOption s_options[] = {
     RF_AOV_OPTION( s_parsed.render, "additional layers, which take memory:" ),
     RF_CRYPTOMATTE_OPTION( s_parsed.render, "count the memory of Cryptomatte of these kinds:" ),
     RF_LIGHT_GROUPS_OPTION( s_parsed.render, "say what layers of light groups cost:" ),
-    { .name = "svg",
-      .writes = ".svg",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.svg,
-      .meta = "FILE",
-      .help = "plot efficiency against memory, one line per tile",
-      .heading = RF_HEADING_OUTPUT },
+    RF_TEXT_OPTION( "svg", &s_parsed.svg, "FILE", "plot efficiency against memory, one line per tile", .writes = ".svg",
+                    .heading = RF_HEADING_OUTPUT ),
     RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
-    { .name = "group",
-      .type = RF_OPTION_INT,
-      .value = &s_parsed.render.settings.group,
-      .min = 0,
-      .max = RF_MAX_GROUP,
-      .keyword = "auto",
-      .keyword_value = RF_GROUP_AUTO,
-      .meta = "N|auto",
-      .given = &s_group_given,
-      .default_text = "the scene file's, else auto",
-      .help = "group size assumed when frames are split over --nodes",
-      .heading = RF_HEADING_PERFORMANCE },
-    { .name = "tile",
-      .type = RF_OPTION_STRING,
-      .value = &s_parsed.render.tile,
-      .meta = "WxH|rooksN|1",
-      .default_text = rf_default_texts.tile,
-      .heading = RF_HEADING_PERFORMANCE,
-      .help = "tile of the table of groups; the renders try others, too" },
+    RF_INT_OPTION( "group", &s_parsed.render.settings.group, 0, RF_MAX_GROUP, "N|auto",
+                   "group size assumed when frames are split over --nodes", .keyword = "auto", .keyword_value = RF_GROUP_AUTO,
+                   .given = &s_group_given, .default_text = "the scene file's, else auto", .heading = RF_HEADING_PERFORMANCE ),
+    RF_TEXT_OPTION( "tile", &s_parsed.render.tile, "WxH|rooksN|1", "tile of the table of groups; the renders try others, too",
+                    .default_text = rf_default_texts.tile, .heading = RF_HEADING_PERFORMANCE ),
     RF_MACHINE_OPTIONS( s_parsed.render, "threads; each measures one setting at a time" ),
     RF_NODES_OPTION( s_parsed.render, "also split the frames into ranges for N machines, and report the overhead" ),
     RF_ESTIMATOR_OPTION( s_parsed.render ),
@@ -479,27 +451,23 @@ static const RfCommandTable s_table = { .command = "tune",
                                             "memory and which one --group auto takes, without rendering; then by short renders "
                                             "time, noise, flicker and gain of the settings, and the best as a command line. "
                                             "SCENE and options are those of render.",
-                                        .files = s_files,
-                                        .file_count = 1,
-                                        .options = s_options,
-                                        .option_count = sizeof s_options / sizeof s_options[0] };
+                                        RF_TABLE_ROWS( s_files, s_options ) };
 
 // Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
-// With *help set the help was asked for and nothing else is valid.
-static RfResult parse( const RfField* defaults, int argc, char** argv, TuneOptions* options, bool* help, RfError* error )
+static RfResult parse( const RfField* defaults, void* user, RfError* error )
 {
+    Job* job = user;
     s_group_given = false;
     s_parsed = ( TuneOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
     RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
     if ( result == RF_OK )
-        result = rf_parse_options( &s_table, argc, argv, &s_scene, help, error );
-    if ( result != RF_OK || *help )
+        result = rf_parse_options( &s_table, job->argc, job->argv, &s_parsed.render.scene, &job->help, error );
+    if ( result != RF_OK || job->help )
         return result;
-    s_parsed.render.scene = s_scene;
     if ( s_group_given && s_parsed.render.nodes == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "--group: needs --nodes; without it the tables have rows for each group" );
-    *options = s_parsed;
-    return rf_settle_render_options( &options->render, error );
+    job->options = s_parsed;
+    return rf_settle_render_options( &job->options.render, error );
 }
 
 static bool is_plain( const char* text )
@@ -583,53 +551,44 @@ static void print_options( FILE* file, int argc, char** argv )
     }
 }
 
+// The best setting's estimator, where another one than the default was asked for; else NULL.
+static const RfEstimator* named_estimator( const Job* job )
+{
+    const RfEstimator *usual = rf_default_render_settings().estimator, *asked = job->options.render.settings.estimator;
+    const RfTuneRow* best = job->tune.rows + job->tune.chosen;
+    return asked == usual ? NULL : best->tile.kind == RF_TILE_NONE ? usual : asked;
+}
+
 // The command line of the best settings: "reframe render SCENE -o frame.####.exr --group N
 // --tile T" and those of the user's options that `render` takes, quoted for a shell. The
-// caller frees it; NULL where memory ran out. `estimator` is named unless it is NULL.
-static char* tuned_command( int argc, char** argv, const RfEstimator* estimator, int group, const RfTile* tile )
+// caller frees it; NULL where there is no best one, or memory ran out.
+static char* tuned_command( const Job* job )
 {
-    char *text = NULL, name[24];
+    char *text = NULL, tile[RF_TILE_NAME_SIZE];
     size_t size;
-    FILE* file = open_memstream( &text, &size );
+    FILE* file = job->tune.chosen >= 0 ? open_memstream( &text, &size ) : NULL;
     if ( file == NULL )
         return NULL;
-    rf_tile_name( tile, name );
+    const char* scene = job->options.render.scene;
+    const RfTuneRow* best = job->tune.rows + job->tune.chosen;
+    const RfEstimator* estimator = named_estimator( job );
+    rf_tile_name( &best->tile, tile );
     fputs( "reframe render", file );
-    bool dash = s_scene[0] == '-';
-    if ( !dash )
-        print_word( file, s_scene );
-    fprintf( file, " -o out/frame.####.exr --group %d --tile %s", group, name );
+    if ( scene[0] != '-' )
+        print_word( file, scene );
+    fprintf( file, " -o out/frame.####.exr --group %d --tile %s", best->group, tile );
     if ( estimator != NULL )
         fprintf( file, " --estimator %s", rf_estimator_name( estimator ) );
-    print_options( file, argc, argv );
-    if ( dash )
+    print_options( file, job->argc, job->argv );
+    if ( scene[0] == '-' )
     {
         fputs( " --", file );
-        print_word( file, s_scene );
+        print_word( file, scene );
     }
     if ( fclose( file ) == 0 )
         return text;
     free( text );
     return NULL;
-}
-
-typedef struct Job
-{
-    int argc;
-    char** argv;
-    double start;
-    TuneOptions options;
-    RfLoadedShot shot; // options may point into it
-    RfPlan plan;
-    RfTune tune;
-    RfRanges ranges; // for --nodes
-} Job;
-
-static RfResult take_defaults( const RfField* defaults, void* user, RfError* error )
-{
-    Job* job = user;
-    bool help;
-    return parse( defaults, job->argc, job->argv, &job->options, &help, error );
 }
 
 static void say( void* user, const RfTune* tune, const RfTuneRound* round, int candidates )
@@ -641,53 +600,34 @@ static void say( void* user, const RfTune* tune, const RfTuneRound* round, int c
                  round->seconds );
 }
 
-// That of the best setting, where another one than the default was asked for.
-static const RfEstimator* named_estimator( const Job* job )
-{
-    const RfEstimator *usual = rf_default_render_settings().estimator, *asked = job->options.render.settings.estimator;
-    const RfTuneRow* best = job->tune.rows + job->tune.chosen;
-    if ( asked == usual )
-        return NULL;
-    return best->tile.kind == RF_TILE_NONE ? usual : asked;
-}
-
 // Of the best setting, or of what the plan chooses.
-static RfResult find_split_costs( const Job* job, RfSplitCosts* costs, RfError* error )
+static RfResult find_split_costs( Job* job, RfError* error )
 {
     RfRenderSettings asked = job->options.render.settings, settings;
     RfShot shot = rf_shot_to_render( &job->shot );
     const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
-    *costs = ( RfSplitCosts ){ 0 };
     if ( ( asked.light_groups == NULL && ( asked.aovs & RF_PASS_AOVS ) == 0 ) || ( best == NULL && job->plan.count == 0 ) )
         return RF_OK;
     asked.group = best != NULL ? best->group : job->plan.rows[job->plan.chosen].group;
     asked.tile = best != NULL ? best->tile : asked.tile;
     RfResult result = rf_resolve_settings( &shot, &asked, &settings, error );
-    return result == RF_OK ? rf_find_split_costs( &shot, &settings, best != NULL, costs, error ) : result;
+    return result == RF_OK ? rf_find_split_costs( &shot, &settings, best != NULL, &job->split, error ) : result;
 }
 
 // Reports what was found so far, also after an interruption.
 static RfResult report( Job* job, RfError* error )
 {
-    const TuneOptions* options = &job->options;
-    const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
-    char* command = best != NULL ? tuned_command( job->argc, job->argv, named_estimator( job ), best->group, &best->tile ) : NULL;
-    TuneReport r = {
-        options, &job->plan, &job->tune, command, job->shot.frame_count, &job->ranges, { 0 }, job->shot.beyond_depth
-    };
-    const char* json = options->render.json;
-    RfResult result = find_split_costs( job, &r.split, error );
+    const char *json = job->options.render.json, *svg = job->options.svg;
+    job->command = tuned_command( job );
+    RfResult result = find_split_costs( job, error );
     if ( result == RF_OK && rf_prints_text( json ) )
     {
-        print_tune( &r );
+        print_tune( job );
         result = rf_flush_output( error );
     }
-    if ( result == RF_OK && options->svg != NULL )
-        result = write_tune_plot( &r, options->svg, error );
-    if ( result == RF_OK && json != NULL )
-        result = rf_write_json( json, tune_json( &r ), error );
-    free( command );
-    return result;
+    if ( result == RF_OK && svg != NULL )
+        result = write_tune_plot( job, svg, error );
+    return result == RF_OK && json != NULL ? rf_write_json( json, tune_json( job ), error ) : result;
 }
 
 // What is known without rendering. With short renders another tile may fit where this one does not.
@@ -725,7 +665,7 @@ static RfResult search( Job* job, RfError* error )
 
 static RfResult run( Job* job, RfError* error )
 {
-    RfResult result = rf_load_shot( "tune", &job->options.render, take_defaults, job, &job->shot, error );
+    RfResult result = rf_load_shot( "tune", &job->options.render, parse, job, &job->shot, error );
     if ( result == RF_OK )
         result = make_plan( job, error );
     if ( result == RF_OK && job->options.budget > 0.0 )
@@ -746,16 +686,16 @@ static RfResult run( Job* job, RfError* error )
 int rf_command_tune( int argc, char** argv )
 {
     RfError error;
-    bool help;
     Job job = { .argc = argc, .argv = argv, .start = rf_wall_seconds(), .tune = { .chosen = -1 } };
-    RfResult result = parse( NULL, argc, argv, &job.options, &help, &error );
-    if ( result == RF_OK && help )
+    RfResult result = parse( NULL, &job, &error );
+    if ( result == RF_OK && job.help )
         result = rf_show_help( &s_table, &error );
     else if ( result == RF_OK )
     {
         rf_catch_interrupts();
         result = run( &job, &error );
     }
+    free( job.command );
     rf_free_ranges( &job.ranges );
     rf_destroy_shot( &job.shot );
     return result == RF_OK ? 0 : rf_report_error( "tune", &error );

@@ -16,14 +16,12 @@ typedef struct RfViewOptions
     bool exposure_given;
 } RfViewOptions;
 
-// clang-format off
 #define RF_VIEW_OPTIONS( options, group )                                                                                        \
-    { .name = "view", .type = RF_OPTION_STRING, .value = &( options ).view, .meta = "NAME",                                      \
-      .default_text = "the files', else standard",                                                                               \
-      .help = "view transform: standard (sRGB), filmic, agx, or one of the configuration in $OCIO", .heading = group },          \
-    { .name = "look", .type = RF_OPTION_STRING, .value = &( options ).look, .meta = "NAME", .default_text = "the files'",        \
-      .help = "look of the view, such as \"high contrast\"; none", .heading = group }
-// clang-format on
+    RF_TEXT_OPTION( "view", &( options ).view, "NAME",                                                                           \
+                    "view transform: standard (sRGB), filmic, agx, or one of the configuration in $OCIO",                        \
+                    .default_text = "the files', else standard", .heading = group ),                                             \
+        RF_TEXT_OPTION( "look", &( options ).look, "NAME", "look of the view, such as \"high contrast\"; none",                  \
+                        .default_text = "the files'", .heading = group )
 
 // Opens the view of frames with a header like that of the file `path`, and says which it is. A view that is given drops the files' look.
 // Where the files name one that is not here, the sRGB curve takes its place, with a warning; one that is asked for is an error. The

@@ -1,0 +1,137 @@
+// The tasks of a round of trials on several threads, until the deadline.
+#include "measure/trial_runs.h"
+
+#include "base/random.h"
+#include "base/system.h"
+#include "trace/trace.h"
+
+#include <stdlib.h>
+
+static bool may_go_on( const RfTrialWatch* watch )
+{
+    return watch == NULL || watch->should_continue == NULL || watch->should_continue( watch->user );
+}
+
+static bool should_continue( void* user )
+{
+    RfTrialRuns* runs = user;
+    if ( ( runs->deadline > 0.0 && rf_wall_seconds() > runs->deadline ) || !may_go_on( runs->watch ) )
+        atomic_store( &runs->stop, true );
+    return !atomic_load( &runs->stop );
+}
+
+bool rf_is_late( const RfTrialRuns* runs, RfResult result ) { return result == RF_ERROR_INTERRUPTED && may_go_on( runs->watch ); }
+
+static RfResult make_region( RfTrialRuns* runs, int index, RfError* error )
+{
+    RfRenderSettings settings = runs->pilot;
+    settings.seed = rf_mix64( settings.seed ^ (uint64_t)( runs->first + index ) );
+    return rf_create_test_region( &runs->shot, &runs->stopper, runs->sites + index, &settings, runs->regions + index, error );
+}
+
+static RfResult run_trial( RfTrialRuns* runs, int index, RfError* error )
+{
+    int region = index / runs->row_count;
+    const RfTrialRow* row = runs->rows + index % runs->row_count;
+    RfRenderSettings settings = row->settings;
+    settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( runs->first + region ) ) );
+    RfResult result = rf_run_trial( runs->regions + region, row->groups, row->passes, &settings, runs->trials + index, error );
+    runs->done[index] = result == RF_OK;
+    return result;
+}
+
+// The first failure stops all; a deadline is the least of failures.
+static RfResult run_tasks( RfTrialRuns* runs, int count, RfResult ( *task )( RfTrialRuns* runs, int index, RfError* error ),
+                           RfError* error )
+{
+    RfResult first = RF_OK;
+    atomic_store( &runs->stop, false );
+#pragma omp parallel for schedule( dynamic, 1 ) num_threads( runs->workers )
+    for ( int i = 0; i < count; ++i )
+    {
+        RfError failure = { 0 };
+        if ( atomic_load( &runs->stop ) )
+            continue;
+        rf_set_float_mode();
+        RfResult result = task( runs, i, &failure );
+        if ( result == RF_OK )
+            continue;
+        atomic_store( &runs->stop, true );
+#pragma omp critical
+        if ( first == RF_OK || first == RF_ERROR_INTERRUPTED )
+        {
+            first = result;
+            *error = failure;
+        }
+    }
+    return first;
+}
+
+static RfResult fail_memory( RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
+}
+
+static void free_trials( RfTrialRuns* runs )
+{
+    free( runs->trials );
+    free( runs->done );
+    runs->trials = NULL;
+    runs->done = NULL;
+    runs->row_count = 0;
+}
+
+void rf_end_trial_runs( RfTrialRuns* runs )
+{
+    for ( int i = 0; i < runs->region_count; ++i )
+        rf_destroy_test_region( runs->regions + i );
+    free( runs->regions );
+    runs->regions = NULL;
+    runs->region_count = 0;
+    free_trials( runs );
+}
+
+RfResult rf_make_trial_regions( RfTrialRuns* runs, const RfTestSite* sites, int count, RfError* error )
+{
+    rf_end_trial_runs( runs );
+    runs->regions = calloc( (size_t)count, sizeof *runs->regions );
+    if ( runs->regions == NULL )
+        return fail_memory( error );
+    runs->region_count = count;
+    runs->sites = sites;
+    runs->stopper = ( RfTrialWatch ){ should_continue, runs };
+    return run_tasks( runs, count, make_region, error );
+}
+
+RfResult rf_run_trials( RfTrialRuns* runs, const RfTrialRow* rows, int count, RfError* error )
+{
+    size_t trials = (size_t)runs->region_count * (size_t)count;
+    free_trials( runs );
+    runs->trials = calloc( trials, sizeof *runs->trials );
+    runs->done = calloc( trials, sizeof *runs->done );
+    if ( runs->trials == NULL || runs->done == NULL )
+        return fail_memory( error );
+    runs->rows = rows;
+    runs->row_count = count;
+    return run_tasks( runs, (int)trials, run_trial, error );
+}
+
+double rf_trial_runs_seconds( const RfTrialRuns* runs )
+{
+    double cpu = 0.0;
+    for ( int i = 0; i < runs->region_count; ++i )
+        cpu += runs->regions[i].seconds;
+    for ( int i = 0; i < runs->region_count * runs->row_count; ++i )
+    {
+        const RfTrial* trial = runs->trials + i;
+        if ( trial->timed_samples > 0.0 )
+            cpu += rf_trial_sample_seconds( trial ) * trial->samples;
+    }
+    return cpu;
+}
+
+int rf_trial_workers( size_t memory, const RfMemoryFit* fit, int most )
+{
+    size_t room = memory / ( 2 * ( fit->bytes_films + fit->bytes_hits + fit->bytes_lists ) + 1 );
+    return room < 1 ? 1 : room < (size_t)most ? (int)room : most;
+}
