@@ -1,6 +1,7 @@
 // Scenes of meshes that are placed give the pictures that they give in world space, at the same seed: all but a few pixels, whose
 // paths part where a rounding decides.
 #include "support/placed_scenes.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
 
@@ -12,8 +13,6 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include <cmocka.h>
 
@@ -21,23 +20,6 @@
 #define WIDTH 40
 #define HEIGHT 30
 #define PIXELS ( WIDTH * HEIGHT )
-
-// The middle frame of the path.
-static void render( const RfScene* scene, const RfEye* eyes, const RfRenderSettings* settings, KeptPicture* p )
-{
-    int frame = EYES / 2;
-    RfTracer* tracer = make_tracer( scene );
-    render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, settings, p );
-    rf_destroy_tracer( tracer );
-}
-
-static double mean_of( const float* a, int count )
-{
-    double sum = 0.0;
-    for ( int i = 0; i < count; ++i )
-        sum += (double)a[i];
-    return sum / count;
-}
 
 typedef RfScene MakeRoom( void );
 
@@ -103,41 +85,34 @@ static void turn_eye( RfEye* eye )
 
 static void check_case( const Case* c, const char* mode, const RfRenderSettings* settings )
 {
-    static KeptPicture pictures[2];
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    for ( int i = 0; i < EYES; ++i )
-        turn_eye( eyes + i );
+    Stage stages[2];
+    const RfFrameResult* pictures[2];
     for ( int k = 0; k < 2; ++k )
     {
-        RfScene scene = c->make();
-        turn_scene( &scene );
-        place_scene( &scene, c->kind, 4, c->mirrors );
+        Stage* stage = stages + k;
+        open_stage( stage, c->make(), EYES, 3.0f, WIDTH, HEIGHT );
+        for ( int i = 0; i < EYES; ++i )
+            turn_eye( stage->eyes + i );
+        turn_scene( &stage->scene );
+        place_scene( &stage->scene, c->kind, 4, c->mirrors );
         if ( k == 1 )
-            flatten_scene( &scene );
-        render( &scene, eyes, settings, pictures + k );
-        rf_destroy_scene( &scene );
+            flatten_scene( &stage->scene );
+        pictures[k] = render_one( stage, EYES / 2, settings );
     }
-    double others = share_of_others( pictures[0].rgb, pictures[1].rgb, 3 * PIXELS );
-    double a = mean_of( pictures[0].rgb, 3 * PIXELS ), b = mean_of( pictures[1].rgb, 3 * PIXELS );
+    double others = share_of_others( pictures[0]->rgb, pictures[1]->rgb, 3 * PIXELS );
+    double a = mean_value( pictures[0]->rgb, 3 * PIXELS ), b = mean_value( pictures[1]->rgb, 3 * PIXELS );
     printf( "%s, %s: %.2f %% of the values differ, the mean by %.2g\n", c->name, mode, 100.0 * others, fabs( a / b - 1.0 ) );
     assert_true( b > 0.0 );
     assert_true( others <= c->others );
     assert_true( fabs( a / b - 1.0 ) < ( c->others < 1.0 ? 0.001 : 0.03 ) );
-    for ( int k = 0; k < RF_AOV_COUNT; ++k )
-    {
-        if ( pictures[0].channels[k] == 0 )
-            continue;
-        double share = share_of_others( pictures[0].aov[k], pictures[1].aov[k], pictures[0].channels[k] * PIXELS );
-        if ( share > 0.02 )
-            fail_msg( "%s: AOV %s differs in %.2f %% of its values", c->name, rf_aov_name( (RfAov)k ), 100.0 * share );
-    }
+    expect_like_aovs( c->name, pictures[0], pictures[1], 0.02 );
+    close_stage( stages );
+    close_stage( stages + 1 );
 }
 
 static RfRenderSettings settings_of( int group, const char* tile )
 {
-    RfRenderSettings settings = small_settings( group, 7 );
-    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    RfRenderSettings settings = tiled_settings( group, 7, tile );
     settings.adaptive = RF_ADAPTIVE_OFF;
     return settings;
 }

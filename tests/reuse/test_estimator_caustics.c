@@ -1,5 +1,6 @@
 // Caustics that are left out: the picture is that of an independent reference without them, and with the light taken out that of
 // one with them, whatever throws them, lights them and reuses paths.
+#include "support/render_one.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
 #include "support/unbiased.h"
@@ -46,42 +47,38 @@ typedef struct Parts
     double removed; // mean
 } Parts;
 
-static Parts render_parts( const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings )
+static Parts render_parts( Stage* stage, RfRenderSettings settings )
 {
-    static KeptPicture kept;
-    const int frame = 1;
     Parts parts = { .picture = { WIDTH, HEIGHT, SEEDS, { NULL } }, .sum = { WIDTH, HEIGHT, SEEDS, { NULL } } };
     settings.spp *= suite_samples();
     for ( int k = 0; k < SEEDS; ++k )
     {
         settings.seed = suite_seed() + (uint64_t)k + 1;
-        render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &kept );
-        parts.picture.rgb[k] = copy_floats( kept.rgb, VALUES );
-        parts.sum.rgb[k] = copy_floats( kept.rgb, VALUES );
+        const RfFrameResult* kept = render_one( stage, 1, &settings );
+        const float* removed = kept->aovs[RF_AOV_REMOVED];
+        parts.picture.rgb[k] = copy_floats( kept->rgb, VALUES );
+        parts.sum.rgb[k] = copy_floats( kept->rgb, VALUES );
         for ( int i = 0; i < VALUES; ++i )
-        {
-            parts.sum.rgb[k][i] += kept.aov[RF_AOV_REMOVED][i];
-            parts.removed += (double)kept.aov[RF_AOV_REMOVED][i] / ( VALUES * SEEDS );
-        }
+            parts.sum.rgb[k][i] += removed[i];
+        parts.removed += mean_value( removed, VALUES ) / SEEDS;
     }
     return parts;
 }
 
 static void check( const char* what, RfScene scene, const RfEye* given, int count, const Reuse* reuse )
 {
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    memcpy( eyes, given != NULL ? given : eyes, sizeof eyes );
-    assert_int_equal( rf_choose_effects( &scene, 0, CAUSTICS, NULL ), RF_OK );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
+    open_stage( &stage, scene, EYES, 4.0f, WIDTH, HEIGHT );
+    memcpy( stage.eyes, given != NULL ? given : stage.eyes, EYES * sizeof *given );
+    assert_int_equal( rf_choose_effects( &stage.scene, 0, CAUSTICS, NULL ), RF_OK );
     RfRenderSettings settings = settings_of( reuse[0], 6 );
-    Images whole = reference_images( tracer, eyes, 1, REFERENCE_SPP, &settings );
-    Images without = caustic_free_images( tracer, eyes, 1, REFERENCE_SPP, &settings );
+    Images whole = reference_images( stage_tracer( &stage ), stage.eyes, 1, REFERENCE_SPP, &settings );
+    Images without = caustic_free_images( stage_tracer( &stage ), stage.eyes, 1, REFERENCE_SPP, &settings );
     for ( int k = 0; k < count; ++k )
     {
         char name[100];
         settings = settings_of( reuse[k], reuse[k].group > 0 ? 9 : 6 );
-        Parts parts = render_parts( tracer, eyes, settings );
+        Parts parts = render_parts( &stage, settings );
         assert_true( parts.removed > 0.0 );
         snprintf( name, sizeof name, "%s, %d:%s, sum", what, reuse[k].group, reuse[k].tile );
         assert_unbiased( name, &parts.sum, &whole, 4 );
@@ -93,8 +90,7 @@ static void check( const char* what, RfScene scene, const RfEye* given, int coun
     }
     free_images( &whole );
     free_images( &without );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
 static const Reuse s_all[] = {
