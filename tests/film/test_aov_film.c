@@ -5,15 +5,11 @@
 #include "support/filter_reference.h"
 #include "support/render_one.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Those of the estimator of frames and tiles, with a clamp.
 #define REUSE_AOVS ( RF_ALL_AOVS & ~RF_GRADIENT_AOVS )
@@ -61,9 +57,8 @@ static void assert_all( const float* values, int channels, int channel, double w
 }
 
 // A camera before a wall that moves right and up and steps back.
-static void test_moving_wall_by_hand( void** state )
+TEST( test_moving_wall_by_hand )
 {
-    (void)state;
     Stage stage;
     RfVec3 ahead = rf_vec3( 0, 0, -1 );
     RfEye eyes[3] = { look( rf_vec3( -0.1f, 0, 0 ), ahead ), look( rf_vec3( 0, 0, 0 ), ahead ),
@@ -102,9 +97,8 @@ static void test_moving_wall_by_hand( void** state )
 }
 
 // The depth of an orthographic camera is that along the view, of a panorama the distance; motion at the seam is the short way.
-static void test_other_projections_by_hand( void** state )
+TEST( test_other_projections_by_hand )
 {
-    (void)state;
     Stage stage;
     RfRenderSettings settings = layered( 0, 5 );
     RfVec3 ahead = rf_vec3( 0, 0, -1 ), up = rf_vec3( 0, 1, 0 );
@@ -134,9 +128,8 @@ static void test_other_projections_by_hand( void** state )
 }
 
 // Pixels that the wall covers in part, and pixels where nothing is.
-static void test_edges_and_empty_pixels( void** state )
+TEST( test_edges_and_empty_pixels )
 {
-    (void)state;
     Stage stage;
     float angle = 0.02f;
     RfEye eyes[2] = { look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) ),
@@ -186,9 +179,8 @@ static void test_edges_and_empty_pixels( void** state )
 }
 
 // Albedo and normal have the filter of the colour, depth and motion do not.
-static void test_an_edge_has_the_pixel_filter( void** state )
+TEST( test_an_edge_has_the_pixel_filter )
 {
-    (void)state;
     Stage stage;
     RfEye eyes[2] = { look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) ), look( rf_vec3( 0.1f, 0, 0 ), rf_vec3( 0, 0, -1 ) ) };
     open_stage_before( &stage, make_wall( 0.013f, make_lambert( 0.5f, 0.25f, 0.5f ) ), eyes, 2 );
@@ -216,9 +208,8 @@ static void test_an_edge_has_the_pixel_filter( void** state )
     close_stage( &stage );
 }
 
-static void test_albedo_of_materials( void** state )
+TEST( test_albedo_of_materials )
 {
-    (void)state;
     RfMaterial cloth = make_plastic( 0.6f, 0.25f );
     cloth.kind = RF_BSDF_SHEEN;
     cloth.sheen = rf_vec3( 0.5f, 1.0f, 0.0f );
@@ -241,9 +232,8 @@ static void test_albedo_of_materials( void** state )
 #define EYES 7
 
 // Under a film: its colours, over what passes the brightest of them; of a mirror as well.
-static void test_albedo_of_films( void** state )
+TEST( test_albedo_of_films )
 {
-    (void)state;
     RfMaterial plastic = make_plastic( 1.0f, 0.25f ), mirror = make_metal( 0.9f, 0.3f );
     plastic.kind = RF_BSDF_IRIDESCENT;
     mirror.kind = RF_BSDF_SPECTRAL;
@@ -273,9 +263,8 @@ static void test_albedo_of_films( void** state )
     }
 }
 
-static void test_samples_are_counted( void** state )
+TEST( test_samples_are_counted )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_room( ROOM_GGX ), EYES, 4.0f, WIDTH, HEIGHT );
     for ( int group = 0; group <= 2; ++group )
@@ -356,17 +345,15 @@ static void check_variance( RoomKind kind, int group )
     close_stage( &stage );
 }
 
-static void test_variance_is_the_true_one( void** state )
+TEST( test_variance_is_the_true_one )
 {
-    (void)state;
     check_variance( ROOM_DIFFUSE, 0 );
     check_variance( ROOM_DIFFUSE, 1 );
     check_variance( ROOM_PHONG, 2 );
 }
 
-static void test_same_bits_however_the_frames_come_about( void** state )
+TEST( test_same_bits_however_the_frames_come_about )
 {
-    (void)state;
     static const int groups[] = { 0, 1, 20 };
     Stage stage;
     open_stage( &stage, make_room( ROOM_GGX ), EYES, 4.0f, WIDTH, HEIGHT );
@@ -407,9 +394,8 @@ static void test_same_bits_however_the_frames_come_about( void** state )
 
 // Each AOV alone is what it is among all of them, and none is empty: so a new row of RF_AOV_LIST that
 // nothing fills is found.
-static void test_each_alone_is_as_among_all( void** state )
+TEST( test_each_alone_is_as_among_all )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_glass_room(), 3, 4.0f, 24, 18 );
     RfScene* scene = &stage.scene;
@@ -436,9 +422,8 @@ static void test_each_alone_is_as_among_all( void** state )
     close_stage( &stage );
 }
 
-static void test_budget_counts_aov_films( void** state )
+TEST( test_budget_counts_aov_films )
 {
-    (void)state;
     Stage stage;
     RfError error;
     open_stage( &stage, make_room( ROOM_DIFFUSE ), EYES, 4.0f, WIDTH, HEIGHT );
@@ -471,22 +456,4 @@ static void test_budget_counts_aov_films( void** state )
     assert_int_equal( rf_render( &( RfShot ){ stage.tracer, stage.eyes, EYES, &( int ){ 0 }, 1 }, &settings, NULL, NULL, &error ),
                       RF_ERROR_USAGE );
     close_stage( &stage );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_moving_wall_by_hand ),
-        cmocka_unit_test( test_other_projections_by_hand ),
-        cmocka_unit_test( test_edges_and_empty_pixels ),
-        cmocka_unit_test( test_an_edge_has_the_pixel_filter ),
-        cmocka_unit_test( test_albedo_of_materials ),
-        cmocka_unit_test( test_albedo_of_films ),
-        cmocka_unit_test( test_samples_are_counted ),
-        cmocka_unit_test( test_variance_is_the_true_one ),
-        cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
-        cmocka_unit_test( test_budget_counts_aov_films ),
-        cmocka_unit_test( test_each_alone_is_as_among_all ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

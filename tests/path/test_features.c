@@ -3,15 +3,11 @@
 #include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 16
@@ -67,9 +63,8 @@ static RfVec3 direction_of( const RfEye* eye, int i )
 
 // By a mirror and by a metal as smooth: its reflectance times the wall behind the camera, whose normal it shows; with panes before
 // it, several frames and another filter it is the same.
-static void test_mirrors_show_what_they_reflect( void** state )
+TEST( test_mirrors_show_what_they_reflect )
 {
-    (void)state;
     RfMaterial metal = make_metal( 0.9f, 0.05f );
     for ( int k = 0; k < 4; ++k )
     {
@@ -96,9 +91,8 @@ static void test_mirrors_show_what_they_reflect( void** state )
 
 // A pane at 60 degrees between a dark wall that it reflects and a bright one behind it: both, blended by Fresnel's equations, in
 // every pass alike. The picture's own choice would have a standard deviation of 0.2 per sample.
-static void test_panes_blend_what_they_show( void** state )
+TEST( test_panes_blend_what_they_show )
 {
-    (void)state;
     RfMaterial tinted = make_glass( 1.5f, 0.0f, true );
     tinted.tint = rf_vec3( 1.0f, 0.5f, 0.25f );
     RfVec3 n = rf_vec3( 0.8660254f, 0, 0.5f ), along = rf_vec3( -0.5f, 0, 0.8660254f ), up = rf_vec3( 0, 9, 0 );
@@ -132,9 +126,8 @@ static void test_panes_blend_what_they_show( void** state )
 }
 
 // Bodies of glass, mirrors and panes that lose nothing show an even sky as it is.
-static void test_an_even_sky_is_one( void** state )
+TEST( test_an_even_sky_is_one )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     uint32_t glass = add_material( &b, make_glass( 1.5f, 0.0f, false ) ),
              pane = add_material( &b, make_glass( 1.4f, 0.0f, true ) );
@@ -156,9 +149,8 @@ static void test_an_even_sky_is_one( void** state )
 
 // The sky is at most 1, whatever it shines with, and 0 where alpha leaves it out of the picture; behind glass it stays, and what
 // glass absorbs it does.
-static void test_the_sky_and_what_absorbs_it( void** state )
+TEST( test_the_sky_and_what_absorbs_it )
 {
-    (void)state;
     for ( int k = 0; k < 3; ++k )
     {
         SceneBuilder b = { 0 };
@@ -205,9 +197,8 @@ static void test_the_sky_and_what_absorbs_it( void** state )
 }
 
 // What is no mirror has its own: rough glass, coats over a base; and lamps what they emit besides.
-static void test_other_surfaces_have_their_own( void** state )
+TEST( test_other_surfaces_have_their_own )
 {
-    (void)state;
     RfMaterial lamp = make_lambert( 0.5f, 0.5f, 0.5f ), coat = make_plastic( 0.6f, 0.05f );
     lamp.emission = rf_vec3( 0.25f, 0.5f, 4.0f );
     lamp.double_sided = true;
@@ -232,9 +223,8 @@ static void test_other_surfaces_have_their_own( void** state )
 }
 
 // Two mirrors that face each other have no end, and yet a value.
-static void test_mirrors_without_end( void** state )
+TEST( test_mirrors_without_end )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     RfMaterial mirror = make_mirror( 1.0f );
     add_wall( &b, mirror, false, -2.0f );
@@ -246,17 +236,4 @@ static void test_mirrors_without_end( void** state )
     assert_true( albedo[0] == 1.0f && albedo[2] > 0.0f && albedo[2] < 0.5f );
     assert_true( fabsf( fabsf( picture->aovs[RF_AOV_DENOISE_NORMAL][3 * middle + 2] ) - 1.0f ) < 1e-5f );
     close_stage( &stage );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_mirrors_show_what_they_reflect ),
-        cmocka_unit_test( test_panes_blend_what_they_show ),
-        cmocka_unit_test( test_an_even_sky_is_one ),
-        cmocka_unit_test( test_the_sky_and_what_absorbs_it ),
-        cmocka_unit_test( test_other_surfaces_have_their_own ),
-        cmocka_unit_test( test_mirrors_without_end ),
-    };
-    return cmocka_run_group_tests_name( "features", tests, NULL, NULL );
 }

@@ -4,6 +4,7 @@
 #include "support/render_support.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include "base/random.h"
 #include "reuse/tile/tile.h"
@@ -11,14 +12,9 @@
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 32
@@ -77,9 +73,8 @@ static void check_over_sky( const char* what, Stage* stage, RfRenderSettings set
     assert_true( part > 20 );
 }
 
-static void test_over_the_sky_it_is_the_picture_without( void** state )
+TEST( test_over_the_sky_it_is_the_picture_without )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_open_scene( LIT_BY_SKY ), EYES, 0.0f, WIDTH, HEIGHT );
     open_eyes( stage.eyes, 0.2f );
@@ -162,9 +157,8 @@ static void check_mean( const char* what, Stage* stage, RfRenderSettings setting
     assert_true( part > 10 );
 }
 
-static void test_its_mean_is_what_rays_hit( void** state )
+TEST( test_its_mean_is_what_rays_hit )
 {
-    (void)state;
     Stage stage; // no sky at all: alpha is the same
     open_stage( &stage, make_open_scene( LIT_BY_LAMPS ), EYES, 0.0f, WIDTH, HEIGHT );
     open_eyes( stage.eyes, 0.2f );
@@ -227,20 +221,9 @@ static void check_sheet( const char* what, RfMaterial material, double radiance,
 }
 
 // As compositors have it unless they are reported otherwise: glass covers, and shows the sky in its colour.
-static void test_panes_and_mirrors_cover( void** state )
+TEST( test_panes_and_mirrors_cover )
 {
-    (void)state;
     check_sheet( "Lambert", make_lambert( 0.5f, 0.5f, 0.5f ), 1.0, 0.02 );
     check_sheet( "mirror", make_mirror( 0.9f ), 1.8, 0.01 );
     check_sheet( "pane", make_thin_pane( rf_vec3( 1, 1, 1 ), 0.0f ), 2.0, 0.02 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_over_the_sky_it_is_the_picture_without ),
-        cmocka_unit_test( test_its_mean_is_what_rays_hit ),
-        cmocka_unit_test( test_panes_and_mirrors_cover ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

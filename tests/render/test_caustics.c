@@ -3,13 +3,9 @@
 #include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define EYES 3
 #define WIDTH 32
@@ -45,9 +41,8 @@ static void close_both( Stage stages[2] )
 }
 
 // A lamp that a mirror shows, and all that paths of two vertices find.
-static void test_what_is_seen_stays( void** state )
+TEST( test_what_is_seen_stays )
 {
-    (void)state;
     static const MirrorRoom rooms[] = { MIRROR_BY_SIGN, MIRROR_BEHIND_BULB, LAMP_IN_GLASS, SHARP_METAL };
     for ( size_t k = 0; k < 2 * sizeof rooms / sizeof rooms[0]; ++k )
     {
@@ -63,9 +58,8 @@ static void test_what_is_seen_stays( void** state )
 }
 
 // What is taken out is spread by the pixel filter like the picture: about as much of it.
-static void test_filters_spread_what_is_taken_out( void** state )
+TEST( test_filters_spread_what_is_taken_out )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_mirror_room( FLAT_MIRROR ), EYES, 4.0f, WIDTH, HEIGHT );
     assert_int_equal( rf_choose_effects( &stage.scene, 0, CAUSTICS, NULL ), RF_OK );
@@ -79,9 +73,8 @@ static void test_filters_spread_what_is_taken_out( void** state )
 }
 
 // Where nothing throws caustics the picture has the same bits.
-static void test_nothing_to_leave_out( void** state )
+TEST( test_nothing_to_leave_out )
 {
-    (void)state;
     for ( int kind = ROOM_DIFFUSE; kind <= ROOM_PHONG; ++kind )
     {
         Stage stages[2];
@@ -92,9 +85,8 @@ static void test_nothing_to_leave_out( void** state )
     }
 }
 
-static void test_refusals( void** state )
+TEST( test_refusals )
 {
-    (void)state;
     Stage stage, diffuse;
     open_stage( &stage, make_mirror_room( FLAT_MIRROR ), EYES, 4.0f, WIDTH, HEIGHT );
     open_stage( &diffuse, make_room( ROOM_DIFFUSE ), EYES, 4.0f, WIDTH, HEIGHT );
@@ -118,9 +110,8 @@ static void test_refusals( void** state )
     close_stage( &diffuse );
 }
 
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
     Stage stage;
     open_moving_stage( &stage, "mirrors", WIDTH, HEIGHT );
     assert_int_equal( rf_choose_effects( &stage.scene, 0, CAUSTICS, NULL ), RF_OK );
@@ -131,16 +122,4 @@ static void test_what_moves( void** state )
     settings = settings_of( 0, 3 );
     expect_refused( &stage, &settings, NULL );
     close_stage( &stage );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_is_seen_stays ),
-        cmocka_unit_test( test_filters_spread_what_is_taken_out ),
-        cmocka_unit_test( test_nothing_to_leave_out ),
-        cmocka_unit_test( test_what_moves ),
-        cmocka_unit_test( test_refusals ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

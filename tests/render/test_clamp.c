@@ -4,14 +4,10 @@
 #include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 24
@@ -49,9 +45,8 @@ static void check_room( const char* what, RfScene scene, RfRenderSettings settin
     check_stage( what, &stage, settings );
 }
 
-static void test_picture_and_removed_are_the_whole( void** state )
+TEST( test_picture_and_removed_are_the_whole )
 {
-    (void)state;
     static const struct
     {
         int group;
@@ -73,9 +68,8 @@ static void test_picture_and_removed_are_the_whole( void** state )
     }
 }
 
-static void test_filters_lenses_light_paths_and_extra_samples( void** state )
+TEST( test_filters_lenses_light_paths_and_extra_samples )
 {
-    (void)state;
     Stage blurred;
     RfRenderSettings settings = tiled_settings( 2, 6, "3x3" );
     settings.filter = RF_FILTER_BLACKMAN_HARRIS;
@@ -92,9 +86,8 @@ static void test_filters_lenses_light_paths_and_extra_samples( void** state )
     check_room( "extra samples", make_room( ROOM_GGX ), settings );
 }
 
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
     static const char* const names[] = { "sweep", "mirrors", "panes", "figure" };
     for ( size_t k = 0; k < sizeof names / sizeof names[0]; ++k )
     {
@@ -106,9 +99,8 @@ static void test_what_moves( void** state )
 }
 
 // With a threshold near 0 the rest is what paths of two vertices bring.
-static void test_direct_light_stays( void** state )
+TEST( test_direct_light_stays )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_room( ROOM_GGX ), EYES, 3.0f, WIDTH, HEIGHT );
     for ( int group = 0; group < 3; group += 2 )
@@ -126,9 +118,8 @@ static void test_direct_light_stays( void** state )
     close_stage( &stage );
 }
 
-static void test_automatic_threshold( void** state )
+TEST( test_automatic_threshold )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_mirror_room( GLASS_BALL ), EYES, 3.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = tiled_settings( 1, 6, "3x3" );
@@ -164,9 +155,8 @@ static void test_automatic_threshold( void** state )
     close_stage( &stage );
 }
 
-static void test_refusals( void** state )
+TEST( test_refusals )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_room( ROOM_DIFFUSE ), EYES, 3.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = tiled_settings( 1, 6, "1" );
@@ -188,17 +178,4 @@ static void test_refusals( void** state )
     settings.clamp = 1.0;
     expect_refused( &stage, &settings, "no clamp" );
     close_stage( &stage );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_picture_and_removed_are_the_whole ),
-        cmocka_unit_test( test_filters_lenses_light_paths_and_extra_samples ),
-        cmocka_unit_test( test_what_moves ),
-        cmocka_unit_test( test_direct_light_stays ),
-        cmocka_unit_test( test_automatic_threshold ),
-        cmocka_unit_test( test_refusals ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,6 +4,7 @@
 #include "support/render_support.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include "base/random.h"
 #include "film/cryptomatte.h"
@@ -14,14 +15,9 @@
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define FRAME 2
@@ -241,9 +237,8 @@ static void check_room( const char* what, RfScene scene, float degrees, RfRender
     close_stage( &stage );
 }
 
-static void test_mean_is_what_rays_hit( void** state )
+TEST( test_mean_is_what_rays_hit )
 {
-    (void)state;
     check_room( "path tracing", make_room( ROOM_DIFFUSE ), 4.0f, settings_of( 0, 8, "1", RF_FILTER_BOX ) );
     check_room( "tiles", make_room( ROOM_GGX ), 4.0f, settings_of( 0, 8, "3x3", RF_FILTER_BLACKMAN_HARRIS ) );
     check_room( "group", make_room( ROOM_DIFFUSE ), 4.0f, settings_of( 2, 10, "1", RF_FILTER_BOX ) );
@@ -254,9 +249,8 @@ static void test_mean_is_what_rays_hit( void** state )
 }
 
 // What a mirror or a pane shows counts for it, through which part of it another camera of the group sees it as well.
-static void test_mirrors_panes_and_coats( void** state )
+TEST( test_mirrors_panes_and_coats )
 {
-    (void)state;
     static const struct
     {
         const char* name;
@@ -273,9 +267,8 @@ static void test_mirrors_panes_and_coats( void** state )
     check_room( "panes without chains", make_mirror_room( PANES_IN_A_ROW ), 6.0f, settings_of( 0, 8, "1", RF_FILTER_BOX ) );
 }
 
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
     Stage room, frame;
     open_moving_stage( &room, "sweep", WIDTH, HEIGHT );
     open_still_stage( &frame, "sweep", FRAME, WIDTH, HEIGHT );
@@ -289,9 +282,8 @@ static void test_what_moves( void** state )
     close_stage( &frame );
 }
 
-static void test_lens_and_shutter( void** state )
+TEST( test_lens_and_shutter )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_room( ROOM_GGX ), EYES, 4.0f, WIDTH, HEIGHT );
     name_surfaces( &stage.scene );
@@ -309,9 +301,8 @@ static void test_lens_and_shutter( void** state )
 
 // Over the sky, by the ratio of weights of either, coverages add up to alpha; cross-fitted alpha has the same mean. Any number of
 // threads gives the same bits, and the index is that of the first rank.
-static void test_coverages_add_up_to_alpha( void** state )
+TEST( test_coverages_add_up_to_alpha )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_open_scene( LIT_BY_SKY ), EYES, 0.0f, WIDTH, HEIGHT );
     name_surfaces( &stage.scene );
@@ -348,16 +339,4 @@ static void test_coverages_add_up_to_alpha( void** state )
         assert_true( most < 1e-5 && fabs( difference ) < 2e-3 );
     }
     close_stage( &stage );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_mean_is_what_rays_hit ),
-        cmocka_unit_test( test_mirrors_panes_and_coats ),
-        cmocka_unit_test( test_what_moves ),
-        cmocka_unit_test( test_lens_and_shutter ),
-        cmocka_unit_test( test_coverages_add_up_to_alpha ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -3,15 +3,11 @@
 #include "support/render_one.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 32
 #define HEIGHT 24
@@ -78,9 +74,8 @@ static RfRenderSettings settings_of( int group, const char* tile, RfFilter filte
     return settings;
 }
 
-static void test_emission_and_direct_light( void** state )
+TEST( test_emission_and_direct_light )
 {
-    (void)state;
     RfScene scenes[] = { make_open_scene( LIT_BY_ALL ), make_room( ROOM_GGX ) };
     for ( int k = 0; k < 2; ++k )
     {
@@ -127,19 +122,11 @@ static void check_room( const char* name, RfScene scene, unsigned passes )
     close_stage( &stage );
 }
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     unsigned all = RF_PASS_AOVS;
     check_room( "layered slab", make_mirror_room( LAYERED_SLAB ), all );
     check_room( "panes", make_pane_room( PANES_AND_ALL ), all & ~RF_AOV_BIT( RF_AOV_EMISSION ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_emission_and_direct_light ),
-        cmocka_unit_test( test_mirrors_and_glass ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -3,16 +3,12 @@
 #include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include "scene/light_groups.h"
 #include "trace/relit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 24
@@ -94,9 +90,8 @@ static int check( const char* what, Stage* stage, int frames, RfRenderSettings s
 }
 
 // One line of error for what cannot split light; light paths are off where nobody asks for them.
-static void test_refusals( void** state )
+TEST( test_refusals )
 {
-    (void)state;
     static const char* const texts[] = { "light paths cannot split light by groups", "the biased weights cannot split light",
                                          "the estimator 'gradient' cannot split light", "caustics cannot be left out", NULL };
     Stage stage;
@@ -131,9 +126,8 @@ static void check_room( const char* name, RfScene scene, int tags, int shining, 
     close_stage( &stage );
 }
 
-static void test_still_rooms( void** state )
+TEST( test_still_rooms )
 {
-    (void)state;
     check_room( "open", make_open_scene( LIT_BY_ALL ), 3, 4, ALL );
     check_room( "sky", make_open_scene( LIT_BY_MAP ), 1, 1, ALL );
     check_room( "panes", make_pane_room( PANES_AND_ALL ), 2, 3, SUM_AND_PICTURE );
@@ -143,9 +137,8 @@ static void test_still_rooms( void** state )
     check_room( "room", room, 2, 3, ALL );
 }
 
-static void test_chains( void** state )
+TEST( test_chains )
 {
-    (void)state;
     static const MirrorRoom kinds[] = { MIRROR_BY_SIGN, FACING_MIRRORS, GLASS_BALL,         LAYERED_SLAB, LAMP_IN_GLASS,
                                         SHARP_PLASTIC,  CLEAR_COAT,     MIRROR_BEHIND_BULB, GLASS_TANK,   BLENDED_MIRROR };
     for ( size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k )
@@ -159,9 +152,8 @@ static void test_chains( void** state )
     check_room( "glass under the sky", make_mirror_in_the_open( LIT_BY_ALL ), 3, 4, SUM_AND_PICTURE );
 }
 
-static void test_moving_rooms( void** state )
+TEST( test_moving_rooms )
 {
-    (void)state;
     static const char* const rooms[] = { "dimmer", "glow", "blackout", "lamps", "torch", "seen", "mirrors", "panes", "sky" };
     for ( size_t k = 0; k < sizeof rooms / sizeof rooms[0]; ++k )
     {
@@ -178,9 +170,8 @@ static void test_moving_rooms( void** state )
     }
 }
 
-static void test_clamp_and_extra_samples( void** state )
+TEST( test_clamp_and_extra_samples )
 {
-    (void)state;
     static const char* const rooms[] = { "dimmer", "mirrors" };
     for ( int k = 0; k < 4; ++k )
     {
@@ -196,9 +187,8 @@ static void test_clamp_and_extra_samples( void** state )
     }
 }
 
-static void test_blur_long_sums_and_sweeps( void** state )
+TEST( test_blur_long_sums_and_sweeps )
 {
-    (void)state;
     static const struct
     {
         const char *what, *room;
@@ -231,17 +221,4 @@ static void test_blur_long_sums_and_sweeps( void** state )
         check( cases[k].what, &stage, cases[k].frames, settings, SUM_AND_PICTURE );
         close_stage( &stage );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_still_rooms ),
-        cmocka_unit_test( test_chains ),
-        cmocka_unit_test( test_refusals ),
-        cmocka_unit_test( test_moving_rooms ),
-        cmocka_unit_test( test_clamp_and_extra_samples ),
-        cmocka_unit_test( test_blur_long_sums_and_sweeps ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

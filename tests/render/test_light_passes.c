@@ -3,13 +3,9 @@
 #include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 24
@@ -87,17 +83,15 @@ static void check_room( const char* name, RfScene scene, const double least[PASS
     close_stage( &stage );
 }
 
-static void test_rooms_without_chains( void** state )
+TEST( test_rooms_without_chains )
 {
-    (void)state;
     check_room( "open", make_open_scene( LIT_BY_ALL ), ( double[] ){ 0.1, 0.3, 0.05, 0, 0 } );
     check_room( "room", make_room( ROOM_GGX ), ( double[] ){ 0, 0.3, 0.2, 0, 0 } );
     check_room( "panes", make_pane_room( PANES_AND_ALL ), ( double[] ){ 0, 0.3, 0.1, 0.1, 0.02 } );
 }
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     static const struct
     {
         MirrorRoom kind;
@@ -123,9 +117,8 @@ static void test_mirrors_and_glass( void** state )
     check_room( "glass under the sky", make_mirror_in_the_open( LIT_BY_ALL ), ( double[] ){ 0.1, 0.2, 0.06, 0.06, 0 } );
 }
 
-static void test_moving_rooms( void** state )
+TEST( test_moving_rooms )
 {
-    (void)state;
     static const char* const rooms[] = { "dimmer", "glow", "blackout", "lamps", "sweep", "mirrors", "panes", "sky" };
     for ( size_t k = 0; k < sizeof rooms / sizeof rooms[0]; ++k )
     {
@@ -145,9 +138,8 @@ static void test_moving_rooms( void** state )
 }
 
 // With a clamp they add up to the picture that it leaves; with extra samples, and beside light groups.
-static void test_clamp_extra_samples_and_groups( void** state )
+TEST( test_clamp_extra_samples_and_groups )
 {
-    (void)state;
     static const char* const rooms[] = { "dimmer", "mirrors" };
     for ( int k = 0; k < 6; ++k )
     {
@@ -163,9 +155,8 @@ static void test_clamp_extra_samples_and_groups( void** state )
     }
 }
 
-static void test_blur_long_sums_and_sweeps( void** state )
+TEST( test_blur_long_sums_and_sweeps )
 {
-    (void)state;
     static const struct
     {
         const char *what, *room;
@@ -199,9 +190,8 @@ static void test_blur_long_sums_and_sweeps( void** state )
 }
 
 // Direct light needs no further vertices: by the same random numbers it is the same without them, and there is no other then.
-static void test_direct_light_is_that_of_depth_two( void** state )
+TEST( test_direct_light_is_that_of_depth_two )
 {
-    (void)state;
     RfScene scenes[] = { make_open_scene( LIT_BY_ALL ), make_room( ROOM_GGX ), make_mirror_room( GLASS_BALL ) };
     for ( int k = 0; k < 3; ++k )
     {
@@ -228,9 +218,8 @@ static void test_direct_light_is_that_of_depth_two( void** state )
 }
 
 // With alpha the sky is taken out of the picture, and of emission.
-static void test_alpha_takes_the_sky_out_of_emission( void** state )
+TEST( test_alpha_takes_the_sky_out_of_emission )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_open_scene( LIT_BY_MAP ), EYES, 3.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = reuse_mode( REUSE_MODES - 1 );
@@ -245,9 +234,8 @@ static void test_alpha_takes_the_sky_out_of_emission( void** state )
     close_stage( &stage );
 }
 
-static void test_what_cannot_be_split_is_refused( void** state )
+TEST( test_what_cannot_be_split_is_refused )
 {
-    (void)state;
     Stage stage;
     open_stage( &stage, make_room( ROOM_GGX ), EYES, 3.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = small_settings( 1, 6 );
@@ -261,19 +249,4 @@ static void test_what_cannot_be_split_is_refused( void** state )
     rf_use_estimator( &settings, rf_find_estimator( "gradient" ) );
     expect_refused( &stage, &settings, "the estimator 'gradient' has no passes of its light" );
     close_stage( &stage );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rooms_without_chains ),
-        cmocka_unit_test( test_mirrors_and_glass ),
-        cmocka_unit_test( test_moving_rooms ),
-        cmocka_unit_test( test_clamp_extra_samples_and_groups ),
-        cmocka_unit_test( test_blur_long_sums_and_sweeps ),
-        cmocka_unit_test( test_direct_light_is_that_of_depth_two ),
-        cmocka_unit_test( test_alpha_takes_the_sky_out_of_emission ),
-        cmocka_unit_test( test_what_cannot_be_split_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

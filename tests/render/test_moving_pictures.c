@@ -3,18 +3,14 @@
 // the way changes no bit. Ten thousand nodes that move take little time and memory.
 #include "support/render_one.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include "film/aov.h"
 #include "render/traits.h"
 #include "render/worlds.h"
 #include "scene/pose.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 16
@@ -63,9 +59,8 @@ static void check_frame( const char* name, int frame, const RfRenderSettings* se
     close_both( stages );
 }
 
-static void test_frames_are_those_of_still_rooms( void** state )
+TEST( test_frames_are_those_of_still_rooms )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_rooms / sizeof s_rooms[0]; ++i )
     {
         RfRenderSettings settings = settings_of( 0, i % 2 == 0 ? "1" : "3x3", 2 );
@@ -76,9 +71,8 @@ static void test_frames_are_those_of_still_rooms( void** state )
     }
 }
 
-static void test_groups_are_finite( void** state )
+TEST( test_groups_are_finite )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_rooms / sizeof s_rooms[0]; ++i )
     {
         Stage room;
@@ -89,9 +83,8 @@ static void test_groups_are_finite( void** state )
     }
 }
 
-static void test_what_is_out_of_the_way_changes_no_bit( void** state )
+TEST( test_what_is_out_of_the_way_changes_no_bit )
 {
-    (void)state;
     Stage stages[2];
     open_both( stages, "apart", 3 );
     for ( int k = 0; k < 2; ++k )
@@ -103,9 +96,8 @@ static void test_what_is_out_of_the_way_changes_no_bit( void** state )
     close_both( stages );
 }
 
-static void test_ten_thousand_nodes( void** state )
+TEST( test_ten_thousand_nodes )
 {
-    (void)state;
     Stage room;
     open_moving_stage( &room, "many", WIDTH, HEIGHT );
     RfPosedScene pose = { 0 };
@@ -119,9 +111,8 @@ static void test_ten_thousand_nodes( void** state )
     close_stage( &room );
 }
 
-static void test_settings_that_cannot_tell_are_refused( void** state )
+TEST( test_settings_that_cannot_tell_are_refused )
 {
-    (void)state;
     RfSceneTraits traits = { .moves = true };
     RfRenderSettings settings = plain_settings();
     RfError error;
@@ -137,16 +128,4 @@ static void test_settings_that_cannot_tell_are_refused( void** state )
     assert_int_equal( RF_ERROR_USAGE, rf_check_moving( &traits, &settings, &error ) );
     traits.moves = false;
     assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_settings_that_cannot_tell_are_refused ),
-        cmocka_unit_test( test_frames_are_those_of_still_rooms ),
-        cmocka_unit_test( test_groups_are_finite ),
-        cmocka_unit_test( test_what_is_out_of_the_way_changes_no_bit ),
-        cmocka_unit_test( test_ten_thousand_nodes ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

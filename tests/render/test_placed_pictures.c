@@ -4,17 +4,13 @@
 #include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include "film/aov.h"
 #include "scene/placement.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 40
@@ -124,26 +120,23 @@ static void check_all( const char* mode, RfRenderSettings settings, int first, i
         check_case( s_cases + i, mode, &settings );
 }
 
-static void test_path_tracing( void** state )
+TEST( test_path_tracing )
 {
-    (void)state;
     RfRenderSettings settings = settings_of( 0, "1" );
     settings.aovs = RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) | RF_AOV_BIT( RF_AOV_DEPTH ) |
                     RF_AOV_BIT( RF_AOV_MOTION ) | RF_AOV_BIT( RF_AOV_SAMPLES );
     check_all( "paths", settings, 0, 1 );
 }
 
-static void test_groups_and_tiles( void** state )
+TEST( test_groups_and_tiles )
 {
-    (void)state;
     check_all( "groups", settings_of( 2, "1" ), 0, 2 );
     check_all( "tiles", settings_of( 0, "3x3" ), 1, 2 );
     check_all( "groups and tiles", settings_of( 2, "3x3" ), 0, 1 );
 }
 
-static void test_light_paths( void** state )
+TEST( test_light_paths )
 {
-    (void)state;
     RfRenderSettings settings = settings_of( 0, "1" );
     settings.light_paths = RF_LIGHT_PATHS_ON;
     check_case( s_cases + 5, "light paths", &settings );
@@ -152,21 +145,9 @@ static void test_light_paths( void** state )
     check_case( s_cases + 5, "light paths in groups", &settings );
 }
 
-static void test_gradients( void** state )
+TEST( test_gradients )
 {
-    (void)state;
     RfRenderSettings settings = settings_of( 0, "1" );
     settings.estimator = rf_find_estimator( "gradient" );
     check_all( "gradients", settings, 0, 3 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_path_tracing ),
-        cmocka_unit_test( test_groups_and_tiles ),
-        cmocka_unit_test( test_light_paths ),
-        cmocka_unit_test( test_gradients ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,14 +2,9 @@
 #include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include "trace/relit.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 16
@@ -28,9 +23,8 @@ static bool is_lit( void* user, uint32_t light )
     return ( light < triangles ? 0 : 1 + (int)( light - triangles ) ) == lit->part;
 }
 
-static void test_relit_pictures_sum_to_the_whole( void** state )
+TEST( test_relit_pictures_sum_to_the_whole )
 {
-    (void)state;
     Stage stage;
     const float* rgb[8];
     open_stage( &stage, make_pane_room( PANES_AND_ALL ), 1, 4.0f, WIDTH, HEIGHT );
@@ -51,12 +45,4 @@ static void test_relit_pictures_sum_to_the_whole( void** state )
     assert_int_equal( bright, 4 );
     expect_sum( "relit", "the sum", rgb, parts, whole->rgb, VALUES, 1e-4, 1.0 );
     close_stage( &stage );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_relit_pictures_sum_to_the_whole ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

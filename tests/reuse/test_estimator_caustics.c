@@ -3,15 +3,11 @@
 #include "support/render_one.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 3
 #define WIDTH 32
@@ -98,18 +94,16 @@ static const Reuse s_all[] = {
 };
 static const Reuse s_both[] = { { 0, "3x3", false, false }, { 1, "3x3", false, false } };
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     check( "mirror", make_mirror_room( FLAT_MIRROR ), NULL, 2, s_both );
     check( "glass", make_mirror_room( GLASS_BALL ), NULL, 4, s_all );
     check( "rough slab", make_mirror_room( ROUGH_SLAB ), NULL, 2, s_both );
     check( "slab over a base", make_mirror_room( LAYERED_SLAB ), NULL, 2, s_both );
 }
 
-static void test_metals( void** state )
+TEST( test_metals )
 {
-    (void)state;
     check( "sharp metal", make_mirror_room( SHARP_METAL ), NULL, 2, s_both );
     RfScene scene = make_room( ROOM_GGX ); // with a ball that is brushed, and no chain
     RfMaterial* m = scene.materials + ROOM_OBJECT_MATERIAL;
@@ -121,9 +115,8 @@ static void test_metals( void** state )
     check( "varied", make_varied_room(), NULL, 2, s_both );
 }
 
-static void test_panes_and_skies( void** state )
+TEST( test_panes_and_skies )
 {
-    (void)state;
     check( "panes", make_pane_room( PANES_AND_ALL ), NULL, 2, s_both );
     check( "mirror under all lights", make_mirror_in_the_open( LIT_BY_ALL ), NULL, 2, s_both );
     check( "mirror under a map", make_mirror_in_the_open( LIT_BY_MAP ), NULL, 2, s_both );
@@ -132,12 +125,4 @@ static void test_panes_and_skies( void** state )
     check( "glass under a sky", make_glass_in_the_open(), eyes, 2, s_both );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_mirrors_and_glass ),
-        cmocka_unit_test( test_metals ),
-        cmocka_unit_test( test_panes_and_skies ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

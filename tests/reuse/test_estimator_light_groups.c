@@ -5,14 +5,10 @@
 #include "support/render_one.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define EYES 7
 #define WIDTH 24
@@ -134,25 +130,16 @@ static RfScene open_room( int kind )
     return room;
 }
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     check_still( "glass ball", lit_mirror_room, GLASS_BALL, &g_one );
     check_still( "sharp plastic", lit_mirror_room, SHARP_PLASTIC, &g_one );
     check_still( "mirrors", lit_mirror_room, FACING_MIRRORS, &g_one );
 }
 
-static void test_open( void** state )
-{
-    (void)state;
-    check_still( "open", open_room, LIT_BY_ALL, &g_one_more );
-}
+TEST( test_open ) { check_still( "open", open_room, LIT_BY_ALL, &g_one_more ); }
 
-static void test_panes( void** state )
-{
-    (void)state;
-    check_still( "panes", pane_room, PANES_AND_ALL, &g_one );
-}
+TEST( test_panes ) { check_still( "panes", pane_room, PANES_AND_ALL, &g_one ); }
 
 // Frame FRAME of a room in which something moves against the still room of that frame.
 static void check_room( const char* name, const MovingSetting* setting )
@@ -170,29 +157,20 @@ static void check_room( const char* name, const MovingSetting* setting )
     close_stage( &stage );
 }
 
-static void test_dimmed_lamps( void** state )
+TEST( test_dimmed_lamps )
 {
-    (void)state;
     check_room( "dimmer", &g_moving_tiles );
     check_room( "glow", &g_moving_tiles );
     check_room( "six", &g_moving_frames );
     check_room( "seen", &g_moving_tiles );
 }
 
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
     check_room( "torch", &g_moving_tiles );
     check_room( "passing", &g_moving_frames );
     check_room( "jumps", &g_moving_tiles );
     check_room( "lamps", &g_moving_tiles );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_dimmed_lamps ), cmocka_unit_test( test_what_moves ), cmocka_unit_test( test_mirrors_and_glass ),
-        cmocka_unit_test( test_panes ),        cmocka_unit_test( test_open ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof tests[0] );
-}
+STATISTICAL_TESTS

@@ -1,15 +1,11 @@
 #include "support/render_one.h"
 
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Memory of results, as a list.
 typedef struct Held
