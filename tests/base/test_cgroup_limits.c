@@ -3,20 +3,16 @@
 #include "base/system.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-static void test_the_tightest_group_above_counts( void** state )
+TEST( test_the_tightest_group_above_counts )
 {
-    (void)state;
     const char* root = cli_folder();
     assert_true( rf_cgroup_free_memory( root, "/" ) == SIZE_MAX ); // no such files
     cli_expect( cli_run( "mkdir -p a/b; echo max > a/b/memory.max; echo 700 > a/b/memory.current" ), 0, NULL );
@@ -33,9 +29,8 @@ static void test_the_tightest_group_above_counts( void** state )
     assert_true( rf_free_memory() > 0 );
 }
 
-static void test_groups_of_version_1( void** state )
+TEST( test_groups_of_version_1 )
 {
-    (void)state;
     const char* root = cli_folder();
     cli_expect(
         cli_run( "mkdir -p c/d; echo 9223372036854771712 > c/d/memory.limit_in_bytes; echo 10 > c/d/memory.usage_in_bytes" ), 0,
@@ -46,9 +41,8 @@ static void test_groups_of_version_1( void** state )
     assert_true( rf_cgroup_free_memory( root, "/c/not-in-this-container" ) == 5400 );
 }
 
-static void test_quotas_of_processor_time( void** state )
+TEST( test_quotas_of_processor_time )
 {
-    (void)state;
     const char* root = cli_folder();
     assert_true( rf_cgroup_cores( root, "/" ) == (double)INFINITY ); // no such files
     cli_expect( cli_run( "mkdir -p q/r; echo max 100000 > q/r/cpu.max" ), 0, NULL );
@@ -76,9 +70,8 @@ static int threads_of( const char* before, const char* options )
     return threads;
 }
 
-static void test_threads_and_cpu_sets_are_respected( void** state )
+TEST( test_threads_and_cpu_sets_are_respected )
 {
-    (void)state;
     assert_int_equal( threads_of( "", "--threads 3" ), 3 );
     assert_int_equal( threads_of( "nice -n 5", "" ), rf_core_count() ); // niceness is the system's business
     if ( system( "command -v taskset >/dev/null && taskset -c 0 true 2>/dev/null" ) != 0 )
@@ -88,9 +81,8 @@ static void test_threads_and_cpu_sets_are_respected( void** state )
 }
 
 // A group of this system with half a core, where we may make one.
-static void test_the_quota_of_the_own_group_counts( void** state )
+TEST( test_the_quota_of_the_own_group_counts )
 {
-    (void)state;
     static const char line[] =
         "d=/sys/fs/cgroup/cpu; f=cpu.cfs_quota_us; q=50000; "
         "test -e /sys/fs/cgroup/cgroup.controllers && { d=/sys/fs/cgroup; f=cpu.max; q='50000 100000'; }; "
@@ -106,9 +98,8 @@ static void test_the_quota_of_the_own_group_counts( void** state )
     json_decref( json );
 }
 
-static void test_a_limit_below_the_need_is_an_error_at_the_start( void** state )
+TEST( test_a_limit_below_the_need_is_an_error_at_the_start )
 {
-    (void)state;
 #ifdef REFRAME_SANITIZED // its address space has no bounds
     skip();
 #endif
@@ -148,9 +139,8 @@ static void write_textured( const char* name, int images )
     cli_write( name, text, strlen( text ) );
 }
 
-static void test_textures_beyond_memory_are_an_error( void** state )
+TEST( test_textures_beyond_memory_are_an_error )
 {
-    (void)state;
 #ifdef REFRAME_SANITIZED
     skip();
 #endif
@@ -168,16 +158,4 @@ static void test_textures_beyond_memory_are_an_error( void** state )
     cli_expect( cli_run( "ulimit -v 700000; $R info many.gltf" ), 0, NULL );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_the_tightest_group_above_counts ),
-        cmocka_unit_test( test_groups_of_version_1 ),
-        cmocka_unit_test( test_quotas_of_processor_time ),
-        cmocka_unit_test( test_threads_and_cpu_sets_are_respected ),
-        cmocka_unit_test( test_the_quota_of_the_own_group_counts ),
-        cmocka_unit_test( test_a_limit_below_the_need_is_an_error_at_the_start ),
-        cmocka_unit_test( test_textures_beyond_memory_are_an_error ),
-    };
-    return cmocka_run_group_tests_name( "cgroup", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

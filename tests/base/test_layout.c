@@ -1,14 +1,11 @@
 // One description measures a block and places its pieces.
+#include "support/test.h"
 #include "base/layout.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct Block
 {
@@ -30,9 +27,8 @@ static Block* place_block( int bytes, int rows, bool inner, RfLayout* layout )
     return block;
 }
 
-static void test_places_what_it_measures( void** state )
+TEST( test_places_what_it_measures )
 {
-    (void)state;
     RfLayout measured = { 0 };
     assert_null( place_block( 65, 3, true, &measured ) );
     assert_int_equal( measured.bytes, 64 + 128 + 128 + 64 + 128 );
@@ -49,20 +45,12 @@ static void test_places_what_it_measures( void** state )
     free( placed.memory );
 }
 
-static void test_leaves_out_what_is_not_there( void** state )
+TEST( test_leaves_out_what_is_not_there )
 {
-    (void)state;
     RfLayout layout = { .memory = aligned_alloc( 64, 128 ) };
     Block* block = place_block( 1, 0, false, &layout );
     assert_int_equal( layout.bytes, 128 );
     assert_null( block->rows );
     assert_null( block->inner );
     free( layout.memory );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_places_what_it_measures ),
-                                        cmocka_unit_test( test_leaves_out_what_is_not_there ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,14 +2,10 @@
 // reciprocity, accuracy of sharp lobes, finite results for any input, and the same bits
 // for any batch size. Sampling and energy: test_bsdf_sampling.c.
 #include "support/bsdf_lanes.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdbool.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #ifdef REFRAME_SANITIZED
 #define FUZZ 40000
@@ -35,9 +31,8 @@ static void evaluate_one( const Material* m, RfVec3 n, RfVec3 wo, RfVec3 wi )
     evaluate_range( m->kind, 0, 1 );
 }
 
-static void test_closed_forms( void** state )
+TEST( test_closed_forms )
 {
-    (void)state;
     RfVec3 n = rf_vec3( 0.0f, 0.6f, 0.8f );
     Material lambert = { .kind = RF_BSDF_LAMBERT, .diffuse = { 0.2f, 0.4f, 0.6f } };
     evaluate_one( &lambert, n, n, rf_vec3( 0.0f, 0.0f, 1.0f ) );
@@ -64,9 +59,8 @@ static void test_closed_forms( void** state )
 }
 
 // f and pdf vanish below the surface; an eye below is lifted to the horizon.
-static void test_nothing_below_the_horizon( void** state )
+TEST( test_nothing_below_the_horizon )
 {
-    (void)state;
     Material materials[] = {
         { .kind = RF_BSDF_LAMBERT, .diffuse = { 1, 1, 1 } },
         { .kind = RF_BSDF_PHONG, .diffuse = { 0.5f, 0.5f, 0.5f }, .specular = { 0.5f, 0.5f, 0.5f }, .shape = 3.0f },
@@ -107,9 +101,8 @@ static void test_nothing_below_the_horizon( void** state )
 }
 
 // D at the sharpest lobe against the same formula in double: nothing cancels.
-static void test_sharp_lobe_is_accurate( void** state )
+TEST( test_sharp_lobe_is_accurate )
 {
-    (void)state;
     Material m = { .kind = RF_BSDF_GGX, .specular = { 1, 1, 1 }, .shape = RF_MIN_ALPHA, .f90 = 1 };
     double a2 = (double)RF_MIN_ALPHA * RF_MIN_ALPHA;
     for ( int i = 0; i < 20000; ++i )
@@ -163,9 +156,8 @@ static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
     return m;
 }
 
-static void test_models_are_reciprocal( void** state )
+TEST( test_models_are_reciprocal )
 {
-    (void)state;
     for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         for ( int i = 0; i < 20000; ++i )
@@ -266,9 +258,8 @@ static void assert_lane_is_sound( int i )
                   s_lanes[WI + 2][i] );
 }
 
-static void test_any_input_is_finite( void** state )
+TEST( test_any_input_is_finite )
 {
-    (void)state;
     for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
         for ( int first = 0; first < FUZZ; first += BATCH )
@@ -291,9 +282,8 @@ static void test_any_input_is_finite( void** state )
 }
 
 // Any count, any place in the array, any choice of outputs: the same bits.
-static void test_lanes_stand_alone( void** state )
+TEST( test_lanes_stand_alone )
 {
-    (void)state;
     static float whole[ARRAYS][BATCH], sampled[3][BATCH];
     for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
     {
@@ -328,9 +318,8 @@ static void test_lanes_stand_alone( void** state )
 // ---- The table of models ------------------------------------------------------
 
 // Hits are sorted by the order of the kinds, which must agree with what the models can do.
-static void test_kinds_agree_with_the_model_table( void** state )
+TEST( test_kinds_agree_with_the_model_table )
 {
-    (void)state;
     assert_int_equal( RF_BSDF_LAMBERT, 0 );
     assert_int_equal( RF_BSDF_FIRST_GLOSSY, 1 );
     for ( int kind = 0; kind < RF_BSDF_KIND_COUNT; ++kind )
@@ -344,9 +333,8 @@ static void test_kinds_agree_with_the_model_table( void** state )
 }
 
 // Every parameter of a material goes to a place of its own.
-static void test_parameters_have_places_of_their_own( void** state )
+TEST( test_parameters_have_places_of_their_own )
 {
-    (void)state;
     RfMaterial m = { .diffuse = { 1, 2, 3 },
                      .specular = { 4, 5, 6 },
                      .alpha = 7,
@@ -370,19 +358,4 @@ static void test_parameters_have_places_of_their_own( void** state )
             assert_true( *rf_material_param( &m, (RfBsdfParam)p ) == expected++ );
     }
     assert_true( expected == 25.0f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_closed_forms ),
-        cmocka_unit_test( test_nothing_below_the_horizon ),
-        cmocka_unit_test( test_sharp_lobe_is_accurate ),
-        cmocka_unit_test( test_models_are_reciprocal ),
-        cmocka_unit_test( test_any_input_is_finite ),
-        cmocka_unit_test( test_lanes_stand_alone ),
-        cmocka_unit_test( test_kinds_agree_with_the_model_table ),
-        cmocka_unit_test( test_parameters_have_places_of_their_own ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,14 +1,10 @@
 // Scattering models agree with themselves: samples follow the density (χ² over the
 // sphere), sampled albedo equals albedo by quadrature, and no model gains energy.
 #include "support/bsdf_lanes.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdbool.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #ifdef REFRAME_SANITIZED
 #define SAMPLES 20000
@@ -299,16 +295,14 @@ static void check_sampling( const Material* materials, int count )
     assert_int_equal( failed, 0 );
 }
 
-static void test_lambert_samples_follow_density( void** state )
+TEST( test_lambert_samples_follow_density )
 {
-    (void)state;
     const Material m = { .kind = RF_BSDF_LAMBERT, .diffuse = { 0.3f, 0.5f, 0.7f } };
     check_sampling( &m, 1 );
 }
 
-static void test_phong_samples_follow_density( void** state )
+TEST( test_phong_samples_follow_density )
 {
-    (void)state;
     const Material m[] = {
         { .kind = RF_BSDF_PHONG, .diffuse = { 0.2f, 0.5f, 0.7f }, .specular = { 0.1f, 0.2f, 0.3f }, .shape = 1.0f },
         { .kind = RF_BSDF_PHONG, .specular = { 1, 1, 1 } },
@@ -321,9 +315,8 @@ static void test_phong_samples_follow_density( void** state )
     check_sampling( m, 7 );
 }
 
-static void test_ggx_samples_follow_density( void** state )
+TEST( test_ggx_samples_follow_density )
 {
-    (void)state;
     const Material m[] = {
         { .kind = RF_BSDF_GGX,
           .diffuse = { 0.2f, 0.5f, 0.8f },
@@ -409,9 +402,8 @@ static void check_furnace( const Material* m, double* least, double* most )
     }
 }
 
-static void test_ggx_keeps_energy( void** state )
+TEST( test_ggx_keeps_energy )
 {
-    (void)state;
     const float alphas[] = { RF_MIN_ALPHA, 0.01f, 0.05f, 0.1f, 0.2f, 0.4f, 0.7f, 1.0f };
     const float coats[] = { 0.0f, 0.04f, 0.17f }, metals[] = { 0.0f, 0.5f, 1.0f };
     for ( int j = 0; j < 9; ++j )
@@ -433,9 +425,8 @@ static void test_ggx_keeps_energy( void** state )
     }
 }
 
-static void test_coated_samples_follow_density( void** state )
+TEST( test_coated_samples_follow_density )
 {
-    (void)state;
     const Material m[] = { { .kind = RF_BSDF_COATED,
                              .diffuse = { 0.2f, 0.5f, 0.8f },
                              .specular = { 0.04f, 0.04f, 0.04f },
@@ -458,9 +449,8 @@ static void test_coated_samples_follow_density( void** state )
 }
 
 // Coats that lean away from what they cover.
-static void test_leaning_coat_samples_follow_density( void** state )
+TEST( test_leaning_coat_samples_follow_density )
 {
-    (void)state;
     const Material m[] = { { .kind = RF_BSDF_COATED,
                              .diffuse = { 0.2f, 0.5f, 0.8f },
                              .specular = { 0.04f, 0.04f, 0.04f },
@@ -499,9 +489,8 @@ static void test_leaning_coat_samples_follow_density( void** state )
     print_message( "leaning coat: albedo %.4f to %.4f\n", least, most );
 }
 
-static void test_coats_keep_energy( void** state )
+TEST( test_coats_keep_energy )
 {
-    (void)state;
     const float alphas[] = { RF_MIN_ALPHA, 0.05f, 0.2f, 1.0f };
     for ( int j = 0; j < 4; ++j )
     {
@@ -524,9 +513,8 @@ static void test_coats_keep_energy( void** state )
     }
 }
 
-static void test_sheen_samples_follow_density( void** state )
+TEST( test_sheen_samples_follow_density )
 {
-    (void)state;
     const Material cloth = { .kind = RF_BSDF_SHEEN,
                              .diffuse = { 0.2f, 0.5f, 0.8f },
                              .specular = grey( 0.04f ),
@@ -547,9 +535,8 @@ static void test_sheen_samples_follow_density( void** state )
 }
 
 // White, over white cloth and white metal. Where the model says what the base reflects, that is all of the rest.
-static void test_sheen_keeps_energy( void** state )
+TEST( test_sheen_keeps_energy )
 {
-    (void)state;
     const float alphas[] = { 0.0f, 0.01f, 0.04f, 0.1f, 0.3f, 0.6f, 1.0f }, colours[] = { 1.0f, 0.5f };
     for ( int j = 0; j < 4; ++j )
     {
@@ -569,9 +556,8 @@ static void test_sheen_keeps_energy( void** state )
     }
 }
 
-static void test_translucent_samples_follow_density( void** state )
+TEST( test_translucent_samples_follow_density )
 {
-    (void)state;
     Material m[4] = { { .kind = RF_BSDF_TRANSLUCENT,
                         .diffuse = { 0.4f, 0.2f, 0.1f },
                         .through = { 0.1f, 0.6f, 0.5f },
@@ -590,9 +576,8 @@ static void test_translucent_samples_follow_density( void** state )
 }
 
 // What goes to both sides together, from the energies of the sides that are drawn.
-static void test_translucent_keeps_energy( void** state )
+TEST( test_translucent_keeps_energy )
 {
-    (void)state;
     const float alphas[] = { RF_MIN_ALPHA, 0.05f, 0.2f, 0.5f, 1.0f }, coats[] = { 0.0f, 0.04f, 0.17f };
     double least = 2.0, most = 0.0;
     for ( int j = 0; j < 15; ++j )
@@ -640,9 +625,8 @@ static Material facets( RfBsdfKind kind, bool metal, float shape )
                          .grain = 0.15f };
 }
 
-static void test_anisotropic_samples_follow_density( void** state )
+TEST( test_anisotropic_samples_follow_density )
 {
-    (void)state;
     const float shapes[] = { RF_MIN_ALPHA, RF_MIN_ALPHA, RF_MIN_ALPHA, 0.03f, 0.2f, 0.7f, 1.0f, 0.2f, 0.3f };
     const float stretches[] = { 0.0f, 0.1f, 1.0f, 0.5f, 0.8f, 1.0f, 1.0f, 0.9f, 0.4f };
     Material m[9];
@@ -656,9 +640,8 @@ static void test_anisotropic_samples_follow_density( void** state )
     check_sampling( m, 9 );
 }
 
-static void test_iridescent_samples_follow_density( void** state )
+TEST( test_iridescent_samples_follow_density )
 {
-    (void)state;
     const float shapes[] = { RF_MIN_ALPHA, 0.05f, 0.4f, 0.3f, 0.3f, 0.5f, 0.2f };
     const float strengths[] = { 1.0f, 0.5f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f };
     const float thicknesses[] = { 400.0f, 2000.0f, 400.0f, 400.0f, 0.0f, 400.0f, 2000.0f };
@@ -687,9 +670,8 @@ static Material layers( int which, bool metal, float shape )
     return m;
 }
 
-static void test_layered_samples_follow_density( void** state )
+TEST( test_layered_samples_follow_density )
 {
-    (void)state;
     Material m[16];
     for ( int i = 0; i < 16; ++i )
         m[i] = layers( i, i % 3 == 1, 0.2f );
@@ -704,9 +686,8 @@ static void check_facets( const Material* m, int count, const char* what )
     print_message( "%s: albedo %.4f to %.4f\n", what, least, most );
 }
 
-static void test_facets_keep_energy( void** state )
+TEST( test_facets_keep_energy )
 {
-    (void)state;
     const float alphas[] = { RF_MIN_ALPHA, 0.05f, 0.2f, 1.0f }, strengths[] = { 0.0f, 0.3f, 1.0f };
     const float thicknesses[] = { 0.0f, 90.0f, 400.0f, 2000.0f };
     Material m[48];
@@ -732,9 +713,8 @@ static void test_facets_keep_energy( void** state )
     }
 }
 
-static void test_phong_keeps_energy( void** state )
+TEST( test_phong_keeps_energy )
 {
-    (void)state;
     const float exponents[] = { 0.0f, 1.0f, 5.0f, 50.0f, 1000.0f, 1e6f };
     for ( int j = 0; j < 3; ++j )
     {
@@ -747,19 +727,4 @@ static void test_phong_keeps_energy( void** state )
         }
         print_message( "Phong kd %.1f: albedo %.4f to %.4f\n", kd, least, most );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_translucent_samples_follow_density ),  cmocka_unit_test( test_translucent_keeps_energy ),
-        cmocka_unit_test( test_lambert_samples_follow_density ),      cmocka_unit_test( test_phong_samples_follow_density ),
-        cmocka_unit_test( test_ggx_samples_follow_density ),          cmocka_unit_test( test_ggx_keeps_energy ),
-        cmocka_unit_test( test_coated_samples_follow_density ),       cmocka_unit_test( test_coats_keep_energy ),
-        cmocka_unit_test( test_leaning_coat_samples_follow_density ), cmocka_unit_test( test_phong_keeps_energy ),
-        cmocka_unit_test( test_sheen_samples_follow_density ),        cmocka_unit_test( test_sheen_keeps_energy ),
-        cmocka_unit_test( test_anisotropic_samples_follow_density ),  cmocka_unit_test( test_iridescent_samples_follow_density ),
-        cmocka_unit_test( test_layered_samples_follow_density ),      cmocka_unit_test( test_facets_keep_energy ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

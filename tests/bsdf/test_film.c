@@ -1,14 +1,10 @@
 // Thin films: the integrals of waves over light of D65 against sums over wavelengths, and the reflectance of one wavelength against
 // Airy's closed form.
+#include "support/test.h"
 #include "bsdf/thin_film.h"
 
 #include <complex.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 static const double s_pi = 3.14159265358979323846;
 
@@ -55,9 +51,8 @@ static void wave_of( double difference, double out[3] )
         out[c] = sum[c] / all[c];
 }
 
-static void test_waves( void** state )
+TEST( test_waves )
 {
-    (void)state;
     const double limit[3] = { 0.017, 0.005, 0.003 }; // as thin_film.h has it
     double worst[3] = { 0 };
     for ( int i = 0; i <= 300; ++i )
@@ -78,9 +73,8 @@ static void test_waves( void** state )
 }
 
 // One wavelength, by amplitudes. The sum in the film has three terms of interference: what is left out is of the fourth power.
-static void test_one_wavelength( void** state )
+TEST( test_one_wavelength )
 {
-    (void)state;
     const float indices[] = { 1.0f, 1.33f, 1.8f, 2.5f }, f0s[] = { 0.0f, 0.04f, 0.17f, 0.5f, 1.0f };
     for ( int i = 0; i < 4 * 5 * 20; ++i )
     {
@@ -99,9 +93,8 @@ static void test_one_wavelength( void** state )
 }
 
 // Whatever a file has is a reflectance; what has no thickness, or the index of the air, is no film.
-static void test_extremes( void** state )
+TEST( test_extremes )
 {
-    (void)state;
     const float indices[] = { 1.0f, 1.3f, 100.0f }, thicknesses[] = { 0.0f, 0.5f, 400.0f, 1e5f }, f0s[] = { 0.0f, 0.04f, 1.0f };
     for ( int i = 0; i < 3 * 4 * 3 * 11; ++i )
     {
@@ -112,14 +105,4 @@ static void test_extremes( void** state )
     RfVec3 air = rf_film_fresnel( rf_vec3( 0.04f, 0.2f, 0.9f ), 1.0f, 1.0f, 400.0f );
     assert_true( fabsf( air.x - 0.04f ) < 1e-4f && fabsf( air.y - 0.2f ) < 1e-4f && fabsf( air.z - 0.9f ) < 1e-3f );
     assert_true( rf_film_strength( 1.0f, 0.0f ) == 0.0f && rf_film_strength( 0.5f, 1e5f ) == 0.5f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_waves ),
-        cmocka_unit_test( test_one_wavelength ),
-        cmocka_unit_test( test_extremes ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

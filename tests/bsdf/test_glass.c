@@ -1,16 +1,12 @@
 // Mirrors and glass: Fresnel's and Snell's laws by hand, energy, and agreement of
 // sampling, density and evaluation for rough lobes; channel by channel where glass disperses or has a film.
+#include "support/test.h"
 #include "bsdf/thin_film.h"
 
 #include "base/random.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 typedef struct Glass
 {
@@ -91,9 +87,8 @@ static bool near( float a, double b, double tolerance ) { return fabs( (double)a
 
 static const float s_reflect[3] = { 0.3f, 0.6f, 0.0f }, s_pass[3] = { 0.3f, 0.6f, 0.99999f };
 
-static void test_snell_and_fresnel( void** state )
+TEST( test_snell_and_fresnel )
 {
-    (void)state;
     Glass g = { .tint = { 1, 0.5f, 0.25f }, .ior = 1.5f };
     Drawn d = draw( &g, tilted( 0 ), s_reflect );
     assert_true( near( d.wi.z, 1, 1e-6 ) && d.pdf == RF_DELTA_PDF );
@@ -124,9 +119,8 @@ static void test_snell_and_fresnel( void** state )
     assert_true( near( draw( &clear, tilted( 0 ), s_pass ).weight.x, 2.25, 1e-3 ) );
 }
 
-static void test_thin_walls_and_mirrors( void** state )
+TEST( test_thin_walls_and_mirrors )
 {
-    (void)state;
     Glass wall = { .tint = { 1, 1, 1 }, .ior = -1.5f };
     Drawn d = draw( &wall, tilted( 50 ), s_pass );
     assert_true( near( d.wi.x, -sin( 50 * 3.14159265 / 180 ), 1e-5 ) && near( d.wi.z, -cos( 50 * 3.14159265 / 180 ), 1e-5 ) );
@@ -192,9 +186,8 @@ static void check_rough( Glass g, float degrees )
     assert_true( fabs( quadrature - wide_albedo ) < 4.0 * error + 2e-3 );
 }
 
-static void test_rough_lobes_agree_with_themselves( void** state )
+TEST( test_rough_lobes_agree_with_themselves )
 {
-    (void)state;
     static const float degrees[] = { 0.0f, 35.0f, 70.0f };
     for ( int k = 0; k < 3; ++k )
     {
@@ -209,9 +202,8 @@ static void test_rough_lobes_agree_with_themselves( void** state )
 
 // Half a metal: its part of the reflection is coloured, and light goes through
 // the other half alone.
-static void test_half_a_metal_transmits_the_rest( void** state )
+TEST( test_half_a_metal_transmits_the_rest )
 {
-    (void)state;
     Glass g = { .specular = { 0.4f, 0.2f, 0.1f }, .tint = { 0.5f, 0.5f, 0.5f }, .ior = 1.5f, .metal = 0.5f };
     double f = 0.5 * 0.04 + ( 0.4 + 0.2 + 0.1 ) / 3, pass = ( 1 - f ) * 0.5, chance = f / ( f + pass );
     Drawn d = draw( &g, tilted( 0 ), s_reflect );
@@ -237,9 +229,8 @@ static void test_half_a_metal_transmits_the_rest( void** state )
                  35.0f );
 }
 
-static void test_rough_glass_is_reciprocal( void** state )
+TEST( test_rough_glass_is_reciprocal )
 {
-    (void)state;
     Glass g = { .base = { 0.6f, 0.5f, 0.4f }, .tint = { 0.4f, 0.4f, 0.4f }, .alpha = 0.4f, .ior = 1.5f };
     for ( int i = 0; i < 2000; ++i )
     {
@@ -252,9 +243,8 @@ static void test_rough_glass_is_reciprocal( void** state )
 
 // A white surface that is glass in part reflects and transmits what arrives, and no more: all of it from inside, where total
 // reflection must not add to the base, and from outside without a coat.
-static void test_mixed_glass_gains_no_energy( void** state )
+TEST( test_mixed_glass_gains_no_energy )
 {
-    (void)state;
     static const float alphas[] = { 0.0f, 0.2f }, iors[] = { 1.5f, 1.0f / 1.5f, -1.5f };
     for ( int k = 0; k < 2 * 3 * 2 * 8; ++k )
     {
@@ -289,9 +279,8 @@ static float channel_of( RfVec3 v, int c ) { return c == 0 ? v.x : c == 1 ? v.y 
 
 // Each channel is refracted by its own index, alone; all of them are reflected alike; what they carry in the mean is what Fresnel
 // reflects and lets through, also between the critical angles of red and blue.
-static void test_channels_refract_on_their_own( void** state )
+TEST( test_channels_refract_on_their_own )
 {
-    (void)state;
     static const float iors[] = { 1.5f, 1.0f / 1.5f, 2.4f, 1.0f / 2.4f, 1.0001f, 1.0f }, dispersions[] = { 0.36f, 2.0f, 50.0f };
     enum
     {
@@ -330,9 +319,8 @@ static void test_channels_refract_on_their_own( void** state )
 }
 
 // A path that carries one channel goes on as in glass of that channel's index, with the same random numbers: nothing is drawn.
-static void test_a_path_keeps_its_channel( void** state )
+TEST( test_a_path_keeps_its_channel )
 {
-    (void)state;
     for ( int k = 0; k < 20000; ++k )
     {
         int c = k % 3;
@@ -383,9 +371,8 @@ static Glass filmed( float ior, float alpha, float film )
 }
 
 // What a film does not reflect it lets through, in each channel and from both sides alike.
-static void test_films_reflect_or_transmit( void** state )
+TEST( test_films_reflect_or_transmit )
 {
-    (void)state;
     enum
     {
         COUNT = 2000
@@ -449,9 +436,8 @@ static void test_films_reflect_or_transmit( void** state )
     }
 }
 
-static void test_rough_spectral_lobes_agree_with_themselves( void** state )
+TEST( test_rough_spectral_lobes_agree_with_themselves )
 {
-    (void)state;
     static const float degrees[] = { 0.0f, 35.0f, 70.0f };
     for ( int k = 0; k < 3; ++k )
     {
@@ -500,9 +486,8 @@ static void check_smooth( Glass g, float degrees )
     }
 }
 
-static void test_smooth_lobes_are_those_that_are_drawn( void** state )
+TEST( test_smooth_lobes_are_those_that_are_drawn )
 {
-    (void)state;
     static const float degrees[] = { 0.0f, 50.0f, 80.0f };
     for ( int k = 0; k < 3; ++k )
     {
@@ -515,22 +500,4 @@ static void test_smooth_lobes_are_those_that_are_drawn( void** state )
         check_smooth( ( Glass ){ .specular = { 0.9f, 0.5f, 0.1f } }, degrees[k] );
         check_smooth( filmed( -1.5f, 0.0f, 1.0f ), degrees[k] );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_snell_and_fresnel ),
-        cmocka_unit_test( test_thin_walls_and_mirrors ),
-        cmocka_unit_test( test_rough_lobes_agree_with_themselves ),
-        cmocka_unit_test( test_half_a_metal_transmits_the_rest ),
-        cmocka_unit_test( test_rough_glass_is_reciprocal ),
-        cmocka_unit_test( test_mixed_glass_gains_no_energy ),
-        cmocka_unit_test( test_channels_refract_on_their_own ),
-        cmocka_unit_test( test_a_path_keeps_its_channel ),
-        cmocka_unit_test( test_films_reflect_or_transmit ),
-        cmocka_unit_test( test_rough_spectral_lobes_agree_with_themselves ),
-        cmocka_unit_test( test_smooth_lobes_are_those_that_are_drawn ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

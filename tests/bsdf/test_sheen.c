@@ -2,13 +2,9 @@
 // against the formulas of KHR_materials_sheen.
 #include "bsdf/sheen.h"
 #include "support/bsdf_lanes.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdbool.h>
-
-#include <cmocka.h>
 
 static const double s_pi = 3.14159265358979323846;
 
@@ -47,9 +43,8 @@ static double albedo_by_quadrature( float alpha, float cos_o )
     return sum;
 }
 
-static void test_albedo( void** state )
+TEST( test_albedo )
 {
-    (void)state;
     double worst = 0.0;
     for ( int i = 0; i < 24; ++i )
     {
@@ -80,9 +75,8 @@ static double lambda( double mu, double alpha )
     return mu < 0.5 ? exp( exponent( mu, alpha ) ) : exp( 2.0 * exponent( 0.5, alpha ) - exponent( 1.0 - mu, alpha ) );
 }
 
-static void test_formula( void** state )
+TEST( test_formula )
 {
-    (void)state;
     int limited = 0;
     for ( int i = 0; i < 4000; ++i )
     {
@@ -105,13 +99,4 @@ static void test_formula( void** state )
             fail_msg( "f %g instead of %g: alpha %g, cosines %g and %g", got, want, (double)alpha, (double)wo.z, (double)wi.z );
     }
     assert_true( limited > 20 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_albedo ),
-        cmocka_unit_test( test_formula ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,13 +1,9 @@
 // The model of surfaces that scatter to both sides, whose sides are drawn: against both hemispheres in double precision, from both sides,
 // up to grazing angles; reciprocal through the surface.
 #include "support/bsdf_lanes.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdbool.h>
-
-#include <cmocka.h>
 
 static const double s_pi = 3.14159265358979323846;
 
@@ -73,9 +69,8 @@ static void assert_close( double value, double expected, double relative, const 
         fail_msg( "%s %d: %.9g instead of %.9g", what, i, value, expected );
 }
 
-static void test_drawn_sides_are_both_hemispheres( void** state )
+TEST( test_drawn_sides_are_both_hemispheres )
 {
-    (void)state;
     for ( int i = 0; i < 200000; ++i )
     {
         Material m = random_translucent( 1, i );
@@ -106,9 +101,8 @@ static void test_drawn_sides_are_both_hemispheres( void** state )
     }
 }
 
-static void test_reciprocal_through_the_surface( void** state )
+TEST( test_reciprocal_through_the_surface )
 {
-    (void)state;
     for ( int i = 0; i < 100000; ++i )
     {
         Material m = random_translucent( 2, i );
@@ -125,9 +119,8 @@ static void test_reciprocal_through_the_surface( void** state )
 }
 
 // An eye below the shading horizon, as normals that are interpolated have it, is lifted to it in both states alike.
-static void test_eyes_below_the_horizon_are_lifted( void** state )
+TEST( test_eyes_below_the_horizon_are_lifted )
 {
-    (void)state;
     Material m = random_translucent( 3, 0 );
     RfVec3 n = rf_vec3( 0, 0, 1 ), low = rf_normalize( rf_vec3( 1.0f, 0, -0.2f ) );
     RfVec3 lifted = rf_normalize( rf_madd( low, n, RF_MIN_COS - rf_dot( n, low ) ) );
@@ -141,22 +134,10 @@ static void test_eyes_below_the_horizon_are_lifted( void** state )
 }
 
 // All of it: nothing is drawn on the other side. None: all is.
-static void test_probability_has_its_ends( void** state )
+TEST( test_probability_has_its_ends )
 {
-    (void)state;
     assert_true( rf_through_probability( grey( 0.0f ), grey( 0.5f ), grey( 0.04f ), 1.0f ) == 0.0f );
     assert_true( rf_through_probability( grey( 0.0f ), grey( 0.0f ), grey( 0.0f ), 0.0f ) == 0.0f );
     assert_true( rf_through_probability( grey( 0.5f ), grey( 0.0f ), grey( 0.0f ), 0.0f ) == 1.0f );
     assert_true( rf_through_probability( grey( 0.5f ), grey( 0.5f ), grey( 0.0f ), 0.0f ) == 0.5f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_drawn_sides_are_both_hemispheres ),
-        cmocka_unit_test( test_reciprocal_through_the_surface ),
-        cmocka_unit_test( test_eyes_below_the_horizon_are_lifted ),
-        cmocka_unit_test( test_probability_has_its_ends ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,15 +1,11 @@
 // reframe render --alpha as a user sees it: RGBA in the files, a PNG with straight alpha, commands that read the files.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "image/exr.h"
 
@@ -46,9 +42,8 @@ static void check_order( const char* name, const char* wanted )
     free( bytes );
 }
 
-static void test_files_are_premultiplied_rgba( void** state )
+TEST( test_files_are_premultiplied_rgba )
 {
-    (void)state;
     write_scene();
     cli_expect( cli_run( "$R render sky.json -o a/f.####.exr " SMALL " --alpha" ), 0, NULL );
     cli_expect( cli_run( "$R render sky.json -o n/f.####.exr " SMALL ), 0, NULL );
@@ -72,9 +67,8 @@ static void test_files_are_premultiplied_rgba( void** state )
     free( plain );
 }
 
-static void test_png_has_straight_alpha( void** state )
+TEST( test_png_has_straight_alpha )
 {
-    (void)state;
     write_scene();
     cli_expect( cli_run( "$R render sky.json -o a.exr " SMALL " --alpha" ), 0, NULL );
     cli_expect( cli_run( "$R render sky.json -o n.exr " SMALL ), 0, NULL );
@@ -107,9 +101,8 @@ static void test_png_has_straight_alpha( void** state )
     free( opaque );
 }
 
-static void test_other_commands_read_it( void** state )
+TEST( test_other_commands_read_it )
 {
-    (void)state;
     write_scene();
     cli_expect( cli_run( "$R render sky.json -o c/f.####.exr " SMALL " --alpha --aov depth" ), 0, NULL );
     const CliResult* same = cli_run( "$R compare c/f.####.exr c/f.####.exr --json -" );
@@ -136,12 +129,4 @@ static void test_other_commands_read_it( void** state )
     cli_expect( cli_run( "$R render sky.json -o r.exr --aov alpha" ), 2, "'alpha' is no AOV" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_files_are_premultiplied_rgba ),
-        cmocka_unit_test( test_png_has_straight_alpha ),
-        cmocka_unit_test( test_other_commands_read_it ),
-    };
-    return cmocka_run_group_tests_name( "alpha", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,15 +1,12 @@
 // reframe render --aov as a user sees it: the channels in the files, and what is refused.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "film/cryptomatte.h"
 #include "image/exr.h"
@@ -37,9 +34,8 @@ static float* channel_of( const char* name, const char* channel, int width, int 
     return values;
 }
 
-static void test_every_channel_is_written( void** state )
+TEST( test_every_channel_is_written )
 {
-    (void)state;
     static const char* const names[] = { "denoise_albedo.R",
                                          "denoise_albedo.G",
                                          "denoise_albedo.B",
@@ -107,9 +103,8 @@ static void test_every_channel_is_written( void** state )
     assert_null( channel_of( "d/f.0010.exr", "albedo.R", 48, 27 ) );
 }
 
-static void test_wrong_names_are_refused( void** state )
+TEST( test_wrong_names_are_refused )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
                 "reframe render: --aov: 'colour' is no AOV, there are " ALL ",removed," PASSES ",primal,dx,dy" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normals" ), 2, "did you mean normal?" );
@@ -120,9 +115,8 @@ static void test_wrong_names_are_refused( void** state )
     assert_false( cli_exists( "r.exr" ) );
 }
 
-static void test_resume_wants_the_same_aovs( void** state )
+TEST( test_resume_wants_the_same_aovs )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o s/f.####.exr " SMALL " --aov depth,albedo" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o s/f.####.exr " SMALL " --resume --aov albedo,depth" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o s/f.####.exr " SMALL " --resume" ), 1, "--resume: s/f.0010.exr" );
@@ -163,9 +157,8 @@ static double coverage_of( const char* name, const char* kind, const char* attri
 }
 
 // Every compression leaves the ids as they are, and so do names and parts.
-static void test_mattes_are_found_by_name( void** state )
+TEST( test_mattes_are_found_by_name )
 {
-    (void)state;
     static const char* const s_options[] = { "", " --compression dwaa", " --names blender",
                                              " --parts each --light-groups lamps" };
     double vase = 0.0;
@@ -199,9 +192,8 @@ static void test_mattes_are_found_by_name( void** state )
 }
 
 // MurmurHash3 of "c100368" and "c119089" is the same.
-static void test_names_of_one_id_are_named( void** state )
+TEST( test_names_of_one_id_are_named )
 {
-    (void)state;
     const char* warning = "warning: two.gltf: 'c100368' and 'c119089' have one Cryptomatte id, 51d7b4d8, and so one matte";
     write_room( "" ); // equal names are one thing
     cli_expect( cli_run( "sed 's/wood floor/c100368/;s/\"lamp\"/\"c119089\"/' room.gltf >two.gltf" ), 0, NULL );
@@ -213,9 +205,8 @@ static void test_names_of_one_id_are_named( void** state )
                 warning );
 }
 
-static void test_variance_of_one_pass( void** state )
+TEST( test_variance_of_one_pass )
 {
-    (void)state;
     const CliResult* result =
         cli_run( "$R render $VASE -o v.exr --size 8x6 --spp 1 --group 0 --frames 3 --quiet --aov variance" );
     cli_expect( result, 0, NULL );
@@ -229,12 +220,4 @@ static void test_variance_of_one_pass( void** state )
     assert_string_equal( result->err, "" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_channel_is_written ),   cmocka_unit_test( test_wrong_names_are_refused ),
-        cmocka_unit_test( test_resume_wants_the_same_aovs ), cmocka_unit_test( test_mattes_are_found_by_name ),
-        cmocka_unit_test( test_variance_of_one_pass ),       cmocka_unit_test( test_names_of_one_id_are_named ),
-    };
-    return cmocka_run_group_tests_name( "aov", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,17 +1,12 @@
 // The add-on that scripts/blender/pack makes, installed and used in a Blender without a window; skipped where Blender or its numpy is
 // missing.
 #include "support/blender_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-static void test_zip_installs_exports_and_renders( void** state )
+TEST( test_zip_installs_exports_and_renders )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     cli_expect( cli_run( "python3 -B " REFRAME_SOURCE_DIR "/scripts/blender/pack --output a.zip && "
@@ -24,10 +19,4 @@ static void test_zip_installs_exports_and_renders( void** state )
     if ( done->status != 0 || strstr( done->out, "the add-on works\n" ) == NULL )
         fail_msg( "%s", done->out );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_zip_installs_exports_and_renders ) };
-    return cmocka_run_group_tests_name( "the add-on of Blender", tests, NULL, NULL );
 }

@@ -1,17 +1,13 @@
 // Cameras out of Blender see what Cycles sees: with depth of field, orthographic and panoramic. The mean of the picture is
 // that of Cycles within 1 %, and so, within their noise, are the means of its parts. Skipped where Blender is missing.
 #include "support/blender_run.h"
+#include "support/test.h"
 
 #include "reframe/image.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 96
 #define HEIGHT 54
@@ -86,9 +82,8 @@ static void render_camera( const char* name )
         0, NULL );
 }
 
-static void test_cameras_see_what_cycles_sees( void** state )
+TEST( test_cameras_see_what_cycles_sees )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     cli_expect( cli_run( BLENDER "--python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/blender_cameras.py > log 2>&1" ),
@@ -109,10 +104,4 @@ static void test_cameras_see_what_cycles_sees( void** state )
     Difference sharp = compare( "Lens-ours.exr", "Sharp.exr" );
     assert_true( sharp.pixels > 0.055 );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_cameras_see_what_cycles_sees ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,13 +1,9 @@
 // The script in src/cli/denoising.md: Blender's Denoise node gets frames with albedo and normal, and each of them comes out under its
 // number, as it was where Blender is built without Open Image Denoise. Skipped where Blender is missing.
 #include "support/blender_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PAGE REFRAME_SOURCE_DIR "/src/cli/denoising.md"
 
@@ -21,9 +17,8 @@ static double difference( const char* written, const char* read )
     return strtod( relmse + strlen( "\"relmse\": " ), NULL );
 }
 
-static void test_frames_pass_the_node( void** state )
+TEST( test_frames_pass_the_node )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o out/shot.####.exr --frames 3,4 --size 48x27 --spp 16 --group 0 --filter box --quiet "
                          "--aov denoise_albedo,denoise_normal --names blender" ),
                 0, NULL );
@@ -38,10 +33,9 @@ static void test_frames_pass_the_node( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_frames_pass_the_node ) };
     if ( !enter_with_blender() )
         return 0;
-    int failed = cmocka_run_group_tests_name( "Blender's Denoise node", tests, NULL, NULL );
+    int failed = run_listed_tests();
     cli_leave();
     return failed;
 }

@@ -1,6 +1,7 @@
 // scripts/blender/export.py on a scene made in Blender; skipped where Blender or the numpy
 // that its exporter needs is missing.
 #include "support/blender_run.h"
+#include "support/test.h"
 
 #include "light/sky.h"
 #include "reframe/image.h"
@@ -8,13 +9,8 @@
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A camera that a moving parent and a constraint move, an area light, a point
 // lamp, a world of one colour, a custom property.
@@ -204,9 +200,8 @@ static void load( const char* name, RfScene* scene )
         fail_msg( "%s", error.text );
 }
 
-static void test_export_keeps_the_scene( void** state )
+TEST( test_export_keeps_the_scene )
 {
-    (void)state;
     bool is_4 = blender_major() >= 4;
     if ( !enter_with_blender() )
         skip();
@@ -255,9 +250,8 @@ static void check_lens( const RfScene* scene )
     assert_memory_equal( &eye.close.origin, &after.origin, sizeof after.origin );
 }
 
-static void test_world_becomes_the_environment( void** state )
+TEST( test_world_becomes_the_environment )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     cli_write( "make.py", s_make, sizeof s_make - 1 );
@@ -325,9 +319,8 @@ static void expect_same_picture( const char* name, const char* cycles )
 #define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/"
 
 // Frames 101 to 110 at 29.97 frames/s with two cuts by markers, of 64x36 pixels that are not square, by a zooming and shifted lens.
-static void test_shot_is_blenders( void** state )
+TEST( test_shot_is_blenders )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     assert_int_equal( cli_run( MAKE "blender_shot.py > log 2>&1" )->status, 0 );
@@ -344,9 +337,8 @@ static void test_shot_is_blenders( void** state )
     cli_leave();
 }
 
-static void test_geometry_is_as_rendered( void** state )
+TEST( test_geometry_is_as_rendered )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     assert_int_equal( cli_run( MAKE "blender_geometry.py > log 2>&1" )->status, 0 );
@@ -358,13 +350,4 @@ static void test_geometry_is_as_rendered( void** state )
     cli_expect( done, 0, NULL );
     expect_same_picture( "g.exr", "geometry-1.exr" );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_export_keeps_the_scene ),
-                                        cmocka_unit_test( test_world_becomes_the_environment ),
-                                        cmocka_unit_test( test_shot_is_blenders ),
-                                        cmocka_unit_test( test_geometry_is_as_rendered ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,15 +1,11 @@
 // What scripts/blender/export.py cannot carry is named, with the object: small scenes made inside Blender
 // (support/blender_losses.py) are exported, and the warnings read. Skipped where Blender or its numpy is missing.
 #include "support/blender_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MOST 24
 #define UNSEEN "lamps that light as in Blender, but are not seen in mirrors, and light nothing through solid glass: "
@@ -63,15 +59,10 @@ static bool has_node( const char* file, const char* name, const char* more )
     return found;
 }
 
-static void test_plain_scene_has_no_warning( void** state )
-{
-    (void)state;
-    expect_warnings( "plain", ( const char* const[MOST] ){ NULL } );
-}
+TEST( test_plain_scene_has_no_warning ) { expect_warnings( "plain", ( const char* const[MOST] ){ NULL } ); }
 
-static void test_lamps_that_rays_treat_otherwise( void** state )
+TEST( test_lamps_that_rays_treat_otherwise )
 {
-    (void)state;
     expect_warnings( "lamps", ( const char* const[MOST] ){
                                   "'through walls': lights through everything in Blender: throws shadows here",
                                   "'for gloss': hidden from some kinds of rays in Blender: lights all surfaces here",
@@ -82,9 +73,8 @@ static void test_lamps_that_rays_treat_otherwise( void** state )
 }
 
 // Where the light of the whole picture is lost, nothing is written, what was there stays, and all losses are told.
-static void test_losses_are_errors( void** state )
+TEST( test_losses_are_errors )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     assert_int_equal( cli_run( BLENDER_MAKE "blender_losses.py -- lamps > log 2>&1" )->status, 0 );
@@ -102,9 +92,8 @@ static void test_losses_are_errors( void** state )
 }
 
 // Of Blender 4.
-static void test_lamps_of_blender_4( void** state )
+TEST( test_lamps_of_blender_4 )
 {
-    (void)state;
     if ( blender_major() < 4 )
         skip();
     expect_warnings( "linked", ( const char* const[MOST] ){
@@ -114,9 +103,8 @@ static void test_lamps_of_blender_4( void** state )
                                } );
 }
 
-static void test_instances_are_reported_as_well( void** state )
+TEST( test_instances_are_reported_as_well )
 {
-    (void)state;
     expect_warnings( "instances", ( const char* const[MOST] ){
                                       "'torch': lights through everything in Blender: throws shadows here",
                                       "'ghost': hidden from some kinds of rays in Blender: seen by all here",
@@ -128,9 +116,8 @@ static void test_instances_are_reported_as_well( void** state )
                                   } );
 }
 
-static void test_objects_that_are_hidden_in_some_frames( void** state )
+TEST( test_objects_that_are_hidden_in_some_frames )
 {
-    (void)state;
     export_and_expect( "switched", ( const char* const[MOST] ){ NULL } );
     assert_true( has_node( "switched.glb", "goes", "" ) && has_node( "switched.glb", "comes", "" ) &&
                  has_node( "switched.glb", "stays", "" ) && has_node( "switched.glb", "piece", "" ) );
@@ -138,9 +125,8 @@ static void test_objects_that_are_hidden_in_some_frames( void** state )
     cli_leave();
 }
 
-static void test_what_changes( void** state )
+TEST( test_what_changes )
 {
-    (void)state;
     expect_warnings( "changes",
                      ( const char* const[MOST] ){
                          "loss: 'spread': the spread of the lamp changes: taken as in the frame in which it is brightest",
@@ -154,9 +140,8 @@ static void test_what_changes( void** state )
                      } );
 }
 
-static void test_what_blender_does_to_pictures( void** state )
+TEST( test_what_blender_does_to_pictures )
 {
-    (void)state;
     expect_warnings( "pictures", ( const char* const[MOST] ){
                                      "Freestyle's lines are left out",
                                      "view layers 'back': left out: 'ViewLayer' is exported",
@@ -166,9 +151,8 @@ static void test_what_blender_does_to_pictures( void** state )
                                  } );
 }
 
-static void test_what_takes_light_away( void** state )
+TEST( test_what_takes_light_away )
 {
-    (void)state;
     export_and_expect(
         "darkness",
         ( const char* const[MOST] ){
@@ -192,9 +176,8 @@ static void test_what_takes_light_away( void** state )
 }
 
 // Which of two lamps of one name gets a number is up to Blender.
-static void test_lamps_of_instances_in_view( void** state )
+TEST( test_lamps_of_instances_in_view )
 {
-    (void)state;
     bool is_4 = blender_major() >= 4;
     const char* seen = is_4 ? "panel" : "panel.001";
     const char* behind = is_4 ? "panel.001" : "panel";
@@ -205,9 +188,8 @@ static void test_lamps_of_instances_in_view( void** state )
     cli_leave();
 }
 
-static void test_what_cycles_leaves_out_by_its_settings( void** state )
+TEST( test_what_cycles_leaves_out_by_its_settings )
 {
-    (void)state;
     export_and_expect( "cycles_settings",
                        ( const char* const[MOST] ){
                            "light ends after few bounces in Blender (8 in all, 2 glossy): it goes on here (see --max-depth)",
@@ -225,36 +207,11 @@ static void test_what_cycles_leaves_out_by_its_settings( void** state )
     cli_leave();
 }
 
-static void test_what_meshes_carry_over_time( void** state )
-{
-    (void)state;
-    expect_warnings( "carried", ( const char* const[MOST] ){ NULL } );
-}
+TEST( test_what_meshes_carry_over_time ) { expect_warnings( "carried", ( const char* const[MOST] ){ NULL } ); }
 
-static void test_missing_films_are_named_once( void** state )
+TEST( test_missing_films_are_named_once )
 {
-    (void)state;
     expect_warnings( "gone",
                      ( const char* const[MOST] ){
                          "image 'film': /nowhere/film.0001.png and 2 other files of it are missing: magenta, as in Cycles" } );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_plain_scene_has_no_warning ),
-        cmocka_unit_test( test_lamps_that_rays_treat_otherwise ),
-        cmocka_unit_test( test_losses_are_errors ),
-        cmocka_unit_test( test_lamps_of_blender_4 ),
-        cmocka_unit_test( test_instances_are_reported_as_well ),
-        cmocka_unit_test( test_objects_that_are_hidden_in_some_frames ),
-        cmocka_unit_test( test_what_changes ),
-        cmocka_unit_test( test_what_blender_does_to_pictures ),
-        cmocka_unit_test( test_what_takes_light_away ),
-        cmocka_unit_test( test_lamps_of_instances_in_view ),
-        cmocka_unit_test( test_what_cycles_leaves_out_by_its_settings ),
-        cmocka_unit_test( test_what_meshes_carry_over_time ),
-        cmocka_unit_test( test_missing_films_are_named_once ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,24 +2,19 @@
 // (support/blender_materials.py) are exported, rendered, and held against Cycles by their mean. Skipped where Blender
 // or its numpy is missing.
 #include "support/blender_pictures.h"
+#include "support/test.h"
 
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/blender_materials.py -- . "
 
-static void test_means_are_those_of_cycles( void** state )
+TEST( test_means_are_those_of_cycles )
 {
-    (void)state;
     static const struct
     {
         const char* name;
@@ -85,9 +80,8 @@ static void test_means_are_those_of_cycles( void** state )
 
 // Diffuse and gloss of two colours are one surface, as bright as in Cycles. Each surface alone is within a per cent; the
 // mean of a closed room of them shows ten times that.
-static void test_mixtures_of_gloss( void** state )
+TEST( test_mixtures_of_gloss )
 {
-    (void)state;
     static const char* const scenes[] = { "shares_of_gloss", "gloss_by_fresnel", "furnace" };
     if ( !enter_with_blender() )
         skip();
@@ -110,9 +104,8 @@ static void test_mixtures_of_gloss( void** state )
     cli_leave();
 }
 
-static void test_what_is_left_out_is_named( void** state )
+TEST( test_what_is_left_out_is_named )
 {
-    (void)state;
     static const char* const said[] = {
         "'Sphere': material 'skin', node 'Principled BSDF': subsurface scattering",
         "'Sphere': material 'skin', node 'Principled BSDF': sheen",
@@ -147,9 +140,8 @@ static void test_what_is_left_out_is_named( void** state )
 
 // What lights a scene counts, where the camera is shown something else; and glass that lets light pass by a trick is a
 // pane, which lets pass what Fresnel's equations leave, where Cycles' shadow rays lose nothing.
-static void test_looks_of_other_rays( void** state )
+TEST( test_looks_of_other_rays )
 {
-    (void)state;
     static const char* const said[] = {
         "'Grid': material 'dimmed', node 'Light Path': shines differently to the camera: taken as it lights the scene",
         "'Grid.001': material 'unseen', node 'Light Path': hidden from the camera, but lights the scene: seen by all rays",
@@ -190,9 +182,8 @@ static void expect_glass( const RfScene* scene, const char* name, bool is_thin )
 
 // A thin box of glass is two panes, through which lamps and the sun light a room; what refracts, or has something on its
 // walls or in it, stays a body.
-static void test_thin_boxes_of_glass( void** state )
+TEST( test_thin_boxes_of_glass )
 {
-    (void)state;
     static const char* const thin[] = { "window", "cover", "dense" };
     static const char* const solid[] = { "wedge", "lens", "thick", "strip", "tank", "water", "mirror", "paperweight" };
     if ( !enter_with_blender() )
@@ -217,9 +208,8 @@ static void test_thin_boxes_of_glass( void** state )
 }
 
 // Layers of Blender 4, which reflect as much as in its Cycles, or are named.
-static void test_surfaces_of_blender_4( void** state )
+TEST( test_surfaces_of_blender_4 )
 {
-    (void)state;
     static const char* const said[] = {
         "material 'film', node 'Principled BSDF': a thin film: up to 12 % darker",
         "material 'skin', node 'Principled BSDF': subsurface scattering: taken as diffuse",
@@ -246,14 +236,4 @@ static void test_surfaces_of_blender_4( void** state )
     for ( size_t i = 0; i < sizeof said / sizeof said[0]; ++i )
         expect_line( done->err, said[i] );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_means_are_those_of_cycles ), cmocka_unit_test( test_mixtures_of_gloss ),
-        cmocka_unit_test( test_thin_boxes_of_glass ),       cmocka_unit_test( test_looks_of_other_rays ),
-        cmocka_unit_test( test_surfaces_of_blender_4 ),     cmocka_unit_test( test_what_is_left_out_is_named )
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,17 +2,13 @@
 // (support/blender_movement.py) are exported, and support/blender_compare.py compares every object and instance with Blender's.
 // Skipped where Blender or its numpy is missing.
 #include "support/blender_run.h"
+#include "support/test.h"
 
 #include "reframe/image.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void export_scene( const char* name, const char* options )
 {
@@ -39,24 +35,12 @@ static void expect_movement( const char* name, const char* options, int step, in
     cli_leave();
 }
 
-static void test_what_moves_rigidly( void** state )
-{
-    (void)state;
-    expect_movement( "rigid", "", 1, 199 );
-}
+TEST( test_what_moves_rigidly ) { expect_movement( "rigid", "", 1, 199 ); }
 
-static void test_particles_instances_and_physics( void** state )
-{
-    (void)state;
-    expect_movement( "many", "", 1, 580 );
-}
+TEST( test_particles_instances_and_physics ) { expect_movement( "many", "", 1, 580 ); }
 
 // Simulations go through the frames that are left out.
-static void test_steps( void** state )
-{
-    (void)state;
-    expect_movement( "many", "--frames 1-12x4", 4, 145 );
-}
+TEST( test_steps ) { expect_movement( "many", "--frames 1-12x4", 4, 145 ); }
 
 static double sum_of( const RfImage* image )
 {
@@ -87,9 +71,8 @@ static double difference_of( const char* a, const char* b )
 }
 
 // What turns, goes and appears, blurred as in Cycles.
-static void test_blurred_frames_are_those_of_cycles( void** state )
+TEST( test_blurred_frames_are_those_of_cycles )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     export_scene( "film", "" );
@@ -103,9 +86,8 @@ static void test_blurred_frames_are_those_of_cycles( void** state )
 }
 
 // A marker changes the camera in frame 4: with the shutter open for all of a frame, frames 3 and 4 are those of each camera alone.
-static void test_cuts_are_not_blurred( void** state )
+TEST( test_cuts_are_not_blurred )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     export_scene( "edit", "" );
@@ -128,13 +110,4 @@ static void test_cuts_are_not_blurred( void** state )
     cli_expect( cli_run( RENDER_EDIT, "edit", "last", "4-6" ), 0, NULL );
     assert_int_equal( cli_run( "cmp all.0004.exr last.0004.exr" )->status, 0 );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_what_moves_rigidly ),
-                                        cmocka_unit_test( test_particles_instances_and_physics ), cmocka_unit_test( test_steps ),
-                                        cmocka_unit_test( test_blurred_frames_are_those_of_cycles ),
-                                        cmocka_unit_test( test_cuts_are_not_blurred ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -3,19 +3,15 @@
 // missing.
 #include "support/blender_run.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 #include "scene/light_groups.h"
 #include "scene/surfaces.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SIZE "64x36"
 #define SAMPLES 128 // of a pixel, traced for the frame itself
@@ -66,9 +62,8 @@ static bool has_object( const RfScene* scene, const char* name, const char* asse
     return false;
 }
 
-static void test_names_and_groups_are_carried( void** state )
+TEST( test_names_and_groups_are_carried )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     run_script( "make" );
@@ -112,9 +107,8 @@ static void expect_text( const char* text, const char* part )
         fail_msg( "does not say: %s\n%s", part, text );
 }
 
-static void test_compositor_takes_the_passes( void** state )
+TEST( test_compositor_takes_the_passes )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     run_script( "make" );
@@ -173,9 +167,8 @@ static void render_seeds( const char* scene, uint64_t seed, const char* options,
 }
 
 // Lamps of two groups dimmed in the compositor give the picture of lamps that are dimmed.
-static void test_groups_are_balanced_in_the_compositor( void** state )
+TEST( test_groups_are_balanced_in_the_compositor )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     run_script( "make" );
@@ -203,10 +196,4 @@ static void test_groups_are_balanced_in_the_compositor( void** state )
     cli_leave();
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_names_and_groups_are_carried ),
-                                        cmocka_unit_test( test_compositor_takes_the_passes ),
-                                        cmocka_unit_test( test_groups_are_balanced_in_the_compositor ) };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -3,16 +3,12 @@
 #include "light/punctual.h"
 #include "scene/gltf/gltf.h"
 #include "support/blender_run.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979324
 #define WATT ( 4.0 * PI / 177.83 ) // of a lamp, for a candela of a file
@@ -74,9 +70,8 @@ static void check_lamps( const RfScene* scene, bool is_4 )
     assert_near( intensity( wide, ( is_4 ? 2.0 : 1.0 ) * sin( down ), 0, -cos( down ) ), 10.0 * 0.5 * ( is_4 ? 1.0 : own ) );
 }
 
-static void test_profiles_are_those_of_cycles( void** state )
+TEST( test_profiles_are_those_of_cycles )
 {
-    (void)state;
     bool is_4 = blender_major() >= 4;
     if ( !enter_with_blender() )
         skip();
@@ -96,9 +91,8 @@ static void test_profiles_are_those_of_cycles( void** state )
     cli_leave();
 }
 
-static void test_what_has_no_profile_is_lost_by_name( void** state )
+TEST( test_what_has_no_profile_is_lost_by_name )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     cli_expect( cli_run( BLENDER_MAKE "blender_profiles.py -- lost > log 2>&1" ), 0, NULL );
@@ -119,13 +113,4 @@ static void test_what_has_no_profile_is_lost_by_name( void** state )
             fail_msg( "is not told: %s\nbut:\n%s", told[i], done->err );
     }
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_profiles_are_those_of_cycles ),
-        cmocka_unit_test( test_what_has_no_profile_is_lost_by_name ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

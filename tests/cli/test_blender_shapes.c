@@ -1,6 +1,7 @@
 // scripts/blender/export.py on what deforms and what changes its topology: every corner of the mesh that Blender evaluates in a
 // frame is in the posed scene, with its normal, and nothing else is.
 #include "support/blender_run.h"
+#include "support/test.h"
 
 #include "base/file.h"
 #include "scene/deformation.h"
@@ -9,12 +10,7 @@
 #include "scene/pose.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SIZE 2.0 // of each object
 #define NEAR ( 1e-5 * SIZE )
@@ -169,9 +165,8 @@ static void expect_few_targets( const RfScene* scene )
     assert_int_equal( others, 2 );
 }
 
-static void test_shapes_are_blenders( void** state )
+TEST( test_shapes_are_blenders )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     assert_int_equal( cli_run( BLENDER_MAKE "blender_shapes.py > log 2>&1" )->status, 0 );
@@ -197,10 +192,4 @@ static void test_shapes_are_blenders( void** state )
                              "loss: 'skin': keeps its shape from frame 2 on: the shapes of all objects take more than 0 GiB: "
                              "export fewer frames\n" ) );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_shapes_are_blenders ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,6 +2,7 @@
 // Blender (support/blender_surfaces.py) are exported, rendered, and held against Cycles by their mean. Skipped where Blender
 // or its numpy is missing.
 #include "support/blender_pictures.h"
+#include "support/test.h"
 
 #include "scene/textured.h"
 
@@ -21,9 +22,8 @@ static const char* export_scene( const char* scene, const char* options )
     return done->err;
 }
 
-static void test_what_depends_on_the_angle( void** state )
+TEST( test_what_depends_on_the_angle )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     const char* said = export_scene( "by_angle", "--bake 64" );
@@ -34,9 +34,8 @@ static void test_what_depends_on_the_angle( void** state )
     cli_leave();
 }
 
-static void test_fabrics( void** state )
+TEST( test_fabrics )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     const char* said = export_scene( "fabrics", "--no-bake" );
@@ -54,9 +53,8 @@ static void test_fabrics( void** state )
 }
 
 // A displacement that is only a bump darkens what is seen and makes it uneven.
-static void test_displacement_as_a_bump( void** state )
+TEST( test_displacement_as_a_bump )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     const char* said = export_scene( "bumps", "--bake 256" );
@@ -78,9 +76,8 @@ static bool has_texture( const RfScene* scene, const char* name, RfTextureSlot s
 }
 
 // Directions that are not those of the coordinates are a texture.
-static void test_brushed_metal_and_coats( void** state )
+TEST( test_brushed_metal_and_coats )
 {
-    (void)state;
     bool is_4 = blender_major() >= 4;
     if ( !enter_with_blender() )
         skip();
@@ -105,9 +102,8 @@ static void test_brushed_metal_and_coats( void** state )
 }
 
 // What shines through has the texture of the base, or one of its own.
-static void test_leaves( void** state )
+TEST( test_leaves )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     assert_null( strstr( export_scene( "leaves", "--bake 128" ), "warning" ) );
@@ -126,9 +122,8 @@ static void test_leaves( void** state )
 }
 
 // The picture is Cycles' to its noise: without displacement relMSE would be 0.26.
-static void test_displacement_of_vertices( void** state )
+TEST( test_displacement_of_vertices )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     assert_null( strstr( export_scene( "displaced", "--bake 128" ), "warning" ) );
@@ -138,15 +133,4 @@ static void test_displacement_of_vertices( void** state )
     assert_true( json_number_value( json_object_get( json, "relmse" ) ) < 0.03 );
     json_decref( json );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_what_depends_on_the_angle ),
-                                        cmocka_unit_test( test_fabrics ),
-                                        cmocka_unit_test( test_displacement_as_a_bump ),
-                                        cmocka_unit_test( test_brushed_metal_and_coats ),
-                                        cmocka_unit_test( test_leaves ),
-                                        cmocka_unit_test( test_displacement_of_vertices ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

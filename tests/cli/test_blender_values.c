@@ -2,6 +2,7 @@
 // (support/blender_values.py) are exported, read at several frames, and rendered beside Cycles. Skipped where Blender or its
 // numpy is missing.
 #include "support/blender_run.h"
+#include "support/test.h"
 
 #include "reframe/image.h"
 #include "scene/gltf/gltf.h"
@@ -9,14 +10,9 @@
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define FRAMES 5
 
@@ -126,9 +122,8 @@ static void compare( const char* scene, double room )
     }
 }
 
-static void test_numbers_of_shaders( void** state )
+TEST( test_numbers_of_shaders )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     make_and_export( "surfaces", "" );
@@ -149,9 +144,8 @@ static void test_numbers_of_shaders( void** state )
     cli_leave();
 }
 
-static void test_pictures_that_change( void** state )
+TEST( test_pictures_that_change )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     make_and_export( "pictures", "--samples 64" );
@@ -183,9 +177,8 @@ static void check_frames( const char* scene, void ( *check )( const RfPosedScene
     rf_destroy_scene( &loaded );
 }
 
-static void test_worlds( void** state )
+TEST( test_worlds )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     make_and_export( "dusk", "" );
@@ -221,21 +214,12 @@ static void check_lamps( const RfPosedScene* posed, int frame )
     assert_true( found >= 3 );
 }
 
-static void test_lamps( void** state )
+TEST( test_lamps )
 {
-    (void)state;
     if ( !enter_with_blender() )
         skip();
     make_and_export( "lamps", "--samples 64" );
     check_frames( "lamps.glb", check_lamps );
     compare( "lamps", 0.05 );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_numbers_of_shaders ),
-                                        cmocka_unit_test( test_pictures_that_change ), cmocka_unit_test( test_worlds ),
-                                        cmocka_unit_test( test_lamps ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,5 +1,6 @@
 // Parts of the program that need no scene: frame lists, OpenEXR matrices, fingerprints,
 // the progress line.
+#include "support/test.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/render/progress.h"
@@ -9,13 +10,9 @@
 #include "scene/pinhole.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // Of a sequence with these two numbers.
 static void expect_frames_of( int first, int last, const char* text, const char* wanted )
@@ -43,9 +40,8 @@ static void expect_refused( const char* text, const char* part )
         fail_msg( "'%s' gave '%s'", text, error.text );
 }
 
-static void test_frame_lists_as_users_write_them( void** state )
+TEST( test_frame_lists_as_users_write_them )
 {
-    (void)state;
     expect_frames( NULL, "1 2 3 4 5 6 7 8 9 10" );
     expect_frames( "7", "7" );
     expect_frames( "-1", "10" );
@@ -82,9 +78,8 @@ static void apply( const float m[16], const double p[3], double out[3] )
         out[j] = r[j] / r[3];
 }
 
-static void test_matrices_project_as_the_eye_does( void** state )
+TEST( test_matrices_project_as_the_eye_does )
 {
-    (void)state;
     RfEye eye = rf_make_eye( rf_vec3( 1, 2, 3 ), rf_vec3( 1, -0.5f, 0.25f ), rf_vec3( 0, 1, 0 ), 0.8, 160, 90 );
     float camera[16], ndc[16];
     rf_eye_matrices( &eye, camera, ndc );
@@ -103,9 +98,8 @@ static void test_matrices_project_as_the_eye_does( void** state )
 }
 
 // A point that a shifted lens shows in the upper right corner of a film of wide pixels.
-static void test_matrices_of_shifted_lenses( void** state )
+TEST( test_matrices_of_shifted_lenses )
 {
-    (void)state;
     RfEye eye = rf_make_eye( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.8, 160, 90 );
     rf_shift_eye( &eye, 1.5, 0.25, -0.1 );
     float camera[16], ndc[16];
@@ -124,9 +118,8 @@ static void test_matrices_of_shifted_lenses( void** state )
     assert_true( fabs( (double)film[0] - 80.0 ) < 1e-3 && fabs( (double)film[1] - 45.0 ) < 1e-3 );
 }
 
-static void test_fingerprints_change_with_every_setting( void** state )
+TEST( test_fingerprints_change_with_every_setting )
 {
-    (void)state;
     RfRenderOptions options = { .fps = { 24, 1 }, .tile = "1", .settings = rf_default_render_settings() };
     RfScene scene = { .content_hash = 17 };
     RfCameraPath path = { .count = 3, .hash = 5 };
@@ -159,9 +152,8 @@ static void test_fingerprints_change_with_every_setting( void** state )
 }
 
 // relMSE adds up three channels: where each is off by a tenth it is 0.03.
-static void test_noise_in_percent( void** state )
+TEST( test_noise_in_percent )
 {
-    (void)state;
     static const struct
     {
         double relmse;
@@ -179,9 +171,8 @@ static void test_noise_in_percent( void** state )
 }
 
 // No figure whose interval is wider than a factor of 4.
-static void test_gains_are_said_as_far_as_they_are_known( void** state )
+TEST( test_gains_are_said_as_far_as_they_are_known )
 {
-    (void)state;
     static const struct
     {
         RfInterval gain;
@@ -226,9 +217,8 @@ static void expect_specks( const json_t* sum, const char* words, const char* adv
 }
 
 // Frames count by their errors. The sentence names a material and a kind that has most of it, and what helps.
-static void test_specks_in_words( void** state )
+TEST( test_specks_in_words )
 {
-    (void)state;
     RfMaterial materials[] = { { .name = "steel" }, { .name = "wall" } };
     RfScene scene = { .materials = materials, .material_count = 2 };
     RfSpecks one = { .pixels = 1,
@@ -290,9 +280,8 @@ static void test_specks_in_words( void** state )
     json_decref( frames );
 }
 
-static void test_progress_line_is_short_and_right( void** state )
+TEST( test_progress_line_is_short_and_right )
 {
-    (void)state;
     char text[160];
     RfProgress progress = {
         .frames_done = 11, .frames_all = 48, .share = 0.25, .samples = 26.6e6, .seconds = 14.0, .left = 42.0
@@ -325,9 +314,8 @@ static void test_progress_line_is_short_and_right( void** state )
 }
 
 // Where standard error is a pipe: a plain line every ten seconds, from the start.
-static void test_progress_off_a_terminal( void** state )
+TEST( test_progress_off_a_terminal )
 {
-    (void)state;
     char text[512];
     FILE* log = tmpfile();
     int terminal = dup( STDERR_FILENO );
@@ -353,20 +341,4 @@ static void test_progress_off_a_terminal( void** state )
     assert_string_equal( text, "frame 1/25  20 %  0:10 spent  0:40 left  98 k samples/s\n"
                                "frame 1/25  40 %  0:20 spent  0:30 left  49 k samples/s\n"
                                "frame 1/25  93 %  0:46 spent  0:04 left  22 k samples/s\n" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_frame_lists_as_users_write_them ),
-        cmocka_unit_test( test_matrices_project_as_the_eye_does ),
-        cmocka_unit_test( test_matrices_of_shifted_lenses ),
-        cmocka_unit_test( test_fingerprints_change_with_every_setting ),
-        cmocka_unit_test( test_noise_in_percent ),
-        cmocka_unit_test( test_specks_in_words ),
-        cmocka_unit_test( test_gains_are_said_as_far_as_they_are_known ),
-        cmocka_unit_test( test_progress_line_is_short_and_right ),
-        cmocka_unit_test( test_progress_off_a_terminal ),
-    };
-    return cmocka_run_group_tests_name( "cli parts", tests, NULL, NULL );
 }

@@ -4,6 +4,7 @@
 #include "support/image_files.h"
 #include "image/sequence.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -34,9 +35,8 @@ static int compare( const char* a, const char* b, ... )
     return status;
 }
 
-static void test_two_files_give_exact_figures( void** state )
+TEST( test_two_files_give_exact_figures )
 {
-    (void)state;
     write_constant( "a.exr", 40, 0.75f );
     write_constant( "b.exr", 40, 0.5f );
     assert_int_equal( compare( "a.exr", "b.exr", "--diff", temp_path( "d.exr" ), NULL ), 0 );
@@ -56,9 +56,8 @@ static void test_two_files_give_exact_figures( void** state )
     rf_destroy_image( &diff );
 }
 
-static void test_sequences_are_pooled( void** state )
+TEST( test_sequences_are_pooled )
 {
-    (void)state;
     for ( int frame = 3; frame <= 5; ++frame )
     {
         char name[64];
@@ -84,9 +83,8 @@ static void test_sequences_are_pooled( void** state )
     assert_int_not_equal( access( temp_path( "out.json" ), F_OK ), 0 );
 }
 
-static void test_pixels_not_finite_are_counted( void** state )
+TEST( test_pixels_not_finite_are_counted )
 {
-    (void)state;
     write_constant( "nan.exr", 40, NAN );
     assert_int_equal( compare( "nan.exr", "b.exr", "--quiet", NULL ), 1 );
     json_t* json = load_json();
@@ -107,9 +105,8 @@ static void test_pixels_not_finite_are_counted( void** state )
     json_decref( json );
 }
 
-static void test_what_differs_in_kind_is_refused( void** state )
+TEST( test_what_differs_in_kind_is_refused )
 {
-    (void)state;
     write_constant( "small.exr", 39, 1.0f );
     assert_int_equal( compare( "small.exr", "b.exr", NULL ), 1 );
     assert_int_equal( compare( "none.exr", "b.exr", NULL ), 1 );
@@ -135,9 +132,8 @@ static void check_number( const char* key, double wanted )
 }
 
 // Layers by name, half and float, several parts.
-static void test_files_of_other_programs( void** state )
+TEST( test_files_of_other_programs )
 {
-    (void)state;
     Foreign blender = { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R", "L.Diff.B", "L.Diff.G", "L.Diff.R" },
                         .values = { 1, 1, 1, 3, 3, 3 },
                         .width = 20,
@@ -193,9 +189,8 @@ static void test_files_of_other_programs( void** state )
     check_failed( compare( "no.exr", "nk.exr", NULL ), 1, "no.exr: has no channels R, G, B and no Y; it has foo" );
 }
 
-static void test_data_windows_must_agree_or_overlap( void** state )
+TEST( test_data_windows_must_agree_or_overlap )
 {
-    (void)state;
     Foreign a = { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = -5, .y = 3, .width = 20, .height = 10 };
     Foreign b = { .names = { "B", "G", "R" }, .values = { 3, 3, 3 }, .x = -5, .y = 3, .width = 20, .height = 10 };
     write_foreign( "wa.exr", &a, 1 );
@@ -244,9 +239,8 @@ static void test_data_windows_must_agree_or_overlap( void** state )
     rf_destroy_image( &part );
 }
 
-static void test_only_chosen_frames_are_wanted( void** state )
+TEST( test_only_chosen_frames_are_wanted )
 {
-    (void)state;
     for ( int frame = 1; frame <= 4; ++frame )
     {
         char name[64];
@@ -280,9 +274,8 @@ static void test_only_chosen_frames_are_wanted( void** state )
 }
 
 // The same holes in both sequences are reported; what steps regularly has none.
-static void test_missing_in_both( void** state )
+TEST( test_missing_in_both )
 {
-    (void)state;
     static const int frames[] = { 1, 2, 5, 6, 10 };
     for ( int i = 0; i < 5; ++i )
     {
@@ -316,13 +309,4 @@ static void test_missing_in_both( void** state )
     assert_string_equal( text, "" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_two_files_give_exact_figures ),  cmocka_unit_test( test_sequences_are_pooled ),
-        cmocka_unit_test( test_pixels_not_finite_are_counted ), cmocka_unit_test( test_what_differs_in_kind_is_refused ),
-        cmocka_unit_test( test_files_of_other_programs ),       cmocka_unit_test( test_data_windows_must_agree_or_overlap ),
-        cmocka_unit_test( test_only_chosen_frames_are_wanted ), cmocka_unit_test( test_missing_in_both ),
-    };
-    return cmocka_run_group_tests_name( "compare", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

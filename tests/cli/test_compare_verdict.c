@@ -1,13 +1,9 @@
 // The verdict of reframe compare in words.
+#include "support/test.h"
 #include "cli/compare/compare_command.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
-
-#include <cmocka.h>
 
 static size_t s_clipped[2];
 
@@ -18,9 +14,8 @@ static void check_verdict( const RfErrorMetrics* metrics, const int* frame, cons
     assert_string_equal( text, wanted );
 }
 
-static void test_verdict_says_bias_noise_and_worst_pixel( void** state )
+TEST( test_verdict_says_bias_noise_and_worst_pixel )
 {
-    (void)state;
     RfErrorMetrics m = { .relmse = 0.03,
                          .relmse_trimmed = 0.029,
                          .mse = 0.01,
@@ -63,10 +58,4 @@ static void test_verdict_says_bias_noise_and_worst_pixel( void** state )
     check_verdict( &m, NULL, "no difference: all pixels are identical" );
     m.nan = 1;
     check_verdict( &m, NULL, "no error can be reported: there are NaN or infinite values" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_verdict_says_bias_noise_and_worst_pixel ) };
-    return cmocka_run_group_tests_name( "compare verdict", tests, NULL, NULL );
 }

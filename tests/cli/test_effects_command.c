@@ -1,15 +1,11 @@
 // --effects and --no-effect as a user sees them: in info, in a render's line, JSON, warnings and header, and with --resume.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "image/exr.h"
 
@@ -56,9 +52,8 @@ static const json_t* row_of( const json_t* json, const char* name )
     return NULL;
 }
 
-static void test_info_tells_all_effects( void** state )
+TEST( test_info_tells_all_effects )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R info $VASE --no-effect phong" );
     cli_expect( result, 0, "--no-effect phong: changes the picture: materials keep" );
     assert_non_null( strstr( result->out, "  out  phong " ) );
@@ -71,9 +66,8 @@ static void test_info_tells_all_effects( void** state )
     json_decref( json );
 }
 
-static void test_names_are_checked( void** state )
+TEST( test_names_are_checked )
 {
-    (void)state;
     cli_expect( cli_run( "$R info $VASE --no-effect mirors" ), 2, "--no-effect: 'mirors' is no effect, did you mean mirrors?" );
     cli_expect( cli_run( "$R render $VASE -o a.exr --no-effect adaptive" ), 2,
                 "--no-effect: adaptive cannot be left out of a scene: give --no-adaptive" );
@@ -85,9 +79,8 @@ static void test_names_are_checked( void** state )
                 "bad.json: render.no_effect: 'pane' is no effect, did you mean panes?" );
 }
 
-static void test_renders_say_what_they_do( void** state )
+TEST( test_renders_say_what_they_do )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o said.exr " SMALL "--verbose --no-effect phong,light-tree --json said.json 2> said" ),
                 0, NULL );
     cli_expect( cli_run( "grep -q 'effects: diffuse,ggx,.*; left out: phong,light-tree$' said" ), 0, NULL );
@@ -105,9 +98,8 @@ static void test_renders_say_what_they_do( void** state )
 }
 
 // Frames of a render without an effect are others; those of a render with all effects called for are what they were.
-static void test_resume_knows_effects( void** state )
+TEST( test_resume_knows_effects )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet" ), 0, NULL );
     expect_header( "r.exr", "reframe/no-effect", NULL );
     cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --resume" ), 0, NULL );
@@ -123,9 +115,8 @@ static void test_resume_knows_effects( void** state )
     json_decref( json );
 }
 
-static void test_no_lens_is_a_pinhole( void** state )
+TEST( test_no_lens_is_a_pinhole )
 {
-    (void)state;
 #define LENS "--fstop 1 --focus 3 --shutter 0.5 --quiet "
     cli_expect( cli_run( "$R render $VASE -o pinhole.exr " SMALL "--quiet" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o lens.exr " SMALL LENS ), 0, NULL );
@@ -135,9 +126,8 @@ static void test_no_lens_is_a_pinhole( void** state )
     expect_header( "lens.exr", "reframe/calls-for", "depth-of-field,motion-blur" );
 }
 
-static void test_scene_files_may_leave_out( void** state )
+TEST( test_scene_files_may_leave_out )
 {
-    (void)state;
     write_room( "" );
     write_text( "sky.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,4]},"
                             "\"render\":{\"no_effect\":\"environment\"}}" );
@@ -149,9 +139,8 @@ static void test_scene_files_may_leave_out( void** state )
 }
 
 // In header, JSON and the last line, with and without a clamp.
-static void test_caustics_are_counted( void** state )
+TEST( test_caustics_are_counted )
 {
-    (void)state;
 #define STILL_LIFE "'" REFRAME_SCENE_FOLDER "/still-life.glb' "
     cli_expect( cli_run( "$R info " STILL_LIFE "| grep -q '  on   caustics  .*material'" ), 0, NULL );
     cli_expect( cli_run( "$R render " STILL_LIFE "-o s.exr " SMALL "--aov removed" ), 2, "or caustics left out" );
@@ -176,9 +165,8 @@ static void test_caustics_are_counted( void** state )
 }
 
 // On standard error, in header and JSON; by info where the scene file has the limit.
-static void test_light_beyond_depth_is_told( void** state )
+TEST( test_light_beyond_depth_is_told )
 {
-    (void)state;
     char line[128];
     double share = 0.0;
     write_text( "cut.json", "{\"scene\":\"" REFRAME_VASE_ROOM "\",\"render\":{\"max_depth\":3}}" );
@@ -201,13 +189,4 @@ static void test_light_beyond_depth_is_told( void** state )
     assert_null( strstr( done->err, "max-depth" ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_info_tells_all_effects ),     cmocka_unit_test( test_names_are_checked ),
-        cmocka_unit_test( test_light_beyond_depth_is_told ), cmocka_unit_test( test_renders_say_what_they_do ),
-        cmocka_unit_test( test_resume_knows_effects ),       cmocka_unit_test( test_no_lens_is_a_pinhole ),
-        cmocka_unit_test( test_scene_files_may_leave_out ),  cmocka_unit_test( test_caustics_are_counted ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,19 +1,16 @@
 // The program from outside: a failure is one line and the right exit status, a success
 // leaves complete files, and neither interrupts nor full disks leave partial ones.
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "image/exr.h"
 
@@ -100,9 +97,8 @@ static double mean_of( const char* name, int width, int height )
     return sum / ( 3.0 * width * height );
 }
 
-static void test_help_and_version( void** state )
+TEST( test_help_and_version )
 {
-    (void)state;
     static const char* const lines[] = {
         "$R --help",         "$R -h",         "$R --version", "$R render --help", "$R render --help --nonsense", "$R info -h",
         "$R compare --help", "$R png --help", "$R --man"
@@ -128,9 +124,8 @@ static void test_help_and_version( void** state )
     cli_expect( cli_run( "$R --help > /dev/full" ), 1, "standard output cannot be written" );
 }
 
-static void test_usage_errors_exit_2( void** state )
+TEST( test_usage_errors_exit_2 )
 {
-    (void)state;
     cli_expect( cli_run( "$R" ), 2, "no command given" );
     cli_expect( cli_run( "$R rendr x" ), 2, "did you mean render?" );
     cli_expect( cli_run( "$R render one.gltf" ), 2, "reframe render: -o is missing" );
@@ -149,9 +144,8 @@ static void test_usage_errors_exit_2( void** state )
     assert_int_equal( cli_count_files( ".exr", "." ), 0 );
 }
 
-static void test_bad_scenes_exit_1( void** state )
+TEST( test_bad_scenes_exit_1 )
 {
-    (void)state;
     cli_expect( cli_run( "$R render none.glb -o a.exr" ), 1, "none.glb" );
     cli_expect( cli_run( "head -c 10000 $VASE > cut.glb; $R render cut.glb -o a.exr" ), 1, "cut.glb" );
     cli_expect( cli_run( "head -c 7 $VASE > tiny.glb; $R info tiny.glb" ), 1, "tiny.glb" );
@@ -168,17 +162,15 @@ static void test_bad_scenes_exit_1( void** state )
 }
 
 #ifndef REFRAME_SANITIZED // which needs far more
-static void test_more_threads_than_the_limits_allow( void** state )
+TEST( test_more_threads_than_the_limits_allow )
 {
-    (void)state;
     cli_expect( cli_run( "ulimit -v 2000000; $R render $VASE -o t.exr --frames 1 --size 16x9 --spp 1 --threads 256" ), 1,
                 "of 256 threads: lower --threads, or raise ulimit -v or -u" );
 }
 #endif
 
-static void test_black_pictures_warn( void** state )
+TEST( test_black_pictures_warn )
 {
-    (void)state;
     write_gltf( "dark.gltf", true, TRIANGLE, false );
     cli_expect( cli_run( "$R render dark.gltf -o dark.exr " SMALL ), 0, "reframe render: warning: dark.gltf: has no lights" );
     assert_true( mean_of( "dark.exr", 24, 16 ) == 0.0 );
@@ -191,9 +183,8 @@ static void test_black_pictures_warn( void** state )
     assert_true( mean_of( "away.exr", 24, 16 ) == 0.0 );
 }
 
-static void test_small_paths_and_images( void** state )
+TEST( test_small_paths_and_images )
 {
-    (void)state;
     cli_expect( cli_run( "$R render one.gltf -o one.exr --size 1x1 --spp 4" ), 0, NULL );
     mean_of( "one.exr", 1, 1 );
     cli_expect( cli_run( "$R render one.gltf -o new/one.####.exr --size 9x5 --spp 2 --group 8 --float" ), 0, NULL );
@@ -202,9 +193,8 @@ static void test_small_paths_and_images( void** state )
     assert_true( cli_exists( "one.png" ) );
 }
 
-static void test_folders_that_cannot_be_written( void** state )
+TEST( test_folders_that_cannot_be_written )
 {
-    (void)state;
     cli_expect( cli_run( "$R render one.gltf -o no/such/a.exr " SMALL ), 1, "no/such: " );
     cli_expect( cli_run( "$R render one.gltf -o one.gltf/a.exr " SMALL ), 1, "one.gltf: is not a folder" );
     // Not even root makes files there.
@@ -214,9 +204,8 @@ static void test_folders_that_cannot_be_written( void** state )
                     "shut/a.exr: cannot be written" );
 }
 
-static void test_existing_frames( void** state )
+TEST( test_existing_frames )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-3 " SMALL ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 3-4 " SMALL ), 1, "f.0003.exr: is there already" );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-3 --overwrite " SMALL ), 0, NULL );
@@ -248,9 +237,8 @@ static void test_existing_frames( void** state )
     assert_non_null( strstr( result->out, "0 frames" ) );
 }
 
-static void test_words_for_compressions( void** state )
+TEST( test_words_for_compressions )
 {
-    (void)state;
     static const struct
     {
         const char *words, *text;
@@ -277,9 +265,8 @@ static void test_words_for_compressions( void** state )
 #endif
 }
 
-static void test_header_tells_the_settings( void** state )
+TEST( test_header_tells_the_settings )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 2 --seed 18446744073709551615 " SMALL ), 0, NULL );
     static const char* const wanted[][2] = { { "reframe/version", REFRAME_VERSION },
                                              { "reframe/scene", REFRAME_VASE_ROOM },
@@ -302,9 +289,8 @@ static void test_header_tells_the_settings( void** state )
     }
 }
 
-static void test_json_has_every_key( void** state )
+TEST( test_json_has_every_key )
 {
-    (void)state;
     const CliResult* result =
         cli_run( "$R render $VASE -o j.####.exr --frames 1-2 --json - --size 24x16 --spp 3 --group 1 --quiet" );
     cli_expect( result, 0, NULL );
@@ -336,9 +322,8 @@ static void test_json_has_every_key( void** state )
     assert_int_equal( cli_count_files( ".tmp", "." ), 0 );
 }
 
-static void test_info_tells_cameras_and_materials( void** state )
+TEST( test_info_tells_cameras_and_materials )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R info $VASE" );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->out, "Camera: 48 frames at 24 frames/s, animated" ) );
@@ -357,9 +342,8 @@ static void test_info_tells_cameras_and_materials( void** state )
     json_decref( json );
 }
 
-static void test_scene_script_repeats_its_bytes( void** state )
+TEST( test_scene_script_repeats_its_bytes )
 {
-    (void)state;
     static const char script[] = REFRAME_SOURCE_DIR "/scenes/make-vase-room.py";
     // The same arguments give the same bytes; an animated path may have one frame.
     cli_expect( cli_run( "'%s' same.glb && cmp same.glb $VASE", script ), 0, NULL );
@@ -374,9 +358,8 @@ static void sleep_ms( long ms )
     nanosleep( &time, NULL );
 }
 
-static void test_interrupt_keeps_finished_frames( void** state )
+TEST( test_interrupt_keeps_finished_frames )
 {
-    (void)state;
     // `exec`: the signal is for the program, not for the shell.
     cli_start( "exec $R render $VASE -o i/f.####.exr --size 96x54 --spp 64 --group 0 --quiet" );
     for ( int i = 0; i < 24000 && !cli_exists( "i/f.0001.exr" ); ++i )
@@ -394,9 +377,8 @@ static void test_interrupt_keeps_finished_frames( void** state )
     }
 }
 
-static void test_full_disk_leaves_no_part_of_a_file( void** state )
+TEST( test_full_disk_leaves_no_part_of_a_file )
 {
-    (void)state;
     // a folder in the way is reported before anything is rendered, though another frame comes first
     cli_expect(
         cli_run( "mkdir -p way/f.0002.exr way/j; $R render $VASE -o way/f.####.exr --frames 1-2 --size 8x6 --spp 1 --group 0 "
@@ -416,26 +398,4 @@ static void test_full_disk_leaves_no_part_of_a_file( void** state )
     cli_expect( result, 1, "/dev/full" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_help_and_version ),
-        cmocka_unit_test( test_usage_errors_exit_2 ),
-        cmocka_unit_test( test_bad_scenes_exit_1 ),
-#ifndef REFRAME_SANITIZED
-        cmocka_unit_test( test_more_threads_than_the_limits_allow ),
-#endif
-        cmocka_unit_test( test_black_pictures_warn ),
-        cmocka_unit_test( test_small_paths_and_images ),
-        cmocka_unit_test( test_folders_that_cannot_be_written ),
-        cmocka_unit_test( test_existing_frames ),
-        cmocka_unit_test( test_words_for_compressions ),
-        cmocka_unit_test( test_header_tells_the_settings ),
-        cmocka_unit_test( test_json_has_every_key ),
-        cmocka_unit_test( test_info_tells_cameras_and_materials ),
-        cmocka_unit_test( test_scene_script_repeats_its_bytes ),
-        cmocka_unit_test( test_interrupt_keeps_finished_frames ),
-        cmocka_unit_test( test_full_disk_leaves_no_part_of_a_file ),
-    };
-    return cmocka_run_group_tests_name( "cli", tests, enter, leave );
-}
+SHARED_BY_TESTS( enter, leave )

@@ -7,6 +7,7 @@
 #include "image/sequence.h"
 #include "measure/flicker_sequence.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -55,9 +56,8 @@ static int flicker( const char* sequence, ... )
 static bool is_near( double a, double b ) { return fabs( a - b ) <= 1e-7 * fabs( b ) + 1e-12; }
 
 // Errors 1, 1, -1, 3 against a constant: pairs 0, 2, 4; φ 0, 2, 1.6.
-static void test_phi_against_a_constant_by_hand( void** state )
+TEST( test_phi_against_a_constant_by_hand )
 {
-    (void)state;
     static const float errors[] = { 1, 1, -1, 3 };
     for ( int i = 0; i < 4; ++i )
     {
@@ -104,9 +104,8 @@ static void test_phi_against_a_constant_by_hand( void** state )
 }
 
 // Without a reference and layers: plain differences, φ unknown.
-static void test_without_reference_phi_is_unknown( void** state )
+TEST( test_without_reference_phi_is_unknown )
 {
-    (void)state;
     check_done( flicker( "v.####.exr", "--png", temp_path( "slit.png" ), "--column", "24", "--exposure", "-3", NULL ) );
     json_t* json = load_json();
     assert_true( is_near( number( json, "f1" ), sqrt( 20.0 / 3.0 ) ) && json_is_null( json_object_get( json, "phi" ) ) );
@@ -123,9 +122,8 @@ static void test_without_reference_phi_is_unknown( void** state )
 }
 
 // Ours: motion, depth and variance by their names, the group from the header.
-static void test_own_layers_are_found_by_name( void** state )
+TEST( test_own_layers_are_found_by_name )
 {
-    (void)state;
     static float motion[2][PIXELS], depth[PIXELS], variance[PIXELS];
     for ( int i = 0; i < PIXELS; ++i )
     {
@@ -199,9 +197,8 @@ static void test_own_layers_are_found_by_name( void** state )
     check_failed( flicker( "v.####.exr", "--compensate", NULL ), 1, "has no motion layer" );
 }
 
-static void test_groups_of_files( void** state )
+TEST( test_groups_of_files )
 {
-    (void)state;
     RfSeams seams = rf_read_seams( temp_path( "m.02.exr" ), 102, 103 );
     assert_true( seams.slides && seams.first == 101 && seams.plan.frames == 9 && seams.plan.eyes == 3 );
     assert_false( rf_has_seams( &( RfSeams ){ 0 } ) );
@@ -210,9 +207,8 @@ static void test_groups_of_files( void** state )
 }
 
 // Two shots: the picture changes at the cut alone, and each has the groups of a path of its own.
-static void test_no_flicker_across_cuts( void** state )
+TEST( test_no_flicker_across_cuts )
 {
-    (void)state;
     for ( int frame = 1; frame <= 18; ++frame )
     {
         char number_text[8];
@@ -241,9 +237,8 @@ static void test_no_flicker_across_cuts( void** state )
 
 static void write_foreign( const char* name, const Foreign* foreign ) { write_foreign_exr( temp_path( name ), foreign, 1 ); }
 
-static void test_files_of_other_programs( void** state )
+TEST( test_files_of_other_programs )
 {
-    (void)state;
     for ( int half = 0; half < 2; ++half )
     {
         Foreign foreign = { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R", "L.Depth.Z", "L.Vector.X", "L.Vector.Y" },
@@ -288,9 +283,8 @@ static void test_files_of_other_programs( void** state )
 }
 
 // The matrix that Reframe writes: 90 degrees, looking along −z from z = 3.
-static void test_motion_from_camera_matrices( void** state )
+TEST( test_motion_from_camera_matrices )
 {
-    (void)state;
     static float depth[PIXELS];
     const RfExrChannel channels[] = { { .name = "depth.Z", .values = depth, .stride = 1 },
                                       { .name = "motion.X", .values = depth, .stride = 1 },
@@ -325,9 +319,8 @@ static void test_motion_from_camera_matrices( void** state )
     rf_destroy_exr_header( &header );
 }
 
-static void test_wrong_input_is_refused( void** state )
+TEST( test_wrong_input_is_refused )
 {
-    (void)state;
     check_failed( flicker( "v.0007.exr", NULL ), 2, "has no ####" );
     check_failed( flicker( "none.####.exr", NULL ), 1, "there is no such file" );
     check_failed( flicker( "v.####.exr", "--frames", "7", NULL ), 1, "two neighbouring" );
@@ -362,9 +355,8 @@ static void test_wrong_input_is_refused( void** state )
 // Frames of ours, a fast turn about a matt vase: what is left along the motion is
 // little beside what moves, and less than without depth, where walls come out
 // from behind the vase.
-static void test_compensation_beats_plain_on_a_render( void** state )
+TEST( test_compensation_beats_plain_on_a_render )
 {
-    (void)state;
     char command[2048];
     RfExrHeader header;
     for ( int k = 0; k < 2; ++k )
@@ -399,14 +391,4 @@ static void test_compensation_beats_plain_on_a_render( void** state )
     rf_destroy_exr_header( &header );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_phi_against_a_constant_by_hand ), cmocka_unit_test( test_without_reference_phi_is_unknown ),
-        cmocka_unit_test( test_own_layers_are_found_by_name ),   cmocka_unit_test( test_groups_of_files ),
-        cmocka_unit_test( test_no_flicker_across_cuts ),         cmocka_unit_test( test_files_of_other_programs ),
-        cmocka_unit_test( test_motion_from_camera_matrices ),    cmocka_unit_test( test_compensation_beats_plain_on_a_render ),
-        cmocka_unit_test( test_wrong_input_is_refused ),
-    };
-    return cmocka_run_group_tests_name( "flicker files", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

@@ -5,6 +5,7 @@
 #include "support/image_files.h"
 #include "image/sequence.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -80,9 +81,8 @@ static void write_reference( const char* pattern, int frame )
 }
 
 // The error alternates where it is and stands still along the motion.
-static void test_plain_and_followed_figures_side_by_side( void** state )
+TEST( test_plain_and_followed_figures_side_by_side )
 {
-    (void)state;
     for ( int frame = 1; frame <= 4; ++frame )
     {
         write_stripes( "a.#.exr", frame, true );
@@ -131,9 +131,8 @@ static void test_plain_and_followed_figures_side_by_side( void** state )
 }
 
 // Pairs whose frames lack the layers are left out of the second figures alone.
-static void test_pairs_without_motion_are_left_out( void** state )
+TEST( test_pairs_without_motion_are_left_out )
 {
-    (void)state;
     for ( int frame = 1; frame <= 5; ++frame )
     {
         write_stripes( "s.#.exr", frame, frame != 1 && frame != 4 );
@@ -158,9 +157,8 @@ static void write_parts( const char* name, const Foreign* parts, int count )
 }
 
 // Depth in the first part, motion in the second, colour in the third, and a normal to be left alone.
-static void test_layers_found_across_parts( void** state )
+TEST( test_layers_found_across_parts )
 {
-    (void)state;
     Foreign parts[4] = {
         { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = WIDTH, .height = HEIGHT, .part = "depth" },
         { .names = { "X", "Y" },
@@ -216,9 +214,8 @@ static void test_layers_found_across_parts( void** state )
 }
 
 // Two eyes in one file: the layers of the part whose colour is measured.
-static void test_layers_of_the_measured_view( void** state )
+TEST( test_layers_of_the_measured_view )
 {
-    (void)state;
     for ( int frame = 1; frame <= 2; ++frame )
     {
         float value = (float)frame;
@@ -258,13 +255,4 @@ static void test_layers_of_the_measured_view( void** state )
     check_failed( flicker( "v.#.exr", "--reference", temp_path( "v.#.exr" ), "--depth", "R", NULL ), 1, "choose by --motion" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_plain_and_followed_figures_side_by_side ),
-        cmocka_unit_test( test_pairs_without_motion_are_left_out ),
-        cmocka_unit_test( test_layers_found_across_parts ),
-        cmocka_unit_test( test_layers_of_the_measured_view ),
-    };
-    return cmocka_run_group_tests_name( "flicker parts", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

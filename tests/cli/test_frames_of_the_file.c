@@ -2,6 +2,7 @@
 // with the same eye are rendered once; what moves in the file and not here is named.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "image/exr.h"
 #include "reframe/camera.h"
@@ -9,14 +10,9 @@
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define FILM "\"render\":{\"size\":[32,24],\"fps\":[30000,1001]}"
 #define SHOT ",\"extras\":{\"reframe\":{" FILM "}}"
@@ -92,9 +88,8 @@ static void expect_text( const char* name, const char* key, const char* wanted )
     assert_string_equal( value, wanted );
 }
 
-static void test_frames_are_called_as_in_the_file( void** state )
+TEST_WITHIN( test_frames_are_called_as_in_the_file, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_moving( "" );
     const CliResult* told = cli_run( "$R info room.gltf" );
     assert_int_equal( told->status, 0 );
@@ -124,9 +119,8 @@ static void test_frames_are_called_as_in_the_file( void** state )
 }
 
 // What the export lost is said first, with --quiet too; smaller things are for info.
-static void test_losses_of_the_export( void** state )
+TEST_WITHIN( test_losses_of_the_export, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_room( ",\"extras\":{\"reframe\":{" FILM ",\"export_losses\":[\"'door': moves\",\"'sun': dims\"],"
                 "\"export_warnings\":[\"'pot': has no bump\"]}}" );
     const CliResult* told = cli_run( "$R info room.gltf" );
@@ -162,9 +156,8 @@ static void test_losses_of_the_export( void** state )
     json_decref( json );
 }
 
-static void test_frames_in_steps( void** state )
+TEST_WITHIN( test_frames_in_steps, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_moving( "\"step\":3," );
     const CliResult* told = cli_run( "$R info room.gltf" );
     assert_non_null( strstr( told->out, "Side: 4 frames (101 to 110 in steps of 3)" ) );
@@ -176,9 +169,8 @@ static void test_frames_in_steps( void** state )
 }
 
 // Key 101 looks along −z with 40 degrees, shifted by a quarter of the height; pixels are twice as wide as high.
-static void test_lens_of_every_frame( void** state )
+TEST_WITHIN( test_lens_of_every_frame, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_moving( "" );
     char name[256];
     snprintf( name, sizeof name, "%s/room.gltf", cli_folder() );
@@ -224,9 +216,8 @@ static void expect_motion( const char* name, bool before, bool after )
                        "\"position\":[0.4,0.2,0],\"rotation\":[0,0,0,1],\"fov\":45}," KEY( 108, 0.2, 50 ) "]}"
 
 // Two shots in one path: what is rendered on one side is the same whatever is on the other.
-static void test_cuts_part_a_path( void** state )
+TEST_WITHIN( test_cuts_part_a_path, cli_enter_group, cli_leave_group )
 {
-    (void)state;
 #define RENDER_CUT "$R render room.gltf --group 2 --spp 4 --aov motion,depth --quiet "
     write_shot( CUT( "" ), SHOT );
     cli_expect( cli_run( RENDER_CUT "-o one.####.exr" ), 0, NULL );
@@ -269,9 +260,8 @@ static void test_cuts_part_a_path( void** state )
 }
 
 // Cameras of the file one after the other; each stands still, so that each shot is one picture.
-static void test_cameras_one_after_the_other( void** state )
+TEST_WITHIN( test_cameras_one_after_the_other, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     static const char edit[] = "{\"scene\":\"room.gltf\",\"camera\":[{\"name\":\"Eye\"},{\"name\":\"Side\",\"frame\":3},"
                                "{\"name\":\"Eye\",\"frame\":4}],\"render\":{\"size\":[32,24]}}";
     write_room( "" );
@@ -291,9 +281,8 @@ static void test_cameras_one_after_the_other( void** state )
     "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 2, 0.2, 40 ) "," KEY(                 \
         4, 0.2, 40 ) "," KEY( 6, 0.4, 40 ) "]}"
 
-static void test_equal_eyes_are_rendered_once( void** state )
+TEST_WITHIN( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_shot( STILL, SHOT );
 #define RENDER "$R render room.gltf --group 1 --spp 6 --aov motion "
     const CliResult* told = cli_run( RENDER "-o a.####.exr --json a.json" );
@@ -345,9 +334,8 @@ static void test_equal_eyes_are_rendered_once( void** state )
     cli_expect( cli_run( "$R tune room.gltf --budget 0 --quiet" ), 0, NULL );
 }
 
-static void test_still_cameras_are_reported( void** state )
+TEST_WITHIN( test_still_cameras_are_reported, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( 1, 0, 40 ) "," KEY( 48, 0, 40 ) "]}", SHOT );
     const CliResult* told = cli_run( "$R info room.gltf" );
     assert_non_null( strstr( told->out, "Side: 48 frames at 29.97 frames/s, static" ) );
@@ -358,9 +346,8 @@ static void test_still_cameras_are_reported( void** state )
     assert_int_equal( cli_count_files( ".exr", "." ), 48 );
 }
 
-static void test_moving_objects_are_named( void** state )
+TEST_WITHIN( test_moving_objects_are_named, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     char text[1024];
     snprintf( text, sizeof text, MOVING, "" );
     write_shot( text, ",\"extras\":{\"reframe\":{" FILM ",\"moving\":[\"door\",\"cup\"]}}" );
@@ -382,9 +369,8 @@ static void test_moving_objects_are_named( void** state )
                              "not rendered: an error, unless --freeze is given\n  object 'cup': it moves" ) );
 }
 
-static void test_variants_are_listed( void** state )
+TEST_WITHIN( test_variants_are_listed, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_room( "}],\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"Oak\"},{\"name\":\"Pine\"}]}},"
                 "\"textures\":[{" );
     assert_non_null( strstr( cli_run( "$R info room.gltf --variant Oak" )->out, "variants   2\n  Oak\n  Pine\n" ) );
@@ -396,9 +382,8 @@ static void test_variants_are_listed( void** state )
     cli_expect( cli_run( render, "Pine --resume" ), 1, "--variant" );
 }
 
-static void test_wrong_shots_are_errors( void** state )
+TEST_WITHIN( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     static const char* const cases[][2] = {
         { ",\"extras\":{\"reframe\":{\"render\":{\"size\":[0,4]}}}", "scenes[0].extras.reframe.render.size[0]: must be" },
         { ",\"extras\":{\"reframe\":{\"render\":{\"fps\":24.5}}}", "render.fps: must be a whole number" },
@@ -415,9 +400,8 @@ static void test_wrong_shots_are_errors( void** state )
 }
 
 // A path from frame -2 to frame 2, in files, lists, ranges and the commands that read them.
-static void test_negative_frames( void** state )
+TEST_WITHIN( test_negative_frames, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_shot( "{\"kind\":\"keyed\",\"keys\":[" KEY( -2, 0, 40 ) "," KEY( 2, 0.9, 60 ) "]}", SHOT );
 #define RENDER_SHOT "$R render room.gltf --spp 2 --tile 1 --group 1 --quiet "
     cli_expect( cli_run( RENDER_SHOT "-o n/f.####.exr" ), 0, NULL );
@@ -446,9 +430,8 @@ static void test_negative_frames( void** state )
 }
 
 // In a glTF, and in a scene file, which times its keys by the same fraction.
-static void test_decimals_of_broadcast_rates( void** state )
+TEST_WITHIN( test_decimals_of_broadcast_rates, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     static const char* const s_rates[] = { "29.97", "\"29.97\"", "\"30000/1001\"" };
     write_room( ",\"extras\":{\"reframe\":{\"render\":{\"fps\":59.94}}}" );
     cli_expect( cli_run( "$R render room.gltf -o f.exr --frames 1 --size 8x6 --spp 1 --quiet" ), 0, NULL );
@@ -471,9 +454,8 @@ static void test_decimals_of_broadcast_rates( void** state )
 }
 
 // Of a camera for pictures that are higher than wide.
-static void test_another_aspect_ratio_is_said( void** state )
+TEST_WITHIN( test_another_aspect_ratio_is_said, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     write_room( "" );
     cli_run( "sed 's/\"yfov\":/\"aspectRatio\":0.5,\"yfov\":/' room.gltf > tall.gltf" );
     const CliResult* run = cli_run( "$R render tall.gltf -o f.exr --frames 1 --spp 1 --size 32x16 --quiet --json f.json" );
@@ -484,25 +466,4 @@ static void test_another_aspect_ratio_is_said( void** state )
     assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), 1 );
     json_decref( json );
     cli_expect( cli_run( "$R render tall.gltf -o f.exr --frames 1 --spp 1 --size 8x16 --overwrite --quiet" ), 0, NULL );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown( test_frames_are_called_as_in_the_file, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_losses_of_the_export, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_frames_in_steps, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_lens_of_every_frame, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_cuts_part_a_path, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_cameras_one_after_the_other, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_equal_eyes_are_rendered_once, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_still_cameras_are_reported, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_moving_objects_are_named, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_variants_are_listed, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_decimals_of_broadcast_rates, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_negative_frames, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_another_aspect_ratio_is_said, cli_enter_group, cli_leave_group ),
-        cmocka_unit_test_setup_teardown( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,21 +1,16 @@
 // render --estimator gradient: what it refuses, it refuses by name; frames are the same bits alone, in a sequence, with any
 // threads and memory; --resume knows them; the header tells them apart.
 #include "support/cli_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #define RENDER "$R render $VASE --estimator gradient --size 40x30 --spp 4 --quiet --overwrite "
 
-static void test_what_does_not_work_is_refused_by_name( void** state )
+TEST( test_what_does_not_work_is_refused_by_name )
 {
-    (void)state;
     static const struct
     {
         const char *options, *answer;
@@ -38,9 +33,8 @@ static void test_what_does_not_work_is_refused_by_name( void** state )
 
 #define AOVS "--aov albedo,normal,depth,motion "
 
-static void test_bias_and_few_samples_are_said( void** state )
+TEST( test_bias_and_few_samples_are_said )
 {
-    (void)state;
     const char* render = "$R render $VASE --estimator gradient --size 24x16 --frames 1 --overwrite -o said.####.exr --quiet ";
     const CliResult* done = cli_run( "%s --spp 4 --reconstruction l1", render );
     assert_true( done->status == 0 && strstr( done->err, "l1: is biased" ) != NULL );
@@ -50,9 +44,8 @@ static void test_bias_and_few_samples_are_said( void** state )
     assert_true( done->status == 0 && strstr( done->err, "reconstruction" ) == NULL );
 }
 
-static void test_bits_do_not_depend_on_company( void** state )
+TEST( test_bits_do_not_depend_on_company )
 {
-    (void)state;
     cli_expect( cli_run( RENDER AOVS "-o all.####.exr --frames 1-3 --threads 1" ), 0, NULL );
     cli_expect( cli_run( RENDER AOVS "-o one.####.exr --frames 2 --threads 3 --memory 24M" ), 0, NULL );
     cli_expect( cli_run( "cmp all.0002.exr one.0002.exr" ), 0, NULL );
@@ -64,9 +57,8 @@ static void test_bits_do_not_depend_on_company( void** state )
     cli_expect( cli_run( "cmp pairs.0002.exr pairs3.0002.exr" ), 0, NULL );
 }
 
-static void test_frames_are_resumed_and_told_apart( void** state )
+TEST( test_frames_are_resumed_and_told_apart )
 {
-    (void)state;
     cli_expect( cli_run( RENDER "-o r.####.exr --frames 1" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE --estimator gradient --size 40x30 --spp 4 --quiet -o r.####.exr --frames 1-2 --resume "
                          "--json r.json" ),
@@ -84,9 +76,8 @@ static void test_frames_are_resumed_and_told_apart( void** state )
     cli_expect( cli_run( "%s --estimator gradient --reconstruction l2", again ), 1, "reconstruction weighted" );
 }
 
-static void test_noise_is_estimated_and_stops( void** state )
+TEST( test_noise_is_estimated_and_stops )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE --estimator gradient --size 40x30 --noise 0.05 --quiet -o n.####.exr --frames 1 "
                          "--aov albedo,samples --json n.json" ),
                 0, NULL );
@@ -98,9 +89,8 @@ static void test_noise_is_estimated_and_stops( void** state )
 }
 
 // Another program can solve what is written: at constant weights the picture is the same.
-static void test_written_gradients_are_reconstructed( void** state )
+TEST( test_written_gradients_are_reconstructed )
 {
-    (void)state;
     cli_expect( cli_run( RENDER "-o g.####.exr --frames 1 --float --reconstruction l2 --aov gradients" ), 0, NULL );
     cli_expect( cli_run( "$R reconstruct g.0001.exr -o solved.exr --method l2 --alpha 0.5 --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R compare g.0001.exr solved.exr --json c.json > /dev/null" ), 0, NULL );
@@ -114,9 +104,8 @@ static void test_written_gradients_are_reconstructed( void** state )
 }
 
 // Extra samples are left out where they are not asked for, without a word.
-static void test_adaptive_auto_is_off( void** state )
+TEST( test_adaptive_auto_is_off )
 {
-    (void)state;
     const CliResult* done = cli_run( RENDER "-o a.####.exr --frames 1 --adaptive auto --json a.json" );
     assert_int_equal( done->status, 0 );
     assert_string_equal( done->err, "" );
@@ -126,9 +115,8 @@ static void test_adaptive_auto_is_off( void** state )
 }
 
 // What render can do, cost and tune can weigh: the tiles beside path tracing, which is that of the other estimator.
-static void test_it_is_planned_and_tuned( void** state )
+TEST( test_it_is_planned_and_tuned )
 {
-    (void)state;
     static const char shot[] = "$VASE --estimator gradient --size 48x36 --frames 1-2 --quiet --threads 2";
     const CliResult* done = cli_run( "$R tune %s --budget 0 --json p.json", shot );
     assert_true( done->status == 0 && strstr( done->out, "--estimator gradient: 4x4 tiles" ) != NULL );
@@ -158,9 +146,8 @@ static void test_it_is_planned_and_tuned( void** state )
     assert_null( strstr( named + 1, "--estimator" ) ); // once
 }
 
-static void test_variance_and_alpha_are_written( void** state )
+TEST( test_variance_and_alpha_are_written )
 {
-    (void)state;
     cli_expect( cli_run( RENDER "-o va.####.exr --frames 1 --alpha --aov variance --json va.json" ), 0, NULL );
     cli_expect( cli_run( "$R png va.0001.exr va.png" ), 0, NULL );
     json_t* json = cli_read_json( "va.json" );
@@ -171,18 +158,4 @@ static void test_variance_and_alpha_are_written( void** state )
     json_decref( json );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_does_not_work_is_refused_by_name ),
-        cmocka_unit_test( test_bits_do_not_depend_on_company ),
-        cmocka_unit_test( test_frames_are_resumed_and_told_apart ),
-        cmocka_unit_test( test_written_gradients_are_reconstructed ),
-        cmocka_unit_test( test_bias_and_few_samples_are_said ),
-        cmocka_unit_test( test_noise_is_estimated_and_stops ),
-        cmocka_unit_test( test_adaptive_auto_is_off ),
-        cmocka_unit_test( test_it_is_planned_and_tuned ),
-        cmocka_unit_test( test_variance_and_alpha_are_written ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

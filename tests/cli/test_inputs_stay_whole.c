@@ -1,15 +1,12 @@
 // No command writes over what it reads, nor writes one file twice.
 #include "support/cli_run.h"
+#include "support/test.h"
 #include "image/sequence.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // The line fails as a mistake on the command line that says `part`, and the file stays.
 static void check_kept( const char* name, const char* part, const char* line )
@@ -24,9 +21,8 @@ static void check_kept( const char* name, const char* part, const char* line )
     free( is );
 }
 
-static void test_scene_is_never_overwritten( void** state )
+TEST( test_scene_is_never_overwritten )
 {
-    (void)state;
     cli_expect(
         cli_run(
             "cp $VASE room.glb && ln -s room.glb link.json && mkdir -p sub && echo '{\"scene\": \"room.glb\"}' > scene.json" ),
@@ -46,9 +42,8 @@ static void test_scene_is_never_overwritten( void** state )
     assert_false( cli_exists( "a" ) || cli_exists( "b.svg" ) || cli_exists( "f.json" ) );
 }
 
-static void test_frames_are_never_overwritten( void** state )
+TEST( test_frames_are_never_overwritten )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o s.####.exr --frames 1-2 --size 16x9 --spp 2 --group 0 --quiet" ), 0, NULL );
     check_kept( "s.0001.exr", "--png: s.0001.exr: ends as", "$R flicker s.####.exr --png s.0001.exr" );
     check_kept( "s.0001.exr", "--json: s.0001.exr: ends as", "$R compare s.0001.exr s.0002.exr --json s.0001.exr" );
@@ -63,9 +58,8 @@ static void test_frames_are_never_overwritten( void** state )
 
 // Before any input is looked at: a folder that cannot be made, a folder in the way. What is there stays as it is, and the last part
 // of a folder is made, as for frames.
-static void test_results_are_tried_before_the_work( void** state )
+TEST( test_results_are_tried_before_the_work )
 {
-    (void)state;
     static const char* const lines[] = {
         "$R render none.glb -o n.exr --json %s.json",
         "$R render none.glb -o n.exr --preview %s.png",
@@ -115,9 +109,8 @@ static void test_results_are_tried_before_the_work( void** state )
 }
 
 // Pictures and results have a format of their own, whatever they are called.
-static void test_endings_of_other_kinds_are_refused( void** state )
+TEST( test_endings_of_other_kinds_are_refused )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o e.exr --frames 1 --size 16x9 --spp 2 --group 0 --quiet" ), 0, NULL );
     static const char* const other[] = { "jpg", "JPEG", "tif", "webp", "exr", "xyz" };
     for ( size_t i = 0; i < sizeof other / sizeof other[0]; ++i )
@@ -132,9 +125,8 @@ static void test_endings_of_other_kinds_are_refused( void** state )
     cli_expect( cli_run( "$R compare e.exr e.exr --json tmp.Ab3dE9xyzW --quiet" ), 0, NULL ); // as mktemp names them
 }
 
-static void test_names_of_the_same_file_are_known( void** state )
+TEST( test_names_of_the_same_file_are_known )
 {
-    (void)state;
     assert_true( rf_may_be_same_file( "a.exr", "a.exr" ) && rf_may_be_same_file( "./a.exr", "a.exr" ) );
     assert_true( rf_may_be_same_file( "a.##.exr", "./a.12.exr" ) && rf_may_be_same_file( "a.123.exr", "a.##.exr" ) );
     assert_false( rf_may_be_same_file( "a.##.exr", "a.1.exr" ) || rf_may_be_same_file( "a.##.exr", "a.0123.exr" ) );
@@ -142,12 +134,4 @@ static void test_names_of_the_same_file_are_known( void** state )
     assert_true( rf_may_be_same_file( "a.##.exr", "./a.##.exr" ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_scene_is_never_overwritten ),        cmocka_unit_test( test_frames_are_never_overwritten ),
-        cmocka_unit_test( test_results_are_tried_before_the_work ), cmocka_unit_test( test_endings_of_other_kinds_are_refused ),
-        cmocka_unit_test( test_names_of_the_same_file_are_known ),
-    };
-    return cmocka_run_group_tests_name( "written_files", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,20 +1,16 @@
 // Interrupting render and resuming it as a user does.
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 #define FRAMES 8
 #define TINY "--frames 1-8 --size 16x9 --spp 2 --group 0 --quiet "
@@ -111,9 +107,8 @@ static void expect_wait_policy( const char* wanted )
     assert_int_equal( system( command ), 0 );
 }
 
-static void test_interrupted_frames_stay_and_resume( void** state )
+TEST( test_interrupted_frames_stay_and_resume )
 {
-    (void)state;
     cli_start( "echo $$ > pid; unset OMP_WAIT_POLICY; exec $R render $VASE -o i/f.####.exr --json i.json " SLOW );
     wait_for_another( "i/f.0001.exr", 0 );
     expect_wait_policy( "OMP_WAIT_POLICY=passive" );
@@ -145,9 +140,8 @@ static void interrupt_group( const char* more, int signal_number )
     assert_int_equal( cli_count_files( "", "w" ), 1 );
 }
 
-static void test_films_of_a_group_are_kept( void** state )
+TEST( test_films_of_a_group_are_kept )
 {
-    (void)state;
     interrupt_group( "", SIGINT );
     interrupt_group( "--resume", SIGTERM ); // and once more, in the midst of what was left
     cli_expect( cli_run( GROUP GROUPED ), 1, "w/f.0001.films: films of an interrupted render are there: --resume goes on" );
@@ -168,9 +162,8 @@ static void test_films_of_a_group_are_kept( void** state )
 }
 
 // Films for other frames of the same render are named and not used; --overwrite starts over.
-static void test_films_of_other_frames( void** state )
+TEST( test_films_of_other_frames )
 {
-    (void)state;
     cli_expect( cli_run( "rm -rf w w.png" ), 0, NULL );
     interrupt_group( "", SIGHUP );
     cli_expect( cli_run( GROUP "--frames 1-3 " LIKE "--resume" ), 0,
@@ -189,9 +182,8 @@ static void test_films_of_other_frames( void** state )
 #endif
 
 // A killed render goes on from the films it saved. Frames that were finished after that are made again, and no others.
-static void test_killed_render_goes_on( void** state )
+TEST( test_killed_render_goes_on )
 {
-    (void)state;
     static const char compare[] = "for f in killed/*; do cmp $f q/${f#*/} || exit 1; done";
     cli_expect( cli_run( "rm -rf q; " KILLED "--quiet && mv q killed" ), 0, NULL );
     cli_start( "exec " KILLED "--autosave 0.001s --quiet" );
@@ -215,9 +207,8 @@ static void test_killed_render_goes_on( void** state )
 }
 
 // A reader that is gone does not end the render before the films are kept; a hang-up that nohup ignores does not end it at all.
-static void test_closed_pipes_and_hang_ups( void** state )
+TEST( test_closed_pipes_and_hang_ups )
 {
-    (void)state;
     const CliResult* result = cli_run(
         "mkfifo go; ( read x < go; $R render $VASE -o p/f.####.exr --frames 1-48 --size 48x27 --spp 8 --group 0 --threads 1 "
         "2>&1; "
@@ -230,9 +221,8 @@ static void test_closed_pipes_and_hang_ups( void** state )
 }
 
 // No room for the films: named, and what is finished stays.
-static void test_films_that_cannot_be_kept( void** state )
+TEST( test_films_that_cannot_be_kept )
 {
-    (void)state;
     cli_expect( cli_run( "rm -rf w w.png" ), 0, NULL );
     cli_start( "ulimit -f 200; exec " GROUP GROUPED "--preview w.png" );
     wait_for_another( "w.png", 0 );
@@ -241,9 +231,8 @@ static void test_films_that_cannot_be_kept( void** state )
 }
 
 // Frames of another render lie behind those that are finished.
-static void test_interrupted_overwrite_resumes( void** state )
+TEST( test_interrupted_overwrite_resumes )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --seed 2 --size 48x27 --frames 1-8 --spp 1 --group 0 --quiet" ), 0,
                 NULL );
     cli_start(
@@ -261,9 +250,8 @@ static void test_interrupted_overwrite_resumes( void** state )
     cli_expect( cli_run( "for f in whole/*; do cmp $f o/${f#*/} || exit 1; done" ), 0, NULL );
 }
 
-static void test_interrupted_with_time_resumes( void** state )
+TEST( test_interrupted_with_time_resumes )
 {
-    (void)state;
     cli_start( "exec $R render $VASE -o t/f.####.exr --frames 1-8 --size 48x27 --time 0.3 --group 1 --json t.json --quiet" );
     wait_for_another( "t/f.0001.exr", 0 );
     int kept = interrupt( "--resume goes on" );
@@ -278,9 +266,8 @@ static void test_interrupted_with_time_resumes( void** state )
 }
 
 // Any kind of file in the way, in the midst of frames that fit.
-static void test_resume_and_overwrite( void** state )
+TEST( test_resume_and_overwrite )
 {
-    (void)state;
     cli_expect(
         cli_run( "$R render $VASE -o m/f.####.exr " TINY "&& cp -r m whole_m && echo text > m/f.0003.exr && rm m/f.0004.exr && "
                  "cp m/f.0001.exr m/f.0006.exr && $R render $VASE -o m/f.####.exr --frames 7 --overwrite --seed 9 --size 16x9 "
@@ -322,9 +309,8 @@ static void expect_seconds( const char* name, bool known )
 }
 
 // The same command again, with all frames there, loses nothing.
-static void test_resume_of_a_whole_sequence( void** state )
+TEST( test_resume_of_a_whole_sequence )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o n/f.####.exr --json n.json " TINY "&& cp n.json n2.json && "
                          "$R render $VASE -o n/f.####.exr --resume --json n.json " TINY ),
                 0, NULL );
@@ -349,9 +335,8 @@ static void test_resume_of_a_whole_sequence( void** state )
 }
 
 // What a killed render left goes with the one that finishes it; files in use stay, and those of others.
-static void test_no_temporary_file_is_left( void** state )
+TEST( test_no_temporary_file_is_left )
 {
-    (void)state;
     static const char make[] =
         "mkdir -p k && cd k && touch .reframe-99999-3.tmp .reframe-held-1.tmp "
         "reframe-1-1.tmp .reframe-1-2.tmp && touch -d '1 hour ago' .reframe-* && touch .reframe-1-9.tmp && "
@@ -366,9 +351,8 @@ static void test_no_temporary_file_is_left( void** state )
 }
 
 // What differs is named with both values.
-static void test_resume_names_what_differs( void** state )
+TEST( test_resume_names_what_differs )
 {
-    (void)state;
     static const char start[] = "reframe render: --resume: d/f.0002.exr: is of another render, of ";
     static const char* const cases[][2] = {
         { "--spp 4 --group 0 --size 16x9", "--spp 2 (here 4): give the same" },
@@ -396,9 +380,8 @@ static void test_resume_names_what_differs( void** state )
 }
 
 // Off a terminal: a line for each frame, with the time spent, the estimate, and the samples, traced and effective.
-static void test_a_line_for_each_frame( void** state )
+TEST( test_a_line_for_each_frame )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R render $VASE -o l.exr --frames 3 --size 16x9 --spp 2 --group 0" );
     cli_expect( result, 0, "frame 1/1  number 3  " );
     const char* spent = strstr( result->err, " spent  " );
@@ -408,9 +391,8 @@ static void test_a_line_for_each_frame( void** state )
 }
 
 // One group of all frames finishes them at once: its seconds are theirs in equal parts.
-static void test_seconds_of_a_group_are_shared( void** state )
+TEST( test_seconds_of_a_group_are_shared )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o g/f.####.exr --frames 1-8 --size 64x36 --spp 48 --group 48 --quiet --json g.json" ),
                 0, NULL );
     json_t* json = cli_read_json( "g.json" );
@@ -427,16 +409,4 @@ static void test_seconds_of_a_group_are_shared( void** state )
     json_decref( json );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_films_of_a_group_are_kept ),     cmocka_unit_test( test_films_of_other_frames ),
-        cmocka_unit_test( test_films_that_cannot_be_kept ),     cmocka_unit_test( test_interrupted_frames_stay_and_resume ),
-        cmocka_unit_test( test_interrupted_overwrite_resumes ), cmocka_unit_test( test_interrupted_with_time_resumes ),
-        cmocka_unit_test( test_resume_and_overwrite ),          cmocka_unit_test( test_resume_of_a_whole_sequence ),
-        cmocka_unit_test( test_a_line_for_each_frame ),         cmocka_unit_test( test_resume_names_what_differs ),
-        cmocka_unit_test( test_killed_render_goes_on ),         cmocka_unit_test( test_closed_pipes_and_hang_ups ),
-        cmocka_unit_test( test_no_temporary_file_is_left ),     cmocka_unit_test( test_seconds_of_a_group_are_shared ),
-    };
-    return cmocka_run_group_tests_name( "resume", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

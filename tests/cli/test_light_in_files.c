@@ -1,15 +1,11 @@
 // The light in files: values beyond the range of half floats are counted and reported, and other primaries converted both ways.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "image/exr.h"
 
@@ -37,9 +33,8 @@ static json_int_t clipped_pixels( const char* options, const char* wanted )
     return pixels;
 }
 
-static void test_clipped_pixels_are_named( void** state )
+TEST( test_clipped_pixels_are_named )
 {
-    (void)state;
     write_room( "" ); // a triangle
     write_text( "bright.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[2e5,20000,1],\"light_group\":\"sky\"}}" );
     const char* half = "beyond the range of half floats (65504) and clipped there, in colour, light_sky: give --float";
@@ -106,9 +101,8 @@ static double difference( const char* a, const char* b, const char* layer )
     return most;
 }
 
-static void test_a_sky_in_acescg_lights_as_in_rec709( void** state )
+TEST( test_a_sky_in_acescg_lights_as_in_rec709 )
 {
-    (void)state;
     const float rgb[3] = { 0.9f, 0.4f, 0.1f };
     write_room( "" );
     write_sky( "s.exr", RF_REC709, rgb );
@@ -122,9 +116,8 @@ static void test_a_sky_in_acescg_lights_as_in_rec709( void** state )
                 "the environment has colours outside Rec. 709, which are clipped: 4.8 % of its light" );
 }
 
-static void test_frames_in_acescg( void** state )
+TEST( test_frames_in_acescg )
 {
-    (void)state;
     static const char* const layers[] = { "", "albedo", "variance", "direct", "emission", "light_sky", "normal" };
     const char* options = SMALL " --aov albedo,variance,normal,direct,emission --light-groups all --cryptomatte object";
     write_room( "" );
@@ -147,12 +140,4 @@ static void test_frames_in_acescg( void** state )
     expect_header( "b.exr", "reframe/colorspace", "acescg" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_clipped_pixels_are_named ),
-        cmocka_unit_test( test_a_sky_in_acescg_lights_as_in_rec709 ),
-        cmocka_unit_test( test_frames_in_acescg ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,20 +1,15 @@
 // render --light-paths: JSON and header name them, and --resume tells frames apart.
 #include "support/cli_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define LAMP "'" REFRAME_SCENE_FOLDER "/glass-lamp.glb' "
 #define RENDER "$R render " LAMP "--size 24x16 --spp 2 --group 0 --tile 1 --frames 1 --quiet "
 
-static void test_json_names_them( void** state )
+TEST( test_json_names_them )
 {
-    (void)state;
     const CliResult* done = cli_run( RENDER "-o on.####.exr --light-paths on --json on.json" );
     assert_int_equal( done->status, 0 );
     json_t* json = cli_read_json( "on.json" );
@@ -24,9 +19,8 @@ static void test_json_names_them( void** state )
     cli_expect( cli_run( RENDER "-o off.####.exr --light-paths wherever" ), 2, "--light-paths: expected auto, on or off" );
 }
 
-static void test_frames_are_told_apart( void** state )
+TEST( test_frames_are_told_apart )
 {
-    (void)state;
     cli_expect( cli_run( RENDER "-o apart.####.exr --light-paths on --overwrite" ), 0, NULL );
     cli_expect( cli_run( RENDER "-o apart.####.exr --light-paths on --resume" ), 0, NULL );
     cli_expect( cli_run( RENDER "-o apart.####.exr --resume" ), 1, "light-paths on" );
@@ -34,9 +28,8 @@ static void test_frames_are_told_apart( void** state )
                 "kernel-normalization exact" );
 }
 
-static void test_what_cannot_be_done_is_reported( void** state )
+TEST( test_what_cannot_be_done_is_reported )
 {
-    (void)state;
     const CliResult* done = cli_run( "$R render '" REFRAME_SCENE_FOLDER
                                      "/vase-room.glb' --size 24x16 --spp 2 --group 0 --tile 1 --frames 1 -o none.####.exr "
                                      "--light-paths on --quiet" );
@@ -54,12 +47,4 @@ static void test_what_cannot_be_done_is_reported( void** state )
     assert_null( strstr( done->err, "light-paths" ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_json_names_them ),
-        cmocka_unit_test( test_frames_are_told_apart ),
-        cmocka_unit_test( test_what_cannot_be_done_is_reported ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

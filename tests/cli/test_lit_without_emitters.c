@@ -1,14 +1,10 @@
 // info and render of scenes without emissive triangles: punctual lights only, an
 // environment only, no light at all.
 #include "support/cli_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A floor of one triangle under a camera.
 #define GLTF( more, node )                                                                                                       \
@@ -38,9 +34,8 @@ static void check( const char* name, const char* text, const char* lights, const
         assert_non_null( strstr( render->err, warning ) );
 }
 
-static void test_lamps_sky_and_darkness_are_reported( void** state )
+TEST( test_lamps_sky_and_darkness_are_reported )
 {
-    (void)state;
     cli_enter();
     check( "lamp.gltf",
            GLTF( "", ",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}" ) ",\"extensions\":{\"KHR_lights_punctual\":{"
@@ -56,10 +51,4 @@ static void test_lamps_sky_and_darkness_are_reported( void** state )
                                                                               "\"intensity\":0}]}}}",
         "lights     0\n", "none of its lamps has any power ('bulb' is one of 1)" );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_lamps_sky_and_darkness_are_reported ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,23 +1,19 @@
 // The scenes made by the scripts in scenes/ load without a warning, and their first and
 // last frames are neither NaN nor black.
 #include "support/cli_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const char* const s_scenes[] = {
     "vase-room.glb", "bounced-room.glb",        "bounced-room-spots.glb", "still-life.glb",    "glass-lamp.glb",
     "sun-pane.glb",  "still-life-no-glass.glb", "turntable.json",         "textured-room.glb", "office-floor.glb",
 };
 
-static void test_every_scene_renders_without_a_warning( void** state )
+TEST( test_every_scene_renders_without_a_warning )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_scenes / sizeof s_scenes[0]; ++i )
     {
         for ( int frame = 1; frame <= 48; frame += 47 )
@@ -36,9 +32,8 @@ static void test_every_scene_renders_without_a_warning( void** state )
 }
 
 // Without a bounce nothing is lit of what the camera sees.
-static void test_bounced_room_is_dark_without_a_bounce( void** state )
+TEST( test_bounced_room_is_dark_without_a_bounce )
 {
-    (void)state;
     for ( int frame = 1; frame <= 48; frame += 47 )
     {
         const CliResult* result = cli_run( "$R render '" REFRAME_SCENE_FOLDER "/bounced-room.glb' -o t.exr --frames %d "
@@ -48,9 +43,8 @@ static void test_bounced_room_is_dark_without_a_bounce( void** state )
     }
 }
 
-static void test_a_million_triangles_load( void** state )
+TEST( test_a_million_triangles_load )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/many.glb'" );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->out, "triangles  1000004\n" ) );
@@ -60,9 +54,8 @@ static void test_a_million_triangles_load( void** state )
 #define MEADOW_MEGABYTES 300
 
 // 200 million triangles, of which 20,000 are in memory.
-static void test_a_meadow_of_instances_fits_in_memory( void** state )
+TEST( test_a_meadow_of_instances_fits_in_memory )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/meadow.glb'" );
     cli_expect( result, 0, NULL );
     long all = 0, stored = 0;
@@ -83,23 +76,12 @@ static void test_a_meadow_of_instances_fits_in_memory( void** state )
 #endif
 }
 
-static void test_office_floor_renders( void** state )
+TEST( test_office_floor_renders )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R info '" REFRAME_SCENE_FOLDER "/office-floor.glb'" );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->out, "triangles  313632\n" ) );
     assert_non_null( strstr( result->out, "emissive triangles 4900," ) ); // 2450 panes
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_scene_renders_without_a_warning ),
-        cmocka_unit_test( test_bounced_room_is_dark_without_a_bounce ),
-        cmocka_unit_test( test_a_million_triangles_load ),
-        cmocka_unit_test( test_a_meadow_of_instances_fits_in_memory ),
-        cmocka_unit_test( test_office_floor_renders ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

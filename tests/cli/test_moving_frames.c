@@ -1,15 +1,11 @@
 // Frames of a scene that moves, as files: alone, in ranges, resumed, and up to a failure.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A lit plate, which moves by `to` within [from, end) of 4 s, before a camera.
 static void write_scene( const char* name, float from, float end, float to )
@@ -40,9 +36,8 @@ static void write_scene( const char* name, float from, float end, float to )
 #define OPTIONS "--size 24x16 --spp 5 --float --quiet"
 #define MOVING OPTIONS " --fps 2 --group 1 --aov motion"
 
-static void test_frames_are_those_of_the_sequence( void** state )
+TEST( test_frames_are_those_of_the_sequence )
 {
-    (void)state;
     write_scene( "a.glb", 1.0f, 2.5f, 0.7f );
     cli_expect( cli_run( "$R render a.glb -o all.####.exr --frames 1-7 " MOVING ), 0, NULL );
     cli_expect( cli_run( "$R render a.glb -o part.####.exr --frames 3,6-7 " MOVING ), 0, NULL );
@@ -63,9 +58,8 @@ static void test_frames_are_those_of_the_sequence( void** state )
 }
 
 // What is written before a frame that cannot be posed stays, and is whole.
-static void test_a_failure_leaves_whole_files( void** state )
+TEST( test_a_failure_leaves_whole_files )
 {
-    (void)state;
     write_scene( "b.glb", 2.1f, 2.2f, 3e15f );
     cli_expect( cli_run( "$R render b.glb -o b.####.exr --frames 1-20 --fps 7 --group 0 " OPTIONS ), 1,
                 "object 'plate' at 2.14286 s" );
@@ -105,9 +99,8 @@ static void write_many_lamps( const char* name, int count )
     free( text );
 }
 
-static void test_info_names_so_many( void** state )
+TEST( test_info_names_so_many )
 {
-    (void)state;
     write_many_lamps( "many.glb", 67 );
     cli_expect( cli_run( "$R info many.glb > many.txt && grep -c 'light .*: intensity' many.txt | grep -qx 67 &&"
                          "! grep -q '^  and .* more' many.txt && grep -qx 'changing   67' many.txt" ),
@@ -150,9 +143,8 @@ static void write_lamps( const char* name )
 }
 
 // Lamps that move are looked up in each frame of a group of up to 9: of 13, at the ends of the path alone.
-static void test_lamps_at_the_ends_of_a_path( void** state )
+TEST( test_lamps_at_the_ends_of_a_path )
 {
-    (void)state;
     write_lamps( "ends.glb" );
     cli_expect( cli_run( "$R render ends.glb -o ends.####.exr --fps 4 --group 6 " OPTIONS ), 0, NULL );
     cli_expect( cli_run( "$R render ends.glb -o alone.####.exr --fps 4 --group 6 --threads 1 --frames 1,9,17 " OPTIONS ), 0,
@@ -170,9 +162,8 @@ static void check_change( const json_t* json, size_t index, const char* name, co
     assert_float_equal( json_number_value( json_object_get( change, "share" ) ), share, 0.05 );
 }
 
-static void test_info_says_how_lamps_are_shared( void** state )
+TEST( test_info_says_how_lamps_are_shared )
 {
-    (void)state;
     write_lamps( "lamps.glb" );
     const CliResult* told = cli_run( "$R info lamps.glb --fps 2 --group 2" );
     assert_non_null( strstr( told->out, "  light 'dimmed': intensity; scaled; 2" ) );
@@ -236,9 +227,8 @@ static void write_panels( const char* name )
 }
 
 // The area of what moves counts; what is known is said at once, where choosing a group for so many would take long.
-static void test_info_of_many_that_move_and_shine( void** state )
+TEST( test_info_of_many_that_move_and_shine )
 {
-    (void)state;
     write_panels( "panels.glb" );
     const CliResult* told = cli_run( "$R info panels.glb" );
     assert_non_null( strstr( told->out, "(emissive triangles 4600, 46 m2; " ) );
@@ -247,15 +237,4 @@ static void test_info_of_many_that_move_and_shine( void** state )
     assert_non_null( strstr( told->out, "in groups of 3 frames 0 % of the light is shared, 0 % scaled, 100 % own-frame" ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_frames_are_those_of_the_sequence ),
-        cmocka_unit_test( test_a_failure_leaves_whole_files ),
-        cmocka_unit_test( test_info_names_so_many ),
-        cmocka_unit_test( test_lamps_at_the_ends_of_a_path ),
-        cmocka_unit_test( test_info_says_how_lamps_are_shared ),
-        cmocka_unit_test( test_info_of_many_that_move_and_shine ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

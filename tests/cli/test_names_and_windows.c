@@ -1,15 +1,12 @@
 // What a compositor reads from files: names and conventions of their channels, windows, time codes and cameras.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "image/exr.h"
 #include "output/pass_names.h"
@@ -63,9 +60,8 @@ static void compare_pass( const char* pass, const char* letters )
 
 #define FRAMES "--size 32x18 --spp 2 --group 1 --frames 10-11 --alpha --quiet --aov albedo,normal,depth,motion,variance,samples"
 
-static void test_names( void** state )
+TEST( test_names )
 {
-    (void)state;
     static const char* const words[] = { "reframe", "blender", "nuke" };
     for ( int n = 0; n < 3; ++n )
         cli_expect( cli_run( "$R render $VASE -o %s.####.exr --names %s " FRAMES, words[n], words[n] ), 0, NULL );
@@ -88,9 +84,8 @@ static void test_names( void** state )
 }
 
 // The other commands find motion, depth and variance by all names.
-static void test_names_are_found( void** state )
+TEST( test_names_are_found )
 {
-    (void)state;
     double f1[3], error[3];
     static const char* const words[] = { "reframe", "blender", "nuke" };
     for ( int n = 0; n < 3; ++n )
@@ -116,9 +111,8 @@ static void test_names_are_found( void** state )
 
 // A wall 7 m before a camera that goes by 1 cm, 3, 5, 7, 9, 11: as tests of Blender 3.4 and 4.3 had it, where the film is 64 pixels
 // wide, of 50 mm by 36 mm. Their file of frame 5 had X 1.14286, Y 0.571429, Z 1.39682, W 0.698412.
-static void test_motion_is_blenders( void** state )
+TEST( test_motion_is_blenders )
 {
-    (void)state;
     static const float wall[] = { -9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0 };
     static const uint16_t faces[] = { 0, 1, 2, 0, 2, 3 };
     static const struct
@@ -234,9 +228,8 @@ static double depth_error( const char* a, const char* b, int dx, int dy )
 
 #define STILL "--size 60x36 --spp 60 --tile 1 --group 0 --frames 5 --quiet --float --aov depth "
 
-static void test_overscan( void** state )
+TEST( test_overscan )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o a.exr " STILL ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o b.exr --overscan 8%% " STILL ), 0, NULL ); // 4.8 columns, 2.88 rows
     cli_expect( cli_run( "$R render $VASE -o s.exr --seed 2 " STILL ), 0, NULL );
@@ -287,9 +280,8 @@ static void test_overscan( void** state )
 }
 
 // Gradients are found by all names, and what is reconstructed from them has the windows of the frame.
-static void test_reconstruct( void** state )
+TEST( test_reconstruct )
 {
-    (void)state;
     static const char* const words[] = { "reframe", "blender", "nuke" };
     for ( int n = 0; n < 3; ++n )
     {
@@ -310,9 +302,8 @@ static void test_reconstruct( void** state )
     assert_true( is_window( &data, -3, -3, 30, 22 ) && is_window( &display, 0, 0, 24, 16 ) );
 }
 
-static void test_overscan_is_refused( void** state )
+TEST( test_overscan_is_refused )
 {
-    (void)state;
     static const char* const wrong[] = { "-1", "1.5", "101%", "x", "%", "5%%", "40000", "''" };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
         cli_expect( cli_run( "$R render $VASE -o x.exr --frames 1 --overscan %s", wrong[i] ), 2, "--overscan" );
@@ -337,9 +328,8 @@ static void project( const Standard* s, const double p[3], double at[2] )
 }
 
 // A bright square at (0.5, 0.25, -3), far smaller than the picture, is where the matrices say: for all cameras that have them.
-static void test_matrices_say_where_things_are( void** state )
+TEST( test_matrices_say_where_things_are )
 {
-    (void)state;
     static const float spot[] = { 0.4f, 0.15f, -3, 0.6f, 0.15f, -3, 0.6f, 0.35f, -3, 0.4f, 0.35f, -3 };
     static const uint16_t faces[] = { 0, 1, 2, 0, 2, 3 };
     static const char* const cameras[] = {
@@ -403,9 +393,8 @@ static uint32_t time_of( const char* options )
     return s.time.time_and_flags;
 }
 
-static void test_time_codes( void** state )
+TEST( test_time_codes )
 {
-    (void)state;
     assert_int_equal( time_of( "--frames 2" ), 0x02 );
     assert_int_equal( time_of( "--frames 2 --timecode 10:20:30:11" ), 0x10203012 );
     assert_int_equal( time_of( "--frames 2 --fps 30000/1001 --timecode '00:00:59;29'" ), 0x00010042 ); // drops 00:01:00;00 and 01
@@ -423,17 +412,4 @@ static void test_time_codes( void** state )
         "of another render" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_names ),
-        cmocka_unit_test( test_names_are_found ),
-        cmocka_unit_test( test_motion_is_blenders ),
-        cmocka_unit_test( test_overscan ),
-        cmocka_unit_test( test_reconstruct ),
-        cmocka_unit_test( test_overscan_is_refused ),
-        cmocka_unit_test( test_matrices_say_where_things_are ),
-        cmocka_unit_test( test_time_codes ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,14 +1,11 @@
 // Control characters in the names of files and objects reach no terminal: text has them as \x1b,
 // JSON as escapes.
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include "base/plain_text.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A camera, a material and a lamp whose names clear the screen, and a triangle.
 static const char s_scene[] =
@@ -35,9 +32,8 @@ static void expect_harmless( const char* text )
     }
 }
 
-static void test_plain_text( void** state )
+TEST( test_plain_text )
 {
-    (void)state;
     char plain[64];
     assert_string_equal( rf_plain_text( "a\x1b[2J\n\t\r\x7f", plain, sizeof plain ), "a\\x1b[2J\\n\\t\\x0d\\x7f" );
     assert_string_equal( rf_plain_text( "\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xa5", plain, sizeof plain ),
@@ -52,9 +48,8 @@ static void test_plain_text( void** state )
     assert_string_equal( rf_plain_text( "abc\xe2\x82\xac", plain, 7 ), "abc\xe2\x82\xac" );
 }
 
-static void test_names_of_objects( void** state )
+TEST( test_names_of_objects )
 {
-    (void)state;
     cli_write( "scene.gltf", s_scene, strlen( s_scene ) );
     const CliResult* result = cli_run( "$R info scene.gltf" );
     cli_expect( result, 0, NULL );
@@ -74,9 +69,8 @@ static void test_names_of_objects( void** state )
     expect_harmless( result->err );
 }
 
-static void test_names_of_files( void** state )
+TEST( test_names_of_files )
 {
-    (void)state;
     cli_write( "s\x1b[1m.gltf", s_scene, strlen( s_scene ) );
     static const char* const commands[] = {
         "$R info s?*1m.gltf",
@@ -100,12 +94,4 @@ static void test_names_of_files( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_plain_text ),
-        cmocka_unit_test( test_names_of_objects ),
-        cmocka_unit_test( test_names_of_files ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

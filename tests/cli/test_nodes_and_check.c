@@ -1,14 +1,11 @@
 // Renders on several machines as the program has them: render --check, and a report of what is not finished.
 #include "support/cli_run.h"
 #include "support/frame_files.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SHOT "$VASE --size 16x9 --spp 6 --group 1 --tile 1 --quiet "
 
@@ -23,9 +20,8 @@ static int count_of( const json_t* json, const char* key ) { return (int)json_ar
 
 static int number_of( const json_t* json, const char* key ) { return (int)json_integer_value( json_object_get( json, key ) ); }
 
-static void test_check_tells_what_is_there( void** state )
+TEST( test_check_tells_what_is_there )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3,7-9x2 >told" ), 0, NULL );
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3 --check >told" ), 0, NULL );
     cli_expect( cli_run( "grep -q '^3 frames in c/f.####.exr: all there, whole and of this render' told" ), 0, NULL );
@@ -48,9 +44,8 @@ static void test_check_tells_what_is_there( void** state )
 }
 
 // Frame 2 is cut, frame 3 has one bit flipped, in the last pixels of the file: of the depth, where there are parts.
-static void test_damaged_frames_are_found_and_rendered_again( void** state )
+TEST( test_damaged_frames_are_found_and_rendered_again )
 {
-    (void)state;
     static const char* const formats[] = { "none", "zip", "piz", "dwaa" };
     for ( size_t i = 0; i < 2 * sizeof formats / sizeof formats[0]; ++i )
     {
@@ -83,9 +78,8 @@ static void test_damaged_frames_are_found_and_rendered_again( void** state )
 }
 
 // A page has the others, and names what is damaged; where the pixels can be read, it shows them.
-static void test_a_report_names_damaged_frames( void** state )
+TEST( test_a_report_names_damaged_frames )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " SHOT "--frames 1-4 --aov depth --compression none --parts each -o g/f.####.exr >told" ), 0,
                 NULL );
     size_t size;
@@ -103,9 +97,8 @@ static void test_a_report_names_damaged_frames( void** state )
     json_decref( json );
 }
 
-static void test_a_report_tells_unfinished_frames( void** state )
+TEST( test_a_report_tells_unfinished_frames )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 1-2 >told; mkdir p/slurm" ), 0, NULL );
     cli_expect( cli_run( "$R render " SHOT "-o q/f.####.exr --frames 1-8 --check --nodes 2 --json p/slurm/job.json >told" ), 1,
                 "0 of 8" );
@@ -142,13 +135,4 @@ static void test_a_report_tells_unfinished_frames( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_check_tells_what_is_there ),
-        cmocka_unit_test( test_damaged_frames_are_found_and_rendered_again ),
-        cmocka_unit_test( test_a_report_names_damaged_frames ),
-        cmocka_unit_test( test_a_report_tells_unfinished_frames ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

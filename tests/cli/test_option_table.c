@@ -1,14 +1,11 @@
 // The option table: every type, every way to get one wrong, and the help text.
+#include "support/test.h"
 #include "cli/messages.h"
 #include "cli/options/options.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct Values
 {
@@ -109,9 +106,8 @@ static void expect_error( const char* line, const char* text )
     assert_string_equal( error.text, text );
 }
 
-static void test_every_type_in_any_order( void** state )
+TEST( test_every_type_in_any_order )
 {
-    (void)state;
     expect_ok( "--spp 7 --group=3 a.glb --seed 18446744073709551615 --exposure -1.5 --size 17x9 --memory 1.5G "
                "--fps=24000/1001 --weights unweighted -j - --resume --no-half" );
     assert_string_equal( s_file, "a.glb" );
@@ -131,9 +127,8 @@ static void test_every_type_in_any_order( void** state )
     assert_false( s_values.half );
 }
 
-static void test_the_last_of_an_option_holds( void** state )
+TEST( test_the_last_of_an_option_holds )
 {
-    (void)state;
     expect_ok( "a.glb --spp 3 --json a,b --resume -j c --spp=4 --no-resume --size 720p --size 8x4" );
     assert_int_equal( s_values.spp, 4 );
     assert_string_equal( s_values.json, "c" ); // a list as a whole
@@ -142,9 +137,8 @@ static void test_the_last_of_an_option_holds( void** state )
     expect_error( "a --spp 0 --spp 4", "--spp: expected a whole number from 1 to 1048576, got '0'" );
 }
 
-static void test_defaults_and_keywords( void** state )
+TEST( test_defaults_and_keywords )
 {
-    (void)state;
     expect_ok( "a.glb" );
     assert_int_equal( s_values.spp, 28 );
     assert_false( s_values.spp_given );
@@ -174,9 +168,8 @@ static void test_defaults_and_keywords( void** state )
     assert_true( s_help );
 }
 
-static void test_wrong_numbers_are_refused( void** state )
+TEST( test_wrong_numbers_are_refused )
 {
-    (void)state;
     static const char* const wrong[] = { "0", "-1", "1048577", "7x", "0x7", "7.0", "+7", "1e3", "99999999999999999999" };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
     {
@@ -195,9 +188,8 @@ static void test_wrong_numbers_are_refused( void** state )
     expect_error( "a --exposure 1.5.5", "--exposure: expected a number from -32 to 32, got '1.5.5'" );
 }
 
-static void test_wrong_words_are_refused( void** state )
+TEST( test_wrong_words_are_refused )
 {
-    (void)state;
     static const char* const sizes[] = {
         "960", "960x", "x540", "0x5", "960x540x3", "32769x1", "1X1", "1081p", "1080P", "4kx", "p"
     };
@@ -234,9 +226,8 @@ static void test_wrong_words_are_refused( void** state )
     expect_error( "a --weights Exact", "--weights: expected exact, eq15 or unweighted, got 'Exact'" );
 }
 
-static void test_wrong_shape_is_refused( void** state )
+TEST( test_wrong_shape_is_refused )
 {
-    (void)state;
     expect_error( "a --sppp 3", "--sppp: no such option, did you mean --spp?" );
     expect_error( "a --weigth=3", "--weigth: no such option, did you mean --weights?" );
     expect_error( "a --frobnicate", "--frobnicate: no such option, see reframe render --help" );
@@ -251,9 +242,8 @@ static void test_wrong_shape_is_refused( void** state )
 }
 
 // Sizes by their names, times with units, percent.
-static void test_units_that_users_type( void** state )
+TEST( test_units_that_users_type )
 {
-    (void)state;
     static const struct
     {
         const char* text;
@@ -305,9 +295,8 @@ static void test_units_that_users_type( void** state )
 }
 
 // What other programs call an option.
-static void test_synonyms_are_suggested( void** state )
+TEST( test_synonyms_are_suggested )
 {
-    (void)state;
     expect_error( "a --samples 3", "--samples: no such option, did you mean --spp?" );
     expect_error( "a --resolution=3x3", "--resolution: no such option, did you mean --size?" );
     expect_error( "a --continue", "--continue: no such option, did you mean --resume?" );
@@ -315,9 +304,8 @@ static void test_synonyms_are_suggested( void** state )
 }
 
 // A choice with a bare and a negated form: what follows is its value only if it is one of the choices.
-static void test_value_may_be_left_out( void** state )
+TEST( test_value_may_be_left_out )
 {
-    (void)state;
     static const struct
     {
         const char* line;
@@ -349,9 +337,8 @@ static void test_value_may_be_left_out( void** state )
 }
 
 // The last file may be more than one where the table says so.
-static void test_last_file_may_be_many( void** state )
+TEST( test_last_file_may_be_many )
 {
-    (void)state;
     static const char* const names[] = { "A", "DIR" };
     int total = 0;
     const RfCommandTable table = {
@@ -384,9 +371,8 @@ static void test_last_file_may_be_many( void** state )
     assert_non_null( strstr( text, "usage: reframe many [OPTIONS] A DIR...\n" ) );
 }
 
-static void test_help_names_every_option( void** state )
+TEST( test_help_names_every_option )
 {
-    (void)state;
     char text[8192];
     FILE* file = tmpfile();
     assert_non_null( file );
@@ -401,17 +387,4 @@ static void test_help_names_every_option( void** state )
     assert_non_null( strstr( text, "  --[no-]adaptive [auto|on|off]   more samples (default: " ) );
     assert_non_null( strstr( text, "  -j, --json FILE" ) );
     assert_non_null( strstr( text, "  --group N|auto" ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_type_in_any_order ), cmocka_unit_test( test_the_last_of_an_option_holds ),
-        cmocka_unit_test( test_defaults_and_keywords ),   cmocka_unit_test( test_wrong_numbers_are_refused ),
-        cmocka_unit_test( test_wrong_words_are_refused ), cmocka_unit_test( test_last_file_may_be_many ),
-        cmocka_unit_test( test_wrong_shape_is_refused ),  cmocka_unit_test( test_help_names_every_option ),
-        cmocka_unit_test( test_value_may_be_left_out ),   cmocka_unit_test( test_units_that_users_type ),
-        cmocka_unit_test( test_synonyms_are_suggested ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

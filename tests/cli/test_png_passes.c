@@ -5,15 +5,12 @@
 #include "support/cli_run.h"
 #include "support/frame_files.h"
 #include "support/image_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum
 {
@@ -110,9 +107,8 @@ static void show( const char* options, const char* to )
     cli_expect( cli_run( "$R png f.exr %s --quiet %s", to, options ), 0, NULL );
 }
 
-static void test_light_groups_are_mixed( void** state )
+TEST( test_light_groups_are_mixed )
 {
-    (void)state;
     write_frame( "f.exr", 4.0f );
     show( "--layer light_key", "k.png" );
     check_pixel( "k.png", 3, 3, level( 0.25 ), 0, 0 );
@@ -134,9 +130,8 @@ static void test_light_groups_are_mixed( void** state )
     assert_false( cli_exists( "n.png" ) );
 }
 
-static void test_mattes_by_name( void** state )
+TEST( test_mattes_by_name )
 {
-    (void)state;
     write_frame( "f.exr", 4.0f );
     show( "--matte vase", "v.png" );
     show( "--matte wall --layer CryptoObject", "w.png" );
@@ -159,9 +154,8 @@ static void test_mattes_by_name( void** state )
     check_pixel( "v.png", W / 2, 2, 128, 128, 128 );
 }
 
-static void test_data_is_drawn( void** state )
+TEST( test_data_is_drawn )
 {
-    (void)state;
     page_make_folder( "s" );
     write_frame( "s/f.1.exr", 4.0f );
     write_frame( "s/f.2.exr", 16.0f );
@@ -183,9 +177,8 @@ static void test_data_is_drawn( void** state )
 }
 
 // The data window may be larger than the display window, as with overscan, or smaller.
-static void test_the_display_window_is_shown( void** state )
+TEST( test_the_display_window_is_shown )
 {
-    (void)state;
     Foreign part = { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = -3, .y = 2, .width = 80, .height = 10 };
     write_foreign_exr( page_path( "o.exr" ), &part, 1 ); // of a display window of 64x64 pixels
     cli_expect( cli_run( "$R png o.exr o.png && $R png o.exr w.png --window data" ), 0, NULL );
@@ -205,13 +198,4 @@ static void test_the_display_window_is_shown( void** state )
     check_pixel( "o.png", 63, 12, 0, 0, 0 );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_light_groups_are_mixed ),
-        cmocka_unit_test( test_mattes_by_name ),
-        cmocka_unit_test( test_data_is_drawn ),
-        cmocka_unit_test( test_the_display_window_is_shown ),
-    };
-    return cmocka_run_group_tests_name( "png of passes", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

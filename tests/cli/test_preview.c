@@ -1,13 +1,11 @@
 // render --preview: a file that shows the frame in work, and the live page, whatever is sent to its port.
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <arpa/inet.h>
 #include <jansson.h>
 #include <netinet/in.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,8 +14,6 @@
 #include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define SMALL "--frames 1-3 --size 32x18 --spp 4 --group 1 --quiet "
 #ifdef REFRAME_SANITIZED
@@ -38,9 +34,8 @@ static void wait_for( const char* name )
 }
 
 // The frames stay the same bits, and the last preview is there.
-static void test_file_changes_nothing( void** state )
+TEST( test_file_changes_nothing )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o a/f.####.exr --preview a.png " SMALL "&& $R render $VASE -o b/f.####.exr " SMALL
                          "&& for f in a/*; do cmp $f b/${f#*/} || exit 1; done" ),
                 0, NULL );
@@ -52,9 +47,8 @@ static void test_file_changes_nothing( void** state )
 }
 
 // From the first pass on, with a picture of the frame's size by the tone curve of `png`.
-static void test_file_comes_early( void** state )
+TEST( test_file_comes_early )
 {
-    (void)state;
     cli_start( "exec $R render $VASE -o e/f.####.exr --preview e.png --quiet " ENDLESS );
     wait_for( "e.png" );
     cli_expect( cli_wait( SIGINT ), 130, "0 of 3 frames are finished" );
@@ -64,9 +58,8 @@ static void test_file_comes_early( void** state )
     free( bytes );
 }
 
-static void test_what_cannot_be_shown( void** state )
+TEST( test_what_cannot_be_shown )
 {
-    (void)state;
     static const struct
     {
         const char* preview;
@@ -85,9 +78,8 @@ static void test_what_cannot_be_shown( void** state )
 }
 
 // A folder that goes away in the midst: a warning, and the frames are whole.
-static void test_later_failures_are_a_warning( void** state )
+TEST( test_later_failures_are_a_warning )
 {
-    (void)state;
     cli_expect( cli_run( "mkdir g" ), 0, NULL );
     cli_start( "exec $R render $VASE -o h/f.####.exr --frames 1-2 --size 64x36 --spp 900 --group 0 --quiet --preview g/x.png" );
     wait_for( "g/x.png" );
@@ -194,9 +186,8 @@ static size_t finished_frames( int port )
     return count;
 }
 
-static void test_page_shows_what_goes_on( void** state )
+TEST( test_page_shows_what_goes_on )
 {
-    (void)state;
     int port = start_page( "-o l/f.####.exr --frames 2-4 --size 64x36 --spp " SOME " --group 0 --aov depth,albedo" );
     for ( int i = 0; i < 12000 && ( value_of( port, "version" ) < 1.0 || finished_frames( port ) < 1 ); ++i )
         wait_a_moment();
@@ -230,9 +221,8 @@ static void test_page_shows_what_goes_on( void** state )
 }
 
 // Connections that send nothing, or half a request, keep nobody from the page. The render goes on and ends at once when it is told to.
-static void test_garbage_does_no_harm( void** state )
+TEST( test_garbage_does_no_harm )
 {
-    (void)state;
     int port = start_page( "-o n/f.####.exr " ENDLESS );
     char *noise = malloc( 100000 ), *reply;
     uint32_t seed = 1;
@@ -282,9 +272,8 @@ static void test_garbage_does_no_harm( void** state )
 }
 
 // The page in a browser, by tests/browser/check-live.js.
-static void test_page_in_a_browser( void** state )
+TEST( test_page_in_a_browser )
 {
-    (void)state;
     char line[1024];
     int port = start_page( "-o v/f.####.exr --frames 1-40 --size 96x54 --spp " SOME " --group 0 --aov depth" );
     snprintf( line, sizeof line,
@@ -298,9 +287,8 @@ static void test_page_in_a_browser( void** state )
     assert_int_equal( status, 0 );
 }
 
-static void test_port_in_use( void** state )
+TEST( test_port_in_use )
 {
-    (void)state;
     struct sockaddr_in address = { .sin_family = AF_INET };
     socklen_t size = sizeof address;
     address.sin_addr.s_addr = htonl( INADDR_LOOPBACK );
@@ -313,13 +301,4 @@ static void test_port_in_use( void** state )
     close( taken );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_file_changes_nothing ),    cmocka_unit_test( test_file_comes_early ),
-        cmocka_unit_test( test_what_cannot_be_shown ),    cmocka_unit_test( test_later_failures_are_a_warning ),
-        cmocka_unit_test( test_page_shows_what_goes_on ), cmocka_unit_test( test_page_in_a_browser ),
-        cmocka_unit_test( test_garbage_does_no_harm ),    cmocka_unit_test( test_port_in_use ),
-    };
-    return cmocka_run_group_tests_name( "preview", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -2,16 +2,13 @@
 #include "base/random.h"
 #include "image/exr.h"
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 12
 #define HEIGHT 9
@@ -153,9 +150,8 @@ static void check_said( const char* name, const char* json_name, const char* hea
     json_decref( json );
 }
 
-static void test_exact_layers_give_the_image( void** state )
+TEST( test_exact_layers_give_the_image )
 {
-    (void)state;
     Layers exact = make( 0.0f, 1 );
     const Names of_colour = { NULL, "dx", "dy", NULL }, others = { "noisy", "gx", "g.y", NULL };
     write_layers( "a.exr", &of_colour, &exact );
@@ -176,9 +172,8 @@ static void test_exact_layers_give_the_image( void** state )
     assert_true( error_of_file( "out3.exr" ) < 1e-6 );
 }
 
-static void test_gradients_of_another_program_in_files_of_their_own( void** state )
+TEST( test_gradients_of_another_program_in_files_of_their_own )
 {
-    (void)state;
     Layers exact = make( 0.0f, 1 );
     File none = { .count = 0 };
     write_file( "p.exr", &none, exact.primal );
@@ -191,9 +186,8 @@ static void test_gradients_of_another_program_in_files_of_their_own( void** stat
     assert_false( cli_exists( "none.exr" ) );
 }
 
-static void test_halves_are_weighted_by_each_other( void** state )
+TEST( test_halves_are_weighted_by_each_other )
 {
-    (void)state;
     Layers halves[2] = { make( 0.4f, 1 ), make( 0.4f, 2 ) };
     const Names plain = { "primal", "dx", "dy", NULL };
     File both = { .count = 0 };
@@ -225,9 +219,8 @@ static void test_halves_are_weighted_by_each_other( void** state )
     cli_expect( cli_run( "$R reconstruct plain.exr --variance a,b,c -o no.exr" ), 1, "has no layer a,b,c" );
 }
 
-static void test_l1_says_that_it_is_biased( void** state )
+TEST( test_l1_says_that_it_is_biased )
 {
-    (void)state;
     Layers noisy = make( 0.1f, 3 );
     noisy.primal[150] = 1000.0f;
     write_layers( "a.exr", &s_usual, &noisy );
@@ -238,9 +231,8 @@ static void test_l1_says_that_it_is_biased( void** state )
     assert_true( error_of_file( "out.exr" ) < 0.1 );
 }
 
-static void test_sequences_keep_their_numbers( void** state )
+TEST( test_sequences_keep_their_numbers )
 {
-    (void)state;
     Layers exact = make( 0.0f, 1 );
     cli_run( "mkdir shot" );
     const int numbers[3] = { 3, 4, 6 };
@@ -268,9 +260,8 @@ static void test_sequences_keep_their_numbers( void** state )
                 "shot is a sequence, but shot/f.0003.exr is a file" );
 }
 
-static void test_what_cannot_be_read_leaves_no_file( void** state )
+TEST( test_what_cannot_be_read_leaves_no_file )
 {
-    (void)state;
     Layers layers = make( 0.0f, 1 );
     const Names no_dy = { "primal", "dx", NULL, NULL };
     write_layers( "no-dy.exr", &no_dy, &layers );
@@ -293,15 +284,4 @@ static void test_what_cannot_be_read_leaves_no_file( void** state )
     free( kept );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_exact_layers_give_the_image ),
-        cmocka_unit_test( test_gradients_of_another_program_in_files_of_their_own ),
-        cmocka_unit_test( test_halves_are_weighted_by_each_other ),
-        cmocka_unit_test( test_l1_says_that_it_is_biased ),
-        cmocka_unit_test( test_sequences_keep_their_numbers ),
-        cmocka_unit_test( test_what_cannot_be_read_leaves_no_file ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

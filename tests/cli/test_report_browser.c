@@ -2,18 +2,15 @@
 // seeks and logs nothing to the console. Skipped without Chromium, Node.js or playwright-
 // core, which scripts/install-packages --browser installs.
 #include "support/cli_run.h"
+#include "support/test.h"
 #include "image/exr.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #ifdef REFRAME_SANITIZED
 #define FRAMES 12
@@ -93,9 +90,8 @@ static bool check_page( const char* page, const char* more )
     return result->status == 0;
 }
 
-static void test_full_size_loads_and_plays( void** state )
+TEST( test_full_size_loads_and_plays )
 {
-    (void)state;
     write_sequence( "big", 960, 540, FRAMES, 0.2f );
     cli_expect( cli_run( "$R report big -o big.html --quiet" ), 0, NULL );
     size_t size;
@@ -106,9 +102,8 @@ static void test_full_size_loads_and_plays( void** state )
 }
 
 // Side by side, with a reference, a frame that is missing, names of any kind.
-static void test_side_by_side_with_holes_and_names( void** state )
+TEST( test_side_by_side_with_holes_and_names )
 {
-    (void)state;
     write_sequence( "a</script>&", 96, 54, 6, 0.3f );
     write_sequence( "b", 90, 60, 6, 0.1f );
     write_sequence( "r", 96, 54, 6, 0.0f );
@@ -179,9 +174,8 @@ static void write_full_frame( const char* folder, int frame, float light )
 }
 
 // Verdict, warnings, AOVs, wipe, probe, on a desk and on a phone.
-static void test_everything_that_a_page_has( void** state )
+TEST( test_everything_that_a_page_has )
 {
-    (void)state;
     static const char render[] =
         "{\"frames\":[{\"frame\":1,\"seconds\":%d},{\"frame\":2,\"seconds\":%d},{\"frame\":3,\"seconds\":%d}],\"seconds\":9,"
         "\"threads\":2,\"rays\":{},\"warnings\":[\"in/a-very-long-name-of-a-scene-without-any-space.glb: material <b>red</b>: "
@@ -209,9 +203,8 @@ static void test_everything_that_a_page_has( void** state )
 // What the browser paints is the sRGB curve of the light: of 0.5 it is 187.5, of
 // columns of 0.1 and 0.8 the mean of 89.0 and 231.1, two stops darker of 43.8 and 123.6. The
 // filmic curve makes 0.505 of 0.5, 0.0783 of 0.1 and 0.6625 of 0.8.
-static void test_brightness_is_the_srgb_curve( void** state )
+TEST( test_brightness_is_the_srgb_curve )
 {
-    (void)state;
     write_columns( "flat.exr", 0.5f, 0.5f );
     write_columns( "columns.exr", 0.1f, 0.8f );
     cli_expect( cli_run( "$R report flat.exr -o flat.html --quiet && $R report columns.exr -o columns.html --quiet && "
@@ -223,11 +216,4 @@ static void test_brightness_is_the_srgb_curve( void** state )
         skip();
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_full_size_loads_and_plays ),
-                                        cmocka_unit_test( test_side_by_side_with_holes_and_names ),
-                                        cmocka_unit_test( test_everything_that_a_page_has ),
-                                        cmocka_unit_test( test_brightness_is_the_srgb_curve ) };
-    return cmocka_run_group_tests_name( "report in a browser", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -3,14 +3,11 @@
 #include "support/cli_run.h"
 #include "support/image_files.h"
 #include "support/frame_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // The first warning of a page.
 static const char* warning_of( const json_t* data )
@@ -19,9 +16,8 @@ static const char* warning_of( const json_t* data )
     return text != NULL ? text : "";
 }
 
-static void test_missing_frames_are_reported( void** state )
+TEST( test_missing_frames_are_reported )
 {
-    (void)state;
     page_make_folder( "m/a" );
     page_make_folder( "m/b" );
     page_write_frames( "m/a/f.##.exr", 1, 5, 1.0f, 0.5f );
@@ -60,9 +56,8 @@ static void test_missing_frames_are_reported( void** state )
     json_decref( data );
 }
 
-static void test_files_of_other_programs( void** state )
+TEST( test_files_of_other_programs )
 {
-    (void)state;
     page_make_folder( "o" );
     Foreign parts[2] = { { .names = { "Z" }, .values = { 7 }, .x = 3, .y = 5, .width = 20, .height = 10, .part = "depth" },
                          { .names = { "L.Combined.B", "L.Combined.G", "L.Combined.R" },
@@ -86,9 +81,8 @@ static void test_files_of_other_programs( void** state )
 }
 
 // The regular step is the smallest that occurs.
-static void test_holes_by_the_smallest_step( void** state )
+TEST( test_holes_by_the_smallest_step )
 {
-    (void)state;
     page_make_folder( "g" );
     page_write_frames( "g/f.##.exr", 1, 2, 1.0f, 0.0f );
     page_write_frames( "g/f.##.exr", 5, 5, 1.0f, 0.0f );
@@ -118,9 +112,8 @@ static void write_parts( const char* name, const Foreign* parts, int count )
     }
 
 // Motion in the first part, colour in the second, depth in the third; then a frame without motion.
-static void test_layers_found_across_parts( void** state )
+TEST( test_layers_found_across_parts )
 {
-    (void)state;
     page_make_folder( "p" );
     page_make_folder( "p/r" );
     for ( int frame = 1; frame <= 5; ++frame )
@@ -153,9 +146,8 @@ static void test_layers_found_across_parts( void** state )
     json_decref( data );
 }
 
-static void test_layers_are_chosen_by_name( void** state )
+TEST( test_layers_are_chosen_by_name )
 {
-    (void)state;
     page_make_folder( "l/a" );
     page_make_folder( "l/r" );
     Foreign a = {
@@ -179,9 +171,8 @@ static void test_layers_are_chosen_by_name( void** state )
 }
 
 // Scene values fit their bytes, as fine as these allow.
-static void test_values_fit_their_bytes( void** state )
+TEST( test_values_fit_their_bytes )
 {
-    (void)state;
     page_make_folder( "b" );
     page_write_frames( "b/f.#.exr", 1, 3, 1.0f, 0.0f ); // 40×30 pixels: 9608 bytes of the page for values of each
     static const struct
@@ -207,9 +198,8 @@ static void test_values_fit_their_bytes( void** state )
 }
 
 // AOVs are those that the first file has under the usual names; a frame without them has none.
-static void test_aovs_of_the_files( void** state )
+TEST( test_aovs_of_the_files )
 {
-    (void)state;
     page_make_folder( "q" );
     for ( int frame = 1; frame <= 3; ++frame )
     {
@@ -238,9 +228,8 @@ static void test_aovs_of_the_files( void** state )
 }
 
 // Passes of any names and parts, as many as have room; the others are named.
-static void test_passes_have_room_or_are_named( void** state )
+TEST( test_passes_have_room_or_are_named )
 {
-    (void)state;
     page_make_folder( "u" );
     const Foreign parts[4] = {
         COLOUR( 2.0f ),
@@ -276,9 +265,8 @@ static void test_passes_have_room_or_are_named( void** state )
 }
 
 // Of a data window larger than the display window, 64x64, the page shows what is in this.
-static void test_overscan_is_left_out( void** state )
+TEST( test_overscan_is_left_out )
 {
-    (void)state;
     page_make_folder( "w" );
     const Foreign part = {
         .names = { "B", "G", "R", "depth.Z" }, .values = { 1, 2, 3, 4 }, .x = 0, .y = -4, .width = 64, .height = 72
@@ -294,9 +282,8 @@ static void test_overscan_is_left_out( void** state )
     json_decref( data );
 }
 
-static void test_sizes_must_agree( void** state )
+TEST( test_sizes_must_agree )
 {
-    (void)state;
     page_make_folder( "s" );
     page_write_frames( "s/f.#.exr", 1, 2, 1.0f, 0.0f );
     page_write_frame( "s/f.3.exr", 41, 30, 1.0f, NULL, 0 );
@@ -307,19 +294,4 @@ static void test_sizes_must_agree( void** state )
     assert_false( cli_exists( "s.html" ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_missing_frames_are_reported ),
-        cmocka_unit_test( test_holes_by_the_smallest_step ),
-        cmocka_unit_test( test_files_of_other_programs ),
-        cmocka_unit_test( test_layers_found_across_parts ),
-        cmocka_unit_test( test_values_fit_their_bytes ),
-        cmocka_unit_test( test_aovs_of_the_files ),
-        cmocka_unit_test( test_passes_have_room_or_are_named ),
-        cmocka_unit_test( test_layers_are_chosen_by_name ),
-        cmocka_unit_test( test_sizes_must_agree ),
-        cmocka_unit_test( test_overscan_is_left_out ),
-    };
-    return cmocka_run_group_tests_name( "report frames", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -4,16 +4,13 @@
 #include "output/frame_file.h"
 #include "support/cli_run.h"
 #include "support/frame_files.h"
+#include "support/test.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static json_t* parse_json( const char* text )
 {
@@ -22,9 +19,8 @@ static json_t* parse_json( const char* text )
     return json;
 }
 
-static void test_two_sequences_against_a_reference( void** state )
+TEST( test_two_sequences_against_a_reference )
 {
-    (void)state;
     page_make_folder( "t/a" );
     page_make_folder( "t/b" );
     page_make_folder( "t/r" );
@@ -64,9 +60,8 @@ static void test_two_sequences_against_a_reference( void** state )
 }
 
 // No name ends the script that it stands in, or begins another.
-static void test_hostile_names_stay_text( void** state )
+TEST( test_hostile_names_stay_text )
 {
-    (void)state;
     static const char hostile[] = "</script><script>alert(1)</script><!--<b>&\"'";
     const RfExrString strings[] = { { "reframe/scene", hostile },
                                     { "Software", "\xff\xfe no utf-8 </SCRIPT>" },
@@ -105,9 +100,8 @@ static void test_hostile_names_stay_text( void** state )
     "\"peak_bytes\":2500000,"                                                                                                    \
     "\"rays\":{\"primary\":1000,\"eye\":2500000},\"effects\":[\"diffuse\",\"</script>\"]}"
 
-static void test_json_of_render_is_read( void** state )
+TEST( test_json_of_render_is_read )
 {
-    (void)state;
     page_make_folder( "j" );
     page_write_frames( "j/f.####.exr", 1, 2, 1.0f, 0.0f );
     cli_write( "j/a.json", "{ no json", 9 );
@@ -138,9 +132,8 @@ static void test_json_of_render_is_read( void** state )
     assert_false( cli_exists( "k2.html" ) );
 }
 
-static void test_estimates_in_headers( void** state )
+TEST( test_estimates_in_headers )
 {
-    (void)state;
     page_make_folder( "e" );
     const RfExrString said[] = { { "reframe/relmse-estimate", "0.125" },
                                  { "reframe/group", "3" },
@@ -160,9 +153,8 @@ static void test_estimates_in_headers( void** state )
 }
 
 // Whatever Reframe writes into a header is on the page, but what tells where a frame belongs and what the page has as numbers.
-static void test_every_attribute_is_shown( void** state )
+TEST( test_every_attribute_is_shown )
 {
-    (void)state;
     static const RfKey elsewhere[] = {
         RF_KEY_FRAME,          RF_KEY_FRAMES,          RF_KEY_SHOT,
         RF_KEY_STEP,           RF_KEY_EFFECTS,         RF_KEY_CALLS_FOR,
@@ -198,9 +190,8 @@ static void test_every_attribute_is_shown( void** state )
 }
 
 // What the reference says of itself is no error of it.
-static void test_reference_json_is_no_error( void** state )
+TEST( test_reference_json_is_no_error )
 {
-    (void)state;
     page_make_folder( "q/a" );
     page_make_folder( "q/r" );
     page_write_frames( "q/a/f.####.exr", 1, 2, 1.0f, 0.0f );
@@ -215,9 +206,8 @@ static void test_reference_json_is_no_error( void** state )
     json_decref( data );
 }
 
-static void test_width_shrinks_pictures( void** state )
+TEST( test_width_shrinks_pictures )
 {
-    (void)state;
     page_write_frame( "w.exr", 100, 50, 1.0f, NULL, 0 );
     cli_expect( cli_run( "$R report w.exr -o w.html --width 40 --json w.json" ), 0, NULL );
     json_t* data = page_read_data( "w.html", 1 );
@@ -229,9 +219,8 @@ static void test_width_shrinks_pictures( void** state )
 }
 
 // What render leaves, its JSON too.
-static void test_render_output_as_it_is( void** state )
+TEST( test_render_output_as_it_is )
 {
-    (void)state;
     cli_expect(
         cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --size 48x32 --spp 3 --group 1 --aov motion,depth,variance "
                  "--json v/render.json --quiet && $R report v -o v.html" ),
@@ -250,9 +239,8 @@ static void test_render_output_as_it_is( void** state )
     json_decref( data );
 }
 
-static void test_wrong_input_is_refused( void** state )
+TEST( test_wrong_input_is_refused )
 {
-    (void)state;
     page_make_folder( "x/a" );
     page_make_folder( "x/empty" );
     page_make_folder( "x/two" );
@@ -287,18 +275,4 @@ static void test_wrong_input_is_refused( void** state )
     assert_int_equal( cli_run( "ls -a | grep -c '^\\..*html' > n; test \"$(cat n)\" = 0" )->status, 0 );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_two_sequences_against_a_reference ),
-        cmocka_unit_test( test_hostile_names_stay_text ),
-        cmocka_unit_test( test_json_of_render_is_read ),
-        cmocka_unit_test( test_estimates_in_headers ),
-        cmocka_unit_test( test_every_attribute_is_shown ),
-        cmocka_unit_test( test_width_shrinks_pictures ),
-        cmocka_unit_test( test_reference_json_is_no_error ),
-        cmocka_unit_test( test_render_output_as_it_is ),
-        cmocka_unit_test( test_wrong_input_is_refused ),
-    };
-    return cmocka_run_group_tests_name( "report", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

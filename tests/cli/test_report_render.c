@@ -2,14 +2,11 @@
 // were kept.
 #include "support/cli_run.h"
 #include "support/frame_files.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SMALL "--size 48x32 --spp 3 --group 1 --quiet "
 
@@ -28,9 +25,8 @@ static const char* samples_of( const char* folder )
 }
 
 // Those traced, from the frames.
-static void test_traced_samples( void** state )
+TEST( test_traced_samples )
 {
-    (void)state;
     RfExrString said[] = { { "reframe/spp", "28" }, { "reframe/native-spp", "27.5" }, { "reframe/adaptive", "yes" } };
     page_make_folder( "n" );
     page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 1 );
@@ -64,9 +60,8 @@ static json_t* report_kept( const char* second_kept, const char* interrupted )
 }
 
 // Totals are of the last run alone.
-static void test_totals_are_of_the_last_run( void** state )
+TEST( test_totals_are_of_the_last_run )
 {
-    (void)state;
     page_make_folder( "t" );
     page_write_frames( "t/f.####.exr", 1, 2, 1.0f, 0.0f );
     const RfExrString old = { "reframe/seconds", "77" };
@@ -95,9 +90,8 @@ static void test_totals_are_of_the_last_run( void** state )
 }
 
 // What render leaves.
-static void test_render_output_as_it_is( void** state )
+TEST( test_render_output_as_it_is )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --json v/render.json " SMALL "&& "
                          "$R render $VASE -o v/f.####.exr --frames 1-4 --resume --json v/render.json " SMALL
                          "&& $R report v -o v.html" ),
@@ -112,12 +106,4 @@ static void test_render_output_as_it_is( void** state )
     assert_true( atof( samples_of( "v" ) ) >= 2.0 );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_traced_samples ),
-        cmocka_unit_test( test_totals_are_of_the_last_run ),
-        cmocka_unit_test( test_render_output_as_it_is ),
-    };
-    return cmocka_run_group_tests_name( "report of a render", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

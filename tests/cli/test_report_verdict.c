@@ -1,15 +1,12 @@
 // What reframe report says in words: the verdict, and warnings.
 #include "support/cli_run.h"
 #include "support/frame_files.h"
+#include "support/test.h"
 
 #include <jansson.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // Two frames, and the JSON of a render that took `seconds` for each.
 static void write_render( const char* folder, int threads, double seconds, double first, double second, const char* more )
@@ -43,9 +40,8 @@ static void expect_verdict( const json_t* data, const char* text, int worst, con
         fail_msg( "'%s' has no '%s'", json_string_value( json_object_get( verdict, "basis" ) ), basis );
 }
 
-static void test_verdict_compares_at_equal_noise( void** state )
+TEST( test_verdict_compares_at_equal_noise )
 {
-    (void)state;
     write_render( "slow", 2, 4.0, 0.03, 0.05, "" ); // relMSE 0.04, 4 s
     write_render( "fast", 2, 2.0, 0.01, 0.03, "" ); // relMSE 0.02, 2 s
     json_t* data = report( "slow fast", 4 );
@@ -80,9 +76,8 @@ static void test_verdict_compares_at_equal_noise( void** state )
     "{\"material\":7,\"kind\":\"none such\"},{}]}"
 
 // Where the error is in few pixels, that is the verdict; a reference knows better.
-static void test_specks_are_the_verdict( void** state )
+TEST( test_specks_are_the_verdict )
 {
-    (void)state;
     write_render( "specks", 2, 2.0, 0.01, 0.03, "," SPECKS( "7", "0.9", "0.03" ) );
     json_t* data = report( "specks", 2 );
     expect_verdict( data,
@@ -99,9 +94,8 @@ static void test_specks_are_the_verdict( void** state )
     json_decref( data );
 }
 
-static void test_lower_bounds_and_warnings_are_reported( void** state )
+TEST( test_lower_bounds_and_warnings_are_reported )
 {
-    (void)state;
     write_render( "tail", 2, 2.0, 0.01, 0.03, ",\"relmse_is_lower_bound\":true,\"worst_ten_share\":0.6" );
     json_t* data = report( "tail", 2 );
     expect_verdict( data, "At least 8.2 % noise (relMSE 0.02)", 2, "1 estimate is a lower bound" );
@@ -138,9 +132,8 @@ static void test_lower_bounds_and_warnings_are_reported( void** state )
 }
 
 // `render` writes what the page reads.
-static void test_render_writes_what_is_read( void** state )
+TEST( test_render_writes_what_is_read )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o k/f.##.exr --frames 1-2 --size 24x16 --spp 2 --group 0 --aov variance --quiet "
                          "--json k/r.json" ),
                 0, NULL );
@@ -154,13 +147,4 @@ static void test_render_writes_what_is_read( void** state )
     free( text );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_verdict_compares_at_equal_noise ),
-        cmocka_unit_test( test_specks_are_the_verdict ),
-        cmocka_unit_test( test_lower_bounds_and_warnings_are_reported ),
-        cmocka_unit_test( test_render_writes_what_is_read ),
-    };
-    return cmocka_run_group_tests_name( "report's words", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,19 +1,16 @@
 // The program with scene files and camera-path files: defaults, errors, schemas, examples.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "cli/options/render_options.h"
 #include "image/exr.h"
 
 #include <dirent.h>
 #include <jansson.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PATH "{\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"frames\":7}"
 
@@ -46,9 +43,8 @@ static void write_render( const char* render )
     write_text( "scene.json", text );
 }
 
-static void test_render_defaults( void** state )
+TEST( test_render_defaults )
 {
-    (void)state;
     char value[64];
     write_render(
         "{\"size\":[20,10],\"spp\":3,\"group\":0,\"seed\":9,\"fps\":\"24000/1001\",\"weights\":\"exact\","
@@ -74,9 +70,8 @@ static void test_render_defaults( void** state )
     assert_string_equal( value, "Side" );
 }
 
-static void test_render_faults( void** state )
+TEST( test_render_faults )
 {
-    (void)state;
     static const char* const faults[][2] = {
         { "3", "scene.json: render: must be an object, got 3" },
         { "{\"spp\":0}", "scene.json: render.spp: must be a whole number from 1 to 1048576, got 0" },
@@ -139,9 +134,8 @@ static void test_render_faults( void** state )
 }
 
 // Broken copies of defaults, in this process.
-static void test_mutated_defaults( void** state )
+TEST( test_mutated_defaults )
 {
-    (void)state;
     static const char text[] = "{\"scene\":\"a.glb\",\"render\":{\"size\":[20,10],\"spp\":3,\"group\":\"auto\",\"seed\":9,"
                                "\"fps\":\"24000/1001\",\"weights\":\"exact\",\"max_depth\":4,\"frames\":\"2-3\"}}";
     char path[256];
@@ -168,9 +162,8 @@ static void test_mutated_defaults( void** state )
     assert_true( read > 0 );
 }
 
-static void test_info_reads_scene_files( void** state )
+TEST( test_info_reads_scene_files )
 {
-    (void)state;
     write_text( "scene.json", "{\"scene\":\"room.gltf\",\"camera\":{\"kind\":\"orbit\",\"center\":[0,0,-2],\"radius\":3,"
                               "\"duration\":2},\"render\":{\"fps\":30}}" );
     const CliResult* result = cli_run( "$R info scene.json" );
@@ -181,9 +174,8 @@ static void test_info_reads_scene_files( void** state )
     assert_non_null( strstr( result->out, "path: 21 frames at 10 frames/s" ) );
 }
 
-static void test_camera_option_takes_a_path_file( void** state )
+TEST( test_camera_option_takes_a_path_file )
 {
-    (void)state;
     write_text( "move.json", PATH );
     cli_expect( cli_run( "$R render room.gltf -o c.####.exr --camera move.json --size 8x6 --spp 1 --group 0 --quiet" ), 0, NULL );
     assert_true( cli_exists( "c.0007.exr" ) && !cli_exists( "c.0008.exr" ) );
@@ -201,9 +193,8 @@ static void test_camera_option_takes_a_path_file( void** state )
 }
 
 // Of more frames than there may be: the file's fault, told with its place in it.
-static void test_too_many_frames_is_the_files_fault( void** state )
+TEST( test_too_many_frames_is_the_files_fault )
 {
-    (void)state;
 #define DOLLY "\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"duration\":1e6"
     write_text( "long.json", "{" DOLLY "}" );
     cli_expect( cli_run( "$R render room.gltf -o e.####.exr --camera long.json" ), 1,
@@ -256,9 +247,8 @@ static void expect_same_keys( const json_t* properties, const char* line )
     assert_int_equal( json_object_size( properties ), known + notes );
 }
 
-static void test_schemas_match_the_readers( void** state )
+TEST( test_schemas_match_the_readers )
 {
-    (void)state;
     static const char* const objects[][2] = {
         { "\"zzzzzz\":0", "" },
         { "\"environment\":{\"zzzzzz\":0}", "environment" },
@@ -333,9 +323,8 @@ static void expect_words( const json_t* schema, const RfOption* option )
 }
 
 // A scene file may give what the command line may.
-static void test_schema_has_the_limits_of_the_options( void** state )
+TEST( test_schema_has_the_limits_of_the_options )
 {
-    (void)state;
     json_t* schema = load_schema( "scenes/scene.schema.json" );
     const json_t* render = json_object_get( json_object_get( schema, "properties" ), "render" );
     int checked = 0;
@@ -379,9 +368,8 @@ static void expect_limit( const char* members, double limit, double beyond )
         fail_msg( "%s is read", text );
 }
 
-static void test_schema_has_the_limits_of_keys( void** state )
+TEST( test_schema_has_the_limits_of_keys )
 {
-    (void)state;
     static const char* const keyed[][2] = {
         { "skyStrength", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":0,\"strength\":%.17g}]}" },
         { "skyRotation", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":0,\"rotation\":%.17g}]}" },
@@ -426,9 +414,8 @@ static int count_examples( const char* folder, const char* command )
 }
 
 // Every file of anim/ and scenes/ renders, beginning, middle and end.
-static void test_every_example_renders( void** state )
+TEST( test_every_example_renders )
 {
-    (void)state;
     cli_run( "mkdir tree tree/out; cp -r %s/anim %s/scenes tree/; cp $VASE tree/scenes/vase-room.glb", REFRAME_SOURCE_DIR,
              REFRAME_SOURCE_DIR );
 #define TINY "--size 16x9 --spp 1 --group 0 --frames 1,20,-1 --overwrite --quiet"
@@ -451,19 +438,4 @@ static int leave( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_render_defaults ),
-        cmocka_unit_test( test_render_faults ),
-        cmocka_unit_test( test_mutated_defaults ),
-        cmocka_unit_test( test_info_reads_scene_files ),
-        cmocka_unit_test( test_camera_option_takes_a_path_file ),
-        cmocka_unit_test( test_too_many_frames_is_the_files_fault ),
-        cmocka_unit_test( test_schemas_match_the_readers ),
-        cmocka_unit_test( test_schema_has_the_limits_of_the_options ),
-        cmocka_unit_test( test_schema_has_the_limits_of_keys ),
-        cmocka_unit_test( test_every_example_renders ),
-    };
-    return cmocka_run_group_tests_name( "scene file", tests, enter, leave );
-}
+SHARED_BY_TESTS( enter, leave )

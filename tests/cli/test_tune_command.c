@@ -1,17 +1,14 @@
 // reframe tune: table, JSON, plot, the render command it prints, and its errors.
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 // Returns how many were tried.
 static int check_rows( const json_t* tune )
@@ -128,9 +125,8 @@ static void check_plot( const char* svg, const json_t* tune, int tried )
 }
 
 // Table, JSON and plot; the command that it gives is taken by render.
-static void test_command_it_gives_is_taken_by_render( void** state )
+TEST( test_command_it_gives_is_taken_by_render )
 {
-    (void)state;
     static const char options[] = "--size=16x9 --spp 5 --frames 20-21 --seed 7 --memory 200M --max-depth 4";
     // words of options in the name of a folder, where the checkout may lie, are not options
     cli_expect( cli_run( "mkdir quiet-budget && ln -s $VASE quiet-budget/vase.glb" ), 0, NULL );
@@ -168,9 +164,8 @@ static void test_command_it_gives_is_taken_by_render( void** state )
     assert_non_null( strstr( said->err, "reframe tune: round 1: " ) );
 }
 
-static void test_names_are_quoted_for_the_shell( void** state )
+TEST( test_names_are_quoted_for_the_shell )
 {
-    (void)state;
     cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
     json_t* tune =
         tune_settings( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget %d --quiet --json "
@@ -183,9 +178,8 @@ static void test_names_are_quoted_for_the_shell( void** state )
     json_decref( tune );
 }
 
-static void test_wrong_commands_are_refused( void** state )
+TEST( test_wrong_commands_are_refused )
 {
-    (void)state;
     char text[256];
     snprintf( text, sizeof text,
               "{\"scene\":\"%s\",\"render\":{\"size\":[8,6],\"spp\":3,\"frames\":\"2-3\",\"group\":1,\"tile\":\"2x2\"}}",
@@ -209,9 +203,8 @@ static void test_wrong_commands_are_refused( void** state )
 }
 
 // The budget that the error names works; what does not fit stays in table and JSON.
-static void test_named_least_budget_works( void** state )
+TEST( test_named_least_budget_works )
 {
-    (void)state;
     static const char command[] = "$R tune $VASE --size 64x36 --spp 9 --quiet --json tune.json";
     const CliResult* said = cli_run( "%s --budget 6 --memory 1M", command );
     cli_expect( said, 1, "give --memory " );
@@ -241,9 +234,8 @@ static void test_named_least_budget_works( void** state )
     json_decref( tune );
 }
 
-static void test_interrupt_exits_130( void** state )
+TEST( test_interrupt_exits_130 )
 {
-    (void)state;
     cli_start( "exec $R tune $VASE --size 320x200 --budget 1000 > out.txt 2> said.txt" );
     size_t size = 0;
     for ( int i = 0; i < 60000 && size == 0; ++i ) // it says that it begins
@@ -258,14 +250,4 @@ static void test_interrupt_exits_130( void** state )
     free( said );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_command_it_gives_is_taken_by_render ),
-        cmocka_unit_test( test_names_are_quoted_for_the_shell ),
-        cmocka_unit_test( test_wrong_commands_are_refused ),
-        cmocka_unit_test( test_named_least_budget_works ),
-        cmocka_unit_test( test_interrupt_exits_130 ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

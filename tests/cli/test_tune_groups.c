@@ -1,16 +1,13 @@
 // reframe tune --budget 0: table of groups, JSON and errors; render --group auto takes the row it marks.
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <jansson.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const json_t* chosen_row( const json_t* plan )
 {
@@ -53,9 +50,8 @@ static void check_rows( const json_t* plan )
     assert_true( is_null( chosen_row( plan ), "excluded" ) );
 }
 
-static void test_table_and_json_agree( void** state )
+TEST( test_table_and_json_agree )
 {
-    (void)state;
     static const char options[] = "--size 64x36 --spp 9 --memory 40M --filter box";
     cli_expect( cli_run( "$R tune $VASE --budget 0 %s --quiet --json tune.json", options ), 0, NULL );
     const CliResult* said = cli_run( "$R tune $VASE --budget 0 %s --quiet", options );
@@ -85,9 +81,8 @@ static void test_table_and_json_agree( void** state )
 }
 
 // What layers of light cost is said before it is spent: films of each frame, and hits that keep more of their light apart.
-static void test_split_light_is_priced( void** state )
+TEST( test_split_light_is_priced )
 {
-    (void)state;
     cli_expect( cli_run( "$R tune $VASE --budget 0 --size 64x36 --quiet --json tune.json" ), 0, NULL );
     json_t* plan = cli_read_json( "tune.json" );
     assert_true( is_null( plan, "split_light" ) );
@@ -125,9 +120,8 @@ static int common_group( const char* options )
 }
 
 // Whatever a render takes of memory, plan knows of it: options that change the choice, and some that do not.
-static void test_options_change_plan_as_render( void** state )
+TEST( test_options_change_plan_as_render )
 {
-    (void)state;
     static const struct
     {
         const char *plain, *options;
@@ -157,9 +151,8 @@ static void test_options_change_plan_as_render( void** state )
 }
 
 // Rows that do not fit say so, and what they would take.
-static void test_rows_without_room( void** state )
+TEST( test_rows_without_room )
 {
-    (void)state;
     // of one frame, as it is rendered below: more frames wait in more buffers
     static const char options[] = "--size 64x36 --spp 9 --memory 12M --weights eq15 --max-depth 2 --frames 20 --quiet";
     cli_expect( cli_run( "$R tune $VASE --budget 0 %s --json tune.json > table.txt", options ), 0, NULL );
@@ -185,9 +178,8 @@ static void test_rows_without_room( void** state )
     cli_expect( cli_run( big, (int)least ), 0, NULL );
 }
 
-static void test_command_defaults_and_errors( void** state )
+TEST( test_command_defaults_and_errors )
 {
-    (void)state;
     char text[512];
     snprintf( text, sizeof text,
               "{\"scene\":\"%s\",\"render\":{\"size\":[40,30],\"spp\":5,\"tile\":\"1\",\"frames\":\"2-3\",\"group\":1}}",
@@ -234,9 +226,8 @@ static const char* range_of( const json_t* nodes, size_t i )
     return json_string_value( json_object_get( json_array_get( json_object_get( nodes, "ranges" ), i ), "frames" ) );
 }
 
-static void test_ranges_for_several_machines( void** state )
+TEST( test_ranges_for_several_machines )
 {
-    (void)state;
     const CliResult* done =
         cli_run( "$R tune $VASE --budget 0 --size 16x9 --spp 6 --frames 1-12 --nodes 3 --group 1 --quiet --json nodes.json" );
     cli_expect( done, 0, NULL );
@@ -254,12 +245,4 @@ static void test_ranges_for_several_machines( void** state )
     cli_expect( cli_run( "$R render $VASE -o x/f.####.exr --nodes 2" ), 2, "--nodes: needs --check" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_split_light_is_priced ),       cmocka_unit_test( test_table_and_json_agree ),
-        cmocka_unit_test( test_ranges_for_several_machines ), cmocka_unit_test( test_options_change_plan_as_render ),
-        cmocka_unit_test( test_rows_without_room ),           cmocka_unit_test( test_command_defaults_and_errors ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,19 +1,15 @@
 // View transforms against Blender's own, and how `png` chooses one.
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include "cli/view/view.h"
 #include "image/decode.h"
 #include "reframe/image.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // What Blender shows of a colour, of 255: 3.4 for Filmic, 4.3 for AgX.
 typedef struct Shown
@@ -35,9 +31,8 @@ static const Shown s_shown[] = {
     { "agx", "punchy", { 0.18f, 0.18f, 0.18f }, { 88.3f, 88.3f, 88.3f }, 0.9f },
 };
 
-static void test_our_views_are_those_of_blender( void** state )
+TEST( test_our_views_are_those_of_blender )
 {
-    (void)state;
     setenv( "OCIO", "", 1 );
     for ( size_t i = 0; i < sizeof s_shown / sizeof s_shown[0]; ++i )
     {
@@ -66,9 +61,8 @@ static void test_our_views_are_those_of_blender( void** state )
     }
 }
 
-static void test_odd_light_is_shown( void** state )
+TEST( test_odd_light_is_shown )
 {
-    (void)state;
     static const char* const s_views[] = { "Standard", "Filmic", "AgX" };
     for ( int i = 0; i < 3; ++i )
     {
@@ -129,9 +123,8 @@ static void expect_level( int level, const char* name, const char* options )
         fail_msg( "%s, %s: a level of %d, not %d", name, options, level_of( png ), level );
 }
 
-static void test_png_shows_as_the_file_says( void** state )
+TEST( test_png_shows_as_the_file_says )
 {
-    (void)state;
     write_grey( "agx.exr", 0.09f, "AgX", "1" );
     write_grey( "plain.exr", 0.09f, NULL, NULL );
     expect_level( 118, "agx", "" );
@@ -158,9 +151,8 @@ static void test_png_shows_as_the_file_says( void** state )
     assert_false( cli_exists( "b.png" ) );
 }
 
-static void test_png_makes_its_folder( void** state )
+TEST( test_png_makes_its_folder )
 {
-    (void)state;
     write_grey( "s.0001.exr", 0.1f, NULL, NULL );
     write_grey( "s.0002.exr", 0.2f, NULL, NULL );
     cli_expect( cli_run( "$R png s.####.exr shown" ), 0, NULL );
@@ -173,9 +165,8 @@ static void test_png_makes_its_folder( void** state )
     cli_expect( cli_run( "$R png s.0001.exr no/such/a.png" ), 1, "cannot be made" );
 }
 
-static void test_scene_files_name_a_view( void** state )
+TEST( test_scene_files_name_a_view )
 {
-    (void)state;
     static const char* const faults[][2] = {
         { "3", "s.json: view: must be an object, got 3" },
         { "{}", "view.transform: is missing: must be the name of a view, such as \"AgX\"" },
@@ -217,9 +208,8 @@ static const char s_config[] = "ocio_profile_version: 2\n"
                                "  - !<ColorSpace>\n    name: half\n"
                                "    from_scene_reference: !<MatrixTransform> {matrix: [.5,0,0,0, 0,.5,0,0, 0,0,.5,0, 0,0,0,1]}\n";
 
-static void test_views_of_a_configuration( void** state )
+TEST( test_views_of_a_configuration )
 {
-    (void)state;
     cli_write( "config.ocio", s_config, sizeof s_config - 1 );
     cli_write( "broken.ocio", "}", 1 );
     write_grey( "c.exr", 0.8f, NULL, NULL );
@@ -237,15 +227,4 @@ static void test_views_of_a_configuration( void** state )
 
 #endif
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_our_views_are_those_of_blender ), cmocka_unit_test( test_odd_light_is_shown ),
-        cmocka_unit_test( test_png_shows_as_the_file_says ),     cmocka_unit_test( test_png_makes_its_folder ),
-        cmocka_unit_test( test_scene_files_name_a_view ),
-#ifdef REFRAME_OCIO
-        cmocka_unit_test( test_views_of_a_configuration ),
-#endif
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,17 +1,13 @@
 // What users type out of habit is understood, or answered with what to type.
 #include "support/cli_run.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define TINY " --size 16x9 --spp 2 --group 0 --quiet "
 
-static void test_help_is_a_command( void** state )
+TEST( test_help_is_a_command )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R help" );
     cli_expect( result, 0, NULL );
     assert_int_equal( strncmp( result->out, "usage: reframe COMMAND", 22 ), 0 );
@@ -23,9 +19,8 @@ static void test_help_is_a_command( void** state )
     cli_expect( cli_run( "$R version" ), 2, "reframe: 'version': no such command, did you mean --version?" );
 }
 
-static void test_words_of_other_programs( void** state )
+TEST( test_words_of_other_programs )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o a.exr --samples 64" ), 2, "--samples: no such option, did you mean --spp?" );
     cli_expect( cli_run( "$R render $VASE -o a.exr --resolution 64x48" ), 2,
                 "--resolution: no such option, did you mean --size?" );
@@ -33,9 +28,8 @@ static void test_words_of_other_programs( void** state )
 }
 
 // Units reach the render, and numbered names may be written as printf has them.
-static void test_units_and_patterns( void** state )
+TEST( test_units_and_patterns )
 {
-    (void)state;
     cli_expect( cli_run( "$R tune $VASE --budget 0 --size 360p --noise 5.8%% --time 1m1s --frames 1 --json tune.json > table" ),
                 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10" TINY ), 0, NULL );
@@ -52,9 +46,8 @@ static void test_units_and_patterns( void** state )
 }
 
 // Blender's own files, compressed as Blender 3 or older ones do, or not.
-static void test_blend_files_are_recognised( void** state )
+TEST( test_blend_files_are_recognised )
 {
-    (void)state;
     static const char advice[] = "export it by blender -b a.blend -P scripts/blender/export.py -- scene.glb\n";
     static const struct
     {
@@ -78,9 +71,8 @@ static void test_blend_files_are_recognised( void** state )
 }
 
 // Two folders: what both have is measured, and the rest is named.
-static void test_folders_are_compared( void** state )
+TEST( test_folders_are_compared )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o a/f.####.exr --frames 1-4" TINY "&& mkdir b && cp a/f.0002.exr b/g_002.exr && "
                          "cp a/f.0004.exr b/g_004.exr && cp a/f.0001.exr b/g_006.exr" ),
                 0, NULL );
@@ -104,9 +96,8 @@ static void test_folders_are_compared( void** state )
 }
 
 // Sequences, folders and layers as PNG, with the numbers of the frames.
-static void test_sequences_as_png( void** state )
+TEST( test_sequences_as_png )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o s/f.####.exr --frames 1-4 --aov depth" TINY ), 0, NULL );
     const CliResult* result = cli_run( "$R png s/f.####.exr s/p.%%04d.png" );
     cli_expect( result, 0, NULL );
@@ -126,9 +117,8 @@ static void test_sequences_as_png( void** state )
     cli_expect( cli_run( "$R png s/f.0001.exr v.png --frames 1" ), 2, "--frames: needs a sequence" );
 }
 
-static void test_lens_options_that_make_no_lens_are_refused( void** state )
+TEST( test_lens_options_that_make_no_lens_are_refused )
 {
-    (void)state;
 #define LENS "$R render $VASE -o l.####.exr --frames 1 --size 16x9 --spp 1 --group 0 --quiet "
     cli_expect( cli_run( LENS "--focus 3" ), 2, "a focus changes nothing without an aperture" );
     cli_expect( cli_run( LENS "--fstop 2" ), 1, "its lens has an aperture but no focus" );
@@ -139,16 +129,4 @@ static void test_lens_options_that_make_no_lens_are_refused( void** state )
     cli_expect( cli_run( LENS "--fstop 2 --focus 3 --shutter 0.5 > log" ), 0, NULL );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lens_options_that_make_no_lens_are_refused ),
-        cmocka_unit_test( test_help_is_a_command ),
-        cmocka_unit_test( test_words_of_other_programs ),
-        cmocka_unit_test( test_units_and_patterns ),
-        cmocka_unit_test( test_blend_files_are_recognised ),
-        cmocka_unit_test( test_folders_are_compared ),
-        cmocka_unit_test( test_sequences_as_png ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

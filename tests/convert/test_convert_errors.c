@@ -2,6 +2,7 @@
 // program down.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "convert/glb_write.h"
 #include "convert/run_importer.h"
@@ -9,20 +10,14 @@
 #include <errno.h>
 #include <math.h>
 #include <poll.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 
-#include <cmocka.h>
-
-static void test_wrong_files_and_options_are_refused( void** state )
+TEST_WITHIN( test_wrong_files_and_options_are_refused, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write_obj();
     convert_write( "note.xyz", "just some words\n" );
     convert_write( "empty.obj", "" );
@@ -79,9 +74,8 @@ static void make_hanging_importer( void )
                       0 );
 }
 
-static void test_bad_importer_is_one_line( void** state )
+TEST_WITHIN( test_bad_importer_is_one_line, convert_enter, convert_leave )
 {
-    (void)state;
     make_hanging_importer();
     convert_write( "good.ply", PLY_HEAD PLY_VERTICES PLY_FACES PLY_CORNERS "3 0 1 2\n" );
     convert_write( "crashes.ply", s_crashes );
@@ -99,9 +93,8 @@ static void test_bad_importer_is_one_line( void** state )
 }
 
 // Our own reader says of the same files, at once, where they are wrong.
-static void test_own_ply_reader_says_where( void** state )
+TEST_WITHIN( test_own_ply_reader_says_where, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write( "endless.ply", s_endless );
     convert_write( "crashes.ply", s_crashes );
     convert_write( "eats.ply", s_eats );
@@ -119,9 +112,8 @@ static void test_own_ply_reader_says_where( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_interrupt_leaves_no_file( void** state )
+TEST_WITHIN( test_interrupt_leaves_no_file, convert_enter, convert_leave )
 {
-    (void)state;
     make_hanging_importer();
     convert_write( "a.ply", s_crashes );
     cli_start( "exec bin/reframe convert a.ply a.glb --importer assimp" );
@@ -134,9 +126,8 @@ static void test_interrupt_leaves_no_file( void** state )
 }
 
 // The library's side, in this process: it has no child left afterwards.
-static void test_no_process_left( void** state )
+TEST_WITHIN( test_no_process_left, convert_enter, convert_leave )
 {
-    (void)state;
     make_hanging_importer();
     char source[256], target[256], program[1024], hanging[256];
     snprintf( source, sizeof source, "%s/a.ply", cli_folder() );
@@ -173,9 +164,8 @@ static RfResult write_model( const RfModel* model, RfError* error )
     return rf_write_glb( path, model, true, error );
 }
 
-static void test_writer_refuses( void** state )
+TEST_WITHIN( test_writer_refuses, convert_enter, convert_leave )
 {
-    (void)state;
     float positions[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
     uint32_t indices[3] = { 0, 1, 2 };
     int list[1] = { 0 };
@@ -210,19 +200,4 @@ static void test_writer_refuses( void** state )
     assert_int_equal( write_model( &model, &error ), RF_ERROR_FORMAT );
     assert_non_null( strstr( error.text, "no material 1" ) );
     assert_int_equal( cli_count_files( ".tmp", "." ), 0 );
-}
-
-#define TEST( name ) cmocka_unit_test_setup_teardown( name, convert_enter, convert_leave )
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST( test_wrong_files_and_options_are_refused ),
-        TEST( test_bad_importer_is_one_line ),
-        TEST( test_own_ply_reader_says_where ),
-        TEST( test_interrupt_leaves_no_file ),
-        TEST( test_no_process_left ),
-        TEST( test_writer_refuses ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,18 +1,14 @@
 // reframe convert: what of OBJ, Collada and FBX arrives in the scene.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const RfMaterial* material_of( const RfScene* scene, const char* name )
 {
@@ -44,9 +40,8 @@ static void check_obj_materials( const RfScene* scene )
                  convert_near( gold->diffuse.x, 0 ) );
 }
 
-static void test_obj_arrives( void** state )
+TEST_WITHIN( test_obj_arrives, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write_obj();
     const CliResult* run = cli_run( "$R convert a.obj a.glb --json a.json" );
     cli_expect( run, 0, "warning: 1 points and lines are left out" );
@@ -76,9 +71,8 @@ static void test_obj_arrives( void** state )
     convert_assert_files( 5 );
 }
 
-static void test_placement_arrives( void** state )
+TEST_WITHIN( test_placement_arrives, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write_obj();
     cli_expect( cli_run( "$R convert a.obj a.glb --up z --scale 0.5 --quiet" ), 0, NULL );
     RfScene scene = convert_load( "a.glb" );
@@ -120,9 +114,8 @@ static RfMat4 world_of( const RfScene* scene, int node )
     return world;
 }
 
-static void test_collada_arrives( void** state )
+TEST_WITHIN( test_collada_arrives, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write( "c.dae", COLLADA( "<xfov>60</xfov><aspect_ratio>2</aspect_ratio>" ) );
     cli_expect( cli_run( "$R convert c.dae c.glb" ), 0, "candela or lux" );
     RfScene scene = convert_load( "c.glb" );
@@ -257,9 +250,8 @@ static const char s_fbx[] = "; FBX 7.4.0 project file\n"
                             "C: \"OO\",600,700\n"
                             "}\n";
 
-static void test_fbx_arrives( void** state )
+TEST_WITHIN( test_fbx_arrives, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write( "f.fbx", s_fbx );
     const CliResult* run = cli_run( "$R convert f.fbx f.glb" );
     assert_int_equal( run->status, 0 );
@@ -280,9 +272,8 @@ static void test_fbx_arrives( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_missing_texture( void** state )
+TEST_WITHIN( test_missing_texture, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write( "a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n" );
     convert_write( "a.mtl", "newmtl m\nKd 1 1 1\nmap_Kd gone\\wall.png\n" );
     cli_expect( cli_run( "$R convert a.obj a.glb" ), 0, "texture 'gone/wall.png': cannot be read: it is left out" );
@@ -290,9 +281,8 @@ static void test_missing_texture( void** state )
     cli_expect( cli_run( "$R convert a.obj a.glb --overwrite" ), 0, "texture 'gone/wall.png': is neither PNG nor JPEG" );
 }
 
-static void test_vertex_colours_arrive( void** state )
+TEST_WITHIN( test_vertex_colours_arrive, convert_enter, convert_leave )
 {
-    (void)state;
     convert_write( "a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0 1 0.5 0\nf 1 2 3\n" );
     cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 0, NULL );
     RfScene scene = convert_load( "a.glb" );
@@ -300,15 +290,4 @@ static void test_vertex_colours_arrive( void** state )
     convert_assert_point( scene.triangles.colors, 1, 0.214041, 0 );               // linear
     assert_true( convert_near( scene.materials->textured->factors.base[0], 1 ) ); // and not darkened by assimp's grey
     rf_destroy_scene( &scene );
-}
-
-#define TEST( name ) cmocka_unit_test_setup_teardown( name, convert_enter, convert_leave )
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST( test_obj_arrives ), TEST( test_placement_arrives ), TEST( test_collada_arrives ),
-        TEST( test_fbx_arrives ), TEST( test_missing_texture ),   TEST( test_vertex_colours_arrive ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

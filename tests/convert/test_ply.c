@@ -2,16 +2,12 @@
 // line.
 #include "convert/ply_read.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static GltfFolder s_folder;
 static int s_warnings;
@@ -53,9 +49,8 @@ static void assert_fails( const char* text, const char* words )
 #define FACES( n ) "element face " #n "\nproperty list uchar int vertex_indices\n"
 #define SQUARE "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
 
-static void test_ascii_is_read( void** state )
+TEST( test_ascii_is_read )
 {
-    (void)state;
     static const char text[] =
         "ply\r\nformat ascii 1.0\r\ncomment any words at all here, more than six of them\n" VERTICES
         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float u\nproperty float v\n"
@@ -116,9 +111,8 @@ static size_t binary_square( bool big, uint8_t* out )
     return at;
 }
 
-static void test_both_byte_orders_are_read( void** state )
+TEST( test_both_byte_orders_are_read )
 {
-    (void)state;
     for ( int big = 0; big < 2; ++big )
     {
         uint8_t bytes[1024];
@@ -154,9 +148,8 @@ static double area_of( const RfModelMesh* m )
     return sum;
 }
 
-static void test_concave_polygons_are_cut( void** state )
+TEST( test_concave_polygons_are_cut )
 {
-    (void)state;
     // an arrow head and an L of six corners, as polygons
     static const char text[] = "ply\nformat ascii 1.0\nelement vertex 10\nproperty float x\nproperty float y\nproperty float z\n"
                                "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
@@ -170,9 +163,8 @@ static void test_concave_polygons_are_cut( void** state )
 
 #define HEAD "ply\nformat ascii 1.0\n"
 
-static void test_warnings_say_what_is_left_out( void** state )
+TEST( test_warnings_say_what_is_left_out )
 {
-    (void)state;
     static const char text[] = HEAD VERTICES "property float nx\nproperty float ny\nproperty float nz\n" FACES(
         2 ) "end_header\n0 0 0 0 0 1 1 0 0 0 0 1 1 1 0 0 0 0 0 1 0 0 0 1\n2 0 1 3 0 1 2";
     RfModel model;
@@ -186,9 +178,8 @@ static void test_warnings_say_what_is_left_out( void** state )
 
 // As Stanford has them: every second triangle turned round, -1 starts anew, and
 // triangles without area turn corners.
-static void test_strips_as_stanford_has_them( void** state )
+TEST( test_strips_as_stanford_has_them )
 {
-    (void)state;
     static const char text[] = HEAD "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n" STRIPS
                                     "end_header\n0 0 0 1 0 0 0 1 0 1 1 0 0 2 0 1 2 0\n13 0 1 2 3 4 -1 3 3 4 5 -1 -1 1\n\n";
     static const uint32_t indices[] = { 0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5 };
@@ -209,9 +200,8 @@ static void test_strips_as_stanford_has_them( void** state )
                   "element tristrips has no list vertex_indices" );
 }
 
-static void test_trailing_bytes_are_faults( void** state )
+TEST( test_trailing_bytes_are_faults )
 {
-    (void)state;
     assert_fails( HEAD VERTICES FACES( 1 ) "end_header\n" SQUARE "3 0 1 2\n3 1 2 3\n",
                   "line 15: 8 bytes follow the last element" );
     uint8_t bytes[1024];
@@ -223,9 +213,8 @@ static void test_trailing_bytes_are_faults( void** state )
     assert_non_null( strstr( error.text, "1 bytes follow the last element" ) );
 }
 
-static void test_faults_are_one_line( void** state )
+TEST( test_faults_are_one_line )
 {
-    (void)state;
     assert_fails( "plx\n", "line 1: does not begin with 'ply'" );
     assert_fails( "ply\nformat ascii 1.0\n", "line 3: the header has no end_header" );
     assert_fails( "ply\nformat ascii 2.0\n", "line 2: format must be" );
@@ -275,9 +264,8 @@ static void test_faults_are_one_line( void** state )
 
 // A comment may be of any length; colours stay between 0 and 1; what has no
 // material is no metal.
-static void test_what_is_taken_leniently( void** state )
+TEST( test_what_is_taken_leniently )
 {
-    (void)state;
     char text[2048], words[1001];
     memset( words, 'a', 1000 );
     words[1000] = 0;
@@ -295,9 +283,8 @@ static void test_what_is_taken_leniently( void** state )
 
 // Teeth all around: cutting one takes the square of its corners, and a file of
 // them must not take for ever.
-static void test_tangled_polygons_take_bounded_time( void** state )
+TEST( test_tangled_polygons_take_bounded_time )
 {
-    (void)state;
     enum
     {
         CORNERS = 40000,
@@ -333,9 +320,8 @@ static void test_tangled_polygons_take_bounded_time( void** state )
 }
 
 // Whatever becomes of the bytes: a result or an error line, in no time.
-static void test_mutations_never_crash( void** state )
+TEST( test_mutations_never_crash )
 {
-    (void)state;
     for ( uint64_t number = 0; number < 4000; ++number )
     {
         uint8_t bytes[1024];
@@ -368,19 +354,4 @@ static int leave( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ascii_is_read ),
-        cmocka_unit_test( test_both_byte_orders_are_read ),
-        cmocka_unit_test( test_concave_polygons_are_cut ),
-        cmocka_unit_test( test_warnings_say_what_is_left_out ),
-        cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_what_is_taken_leniently ),
-        cmocka_unit_test( test_strips_as_stanford_has_them ),
-        cmocka_unit_test( test_trailing_bytes_are_faults ),
-        cmocka_unit_test( test_tangled_polygons_take_bounded_time ),
-        cmocka_unit_test( test_mutations_never_crash ),
-    };
-    return cmocka_run_group_tests( tests, enter, leave );
-}
+SHARED_BY_TESTS( enter, leave )

@@ -3,71 +3,13 @@
 #include "bsdf/thin_film.h"
 #include "bsdf/sheen.h"
 #include "support/filter_reference.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
-
-#define MOST 64
-
-// Frames as they come, with all layers that were asked for.
-typedef struct Frames
-{
-    int count, pixels;
-    float* rgb[MOST];
-    float* layers[MOST][RF_AOV_COUNT];
-    double effective_spp[MOST];
-    RfRenderStats stats;
-} Frames;
-
-static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
-{
-    (void)error;
-    Frames* f = user;
-    size_t pixels = (size_t)result->width * (size_t)result->height;
-    f->pixels = (int)pixels;
-    f->rgb[f->count] = copy_floats( result->rgb, 3 * pixels );
-    for ( int l = 0; l < RF_AOV_COUNT; ++l )
-    {
-        if ( result->aovs[l] != NULL )
-            f->layers[f->count][l] = copy_floats( result->aovs[l], pixels * (size_t)rf_aov_channels( (RfAov)l ) );
-    }
-    f->effective_spp[f->count++] = result->effective_spp;
-    return RF_OK;
-}
-
-static Frames* render_layers( const RfTracer* tracer, const RfEye* eyes, int eye_count, int first, int count,
-                              const RfRenderSettings* settings )
-{
-    Frames* f = calloc( 1, sizeof *f );
-    assert_non_null( f );
-    int frames[MOST];
-    for ( int i = 0; i < count; ++i )
-        frames[i] = first + i;
-    RfRenderCallbacks callbacks = { .user = f, .frame = keep };
-    RfError error;
-    if ( rf_render( &( RfShot ){ tracer, eyes, eye_count, frames, count }, settings, &callbacks, &f->stats, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    assert_int_equal( f->count, count );
-    return f;
-}
-
-static void free_frames( Frames* f )
-{
-    for ( int i = 0; i < f->count; ++i )
-    {
-        free( f->rgb[i] );
-        for ( int l = 0; l < RF_AOV_COUNT; ++l )
-            free( f->layers[i][l] );
-    }
-    free( f );
-}
 
 // Those of the estimator of frames and tiles, with a clamp.
 #define REUSE_AOVS ( RF_ALL_AOVS & ~RF_GRADIENT_AOVS )
@@ -82,6 +24,7 @@ static RfRenderSettings layered( int group, int spp )
 
 #define WIDTH 37
 #define HEIGHT 34
+#define PIXELS ( WIDTH * HEIGHT )
 #define DISTANCE 3.0f
 
 // A wall at z = −DISTANCE from x = left on, and nothing else; it shines, so that
@@ -107,105 +50,93 @@ static void assert_near( double value, double wanted, double tolerance, const ch
         fail_msg( "%s: %.9g instead of %.9g", what, value, wanted );
 }
 
-static void assert_all( const float* values, int pixels, int channels, int channel, double wanted, double tolerance,
-                        const char* what )
+static void assert_all( const float* values, int channels, int channel, double wanted, double tolerance, const char* what )
 {
-    for ( int i = 0; i < pixels; ++i )
+    for ( int i = 0; i < PIXELS; ++i )
         assert_near( (double)values[i * channels + channel], wanted, tolerance, what );
 }
 
 // A camera before a wall that moves right and up and steps back.
-static void test_moving_wall_by_hand( void** state )
+TEST( test_moving_wall_by_hand )
 {
-    (void)state;
-    RfScene scene = make_wall( -50, make_lambert( 0.2f, 0.4f, 0.6f ) );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[3];
+    Stage stage;
     RfVec3 ahead = rf_vec3( 0, 0, -1 );
-    eyes[0] = look( rf_vec3( -0.1f, 0, 0 ), ahead );
-    eyes[1] = look( rf_vec3( 0, 0, 0 ), ahead );
-    eyes[2] = look( rf_vec3( 0.2f, 0.05f, 0 ), ahead );
+    RfEye eyes[3] = { look( rf_vec3( -0.1f, 0, 0 ), ahead ), look( rf_vec3( 0, 0, 0 ), ahead ),
+                      look( rf_vec3( 0.2f, 0.05f, 0 ), ahead ) };
+    open_stage_before( &stage, make_wall( -50, make_lambert( 0.2f, 0.4f, 0.6f ) ), eyes, 3 );
     double pixels_per_m = (double)eyes[0].focal / (double)DISTANCE;
     for ( int group = 0; group <= 1; ++group ) // 1: windows that are cut
     {
         RfRenderSettings settings = layered( group, 5 );
-        Frames* f = render_layers( tracer, eyes, 3, 0, 3, &settings );
+        const RfFrameResult* f = render_some( &stage, 0, 3, &settings );
         for ( int k = 0; k < 3; ++k )
         {
-            float** layers = f->layers[k];
-            assert_all( layers[RF_AOV_ALBEDO], f->pixels, 3, 0, 0.2, 1e-6, "albedo.R" );
-            assert_all( layers[RF_AOV_ALBEDO], f->pixels, 3, 1, 0.4, 1e-6, "albedo.G" );
-            assert_all( layers[RF_AOV_ALBEDO], f->pixels, 3, 2, 0.6, 1e-6, "albedo.B" );
-            assert_all( layers[RF_AOV_NORMAL], f->pixels, 3, 0, 0.0, 1e-6, "normal.X" );
-            assert_all( layers[RF_AOV_NORMAL], f->pixels, 3, 1, 0.0, 1e-6, "normal.Y" );
-            assert_all( layers[RF_AOV_NORMAL], f->pixels, 3, 2, 1.0, 1e-6, "normal.Z" );
-            assert_all( layers[RF_AOV_DEPTH], f->pixels, 1, 0, (double)DISTANCE, 1e-5, "depth.Z" ); // not the distance
-            assert_all( layers[RF_AOV_VARIANCE], f->pixels, 3, 1, 0.0, 1e-9, "variance.G" );        // nothing varies
+            const float* const* layers = f[k].aovs;
+            assert_all( layers[RF_AOV_ALBEDO], 3, 0, 0.2, 1e-6, "albedo.R" );
+            assert_all( layers[RF_AOV_ALBEDO], 3, 1, 0.4, 1e-6, "albedo.G" );
+            assert_all( layers[RF_AOV_ALBEDO], 3, 2, 0.6, 1e-6, "albedo.B" );
+            assert_all( layers[RF_AOV_NORMAL], 3, 0, 0.0, 1e-6, "normal.X" );
+            assert_all( layers[RF_AOV_NORMAL], 3, 1, 0.0, 1e-6, "normal.Y" );
+            assert_all( layers[RF_AOV_NORMAL], 3, 2, 1.0, 1e-6, "normal.Z" );
+            assert_all( layers[RF_AOV_DEPTH], 1, 0, (double)DISTANCE, 1e-5, "depth.Z" ); // not the distance
+            assert_all( layers[RF_AOV_VARIANCE], 3, 1, 0.0, 1e-9, "variance.G" );        // nothing varies
         }
-        const float* first = f->layers[0][RF_AOV_MOTION];
-        const float* middle = f->layers[1][RF_AOV_MOTION];
-        const float* last = f->layers[2][RF_AOV_MOTION];
-        assert_all( first, f->pixels, 4, 0, 0.0, 0.0, "no frame before" );
-        assert_all( first, f->pixels, 4, 2, -0.1 * pixels_per_m, 1e-4, "first motion.Z" );
-        assert_all( middle, f->pixels, 4, 0, 0.1 * pixels_per_m, 1e-4, "motion.X" );
-        assert_all( middle, f->pixels, 4, 1, 0.0, 1e-5, "motion.Y" );
-        assert_all( middle, f->pixels, 4, 2, -0.2 * pixels_per_m, 1e-4, "motion.Z" );
-        assert_all( middle, f->pixels, 4, 3, -0.05 * pixels_per_m, 1e-4, "motion.W" ); // the camera rises, the wall sinks
-        assert_all( last, f->pixels, 4, 1, 0.05 * pixels_per_m, 1e-4, "last motion.Y" );
-        assert_all( last, f->pixels, 4, 3, 0.0, 0.0, "no frame after" );
-        free_frames( f );
+        const float* first = f[0].aovs[RF_AOV_MOTION];
+        const float* middle = f[1].aovs[RF_AOV_MOTION];
+        const float* last = f[2].aovs[RF_AOV_MOTION];
+        assert_all( first, 4, 0, 0.0, 0.0, "no frame before" );
+        assert_all( first, 4, 2, -0.1 * pixels_per_m, 1e-4, "first motion.Z" );
+        assert_all( middle, 4, 0, 0.1 * pixels_per_m, 1e-4, "motion.X" );
+        assert_all( middle, 4, 1, 0.0, 1e-5, "motion.Y" );
+        assert_all( middle, 4, 2, -0.2 * pixels_per_m, 1e-4, "motion.Z" );
+        assert_all( middle, 4, 3, -0.05 * pixels_per_m, 1e-4, "motion.W" ); // the camera rises, the wall sinks
+        assert_all( last, 4, 1, 0.05 * pixels_per_m, 1e-4, "last motion.Y" );
+        assert_all( last, 4, 3, 0.0, 0.0, "no frame after" );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
 // The depth of an orthographic camera is that along the view, of a panorama the distance; motion at the seam is the short way.
-static void test_other_projections_by_hand( void** state )
+TEST( test_other_projections_by_hand )
 {
-    (void)state;
-    RfScene scene = make_wall( -50, make_lambert( 0.2f, 0.4f, 0.6f ) );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
     RfRenderSettings settings = layered( 0, 5 );
     RfVec3 ahead = rf_vec3( 0, 0, -1 ), up = rf_vec3( 0, 1, 0 );
     RfEye eyes[2] = { rf_make_orthographic_eye( rf_vec3( 0, 0, 0 ), ahead, up, 0.8, WIDTH, HEIGHT ),
                       rf_make_orthographic_eye( rf_vec3( 0.1f, -0.2f, 0.5f ), ahead, up, 0.8, WIDTH, HEIGHT ) };
-    Frames* f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    open_stage_before( &stage, make_wall( -50, make_lambert( 0.2f, 0.4f, 0.6f ) ), eyes, 2 );
+    const RfFrameResult* f = render_some( &stage, 0, 1, &settings );
     double pixels_per_m = 0.5 * HEIGHT / 0.8;
-    assert_all( f->layers[0][RF_AOV_DEPTH], f->pixels, 1, 0, (double)DISTANCE, 1e-5, "orthographic depth" );
-    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 2, -0.1 * pixels_per_m, 1e-4, "orthographic motion.Z" );
-    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 3, 0.2 * pixels_per_m, 1e-4, "orthographic motion.W" );
-    free_frames( f );
+    assert_all( f[0].aovs[RF_AOV_DEPTH], 1, 0, (double)DISTANCE, 1e-5, "orthographic depth" );
+    assert_all( f[0].aovs[RF_AOV_MOTION], 4, 2, -0.1 * pixels_per_m, 1e-4, "orthographic motion.Z" );
+    assert_all( f[0].aovs[RF_AOV_MOTION], 4, 3, 0.2 * pixels_per_m, 1e-4, "orthographic motion.W" );
 
     // the wall is seen at the seam, behind the view; what misses it turns as well
     const float angle = 0.3f;
-    eyes[0] = rf_make_panoramic_eye( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 1 ), up, WIDTH, HEIGHT );
-    eyes[1] = rf_make_panoramic_eye( rf_vec3( 0, 0, 0 ), rf_vec3( sinf( angle ), 0, cosf( angle ) ), up, WIDTH, HEIGHT );
-    f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    stage.eyes[0] = rf_make_panoramic_eye( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 1 ), up, WIDTH, HEIGHT );
+    stage.eyes[1] = rf_make_panoramic_eye( rf_vec3( 0, 0, 0 ), rf_vec3( sinf( angle ), 0, cosf( angle ) ), up, WIDTH, HEIGHT );
+    f = render_some( &stage, 0, 1, &settings );
     double moved = (double)angle * WIDTH / 6.283185307179586;
-    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 2, moved, 2e-3, "panoramic motion.Z" );
-    assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, 3, 0.0, 2e-3, "panoramic motion.W" );
+    assert_all( f[0].aovs[RF_AOV_MOTION], 4, 2, moved, 2e-3, "panoramic motion.Z" );
+    assert_all( f[0].aovs[RF_AOV_MOTION], 4, 3, 0.0, 2e-3, "panoramic motion.W" );
     double longitude = 3.141592653589793 / WIDTH, latitude = 1.5707963267948966 / HEIGHT; // of the pixel's middle
     int row = HEIGHT / 2 - 1;
     double far = (double)DISTANCE / ( cos( longitude ) * cos( latitude ) );
-    assert_near( (double)f->layers[0][RF_AOV_DEPTH][row * WIDTH], far, 0.02 * far, "panoramic depth" );
-    assert_near( (double)f->layers[0][RF_AOV_DEPTH][row * WIDTH + WIDTH - 1], far, 0.02 * far, "panoramic depth" );
-    free_frames( f );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    assert_near( (double)f[0].aovs[RF_AOV_DEPTH][row * WIDTH], far, 0.02 * far, "panoramic depth" );
+    assert_near( (double)f[0].aovs[RF_AOV_DEPTH][row * WIDTH + WIDTH - 1], far, 0.02 * far, "panoramic depth" );
+    close_stage( &stage );
 }
 
 // Pixels that the wall covers in part, and pixels where nothing is.
-static void test_edges_and_empty_pixels( void** state )
+TEST( test_edges_and_empty_pixels )
 {
-    (void)state;
-    RfScene scene = make_wall( 0.013f, make_lambert( 0.5f, 0.5f, 0.5f ) );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[2];
+    Stage stage;
     float angle = 0.02f;
-    eyes[0] = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) );
-    eyes[1] = look( rf_vec3( 0, 0, 0 ), rf_vec3( sinf( angle ), 0, -cosf( angle ) ) ); // turned right
+    RfEye eyes[2] = { look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) ),
+                      look( rf_vec3( 0, 0, 0 ), rf_vec3( sinf( angle ), 0, -cosf( angle ) ) ) }; // turned right
+    open_stage_before( &stage, make_wall( 0.013f, make_lambert( 0.5f, 0.5f, 0.5f ) ), eyes, 2 );
     RfRenderSettings settings = layered( 0, 64 );
-    Frames* f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    const RfFrameResult* f = render_some( &stage, 0, 1, &settings );
     double focal = (double)eyes[0].focal;
     int partial = 0;
     for ( int y = 0; y < HEIGHT; ++y )
@@ -217,52 +148,47 @@ static void test_edges_and_empty_pixels( void** state )
             covered = covered < 0.0 ? 0.0 : covered > 1.0 ? 1.0 : covered;
             double error = covered > 0.0 && covered < 1.0 ? 5.0 * sqrt( 0.25 / 64.0 ) : 1e-6;
             partial += covered > 0.0 && covered < 1.0;
-            double found = (double)f->layers[0][RF_AOV_NORMAL][3 * i + 2];
+            double found = (double)f[0].aovs[RF_AOV_NORMAL][3 * i + 2];
             assert_near( found, covered, error, "covered part" );
-            assert_near( (double)f->layers[0][RF_AOV_ALBEDO][3 * i], 0.5 * found, 1e-6, "albedo" );
-            double depth = (double)f->layers[0][RF_AOV_DEPTH][i];
+            assert_near( (double)f[0].aovs[RF_AOV_ALBEDO][3 * i], 0.5 * found, 1e-6, "albedo" );
+            double depth = (double)f[0].aovs[RF_AOV_DEPTH][i];
             assert_near( depth, found > 0.0 ? (double)DISTANCE : 1e10, found > 0.0 ? 1e-5 : 0.0, "depth" );
             // a turn is a matter of the direction alone: the pixel's middle will do, to within its size
             double a = atan( ( x + 0.5 - 0.5 * WIDTH ) / focal ), moved = ( tan( a - (double)angle ) - tan( a ) ) * focal;
-            assert_near( (double)f->layers[0][RF_AOV_MOTION][4 * i + 2], moved, 0.03, "motion by turning" );
-            assert_near( (double)f->layers[0][RF_AOV_SAMPLES][i], 64.0, 0.0, "samples" );
+            assert_near( (double)f[0].aovs[RF_AOV_MOTION][4 * i + 2], moved, 0.03, "motion by turning" );
+            assert_near( (double)f[0].aovs[RF_AOV_SAMPLES][i], 64.0, 0.0, "samples" );
         }
     }
     assert_int_equal( partial, HEIGHT );
-    free_frames( f );
 
     // turned around: the wall is behind the other camera, as is what is infinitely far
-    eyes[1] = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 1 ) );
-    f = render_layers( tracer, eyes, 2, 0, 2, &settings );
+    stage.eyes[1] = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, 1 ) );
+    f = render_some( &stage, 0, 2, &settings );
     for ( int c = 0; c < 4; ++c )
     {
-        assert_all( f->layers[0][RF_AOV_MOTION], f->pixels, 4, c, 0.0, 0.0, "behind the other eye" );
-        assert_all( f->layers[1][RF_AOV_MOTION], f->pixels, 4, c, 0.0, 0.0, "behind the other eye" );
+        assert_all( f[0].aovs[RF_AOV_MOTION], 4, c, 0.0, 0.0, "behind the other eye" );
+        assert_all( f[1].aovs[RF_AOV_MOTION], 4, c, 0.0, 0.0, "behind the other eye" );
     }
-    free_frames( f );
 
     // in the plane of the wall: next to nowhere on the other film, but a number
-    eyes[1] = look( rf_vec3( 1, 0, -DISTANCE ), rf_vec3( 0, 0, -1 ) );
-    f = render_layers( tracer, eyes, 2, 0, 1, &settings );
-    for ( int i = 0; i < 4 * f->pixels; ++i )
-        assert_true( isfinite( f->layers[0][RF_AOV_MOTION][i] ) );
-    free_frames( f );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    stage.eyes[1] = look( rf_vec3( 1, 0, -DISTANCE ), rf_vec3( 0, 0, -1 ) );
+    f = render_some( &stage, 0, 1, &settings );
+    for ( int i = 0; i < 4 * PIXELS; ++i )
+        assert_true( isfinite( f[0].aovs[RF_AOV_MOTION][i] ) );
+    close_stage( &stage );
 }
 
 // Albedo and normal have the filter of the colour, depth and motion do not.
-static void test_an_edge_has_the_pixel_filter( void** state )
+TEST( test_an_edge_has_the_pixel_filter )
 {
-    (void)state;
-    RfScene scene = make_wall( 0.013f, make_lambert( 0.5f, 0.25f, 0.5f ) );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
     RfEye eyes[2] = { look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) ), look( rf_vec3( 0.1f, 0, 0 ), rf_vec3( 0, 0, -1 ) ) };
+    open_stage_before( &stage, make_wall( 0.013f, make_lambert( 0.5f, 0.25f, 0.5f ) ), eyes, 2 );
     RfRenderSettings settings = layered( 0, 64 );
-    Frames* box = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    const RfFrameResult* box = render_some( &stage, 0, 1, &settings );
     settings.filter = RF_FILTER_TENT;
     settings.filter_width = 3.0;
-    Frames* f = render_layers( tracer, eyes, 2, 0, 1, &settings );
+    const RfFrameResult* f = render_some( &stage, 0, 1, &settings );
     double edge = 0.5 * WIDTH + 0.013 / (double)DISTANCE * (double)eyes[0].focal;
     for ( int x = 0; x < WIDTH; ++x )
     {
@@ -271,23 +197,19 @@ static void test_an_edge_has_the_pixel_filter( void** state )
                normal = 0.0;
         for ( int y = 0; y < HEIGHT; ++y )
         {
-            albedo += (double)f->layers[0][RF_AOV_ALBEDO][3 * ( y * WIDTH + x ) + 1] / HEIGHT;
-            normal += (double)f->layers[0][RF_AOV_NORMAL][3 * ( y * WIDTH + x ) + 2] / HEIGHT;
+            albedo += (double)f[0].aovs[RF_AOV_ALBEDO][3 * ( y * WIDTH + x ) + 1] / HEIGHT;
+            normal += (double)f[0].aovs[RF_AOV_NORMAL][3 * ( y * WIDTH + x ) + 2] / HEIGHT;
         }
         assert_near( normal, covered, 0.01, "filtered normal" );
         assert_near( albedo, 0.25 * normal, 1e-5, "filtered albedo" );
     }
-    assert_memory_equal( f->layers[0][RF_AOV_DEPTH], box->layers[0][RF_AOV_DEPTH], (size_t)f->pixels * sizeof( float ) );
-    assert_memory_equal( f->layers[0][RF_AOV_MOTION], box->layers[0][RF_AOV_MOTION], (size_t)f->pixels * 4 * sizeof( float ) );
-    free_frames( box );
-    free_frames( f );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    assert_memory_equal( f[0].aovs[RF_AOV_DEPTH], box[0].aovs[RF_AOV_DEPTH], (size_t)PIXELS * sizeof( float ) );
+    assert_memory_equal( f[0].aovs[RF_AOV_MOTION], box[0].aovs[RF_AOV_MOTION], (size_t)PIXELS * 4 * sizeof( float ) );
+    close_stage( &stage );
 }
 
-static void test_albedo_of_materials( void** state )
+TEST( test_albedo_of_materials )
 {
-    (void)state;
     RfMaterial cloth = make_plastic( 0.6f, 0.25f );
     cloth.kind = RF_BSDF_SHEEN;
     cloth.sheen = rf_vec3( 0.5f, 1.0f, 0.0f );
@@ -297,24 +219,21 @@ static void test_albedo_of_materials( void** state )
     double wanted[] = { 0.9, 0.04 + 0.96 * 0.3, 0.8, 0.5 * e + ( 1.0 - e ) * ( 0.04 + 0.96 * 0.3 ) };
     for ( int k = 0; k < 4; ++k )
     {
-        RfScene scene = make_wall( -50, materials[k] );
-        RfTracer* tracer = make_tracer( &scene );
+        Stage stage;
         RfEye eye = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) );
+        open_stage_before( &stage, make_wall( -50, materials[k] ), &eye, 1 );
         RfRenderSettings settings = layered( 0, 2 );
-        Frames* f = render_layers( tracer, &eye, 1, 0, 1, &settings );
-        assert_all( f->layers[0][RF_AOV_ALBEDO], f->pixels, 3, 0, wanted[k], 1e-6, "albedo" );
-        free_frames( f );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
+        const RfFrameResult* f = render_some( &stage, 0, 1, &settings );
+        assert_all( f[0].aovs[RF_AOV_ALBEDO], 3, 0, wanted[k], 1e-6, "albedo" );
+        close_stage( &stage );
     }
 }
 
 #define EYES 7
 
 // Under a film: its colours, over what passes the brightest of them; of a mirror as well.
-static void test_albedo_of_films( void** state )
+TEST( test_albedo_of_films )
 {
-    (void)state;
     RfMaterial plastic = make_plastic( 1.0f, 0.25f ), mirror = make_metal( 0.9f, 0.3f );
     plastic.kind = RF_BSDF_IRIDESCENT;
     mirror.kind = RF_BSDF_SPECTRAL;
@@ -328,51 +247,44 @@ static void test_albedo_of_films( void** state )
         RfVec3 film = rf_film_fresnel( m.specular, 1.0f, m.film_ior, m.film_thickness );
         double f[3] = { film.x, film.y, film.z }, f0[3] = { m.specular.x, m.specular.y, m.specular.z },
                diffuse[3] = { m.diffuse.x, m.diffuse.y, m.diffuse.z }, most = (double)rf_max_component( film );
-        RfScene scene = make_wall( -50, m );
-        RfTracer* tracer = make_tracer( &scene );
+        Stage stage;
         RfEye eye = look( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ) );
+        open_stage_before( &stage, make_wall( -50, m ), &eye, 1 );
         RfRenderSettings settings = layered( 0, 2 );
-        Frames* frames = render_layers( tracer, &eye, 1, 0, 1, &settings );
+        const RfFrameResult* frames = render_some( &stage, 0, 1, &settings );
         for ( int c = 0; c < 3; ++c )
         {
             double base = k == 0 ? diffuse[c] * ( 1.0 - 0.5 * f0[0] - 0.5 * most ) : 0.0;
-            double got = (double)frames->layers[0][RF_AOV_ALBEDO][c];
+            double got = (double)frames[0].aovs[RF_AOV_ALBEDO][c];
             assert_true( fabs( got - ( 0.5 * f0[c] + 0.5 * f[c] + base ) ) < 1e-5 && got <= 1.0 );
         }
         assert_true( f[0] - f[2] > 0.01 || f[2] - f[0] > 0.01 );
-        free_frames( frames );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
+        close_stage( &stage );
     }
 }
 
-static void test_samples_are_counted( void** state )
+TEST( test_samples_are_counted )
 {
-    (void)state;
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    Stage stage;
+    open_stage( &stage, make_room( ROOM_GGX ), EYES, 4.0f, WIDTH, HEIGHT );
     for ( int group = 0; group <= 2; ++group )
     {
         RfRenderSettings settings = layered( group, 6 );
-        Frames* f = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        const RfFrameResult* f = render_some( &stage, 0, EYES, &settings );
         for ( int k = 0; k < EYES; ++k )
         {
             double sum = 0.0;
-            for ( int i = 0; i < f->pixels; ++i )
+            for ( int i = 0; i < PIXELS; ++i )
             {
-                double samples = (double)f->layers[k][RF_AOV_SAMPLES][i];
+                double samples = (double)f[k].aovs[RF_AOV_SAMPLES][i];
                 assert_true( group == 0 ? samples == 6.0 : samples >= 6.0 ); // its own always
                 sum += samples;
             }
-            assert_near( sum / f->pixels, f->effective_spp[k], 1e-9, "mean of the samples" );
-            assert_true( group == 0 || sum / f->pixels > 9.0 );
+            assert_near( sum / PIXELS, f[k].effective_spp, 1e-9, "mean of the samples" );
+            assert_true( group == 0 || sum / PIXELS > 9.0 );
         }
-        free_frames( f );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
 #define SEEDS 32
@@ -382,8 +294,7 @@ static void test_samples_are_counted( void** state )
 // of pixels give a t-test.
 static void check_variance( RoomKind kind, int group )
 {
-    RfScene scene = make_room( kind );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
     enum
     {
         W = 18,
@@ -391,8 +302,7 @@ static void check_variance( RoomKind kind, int group )
         N = 3 * W * H,
         FRAMES = 5
     };
-    RfEye eyes[FRAMES];
-    orbit_eyes( eyes, FRAMES, 4.0f, W, H );
+    open_stage( &stage, make_room( kind ), FRAMES, 4.0f, W, H );
     static double sum[N], square[N], layer[N];
     memset( sum, 0, sizeof sum );
     memset( square, 0, sizeof square );
@@ -402,15 +312,14 @@ static void check_variance( RoomKind kind, int group )
         RfRenderSettings settings = layered( group, 12 );
         settings.seed = (uint64_t)seed;
         settings.max_depth = 3;
-        Frames* f = render_layers( tracer, eyes, FRAMES, 2, 1, &settings );
+        const RfFrameResult* f = render_some( &stage, 2, 1, &settings );
         for ( int i = 0; i < N; ++i )
         {
-            double v = (double)f->rgb[0][i];
+            double v = (double)f[0].rgb[i];
             sum[i] += v;
             square[i] += v * v;
-            layer[i] += (double)f->layers[0][RF_AOV_VARIANCE][i] / SEEDS;
+            layer[i] += (double)f[0].aovs[RF_AOV_VARIANCE][i] / SEEDS;
         }
-        free_frames( f );
     }
     double difference[( W / BLOCK ) * ( H / BLOCK )] = { 0 }, all = 0.0, all_layer = 0.0;
     for ( int i = 0; i < N; ++i )
@@ -433,135 +342,110 @@ static void check_variance( RoomKind kind, int group )
     print_message( "kind %d, group %d: layer / true variance %.3f, t %.2f\n", kind, group, all_layer / all, t );
     assert_true( fabs( t ) < 5.0 );
     assert_true( all_layer / all > 0.8 && all_layer / all < 1.25 ); // some 5 % are chance
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
-static void test_variance_is_the_true_one( void** state )
+TEST( test_variance_is_the_true_one )
 {
-    (void)state;
     check_variance( ROOM_DIFFUSE, 0 );
     check_variance( ROOM_DIFFUSE, 1 );
     check_variance( ROOM_PHONG, 2 );
 }
 
-static void assert_same( const Frames* a, int i, const Frames* b, int j )
+TEST( test_same_bits_however_the_frames_come_about )
 {
-    assert_memory_equal( a->rgb[i], b->rgb[j], (size_t)a->pixels * 3 * sizeof( float ) );
-    for ( int l = 0; l < RF_AOV_PRIMAL; ++l )
-    {
-        size_t bytes = (size_t)a->pixels * (size_t)rf_aov_channels( (RfAov)l ) * sizeof( float );
-        assert_memory_equal( a->layers[i][l], b->layers[j][l], bytes );
-    }
-}
-
-static void test_same_bits_however_the_frames_come_about( void** state )
-{
-    (void)state;
     static const int groups[] = { 0, 1, 20 };
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    Stage stage;
+    open_stage( &stage, make_room( ROOM_GGX ), EYES, 4.0f, WIDTH, HEIGHT );
     for ( int g = 0; g < 3; ++g )
     {
         RfRenderSettings settings = layered( groups[g], 5 );
         settings.filter = g == 1 ? RF_FILTER_BLACKMAN_HARRIS : RF_FILTER_BOX;
-        Frames* whole = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        const RfFrameResult* whole = render_some( &stage, 0, EYES, &settings );
+        size_t peak = stage.stats.peak_bytes;
         settings.threads = 3;
         settings.queue = 2;
-        Frames* threads = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        const RfFrameResult* threads = render_some( &stage, 0, EYES, &settings );
         settings.threads = 1;
-        settings.memory = whole->stats.peak_bytes - whole->stats.peak_bytes / 16;
-        Frames* small = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
-        assert_true( small->stats.peak_bytes <= settings.memory );
+        settings.memory = peak - peak / 16;
+        const RfFrameResult* small = render_some( &stage, 0, EYES, &settings );
+        assert_true( stage.stats.peak_bytes <= settings.memory );
         settings.memory = 0;
         settings.aovs = 0;
-        Frames* without = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+        const RfFrameResult* without = render_some( &stage, 0, EYES, &settings );
         for ( int k = 0; k < EYES; ++k )
         {
-            assert_same( whole, k, threads, k );
-            assert_same( whole, k, small, k );
-            assert_memory_equal( whole->rgb[k], without->rgb[k], (size_t)whole->pixels * 3 * sizeof( float ) );
+            expect_same_bits( whole + k, threads + k );
+            expect_same_bits( whole + k, small + k );
+            assert_memory_equal( whole[k].rgb, without[k].rgb, (size_t)PIXELS * 3 * sizeof( float ) );
             for ( int l = 0; l < RF_AOV_COUNT; ++l )
-                assert_null( without->layers[k][l] );
+                assert_null( without[k].aovs[l] );
         }
         settings.aovs = REUSE_AOVS;
-        Frames* alone = render_layers( tracer, eyes, EYES, 4, 1, &settings );
-        assert_same( whole, 4, alone, 0 );
+        const RfFrameResult* alone = render_some( &stage, 4, 1, &settings );
+        expect_same_bits( whole + 4, alone );
         settings.aovs = RF_AOV_BIT( RF_AOV_DEPTH );
-        Frames* one = render_layers( tracer, eyes, EYES, 4, 1, &settings );
-        assert_memory_equal( whole->layers[4][RF_AOV_DEPTH], one->layers[0][RF_AOV_DEPTH],
-                             (size_t)whole->pixels * sizeof( float ) );
-        assert_null( one->layers[0][RF_AOV_ALBEDO] );
-        Frames* all[] = { whole, threads, small, without, alone, one };
-        for ( int i = 0; i < 6; ++i )
-            free_frames( all[i] );
+        const RfFrameResult* one = render_some( &stage, 4, 1, &settings );
+        assert_memory_equal( whole[4].aovs[RF_AOV_DEPTH], one[0].aovs[RF_AOV_DEPTH], (size_t)PIXELS * sizeof( float ) );
+        assert_null( one[0].aovs[RF_AOV_ALBEDO] );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
 // Each AOV alone is what it is among all of them, and none is empty: so a new row of RF_AOV_LIST that
 // nothing fills is found.
-static void test_each_alone_is_as_among_all( void** state )
+TEST( test_each_alone_is_as_among_all )
 {
-    (void)state;
-    RfScene scene = make_glass_room();
-    scene.nodes = calloc( 1, sizeof *scene.nodes ); // one, which all surfaces are of
-    scene.node_count = 1;
-    scene.nodes[0].parent = -1;
-    scene.node_runs = malloc( sizeof *scene.node_runs );
-    scene.node_runs[0] = ( RfNodeRun ){ 0, 1 };
-    scene.node_run_count = 1;
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[3];
-    orbit_eyes( eyes, 3, 4.0f, 24, 18 );
+    Stage stage;
+    open_stage( &stage, make_glass_room(), 3, 4.0f, 24, 18 );
+    RfScene* scene = &stage.scene;
+    scene->nodes = calloc( 1, sizeof *scene->nodes ); // one, which all surfaces are of
+    scene->node_count = 1;
+    scene->nodes[0].parent = -1;
+    scene->node_runs = malloc( sizeof *scene->node_runs );
+    scene->node_runs[0] = ( RfNodeRun ){ 0, 1 };
+    scene->node_run_count = 1;
     RfRenderSettings settings = layered( 1, 6 );
     settings.aovs = REUSE_AOVS;
-    Frames* all = render_layers( tracer, eyes, 3, 1, 1, &settings );
+    const RfFrameResult* all = render_some( &stage, 1, 1, &settings );
     for ( int a = 0; a < RF_AOV_PRIMAL; ++a ) // those of gradients are tested with these
     {
         settings.aovs = RF_AOV_BIT( a );
-        Frames* alone = render_layers( tracer, eyes, 3, 1, 1, &settings );
-        size_t count = (size_t)alone->pixels * (size_t)rf_aov_channels( (RfAov)a );
-        assert_memory_equal( alone->layers[0][a], all->layers[0][a], count * sizeof( float ) );
+        const RfFrameResult* alone = render_some( &stage, 1, 1, &settings );
+        size_t count = (size_t)( alone->width * alone->height * rf_aov_channels( (RfAov)a ) );
+        assert_memory_equal( alone[0].aovs[a], all[0].aovs[a], count * sizeof( float ) );
         double sum = 0.0;
         for ( size_t i = 0; i < count; ++i )
-            sum += fabs( (double)alone->layers[0][a][i] );
+            sum += fabs( (double)alone[0].aovs[a][i] );
         assert_true( sum > 0.0 || a == RF_AOV_EMISSION ); // there is no lamp in view
-        free_frames( alone );
     }
-    free_frames( all );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
-static void test_budget_counts_aov_films( void** state )
+TEST( test_budget_counts_aov_films )
 {
-    (void)state;
-    RfScene scene = make_room( ROOM_DIFFUSE );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
+    Stage stage;
     RfError error;
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    open_stage( &stage, make_room( ROOM_DIFFUSE ), EYES, 4.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = layered( 1, 3 ); // one pass of each group: no more batches at once without AOVs
     settings.aovs &= ~( RF_AOV_BIT( RF_AOV_OBJECT_INDEX ) | RF_AOV_BIT( RF_AOV_MATERIAL_INDEX ) |
                         RF_PASS_AOVS ); // whose records are larger, too
-    Frames* with = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+    render_some( &stage, 0, EYES, &settings );
+    size_t with = stage.stats.peak_bytes;
     settings.aovs = 0;
-    Frames* without = render_layers( tracer, eyes, EYES, 0, EYES, &settings );
+    render_some( &stage, 0, EYES, &settings );
     // three films of 19 floats, one image of 24, and the features of a batch
     size_t more = WIDTH * HEIGHT * ( 3 * 19 + 24 ) * sizeof( float ) + sizeof( RfFeatures );
-    size_t difference = with->stats.peak_bytes - without->stats.peak_bytes;
+    size_t difference = with - stage.stats.peak_bytes;
     assert_true( difference >= more && difference < more + 4096 );
     settings.aovs = REUSE_AOVS;
     int failures = 0;
-    for ( size_t memory = 1000; memory < with->stats.peak_bytes; memory = memory * 5 / 4 )
+    for ( size_t memory = 1000; memory < with; memory = memory * 5 / 4 )
     {
         RfRenderStats stats;
         settings.memory = memory; // fails at every allocation once
-        RfResult result = rf_render( &( RfShot ){ tracer, eyes, EYES, &( int ){ 0 }, 1 }, &settings, NULL, &stats, &error );
+        RfResult result =
+            rf_render( &( RfShot ){ stage.tracer, stage.eyes, EYES, &( int ){ 0 }, 1 }, &settings, NULL, &stats, &error );
         assert_true( result == RF_OK || result == RF_ERROR_MEMORY );
         assert_true( stats.peak_bytes <= memory );
         failures += result != RF_OK;
@@ -569,28 +453,7 @@ static void test_budget_counts_aov_films( void** state )
     assert_true( failures > 5 );
     settings.memory = 0;
     settings.aovs = RF_AOV_BIT( RF_AOV_COUNT );
-    assert_int_equal( rf_render( &( RfShot ){ tracer, eyes, EYES, &( int ){ 0 }, 1 }, &settings, NULL, NULL, &error ),
+    assert_int_equal( rf_render( &( RfShot ){ stage.tracer, stage.eyes, EYES, &( int ){ 0 }, 1 }, &settings, NULL, NULL, &error ),
                       RF_ERROR_USAGE );
-    free_frames( with );
-    free_frames( without );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_moving_wall_by_hand ),
-        cmocka_unit_test( test_other_projections_by_hand ),
-        cmocka_unit_test( test_edges_and_empty_pixels ),
-        cmocka_unit_test( test_an_edge_has_the_pixel_filter ),
-        cmocka_unit_test( test_albedo_of_materials ),
-        cmocka_unit_test( test_albedo_of_films ),
-        cmocka_unit_test( test_samples_are_counted ),
-        cmocka_unit_test( test_variance_is_the_true_one ),
-        cmocka_unit_test( test_same_bits_however_the_frames_come_about ),
-        cmocka_unit_test( test_budget_counts_aov_films ),
-        cmocka_unit_test( test_each_alone_is_as_among_all ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    close_stage( &stage );
 }

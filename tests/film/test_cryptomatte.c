@@ -1,16 +1,12 @@
 // Cryptomatte: the hash against published vectors, ids that are proper floats, tables of pixels, ranks, and the manifest as JSON.
+#include "support/test.h"
 #include "film/cryptomatte.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static float as_float( uint32_t bits )
 {
@@ -20,9 +16,8 @@ static float as_float( uint32_t bits )
 }
 
 // Of MurmurHash3_x86_32 with seed 0, as Wikipedia's "MurmurHash" lists them; and of the specification's examples, which are ids.
-static void test_hash_of_published_texts( void** state )
+TEST( test_hash_of_published_texts )
 {
-    (void)state;
     assert_int_equal( rf_murmur3_32( "" ), 0 );
     assert_int_equal( rf_murmur3_32( "test" ), 0xba6bd213 );
     assert_int_equal( rf_murmur3_32( "Hello, world!" ), 0xc0363e43 );
@@ -32,9 +27,8 @@ static void test_hash_of_published_texts( void** state )
     assert_int_equal( rf_cryptomatte_id( "bunny_porcelain_mat" ), 0xb24b26d4 );
 }
 
-static void test_ids_are_normal_floats( void** state )
+TEST( test_ids_are_normal_floats )
 {
-    (void)state;
     int low = 0, high = 0;
     for ( int i = 0; i < 20000; ++i )
     {
@@ -52,9 +46,8 @@ static void test_ids_are_normal_floats( void** state )
     assert_true( low > 40 && high > 40 );
 }
 
-static void test_kinds_and_their_names( void** state )
+TEST( test_kinds_and_their_names )
 {
-    (void)state;
     unsigned kinds = 99;
     RfError error = { 0 };
     char text[RF_CRYPTOMATTE_TEXT_SIZE];
@@ -77,9 +70,8 @@ static void test_kinds_and_their_names( void** state )
 }
 
 // Whatever the order, no surface has more than was added, what is lost is accounted for, and those of much weight stay.
-static void test_tables_that_are_full( void** state )
+TEST( test_tables_that_are_full )
 {
-    (void)state;
     for ( int order = 0; order < 3; ++order )
     {
         RfCovering p = { 0 };
@@ -126,9 +118,8 @@ static RfScene names_alone( void )
 
 static uint32_t pair( uint32_t node, uint32_t material ) { return 1 + ( node + 1 ) * 2 + material; }
 
-static void test_ranks( void** state )
+TEST( test_ranks )
 {
-    (void)state;
     RfScene scene = names_alone();
     RfCovering p = { .nothing = 1.0f, .lost = 1.0f };
     float ranks[3][4], *layers[3] = { ranks[0], ranks[1], ranks[2] };
@@ -171,9 +162,8 @@ static void test_ranks( void** state )
     assert_true( image == 0.0f );
 }
 
-static void test_manifest_is_json( void** state )
+TEST( test_manifest_is_json )
 {
-    (void)state;
     RfScene scene = names_alone();
     char *objects = rf_cryptomatte_manifest( &scene, 0 ), *materials = rf_cryptomatte_manifest( &scene, 1 ),
          *assets = rf_cryptomatte_manifest( &scene, 2 );
@@ -191,17 +181,4 @@ static void test_manifest_is_json( void** state )
     free( objects );
     free( materials );
     free( assets );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_hash_of_published_texts ),
-        cmocka_unit_test( test_ids_are_normal_floats ),
-        cmocka_unit_test( test_kinds_and_their_names ),
-        cmocka_unit_test( test_tables_that_are_full ),
-        cmocka_unit_test( test_ranks ),
-        cmocka_unit_test( test_manifest_is_json ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,20 +1,16 @@
 // The relMSE estimate from the halves of a film is honest under heavy noise: fireflies in
 // single pixels and whole tiles, edges, dark regions, noise larger than the picture. On
 // average, against the error relative to the known truth.
+#include "support/test.h"
 #include "base/random.h"
 #include "film/film.h"
 #include "film/film_error.h"
 #include "measure/image_error.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 150 // two strips and a part
 #define HEIGHT 90
@@ -102,9 +98,8 @@ static void check( const char* what, Truth truth, Noise noise ) { check_between(
 // what makes it bright: of the right size, no more.
 static void check_size( const char* what, Truth truth, Noise noise ) { check_between( what, truth, noise, 0.5, 2.0 ); }
 
-static void test_noise_without_fireflies( void** state )
+TEST( test_noise_without_fireflies )
 {
-    (void)state;
     Noise mild = { 0.0f, 0.0f, 1 };
     check( "even noise, flat", flat, mild );
     check( "even noise, dark", dark, mild );
@@ -112,9 +107,8 @@ static void test_noise_without_fireflies( void** state )
     check( "even noise, slope", slope, mild );
 }
 
-static void test_fireflies_of_pixels( void** state )
+TEST( test_fireflies_of_pixels )
 {
-    (void)state;
     Noise rare = { 0.0005f, 25.0f, 1 }, strong = { 0.0005f, 100.0f, 1 };
     check( "fireflies, flat", flat, rare );
     check( "fireflies, edges", edge, rare );
@@ -123,27 +117,24 @@ static void test_fireflies_of_pixels( void** state )
     check_size( "strong fireflies, edges", edge, strong );
 }
 
-static void test_fireflies_of_tiles( void** state )
+TEST( test_fireflies_of_tiles )
 {
-    (void)state;
     Noise blocks = { 0.0005f, 15.0f, 3 };
     check( "fireflies of 3x3 tiles, flat", flat, blocks );
     check( "fireflies of 3x3 tiles, edges", edge, blocks );
     check( "fireflies of 3x3 tiles, slope", slope, blocks );
 }
 
-static void test_noise_beyond_the_picture( void** state )
+TEST( test_noise_beyond_the_picture )
 {
-    (void)state;
     Noise wild = { 0.01f, 60.0f, 1 };
     check_size( "wild noise, flat", flat, wild );
     check_size( "wild noise, slope", slope, wild );
 }
 
 // Fireflies put into even noise are listed, and what is left is the noise without them.
-static void test_specks_are_listed( void** state )
+TEST( test_specks_are_listed )
 {
-    (void)state;
     static const int places[] = { 1234, 7, 9999, 12345, 5000 };
     static float half[2][4 * PIXELS], rgb[3 * PIXELS];
     RfFilm film = { .width = WIDTH,
@@ -185,9 +176,8 @@ static void test_specks_are_listed( void** state )
 
 // A film narrower and lower than the surroundings, and values that are no
 // picture at all, are answered with a number.
-static void test_small_films_give_a_number( void** state )
+TEST( test_small_films_give_a_number )
 {
-    (void)state;
     float half[2][4 * 6] = { { 0.0f } }, rgb[3 * 6];
     for ( int i = 0; i < 6; ++i )
     {
@@ -209,14 +199,4 @@ static void test_small_films_give_a_number( void** state )
         assert_true( relmse.least >= 0.99 * least && relmse.likely < 4.5 * least );
         assert_true( fabs( relmse.worst_share - 1.0 ) < 1e-9 ); // fewer than ten pixels
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_noise_without_fireflies ),   cmocka_unit_test( test_fireflies_of_pixels ),
-        cmocka_unit_test( test_fireflies_of_tiles ),        cmocka_unit_test( test_noise_beyond_the_picture ),
-        cmocka_unit_test( test_small_films_give_a_number ), cmocka_unit_test( test_specks_are_listed ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,16 +1,12 @@
 // The estimate of F1 from the halves of two films, against the known truth: frames that share most of their samples,
 // some, or none; halves of unequal size; extra samples; fireflies.
+#include "support/test.h"
 #include "base/random.h"
 #include "film/film_error.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 40
 #define HEIGHT 30
@@ -105,9 +101,8 @@ static double ratio( uint32_t first0, uint32_t end0, uint32_t first1, uint32_t e
 }
 
 // 12 · 1,200 pixels of 3 channels that are one: the mean of so many squares is known to 1.2 %.
-static void test_estimate_is_true( void** state )
+TEST( test_estimate_is_true )
 {
-    (void)state;
     static const uint32_t passes[][4] = {
         { 0, 14, 14, 28 }, { 0, 14, 7, 21 },  { 0, 14, 1, 15 }, { 0, 13, 2, 15 },
         { 0, 5, 1, 6 },    { 0, 26, 14, 28 }, { 0, 40, 2, 40 },
@@ -119,24 +114,21 @@ static void test_estimate_is_true( void** state )
     }
 }
 
-static void test_extra_samples_count( void** state )
+TEST( test_extra_samples_count )
 {
-    (void)state;
     double r = ratio( 0, 8, 2, 10, true, 0 );
     assert_true( r > 0.94 && r < 1.06 );
 }
 
 // One sample in 400: most pixels have none, and the estimate is as right.
-static void test_fireflies( void** state )
+TEST( test_fireflies )
 {
-    (void)state;
     double r = ratio( 0, 14, 2, 16, false, 400 );
     assert_true( r > 0.9 && r < 1.1 );
 }
 
-static void test_all_in_common_is_no_flicker( void** state )
+TEST( test_all_in_common_is_no_flicker )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         clear( s_frames + k, false );
@@ -148,9 +140,8 @@ static void test_all_in_common_is_no_flicker( void** state )
     assert_false( rf_flicker_is_lower_bound( &f ) );
 }
 
-static void test_what_is_kept_is_the_film( void** state )
+TEST( test_what_is_kept_is_the_film )
 {
-    (void)state;
     static float kept[3 * PIXELS];
     ratio( 0, 6, 2, 8, false, 0 );
     RfFlicker films = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
@@ -162,9 +153,8 @@ static void test_what_is_kept_is_the_film( void** state )
 }
 
 // A change in one pixel is not to be trusted: what is reported is what the others make of it.
-static void test_few_pixels_are_a_lower_bound( void** state )
+TEST( test_few_pixels_are_a_lower_bound )
 {
-    (void)state;
     ratio( 0, 6, 2, 8, false, 0 );
     RfFlicker without = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
     assert_false( rf_flicker_is_lower_bound( &without ) );
@@ -176,9 +166,8 @@ static void test_few_pixels_are_a_lower_bound( void** state )
     assert_true( rf_flicker_f1_squared( &with ) > 10.0 * others && told < others && told > 0.9 * others );
 }
 
-static void test_a_single_pass_tells_nothing( void** state )
+TEST( test_a_single_pass_tells_nothing )
 {
-    (void)state;
     clear( s_frames, false );
     clear( s_frames + 1, false );
     add_pass( s_frames, 1, 0, 0 );
@@ -186,18 +175,4 @@ static void test_a_single_pass_tells_nothing( void** state )
     RfFlicker f = rf_flicker_of_films( &s_frames[0].film, &s_frames[1].film, RF_NORMALIZE_CROSSFIT );
     assert_true( isnan( rf_flicker_f1_squared( &f ) ) &&
                  isnan( rf_film_mean_square( &s_frames[0].film, RF_NORMALIZE_CROSSFIT ) ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_estimate_is_true ),
-        cmocka_unit_test( test_extra_samples_count ),
-        cmocka_unit_test( test_fireflies ),
-        cmocka_unit_test( test_all_in_common_is_no_flicker ),
-        cmocka_unit_test( test_what_is_kept_is_the_film ),
-        cmocka_unit_test( test_few_pixels_are_a_lower_bound ),
-        cmocka_unit_test( test_a_single_pass_tells_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

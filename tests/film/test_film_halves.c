@@ -5,15 +5,11 @@
 #include "film/film_error.h"
 #include "measure/image_error.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 256
 #define HEIGHT 256
@@ -65,9 +61,8 @@ static double equation_2( double ae, double be, double ao, double bo )
     return 0.5 * ( ae + co * ( 1.0 - be ) ) + 0.5 * ( ao + ce * ( 1.0 - bo ) );
 }
 
-static void test_combined_halves_by_hand( void** state )
+TEST( test_combined_halves_by_hand )
 {
-    (void)state;
     Film f = make_film( 2, 1, 2, 3 );
     set_pixel( &f, 0, 0, 1.0f, 2.0f, 0.0f, 1.5f );
     set_pixel( &f, 1, 0, 4.0f, 5.0f, 7.0f, 3.5f );
@@ -91,9 +86,8 @@ static void test_combined_halves_by_hand( void** state )
 }
 
 // Radiance 2 that frames share and 3 that is own-frame: the hits of other frames add nothing to the latter.
-static void test_own_light_has_its_own_sums( void** state )
+TEST( test_own_light_has_its_own_sums )
 {
-    (void)state;
     Film f = make_film( 2, 1, 2, 3 ); // the own-frame light of a film of one pixel is in the second
     float variance[3];
     f.film.width = 1;
@@ -118,9 +112,8 @@ static void test_own_light_has_its_own_sums( void** state )
 }
 
 // Extra samples bring all of their light, 5, to what is shared: neither quotient takes it for its own.
-static void test_extra_samples_bring_own_light( void** state )
+TEST( test_extra_samples_bring_own_light )
 {
-    (void)state;
     Film f = make_film( 2, 1, 2, 3 );
     float extra[2] = { 4.0f, 6.0f }, variance[3];
     f.film.width = 1;
@@ -145,9 +138,8 @@ static void test_extra_samples_bring_own_light( void** state )
 
 // A million passes of the same value: a sum in floats alone would be off by
 // half a per cent.
-static void test_long_sums_do_not_drift( void** state )
+TEST( test_long_sums_do_not_drift )
 {
-    (void)state;
     enum
     {
         PASSES = 1 << 20
@@ -185,9 +177,8 @@ static void test_long_sums_do_not_drift( void** state )
 }
 
 // Emptied or not, the image is the same where rounding plays no part.
-static void test_totals_are_part_of_the_sum( void** state )
+TEST( test_totals_are_part_of_the_sum )
 {
-    (void)state;
     enum
     {
         PASSES = 100
@@ -224,9 +215,8 @@ static void test_totals_are_part_of_the_sum( void** state )
 
 static float uniform( uint32_t pixel, uint32_t dimension ) { return rf_random( rf_pixel_key( 4711, pixel ), dimension ); }
 
-static void test_equal_halves_are_equation_2( void** state )
+TEST( test_equal_halves_are_equation_2 )
 {
-    (void)state;
     enum
     {
         PASSES = 4
@@ -255,9 +245,8 @@ static void test_equal_halves_are_equation_2( void** state )
 }
 
 // Passes of weight 3 and 1 are as four equal ones, three of them alike.
-static void test_a_pass_of_weight_3_counts_three_times( void** state )
+TEST( test_a_pass_of_weight_3_counts_three_times )
 {
-    (void)state;
     Film heavy = make_film( WIDTH, HEIGHT, 0, 0 ), often = make_film( WIDTH, HEIGHT, 0, 0 );
     for ( int pass = 0; pass < 4; ++pass )
     {
@@ -306,17 +295,15 @@ static void check_plain_mean( int even, int odd )
     free_film( &f );
 }
 
-static void test_whole_weights_give_the_plain_mean( void** state )
+TEST( test_whole_weights_give_the_plain_mean )
 {
-    (void)state;
     check_plain_mean( 1, 1 );
     check_plain_mean( 4, 3 );
     check_plain_mean( 700, 701 );
 }
 
-static void test_empty_halves_leave_the_other( void** state )
+TEST( test_empty_halves_leave_the_other )
 {
-    (void)state;
     static const RfNormalize normalizes[] = { RF_NORMALIZE_CROSSFIT, RF_NORMALIZE_RATIO, RF_NORMALIZE_NONE };
     for ( int c = 0; c < 3; ++c )
     {
@@ -400,9 +387,8 @@ static void check_unbiased( int even, int odd )
     free_film( &f );
 }
 
-static void test_combination_has_no_bias( void** state )
+TEST( test_combination_has_no_bias )
 {
-    (void)state;
     check_unbiased( 1, 1 );
     check_unbiased( 2, 1 );
     check_unbiased( 3, 3 );
@@ -437,31 +423,12 @@ static void check_relmse( RfNormalize normalize, int even, int odd )
     free_film( &f );
 }
 
-static void test_difference_estimates_relmse( void** state )
+TEST( test_difference_estimates_relmse )
 {
-    (void)state;
     for ( int c = RF_NORMALIZE_CROSSFIT; c <= RF_NORMALIZE_NONE; ++c )
     {
         check_relmse( (RfNormalize)c, 1, 1 );
         check_relmse( (RfNormalize)c, 4, 4 );
         check_relmse( (RfNormalize)c, 5, 2 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_combined_halves_by_hand ),
-        cmocka_unit_test( test_own_light_has_its_own_sums ),
-        cmocka_unit_test( test_extra_samples_bring_own_light ),
-        cmocka_unit_test( test_long_sums_do_not_drift ),
-        cmocka_unit_test( test_totals_are_part_of_the_sum ),
-        cmocka_unit_test( test_equal_halves_are_equation_2 ),
-        cmocka_unit_test( test_whole_weights_give_the_plain_mean ),
-        cmocka_unit_test( test_empty_halves_leave_the_other ),
-        cmocka_unit_test( test_a_pass_of_weight_3_counts_three_times ),
-        cmocka_unit_test( test_combination_has_no_bias ),
-        cmocka_unit_test( test_difference_estimates_relmse ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,14 +2,10 @@
 #include "base/random.h"
 #include "film/pixel_filter.h"
 #include "support/filter_reference.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 static const struct
 {
@@ -37,9 +33,8 @@ static RfPixelFilter make( size_t k )
     return filter;
 }
 
-static void test_weights_are_those_of_the_formula( void** state )
+TEST( test_weights_are_those_of_the_formula )
 {
-    (void)state;
     for ( size_t k = 0; k < FILTERS; ++k )
     {
         RfPixelFilter filter = make( k );
@@ -60,9 +55,8 @@ static void test_weights_are_those_of_the_formula( void** state )
 }
 
 // The integral over the film of the weight of each pixel is 1, in films narrower than the filter, too.
-static void test_every_pixel_has_the_whole_filter( void** state )
+TEST( test_every_pixel_has_the_whole_filter )
 {
-    (void)state;
     for ( size_t k = 0; k < FILTERS; ++k )
     {
         RfPixelFilter filter = make( k );
@@ -84,9 +78,8 @@ static void test_every_pixel_has_the_whole_filter( void** state )
 }
 
 // Places stay in the film, and their distribution function is that of the filter within it.
-static void test_places_are_drawn_by_the_filter( void** state )
+TEST( test_places_are_drawn_by_the_filter )
 {
-    (void)state;
     for ( size_t k = 0; k < FILTERS; ++k )
     {
         RfPixelFilter filter = make( k );
@@ -103,14 +96,4 @@ static void test_places_are_drawn_by_the_filter( void** state )
             }
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_weights_are_those_of_the_formula ),
-        cmocka_unit_test( test_every_pixel_has_the_whole_filter ),
-        cmocka_unit_test( test_places_are_drawn_by_the_filter ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

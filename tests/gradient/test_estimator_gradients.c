@@ -5,17 +5,13 @@
 #include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 31
 #define HEIGHT 23
@@ -149,18 +145,16 @@ static void check_scene( const char* what, RfScene scene, const char* const* til
     rf_destroy_scene( &scene );
 }
 
-static void test_tiles_are_unbiased( void** state )
+TEST( test_tiles_are_unbiased )
 {
-    (void)state;
     static const char* const tiles[] = { "6x6", "1", "2x2", "8x8", "5x3" };
     check_scene( "GGX", make_room( ROOM_GGX ), tiles, is_long() ? 5 : 2, true );
     if ( is_long() )
         check_scene( "diffuse", make_room( ROOM_DIFFUSE ), tiles, 5, true );
 }
 
-static void test_glass_blending_and_lamps_are_unbiased( void** state )
+TEST( test_glass_blending_and_lamps_are_unbiased )
 {
-    (void)state;
     static const char* const tiles[] = { "8x8", "1" };
     check_scene( "glass", make_glass_room(), tiles, 2, is_long() );
     if ( is_long() )
@@ -172,9 +166,8 @@ static void test_glass_blending_and_lamps_are_unbiased( void** state )
 }
 
 // Samples are drawn by a pixel filter; the other estimator spreads them by it.
-static void test_filters_are_unbiased( void** state )
+TEST( test_filters_are_unbiased )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_GGX );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[2]; // of the second, random numbers of its own
@@ -194,12 +187,4 @@ static void test_filters_are_unbiased( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_tiles_are_unbiased ),
-        cmocka_unit_test( test_glass_blending_and_lamps_are_unbiased ),
-        cmocka_unit_test( test_filters_are_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -1,12 +1,8 @@
 // In every pass the tiles' own pixels, whose AOVs count, cover the film exactly once, for tiles of any size and film.
+#include "support/test.h"
 #include "gradient/sampling.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum
 {
@@ -32,9 +28,8 @@ static void count_own( const RfExtendedTiles* layout, uint64_t pass, uint8_t* co
     }
 }
 
-static void test_own_pixels_cover_the_film_once( void** state )
+TEST( test_own_pixels_cover_the_film_once )
 {
-    (void)state;
     static const int films[][2] = { { 40, 40 }, { 37, 23 }, { 7, 5 }, { 2, 1 }, { 1, 9 } };
     for ( size_t f = 0; f < sizeof films / sizeof films[0]; ++f )
     {
@@ -51,10 +46,4 @@ static void test_own_pixels_cover_the_film_once( void** state )
             }
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_own_pixels_cover_the_film_once ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

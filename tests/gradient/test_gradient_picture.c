@@ -1,17 +1,13 @@
 // The picture of the gradient estimator's films: samples that are not finite and solves that do not converge are reported of,
 // and the variance is that of the picture's halves.
+#include "support/test.h"
 #include "gradient/films.h"
 
 #include "base/random.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 40
 #define HEIGHT 30
@@ -86,9 +82,8 @@ static Solved* solve( const Films* films, RfReconstruction reconstruction )
     return out;
 }
 
-static void test_what_is_not_finite_is_reported( void** state )
+TEST( test_what_is_not_finite_is_reported )
 {
-    (void)state;
     Films* films = make_films( 0.0f, PASSES );
     films->sums[RF_FILM_DX][0][4 * 77] = INFINITY;
     for ( RfReconstruction r = RF_RECONSTRUCTION_WEIGHTED; r <= RF_RECONSTRUCTION_L1; ++r )
@@ -105,9 +100,8 @@ static void test_what_is_not_finite_is_reported( void** state )
     free( films );
 }
 
-static void test_a_solve_that_stops_early_is_reported( void** state )
+TEST( test_a_solve_that_stops_early_is_reported )
 {
-    (void)state;
     Films *quiet = make_films( 1.0f, PASSES ), *wild = make_films( 30.0f, 1 << 20 );
     Solved *solved = solve( quiet, RF_RECONSTRUCTION_WEIGHTED ), *rough = solve( wild, RF_RECONSTRUCTION_L1 );
     assert_int_equal( solved->solved, RF_SOLVED );
@@ -119,9 +113,8 @@ static void test_a_solve_that_stops_early_is_reported( void** state )
 }
 
 // The error of the slope, squared, is on average what the variance says: differences make it far less than that of the pixels.
-static void test_variance_is_that_of_the_picture( void** state )
+TEST( test_variance_is_that_of_the_picture )
 {
-    (void)state;
     Films* films = make_films( 0.0f, PASSES );
     double pixels_told = 0.0;
     for ( int r = RF_RECONSTRUCTION_NONE; r >= RF_RECONSTRUCTION_WEIGHTED; --r )
@@ -145,9 +138,8 @@ static void test_variance_is_that_of_the_picture( void** state )
 }
 
 // Light that tiles do not share, of a single pixel in a single pass, ends up in that pixel and nowhere else.
-static void test_what_is_not_shared_stays_in_its_pixel( void** state )
+TEST( test_what_is_not_shared_stays_in_its_pixel )
 {
-    (void)state;
     enum
     {
         AT = 10 * WIDTH + 17,
@@ -178,15 +170,4 @@ static void test_what_is_not_shared_stays_in_its_pixel( void** state )
     free( before );
     free( lit );
     free( films );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_is_not_finite_is_reported ),
-        cmocka_unit_test( test_a_solve_that_stops_early_is_reported ),
-        cmocka_unit_test( test_variance_is_that_of_the_picture ),
-        cmocka_unit_test( test_what_is_not_shared_stays_in_its_pixel ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,17 +4,13 @@
 #include "base/random.h"
 #include "reframe/reconstruct.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <omp.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 8
 #define HEIGHT 6
@@ -317,9 +313,8 @@ static void exact_differences( double* dx, double* dy )
 
 static int seeds( void ) { return getenv( "REFRAME_LONG" ) != NULL ? 40000 : 4000; }
 
-static void test_reused_walks_solve_the_system( void** state )
+TEST( test_reused_walks_solve_the_system )
 {
-    (void)state;
     check_system();
     int count = seeds();
     double dx[STATES], dy[STATES];
@@ -344,9 +339,8 @@ static void test_reused_walks_solve_the_system( void** state )
         free( values[k] );
 }
 
-static void test_the_density_of_the_own_state_alone_is_biased( void** state )
+TEST( test_the_density_of_the_own_state_alone_is_biased )
 {
-    (void)state;
     check_system();
     int count = seeds() / 4;
     double* values = malloc( (size_t)( count * STATES ) * sizeof *values );
@@ -397,9 +391,8 @@ static RfGradientHalf make_half( uint64_t seed, uint32_t half, Half* out )
                                PASSES };
 }
 
-static void test_reconstructions_solve_the_system( void** state )
+TEST( test_reconstructions_solve_the_system )
 {
-    (void)state;
     check_system();
     static Half halves[2];
     int count = seeds() / 2;
@@ -435,11 +428,6 @@ static void test_reconstructions_solve_the_system( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_reused_walks_solve_the_system ),
-        cmocka_unit_test( test_the_density_of_the_own_state_alone_is_biased ),
-        cmocka_unit_test( test_reconstructions_solve_the_system ),
-    };
     omp_set_num_threads( 1 ); // the images are tiny
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_listed_tests();
 }

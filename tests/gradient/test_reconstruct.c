@@ -1,17 +1,13 @@
 // Reconstruction against dense algebra and known solutions; hard weights and data.
+#include "support/test.h"
 #include "base/random.h"
 #include "reframe/reconstruct.h"
 
 #include <math.h>
 #include <omp.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MOST 4096 // pixels
 
@@ -160,9 +156,8 @@ static RfReconstructInfo solve( const Problem* p, RfReconstructMethod method, fl
 static const int s_sizes[][2] = { { 1, 1 }, { 1, 7 }, { 9, 1 }, { 2, 2 }, { 3, 3 }, { 5, 4 }, { 6, 11 }, { 16, 9 } };
 #define SIZES ( (int)( sizeof s_sizes / sizeof s_sizes[0] ) )
 
-static void test_constant_weights_solve_the_dense_system( void** state )
+TEST( test_constant_weights_solve_the_dense_system )
 {
-    (void)state;
     const float alphas[3] = { 1.0f, 0.2f, 0.001f };
     for ( int k = 0; k < 3 * SIZES; ++k )
     {
@@ -177,9 +172,8 @@ static void test_constant_weights_solve_the_dense_system( void** state )
     }
 }
 
-static void test_weights_solve_the_dense_system( void** state )
+TEST( test_weights_solve_the_dense_system )
 {
-    (void)state;
     const double decades[4] = { 0.5, 2.0, 4.0, 8.0 }, bounds[4] = { 1e-5, 2e-5, 2e-4, 2e-3 };
     for ( int k = 0; k < 4 * SIZES; ++k )
     {
@@ -192,9 +186,8 @@ static void test_weights_solve_the_dense_system( void** state )
     }
 }
 
-static void test_equal_weights_give_the_answer_of_the_cosine_transform( void** state )
+TEST( test_equal_weights_give_the_answer_of_the_cosine_transform )
 {
-    (void)state;
     make( &s_problem, 64, 63, 5, 0.0 );
     solve( &s_problem, RF_RECONSTRUCT_L2, 0.2f, s_rgb );
     set_weights( &s_problem, 0.04f * 1e-9f, 1e-9f ); // their unit is free
@@ -206,9 +199,8 @@ static void test_equal_weights_give_the_answer_of_the_cosine_transform( void** s
 
 static float saddle( int x, int y, int c ) { return (float)( x * x - y * y + 7 * x ) * ( 1.0f + (float)c ) * 0.01f; }
 
-static void test_exact_data_are_the_solution( void** state )
+TEST( test_exact_data_are_the_solution )
 {
-    (void)state;
     const RfReconstructMethod methods[3] = { RF_RECONSTRUCT_L2, RF_RECONSTRUCT_WEIGHTED, RF_RECONSTRUCT_L1 };
     for ( int k = 0; k < 3; ++k )
     {
@@ -220,9 +212,8 @@ static void test_exact_data_are_the_solution( void** state )
 }
 
 // Given on the border, without gradients inside: the solution is harmonic, and x² − y² is so on a grid too.
-static void test_borders_alone_give_the_harmonic_image( void** state )
+TEST( test_borders_alone_give_the_harmonic_image )
 {
-    (void)state;
     make_exact( &s_problem, 33, 30, saddle );
     set_weights( &s_problem, 0.0f, 1.0f );
     for ( int i = 0; i < 33 * 30; ++i )
@@ -246,9 +237,8 @@ static void test_borders_alone_give_the_harmonic_image( void** state )
     }
 }
 
-static void test_solutions_are_linear_in_the_data( void** state )
+TEST( test_solutions_are_linear_in_the_data )
 {
-    (void)state;
     static float sum[3 * MOST];
     for ( int k = 0; k < 2; ++k )
     {
@@ -270,9 +260,8 @@ static void test_solutions_are_linear_in_the_data( void** state )
     }
 }
 
-static void test_the_unit_of_the_data_does_not_matter( void** state )
+TEST( test_the_unit_of_the_data_does_not_matter )
 {
-    (void)state;
     const float units[3] = { 0x1p-100f, 0x1p+60f, 0x1p+110f };
     for ( int k = 0; k < 9; ++k )
     {
@@ -289,9 +278,8 @@ static void test_the_unit_of_the_data_does_not_matter( void** state )
 }
 
 // Two halves of an image that no gradient connects; the left one has no primal weight.
-static void test_without_primal_weight_the_mean_stays( void** state )
+TEST( test_without_primal_weight_the_mean_stays )
 {
-    (void)state;
     make( &s_problem, 20, 10, 4, 0.0 );
     double mean = 0.0, found = 0.0;
     for ( int i = 0; i < 200; ++i )
@@ -334,9 +322,8 @@ static void check_refused( const RfReconstructOptions* options, const RfGradient
     assert_true( s_rgb[0] == 0.0f );
 }
 
-static void test_what_cannot_be_solved_is_refused( void** state )
+TEST( test_what_cannot_be_solved_is_refused )
 {
-    (void)state;
     RfReconstructOptions options = rf_default_reconstruct_options(), weighted = options;
     weighted.method = RF_RECONSTRUCT_WEIGHTED;
     make( &s_problem, 6, 4, 1, 1.0 );
@@ -365,9 +352,8 @@ static void test_what_cannot_be_solved_is_refused( void** state )
     check_refused( &weighted, weights, "all weights are 0" );
 }
 
-static void test_one_iteration_does_not_claim_to_converge( void** state )
+TEST( test_one_iteration_does_not_claim_to_converge )
 {
-    (void)state;
     RfReconstructOptions options = rf_default_reconstruct_options();
     RfReconstructInfo info;
     options.method = RF_RECONSTRUCT_WEIGHTED;
@@ -378,9 +364,8 @@ static void test_one_iteration_does_not_claim_to_converge( void** state )
 }
 
 // Weights over 20 decades, whole regions of them: finite, and near the data that weigh most.
-static void test_huge_ratios_of_weights( void** state )
+TEST( test_huge_ratios_of_weights )
 {
-    (void)state;
     make( &s_problem, 20, 14, 6, 0.0 );
     for ( int i = 0; i < 20 * 14; ++i )
     {
@@ -397,9 +382,8 @@ static void test_huge_ratios_of_weights( void** state )
 static float flat( int x, int y, int c ) { return (void)x, (void)y, 0.5f + 0.1f * (float)c; }
 
 // What L1 is for, and what it costs.
-static void test_l1_drops_outliers_and_says_that_it_is_biased( void** state )
+TEST( test_l1_drops_outliers_and_says_that_it_is_biased )
 {
-    (void)state;
     make_exact( &s_problem, 30, 30, flat );
     s_problem.primal[3 * 435] = 1000.0f;
     s_problem.dx[3 * 200] = 50.0f;
@@ -415,9 +399,8 @@ static void test_l1_drops_outliers_and_says_that_it_is_biased( void** state )
     assert_true( worst < 0.01f && worst2 > 1.0f );
 }
 
-static void test_same_bits_for_any_threads_and_memory( void** state )
+TEST( test_same_bits_for_any_threads_and_memory )
 {
-    (void)state;
     size_t bytes = rf_reconstruct_bytes( 61, 47 );
     char* work = aligned_alloc( 64, bytes + 64 );
     assert_non_null( work );
@@ -438,24 +421,4 @@ static void test_same_bits_for_any_threads_and_memory( void** state )
             assert_true( work[bytes + (size_t)i] == 0x7f );
     }
     free( work );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_constant_weights_solve_the_dense_system ),
-        cmocka_unit_test( test_weights_solve_the_dense_system ),
-        cmocka_unit_test( test_equal_weights_give_the_answer_of_the_cosine_transform ),
-        cmocka_unit_test( test_exact_data_are_the_solution ),
-        cmocka_unit_test( test_borders_alone_give_the_harmonic_image ),
-        cmocka_unit_test( test_solutions_are_linear_in_the_data ),
-        cmocka_unit_test( test_the_unit_of_the_data_does_not_matter ),
-        cmocka_unit_test( test_without_primal_weight_the_mean_stays ),
-        cmocka_unit_test( test_what_cannot_be_solved_is_refused ),
-        cmocka_unit_test( test_one_iteration_does_not_claim_to_converge ),
-        cmocka_unit_test( test_huge_ratios_of_weights ),
-        cmocka_unit_test( test_l1_drops_outliers_and_says_that_it_is_biased ),
-        cmocka_unit_test( test_same_bits_for_any_threads_and_memory ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

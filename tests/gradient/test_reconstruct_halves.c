@@ -3,17 +3,13 @@
 #include "base/random.h"
 #include "gradient/reconstruct_internal.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <omp.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 10
 #define HEIGHT 8
@@ -142,9 +138,8 @@ static double judge( void ( *solve )( const RfGradientHalf halves[2], float* rgb
     return whole;
 }
 
-static void test_weights_of_the_other_half_are_unbiased( void** state )
+TEST( test_weights_of_the_other_half_are_unbiased )
 {
-    (void)state;
     double worst, squares, own_worst, own_squares;
     int seeds = getenv( "REFRAME_LONG" ) != NULL ? 40000 : 4000;
     double whole = judge( solve_crossfit, seeds, &worst, &squares );
@@ -174,9 +169,8 @@ static void constant_weights( const RfGradientHalf halves[2], float* rgb )
 }
 
 // Gradients help, and the more so where weights know how good they are.
-static void test_weights_of_the_other_half_beat_constant_ones( void** state )
+TEST( test_weights_of_the_other_half_beat_constant_ones )
 {
-    (void)state;
     double worst, primal, constant, crossfit;
     double t_primal = judge( mean_of_halves, 500, &worst, &primal ), t = judge( constant_weights, 500, &worst, &constant );
     judge( solve_crossfit, 500, &worst, &crossfit );
@@ -185,9 +179,8 @@ static void test_weights_of_the_other_half_beat_constant_ones( void** state )
     assert_true( constant < 0.6 * primal && crossfit < 0.9 * constant );
 }
 
-static void test_weights_are_inverses_of_smoothed_variances( void** state )
+TEST( test_weights_are_inverses_of_smoothed_variances )
 {
-    (void)state;
     float rooms[2][PIXELS], a[PIXELS], b_x[PIXELS], b_y[PIXELS];
     float* const scratch[2] = { rooms[0], rooms[1] };
     RfGradientHalf half = make_half( s_planes, 1, 0 );
@@ -214,9 +207,8 @@ static void test_weights_are_inverses_of_smoothed_variances( void** state )
 
 // A window on the left, with noise at its edge: the wall beside it keeps the weight that its own noise deserves, and only
 // the differences across the edge lose theirs.
-static void test_bright_pixels_do_not_decide_on_dark_ones( void** state )
+TEST( test_bright_pixels_do_not_decide_on_dark_ones )
 {
-    (void)state;
     float rooms[2][PIXELS], a[PIXELS], b_x[PIXELS], b_y[PIXELS];
     float* const scratch[2] = { rooms[0], rooms[1] };
     RfGradientHalf half = make_half( s_planes, 1, 0 );
@@ -236,9 +228,8 @@ static void test_bright_pixels_do_not_decide_on_dark_ones( void** state )
     assert_true( b_x[row + edge] > a[row + edge] && b_y[row + edge] > a[row + edge] );
 }
 
-static void test_halves_count_by_their_passes( void** state )
+TEST( test_halves_count_by_their_passes )
 {
-    (void)state;
     RfReconstructOptions options = weighted();
     RfError error;
     static float rgb[3 * PIXELS], of_half[2][3 * PIXELS];
@@ -252,9 +243,8 @@ static void test_halves_count_by_their_passes( void** state )
     assert_true( fabsf( of_half[0][0] - of_half[1][0] ) > 1e-4f );
 }
 
-static void test_halves_that_do_not_fit_are_refused( void** state )
+TEST( test_halves_that_do_not_fit_are_refused )
 {
-    (void)state;
     RfReconstructOptions options = weighted();
     RfError error;
     static float rgb[3 * PIXELS];
@@ -276,14 +266,6 @@ static void test_halves_that_do_not_fit_are_refused( void** state )
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_weights_of_the_other_half_are_unbiased ),
-        cmocka_unit_test( test_weights_of_the_other_half_beat_constant_ones ),
-        cmocka_unit_test( test_weights_are_inverses_of_smoothed_variances ),
-        cmocka_unit_test( test_bright_pixels_do_not_decide_on_dark_ones ),
-        cmocka_unit_test( test_halves_count_by_their_passes ),
-        cmocka_unit_test( test_halves_that_do_not_fit_are_refused ),
-    };
     omp_set_num_threads( 1 ); // the images are tiny
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_listed_tests();
 }

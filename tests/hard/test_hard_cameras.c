@@ -1,12 +1,8 @@
 // Hard cases of cameras: whatever the path does, pictures are finite and nothing crashes.
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 12
@@ -33,9 +29,8 @@ static double check_room( const char* what, const RfEye* eyes, int count )
     return sum;
 }
 
-static void test_camera_inside_a_closed_box( void** state )
+TEST( test_camera_inside_a_closed_box )
 {
-    (void)state;
     RfEye eyes[EYES];
     // inside the block on the floor: no light gets in
     row_of_eyes( eyes, rf_vec3( 0, 0.2f, 0 ), rf_vec3( 0.02f, 0, 0 ), rf_vec3( 0.3f, 0.1f, -1 ), 0.9 );
@@ -50,9 +45,8 @@ static void test_camera_inside_a_closed_box( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_eyes_on_surfaces( void** state )
+TEST( test_eyes_on_surfaces )
 {
-    (void)state;
     RfEye eyes[EYES];
     row_of_eyes( eyes, rf_vec3( -0.3f, 0, 1.2f ), rf_vec3( 0.1f, 0, 0 ), rf_vec3( 0, 0.3f, -1 ), 0.9 );
     check_room( "on the floor", eyes, EYES );
@@ -71,9 +65,8 @@ static void test_eyes_on_surfaces( void** state )
 }
 
 // One eye of the group lies in the plane of what the others see, exactly.
-static void test_eyes_in_a_surfaces_plane( void** state )
+TEST( test_eyes_in_a_surfaces_plane )
 {
-    (void)state;
     RfMaterial materials[] = { make_lambert( 0.5f, 0.5f, 0.5f ), make_phong( 0.2f, 0.6f, 40.0f ), make_metal( 0.9f, 0.1f ) };
     for ( int m = 0; m < 3; ++m )
     {
@@ -96,9 +89,8 @@ static void test_eyes_in_a_surfaces_plane( void** state )
     }
 }
 
-static void test_odd_image_sizes( void** state )
+TEST( test_odd_image_sizes )
 {
-    (void)state;
     static const int sizes[][2] = { { 1, 1 }, { 1, 200 }, { 65, 1 }, { 33, 3 } };
     for ( int k = 0; k < 4; ++k )
     {
@@ -110,9 +102,8 @@ static void test_odd_image_sizes( void** state )
     }
 }
 
-static void test_extreme_fields_of_view( void** state )
+TEST( test_extreme_fields_of_view )
 {
-    (void)state;
     const double degree = (double)RF_PI / 180.0;
     RfEye eyes[EYES];
     row_of_eyes( eyes, rf_vec3( 0, 1.2f, 1.7f ), rf_vec3( 0.05f, 0, 0 ), rf_vec3( 0, 0, -1 ), 170.0 * degree );
@@ -127,9 +118,8 @@ static void test_extreme_fields_of_view( void** state )
     check_room( "all the same", eyes, EYES );
 }
 
-static void test_nothing_to_see_is_black( void** state )
+TEST( test_nothing_to_see_is_black )
 {
-    (void)state;
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     RfScene empty = { 0 };
@@ -144,14 +134,4 @@ static void test_nothing_to_see_is_black( void** state )
     RfScene behind = finish_scene( &away );
     assert_true( check_sane( "all behind", &behind, eyes, EYES ) == 0.0 );
     rf_destroy_scene( &behind );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_camera_inside_a_closed_box ), cmocka_unit_test( test_eyes_on_surfaces ),
-        cmocka_unit_test( test_eyes_in_a_surfaces_plane ),   cmocka_unit_test( test_odd_image_sizes ),
-        cmocka_unit_test( test_extreme_fields_of_view ),     cmocka_unit_test( test_nothing_to_see_is_black ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

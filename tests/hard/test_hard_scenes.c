@@ -2,15 +2,11 @@
 // odd triangles and extreme materials give finite pictures.
 #include "support/render_support.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 24
@@ -57,9 +53,8 @@ static void check_scale( float scale, RfVec3 shift )
     }
 }
 
-static void test_scale_invariance( void** state )
+TEST( test_scale_invariance )
 {
-    (void)state;
     check_scale( 1e-3f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e3f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e5f, rf_vec3( 0, 0, 0 ) );
@@ -68,9 +63,8 @@ static void test_scale_invariance( void** state )
 }
 
 // Lamps without size in a scene of some tenths of a millimetre: the same radiance.
-static void test_lamps_in_tiny_scenes( void** state )
+TEST( test_lamps_in_tiny_scenes )
 {
-    (void)state;
     double plain[SEED_COUNT], small[SEED_COUNT], difference[SEED_COUNT], error, paired;
     seed_means( make_open_scene( LIT_BY_LAMPS ), 0, 1.0f, rf_vec3( 0, 0, 0 ), plain );
     seed_means( make_open_scene( LIT_BY_LAMPS ), 0, 1e-4f, rf_vec3( 0, 0, 0 ), small );
@@ -82,16 +76,14 @@ static void test_lamps_in_tiny_scenes( void** state )
     assert_true( fabs( off ) < 4.0 * error );
 }
 
-static void test_far_from_the_origin( void** state )
+TEST( test_far_from_the_origin )
 {
-    (void)state;
     check_scale( 1.0f, rf_vec3( 100, 0, -100 ) );
     check_scale( 1.0f, rf_vec3( 1e4f, 0, 0 ) );
 }
 
-static void test_very_small_scenes( void** state )
+TEST( test_very_small_scenes )
 {
-    (void)state;
     check_scale( 1e-5f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e-9f, rf_vec3( 0, 0, 0 ) );
     check_scale( 1e-12f, rf_vec3( 0, 0, 0 ) );
@@ -99,9 +91,8 @@ static void test_very_small_scenes( void** state )
 
 // Something tiny, far away and out of sight stretches the bounds of the scene;
 // offsets that grew with them would let eyes see around edges.
-static void test_a_far_thing_changes_nothing( void** state )
+TEST( test_a_far_thing_changes_nothing )
 {
-    (void)state;
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 20.0f, WIDTH, HEIGHT );
     for ( int group = 0; group <= 2; group += 2 )
@@ -184,9 +175,8 @@ static void add_touching_light( SceneBuilder* b, uint32_t grey, uint32_t light )
     add_quad( b, light, rf_vec3( -1, 1, -1 ), rf_vec3( 1, 1, -1 ), rf_vec3( 1, 2, 0 ), rf_vec3( -1, 2, 0 ) );
 }
 
-static void test_odd_triangles_stay_finite( void** state )
+TEST( test_odd_triangles_stay_finite )
 {
-    (void)state;
     check_thing( "duplicates", add_duplicates );
     check_thing( "needles", add_needles );
     check_thing( "touching", add_touching_light );
@@ -210,9 +200,8 @@ static void check_material( const char* what, RfMaterial material, float radianc
     rf_destroy_scene( &scene );
 }
 
-static void test_extreme_materials( void** state )
+TEST( test_extreme_materials )
 {
-    (void)state;
     check_material( "exponent 1e6", make_phong( 0.1f, 0.9f, 1e6f ), 10.0f );
     check_material( "exponent 0", make_phong( 0.0f, 1.0f, 0.0f ), 10.0f );
     RfMaterial mirror = make_metal( 1.0f, 1.0f );
@@ -226,18 +215,4 @@ static void test_extreme_materials( void** state )
     check_material( "black Phong", make_phong( 0, 0, 100.0f ), 10.0f );
     check_material( "bright", make_plastic( 0.8f, 0.3f ), 1e9f );
     check_material( "dim", make_plastic( 0.8f, 0.3f ), 1e-9f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_scale_invariance ),
-        cmocka_unit_test( test_far_from_the_origin ),
-        cmocka_unit_test( test_very_small_scenes ),
-        cmocka_unit_test( test_lamps_in_tiny_scenes ),
-        cmocka_unit_test( test_a_far_thing_changes_nothing ),
-        cmocka_unit_test( test_odd_triangles_stay_finite ),
-        cmocka_unit_test( test_extreme_materials ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

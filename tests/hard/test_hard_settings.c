@@ -1,13 +1,9 @@
 // Settings at and beyond their limits, and renders stopped by their callbacks.
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <limits.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 24
@@ -33,9 +29,8 @@ static void end( Setup* s )
     rf_destroy_scene( &s->scene );
 }
 
-static void test_settings_at_their_limits( void** state )
+TEST( test_settings_at_their_limits )
 {
-    (void)state;
     for ( int kind = ROOM_DIFFUSE; kind <= ROOM_GGX; ++kind )
     {
         Setup s;
@@ -65,9 +60,8 @@ static void test_settings_at_their_limits( void** state )
 }
 
 // Paths that end at the first hit look up no direction, in which models of several layers would have to be anything.
-static void test_depth_1_of_layers( void** state )
+TEST( test_depth_1_of_layers )
 {
-    (void)state;
     for ( int layers = 0; layers < 4; ++layers )
     {
         Setup s = { .scene = make_room( ROOM_GGX ) };
@@ -109,9 +103,8 @@ static void refuse( const Setup* s, const RfRenderSettings* settings )
 }
 
 // Rounded to what groups need, but not beyond the most: what is resolved can be resolved again.
-static void test_most_samples_resolve_to_themselves( void** state )
+TEST( test_most_samples_resolve_to_themselves )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_DIFFUSE );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[20];
@@ -126,9 +119,8 @@ static void test_most_samples_resolve_to_themselves( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_settings_out_of_range( void** state )
+TEST( test_settings_out_of_range )
 {
-    (void)state;
     static const int bad_spp[] = { 0, -1, RF_MAX_SPP + 1, INT_MIN, INT_MAX };
     static const int bad_group[] = { -2, RF_MAX_GROUP + 1, INT_MIN, INT_MAX };
     static const int bad_depth[] = { 0, -1, RF_MAX_DEPTH + 1, INT_MAX };
@@ -151,9 +143,8 @@ static void test_settings_out_of_range( void** state )
     end( &s );
 }
 
-static void test_eyes_and_frames_out_of_range( void** state )
+TEST( test_eyes_and_frames_out_of_range )
 {
-    (void)state;
     static const int bad_sizes[][2] = { { 0, 10 }, { 10, 0 }, { -1, 10 }, { RF_MAX_IMAGE_SIDE + 1, 1 }, { 1, INT_MAX } };
     Setup s;
     RfError error;
@@ -181,9 +172,8 @@ static void test_eyes_and_frames_out_of_range( void** state )
     end( &s );
 }
 
-static void test_too_little_memory( void** state )
+TEST( test_too_little_memory )
 {
-    (void)state;
     Setup s;
     RfError error;
     begin( &s, ROOM_GGX );
@@ -226,9 +216,8 @@ static bool stop_at_progress( void* user, const RfProgress* progress )
     return s->seen++ != s->at;
 }
 
-static void test_callbacks_stop_the_render( void** state )
+TEST( test_callbacks_stop_the_render )
 {
-    (void)state;
     static const int all[EYES] = { 0, 1, 2, 3, 4 };
     Setup s;
     RfError error;
@@ -256,15 +245,4 @@ static void test_callbacks_stop_the_render( void** state )
                           RF_OK );
     }
     end( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_settings_at_their_limits ),           cmocka_unit_test( test_depth_1_of_layers ),
-        cmocka_unit_test( test_most_samples_resolve_to_themselves ), cmocka_unit_test( test_settings_out_of_range ),
-        cmocka_unit_test( test_eyes_and_frames_out_of_range ),       cmocka_unit_test( test_too_little_memory ),
-        cmocka_unit_test( test_callbacks_stop_the_render ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

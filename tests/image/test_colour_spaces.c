@@ -1,6 +1,7 @@
 // EXR files in other primaries than Rec. 709: what is read is converted, what is no colour is not.
 #include "image/colour.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 
@@ -16,9 +17,8 @@ static const float s_to_rec709[3][3] = { { 1.7050510f, -0.6217921f, -0.0832589f 
                                          { -0.1302564f, 1.1408047f, -0.0105483f },
                                          { -0.0240034f, -0.1289690f, 1.1529723f } };
 
-static void test_matrices( void** state )
+TEST( test_matrices )
 {
-    (void)state;
     const RfChromaticities *rec709 = rf_chromaticities_of( RF_REC709 ), *acescg = rf_chromaticities_of( RF_ACESCG );
     RfColourConversion to, from;
     assert_true( rf_convert_between( rec709, acescg, &to ) && rf_convert_between( acescg, rec709, &from ) );
@@ -92,9 +92,8 @@ static void check_near( const float* values, const float* wanted, int stride )
         assert_true( fabsf( values[i / 3 * stride + i % 3] - wanted[i] ) <= 2e-6f * ( 1.0f + 3.0f * fabsf( wanted[i] ) ) );
 }
 
-static void test_what_is_read_is_rec709( void** state )
+TEST( test_what_is_read_is_rec709 )
 {
-    (void)state;
     static const char* const s_layer_names[5] = { "light_key", "variance", "normal", "crypto_object00", NULL };
     const char* path = temp_path( "a.exr" );
     RfExrWindow window;
@@ -155,9 +154,8 @@ static void set_white( const char* from, const char* to, const float white[2] )
     fclose( file );
 }
 
-static void test_chromaticities_that_are_none( void** state )
+TEST( test_chromaticities_that_are_none )
 {
-    (void)state;
     const char *path = temp_path( "b.exr" ), *bad = temp_path( "bad.exr" );
     static const char* const s_colours[] = { "R", "G", "B" };
     RfError error;
@@ -178,12 +176,4 @@ static void test_chromaticities_that_are_none( void** state )
     rf_destroy_image( &image );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_matrices ),
-        cmocka_unit_test( test_what_is_read_is_rec709 ),
-        cmocka_unit_test( test_chromaticities_that_are_none ),
-    };
-    return cmocka_run_group_tests( tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

@@ -1,19 +1,16 @@
 // Decoding images made by others: each format returns what was stored; damaged, truncated
 // or oversized files fail with one line.
 #include "support/image_files.h"
+#include "support/test.h"
 
 #include "image/decode.h"
 #include "image/exr.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define WIDTH 21
 #define HEIGHT 13
@@ -53,9 +50,8 @@ static void fill( uint8_t* pixels, size_t count )
     }
 }
 
-static void test_png_comes_out_as_it_went_in( void** state )
+TEST( test_png_comes_out_as_it_went_in )
 {
-    (void)state;
     uint8_t pixels[WIDTH * HEIGHT * 4];
     fill( pixels, sizeof pixels );
     for ( int channels = 1; channels <= 4; ++channels )
@@ -74,9 +70,8 @@ static void test_png_comes_out_as_it_went_in( void** state )
 }
 
 // The numbers of the file, although it names a gamma.
-static void test_png16_ignores_gamma( void** state )
+TEST( test_png16_ignores_gamma )
 {
-    (void)state;
     uint16_t pixels[WIDTH * HEIGHT * 3];
     fill( (uint8_t*)pixels, sizeof pixels );
     for ( int channels = 1; channels <= 3; channels += 2 )
@@ -92,9 +87,8 @@ static void test_png16_ignores_gamma( void** state )
     }
 }
 
-static void test_jpeg_comes_out_nearly( void** state )
+TEST( test_jpeg_comes_out_nearly )
 {
-    (void)state;
     uint8_t pixels[WIDTH * HEIGHT * 4];
     for ( int channels = 1; channels <= 3; channels += 2 )
     {
@@ -118,9 +112,8 @@ static void test_jpeg_comes_out_nearly( void** state )
     free( bytes );
 }
 
-static void test_exr_comes_out_as_it_went_in( void** state )
+TEST( test_exr_comes_out_as_it_went_in )
 {
-    (void)state;
     float pixels[WIDTH * HEIGHT * 3];
     for ( int i = 0; i < WIDTH * HEIGHT * 3; ++i )
         pixels[i] = (float)i * 1.37f - 100.0f;
@@ -135,9 +128,8 @@ static void test_exr_comes_out_as_it_went_in( void** state )
     free( bytes );
 }
 
-static void test_hdr_comes_out_as_it_went_in( void** state )
+TEST( test_hdr_comes_out_as_it_went_in )
 {
-    (void)state;
     uint8_t pixels[300 * 4 * 4];
     fill( pixels, sizeof pixels );
     static const int widths[] = { 3, 300 };
@@ -165,9 +157,8 @@ static void test_hdr_comes_out_as_it_went_in( void** state )
 
 #ifdef REFRAME_WEBP
 
-static void test_webp( void** state )
+TEST( test_webp )
 {
-    (void)state;
     uint8_t pixels[WIDTH * HEIGHT * 4];
     for ( int i = 0; i < 4; ++i )
     {
@@ -199,9 +190,8 @@ static void test_webp( void** state )
 
 #else
 
-static void test_webp( void** state )
+TEST( test_webp )
 {
-    (void)state;
     expect( (const uint8_t*)"RIFF\x20\0\0\0WEBPVP8 ", 16, RF_ERROR_UNSUPPORTED, "this Reframe was built without libwebp" );
 }
 
@@ -209,9 +199,8 @@ static void test_webp( void** state )
 
 // Every format, cut off everywhere and with bytes changed anywhere: an error
 // or an image, never a crash, a hang or half an image.
-static void test_damage_never_crashes( void** state )
+TEST( test_damage_never_crashes )
 {
-    (void)state;
     uint8_t pixels[WIDTH * HEIGHT * 4];
     float reals[WIDTH * HEIGHT * 3];
     fill( pixels, sizeof pixels );
@@ -262,9 +251,8 @@ static void test_damage_never_crashes( void** state )
     }
 }
 
-static void test_wrong_images_are_refused( void** state )
+TEST( test_wrong_images_are_refused )
 {
-    (void)state;
     uint8_t bytes[64] = { 0 };
     expect( bytes, 64, RF_ERROR_FORMAT, "not a PNG, JPEG, WebP, EXR or Radiance HDR" );
     expect( bytes, 0, RF_ERROR_FORMAT, "not a PNG" );
@@ -303,9 +291,8 @@ static const char* save( const uint8_t* bytes, size_t size )
     return path;
 }
 
-static void test_environment_map( void** state )
+TEST( test_environment_map )
 {
-    (void)state;
     float reals[4 * 2 * 3];
     for ( int i = 0; i < 24; ++i )
         reals[i] = (float)( i * i );
@@ -345,20 +332,4 @@ static void test_environment_map( void** state )
     free( bytes );
     unlink( save( grey, 3 ) );
     assert_int_equal( rf_load_environment_map( "/nowhere/sky.exr", &width, &height, &rgb, &outside, &error ), RF_ERROR_IO );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_png_comes_out_as_it_went_in ),
-        cmocka_unit_test( test_png16_ignores_gamma ),
-        cmocka_unit_test( test_jpeg_comes_out_nearly ),
-        cmocka_unit_test( test_exr_comes_out_as_it_went_in ),
-        cmocka_unit_test( test_hdr_comes_out_as_it_went_in ),
-        cmocka_unit_test( test_webp ),
-        cmocka_unit_test( test_damage_never_crashes ),
-        cmocka_unit_test( test_wrong_images_are_refused ),
-        cmocka_unit_test( test_environment_map ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,6 +4,7 @@
 #include "image/half.h"
 #include "support/image_support.h"
 #include "support/openexr_file.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <sys/wait.h>
@@ -173,9 +174,8 @@ static void check_tools( const char* path, RfExrCompression compression, bool pa
         assert_true( run_tool( "exrmultipart", arguments, NULL ) );
 }
 
-static void test_each_is_read_by_openexr( void** state )
+TEST( test_each_is_read_by_openexr )
 {
-    (void)state;
     fill_values();
     for ( int way = 0; rf_compression_words[way / 4] != NULL; ++way )
     {
@@ -202,9 +202,8 @@ static void test_each_is_read_by_openexr( void** state )
 
 #ifdef REFRAME_DWA
 // Files of other programs, with tiles that are higher than the chunks of lines.
-static void test_foreign_dwa_is_read( void** state )
+TEST( test_foreign_dwa_is_read )
 {
-    (void)state;
     fill_values();
     static const char* const names[] = { "Z", "R", "G", "B" };
     static float library[PIXELS];
@@ -228,9 +227,8 @@ static void test_foreign_dwa_is_read( void** state )
 }
 
 // Nothing that a pixel may hold ends as an infinite value, or as 0 in silence.
-static void test_extreme_colours_and_dwa( void** state )
+TEST( test_extreme_colours_and_dwa )
 {
-    (void)state;
     RfImage image = make_image( 64, 64, 5 ), back;
     RfExrOptions options = rf_default_exr_options();
     RfError error;
@@ -262,9 +260,8 @@ static void test_extreme_colours_and_dwa( void** state )
 }
 
 // Changed and cut-off bytes end in an image or in one line.
-static void test_broken_dwa_is_one_line( void** state )
+TEST( test_broken_dwa_is_one_line )
 {
-    (void)state;
     fill_values();
     RfError error;
     uint32_t seed = 77;
@@ -289,15 +286,4 @@ static void test_broken_dwa_is_one_line( void** state )
 }
 #endif
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_each_is_read_by_openexr ),
-#ifdef REFRAME_DWA
-        cmocka_unit_test( test_foreign_dwa_is_read ),
-        cmocka_unit_test( test_extreme_colours_and_dwa ),
-        cmocka_unit_test( test_broken_dwa_is_one_line ),
-#endif
-    };
-    return cmocka_run_group_tests_name( "compressions of EXR files", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

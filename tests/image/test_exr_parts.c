@@ -1,6 +1,7 @@
 // Files of several parts, of many channels, with a display window of its own and attributes of all types.
 #include "image/exr.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <openexr.h>
@@ -56,9 +57,8 @@ static void check_values( const char* path, const RfImage* image, bool dwa, bool
     free( values );
 }
 
-static void test_parts_hold_what_one_part_does( void** state )
+TEST( test_parts_hold_what_one_part_does )
 {
-    (void)state;
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
     RfImage image = make_image( WIDTH, HEIGHT, 4 );
     for ( int way = 0; rf_compression_words[way / 4] != NULL; ++way )
@@ -96,9 +96,8 @@ static RfResult verify( const char* bytes, size_t size, bool* same )
 }
 
 // Any bit of the pixels, of any part, and any cut; a file without a checksum is judged by decoding.
-static void test_damage_is_found( void** state )
+TEST( test_damage_is_found )
 {
-    (void)state;
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
     RfImage image = make_image( WIDTH, HEIGHT, 4 );
     char sums[2][64] = { "" };
@@ -143,9 +142,8 @@ static void test_damage_is_found( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_without_checksum_decoding_decides( void** state )
+TEST( test_without_checksum_decoding_decides )
 {
-    (void)state;
     RfImage image = make_image( WIDTH, HEIGHT, 4 );
     RfExrOptions options = rf_default_exr_options();
     RfError error;
@@ -167,9 +165,8 @@ static void test_without_checksum_decoding_decides( void** state )
 }
 
 // The names, the order and the shared attributes that the specification asks of parts.
-static void test_parts_are_named_and_share_attributes( void** state )
+TEST( test_parts_are_named_and_share_attributes )
 {
-    (void)state;
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
     static const char* const names[3] = { "rgba", "normal", "depth" };
     static const int counts[3] = { 4, 1, 2 };
@@ -237,9 +234,8 @@ static void test_parts_are_named_and_share_attributes( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_many_channels_and_long_names( void** state )
+TEST( test_many_channels_and_long_names )
 {
-    (void)state;
     static char names[RF_EXR_MAX_CHANNELS][64];
     RfExrChannel channels[RF_EXR_MAX_CHANNELS];
     for ( int c = 0; c < RF_EXR_MAX_CHANNELS; ++c )
@@ -274,9 +270,8 @@ static void test_many_channels_and_long_names( void** state )
 }
 
 // Wherever a file breaks off, a part before it may be whole: no file is left all the same.
-static void test_full_disk_leaves_no_part( void** state )
+TEST( test_full_disk_leaves_no_part )
 {
-    (void)state;
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
     RfImage image = make_image( WIDTH, HEIGHT, 4 );
     RfExrChannel channels[4];
@@ -302,12 +297,4 @@ static void test_full_disk_leaves_no_part( void** state )
     rf_destroy_image( &image );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_parts_hold_what_one_part_does ),     cmocka_unit_test( test_damage_is_found ),
-        cmocka_unit_test( test_without_checksum_decoding_decides ), cmocka_unit_test( test_parts_are_named_and_share_attributes ),
-        cmocka_unit_test( test_many_channels_and_long_names ),      cmocka_unit_test( test_full_disk_leaves_no_part ),
-    };
-    return cmocka_run_group_tests_name( "parts of EXR files", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

@@ -1,6 +1,7 @@
 // EXR files of other programs: layouts and channel names, refusals, and damaged files,
 // which may fail but must not crash, hang or allocate wildly.
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <openexr.h>
@@ -160,9 +161,8 @@ static void check_refused( const Layout* layout, RfResult wanted, const char* wo
     assert_null( image.rgb );
 }
 
-static void test_every_layout_is_read( void** state )
+TEST( test_every_layout_is_read )
 {
-    (void)state;
     const exr_compression_t compressions[] = { EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
                                                EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PIZ };
     const exr_pixel_type_t types[] = { EXR_PIXEL_UINT, EXR_PIXEL_HALF, EXR_PIXEL_FLOAT };
@@ -176,9 +176,8 @@ static void test_every_layout_is_read( void** state )
     }
 }
 
-static void test_parts_are_found( void** state )
+TEST( test_parts_are_found )
 {
-    (void)state;
     Layout layout = default_layout();
     layout.parts = 2;
     check_layout( &layout, 2, 1, 0 );
@@ -186,9 +185,8 @@ static void test_parts_are_found( void** state )
     check_layout( &layout, 2, 1, 0 );
 }
 
-static void test_channel_names_of_others( void** state )
+TEST( test_channel_names_of_others )
 {
-    (void)state;
     const struct
     {
         const char* names[8];
@@ -217,9 +215,8 @@ static void test_channel_names_of_others( void** state )
     }
 }
 
-static void test_refused_channels( void** state )
+TEST( test_refused_channels )
 {
-    (void)state;
     Layout layout = default_layout();
     const char* const two[8] = { "a.B", "a.G", "a.R", "b.B", "b.G", "b.R" };
     memcpy( layout.names, two, sizeof two );
@@ -268,9 +265,8 @@ static RfResult read_bytes( const char* bytes, size_t size, RfError* error )
     return result;
 }
 
-static void test_refused_compression( void** state )
+TEST( test_refused_compression )
 {
-    (void)state;
     Layout layout = default_layout();
     size_t size;
     RfError error;
@@ -284,9 +280,8 @@ static void test_refused_compression( void** state )
     free( bytes );
 }
 
-static void test_deep_images_are_refused( void** state )
+TEST( test_deep_images_are_refused )
 {
-    (void)state;
     Layout layout = default_layout();
     layout.compression = EXR_COMPRESSION_NONE;
     layout.storage = EXR_STORAGE_DEEP_SCANLINE;
@@ -305,9 +300,8 @@ static void test_deep_images_are_refused( void** state )
     assert_non_null( strstr( error.text, "deep" ) );
 }
 
-static void test_no_image_is_one_line( void** state )
+TEST( test_no_image_is_one_line )
 {
-    (void)state;
     RfImage image;
     RfError error;
     assert_int_equal( rf_read_exr( temp_path( "none.exr" ), &image, &error ), RF_ERROR_IO );
@@ -325,9 +319,8 @@ static void test_no_image_is_one_line( void** state )
     }
 }
 
-static void test_truncated_files_fail( void** state )
+TEST( test_truncated_files_fail )
 {
-    (void)state;
     for ( int c = 0; c < 5; ++c )
     {
         Layout layout = default_layout();
@@ -363,9 +356,8 @@ static void mutate( char* bytes, size_t size, uint32_t* seed )
 }
 
 // Any result will do; the sanitizers and the clock are the judges.
-static void test_mutations_never_crash( void** state )
+TEST( test_mutations_never_crash )
 {
-    (void)state;
     const char* rounds_text = getenv( "REFRAME_FUZZ_ROUNDS" );
     int rounds = rounds_text != NULL ? atoi( rounds_text ) : 20;
     const char* seed_text = getenv( "REFRAME_FUZZ_SEED" );
@@ -395,14 +387,4 @@ static void test_mutations_never_crash( void** state )
     assert_true( difftime( time( NULL ), start ) < 30.0 + 0.05 * all );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_layout_is_read ),    cmocka_unit_test( test_parts_are_found ),
-        cmocka_unit_test( test_channel_names_of_others ), cmocka_unit_test( test_refused_channels ),
-        cmocka_unit_test( test_refused_compression ),     cmocka_unit_test( test_deep_images_are_refused ),
-        cmocka_unit_test( test_no_image_is_one_line ),    cmocka_unit_test( test_truncated_files_fail ),
-        cmocka_unit_test( test_mutations_never_crash ),
-    };
-    return cmocka_run_group_tests_name( "exr_read", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

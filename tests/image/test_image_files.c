@@ -5,6 +5,7 @@
 #include "reframe/image.h"
 #include "image/sequence.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 #include <openexr.h>
@@ -18,9 +19,8 @@
 
 #define INCOMPRESSIBLE 400
 
-static void test_round_trip_float( void** state )
+TEST( test_round_trip_float )
 {
-    (void)state;
     const RfExrCompression compressions[] = { RF_EXR_NONE, RF_EXR_ZIP, RF_EXR_PIZ };
     const int sizes[][2] = { { 1, 1 }, { 7, 1 }, { 1, 40 }, { 67, 45 }, { 130, 97 } };
     for ( int i = 0; i < 15; ++i )
@@ -44,9 +44,8 @@ static void test_round_trip_float( void** state )
 
 // Rows that zlib makes no shorter and no longer: some of these come out as long as
 // they were, which OpenEXRCore itself stores so that it reads something else.
-static void test_round_trip_incompressible( void** state )
+TEST( test_round_trip_incompressible )
 {
-    (void)state;
     for ( int i = 0; i < INCOMPRESSIBLE; ++i )
     {
         RfImage image = make_image( 40, 1, 1000 + (uint32_t)i );
@@ -63,9 +62,8 @@ static void test_round_trip_incompressible( void** state )
 }
 
 // All halfs come back, and what lies between two goes to the nearer, from the middle to the even one.
-static void test_half_rounding( void** state )
+TEST( test_half_rounding )
 {
-    (void)state;
     for ( uint32_t h = 0; h < 0x7bff; ++h )
     {
         float low = rf_half_to_float( (uint16_t)h ), high = rf_half_to_float( (uint16_t)( h + 1 ) );
@@ -81,9 +79,8 @@ static void test_half_rounding( void** state )
     assert_true( isnan( rf_half_to_float( rf_float_to_half( NAN ) ) ) );
 }
 
-static void test_round_trip_half( void** state )
+TEST( test_round_trip_half )
 {
-    (void)state;
     RfImage image = make_image( 61, 53, 3 );
     const float extremes[] = { 1e9f, -1e9f, 65519.0f, 65520.0f, 70000.0f, INFINITY, NAN, 0.0f };
     memcpy( image.rgb, extremes, sizeof extremes );
@@ -102,9 +99,8 @@ static void test_round_trip_half( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_same_image_same_bytes( void** state )
+TEST( test_same_image_same_bytes )
 {
-    (void)state;
     RfImage image = make_image( 64, 40, 9 );
     RfExrOptions options = rf_default_exr_options();
     RfError error;
@@ -123,9 +119,8 @@ static void test_same_image_same_bytes( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_attributes_round_trip( void** state )
+TEST( test_attributes_round_trip )
 {
-    (void)state;
     RfImage image = make_image( 20, 10, 1 );
     const RfExrString strings[] = { { "reframe/group", "3" },
                                     { "reframe/empty", "" },
@@ -173,7 +168,7 @@ static void test_attributes_round_trip( void** state )
     exr_finish( &context );
 }
 
-static void test_strings_are_found_in_headers( void** state )
+TEST( test_strings_are_found_in_headers )
 {
     (void)state; // the file of test_attributes_round_trip
     const char* path = temp_path( "attributes.exr" );
@@ -191,9 +186,8 @@ static void test_strings_are_found_in_headers( void** state )
     assert_int_equal( rf_read_exr_string( temp_path( "none.exr" ), "x", value, sizeof value, &error ), RF_ERROR_IO );
 }
 
-static void test_png_is_srgb_of_the_light( void** state )
+TEST( test_png_is_srgb_of_the_light )
 {
-    (void)state;
     RfImage image = make_image( 5, 2, 1 );
     const float pixels[] = { 0.0f, 1.0f, 0.5f, NAN, 0.0f, 0.0f, -1.0f, INFINITY, 2.0f, 0.25f, 0.0f, 0.0f, 0.0f, 0.0f, 0.001f };
     memcpy( image.rgb, pixels, sizeof pixels );
@@ -228,9 +222,8 @@ static void check_refused( const char* path, RfResult wanted )
     rf_destroy_image( &image );
 }
 
-static void test_unwritable_places_are_reported( void** state )
+TEST( test_unwritable_places_are_reported )
 {
-    (void)state;
     RfError error;
     assert_int_equal( rf_write_file_atomic( temp_path( "file" ), "old", 3, &error ), RF_OK );
     assert_int_equal( mkdir( temp_path( "folder" ), 0755 ), 0 );
@@ -248,9 +241,8 @@ static void test_unwritable_places_are_reported( void** state )
     assert_int_equal( rmdir( temp_path( "folder" ) ), 0 );
 }
 
-static void test_links_are_followed( void** state )
+TEST( test_links_are_followed )
 {
-    (void)state;
     RfError error;
     const char* path = temp_path( "text" );
     assert_int_equal( rf_write_file_atomic( path, "one", 3, &error ), RF_OK );
@@ -281,9 +273,8 @@ static void set_file_limit( rlim_t limit )
     assert_int_equal( setrlimit( RLIMIT_FSIZE, &value ), 0 );
 }
 
-static void test_full_disk_leaves_no_part( void** state )
+TEST( test_full_disk_leaves_no_part )
 {
-    (void)state;
     RfError error;
     const char* path = temp_path( "full" );
     assert_int_equal( rf_write_file_atomic( path, "old", 3, &error ), RF_OK );
@@ -310,9 +301,8 @@ static void test_full_disk_leaves_no_part( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_full_disk_keeps_old( void** state )
+TEST( test_full_disk_keeps_old )
 {
-    (void)state;
     RfError error;
     const char* path = temp_path( "kept.exr" );
     RfImage image = make_image( 200, 100, 5 );
@@ -332,9 +322,8 @@ static void test_full_disk_keeps_old( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_sequence_names_are_read_and_made( void** state )
+TEST( test_sequence_names_are_read_and_made )
 {
-    (void)state;
     char name[64];
     RfError error;
     assert_true( rf_is_sequence( "out/f.####.exr" ) );
@@ -353,9 +342,8 @@ static void test_sequence_names_are_read_and_made( void** state )
 }
 
 // As printf and ffmpeg write it.
-static void test_printf_patterns_are_understood( void** state )
+TEST( test_printf_patterns_are_understood )
 {
-    (void)state;
     static const char* const names[][2] = {
         { "out/f.%04d.exr", "out/f.0007.exr" },
         { "f%d.exr", "f7.exr" },
@@ -385,9 +373,8 @@ static void test_printf_patterns_are_understood( void** state )
     assert_false( rf_may_be_same_file( "f.%04d.exr", "g.####.exr" ) );
 }
 
-static void test_sequence_frames( void** state )
+TEST( test_sequence_frames )
 {
-    (void)state;
     const char* const names[] = { "s.0010.exr",  "s.0002.exr", "s.12345.exr",       "s.00012.exr", "s.001.exr",  "s.0003.ex",
                                   "xs.0004.exr", "s.-001.exr", "s.99999999999.exr", "s.-0012.exr", "s.-0000.exr" };
     RfError error;
@@ -411,9 +398,8 @@ static void test_sequence_frames( void** state )
     assert_int_equal( rf_sequence_frames( temp_path( "s.exr" ), &frames, &count, &error ), RF_ERROR_USAGE );
 }
 
-static void test_image_sizes_are_checked( void** state )
+TEST( test_image_sizes_are_checked )
 {
-    (void)state;
     RfImage image;
     RfError error;
     assert_int_equal( rf_create_image( 0, 5, &image, &error ), RF_ERROR_USAGE );
@@ -427,17 +413,4 @@ static void test_image_sizes_are_checked( void** state )
     rf_destroy_image( &image ); // twice does no harm
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_image_sizes_are_checked ),   cmocka_unit_test( test_round_trip_float ),
-        cmocka_unit_test( test_round_trip_incompressible ), cmocka_unit_test( test_half_rounding ),
-        cmocka_unit_test( test_round_trip_half ),           cmocka_unit_test( test_same_image_same_bytes ),
-        cmocka_unit_test( test_attributes_round_trip ),     cmocka_unit_test( test_strings_are_found_in_headers ),
-        cmocka_unit_test( test_png_is_srgb_of_the_light ),  cmocka_unit_test( test_unwritable_places_are_reported ),
-        cmocka_unit_test( test_links_are_followed ),        cmocka_unit_test( test_full_disk_leaves_no_part ),
-        cmocka_unit_test( test_full_disk_keeps_old ),       cmocka_unit_test( test_sequence_names_are_read_and_made ),
-        cmocka_unit_test( test_sequence_frames ),           cmocka_unit_test( test_printf_patterns_are_understood ),
-    };
-    return cmocka_run_group_tests_name( "image", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

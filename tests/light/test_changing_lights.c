@@ -9,17 +9,13 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum
 {
@@ -279,9 +275,8 @@ static void check_parts( const World* w, SkyKind sky, RfGroupLights* group )
     rf_destroy_group_lights( group );
 }
 
-static void test_parts( void** state )
+TEST( test_parts )
 {
-    (void)state;
     for ( SkyKind sky = NO_SKY; sky <= SKY_STAYS; ++sky )
     {
         World* w = make_world( sky );
@@ -298,9 +293,8 @@ static void assert_near( RfVec3 a, RfVec3 b )
 }
 
 // The reference times the scale is the lamp as it is, and no scale is above 1; frames alone have it as it is.
-static void test_references_and_scales( void** state )
+TEST( test_references_and_scales )
 {
-    (void)state;
     World* w = make_world( SKY_DIMS );
     RfGroupLights* group = group_of( w );
     for ( int f = 0; f < FRAMES; ++f )
@@ -420,9 +414,8 @@ static void check_chances( const RfGroupLights* group, RfLightSampling sampling,
     assert_true( sampling == RF_LIGHTS_BY_TREE || fabs( sum - 1.0 ) < 1e-5 );
 }
 
-static void test_frames_share_chances( void** state )
+TEST( test_frames_share_chances )
 {
-    (void)state;
     for ( SkyKind sky = NO_SKY; sky <= SKY_STAYS; ++sky )
     {
         World* w = make_world( sky );
@@ -551,9 +544,8 @@ static Sample by_selection( const RfLights* lights, const RfScene* scene, RfVec3
     return ( Sample ){ SAMPLES, mean, ( squares / SAMPLES - mean * mean ) / ( SAMPLES - 1 ) };
 }
 
-static void test_samples_have_the_mean_of_still_scenes( void** state )
+TEST( test_samples_have_the_mean_of_still_scenes )
 {
-    (void)state;
     enum
     {
         PLACES = 8
@@ -600,9 +592,8 @@ static void test_samples_have_the_mean_of_still_scenes( void** state )
 
 // ---- Few lights, and none
 
-static void test_few_lights( void** state )
+TEST( test_few_lights )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
     add_box( &b, 0, rf_vec3( -1, -1, -1 ), rf_vec3( 1, 1, 1 ), true );
@@ -665,9 +656,8 @@ static void test_few_lights( void** state )
 
 // ---- Tracers
 
-static void test_triangles_that_move_are_lights_of_tracers( void** state )
+TEST( test_triangles_that_move_are_lights_of_tracers )
 {
-    (void)state;
     World* w = make_world( NO_SKY );
     RfTracer *still = make_tracer( &w->loaded ), *tracer[FRAMES];
     RfGroupLights* group = group_of( w );
@@ -708,13 +698,5 @@ static void test_triangles_that_move_are_lights_of_tracers( void** state )
 int main( void )
 {
     rf_set_float_mode();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_parts ),
-        cmocka_unit_test( test_references_and_scales ),
-        cmocka_unit_test( test_frames_share_chances ),
-        cmocka_unit_test( test_samples_have_the_mean_of_still_scenes ),
-        cmocka_unit_test( test_few_lights ),
-        cmocka_unit_test( test_triangles_that_move_are_lights_of_tracers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_listed_tests();
 }

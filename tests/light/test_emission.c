@@ -5,17 +5,13 @@
 #include "support/render_support.h"
 #include "support/statistics.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include "base/random.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979324
 
@@ -109,9 +105,8 @@ static void check_flux( const char* what, RfScene scene, double expected, double
     rf_destroy_scene( &scene );
 }
 
-static void test_flux_is_the_closed_form( void** state )
+TEST( test_flux_is_the_closed_form )
 {
-    (void)state;
     RfVec3 above = rf_vec3( 0, 2, 0 ), down = rf_vec3( 0.3f, -1, 0.1f );
     check_flux( "one-sided square", make_square( make_light( 3.0f, false ) ), PI * 4.0 * 3.0, 1e-5 );
     check_flux( "two-sided square", make_square( make_light( 3.0f, true ) ), 2.0 * PI * 4.0 * 3.0, 1e-5 );
@@ -141,9 +136,8 @@ static void test_flux_is_the_closed_form( void** state )
 }
 
 // The mean over a map's interpolated pixels, by quadrature.
-static void test_flux_of_a_map( void** state )
+TEST( test_flux_of_a_map )
 {
-    (void)state;
     enum
     {
         ROWS = 400
@@ -163,9 +157,8 @@ static void test_flux_of_a_map( void** state )
 }
 
 // The flux of textured light is π times the mean radiance of its area; what blends emits that much less.
-static void test_flux_of_a_texture( void** state )
+TEST( test_flux_of_a_texture )
 {
-    (void)state;
     enum
     {
         SIDE = 300
@@ -254,9 +247,8 @@ static void check_density( const char* what, RfScene scene )
     rf_destroy_scene( &scene );
 }
 
-static void test_densities_integrate_to_one( void** state )
+TEST( test_densities_integrate_to_one )
 {
-    (void)state;
     check_density( "all lights", make_open_scene( LIT_BY_ALL ) );
     check_density( "even sky", make_open_scene( LIT_BY_SKY ) );
     check_density( "one-sided", make_square( make_light( 1.0f, false ) ) );
@@ -278,9 +270,8 @@ static void test_densities_integrate_to_one( void** state )
 }
 
 // A given direction from a place has the throughput over the density that the ray would have if it were drawn.
-static void test_steered_rays( void** state )
+TEST( test_steered_rays )
 {
-    (void)state;
     RfScene scene = make_open_scene( LIT_BY_ALL );
     RfLights lights = collect( &scene );
     int lit = 0;
@@ -388,9 +379,8 @@ static void irradiance_by_light_samples( const RfTracer* tracer, uint64_t seed, 
     free_rendered( &r );
 }
 
-static void test_floor_is_lit_as_by_light_samples( void** state )
+TEST( test_floor_is_lit_as_by_light_samples )
 {
-    (void)state;
     RfScene scene = make_shaded_floor();
     RfTracer* tracer = make_tracer( &scene );
     static double rays[PATCHES * PATCHES][SEEDS], samples[PATCHES * PATCHES][SEEDS];
@@ -420,13 +410,5 @@ static void test_floor_is_lit_as_by_light_samples( void** state )
 int main( void )
 {
     rf_set_float_mode();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_flux_is_the_closed_form ),
-        cmocka_unit_test( test_flux_of_a_map ),
-        cmocka_unit_test( test_flux_of_a_texture ),
-        cmocka_unit_test( test_densities_integrate_to_one ),
-        cmocka_unit_test( test_steered_rays ),
-        cmocka_unit_test( test_floor_is_lit_as_by_light_samples ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_listed_tests();
 }

@@ -5,18 +5,14 @@
 #include "light/punctual.h"
 #include "support/render_support.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
 #include "base/random.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979324
 
@@ -57,9 +53,8 @@ static void check( const char* what, double got, double expected, double toleran
         fail_msg( "%s: %g instead of %g", what, got, expected );
 }
 
-static void test_balls( void** state )
+TEST( test_balls )
 {
-    (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 1, 2, 3 ), 1.0f );
     RfVec3 tilted = rf_normalize( rf_vec3( 0, 0.8f, 0.3f ) ), up = rf_vec3( 0, 1, 0 );
     double cosine = (double)tilted.y, most;
@@ -87,9 +82,8 @@ static void test_balls( void** state )
     check( "within a ball", irradiance( rf_sample_ball, &lamp, within, up, &most ), 100.0, 1e-3 );
 }
 
-static void test_suns( void** state )
+TEST( test_suns )
 {
-    (void)state;
     RfVec3 up = rf_vec3( 0, 1, 0 ), none = rf_vec3( 0, 0, 0 );
     RfPunctual sun = make_point_light( none, 1.0f );
     double most;
@@ -152,9 +146,8 @@ static double quadrature( const RfPunctual* plane, RfVec3 from, RfVec3 normal )
     return sum * 4.0 * (double)plane->half[0] * (double)plane->half[1] / ( ROWS * (double)ROWS ) / rf_plane_area( plane );
 }
 
-static void test_planes( void** state )
+TEST( test_planes )
 {
-    (void)state;
     static const float s_places[][3] = {
         { 1, 2, 3.02f }, { 1.1f, 2.5f, 3.2f }, { 1.5f, 3, 3.4f }, { 1.2f, 2.3f, 9 }, { 1, 2, 8000 }
     };
@@ -232,9 +225,8 @@ static void check_lit( const char* what, RfPunctual lamp )
     free_images( &geometry );
 }
 
-static void test_pictures_are_those_of_geometry( void** state )
+TEST( test_pictures_are_those_of_geometry )
 {
-    (void)state;
     RfPunctual plane = make_plane( false, 180.0 );
     plane.position = rf_vec3( 0.1f, 1.6f, 0 );
     plane.direction = rf_normalize( rf_vec3( -0.3f, -1, 0.1f ) );
@@ -243,15 +235,4 @@ static void test_pictures_are_those_of_geometry( void** state )
     RfPunctual ball = make_point_light( rf_vec3( 0.2f, 1.7f, 0.1f ), 3.0f );
     ball.radius = 0.3f;
     check_lit( "ball", ball );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_balls ),
-        cmocka_unit_test( test_suns ),
-        cmocka_unit_test( test_planes ),
-        cmocka_unit_test( test_pictures_are_those_of_geometry ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

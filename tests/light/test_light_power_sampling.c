@@ -4,16 +4,12 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "light/light.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define MOST_LIGHTS 256
 
@@ -73,9 +69,8 @@ static RfLights collect( const RfScene* scene )
     return lights;
 }
 
-static void test_who_is_a_light( void** state )
+TEST( test_who_is_a_light )
 {
-    (void)state;
     RfScene scene = make_lights_scene();
     RfLights lights = collect( &scene );
     assert_int_equal( lights.count, 2 * 13 );
@@ -97,9 +92,8 @@ static void test_who_is_a_light( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_shares_and_densities( void** state )
+TEST( test_shares_and_densities )
 {
-    (void)state;
     RfScene scene = make_lights_scene();
     RfLights lights = collect( &scene );
     double share[MOST_LIGHTS], total = 0.0, integral = 0.0;
@@ -120,9 +114,8 @@ static void test_shares_and_densities( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_two_sided_counts_double( void** state )
+TEST( test_two_sided_counts_double )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     uint32_t one = add_material( &b, make_light( 3.0f, false ) ), two = add_material( &b, make_light( 3.0f, true ) );
     add_patch( &b, one, 0.0f, 1.0f );
@@ -137,9 +130,8 @@ static void test_two_sided_counts_double( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_picks_follow_power( void** state )
+TEST( test_picks_follow_power )
 {
-    (void)state;
     enum
     {
         PICKS = 2000000
@@ -168,9 +160,8 @@ static void test_picks_follow_power( void** state )
 
 // Many lights, every second one a thousandth as strong: picked as the densities
 // say, which a share test with the bits that the column left over is not.
-static void test_small_among_many( void** state )
+TEST( test_small_among_many )
 {
-    (void)state;
     enum
     {
         LIGHTS = 20000,
@@ -201,9 +192,8 @@ static void test_small_among_many( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_no_lights_no_picks( void** state )
+TEST( test_no_lights_no_picks )
 {
-    (void)state;
     RfScene empty = { 0 };
     RfLights lights = collect( &empty );
     assert_int_equal( lights.count, 0 );
@@ -299,9 +289,8 @@ static void check_square( const Receiver* receiver, bool facing, bool two_sided,
     rf_destroy_scene( &scene );
 }
 
-static void test_square_light_is_lambert_s_formula( void** state )
+TEST( test_square_light_is_lambert_s_formula )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         for ( int facing = 0; facing < 2; ++facing )
@@ -311,18 +300,4 @@ static void test_square_light_is_lambert_s_formula( void** state )
             check_square( receivers + k, facing != 0, facing == 0, 4 );
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_who_is_a_light ),
-        cmocka_unit_test( test_shares_and_densities ),
-        cmocka_unit_test( test_two_sided_counts_double ),
-        cmocka_unit_test( test_picks_follow_power ),
-        cmocka_unit_test( test_small_among_many ),
-        cmocka_unit_test( test_no_lights_no_picks ),
-        cmocka_unit_test( test_square_light_is_lambert_s_formula ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -5,15 +5,11 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum
 {
@@ -110,9 +106,8 @@ static void check_same_mean( const RfTracer* tracer, int light_samples, int grou
     }
 }
 
-static void test_tree_and_power_have_the_same_mean( void** state )
+TEST( test_tree_and_power_have_the_same_mean )
 {
-    (void)state;
     RfScene scene = make_lamps();
     RfTracer* tracer = make_tracer( &scene );
     for ( int k = 0; k < 4; ++k )
@@ -121,9 +116,8 @@ static void test_tree_and_power_have_the_same_mean( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_tree_is_the_plain_tracer_to_the_bit( void** state )
+TEST( test_tree_is_the_plain_tracer_to_the_bit )
 {
-    (void)state;
     RfScene scene = make_lamps();
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
@@ -152,7 +146,5 @@ static void test_tree_is_the_plain_tracer_to_the_bit( void** state )
 int main( void )
 {
     rf_set_float_mode();
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_tree_and_power_have_the_same_mean ),
-                                        cmocka_unit_test( test_tree_is_the_plain_tracer_to_the_bit ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_listed_tests();
 }

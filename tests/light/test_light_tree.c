@@ -5,15 +5,11 @@
 #include "light/light.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static float number( uint32_t stream, uint32_t i, uint32_t dimension )
 {
@@ -217,9 +213,8 @@ static void check_sums( const Mix* mix )
     rf_destroy_scene( &scene );
 }
 
-static void test_chances_sum_up( void** state )
+TEST( test_chances_sum_up )
 {
-    (void)state;
     for ( int k = 0; k < MIXES; ++k )
         check_sums( s_mixes + k );
 }
@@ -269,9 +264,8 @@ static double check_picks( const RfLights* lights, RfVec3 x, RfVec3 n, uint32_t 
     return terms > 1.0 ? chi_square_p( chi_square, terms - 1.0 ) : -1.0;
 }
 
-static void test_picks_keep_to_chances( void** state )
+TEST( test_picks_keep_to_chances )
 {
-    (void)state;
     enum
     {
         PLACES = 8
@@ -299,9 +293,8 @@ static void test_picks_keep_to_chances( void** state )
     assert_true( count > MIXES && least > 1e-5 && uniform > 1e-3 );
 }
 
-static void test_batches_equal_single_picks( void** state )
+TEST( test_batches_equal_single_picks )
 {
-    (void)state;
     enum
     {
         COUNT = 1000
@@ -398,18 +391,16 @@ static void check_reach( const Mix* mix )
     rf_destroy_scene( &scene );
 }
 
-static void test_all_that_can_send_are_picked( void** state )
+TEST( test_all_that_can_send_are_picked )
 {
-    (void)state;
     for ( int k = 0; k < MIXES; ++k )
         check_reach( s_mixes + k );
 }
 
 // Each light once, on a way from the root that the places tell; the depth grows
 // with the logarithm.
-static void test_each_light_once_at_logarithmic_depth( void** state )
+TEST( test_each_light_once_at_logarithmic_depth )
 {
-    (void)state;
     for ( int quads = 2; quads <= 20000; quads *= 10 )
     {
         Mix mix = { .name = "shape", .quads = quads, .least = 1e-4f, .most = 3.0f };
@@ -453,9 +444,8 @@ static double middle_light( const RfLight* light, RfVec3 x, RfVec3 n )
 
 // The relative variance of one pick's light / chance, below a ceiling of lamps:
 // by the tree a small part of what it is by power.
-static void test_picks_make_little_noise( void** state )
+TEST( test_picks_make_little_noise )
 {
-    (void)state;
     Mix mix = { .quads = 200, .least = 0.2f, .most = 0.2f, .flat = true };
     RfScene scene = make_scene( &mix );
     RfLights lights = collect( &scene );
@@ -482,17 +472,4 @@ static void test_picks_make_little_noise( void** state )
     assert_true( variance[0] < 0.6 && variance[0] < 0.15 * variance[1] );
     rf_destroy_lights( &lights );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_chances_sum_up ),
-        cmocka_unit_test( test_picks_keep_to_chances ),
-        cmocka_unit_test( test_batches_equal_single_picks ),
-        cmocka_unit_test( test_all_that_can_send_are_picked ),
-        cmocka_unit_test( test_each_light_once_at_logarithmic_depth ),
-        cmocka_unit_test( test_picks_make_little_noise ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

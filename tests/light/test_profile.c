@@ -2,18 +2,14 @@
 #include "light/emission.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include "base/random.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979324
 #define HEAD "IESNA:LM-63-2002\r\n[TEST] own\r\nTILT=NONE\r\n"
@@ -43,9 +39,8 @@ static void assert_value( const RfProfile* p, double v, double h, double want )
         fail_msg( "%g degrees down, %g around: %g instead of %g", v, h, got, want );
 }
 
-static void test_files_of_all_years_are_read( void** state )
+TEST( test_files_of_all_years_are_read )
 {
-    (void)state;
     // linear between the angles, dark beyond them
     RfProfile* p = read_ok( HEAD "1 1000 2 3 1 1 2 0 0 0\r\n1.5 1 100\r\n0 45 90\r\n0\r\n10 20 0\r\n" );
     assert_value( p, 0, 0, 30 );
@@ -64,9 +59,8 @@ static void test_files_of_all_years_are_read( void** state )
     rf_release_profile( p );
 }
 
-static void test_parts_of_a_turn_are_expanded( void** state )
+TEST( test_parts_of_a_turn_are_expanded )
 {
-    (void)state;
     static const struct
     {
         const char* angles;
@@ -95,9 +89,8 @@ static void test_parts_of_a_turn_are_expanded( void** state )
     }
 }
 
-static void test_faults_are_one_line( void** state )
+TEST( test_faults_are_one_line )
 {
-    (void)state;
     static const char* const cases[][2] = {
         { "", "it is empty" },
         { "[TILT=NONE]\n", "no line begins with TILT=" },
@@ -168,9 +161,8 @@ static void add_lamp( RfScene* scene, RfProfile* profile )
 }
 
 // ∫ cos⁴ over the lower half is 2π / 5; the side that is brighter makes no difference.
-static void test_emission_follows_the_table( void** state )
+TEST( test_emission_follows_the_table )
 {
-    (void)state;
     enum
     {
         COUNT = 60000,
@@ -234,9 +226,8 @@ static void test_emission_follows_the_table( void** state )
     }
 }
 
-static void test_towards_is_where_the_table_says( void** state )
+TEST( test_towards_is_where_the_table_says )
 {
-    (void)state;
     RfScene scene = { 0 };
     add_lamp( &scene, make_table( true ) );
     // −z of the node down, its x axis along x: −y, horizontal angle 0, is z
@@ -248,16 +239,4 @@ static void test_towards_is_where_the_table_says( void** state )
     double side = 1.0 + 0.9 * ( ( 1.0 - t ) * cos( low - axis ) + t * cos( low + turn - axis ) );
     assert_true( fabs( (double)rf_lamp_falloff( scene.punctuals, d ) / ( pow( cos( v ), 4.0 ) * side ) - 1.0 ) < 1e-3 );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_files_of_all_years_are_read ),
-        cmocka_unit_test( test_parts_of_a_turn_are_expanded ),
-        cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_emission_follows_the_table ),
-        cmocka_unit_test( test_towards_is_where_the_table_says ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

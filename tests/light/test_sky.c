@@ -4,17 +4,13 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include "base/random.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 12
 #define HEIGHT 6
@@ -50,9 +46,8 @@ static RfVec3 sphere_direction( float u, float v )
     return rf_vec3( r * cosf( 2.0f * RF_PI * v ), z, r * sinf( 2.0f * RF_PI * v ) );
 }
 
-static void test_middle_of_the_map( void** state )
+TEST( test_middle_of_the_map )
 {
-    (void)state;
     RfEnvironment e = make_environment( 0.0f );
     e.radiance = rf_vec3( 1, 1, 1 );
     RfSky sky = make_sky( &e );
@@ -86,9 +81,8 @@ static void test_middle_of_the_map( void** state )
 }
 
 // ∫ p = 1, p > 0 wherever there is light, and E[L / p] = ∫ L by uniform directions.
-static void test_density_integrates_to_one( void** state )
+TEST( test_density_integrates_to_one )
 {
-    (void)state;
     enum
     {
         COUNT = 400000
@@ -129,9 +123,8 @@ static void test_density_integrates_to_one( void** state )
 }
 
 // Directions fall into the map's pixels as the density says.
-static void test_directions_follow_the_density( void** state )
+TEST( test_directions_follow_the_density )
 {
-    (void)state;
     enum
     {
         COUNT = 200000
@@ -273,9 +266,8 @@ static void check_samples( const RfSky* sky, RfVec3 n, double irradiance )
     assert_true( bins > 5 && chi_square_p( chi_square, bins - 1 ) > 1e-4 );
 }
 
-static void test_surfaces_sample_what_lights_them( void** state )
+TEST( test_surfaces_sample_what_lights_them )
 {
-    (void)state;
     for ( int turned = 0; turned < 3; ++turned )
     {
         RfEnvironment e = make_environment( 0.3f );
@@ -293,9 +285,8 @@ static void test_surfaces_sample_what_lights_them( void** state )
 }
 
 // Cells of many pixels, of which some at the border are not on the map, and a sun that is 10⁷ times as bright as what is around it.
-static void test_cells_of_many_pixels( void** state )
+TEST( test_cells_of_many_pixels )
 {
-    (void)state;
     enum
     {
         ACROSS = 150,
@@ -342,9 +333,8 @@ static void test_cells_of_many_pixels( void** state )
 }
 
 // Half of an even sky is below the horizon of a wall: no sample goes there.
-static void test_no_sample_below_the_horizon( void** state )
+TEST( test_no_sample_below_the_horizon )
 {
-    (void)state;
     static float map[3 * 64 * 32];
     for ( int i = 0; i < 3 * 64 * 32; ++i )
         map[i] = 1.0f;
@@ -365,9 +355,8 @@ static void test_no_sample_below_the_horizon( void** state )
     rf_destroy_sky( &sky );
 }
 
-static void test_black_is_no_sky( void** state )
+TEST( test_black_is_no_sky )
 {
-    (void)state;
     RfEnvironment e = make_environment( 0.0f );
     for ( int i = 0; i < 3 * WIDTH * HEIGHT; ++i )
         s_map[i] = 0.0f;
@@ -430,9 +419,8 @@ static void check_lamp( RfPunctual lamp, double irradiance )
     free_rendered( &r );
 }
 
-static void test_lamps_by_closed_form( void** state )
+TEST( test_lamps_by_closed_form )
 {
-    (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0, 2, 0 ), 8.0f );
     check_lamp( lamp, 8.0 / 4.0 );
     lamp.position = rf_vec3( 3, 4, 0 ); // 5 away, cosine 0.8
@@ -459,9 +447,8 @@ static void test_lamps_by_closed_form( void** state )
     check_lamp( lamp, 0.0 );
 }
 
-static void test_floor_under_a_sky( void** state )
+TEST( test_floor_under_a_sky )
 {
-    (void)state;
     RfScene scene = make_floor();
     scene.environment.radiance = rf_vec3( 2, 2, 2 );
     RfEye eye = eye_above( 1.0f, 16 );
@@ -485,9 +472,8 @@ static void check_invisible( RfMaterial material, double low, double high )
     free_rendered( &r );
 }
 
-static void test_lossless_things_are_invisible( void** state )
+TEST( test_lossless_things_are_invisible )
 {
-    (void)state;
     RfMaterial mirror = make_mirror( 1.0f );
     check_invisible( mirror, 1.0 - 1e-3, 1.0 + 1e-5 );
     check_invisible( make_glass( 1.5f, 0.0f, true ), 1.0 - 1e-3, 1.0 + 1e-5 );
@@ -500,9 +486,8 @@ static void test_lossless_things_are_invisible( void** state )
 }
 
 // Within a body light is lost on its way to the eye.
-static void test_eye_inside_of_glass( void** state )
+TEST( test_eye_inside_of_glass )
 {
-    (void)state;
     for ( int rough = 0; rough < 2; ++rough )
     {
         SceneBuilder b = { 0 };
@@ -517,22 +502,4 @@ static void test_eye_inside_of_glass( void** state )
         assert_true( fabs( mean - exp( -0.5 ) ) < 2e-3 );
         free_rendered( &r );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_middle_of_the_map ),
-        cmocka_unit_test( test_eye_inside_of_glass ),
-        cmocka_unit_test( test_density_integrates_to_one ),
-        cmocka_unit_test( test_directions_follow_the_density ),
-        cmocka_unit_test( test_surfaces_sample_what_lights_them ),
-        cmocka_unit_test( test_cells_of_many_pixels ),
-        cmocka_unit_test( test_no_sample_below_the_horizon ),
-        cmocka_unit_test( test_black_is_no_sky ),
-        cmocka_unit_test( test_lamps_by_closed_form ),
-        cmocka_unit_test( test_floor_under_a_sky ),
-        cmocka_unit_test( test_lossless_things_are_invisible ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,15 +4,11 @@
 #include "render/estimator.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define LEAST_PATHS 100
 #define CLOSE 2e-3f
@@ -115,19 +111,12 @@ static void check_room( MirrorRoom kind, float share )
     rf_destroy_scene( &scene );
 }
 
-static void test_weights_sum_to_one( void** state )
+TEST( test_weights_sum_to_one )
 {
-    (void)state;
     static const MirrorRoom rooms[] = { GLASS_BALL, MIRROR_BALL, ABSORBING_SLAB, FACING_MIRRORS };
     for ( size_t r = 0; r < sizeof rooms / sizeof *rooms; ++r )
     {
         check_room( rooms[r], 1.0f );
         check_room( rooms[r], 0.03f );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_weights_sum_to_one ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

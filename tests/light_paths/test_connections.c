@@ -3,14 +3,10 @@
 #include "light_paths/light_paths.h"
 #include "support/rooms.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 3
 #define WIDTH 20
@@ -44,9 +40,8 @@ static bool same( const Rendered* a, const Rendered* b )
     return memcmp( a->rgb, b->rgb, 3 * a->pixels * (size_t)a->count * sizeof( float ) ) == 0;
 }
 
-static void test_threads_change_no_bit( void** state )
+TEST( test_threads_change_no_bit )
 {
-    (void)state;
     RfScene scene = make_mirror_room( GLASS_BALL );
     for ( int group = 0; group < 2; ++group )
     {
@@ -67,9 +62,8 @@ static void test_threads_change_no_bit( void** state )
 }
 
 // Smooth metals serve lamps without size alone, of which there are none.
-static void test_without_mirrors_and_glass_nothing_changes( void** state )
+TEST( test_without_mirrors_and_glass_nothing_changes )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         RfScene scene = k == 0 ? make_room( ROOM_GGX ) : make_mirror_room( SHARP_METAL );
@@ -85,9 +79,8 @@ static void test_without_mirrors_and_glass_nothing_changes( void** state )
 }
 
 // As seen in its ball, the room's lamp is large.
-static void test_large_emitters_are_left_to_chance( void** state )
+TEST( test_large_emitters_are_left_to_chance )
 {
-    (void)state;
     RfScene scene = make_mirror_room( GLASS_BALL );
     RfDivision division = rf_divide_emitters( &scene, NULL );
     assert_int_equal( division.all, 1 );
@@ -122,23 +115,11 @@ static size_t bytes_of( int width, int height )
     return bytes;
 }
 
-static void test_memory_of_light_paths_is_counted( void** state )
+TEST( test_memory_of_light_paths_is_counted )
 {
-    (void)state;
     size_t few = bytes_of( 64, 64 ), many = bytes_of( 128, 64 ), each = ( many - few ) / ( LIGHT_PATHS );
     printf( "%zu bytes for each light path\n", each );
     assert_true( many > few );
     assert_true( each >= sizeof( RfLightPath ) );
     assert_true( each <= 496 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_threads_change_no_bit ),
-        cmocka_unit_test( test_without_mirrors_and_glass_nothing_changes ),
-        cmocka_unit_test( test_large_emitters_are_left_to_chance ),
-        cmocka_unit_test( test_memory_of_light_paths_is_counted ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

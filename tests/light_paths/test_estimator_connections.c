@@ -1,16 +1,12 @@
 // Connections to light paths bring the light of mirrors and glass without bias, also past thin panes: that of lamps
 // in a mirror against the mirrored lamps, that of area lights against paths that hit them by chance. Welch tests over 16 seeds.
 #include "light/divide.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 18
@@ -109,9 +105,8 @@ static void check_lamp( const char* what, RfPunctual lamp, bool panes )
     free_images( &mirrored );
 }
 
-static void test_lamps_without_size_shine_in_mirrors( void** state )
+TEST( test_lamps_without_size_shine_in_mirrors )
 {
-    (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 3.0f );
     check_lamp( "point", lamp, false );
     check_lamp( "point, panes", lamp, true );
@@ -126,9 +121,8 @@ static void test_lamps_without_size_shine_in_mirrors( void** state )
     check_lamp( "sun, panes", lamp, true );
 }
 
-static void test_lamps_with_size_shine_in_mirrors( void** state )
+TEST( test_lamps_with_size_shine_in_mirrors )
 {
-    (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 3.0f );
     lamp.radius = 0.4f;
     check_lamp( "ball", lamp, false );
@@ -151,9 +145,8 @@ static void test_lamps_with_size_shine_in_mirrors( void** state )
 }
 
 // One whose profile is its own mirror image about its x axis, which is level.
-static void test_profiles_shine_in_mirrors( void** state )
+TEST( test_profiles_shine_in_mirrors )
 {
-    (void)state;
     RfPunctual lamp = make_beam( rf_vec3( 0.3f, 1.2f, -0.2f ), rf_vec3( -0.3f, -1.0f, 0.1f ), 3.0f );
     lamp.across = rf_normalize( rf_vec3( 0.1f, 0.0f, 0.3f ) );
     lamp.profile->references = 3; // lamps of both scenes
@@ -161,9 +154,8 @@ static void test_profiles_shine_in_mirrors( void** state )
 }
 
 // The large lamp is left to chance, the small one and that without size to connections.
-static void test_emitters_are_divided( void** state )
+TEST( test_emitters_are_divided )
 {
-    (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0.3f, 1.2f, -0.2f ), 2.0f );
     for ( int panes = 0; panes < 2; ++panes )
     {
@@ -183,18 +175,13 @@ static void check_room( const char* what, MirrorRoom kind, int max_depth, const 
     check_chains( &c, make_mirror_room( kind ) );
 }
 
-static void test_area_lights_shine_through_glass( void** state )
+TEST( test_area_lights_shine_through_glass )
 {
-    (void)state;
     check_room( "glass ball", GLASS_BALL, 5, g_connected + 1 );
     check_room( "layered slab", LAYERED_SLAB, 5, g_connected );
 }
 
-static void test_area_lights_shine_in_mirrors( void** state )
-{
-    (void)state;
-    check_room( "mirror ball", MIRROR_BALL, 4, g_connected );
-}
+TEST( test_area_lights_shine_in_mirrors ) { check_room( "mirror ball", MIRROR_BALL, 4, g_connected ); }
 
 // A ceiling and a wall over smooth metal, a plate and a ball, with a pane between. Mirrors would bring light that the reference lacks.
 static RfScene make_plates( RfPunctual lamp, float roughness )
@@ -243,9 +230,8 @@ static void check_plates( const char* what, RfPunctual lamp, float roughness, in
     rf_destroy_scene( &scene );
 }
 
-static void test_smooth_metals_throw_light( void** state )
+TEST( test_smooth_metals_throw_light )
 {
-    (void)state;
     RfPunctual lamp = make_point_light( rf_vec3( 0.2f, 1.5f, 0.3f ), 2.0f );
     check_plates( "point, smooth metals, 0:1", lamp, 0.2f, 0, "1" );
     check_plates( "point, smooth metals, 1:3x3", lamp, 0.1f, 1, "3x3" );
@@ -257,13 +243,4 @@ static void test_smooth_metals_throw_light( void** state )
     check_plates( "ball, smooth metals, 1:3x3", lamp, 0.2f, 1, "3x3" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lamps_without_size_shine_in_mirrors ), cmocka_unit_test( test_lamps_with_size_shine_in_mirrors ),
-        cmocka_unit_test( test_profiles_shine_in_mirrors ),           cmocka_unit_test( test_emitters_are_divided ),
-        cmocka_unit_test( test_smooth_metals_throw_light ),           cmocka_unit_test( test_area_lights_shine_in_mirrors ),
-        cmocka_unit_test( test_area_lights_shine_through_glass ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -5,15 +5,11 @@
 #include "support/bidirectional.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 16
 #define HEIGHT 12
@@ -141,28 +137,15 @@ static void check_body( const char* what, Body body, int max_depth )
     rf_destroy_scene( &scene );
 }
 
-static void test_a_slab_of_glass( void** state )
-{
-    (void)state;
-    check_body( "slab", SLAB, 5 );
-}
+TEST( test_a_slab_of_glass ) { check_body( "slab", SLAB, 5 ); }
 
-static void test_a_glass_ball( void** state )
-{
-    (void)state;
-    check_body( "ball", BALL, 5 );
-}
+TEST( test_a_glass_ball ) { check_body( "ball", BALL, 5 ); }
 
-static void test_by_way_of_a_mirror( void** state )
-{
-    (void)state;
-    check_body( "mirror", MIRROR, 5 );
-}
+TEST( test_by_way_of_a_mirror ) { check_body( "mirror", MIRROR, 5 ); }
 
 // The referee with all its ways: connections, and glossy surfaces with interpolated normals.
-static void test_bidirectional_path_tracing( void** state )
+TEST( test_bidirectional_path_tracing )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_GGX );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eye;
@@ -178,13 +161,4 @@ static void test_bidirectional_path_tracing( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_bidirectional_path_tracing ),
-        cmocka_unit_test( test_a_slab_of_glass ),
-        cmocka_unit_test( test_a_glass_ball ),
-        cmocka_unit_test( test_by_way_of_a_mirror ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -1,16 +1,12 @@
 // Indirect light from caustics, without bias: a room whose lamp shines on a mirror alone,
 // against paths that hit it by chance. Welch tests over 16 seeds.
+#include "support/test.h"
 #include "support/unbiased.h"
 #include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 // The room has a floor that VPLs and cameras see in all ways: matte and glossy, flat and curved, and corners, where connections to
 // VPLs have small weights. The lamp has the same power in any size.
@@ -47,9 +43,8 @@ static RfScene make_indirect_room( float half, bool panes )
     return finish_scene( &b );
 }
 
-static void test_light_of_the_second_kind( void** state )
+TEST( test_light_of_the_second_kind )
 {
-    (void)state;
     const ChainSetting settings[2] = { { .group = 0, .tile = "1", .spp = 6, .connected = true },
                                        { .group = 3, .tile = "3x3", .spp = 7, .connected = true } };
     ChainCase c = chain_case( "indirect light from caustics", 5 );
@@ -64,9 +59,8 @@ static void test_light_of_the_second_kind( void** state )
 
 // Only in the long form: with fewer samples most seeds of a pixel miss the light that chance finds, connections or not, and
 // Welch's test takes their small variance for that of all (p 4.6e-9 at 7 samples, by path tracing alone).
-static void test_light_of_the_second_kind_of_a_smaller_lamp( void** state )
+TEST( test_light_of_the_second_kind_of_a_smaller_lamp )
 {
-    (void)state;
     if ( getenv( "REFRAME_LONG" ) == NULL )
         skip();
     RfScene scene = make_indirect_room( 0.4f, false );
@@ -91,9 +85,4 @@ static void test_light_of_the_second_kind_of_a_smaller_lamp( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_light_of_the_second_kind ),
-                                        cmocka_unit_test( test_light_of_the_second_kind_of_a_smaller_lamp ) };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -2,14 +2,10 @@
 // outside, so that flux and radiance scale differently.
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define RADIANCE 15.0f
 #define MOST_SIGMAS 4.5
@@ -62,16 +58,9 @@ static void check_flux( const char* name, float inner, float outer, float tint, 
     rf_destroy_scene( &scene );
 }
 
-static void test_flux_is_conserved( void** state )
+TEST( test_flux_is_conserved )
 {
-    (void)state;
     check_flux( "lamp in solid glass", 0.0f, 0.5f, 0.0f, 0.96 );
     check_flux( "lamp in a shell of glass", 0.4f, 0.5f, 0.0f, 0.96 * 0.96 );
     check_flux( "the same between bulbs", 0.4f, 0.5f, 0.6f, 0.96 * 0.96 * ( 0.96 * 0.6 ) * ( 0.96 * 0.6 ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_flux_is_conserved ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

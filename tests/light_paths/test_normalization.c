@@ -4,15 +4,11 @@
 #include "render/estimator.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define TRIALS 8192
 #define LINKS 8 // solutions looked at
@@ -106,9 +102,8 @@ static double count_found( const LightPathSet* s, const RfConnection* connection
     return (double)found / TRIALS;
 }
 
-static void test_repeated_trials_are_one_over_the_probability( void** state )
+TEST( test_repeated_trials_are_one_over_the_probability )
 {
-    (void)state;
     static RfVertexLanes v;
     static RfConnectionLanes out;
     static RfConnectionWork work;
@@ -217,9 +212,8 @@ static double count_covering( const LightPathSet* s, const RfVplConnection* conn
     return (double)found / PARTICLES;
 }
 
-static void test_trials_of_vpls_are_one_over_the_probability( void** state )
+TEST( test_trials_of_vpls_are_one_over_the_probability )
 {
-    (void)state;
     static RfVertexLanes v;
     static RfConnectionLanes out;
     static RfConnectionWork work;
@@ -252,11 +246,4 @@ static void test_trials_of_vpls_are_one_over_the_probability( void** state )
     assert_true( uncertain > 0 );
     free_light_path_set( &s );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_repeated_trials_are_one_over_the_probability ),
-                                        cmocka_unit_test( test_trials_of_vpls_are_one_over_the_probability ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

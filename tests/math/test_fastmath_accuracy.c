@@ -1,13 +1,8 @@
 // Accuracy of math/fastmath.h against libm in double precision.
+#include "support/test.h"
 #include "math/fastmath.h"
 
 #include "base/random.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #ifdef REFRAME_SANITIZED
 #define COUNT 200000
@@ -35,9 +30,8 @@ static void assert_error_below( const char* name, double error, double limit )
     assert_true( error < limit );
 }
 
-static void test_log2_is_accurate( void** state )
+TEST( test_log2_is_accurate )
 {
-    (void)state;
     double near_one = 0.0, anywhere = 0.0;
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -54,9 +48,8 @@ static void test_log2_is_accurate( void** state )
     assert_true( rf_log2( 0.0f ) < -126.0f );
 }
 
-static void test_exp2_is_accurate( void** state )
+TEST( test_exp2_is_accurate )
 {
-    (void)state;
     double value = 0.0, difference = 0.0;
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -82,9 +75,8 @@ static double power_error( double value, double log2_reference )
     return relative_error( value, exp2( log2_reference ) ) / ( 1.0 + 0.5 * fabs( log2_reference ) );
 }
 
-static void test_pow_is_accurate( void** state )
+TEST( test_pow_is_accurate )
 {
-    (void)state;
     double plain = 0.0, one_minus = 0.0;
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -100,9 +92,8 @@ static void test_pow_is_accurate( void** state )
     assert_error_below( "pow of 1 - d, over its bound", one_minus, 4e-7 );
 }
 
-static void test_pow_at_the_ends( void** state )
+TEST( test_pow_at_the_ends )
 {
-    (void)state;
     const float exponents[] = { 0.0f, 1e-30f, 0.5f, 1.0f, 100.0f, 1e6f };
     for ( int i = 0; i < 6; ++i )
     {
@@ -115,9 +106,8 @@ static void test_pow_at_the_ends( void** state )
     assert_true( rf_pow( FLT_MIN, 1e6f ) == 0.0f );
 }
 
-static void test_sincos_is_accurate( void** state )
+TEST( test_sincos_is_accurate )
 {
-    (void)state;
     double worst = 0.0;
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -134,14 +124,4 @@ static void test_sincos_is_accurate( void** state )
         worst = fmax( worst, relative_error( c, sines[( (int)k + 1 ) % 4] ) );
     }
     assert_error_below( "sincos", worst, 2e-7 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_log2_is_accurate ),   cmocka_unit_test( test_exp2_is_accurate ),
-        cmocka_unit_test( test_pow_is_accurate ),    cmocka_unit_test( test_pow_at_the_ends ),
-        cmocka_unit_test( test_sincos_is_accurate ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

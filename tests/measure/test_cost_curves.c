@@ -5,18 +5,14 @@
 #include "support/render_support.h"
 #include "render/groups.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 #include "reuse/tile/tile.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MOST_EYES 30
 #define WIDTH 16
@@ -67,9 +63,8 @@ static void check_curve( const RfCostCurve* c )
     assert_true( c->relmse > 0.0 && c->sample_seconds > 0.0 && c->finish_seconds >= 0.0 );
 }
 
-static void test_both_curves_are_rendered( void** state )
+TEST( test_both_curves_are_rendered )
 {
-    (void)state;
     Setup s;
     begin( &s, 12, 2 );
     RfCost cost;
@@ -89,9 +84,8 @@ static void test_both_curves_are_rendered( void** state )
 }
 
 // A path of one frame, and of two, which is one group.
-static void test_short_paths_have_curves( void** state )
+TEST( test_short_paths_have_curves )
 {
-    (void)state;
     for ( int eyes = 1; eyes <= 2; ++eyes )
     {
         Setup s;
@@ -106,9 +100,8 @@ static void test_short_paths_have_curves( void** state )
     }
 }
 
-static void test_nothing_to_compare( void** state )
+TEST( test_nothing_to_compare )
 {
-    (void)state;
     Setup s;
     begin( &s, 4, 0 );
     s.settings.tile = rf_no_tile();
@@ -124,9 +117,8 @@ static bool no_more( void* user )
     return false;
 }
 
-static void test_interruption_returns_no_rows( void** state )
+TEST( test_interruption_returns_no_rows )
 {
-    (void)state;
     Setup s;
     begin( &s, 8, 2 );
     RfTrialWatch watch = { no_more, NULL };
@@ -142,9 +134,8 @@ static void near( double value, double expected ) { assert_true( fabs( value / e
 
 // By hand: error 0.7 of one sample, 0.07 wanted, 10 samples; a second for each
 // sample of a pixel, 5 for finishing.
-static void test_predictions_by_hand( void** state )
+TEST( test_predictions_by_hand )
 {
-    (void)state;
     Setup s;
     begin( &s, 20, 0 );
     RfCostCurve plain = { .group = 0, .eyes = 1, .relmse = 0.699, .sample_seconds = 1.0, .finish_seconds = 5.0 };
@@ -177,9 +168,8 @@ static void test_predictions_by_hand( void** state )
 }
 
 // By hand: the exact picture needs 70 samples. One clamp needs 20, but its bias is too large for less; one 40.
-static void test_clamps_are_weighed_by_hand( void** state )
+TEST( test_clamps_are_weighed_by_hand )
 {
-    (void)state;
     Setup s;
     begin( &s, 20, 0 );
     RfCost cost = { .reuse = { .group = 0, .eyes = 1, .relmse = 6.99, .sample_seconds = 1.0 },
@@ -207,9 +197,8 @@ static void test_clamps_are_weighed_by_hand( void** state )
 }
 
 // Both curves come from the same samples; the clamped one has less variance, and some of the light is missing.
-static void test_clamps_are_tried( void** state )
+TEST( test_clamps_are_tried )
 {
-    (void)state;
     Setup s;
     begin( &s, 6, 1 );
     s.job.relmse = 0.01;
@@ -230,9 +219,8 @@ static void test_clamps_are_tried( void** state )
     end( &s );
 }
 
-static void test_command_says_what_json_says( void** state )
+TEST( test_command_says_what_json_says )
 {
-    (void)state;
     cli_enter();
     cli_expect( cli_measure( "$R cost $VASE --size 40x30 --group 1 --noise 12.91%,0.5 --frames 5-9 --quiet --json c.json "
                              "--svg c.svg > c.txt",
@@ -288,9 +276,8 @@ static void test_command_says_what_json_says( void** state )
     cli_leave();
 }
 
-static void test_wrong_commands_are_refused( void** state )
+TEST( test_wrong_commands_are_refused )
 {
-    (void)state;
     cli_enter();
     cli_expect( cli_run( "$R cost" ), 2, "SCENE" );
     cli_expect( cli_run( "$R cost $VASE --noise 0.1,x" ), 2, "--noise: expected numbers above 0" );
@@ -302,16 +289,4 @@ static void test_wrong_commands_are_refused( void** state )
     cli_expect( cli_run( "$R cost missing.glb" ), 1, "missing.glb" );
     cli_expect( cli_run( "$R cost $VASE --size 8x6 --budget 4 --group 1 --quiet --svg no/such/c.svg > c.txt" ), 1, "no/such" );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_both_curves_are_rendered ),   cmocka_unit_test( test_short_paths_have_curves ),
-        cmocka_unit_test( test_nothing_to_compare ),         cmocka_unit_test( test_interruption_returns_no_rows ),
-        cmocka_unit_test( test_predictions_by_hand ),        cmocka_unit_test( test_clamps_are_weighed_by_hand ),
-        cmocka_unit_test( test_clamps_are_tried ),           cmocka_unit_test( test_command_says_what_json_says ),
-        cmocka_unit_test( test_wrong_commands_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,17 +1,13 @@
 // Slopes and ratios of times against values worked out by hand, and the coverage of their
 // confidence intervals.
+#include "support/test.h"
 #include "measure/cost.h"
 #include "measure/trial.h"
 
 #include "base/random.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
-
-#include <cmocka.h>
 
 static void near( double value, double wanted, double tolerance )
 {
@@ -32,9 +28,8 @@ static double lognormal( uint64_t* state, double s )
     return exp( s * g - 0.5 * s * s );
 }
 
-static void test_slope_by_hand( void** state )
+TEST( test_slope_by_hand )
 {
-    (void)state;
     const double x[] = { 1.0, 2.0, 4.0, 8.0, 0.0 }, y[] = { 0.3, 0.15, 0.075, 0.0375, 1.0 };
     RfInterval s = rf_fit_slope( x, y, 5 ); // the last point is none
     near( s.value, -1.0, 1e-14 );
@@ -63,9 +58,8 @@ static void make_trial( const double* errors, int count, double seconds, RfTrial
         trial->pieces[i] = ( RfPieceError ){ .weight = 100.0, .relmse = 100.0 * errors[i] };
 }
 
-static void test_gain_by_hand( void** state )
+TEST( test_gain_by_hand )
 {
-    (void)state;
     static RfTrial plain, reuse;
     const double same[] = { 1.0, 3.0, 2.0, 2.0 }, third[] = { 0.5, 1.5, 1.0, 1.0 };
     make_trial( same, 4, 1.0, &plain );
@@ -102,9 +96,8 @@ static void test_gain_by_hand( void** state )
 }
 
 // Errors of 30 pieces, heavy-tailed, that have a part in common, and of which the ratio is 5.
-static void test_intervals_hold_the_truth( void** state )
+TEST( test_intervals_hold_the_truth )
 {
-    (void)state;
     enum
     {
         TRIES = 4000,
@@ -138,11 +131,4 @@ static void test_intervals_hold_the_truth( void** state )
                    100.0 * slopes / TRIES );
     near( (double)slopes / TRIES, 0.95, 0.015 );               // exact in theory; four deviations
     assert_true( held > 0.90 * TRIES && held < 0.99 * TRIES ); // tails are seen too seldom
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_slope_by_hand ), cmocka_unit_test( test_gain_by_hand ),
-                                        cmocka_unit_test( test_intervals_hold_the_truth ) };
-    return cmocka_run_group_tests_name( "cost_fit", tests, NULL, NULL );
 }

@@ -1,14 +1,10 @@
 // Windows of the picture: their rays are those of the picture, they cover it evenly, and their margins are not measured.
+#include "support/test.h"
 #include "measure/trial_pieces.h"
 
 #include "scene/projection.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 320
 #define HEIGHT 180
@@ -29,9 +25,8 @@ static void assert_same_ray( const RfEye* window, const RfEye* eye, int x, int y
     assert_true( rf_dot( d[0], d[1] ) > 0.99999999f - 1e-6f && o[0].x == o[1].x );
 }
 
-static void test_rays_are_those_of_the_picture( void** state )
+TEST( test_rays_are_those_of_the_picture )
 {
-    (void)state;
     RfEye eyes[FRAMES], *crops;
     RfTestPieces pieces;
     bool left = false, right = false, low = false, high = false;
@@ -56,9 +51,8 @@ static void test_rays_are_those_of_the_picture( void** state )
     assert_true( left && right && low && high );
 }
 
-static void test_margins_are_not_measured( void** state )
+TEST( test_margins_are_not_measured )
 {
-    (void)state;
     RfEye eyes[FRAMES], *crops;
     RfTestPieces p;
     make_eyes( eyes );
@@ -80,22 +74,11 @@ static void test_margins_are_not_measured( void** state )
 }
 
 // Most of a picture: as well the whole of it.
-static void test_small_pictures_are_taken_whole( void** state )
+TEST( test_small_pictures_are_taken_whole )
 {
-    (void)state;
     RfEye eyes[FRAMES], *crops;
     RfTestPieces pieces;
     make_eyes( eyes );
     assert_int_equal( rf_choose_crops( eyes, 1, 0.8 * WIDTH * HEIGHT, 3, &crops, &pieces, NULL ), RF_OK );
     assert_null( crops );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rays_are_those_of_the_picture ),
-        cmocka_unit_test( test_margins_are_not_measured ),
-        cmocka_unit_test( test_small_pictures_are_taken_whole ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,6 +2,7 @@
 #include "film/brightness.h"
 #include "measure/image_error.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 
@@ -31,9 +32,8 @@ static void check_within( double value, double wanted, double relative )
 
 static void check_near( double value, double wanted ) { check_within( value, wanted, 1e-12 ); }
 
-static void test_identical_images_have_no_error( void** state )
+TEST( test_identical_images_have_no_error )
 {
-    (void)state;
     RfImage image = make_image( 50, 40, 4 );
     RfErrorMetrics metrics = measure( &image, &image );
     assert_true( metrics.relmse == 0.0 && metrics.relmse_trimmed == 0.0 && metrics.mse == 0.0 );
@@ -41,9 +41,8 @@ static void test_identical_images_have_no_error( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_constant_offset( void** state )
+TEST( test_constant_offset )
 {
-    (void)state;
     RfImage reference = make_constant( 33, 21, 0.5f ), image = make_constant( 33, 21, 0.75f );
     RfErrorMetrics metrics = measure( &image, &reference );
     check_near( metrics.relmse, 3.0 * 0.0625 / 0.251 );
@@ -92,9 +91,8 @@ static double plain_denominator( const RfImage* image, int x, int y )
 }
 
 // The mean of the reference's channels divides, and the sum goes over channels.
-static void test_known_pixel_by_hand( void** state )
+TEST( test_known_pixel_by_hand )
 {
-    (void)state;
     RfImage reference = make_constant( 1, 1, 0.0f ), image = make_constant( 1, 1, 1.0f );
     reference.rgb[0] = 3.0f; // r̄ = 1; differences −2, 1, 1
     RfErrorMetrics metrics = measure( &image, &reference );
@@ -120,9 +118,8 @@ static double relmse_of_one( RfImage* reference, int pixel )
 }
 
 // A firefly in either picture, and pictures smaller than the windows.
-static void test_denominators_by_hand( void** state )
+TEST( test_denominators_by_hand )
 {
-    (void)state;
     RfImage reference = make_constant( 9, 9, 0.5f ), image = make_constant( 9, 9, 0.5f );
     image.rgb[3 * 40] = 1000.5f;
     check_near( measure( &image, &reference ).relmse, 1e6 / 0.251 / 81.0 );
@@ -170,9 +167,8 @@ static void test_denominators_by_hand( void** state )
 
 // Twice the error: twice bias and max, four times the squares. And a known
 // ratio: v = 2 r with r large gives 3 r² / (r² + ε).
-static void test_measures_scale( void** state )
+TEST( test_measures_scale )
 {
-    (void)state;
     RfImage reference = make_constant( 40, 30, 8.0f ), image = make_image( 40, 30, 2 ), twice = make_image( 40, 30, 2 );
     for ( int i = 0; i < 3600; ++i )
     {
@@ -198,9 +194,8 @@ static void test_measures_scale( void** state )
 
 // 2000 pixels: the two worst are left out, also beside a firefly so bright
 // that it swallows the rest in a sum; 999 pixels: none is.
-static void test_trimmed_leaves_out_the_worst( void** state )
+TEST( test_trimmed_leaves_out_the_worst )
 {
-    (void)state;
     RfImage reference = make_constant( 50, 40, 0.0f ), image = make_constant( 50, 40, 0.0f );
     for ( int i = 0; i < 2000; ++i )
         image.rgb[3 * i] = 1.0f;
@@ -228,9 +223,8 @@ static int descending( const void* a, const void* b )
 }
 
 // The heap of the worst against a sort.
-static void test_trimmed_heap_is_a_sort( void** state )
+TEST( test_trimmed_heap_is_a_sort )
 {
-    (void)state;
     enum
     {
         PIXELS = 200 * 150
@@ -257,9 +251,8 @@ static void test_trimmed_heap_is_a_sort( void** state )
     rf_destroy_image( &reference );
 }
 
-static void test_pixels_not_finite_are_counted( void** state )
+TEST( test_pixels_not_finite_are_counted )
 {
-    (void)state;
     RfImage reference = make_constant( 20, 20, 1.0f ), image = make_constant( 20, 20, 1.0f );
     image.rgb[0] = NAN;
     image.rgb[1] = NAN; // the same pixel
@@ -285,9 +278,8 @@ static void test_pixels_not_finite_are_counted( void** state )
 }
 
 // Frames pooled give what one picture of them all would.
-static void test_pooled_frames_are_one_picture( void** state )
+TEST( test_pooled_frames_are_one_picture )
 {
-    (void)state;
     RfImage reference = make_constant( 48, 96, 0.5f ), image = make_image( 48, 96, 6 ); // frames have borders of their own
     RfErrorMetrics whole = measure( &image, &reference );
     RfErrorSummary summary;
@@ -310,9 +302,8 @@ static void test_pooled_frames_are_one_picture( void** state )
 
 // Noise about a known bias: the interval holds it in about 95 % of the trials.
 // 400 trials: standard deviation 1.1 %; 4 of them either way.
-static void test_bias_interval_covers( void** state )
+TEST( test_bias_interval_covers )
 {
-    (void)state;
     enum
     {
         TRIALS = 400,
@@ -341,9 +332,8 @@ static void test_bias_interval_covers( void** state )
 
 // Two blocks of 16x16 whose errors are 0 and 1: the mean is 1/2, the variance of the
 // mean (1/4 + 1/4) / 1 / 2 = 1/4, and Student's t of one degree of freedom is 12.706.
-static void test_interval_closed_form( void** state )
+TEST( test_interval_closed_form )
 {
-    (void)state;
     RfImage reference = make_constant( 32, 16, 1.0f ), image = make_constant( 32, 16, 1.0f );
     for ( int y = 0; y < 16; ++y )
     {
@@ -364,9 +354,8 @@ static void test_interval_closed_form( void** state )
 }
 
 // Against printed tables.
-static void test_student_by_tables( void** state )
+TEST( test_student_by_tables )
 {
-    (void)state;
     static const struct
     {
         int freedom;
@@ -381,9 +370,8 @@ static void test_student_by_tables( void** state )
     }
 }
 
-static void test_worst_pixel_is_found( void** state )
+TEST( test_worst_pixel_is_found )
 {
-    (void)state;
     RfImage reference = make_constant( 20, 10, 2.0f ), image = make_constant( 20, 10, 2.0f );
     RfErrorMetrics metrics = measure( &image, &reference );
     assert_int_equal( metrics.worst.frame, -1 );
@@ -400,9 +388,8 @@ static void test_worst_pixel_is_found( void** state )
 }
 
 // Frames with the same error are one observation, whatever their number.
-static void test_frozen_frames_count_once( void** state )
+TEST( test_frozen_frames_count_once )
 {
-    (void)state;
     RfImage reference = make_image( 96, 80, 11 ), image = make_image( 96, 80, 12 );
     RfErrorMetrics one = measure( &image, &reference );
     RfErrorSummary summary;
@@ -434,9 +421,8 @@ static RfErrorMetrics measure_order( const RfImage* images, const RfImage* refer
 static bool is_close( double a, double b, double scale ) { return fabs( a - b ) <= 1e-11 * scale; }
 
 // The order of the frames is of no matter.
-static void test_order_of_frames_is_of_no_matter( void** state )
+TEST( test_order_of_frames_is_of_no_matter )
 {
-    (void)state;
     static const int order[5] = { 0, 1, 2, 3, 4 }, other[5] = { 3, 0, 4, 2, 1 };
     RfImage images[5], reference = make_image( 70, 50, 1 );
     for ( int i = 0; i < 5; ++i )
@@ -504,34 +490,10 @@ static int count_held( int trials, int shift, bool smooth )
 
 // Frames that share samples, still, moving slowly and by more than a block: the
 // interval is not too narrow. 120 trials: standard deviation 2.0 %; 3 of them below 95 %.
-static void test_shared_samples_widen_the_interval( void** state )
+TEST( test_shared_samples_widen_the_interval )
 {
-    (void)state;
     assert_in_range( count_held( 120, 0, false ), 107, 120 );
     assert_in_range( count_held( 120, 3, false ), 107, 120 );
     assert_in_range( count_held( 120, 24, false ), 107, 120 );
     assert_in_range( count_held( 120, 3, true ), 107, 120 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_identical_images_have_no_error ),
-        cmocka_unit_test( test_constant_offset ),
-        cmocka_unit_test( test_known_pixel_by_hand ),
-        cmocka_unit_test( test_denominators_by_hand ),
-        cmocka_unit_test( test_measures_scale ),
-        cmocka_unit_test( test_trimmed_leaves_out_the_worst ),
-        cmocka_unit_test( test_trimmed_heap_is_a_sort ),
-        cmocka_unit_test( test_pixels_not_finite_are_counted ),
-        cmocka_unit_test( test_pooled_frames_are_one_picture ),
-        cmocka_unit_test( test_bias_interval_covers ),
-        cmocka_unit_test( test_interval_closed_form ),
-        cmocka_unit_test( test_student_by_tables ),
-        cmocka_unit_test( test_worst_pixel_is_found ),
-        cmocka_unit_test( test_frozen_frames_count_once ),
-        cmocka_unit_test( test_order_of_frames_is_of_no_matter ),
-        cmocka_unit_test( test_shared_samples_widen_the_interval ),
-    };
-    return cmocka_run_group_tests_name( "error", tests, NULL, NULL );
 }

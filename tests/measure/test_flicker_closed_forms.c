@@ -1,14 +1,14 @@
 // Flicker against closed forms.
 #include "support/frame_files.h"
+#include "support/test.h"
 
 #include <math.h>
 
 // e_t = ρ e_{t−1} + sqrt(1 − ρ²) n_t has variance 1 and correlation ρ: φ = 1 − ρ
 // and F1 = sqrt(2 (1 − ρ)). The correlation of 9216 values has a standard
 // deviation of (1 − ρ²) / 96, and the frames' are independent.
-static void test_correlated_noise( void** state )
+TEST( test_correlated_noise )
 {
-    (void)state;
     static const double correlations[] = { 0.0, 0.5, 0.9, -0.5 };
     enum
     {
@@ -43,9 +43,8 @@ static void test_correlated_noise( void** state )
 }
 
 // Equal errors 0, opposite ones 2, no error at all 0.
-static void test_frozen_and_alternating( void** state )
+TEST( test_frozen_and_alternating )
 {
-    (void)state;
     RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
     RfFlickerMetrics m = measured( &b, &a, false, true );
     assert_true( m.f1 == 0.0 && m.phi == 0.0 && m.mse == 0.0 );
@@ -66,9 +65,8 @@ static void test_frozen_and_alternating( void** state )
 }
 
 // The definition summed naively; scaling; the order of the two frames.
-static void test_definition_scaling_and_symmetry( void** state )
+TEST( test_definition_scaling_and_symmetry )
 {
-    (void)state;
     RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 ), c = make_frame( 3 );
     fill_noise( &a, 11, 1.0f );
     fill_noise( &b, 12, 0.25f );
@@ -109,9 +107,8 @@ static void test_definition_scaling_and_symmetry( void** state )
 
 // A texture that moved by whole pixels: nothing is left along the motion, and what
 // came in from outside does not count.
-static void test_whole_shifts_leave_nothing( void** state )
+TEST( test_whole_shifts_leave_nothing )
 {
-    (void)state;
     enum
     {
         RIGHT = 5,
@@ -142,9 +139,8 @@ static void test_whole_shifts_leave_nothing( void** state )
 
 // x² + y² moved by (u, v) of a pixel: linear interpolation is too large by
 // u (1 − u) + v (1 − v), everywhere.
-static void test_shifts_of_parts_of_a_pixel( void** state )
+TEST( test_shifts_of_parts_of_a_pixel )
 {
-    (void)state;
     static const float shifts[][2] = { { 0.5f, 0.0f }, { 0.25f, 0.0f }, { 0.0f, 0.75f }, { 0.25f, 0.5f } };
     RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     for ( size_t k = 0; k < sizeof shifts / sizeof shifts[0]; ++k )
@@ -169,9 +165,8 @@ static void test_shifts_of_parts_of_a_pixel( void** state )
 
 // Between pixels independent noise is smaller, and φ stays 1: with the error
 // itself, and with the variance of a picture. Mean of two: σ² (1 + 1/2).
-static void test_noise_between_pixels( void** state )
+TEST( test_noise_between_pixels )
 {
-    (void)state;
     RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     fill_noise( &before, 21, 0.5f );
     fill_noise( &now, 22, 0.5f );
@@ -198,9 +193,8 @@ static void test_noise_between_pixels( void** state )
 
 // A square in front of a wall, 1 m before 4 m, moves 6 pixels to the right over it.
 // Six of its columns uncover the wall; depth takes just those out.
-static void test_depth_takes_out_what_is_uncovered( void** state )
+TEST( test_depth_takes_out_what_is_uncovered )
 {
-    (void)state;
     enum
     {
         SIDE = 20,
@@ -271,9 +265,8 @@ static void set_camera( RfFlickerFrame* frame, uint32_t seed, double forward )
 }
 
 // The expected depth against the points themselves, and a dolly of 10 % a frame.
-static void test_expected_depth_of_a_dolly( void** state )
+TEST( test_expected_depth_of_a_dolly )
 {
-    (void)state;
     RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     set_camera( &before, 1, 0.0 );
     set_camera( &now, 4, 0.5 );
@@ -304,9 +297,8 @@ static void test_expected_depth_of_a_dolly( void** state )
     rf_destroy_flicker_frame( &now );
 }
 
-static void test_wrong_input_is_refused( void** state )
+TEST( test_wrong_input_is_refused )
 {
-    (void)state;
     RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
     RfFlickerSums sums;
     RfError error;
@@ -317,20 +309,4 @@ static void test_wrong_input_is_refused( void** state )
     b.signal.height += 1;
     rf_destroy_flicker_frame( &a );
     rf_destroy_flicker_frame( &b );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_correlated_noise ),
-        cmocka_unit_test( test_frozen_and_alternating ),
-        cmocka_unit_test( test_definition_scaling_and_symmetry ),
-        cmocka_unit_test( test_whole_shifts_leave_nothing ),
-        cmocka_unit_test( test_shifts_of_parts_of_a_pixel ),
-        cmocka_unit_test( test_noise_between_pixels ),
-        cmocka_unit_test( test_depth_takes_out_what_is_uncovered ),
-        cmocka_unit_test( test_expected_depth_of_a_dolly ),
-        cmocka_unit_test( test_wrong_input_is_refused ),
-    };
-    return cmocka_run_group_tests_name( "flicker", tests, NULL, NULL );
 }

@@ -3,15 +3,12 @@
 #include "measure/trial.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 160
@@ -100,9 +97,8 @@ static void check_pieces( float degrees, int group, const char* tile, RfFilter f
     end( &s );
 }
 
-static void test_pieces_are_parts_of_the_whole( void** state )
+TEST( test_pieces_are_parts_of_the_whole )
 {
-    (void)state;
     check_pieces( 1.0f, 0, "1", RF_FILTER_BOX );
     check_pieces( 1.0f, 2, "1", RF_FILTER_BOX );
     check_pieces( 1.0f, 2, "3x3", RF_FILTER_BOX );
@@ -113,9 +109,8 @@ static void test_pieces_are_parts_of_the_whole( void** state )
 }
 
 // They lie all over the picture, do not overlap, and are as many pixels as were asked for.
-static void test_pieces_are_spread( void** state )
+TEST( test_pieces_are_spread )
 {
-    (void)state;
     Setup s;
     begin( &s, 1.0f, PIXELS, false );
     const RfTestPieces* p = &s.pieces;
@@ -162,9 +157,8 @@ static void try_both( const Setup* s, double pixels, uint64_t seed, RfTrial tria
 
 // In the mean over seeds, each with other pieces, trials find the error of the whole pictures, and their intervals hold the
 // ratio of errors.
-static void test_trials_of_pieces_find_the_error( void** state )
+TEST( test_trials_of_pieces_find_the_error )
 {
-    (void)state;
     Setup s;
     begin( &s, 1.0f, PIXELS, false );
     int seeds = getenv( "REFRAME_LONG" ) != NULL ? 100 : 24, held = 0;
@@ -187,9 +181,8 @@ static void test_trials_of_pieces_find_the_error( void** state )
 }
 
 // What needs whole frames refuses pieces.
-static void test_pieces_are_refused_with_what_needs_frames( void** state )
+TEST( test_pieces_are_refused_with_what_needs_frames )
 {
-    (void)state;
     Setup s;
     begin( &s, 1.0f, PIXELS, false );
     RfPieces pieces = rf_pieces_from( &s.pieces, 0 );
@@ -206,15 +199,4 @@ static void test_pieces_are_refused_with_what_needs_frames( void** state )
                           RF_ERROR_USAGE );
     }
     end( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_pieces_are_parts_of_the_whole ),
-        cmocka_unit_test( test_pieces_are_spread ),
-        cmocka_unit_test( test_trials_of_pieces_find_the_error ),
-        cmocka_unit_test( test_pieces_are_refused_with_what_needs_frames ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,16 +1,13 @@
 // Plots: ticks, positions on paper, and valid XML for any text.
 #include "support/cli_run.h"
+#include "support/test.h"
 #include "measure/plot.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static char* draw( const RfPlot* plot )
 {
@@ -39,9 +36,8 @@ static void expect_well_formed( const char* svg )
         0, NULL );
 }
 
-static void test_ticks_are_round( void** state )
+TEST( test_ticks_are_round )
 {
-    (void)state;
     double t[RF_PLOT_TICKS];
     assert_int_equal( rf_plot_ticks( true, 1.0, 100.0, t, RF_PLOT_TICKS ), 7 );
     static const double expected[] = { 1, 2, 5, 10, 20, 50, 100 };
@@ -75,9 +71,8 @@ static void test_ticks_are_round( void** state )
 
 // The paper's corners are those of axes with a given range; the middle of a
 // logarithmic one is the geometric mean.
-static void test_places_on_paper( void** state )
+TEST( test_places_on_paper )
 {
-    (void)state;
     double x[] = { 1.0, 10.0, 100.0, 1000.0, 10.0 }, y[] = { 0.0, 5.0, 10.0, 5.0, (double)NAN };
     RfPlotSeries series = { .name = "dots", .x = x, .y = y, .count = 5, .no_line = true };
     RfPlot plot = {
@@ -98,9 +93,8 @@ static void test_places_on_paper( void** state )
     free( svg );
 }
 
-static void test_series_gaps_and_notes_are_drawn( void** state )
+TEST( test_series_gaps_and_notes_are_drawn )
 {
-    (void)state;
     double x[] = { 1, 2, 3, 4, 5, 6 }, y[] = { 1, 2, -1, 3, 4, (double)INFINITY };
     RfPlotSeries series[] = { { .name = "gap", .x = x, .y = y, .count = 6 },
                               { .name = "fit", .x = x, .y = x, .count = 6, .dashed = true, .no_markers = true, .style = 3 } };
@@ -129,9 +123,8 @@ static void test_series_gaps_and_notes_are_drawn( void** state )
     free( svg );
 }
 
-static void test_any_text_is_valid_xml( void** state )
+TEST( test_any_text_is_valid_xml )
 {
-    (void)state;
     static const char* const hostile[] = { "<svg>&amp;\"'",
                                            "\xff\xfe half \xe2\x82",
                                            "tab\t\x01\x1f\n",
@@ -162,9 +155,8 @@ static void test_any_text_is_valid_xml( void** state )
     }
 }
 
-static void test_nothing_to_plot( void** state )
+TEST( test_nothing_to_plot )
 {
-    (void)state;
     double bad = (double)NAN;
     RfPlotSeries series = { .name = "none", .x = &bad, .y = &bad, .count = 1 };
     for ( int n = 0; n < 2; ++n )
@@ -180,14 +172,4 @@ static void test_nothing_to_plot( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ticks_are_round ),
-        cmocka_unit_test( test_places_on_paper ),
-        cmocka_unit_test( test_series_gaps_and_notes_are_drawn ),
-        cmocka_unit_test( test_any_text_is_valid_xml ),
-        cmocka_unit_test( test_nothing_to_plot ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

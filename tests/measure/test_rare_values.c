@@ -1,15 +1,11 @@
 // Where a few rare values decide, 16 values that lack them have too small a mean and too small a variance, and Welch's test
 // fails by itself. place_p, which compares pixels and blocks of pictures, keeps its level there, and finds what is different.
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define ACROSS 16
 #define DOWN 12
@@ -81,9 +77,8 @@ static void count_false( double spread, double level, int* by_place, int* by_wel
     printf( "spread %.1f: %d of %d pictures below %g, %d by Welch's test\n", spread, *by_place, PICTURES, level, *by_welch );
 }
 
-static void test_skewed_data_keep_the_level( void** state )
+TEST( test_skewed_data_keep_the_level )
 {
-    (void)state;
     static const double s_spreads[] = { 0.5, 1.0, 1.5 };
     for ( int k = 0; k < 3; ++k )
     {
@@ -98,9 +93,8 @@ static void test_skewed_data_keep_the_level( void** state )
 }
 
 // Of one place in the whole picture.
-static void test_differences_are_found( void** state )
+TEST( test_differences_are_found )
 {
-    (void)state;
     static const struct
     {
         double spread, by;
@@ -124,13 +118,4 @@ static void test_differences_are_found( void** state )
                 place_found, PICTURES, welch_found );
         assert_true( place_found > 0.9 * PICTURES );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_skewed_data_keep_the_level ),
-        cmocka_unit_test( test_differences_are_found ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,5 +1,6 @@
 // Temporal spectrum, seams and slit-scan against closed forms.
 #include "support/frame_files.h"
+#include "support/test.h"
 #include "measure/flicker.h"
 
 #include <math.h>
@@ -39,9 +40,8 @@ static RfSpectrum spectrum_of( const Film* film, int count, bool compensate )
 }
 
 // The same sums to the bit, whatever the number of threads.
-static void test_threads_change_no_sum( void** state )
+TEST( test_threads_change_no_sum )
 {
-    (void)state;
     Film* film = make_film();
     for ( int t = 0; t < RF_SPECTRUM_FRAMES; ++t )
     {
@@ -77,9 +77,8 @@ static void fill_tone( Film* film, double offset, double amplitude, double cycle
 
 // Tones of the transform lie in one band each, whole; a ramp hardly leaves the
 // slow one; independent noise has 1/16, 4/16, 11/16 of its mean square.
-static void test_tones_lie_in_one_band( void** state )
+TEST( test_tones_lie_in_one_band )
 {
-    (void)state;
     Film* film = make_film();
     fill_tone( film, 3.0, 2.0, 4.0 / 32.0 );
     RfSpectrum s = spectrum_of( film, RF_SPECTRUM_FRAMES, false );
@@ -117,9 +116,8 @@ static void test_tones_lie_in_one_band( void** state )
 }
 
 // A texture that moves a pixel to the right each frame stands still along its motion.
-static void test_bands_follow_motion( void** state )
+TEST( test_bands_follow_motion )
 {
-    (void)state;
     Film* film = make_film();
     fill_noise( film->frames, 9, 1.0f );
     for ( int t = 1; t < RF_SPECTRUM_FRAMES; ++t )
@@ -136,9 +134,8 @@ static void test_bands_follow_motion( void** state )
     destroy_film( film );
 }
 
-static void test_windows_by_length_of_the_sequence( void** state )
+TEST( test_windows_by_length_of_the_sequence )
 {
-    (void)state;
     static const int counts[][2] = { { 2, 1 }, { 15, 1 }, { 16, 1 }, { 17, 2 }, { 24, 2 }, { 48, 5 }, { 50, 6 } };
     for ( size_t k = 0; k < sizeof counts / sizeof counts[0]; ++k )
     {
@@ -158,9 +155,8 @@ static int count_seams( const RfSeams* seams, int frames )
     return count;
 }
 
-static void test_seams_are_found( void** state )
+TEST( test_seams_are_found )
 {
-    (void)state;
     RfSeams seams = { .first = 1, .slides = true, .plan = rf_plan_groups( 48, 3, 28 ) };
     assert_int_equal( count_seams( &seams, 48 ), 12 ); // frames 1 to 6 and 43 to 48, each with a neighbour
     assert_true( rf_is_seam( &seams, 7 ) && !rf_is_seam( &seams, 8 ) && !rf_is_seam( &seams, 42 ) && rf_is_seam( &seams, 43 ) );
@@ -180,9 +176,8 @@ static void test_seams_are_found( void** state )
     assert_false( rf_has_seams( &seams ) || rf_is_seam( &seams, 3 ) );
 }
 
-static void test_slit_scan_is_a_column_over_time( void** state )
+TEST( test_slit_scan_is_a_column_over_time )
 {
-    (void)state;
     RfSlitScan scan;
     assert_int_equal( rf_create_slit_scan( 200, HEIGHT, 2, &scan, NULL ), RF_OK );
     assert_true( scan.repeat == 3 && scan.image.width == 600 && scan.image.height == 2 * HEIGHT );
@@ -201,14 +196,4 @@ static void test_slit_scan_is_a_column_over_time( void** state )
     assert_true( scan.repeat == 1 && scan.image.width == 481 );
     rf_destroy_slit_scan( &scan );
     rf_destroy_flicker_frame( &frame );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_threads_change_no_sum ), cmocka_unit_test( test_tones_lie_in_one_band ),
-        cmocka_unit_test( test_bands_follow_motion ),   cmocka_unit_test( test_windows_by_length_of_the_sequence ),
-        cmocka_unit_test( test_seams_are_found ),       cmocka_unit_test( test_slit_scan_is_a_column_over_time ),
-    };
-    return cmocka_run_group_tests_name( "spectrum", tests, NULL, NULL );
 }

@@ -4,16 +4,13 @@
 #include "support/render_support.h"
 #include "render/groups.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 17
 #define WIDTH 20
@@ -95,9 +92,8 @@ static void check_weights( const RfTestRegion* site )
 
 // Both pictures of one render: the exact one has the errors that it has without a clamp, and what the clamped one gains in
 // variance it loses in light.
-static void test_clamped_and_exact_come_from_one_render( void** state )
+TEST( test_clamped_and_exact_come_from_one_render )
 {
-    (void)state;
     Setup s;
     begin( &s, 1.0f, 7, EYES );
     RfRenderSettings settings = settings_of( 1, "3x3" );
@@ -126,9 +122,8 @@ static void test_clamped_and_exact_come_from_one_render( void** state )
     end( &s );
 }
 
-static void test_region_is_cut_at_the_ends_of_the_path( void** state )
+TEST( test_region_is_cut_at_the_ends_of_the_path )
 {
-    (void)state;
     static const int cases[][4] = { { 7, 5, 5, 5 }, { 0, 5, 0, 5 }, { 16, 5, 12, 5 }, { 3, 99, 0, EYES }, { 9, 1, 9, 1 } };
     for ( int i = 0; i < 5; ++i )
     {
@@ -144,9 +139,8 @@ static void test_region_is_cut_at_the_ends_of_the_path( void** state )
 }
 
 // Counts and properties that hold whatever the samples are.
-static void test_sums_hold_for_any_samples( void** state )
+TEST( test_sums_hold_for_any_samples )
 {
-    (void)state;
     Setup s;
     begin( &s, 1.0f, 7, EYES );
     RfRenderSettings settings = settings_of( 0, "1" );
@@ -176,9 +170,8 @@ static void test_sums_hold_for_any_samples( void** state )
 }
 
 // More passes: the error of one does not grow. It falls, as numbers are stratified, and most where nearly all light is direct, as here.
-static void test_more_passes_no_more_error( void** state )
+TEST( test_more_passes_no_more_error )
 {
-    (void)state;
     Setup s;
     begin( &s, 1.0f, 7, EYES );
     RfRenderSettings settings = settings_of( 0, "1" );
@@ -197,9 +190,8 @@ static void test_more_passes_no_more_error( void** state )
 }
 
 // Eyes that are all the same see the same: two neighbours share all windows but one each.
-static void test_equal_eyes_average_their_samples( void** state )
+TEST( test_equal_eyes_average_their_samples )
 {
-    (void)state;
     Setup s;
     begin( &s, 0.0f, 7, 9 );
     for ( int group = 1; group <= 4; group += 3 )
@@ -292,9 +284,8 @@ static void check_long_path( int group, const char* tile, int passes )
     end( &s );
 }
 
-static void test_long_path_has_the_predicted_error( void** state )
+TEST( test_long_path_has_the_predicted_error )
 {
-    (void)state;
     check_long_path( 0, "1", 4 );
     check_long_path( 0, "1", 16 );
     check_long_path( 1, "1", 4 );
@@ -308,9 +299,8 @@ static bool refuse( void* user )
     return false;
 }
 
-static void test_wrong_settings_are_refused( void** state )
+TEST( test_wrong_settings_are_refused )
 {
-    (void)state;
     Setup s;
     RfTrial trial;
     RfError error;
@@ -334,18 +324,4 @@ static void test_wrong_settings_are_refused( void** state )
     assert_int_equal( rf_create_test_region( &s.site.shot, &watch, &site, &settings, &region, &error ), RF_ERROR_INTERRUPTED );
     rf_destroy_test_region( &region );
     end( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_region_is_cut_at_the_ends_of_the_path ),
-        cmocka_unit_test( test_clamped_and_exact_come_from_one_render ),
-        cmocka_unit_test( test_sums_hold_for_any_samples ),
-        cmocka_unit_test( test_more_passes_no_more_error ),
-        cmocka_unit_test( test_equal_eyes_average_their_samples ),
-        cmocka_unit_test( test_long_path_has_the_predicted_error ),
-        cmocka_unit_test( test_wrong_settings_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

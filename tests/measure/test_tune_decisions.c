@@ -2,20 +2,16 @@
 // chosen.
 #include "render/groups.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-static void test_every_setting_is_a_row( void** state )
+TEST( test_every_setting_is_a_row )
 {
-    (void)state;
     static const int paths[][2] = { { 1, 1 }, { 2, 2 }, { 5, 3 }, { 6, 4 }, { 48, 9 } };
     TuneSetup s;
     for ( int i = 0; i < 5; ++i )
@@ -45,9 +41,8 @@ static void test_every_setting_is_a_row( void** state )
 }
 
 // What does not fit, or would take far more samples than were asked for, is said.
-static void test_excluded_rows_say_why( void** state )
+TEST( test_excluded_rows_say_why )
 {
-    (void)state;
     TuneSetup s;
     RfTune tune = { 0 };
     RfRenderSettings common;
@@ -105,9 +100,8 @@ static RfTune made_tune( int count )
     return tune;
 }
 
-static void test_most_efficient_row_is_chosen( void** state )
+TEST( test_most_efficient_row_is_chosen )
 {
-    (void)state;
     RfTune tune = made_tune( 4 );
     tune.rows[2].trial = tune.rows[1].trial;      // equal trials
     tune.rows[3].trial = made_trial( 0.1, 5e-6 ); // the best, but
@@ -137,9 +131,8 @@ static void test_most_efficient_row_is_chosen( void** state )
 
 // Values that follow the model stay; one that is off moves back, the less the more is known of it.
 // By F1, whose square falls with samples as relMSE does, another row may be the best.
-static void test_least_flicker_is_chosen( void** state )
+TEST( test_least_flicker_is_chosen )
 {
-    (void)state;
     RfTune tune = made_tune( 3 );
     tune.rows[1].trial.change = 10.0; // a fifth of F1 squared, at twice the time
     tune.goal = RF_TUNE_FLICKER;
@@ -154,9 +147,8 @@ static void test_least_flicker_is_chosen( void** state )
     assert_int_equal( tune.chosen, 0 );
 }
 
-static void test_smoothing_follows_the_model( void** state )
+TEST( test_smoothing_follows_the_model )
 {
-    (void)state;
     static const int eyes[] = { 1, 3, 5, 7, 9, 13, 17, 25, 33 };
     for ( int evidence = 1; evidence <= 100; evidence *= 10 )
     {
@@ -205,9 +197,8 @@ static int cut( const RfTune* tune, int kept, bool* candidate )
     return count;
 }
 
-static void test_cutting_keeps_the_most_efficient( void** state )
+TEST( test_cutting_keeps_the_most_efficient )
 {
-    (void)state;
     RfTune tune = made_tune( 8 );
     for ( int i = 0; i < 8; ++i )
         tune.rows[i].tile = ( RfTile ){ RF_TILE_BLOCK, 3, 3 };
@@ -243,9 +234,8 @@ static void test_cutting_keeps_the_most_efficient( void** state )
     assert_int_equal( cut( &tune, 1, candidate ), 0 );
 }
 
-static void test_places_are_spread_evenly( void** state )
+TEST( test_places_are_spread_evenly )
 {
-    (void)state;
     static const double first[] = { 0.5, 0.25, 0.75, 0.125, 0.625 };
     for ( int i = 0; i < 5; ++i )
         assert_true( rf_tune_position( i ) == first[i] );
@@ -257,9 +247,8 @@ static void test_places_are_spread_evenly( void** state )
 }
 
 // Frames get about as many samples in all trials.
-static void test_small_groups_get_more_passes( void** state )
+TEST( test_small_groups_get_more_passes )
 {
-    (void)state;
     for ( int eyes = 1; eyes < 50; ++eyes )
     {
         int passes = rf_tune_passes( eyes, 2 );
@@ -282,9 +271,8 @@ static RfTuneOutlook outlook_of( int number, double left )
 }
 
 // More time never makes smaller pieces or fewer places, and none of it is overdrawn.
-static void test_time_is_never_overdrawn( void** state )
+TEST( test_time_is_never_overdrawn )
 {
-    (void)state;
     bool candidate[RF_TUNE_ROWS];
     for ( int i = 0; i < RF_TUNE_ROWS; ++i )
         candidate[i] = true;
@@ -319,9 +307,8 @@ static void test_time_is_never_overdrawn( void** state )
 }
 
 // Little memory: smaller pieces.
-static void test_little_memory_smaller_pieces( void** state )
+TEST( test_little_memory_smaller_pieces )
 {
-    (void)state;
     RfTune tune = made_tune( 9 );
     bool candidate[RF_TUNE_ROWS] = { true, true, true, true, true, true, true, true, true };
     RfTuneOutlook o = outlook_of( 1, 1e6 );
@@ -335,16 +322,4 @@ static void test_little_memory_smaller_pieces( void** state )
     // a film of a single pixel is tried as it is
     o.width = o.height = 1;
     assert_true( rf_plan_tune_round( &tune, candidate, &o, &small ) && small.pixels == 1.0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_setting_is_a_row ),       cmocka_unit_test( test_excluded_rows_say_why ),
-        cmocka_unit_test( test_most_efficient_row_is_chosen ), cmocka_unit_test( test_least_flicker_is_chosen ),
-        cmocka_unit_test( test_smoothing_follows_the_model ),  cmocka_unit_test( test_cutting_keeps_the_most_efficient ),
-        cmocka_unit_test( test_places_are_spread_evenly ),     cmocka_unit_test( test_small_groups_get_more_passes ),
-        cmocka_unit_test( test_time_is_never_overdrawn ),      cmocka_unit_test( test_little_memory_smaller_pieces ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

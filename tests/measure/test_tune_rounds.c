@@ -1,15 +1,12 @@
 // Whole tuning runs: rounds, halving, the least budget, interruption.
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static RfTune tune_of( const TuneSetup* s )
 {
@@ -21,9 +18,8 @@ static RfTune tune_of( const TuneSetup* s )
 }
 
 // Without time there is the first round, whose errors are the same for any threads.
-static void test_first_round_is_repeatable( void** state )
+TEST( test_first_round_is_repeatable )
 {
-    (void)state;
     TuneSetup s;
     begin_tune_setup( &s, 7, 14 );
     RfTune one = tune_of( &s );
@@ -48,9 +44,8 @@ static void test_first_round_is_repeatable( void** state )
 }
 
 // A camera that stands still, and the shortest path that does not.
-static void test_short_paths_are_tuned( void** state )
+TEST( test_short_paths_are_tuned )
 {
-    (void)state;
     for ( int eyes = 1; eyes <= 2; ++eyes )
     {
         TuneSetup s;
@@ -85,9 +80,8 @@ static bool is_in_second( void* user )
 // Halving from the first round to the last: fewer settings each time, all of which
 // were in every round before, and the best of the last is chosen. The pictures are so
 // small that the most places are tried long before the budget is gone.
-static void test_rounds_halve_the_settings( void** state )
+TEST( test_rounds_halve_the_settings )
 {
-    (void)state;
     TuneSetup s;
     begin_tune_setup( &s, 7, 14 );
     orbit_eyes( s.eyes, TUNE_EYES, 1.0f, 6, 4 );
@@ -119,9 +113,8 @@ static void test_rounds_halve_the_settings( void** state )
 
 // Where nothing fits, the least of all rows is named; with that, and with any budget
 // above, the tuning runs, though its guide would take more. With less it does not.
-static void test_named_least_budget_works( void** state )
+TEST( test_named_least_budget_works )
 {
-    (void)state;
     TuneSetup s;
     RfTune tune;
     RfError error;
@@ -172,9 +165,8 @@ static void count_round( void* user, const RfTune* tune, const RfTuneRound* roun
     stop->rounds += 1;
 }
 
-static void test_interruption_after_any_round( void** state )
+TEST( test_interruption_after_any_round )
 {
-    (void)state;
     TuneSetup s;
     begin_tune_setup( &s, 7, 14 );
     for ( int wanted = 0; wanted < 3; ++wanted )
@@ -198,9 +190,8 @@ static void test_interruption_after_any_round( void** state )
 }
 
 // Nothing to see: no error to compare.
-static void test_black_pictures_cannot_be_compared( void** state )
+TEST( test_black_pictures_cannot_be_compared )
 {
-    (void)state;
     TuneSetup s;
     begin_tune_setup( &s, 2, 4 );
     for ( int i = 0; i < 2; ++i )
@@ -210,14 +201,4 @@ static void test_black_pictures_cannot_be_compared( void** state )
     assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_SCENE );
     assert_non_null( strstr( error.text, "black" ) );
     end_tune_setup( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_first_round_is_repeatable ),    cmocka_unit_test( test_short_paths_are_tuned ),
-        cmocka_unit_test( test_rounds_halve_the_settings ),    cmocka_unit_test( test_named_least_budget_works ),
-        cmocka_unit_test( test_interruption_after_any_round ), cmocka_unit_test( test_black_pictures_cannot_be_compared ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

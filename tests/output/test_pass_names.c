@@ -1,6 +1,7 @@
 // Names of passes in files: those that Blender writes, those that Nuke reserves, and the way back from each.
 #include "output/pass_names.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <string.h>
 
@@ -89,9 +90,8 @@ static bool has( RfPassNames names, const char* channel )
     return false;
 }
 
-static void test_blender_names_are_blenders( void** state )
+TEST( test_blender_names_are_blenders )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_blender / sizeof s_blender[0]; ++i )
     {
         if ( !has( RF_NAMES_BLENDER, s_blender[i] ) )
@@ -106,9 +106,8 @@ static void test_blender_names_are_blenders( void** state )
 }
 
 // Reserved channels of Nuke (Foundry, Nuke's online help, "Creating Channels and Layers").
-static void test_nuke_names_are_nukes( void** state )
+TEST( test_nuke_names_are_nukes )
 {
-    (void)state;
     static const char* const channels[] = { "R", "G", "B", "A", "depth.Z", "backward.u", "backward.v", "forward.u", "forward.v" };
     for ( size_t i = 0; i < sizeof channels / sizeof channels[0]; ++i )
         assert_true( has( RF_NAMES_NUKE, channels[i] ) );
@@ -130,9 +129,8 @@ static void assert_values( RfPassNames names, const char* pass, const char* lett
     }
 }
 
-static void test_conventions( void** state )
+TEST( test_conventions )
 {
-    (void)state;
     const char* const own[] = { "motion.X=X", "motion.Y=Y", "motion.Z=Z", "motion.W=W" };
     const char* const blender[] = { "ViewLayer.Vector.X=X", "ViewLayer.Vector.Y=Y", "ViewLayer.Vector.Z=-Z",
                                     "ViewLayer.Vector.W=-W" };
@@ -145,9 +143,8 @@ static void test_conventions( void** state )
 }
 
 // Each channel of each naming is found again by its pass and its letter, with its sign, and by no other.
-static void test_every_channel_is_found_again( void** state )
+TEST( test_every_channel_is_found_again )
 {
-    (void)state;
     for ( int n = RF_NAMES_REFRAME; n <= RF_NAMES_NUKE; ++n )
     {
         for ( size_t p = 0; p < PASSES; ++p )
@@ -179,24 +176,11 @@ static void test_every_channel_is_found_again( void** state )
     assert_false( rf_is_pass_channel( "mydepth.Z", "depth", 'Z', &negated ) );
 }
 
-static void test_layers( void** state )
+TEST( test_layers )
 {
-    (void)state;
     char name[RF_PASS_CHANNEL_SIZE];
     rf_name_pass_layer( RF_NAMES_BLENDER, "CryptoObject", name );
     assert_string_equal( name, "ViewLayer.CryptoObject" );
     rf_name_pass_layer( RF_NAMES_NUKE, "CryptoObject", name );
     assert_string_equal( name, "CryptoObject" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_blender_names_are_blenders ),
-        cmocka_unit_test( test_nuke_names_are_nukes ),
-        cmocka_unit_test( test_conventions ),
-        cmocka_unit_test( test_every_channel_is_found_again ),
-        cmocka_unit_test( test_layers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

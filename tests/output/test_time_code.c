@@ -1,6 +1,7 @@
 // Time codes of frames against hand-counted ones and against their definition, number by number.
 #include "output/time_code.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,9 +13,8 @@ static void format( uint32_t packed, char text[16] )
               ( packed >> 6 & 1 ) != 0 ? ";" : ":", packed & 0x3f, ( packed >> 15 & 1 ) != 0 ? "." : "" );
 }
 
-static void test_frame_numbers( void** state )
+TEST( test_frame_numbers )
 {
-    (void)state;
     static const struct
     {
         RfFps fps;
@@ -90,9 +90,8 @@ static void check_day( RfFps fps, int step )
     assert_int_equal( rf_pack_time_code( rate, frame ), rf_pack_time_code( rate, 0 ) );
 }
 
-static void test_dropped_numbers( void** state )
+TEST( test_dropped_numbers )
 {
-    (void)state;
     check_day( ( RfFps ){ 30000, 1001 }, 7 );
     check_day( ( RfFps ){ 60000, 1001 }, 13 );
 }
@@ -107,9 +106,8 @@ static void expect_error( const char* text, RfFps fps, const char* wanted )
         fail_msg( "'%s': %s", text, error.text );
 }
 
-static void test_start( void** state )
+TEST( test_start )
 {
-    (void)state;
     RfError error = { 0 };
     RfTimeCodeRate rate;
     int64_t frames;
@@ -127,14 +125,4 @@ static void test_start( void** state )
     expect_error( "01:00:00;00", ( RfFps ){ 30, 1 }, "write it as 01:00:00:00" );
     expect_error( "00:01:00;01", ( RfFps ){ 30000, 1001 }, "begins with 00:01:00;02" );
     expect_error( "01:00:00:00", ( RfFps ){ 120, 1 }, "no time code of 120 frames" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_frame_numbers ),
-        cmocka_unit_test( test_dropped_numbers ),
-        cmocka_unit_test( test_start ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

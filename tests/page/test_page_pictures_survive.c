@@ -4,6 +4,7 @@
 #include "image/decode.h"
 #include "page/picture.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 
@@ -78,9 +79,8 @@ static int display( double light, int stops )
 // A slow ramp over 12 stops, slanted, in three colours: at −4 to 4 stops no byte of the
 // display is off by more than 3, nor do two neighbours differ by more than 3, which is what
 // a band would be: the steps of a plain 8-bit logarithm of 26 stops are 8 in the lights.
-static void test_ramps_show_no_bands( void** state )
+TEST( test_ramps_show_no_bands )
 {
-    (void)state;
     RfImage image = new_image( 600, 200 );
     for ( int i = 0; i < 3 * 600 * 200; ++i )
         image.rgb[i] = exp2f( -7.0f + ( (float)( i / 3 % 600 ) + 0.3f * (float)( i / 1800 ) ) / 55.0f + 0.3f * (float)( i % 3 ) );
@@ -105,9 +105,8 @@ static void test_ramps_show_no_bands( void** state )
 }
 
 // Flat areas of any brightness come back to 1 %, whatever their neighbours are.
-static void test_flat_areas_come_back( void** state )
+TEST( test_flat_areas_come_back )
 {
-    (void)state;
     static const float levels[6] = { 0.0f, 0.01f, 0.18f, 1.0f, 40.0f, 60000.0f };
     RfImage image = new_image( 6 * 64, 64 );
     for ( int i = 0; i < 3 * 6 * 64 * 64; ++i )
@@ -125,9 +124,8 @@ static void test_flat_areas_come_back( void** state )
 }
 
 // A firefly does not spoil what is about it, and stays bright.
-static void test_fireflies_spoil_no_neighbour( void** state )
+TEST( test_fireflies_spoil_no_neighbour )
 {
-    (void)state;
     RfImage image = new_image( 100, 70 );
     for ( int i = 0; i < 3 * 7000; ++i )
         image.rgb[i] = 0.25f;
@@ -148,9 +146,8 @@ static void test_fireflies_spoil_no_neighbour( void** state )
 }
 
 // What is no number shows: magenta, brighter than white; infinity is the brightest.
-static void test_nan_and_infinity_show( void** state )
+TEST( test_nan_and_infinity_show )
 {
-    (void)state;
     RfImage image = new_image( 48, 48 );
     for ( int i = 0; i < 3 * 48 * 48; ++i )
         image.rgb[i] = i / 3 % 48 < 16 ? ( i % 3 == 1 ? NAN : -5.0f ) : i / 3 % 48 < 32 ? INFINITY : -INFINITY;
@@ -165,9 +162,8 @@ static void test_nan_and_infinity_show( void** state )
 }
 
 // The worst of noise: 48 frames of 960x540 stay below 40 MB as base64.
-static void test_noise_stays_below_40_mb( void** state )
+TEST( test_noise_stays_below_40_mb )
 {
-    (void)state;
     RfImage image = make_image( 960, 540, 77 );
     unsigned char* bytes;
     size_t size;
@@ -182,9 +178,8 @@ static void test_noise_stays_below_40_mb( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_small_and_refused( void** state )
+TEST( test_small_and_refused )
 {
-    (void)state;
     static const int sizes[][2] = { { 1, 1 }, { 17, 1 }, { 1, 33 }, { 15, 16 }, { 16, 17 } };
     for ( size_t k = 0; k < sizeof sizes / sizeof sizes[0]; ++k )
     {
@@ -206,9 +201,8 @@ static void test_small_and_refused( void** state )
     assert_non_null( strstr( error.text, "wide: an image of 65501x1" ) );
 }
 
-static void test_shrinking_takes_means( void** state )
+TEST( test_shrinking_takes_means )
 {
-    (void)state;
     RfImage image = new_image( 5, 3 ), small;
     for ( int i = 0; i < 45; ++i )
         image.rgb[i] = (float)( i / 3 );
@@ -219,15 +213,4 @@ static void test_shrinking_takes_means( void** state )
                  small.rgb[3 * 5 + 1] == 14.0f );
     rf_destroy_image( &small );
     rf_destroy_image( &image );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ramps_show_no_bands ),          cmocka_unit_test( test_flat_areas_come_back ),
-        cmocka_unit_test( test_fireflies_spoil_no_neighbour ), cmocka_unit_test( test_nan_and_infinity_show ),
-        cmocka_unit_test( test_noise_stays_below_40_mb ),      cmocka_unit_test( test_small_and_refused ),
-        cmocka_unit_test( test_shrinking_takes_means ),
-    };
-    return cmocka_run_group_tests_name( "picture", tests, NULL, NULL );
 }

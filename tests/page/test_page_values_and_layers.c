@@ -4,6 +4,7 @@
 #include "page/picture.h"
 #include "page/page.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 
@@ -24,9 +25,8 @@ static RfImage new_image( int width, int height )
     return image;
 }
 
-static void test_values_are_those_of_the_image( void** state )
+TEST( test_values_are_those_of_the_image )
 {
-    (void)state;
     RfImage image = new_image( 7, 5 );
     image.rgb[0] = NAN;
     image.rgb[3] = INFINITY;
@@ -44,9 +44,8 @@ static void test_values_are_those_of_the_image( void** state )
     rf_destroy_image( &image );
 }
 
-static void test_coarse_values_are_means( void** state )
+TEST( test_coarse_values_are_means )
 {
-    (void)state;
     RfImage image = new_image( 7, 5 );
     unsigned char* bytes;
     size_t size;
@@ -60,9 +59,8 @@ static void test_coarse_values_are_means( void** state )
 }
 
 // The factor is the smallest that fits.
-static void test_values_stay_within_their_bytes( void** state )
+TEST( test_values_stay_within_their_bytes )
 {
-    (void)state;
     for ( double most = 500.0; most < 6e6; most *= 1.7 )
     {
         int factor = rf_values_factor( 960, 540, most );
@@ -76,9 +74,8 @@ static void test_values_stay_within_their_bytes( void** state )
 // What a display shows of light, 0 to 1.
 static double display( double light ) { return light <= 0.0031308 ? 12.92 * light : 1.055 * pow( light, 1.0 / 2.4 ) - 0.055; }
 
-static void test_looks_can_be_read_back( void** state )
+TEST( test_looks_can_be_read_back )
 {
-    (void)state;
     float rgb[9];
     const float normals[9] = { 0.6f, 0.0f, -0.8f, 0.0f, 0.0f, 0.0f, NAN, 1.0f, 0.0f };
     rf_draw_look( RF_LOOK_NORMAL, ( RfLookRange ){ 0 }, normals, 3, 3, rgb );
@@ -101,9 +98,8 @@ static void test_looks_can_be_read_back( void** state )
 }
 
 // Nothing to see gives no division by zero.
-static void test_empty_ranges_are_finite( void** state )
+TEST( test_empty_ranges_are_finite )
 {
-    (void)state;
     float rgb[3];
     for ( int look = RF_LOOK_DEPTH; look <= RF_LOOK_SHARE; ++look )
     {
@@ -119,14 +115,4 @@ static void test_empty_ranges_are_finite( void** state )
     RfLookRange range = rf_look_range( RF_LOOK_DEPTH, flat, 1, 2 );
     rf_draw_look( RF_LOOK_DEPTH, range, flat, 1, 1, rgb );
     assert_true( isfinite( rgb[0] ) && rgb[0] > 0.0f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_values_are_those_of_the_image ),  cmocka_unit_test( test_coarse_values_are_means ),
-        cmocka_unit_test( test_values_stay_within_their_bytes ), cmocka_unit_test( test_looks_can_be_read_back ),
-        cmocka_unit_test( test_empty_ranges_are_finite ),
-    };
-    return cmocka_run_group_tests_name( "values and layers", tests, NULL, NULL );
 }

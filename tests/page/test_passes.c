@@ -2,6 +2,7 @@
 #include "page/pass_groups.h"
 #include "support/image_files.h"
 #include "support/image_support.h"
+#include "support/test.h"
 
 #include <math.h>
 
@@ -47,9 +48,8 @@ static void check_names( const char* path, const char* wanted )
     assert_string_equal( text, wanted );
 }
 
-static void test_names_of_reframe( void** state )
+TEST( test_names_of_reframe )
 {
-    (void)state;
     static const char* const names[] = {
         "light_key.R",      "light_key.G",
         "light_key.B",      "depth.Z",
@@ -79,9 +79,8 @@ static void test_names_of_reframe( void** state )
     assert_null( rf_layer_of_file( path, NULL, layer ) );
 }
 
-static void test_names_of_blender( void** state )
+TEST( test_names_of_blender )
 {
-    (void)state;
     static const char* const names[] = {
         "ViewLayer.Depth.Z",
         "ViewLayer.Vector.X",
@@ -114,9 +113,8 @@ static void test_names_of_blender( void** state )
 }
 
 // Of Nuke's two layers of motion each may be a part.
-static void test_names_of_nuke( void** state )
+TEST( test_names_of_nuke )
 {
-    (void)state;
     const Foreign parts[] = {
         { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .width = 8, .height = 4, .part = "rgba" },
         { .names = { "backward.u", "backward.v" }, .values = { 1, 2 }, .width = 8, .height = 4, .part = "backward" },
@@ -130,9 +128,8 @@ static void test_names_of_nuke( void** state )
 }
 
 // A part is the layer where its channels have none; a Cryptomatte may have a part for each two ranks.
-static void test_parts( void** state )
+TEST( test_parts )
 {
-    (void)state;
     const Foreign parts[] = {
         { .names = { "A", "B", "G", "R" }, .values = { 1, 1, 1, 1 }, .width = 8, .height = 4, .part = "rgba" },
         { .names = { "Z" }, .values = { 3 }, .width = 8, .height = 4, .part = "depth" },
@@ -160,9 +157,8 @@ static void draw( const char* name, RfLook look, int channels, const float* valu
 }
 
 // An id has the same colour in all ranks, and its coverage weighs it.
-static void test_mattes_are_coloured_by_id( void** state )
+TEST( test_mattes_are_coloured_by_id )
 {
-    (void)state;
     const uint32_t bits[2] = { 0x3f2a91c4u, 0x40b37e05u };
     float ids[2], rgb[12];
     memcpy( ids, bits, sizeof ids );
@@ -175,9 +171,8 @@ static void test_mattes_are_coloured_by_id( void** state )
     assert_true( fabsf( rgb[0] - 2.0f * rgb[3] ) + fabsf( rgb[1] - 2.0f * rgb[4] ) + fabsf( rgb[2] - 2.0f * rgb[5] ) > 0.1f );
 }
 
-static void test_indices_and_signs( void** state )
+TEST( test_indices_and_signs )
 {
-    (void)state;
     float rgb[12];
     const float indices[4] = { 0.0f, 1.0f, 2.0f, 1.0f };
     draw( "object_index", RF_LOOK_INDEX, 1, indices, 4, rgb );
@@ -188,15 +183,4 @@ static void test_indices_and_signs( void** state )
     assert_true( rgb[1] < rgb[0] && rgb[0] < rgb[2] && rgb[3] == rgb[0] && isnan( rgb[5] ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_names_of_reframe ),
-        cmocka_unit_test( test_names_of_blender ),
-        cmocka_unit_test( test_names_of_nuke ),
-        cmocka_unit_test( test_parts ),
-        cmocka_unit_test( test_mattes_are_coloured_by_id ),
-        cmocka_unit_test( test_indices_and_signs ),
-    };
-    return cmocka_run_group_tests_name( "passes", tests, make_temp_folder, remove_temp_folder );
-}
+SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )

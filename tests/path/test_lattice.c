@@ -1,15 +1,11 @@
 // The numbers with which paths begin (src/base/lattice.h; src/reuse/estimators.md, section 24): even over seeds, independent in the
 // two halves and in blocks of pixels, and stratified over passes, pixels and frames.
+#include "support/test.h"
 #include "path/wavefront.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct Place
 {
@@ -82,9 +78,8 @@ static double gain( int passes, int side, int frames )
     return mean_square_error( places, count, false ) / mean_square_error( places, count, true );
 }
 
-static void test_numbers_are_stratified( void** state )
+TEST( test_numbers_are_stratified )
 {
-    (void)state;
     static const struct
     {
         int passes, side, frames;
@@ -101,9 +96,8 @@ static void test_numbers_are_stratified( void** state )
 }
 
 // By seed, each number at any place is even, and pairs of numbers are.
-static void test_numbers_are_even_over_seeds( void** state )
+TEST( test_numbers_are_even_over_seeds )
 {
-    (void)state;
     enum
     {
         SEEDS = 20000,
@@ -143,9 +137,8 @@ static void test_numbers_are_even_over_seeds( void** state )
 }
 
 // By seed, numbers are independent if they are of different halves or blocks of pixels, and not if they are of one.
-static void test_halves_and_blocks_are_independent( void** state )
+TEST( test_halves_and_blocks_are_independent )
 {
-    (void)state;
     enum
     {
         SEEDS = 20000
@@ -192,10 +185,4 @@ static int tear_down( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_numbers_are_stratified ),
-                                        cmocka_unit_test( test_numbers_are_even_over_seeds ),
-                                        cmocka_unit_test( test_halves_and_blocks_are_independent ) };
-    return cmocka_run_group_tests( tests, set_up, tear_down );
-}
+SHARED_BY_TESTS( set_up, tear_down )

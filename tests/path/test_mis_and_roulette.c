@@ -1,22 +1,17 @@
 // Balance weights sum to 1, light in two parts is divided by all densities that find it, and roulette keeps the mean.
+#include "support/test.h"
 #include "path/mis.h"
 #include "path/roulette.h"
 #include "reframe/render_settings.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define ROUNDING 1e-6f
 
 static void assert_near( float a, float b ) { assert_true( fabsf( a - b ) <= ROUNDING * fabsf( b ) ); }
 
-static void test_weights_sum_to_one( void** state )
+TEST( test_weights_sum_to_one )
 {
-    (void)state;
     static const float densities[] = { 1e-12f, 0.3f, 1.0f, 7.0f, 2e15f };
     for ( int i = 0; i < 5; ++i )
     {
@@ -31,16 +26,14 @@ static void test_weights_sum_to_one( void** state )
 }
 
 // An own density of 0 has the weight 0, and the weight is 1 where nothing else finds the light.
-static void test_weights_of_one_technique( void** state )
+TEST( test_weights_of_one_technique )
 {
-    (void)state;
     assert_true( rf_balance_weight( 0.0f, 2.0f ) == 0.0f );
     assert_true( rf_balance_weight( 2.0f, 0.0f ) == 1.0f );
 }
 
-static void test_light_in_two_parts( void** state )
+TEST( test_light_in_two_parts )
 {
-    (void)state;
     static RfArrivalLanes s_arrival;
     float q[3];
     s_arrival.a[0][7] = 6.0f;
@@ -56,9 +49,8 @@ static void test_light_in_two_parts( void** state )
     assert_true( q[0] == 0.0f );
 }
 
-static void test_roulette_keeps_the_mean( void** state )
+TEST( test_roulette_keeps_the_mean )
 {
-    (void)state;
     for ( float carried = 1e-6f; carried < 10.0f; carried *= 3.0f )
     {
         float survival = rf_survival( carried, RF_ROULETTE_VERTEX );
@@ -80,15 +72,4 @@ static void test_roulette_keeps_the_mean( void** state )
         assert_true( survival >= 0.1f && survival <= 1.0f && ( survival == 1.0f || luminance < 0.1f ) );
     }
     assert_true( rf_reuse_survival( 0.0f, 0.0f ) == 1.0f ); // a dark tile
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_weights_sum_to_one ),
-        cmocka_unit_test( test_weights_of_one_technique ),
-        cmocka_unit_test( test_light_in_two_parts ),
-        cmocka_unit_test( test_roulette_keeps_the_mean ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

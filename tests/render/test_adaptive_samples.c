@@ -7,14 +7,10 @@
 #include "support/rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 9
 
@@ -58,9 +54,8 @@ static void check_nothing_else_decides( const RfTracer* tracer, RfRenderSettings
 }
 
 // A frame is the same whichever others are asked for, and for any threads and memory.
-static void test_nothing_else_decides( void** state )
+TEST( test_nothing_else_decides )
 {
-    (void)state;
     RfScene scene = make_mirror_room( MIRROR_BALL );
     RfTracer* tracer = make_tracer( &scene );
     RfRenderSettings settings = adaptive_settings();
@@ -72,9 +67,8 @@ static void test_nothing_else_decides( void** state )
 }
 
 // The same of glints, which auto finds in every frame of this room.
-static void test_nothing_else_decides_glints( void** state )
+TEST( test_nothing_else_decides_glints )
 {
-    (void)state;
     RfScene scene = make_glint_room( RF_BSDF_GGX );
     RfTracer* tracer = make_tracer( &scene );
     RfRenderSettings settings = adaptive_settings();
@@ -120,9 +114,8 @@ static void check_auto( RfScene scene, float degrees, const char* tile, RfAdapti
 }
 
 // Auto renders what on does where extra samples pay, and elsewhere, but for the rays of its look, what off does.
-static void test_auto_decides_by_frame( void** state )
+TEST( test_auto_decides_by_frame )
 {
-    (void)state;
     check_auto( make_mirror_room( BUMPY_MIRROR ), 3.0f, "3x3", RF_ADAPTIVE_ON );
     check_auto( make_mirror_room( MIRROR_BALL ), 3.0f, "1", RF_ADAPTIVE_OFF );
     check_auto( make_room( ROOM_DIFFUSE ), 15.0f, "1", RF_ADAPTIVE_ON );
@@ -131,9 +124,8 @@ static void test_auto_decides_by_frame( void** state )
 }
 
 // Where extra samples cannot be had, auto is off without a word, and takes no memory.
-static void test_auto_is_off_where_it_must( void** state )
+TEST( test_auto_is_off_where_it_must )
 {
-    (void)state;
     RfScene scene = make_glass_room();
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
@@ -175,9 +167,8 @@ static void test_auto_is_off_where_it_must( void** state )
 }
 
 // Without other frames there is nothing to make up for.
-static void test_single_frames_are_as_without( void** state )
+TEST( test_single_frames_are_as_without )
 {
-    (void)state;
     RfScene scene = make_glass_room();
     RfTracer* tracer = make_tracer( &scene );
     RfRenderSettings settings = adaptive_settings();
@@ -193,9 +184,8 @@ static void test_single_frames_are_as_without( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_threshold_follows_the_weights( void** state )
+TEST( test_threshold_follows_the_weights )
 {
-    (void)state;
     enum
     {
         BINS = 64
@@ -224,9 +214,8 @@ static void test_threshold_follows_the_weights( void** state )
 }
 
 // Pixels without help whose samples have variance 1, 4 and 16, among others with help.
-static void test_need_follows_the_noise( void** state )
+TEST( test_need_follows_the_noise )
 {
-    (void)state;
     enum
     {
         PIXELS = 1000
@@ -274,9 +263,8 @@ static float set_need( float first, float second, float cost, bool wary, float s
 }
 
 // Samples that cost more rays are fewer, as the root of their cost.
-static void test_need_follows_the_cost( void** state )
+TEST( test_need_follows_the_cost )
 {
-    (void)state;
     static float share[1000];
     assert_true( set_need( 30.0f, 30.0f, 4.0f, true, share ) > 0.0f );
     printf( "extra samples: %.2f of dear pixels, %.2f of others\n", (double)share[0], (double)share[299] );
@@ -286,9 +274,8 @@ static void test_need_follows_the_cost( void** state )
 
 // What is noisy by both measurements gets extra samples. What one of them finds noisy, by a single bright path, gets none
 // with RF_ADAPTIVE_AUTO.
-static void test_need_wants_two_witnesses( void** state )
+TEST( test_need_wants_two_witnesses )
 {
-    (void)state;
     static float share[1000];
     assert_true( set_need( 8.0f, 8.0f, 4.0f, true, share ) > 0.0f );
     assert_true( set_need( 15.99f, 0.01f, 4.0f, true, share ) == 0.0f );
@@ -322,9 +309,8 @@ static double set_glints( int glints, float share, float base, float extra[1000]
 
 // Few pixels get what they need, more of them a tenth of the samples, and none where they are no larger part of the error
 // than of the picture.
-static void test_glints_keep_their_budget( void** state )
+TEST( test_glints_keep_their_budget )
 {
-    (void)state;
     static float extra[1000];
     double one = set_glints( 1, 0.02f, 0.2f, extra ), some = set_glints( 10, 0.02f, 0.2f, extra );
     assert_true( set_glints( 0, 0.0f, 0.0f, extra ) == 0.0 ); // without light
@@ -339,9 +325,8 @@ static void test_glints_keep_their_budget( void** state )
 
 // Of the classes: glass that few paths find light through is measured to be noisier than walls, and gets more
 // samples for it, in a render whose films count them.
-static void test_noise_is_measured( void** state )
+TEST( test_noise_is_measured )
 {
-    (void)state;
     RfScene scene = make_glass_room();
     RfRenderSettings settings = rf_default_render_settings();
     settings.filter = RF_FILTER_BOX;
@@ -354,9 +339,8 @@ static void test_noise_is_measured( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_command_line_takes_it( void** state )
+TEST( test_command_line_takes_it )
 {
-    (void)state;
     cli_enter();
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 3 --size 24x16 --spp 3 --group 1 --quiet --adaptive --json a.json && "
                          "grep -q '\"adaptive\": *true' a.json && grep -q '\"adaptive_mode\": *\"on\"' a.json" ),
@@ -380,17 +364,4 @@ static void test_command_line_takes_it( void** state )
                 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o f.exr --frames 3 --size 24x16 --spp 3 --group 1 --quiet --weights eq15" ), 0, NULL );
     cli_leave();
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_nothing_else_decides_glints ),   cmocka_unit_test( test_glints_keep_their_budget ),
-        cmocka_unit_test( test_nothing_else_decides ),          cmocka_unit_test( test_single_frames_are_as_without ),
-        cmocka_unit_test( test_auto_decides_by_frame ),         cmocka_unit_test( test_auto_is_off_where_it_must ),
-        cmocka_unit_test( test_threshold_follows_the_weights ), cmocka_unit_test( test_command_line_takes_it ),
-        cmocka_unit_test( test_need_follows_the_noise ),        cmocka_unit_test( test_need_follows_the_cost ),
-        cmocka_unit_test( test_need_wants_two_witnesses ),      cmocka_unit_test( test_noise_is_measured ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

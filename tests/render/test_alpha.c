@@ -1,8 +1,10 @@
 // Alpha: over the sky the picture is the one without alpha, to the last digits; its mean is an independent count of
 // rays that hit something; panes and mirrors cover, holes do not.
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include "base/random.h"
 #include "reuse/tile/tile.h"
@@ -10,52 +12,25 @@
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 32
 #define HEIGHT 24
 #define PIXELS ( WIDTH * HEIGHT )
 
-typedef struct Picture
+// The middle frame of the path; alpha is in `aovs`.
+static const RfFrameResult* render( Stage* stage, RfRenderSettings settings, bool alpha )
 {
-    float rgb[3 * PIXELS], alpha[PIXELS];
-} Picture;
-
-static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
-{
-    (void)error;
-    Picture* p = user;
-    memcpy( p->rgb, result->rgb, sizeof p->rgb );
-    if ( result->aovs[RF_AOV_ALPHA] != NULL )
-        memcpy( p->alpha, result->aovs[RF_AOV_ALPHA], sizeof p->alpha );
-    return RF_OK;
-}
-
-// The middle frame of the path.
-static Picture render( const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings, bool alpha )
-{
-    Picture p = { 0 };
-    int frame = EYES / 2;
-    RfRenderCallbacks callbacks = { .user = &p, .frame = keep };
-    RfError error = { 0 };
     settings.aovs = alpha ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0u;
-    if ( rf_render( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &callbacks, NULL, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    return p;
+    return render_one( stage, EYES / 2, &settings );
 }
 
 static RfRenderSettings tiled( int group, int spp, const char* tile )
 {
-    RfRenderSettings settings = small_settings( group, spp );
-    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    RfRenderSettings settings = tiled_settings( group, spp, tile );
     settings.adaptive = RF_ADAPTIVE_OFF;
     return settings;
 }
@@ -76,20 +51,21 @@ static void open_eyes( RfEye* eyes, float step )
                                rf_vec3( 0, 1, 0 ), 0.7, WIDTH, HEIGHT );
 }
 
-static void check_over_sky( const char* what, const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings )
+static void check_over_sky( const char* what, Stage* stage, RfRenderSettings settings )
 {
-    Picture with = render( tracer, eyes, settings, true ), without = render( tracer, eyes, settings, false );
-    RfVec3 sky = rf_tracer_scene( tracer )->environment.radiance;
+    const RfFrameResult *with = render( stage, settings, true ), *without = render( stage, settings, false );
+    const float* alpha = with->aovs[RF_AOV_ALPHA];
+    RfVec3 sky = stage->scene.environment.radiance;
     const float background[3] = { sky.x, sky.y, sky.z };
     double most = 0.0;
     int part = 0;
     for ( int i = 0; i < PIXELS; ++i )
     {
-        part += with.alpha[i] != 0.0f && with.alpha[i] != 1.0f;
+        part += alpha[i] != 0.0f && alpha[i] != 1.0f;
         for ( int c = 0; c < 3; ++c )
         {
-            float over = with.rgb[3 * i + c] + ( 1.0f - with.alpha[i] ) * background[c];
-            most = fmax( most, fabs( (double)( over - without.rgb[3 * i + c] ) ) );
+            float over = with->rgb[3 * i + c] + ( 1.0f - alpha[i] ) * background[c];
+            most = fmax( most, fabs( (double)( over - without->rgb[3 * i + c] ) ) );
         }
     }
     printf( "%s: over the sky %.2g off at most, %d pixels covered in part\n", what, most, part );
@@ -97,29 +73,25 @@ static void check_over_sky( const char* what, const RfTracer* tracer, const RfEy
     assert_true( part > 20 );
 }
 
-static void test_over_the_sky_it_is_the_picture_without( void** state )
+TEST( test_over_the_sky_it_is_the_picture_without )
 {
-    (void)state;
-    RfScene scene = make_open_scene( LIT_BY_SKY );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    open_eyes( eyes, 0.2f );
-    check_over_sky( "path tracing", tracer, eyes, tiled( 0, 8, "1" ) );
-    check_over_sky( "tiles", tracer, eyes, tiled( 0, 8, "3x3" ) );
-    check_over_sky( "group", tracer, eyes, tiled( 2, 10, "1" ) );
-    check_over_sky( "group and tiles", tracer, eyes, tiled( 2, 20, "3x3" ) );
+    Stage stage;
+    open_stage( &stage, make_open_scene( LIT_BY_SKY ), EYES, 0.0f, WIDTH, HEIGHT );
+    open_eyes( stage.eyes, 0.2f );
+    check_over_sky( "path tracing", &stage, tiled( 0, 8, "1" ) );
+    check_over_sky( "tiles", &stage, tiled( 0, 8, "3x3" ) );
+    check_over_sky( "group", &stage, tiled( 2, 10, "1" ) );
+    check_over_sky( "group and tiles", &stage, tiled( 2, 20, "3x3" ) );
     RfRenderSettings filtered = tiled( 2, 10, "3x3" ), ratio = filtered;
     filtered.filter = RF_FILTER_BLACKMAN_HARRIS;
     ratio.normalize = RF_NORMALIZE_RATIO;
-    check_over_sky( "pixel filter", tracer, eyes, filtered );
-    check_over_sky( "ratio", tracer, eyes, ratio );
-    check_over_sky( "pixels of gradients", tracer, eyes, by_gradients( 4, "6x6", RF_RECONSTRUCTION_NONE ) );
-    Picture a = render( tracer, eyes, filtered, true );
+    check_over_sky( "pixel filter", &stage, filtered );
+    check_over_sky( "ratio", &stage, ratio );
+    check_over_sky( "pixels of gradients", &stage, by_gradients( 4, "6x6", RF_RECONSTRUCTION_NONE ) );
+    const RfFrameResult* one = render( &stage, filtered, true );
     filtered.threads = 3;
-    Picture b = render( tracer, eyes, filtered, true );
-    assert_memory_equal( &a, &b, sizeof a );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    expect_same_bits( one, render( &stage, filtered, true ) );
+    close_stage( &stage );
 }
 
 #define SEEDS 12
@@ -158,7 +130,7 @@ static void count_rays( const RfTracer* tracer, const RfEye* eye, int k, float* 
     }
 }
 
-static void check_mean( const char* what, const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings )
+static void check_mean( const char* what, Stage* stage, RfRenderSettings settings )
 {
     static double rendered[BLOCKS + 1][SEEDS], counted[BLOCKS + 1][SEEDS];
     memset( rendered, 0, sizeof rendered );
@@ -167,9 +139,8 @@ static void check_mean( const char* what, const RfTracer* tracer, const RfEye* e
     {
         float alpha[PIXELS];
         settings.seed = (uint64_t)k + 1;
-        Picture p = render( tracer, eyes, settings, true );
-        add_to_blocks( p.alpha, k, rendered );
-        count_rays( tracer, eyes + EYES / 2, k, alpha );
+        add_to_blocks( render( stage, settings, true )->aovs[RF_AOV_ALPHA], k, rendered );
+        count_rays( stage->tracer, stage->eyes + EYES / 2, k, alpha );
         add_to_blocks( alpha, k, counted );
     }
     double least = 1.0, whole = welch_p( rendered[BLOCKS], SEEDS, counted[BLOCKS], SEEDS ), error;
@@ -186,23 +157,20 @@ static void check_mean( const char* what, const RfTracer* tracer, const RfEye* e
     assert_true( part > 10 );
 }
 
-static void test_its_mean_is_what_rays_hit( void** state )
+TEST( test_its_mean_is_what_rays_hit )
 {
-    (void)state;
-    RfScene scene = make_open_scene( LIT_BY_LAMPS ); // no sky at all: alpha is the same
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    open_eyes( eyes, 0.2f );
-    check_mean( "path tracing", tracer, eyes, tiled( 0, 4, "1" ) );
-    check_mean( "group and tiles", tracer, eyes, tiled( 2, 10, "3x3" ) );
-    check_mean( "gradients", tracer, eyes, by_gradients( 2, "6x6", RF_RECONSTRUCTION_L2 ) );
-    check_mean( "gradients, single pixels", tracer, eyes, by_gradients( 2, "1", RF_RECONSTRUCTION_L2 ) );
+    Stage stage; // no sky at all: alpha is the same
+    open_stage( &stage, make_open_scene( LIT_BY_LAMPS ), EYES, 0.0f, WIDTH, HEIGHT );
+    open_eyes( stage.eyes, 0.2f );
+    check_mean( "path tracing", &stage, tiled( 0, 4, "1" ) );
+    check_mean( "group and tiles", &stage, tiled( 2, 10, "3x3" ) );
+    check_mean( "gradients", &stage, by_gradients( 2, "6x6", RF_RECONSTRUCTION_L2 ) );
+    check_mean( "gradients, single pixels", &stage, by_gradients( 2, "1", RF_RECONSTRUCTION_L2 ) );
     RfRenderSettings adaptive = tiled( 2, 10, "3x3" );
     adaptive.adaptive = RF_ADAPTIVE_ON;
-    open_eyes( eyes, 1.5f ); // much that no other frame sees
-    check_mean( "adaptive", tracer, eyes, adaptive );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    open_eyes( stage.eyes, 1.5f ); // much that no other frame sees
+    check_mean( "adaptive", &stage, adaptive );
+    close_stage( &stage );
 }
 
 // A sheet at z = −3, from x = 0 on, whose rim halves the pixels of column 15.
@@ -218,8 +186,7 @@ static RfScene make_sheet( RfMaterial material )
 
 static void check_sheet( const char* what, RfMaterial material, double radiance, double tolerance )
 {
-    RfScene scene = make_sheet( material );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
     RfEye eyes[EYES];
     for ( int i = 0; i < EYES; ++i )
     {
@@ -228,13 +195,14 @@ static void check_sheet( const char* what, RfMaterial material, double radiance,
         eyes[i].origin.x = 1.5f / eyes[i].focal;
     }
     double half = 0.0, colour = 0.0;
-    Picture p = render( tracer, eyes, tiled( 2, 160, "3x3" ), true ); // 768 samples of its own in the column
+    open_stage_before( &stage, make_sheet( material ), eyes, EYES );
+    const RfFrameResult* p = render( &stage, tiled( 2, 160, "3x3" ), true ); // 768 samples of its own in the column
     for ( int y = 0; y < HEIGHT; ++y )
     {
         for ( int x = 0; x < WIDTH; ++x )
         {
-            const float* rgb = p.rgb + 3 * ( y * WIDTH + x );
-            float alpha = p.alpha[y * WIDTH + x];
+            const float* rgb = p->rgb + 3 * ( y * WIDTH + x );
+            float alpha = p->aovs[RF_AOV_ALPHA][y * WIDTH + x];
             if ( x == 15 )
                 half += (double)alpha / HEIGHT;
             else if ( x < 15 )
@@ -249,25 +217,13 @@ static void check_sheet( const char* what, RfMaterial material, double radiance,
     printf( "%s: column at the rim %.3f, red behind it %.4f\n", what, half, colour );
     assert_true( fabs( half - 0.5 ) < 0.08 );
     assert_true( fabs( colour - radiance ) < tolerance );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
 // As compositors have it unless they are reported otherwise: glass covers, and shows the sky in its colour.
-static void test_panes_and_mirrors_cover( void** state )
+TEST( test_panes_and_mirrors_cover )
 {
-    (void)state;
     check_sheet( "Lambert", make_lambert( 0.5f, 0.5f, 0.5f ), 1.0, 0.02 );
     check_sheet( "mirror", make_mirror( 0.9f ), 1.8, 0.01 );
     check_sheet( "pane", make_thin_pane( rf_vec3( 1, 1, 1 ), 0.0f ), 2.0, 0.02 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_over_the_sky_it_is_the_picture_without ),
-        cmocka_unit_test( test_its_mean_is_what_rays_hit ),
-        cmocka_unit_test( test_panes_and_mirrors_cover ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

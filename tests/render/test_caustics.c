@@ -1,183 +1,125 @@
 // Caustics that are left out: what the camera sees by mirrors, glass and metals stays, where nothing throws any the picture has the
 // same bits, and settings that cannot leave them out are refused. (That the picture is right: reuse/test_estimator_caustics.c.)
-#include "support/moving_rooms.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 3
 #define WIDTH 32
 #define HEIGHT 24
 #define VALUES ( 3 * WIDTH * HEIGHT )
+#define FRAME 1
 #define CAUSTICS RF_EFFECT_BIT( RF_EFFECT_CAUSTICS )
 
 static RfRenderSettings settings_of( int group, int spp )
 {
-    RfRenderSettings settings = small_settings( group, spp );
+    RfRenderSettings settings = tiled_settings( group, spp, "3x3" );
     settings.aovs = RF_AOV_BIT( RF_AOV_REMOVED );
-    assert_true( rf_parse_tile( "3x3", &settings.tile ) );
     return settings;
 }
 
-static float most_removed( const KeptPicture* kept )
+// Renders a scene with its caustics, then without; takes both over.
+static void render_both( Stage stages[2], RfScene with, RfScene without, RfRenderSettings settings, const RfFrameResult* of[2] )
 {
-    float most = 0.0f;
-    for ( int i = 0; i < VALUES; ++i )
-        most = fmaxf( most, fabsf( kept->aov[RF_AOV_REMOVED][i] ) );
-    return most;
+    open_stage( stages, with, EYES, 4.0f, WIDTH, HEIGHT );
+    open_stage( stages + 1, without, EYES, 4.0f, WIDTH, HEIGHT );
+    assert_int_equal( rf_choose_effects( &stages[1].scene, 0, CAUSTICS, NULL ), RF_OK );
+    settings.aovs = 0;
+    of[0] = render_one( stages, FRAME, &settings );
+    settings.aovs = RF_AOV_BIT( RF_AOV_REMOVED );
+    of[1] = render_one( stages + 1, FRAME, &settings );
+    assert_true( brightness( of[1]->aovs[RF_AOV_REMOVED], VALUES ) == 0.0 );
+}
+
+static void close_both( Stage stages[2] )
+{
+    close_stage( stages );
+    close_stage( stages + 1 );
 }
 
 // A lamp that a mirror shows, and all that paths of two vertices find.
-static void test_what_is_seen_stays( void** state )
+TEST( test_what_is_seen_stays )
 {
-    (void)state;
-    static KeptPicture whole, left;
     static const MirrorRoom rooms[] = { MIRROR_BY_SIGN, MIRROR_BEHIND_BULB, LAMP_IN_GLASS, SHARP_METAL };
-    const int frame = 1;
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     for ( size_t k = 0; k < 2 * sizeof rooms / sizeof rooms[0]; ++k )
     {
-        RfScene scene = make_mirror_room( rooms[k / 2] );
+        Stage stages[2];
+        const RfFrameResult* of[2];
         RfRenderSettings settings = settings_of( (int)k % 2, 6 );
         settings.max_depth = 2;
-        RfTracer* tracer = make_tracer( &scene );
-        settings.aovs = 0;
-        render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &whole );
-        rf_destroy_tracer( tracer );
-        assert_int_equal( rf_choose_effects( &scene, 0, CAUSTICS, NULL ), RF_OK );
-        tracer = make_tracer( &scene );
-        settings.aovs = RF_AOV_BIT( RF_AOV_REMOVED );
-        render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &left );
-        assert_true( most_removed( &left ) == 0.0f );
+        render_both( stages, make_mirror_room( rooms[k / 2] ), make_mirror_room( rooms[k / 2] ), settings, of );
         for ( int i = 0; i < VALUES; ++i )
-            assert_true( fabsf( left.rgb[i] - whole.rgb[i] ) <= 1e-5f * fabsf( whole.rgb[i] ) + 1e-6f );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
+            assert_true( fabsf( of[1]->rgb[i] - of[0]->rgb[i] ) <= 1e-5f * fabsf( of[0]->rgb[i] ) + 1e-6f );
+        close_both( stages );
     }
-}
-
-static double mean_removed( const RfTracer* tracer, const RfEye* eyes, const RfRenderSettings* settings )
-{
-    static KeptPicture kept;
-    const int frame = 1;
-    double sum = 0.0;
-    render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, settings, &kept );
-    for ( int i = 0; i < VALUES; ++i )
-        sum += (double)kept.aov[RF_AOV_REMOVED][i];
-    return sum / VALUES;
 }
 
 // What is taken out is spread by the pixel filter like the picture: about as much of it.
-static void test_filters_spread_what_is_taken_out( void** state )
+TEST( test_filters_spread_what_is_taken_out )
 {
-    (void)state;
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    RfScene scene = make_mirror_room( FLAT_MIRROR );
-    assert_int_equal( rf_choose_effects( &scene, 0, CAUSTICS, NULL ), RF_OK );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
+    open_stage( &stage, make_mirror_room( FLAT_MIRROR ), EYES, 4.0f, WIDTH, HEIGHT );
+    assert_int_equal( rf_choose_effects( &stage.scene, 0, CAUSTICS, NULL ), RF_OK );
     RfRenderSettings settings = settings_of( 1, 48 );
-    double plain = mean_removed( tracer, eyes, &settings );
+    double plain = mean_value( render_one( &stage, FRAME, &settings )->aovs[RF_AOV_REMOVED], VALUES );
     settings.filter = RF_FILTER_BLACKMAN_HARRIS;
-    double filtered = mean_removed( tracer, eyes, &settings );
+    double filtered = mean_value( render_one( &stage, FRAME, &settings )->aovs[RF_AOV_REMOVED], VALUES );
     if ( !( plain > 0.0 && fabs( filtered / plain - 1.0 ) < 0.1 ) )
         fail_msg( "%g and %g", plain, filtered );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
 // Where nothing throws caustics the picture has the same bits.
-static void test_nothing_to_leave_out( void** state )
+TEST( test_nothing_to_leave_out )
 {
-    (void)state;
-    static KeptPicture whole, left;
-    const int frame = 1;
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     for ( int kind = ROOM_DIFFUSE; kind <= ROOM_PHONG; ++kind )
     {
-        RfScene scene = make_room( (RoomKind)kind );
-        RfRenderSettings settings = settings_of( 1, 6 );
-        RfTracer* tracer = make_tracer( &scene );
-        settings.aovs = 0;
-        render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &whole );
-        rf_destroy_tracer( tracer );
-        assert_int_equal( rf_choose_effects( &scene, 0, CAUSTICS, NULL ), RF_OK );
-        tracer = make_tracer( &scene );
-        settings.aovs = RF_AOV_BIT( RF_AOV_REMOVED );
-        render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &left );
-        assert_memory_equal( whole.rgb, left.rgb, VALUES * sizeof( float ) );
-        assert_true( most_removed( &left ) == 0.0f );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
+        Stage stages[2];
+        const RfFrameResult* of[2];
+        render_both( stages, make_room( (RoomKind)kind ), make_room( (RoomKind)kind ), settings_of( 1, 6 ), of );
+        assert_memory_equal( of[0]->rgb, of[1]->rgb, VALUES * sizeof( float ) );
+        close_both( stages );
     }
 }
 
-static void expect_refusal( const RfScene* scene, const RfEye* eyes, RfRenderSettings settings, const char* words )
+TEST( test_refusals )
 {
-    const int frame = 1;
-    RfError error = { 0 };
-    RfTracer* tracer = make_tracer( scene );
-    RfResult result = rf_render( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, NULL, NULL, &error );
-    rf_destroy_tracer( tracer );
-    assert_int_equal( result, words != NULL ? RF_ERROR_USAGE : RF_OK );
-    if ( words != NULL && strstr( error.text, words ) == NULL )
-        fail_msg( "%s", error.text );
-}
-
-static void test_refusals( void** state )
-{
-    (void)state;
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    RfScene scene = make_mirror_room( FLAT_MIRROR ), diffuse = make_room( ROOM_DIFFUSE );
-    expect_refusal( &scene, eyes, settings_of( 0, 3 ), "needs a clamp, or caustics left out" );
-    assert_int_equal( rf_choose_effects( &scene, 0, CAUSTICS, NULL ), RF_OK );
-    assert_int_equal( rf_choose_effects( &diffuse, 0, CAUSTICS, NULL ), RF_OK );
-    RfRenderSettings settings = settings_of( 1, 3 );
+    Stage stage, diffuse;
+    open_stage( &stage, make_mirror_room( FLAT_MIRROR ), EYES, 4.0f, WIDTH, HEIGHT );
+    open_stage( &diffuse, make_room( ROOM_DIFFUSE ), EYES, 4.0f, WIDTH, HEIGHT );
+    RfRenderSettings settings = settings_of( 0, 3 );
+    expect_refused( &stage, &settings, "needs a clamp, or caustics left out" );
+    assert_int_equal( rf_choose_effects( &stage.scene, 0, CAUSTICS, NULL ), RF_OK );
+    assert_int_equal( rf_choose_effects( &diffuse.scene, 0, CAUSTICS, NULL ), RF_OK );
+    settings = settings_of( 1, 3 );
     settings.light_paths = RF_LIGHT_PATHS_ON;
-    expect_refusal( &scene, eyes, settings, "light paths bring caustics" );
+    expect_refused( &stage, &settings, "light paths bring caustics" );
     settings.light_paths = RF_LIGHT_PATHS_AUTO;
-    expect_refusal( &scene, eyes, settings, NULL );
+    expect_refused( &stage, &settings, NULL );
     settings.weights = RF_WEIGHTS_EQ15;
-    expect_refusal( &scene, eyes, settings, "exact weights" );
-    expect_refusal( &diffuse, eyes, settings, NULL );
+    expect_refused( &stage, &settings, "exact weights" );
+    expect_refused( &diffuse, &settings, NULL );
     settings = settings_of( 0, 3 );
     settings.aovs = 0;
     rf_use_estimator( &settings, rf_find_estimator( "gradient" ) );
-    expect_refusal( &scene, eyes, settings, "cannot leave caustics out" );
-    rf_destroy_scene( &scene );
-    rf_destroy_scene( &diffuse );
+    expect_refused( &stage, &settings, "cannot leave caustics out" );
+    close_stage( &stage );
+    close_stage( &diffuse );
 }
 
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
-    MovingRoom room = load_moving_room( "mirrors", WIDTH, HEIGHT );
-    assert_int_equal( rf_choose_effects( &room.scene, 0, CAUSTICS, NULL ), RF_OK );
-    assert_true( room.eye_count >= EYES );
-    expect_refusal( &room.scene, room.eyes, settings_of( 1, 3 ), "in which something moves" );
-    expect_refusal( &room.scene, room.eyes, settings_of( 0, 3 ), NULL );
-    rf_destroy_scene( &room.scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_is_seen_stays ),
-        cmocka_unit_test( test_filters_spread_what_is_taken_out ),
-        cmocka_unit_test( test_nothing_to_leave_out ),
-        cmocka_unit_test( test_what_moves ),
-        cmocka_unit_test( test_refusals ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    Stage stage;
+    open_moving_stage( &stage, "mirrors", WIDTH, HEIGHT );
+    assert_int_equal( rf_choose_effects( &stage.scene, 0, CAUSTICS, NULL ), RF_OK );
+    assert_true( stage.eye_count >= EYES );
+    stage.eye_count = EYES;
+    RfRenderSettings settings = settings_of( 1, 3 );
+    expect_refused( &stage, &settings, "in which something moves" );
+    settings = settings_of( 0, 3 );
+    expect_refused( &stage, &settings, NULL );
+    close_stage( &stage );
 }

@@ -1,9 +1,10 @@
 // Cryptomatte's coverages: by their means those that rays from the camera count, with and without reuse, filters, mirrors, panes,
 // lenses and what moves; they add up to alpha, and are the same however the frames come about.
-#include "support/moving_rooms.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include "base/random.h"
 #include "film/cryptomatte.h"
@@ -14,14 +15,9 @@
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define FRAME 2
@@ -34,45 +30,19 @@
 #define MOST 40 // names
 #define RAYS 64 // of each pixel and seed
 
-typedef struct Picture
+static const RfFrameResult* render( Stage* stage, RfRenderSettings settings )
 {
-    float layers[3][4 * PIXELS];
-    float alpha[PIXELS], index[PIXELS];
-    int layer_count;
-} Picture;
-
-static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
-{
-    Picture* p = user;
-    (void)error;
-    p->layer_count = result->layer_count;
-    for ( int k = 0; k < 3; ++k )
-    {
-        assert_string_equal( result->layers[k].name, g_rf_cryptomatte_kinds[0].layers[k] );
-        memcpy( p->layers[k], result->layers[k].values, sizeof p->layers[k] );
-    }
-    if ( result->aovs[RF_AOV_ALPHA] != NULL )
-        memcpy( p->alpha, result->aovs[RF_AOV_ALPHA], sizeof p->alpha );
-    if ( result->aovs[RF_AOV_OBJECT_INDEX] != NULL )
-        memcpy( p->index, result->aovs[RF_AOV_OBJECT_INDEX], sizeof p->index );
-    return RF_OK;
-}
-
-static void render( const RfTracer* tracer, const RfEye* eyes, int count, RfRenderSettings settings, Picture* p )
-{
-    int frame = FRAME;
-    RfRenderCallbacks callbacks = { .user = p, .frame = keep };
-    RfError error = { 0 };
     settings.cryptomatte = RF_CRYPTOMATTE_OBJECT;
-    if ( rf_render( &( RfShot ){ tracer, eyes, count, &frame, 1 }, &settings, &callbacks, NULL, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    const RfFrameResult* p = render_one( stage, FRAME, &settings );
     assert_int_equal( p->layer_count, 3 );
+    for ( int k = 0; k < 3; ++k )
+        assert_string_equal( p->layers[k].name, g_rf_cryptomatte_kinds[0].layers[k] );
+    return p;
 }
 
 static RfRenderSettings settings_of( int group, int spp, const char* tile, RfFilter filter )
 {
-    RfRenderSettings settings = small_settings( group, spp );
-    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    RfRenderSettings settings = tiled_settings( group, spp, tile );
     settings.adaptive = RF_ADAPTIVE_OFF;
     settings.filter = filter;
     settings.filter_width = rf_default_filter_width( filter );
@@ -101,7 +71,7 @@ static int place_of( Mattes* m, uint32_t id )
 // Clears the coverages; the names keep their places.
 static void clear( Mattes* m ) { memset( m->coverage, 0, sizeof m->coverage ); }
 
-static void decode( const Picture* p, Mattes* m )
+static void decode( const RfFrameResult* p, Mattes* m )
 {
     clear( m );
     for ( int i = 0; i < PIXELS; ++i )
@@ -109,7 +79,7 @@ static void decode( const Picture* p, Mattes* m )
         double before = 1.0 + 1e-6, sum = 0.0;
         for ( int rank = 0; rank < 6; ++rank )
         {
-            const float* at = p->layers[rank / 2] + 4 * i + 2 * ( rank % 2 );
+            const float* at = p->layers[rank / 2].values + 4 * i + 2 * ( rank % 2 );
             uint32_t id;
             memcpy( &id, at, sizeof id );
             assert_true( (double)at[1] <= before && ( id != 0 ) == ( at[1] > 0.0f ) );
@@ -195,22 +165,20 @@ static void add_to_blocks( const Mattes* m, int seed, Blocks blocks )
     }
 }
 
-static void check( const char* what, const RfTracer* tracer, const RfTracer* still, const RfEye* eyes, int count,
-                   RfRenderSettings settings )
+// `still`: the scene as it is in the frame.
+static void check( const char* what, Stage* stage, Stage* still, RfRenderSettings settings )
 {
     static Mattes mattes;
     static Blocks rendered, counted;
-    static Picture p;
     mattes.count = 0;
     memset( rendered, 0, sizeof rendered );
     memset( counted, 0, sizeof counted );
     for ( int k = 0; k < SEEDS; ++k )
     {
         settings.seed = (uint64_t)k + 1;
-        render( tracer, eyes, count, settings, &p );
-        decode( &p, &mattes );
+        decode( render( stage, settings ), &mattes );
         add_to_blocks( &mattes, k, rendered );
-        count_rays( still, eyes + FRAME, &settings, k, &mattes );
+        count_rays( stage_tracer( still ), stage->eyes + FRAME, &settings, k, &mattes );
         add_to_blocks( &mattes, k, counted );
     }
     double least = 1.0, error, bias = 0.0;
@@ -262,18 +230,15 @@ static void name_surfaces( RfScene* scene )
 
 static void check_room( const char* what, RfScene scene, float degrees, RfRenderSettings settings )
 {
-    RfEye eyes[EYES];
-    name_surfaces( &scene );
-    RfTracer* tracer = make_tracer( &scene );
-    orbit_eyes( eyes, EYES, degrees, WIDTH, HEIGHT );
-    check( what, tracer, tracer, eyes, EYES, settings );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    Stage stage;
+    open_stage( &stage, scene, EYES, degrees, WIDTH, HEIGHT );
+    name_surfaces( &stage.scene );
+    check( what, &stage, &stage, settings );
+    close_stage( &stage );
 }
 
-static void test_mean_is_what_rays_hit( void** state )
+TEST( test_mean_is_what_rays_hit )
 {
-    (void)state;
     check_room( "path tracing", make_room( ROOM_DIFFUSE ), 4.0f, settings_of( 0, 8, "1", RF_FILTER_BOX ) );
     check_room( "tiles", make_room( ROOM_GGX ), 4.0f, settings_of( 0, 8, "3x3", RF_FILTER_BLACKMAN_HARRIS ) );
     check_room( "group", make_room( ROOM_DIFFUSE ), 4.0f, settings_of( 2, 10, "1", RF_FILTER_BOX ) );
@@ -284,9 +249,8 @@ static void test_mean_is_what_rays_hit( void** state )
 }
 
 // What a mirror or a pane shows counts for it, through which part of it another camera of the group sees it as well.
-static void test_mirrors_panes_and_coats( void** state )
+TEST( test_mirrors_panes_and_coats )
 {
-    (void)state;
     static const struct
     {
         const char* name;
@@ -303,97 +267,76 @@ static void test_mirrors_panes_and_coats( void** state )
     check_room( "panes without chains", make_mirror_room( PANES_IN_A_ROW ), 6.0f, settings_of( 0, 8, "1", RF_FILTER_BOX ) );
 }
 
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
-    MovingRoom room = load_moving_room( "sweep", WIDTH, HEIGHT ), frame = load_still_room( "sweep", FRAME, WIDTH, HEIGHT );
+    Stage room, frame;
+    open_moving_stage( &room, "sweep", WIDTH, HEIGHT );
+    open_still_stage( &frame, "sweep", FRAME, WIDTH, HEIGHT );
     for ( int n = 0; n < room.scene.node_count; ++n ) // of the same order, but other names
     {
         free( room.scene.nodes[n].name );
         room.scene.nodes[n].name = strdup( frame.scene.nodes[n].name );
     }
-    RfTracer *tracer = make_tracer( &room.scene ), *still = make_tracer( &frame.scene );
-    check( "sweep", tracer, still, room.eyes, room.eye_count, settings_of( 2, 10, "3x3", RF_FILTER_BLACKMAN_HARRIS ) );
-    rf_destroy_tracer( tracer );
-    rf_destroy_tracer( still );
-    rf_destroy_scene( &room.scene );
-    rf_destroy_scene( &frame.scene );
+    check( "sweep", &room, &frame, settings_of( 2, 10, "3x3", RF_FILTER_BLACKMAN_HARRIS ) );
+    close_stage( &room );
+    close_stage( &frame );
 }
 
-static void test_lens_and_shutter( void** state )
+TEST( test_lens_and_shutter )
 {
-    (void)state;
-    RfScene scene = make_room( ROOM_GGX );
-    RfEye eyes[EYES];
-    name_surfaces( &scene );
-    RfTracer* tracer = make_tracer( &scene );
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
+    Stage stage;
+    open_stage( &stage, make_room( ROOM_GGX ), EYES, 4.0f, WIDTH, HEIGHT );
+    name_surfaces( &stage.scene );
     for ( int k = 0; k < EYES; ++k )
     {
-        RfEye open = eyes[k], close = open;
+        RfEye *eye = stage.eyes + k, open = *eye, close = open;
         close.origin.y += 0.1f;
-        rf_set_shutter( eyes + k, &open, &close );
-        eyes[k].lens_radius = 0.08f;
-        eyes[k].focus = 1.5f;
+        rf_set_shutter( eye, &open, &close );
+        eye->lens_radius = 0.08f;
+        eye->focus = 1.5f;
     }
-    check( "lens and shutter", tracer, tracer, eyes, EYES, settings_of( 2, 10, "3x3", RF_FILTER_BLACKMAN_HARRIS ) );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    check( "lens and shutter", &stage, &stage, settings_of( 2, 10, "3x3", RF_FILTER_BLACKMAN_HARRIS ) );
+    close_stage( &stage );
 }
 
 // Over the sky, by the ratio of weights of either, coverages add up to alpha; cross-fitted alpha has the same mean. Any number of
 // threads gives the same bits, and the index is that of the first rank.
-static void test_coverages_add_up_to_alpha( void** state )
+TEST( test_coverages_add_up_to_alpha )
 {
-    (void)state;
-    RfScene scene = make_open_scene( LIT_BY_SKY );
-    RfEye eyes[EYES];
-    name_surfaces( &scene );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
+    open_stage( &stage, make_open_scene( LIT_BY_SKY ), EYES, 0.0f, WIDTH, HEIGHT );
+    name_surfaces( &stage.scene );
     for ( int i = 0; i < EYES; ++i )
-        eyes[i] = rf_make_eye( rf_vec3( 0.2f * (float)( i - EYES / 2 ), 1.2f, 4.5f ), rf_vec3( 0, -0.05f, -1 ),
-                               rf_vec3( 0, 1, 0 ), 0.7, WIDTH, HEIGHT );
+        stage.eyes[i] = rf_make_eye( rf_vec3( 0.2f * (float)( i - EYES / 2 ), 1.2f, 4.5f ), rf_vec3( 0, -0.05f, -1 ),
+                                     rf_vec3( 0, 1, 0 ), 0.7, WIDTH, HEIGHT );
     for ( int k = 0; k < 4; ++k )
     {
-        static Picture p, q;
         RfRenderSettings settings =
             settings_of( k < 2 ? 0 : 2, 10, "3x3", k % 2 == 0 ? RF_FILTER_BOX : RF_FILTER_BLACKMAN_HARRIS );
         settings.normalize = RF_NORMALIZE_RATIO;
         settings.aovs = RF_AOV_BIT( RF_AOV_ALPHA ) | RF_AOV_BIT( RF_AOV_OBJECT_INDEX );
-        render( tracer, eyes, EYES, settings, &p );
+        const RfFrameResult* p = render( &stage, settings );
         settings.threads = 2;
         settings.normalize = RF_NORMALIZE_CROSSFIT;
-        render( tracer, eyes, EYES, settings, &q );
-        assert_memory_equal( p.layers, q.layers, sizeof p.layers );
-        assert_memory_equal( p.index, q.index, sizeof p.index );
+        const RfFrameResult* q = render( &stage, settings );
+        for ( int k = 0; k < 3; ++k )
+            assert_memory_equal( p->layers[k].values, q->layers[k].values, 4 * PIXELS * sizeof( float ) );
+        assert_memory_equal( p->aovs[RF_AOV_OBJECT_INDEX], q->aovs[RF_AOV_OBJECT_INDEX], PIXELS * sizeof( float ) );
         double most = 0.0, difference = 0.0;
         for ( int i = 0; i < PIXELS; ++i )
         {
-            double sum = 0.0, first = (double)p.layers[0][4 * i + 1];
+            double sum = 0.0, first = (double)p->layers[0].values[4 * i + 1];
             for ( int rank = 0; rank < 6; ++rank )
-                sum += (double)p.layers[rank / 2][4 * i + 2 * ( rank % 2 ) + 1];
-            most = fmax( most, fabs( sum - (double)p.alpha[i] ) );
-            difference += ( sum - (double)q.alpha[i] ) / PIXELS;
+                sum += (double)p->layers[rank / 2].values[4 * i + 2 * ( rank % 2 ) + 1];
+            most = fmax( most, fabs( sum - (double)p->aovs[RF_AOV_ALPHA][i] ) );
+            difference += ( sum - (double)q->aovs[RF_AOV_ALPHA][i] ) / PIXELS;
             uint32_t id;
-            int index = (int)p.index[i];
-            memcpy( &id, p.layers[0] + 4 * i, sizeof id );
-            assert_true( index == 0 ? first <= 0.5 : id == rf_cryptomatte_id( rf_object_name( &scene, index - 1 ) ) );
+            int index = (int)p->aovs[RF_AOV_OBJECT_INDEX][i];
+            memcpy( &id, p->layers[0].values + 4 * i, sizeof id );
+            assert_true( index == 0 ? first <= 0.5 : id == rf_cryptomatte_id( rf_object_name( &stage.scene, index - 1 ) ) );
         }
         printf( "add up to alpha within %.2g, in the mean %.2g from that of cross-fitting\n", most, fabs( difference ) );
         assert_true( most < 1e-5 && fabs( difference ) < 2e-3 );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_mean_is_what_rays_hit ),
-        cmocka_unit_test( test_mirrors_panes_and_coats ),
-        cmocka_unit_test( test_what_moves ),
-        cmocka_unit_test( test_lens_and_shutter ),
-        cmocka_unit_test( test_coverages_add_up_to_alpha ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    close_stage( &stage );
 }

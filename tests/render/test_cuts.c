@@ -4,15 +4,11 @@
 #include "support/render_support.h"
 #include "support/rooms.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 23
 #define HEIGHT 18
@@ -60,9 +56,8 @@ static void check_shot( const RfGroupPlan* plan, int start, int length, int half
     }
 }
 
-static void test_shots_are_grouped_like_paths( void** state )
+TEST( test_shots_are_grouped_like_paths )
 {
-    (void)state;
     for ( int i = 0; i < COUNT( lengths ) * COUNT( half_widths ) * COUNT( sample_counts ); ++i )
     {
         const int* shots = lengths[i % COUNT( lengths )];
@@ -97,9 +92,8 @@ static void test_shots_are_grouped_like_paths( void** state )
     }
 }
 
-static void test_paths_without_cuts( void** state )
+TEST( test_paths_without_cuts )
 {
-    (void)state;
     RfEye eyes[9];
     for ( int i = 0; i < 9; ++i )
         eyes[i] = ( RfEye ){ .shot = 3 };
@@ -185,9 +179,8 @@ static void check_cut( Cut* c, const RfRenderSettings* settings )
     free_rendered( &first );
 }
 
-static void test_frames_beside_a_cut( void** state )
+TEST( test_frames_beside_a_cut )
 {
-    (void)state;
     Cut c;
     for ( int blurred = 0; blurred < 2; ++blurred )
     {
@@ -205,9 +198,8 @@ static void test_frames_beside_a_cut( void** state )
 }
 
 // A noise or a flicker to stop at: what is known of one shot says nothing of the next.
-static void test_goals_beside_a_cut( void** state )
+TEST( test_goals_beside_a_cut )
 {
-    (void)state;
     Cut c;
     begin( &c, ROOM_GGX, 0.0 );
     for ( int flicker = 0; flicker < 2; ++flicker )
@@ -238,9 +230,8 @@ static double mean_square( const Rendered* a, int first_a, const Rendered* b )
 }
 
 // The second shot has other random numbers than alone, but the same picture and as much noise.
-static void test_second_shot_is_as_alone( void** state )
+TEST( test_second_shot_is_as_alone )
 {
-    (void)state;
     Cut c;
     begin( &c, ROOM_DIFFUSE, 0.05 );
     RfRenderSettings settings = settings_of( 1, "3x3" );
@@ -297,9 +288,8 @@ static Motion render_motion( const RfTracer* tracer, const RfEye* eyes, int coun
     return motion;
 }
 
-static void test_no_motion_across_a_cut( void** state )
+TEST( test_no_motion_across_a_cut )
 {
-    (void)state;
     Cut c;
     begin( &c, ROOM_GGX, 0.0 );
     Motion whole = render_motion( c.tracer, c.eyes, ALL ), first = render_motion( c.tracer, c.eyes, FIRST );
@@ -311,9 +301,8 @@ static void test_no_motion_across_a_cut( void** state )
 }
 
 // Short renders that tune and cost measure lie within a shot where that is long enough, and have its groups where it is not.
-static void test_trials_beside_a_cut( void** state )
+TEST( test_trials_beside_a_cut )
 {
-    (void)state;
     Cut c;
     begin( &c, ROOM_GGX, 0.0 );
     RfShot shot = { .tracer = c.tracer, .eyes = c.eyes, .eye_count = ALL };
@@ -333,9 +322,8 @@ static void test_trials_beside_a_cut( void** state )
     end( &c );
 }
 
-static void test_shots_must_not_fall( void** state )
+TEST( test_shots_must_not_fall )
 {
-    (void)state;
     Cut c;
     begin( &c, ROOM_GGX, 0.0 );
     RfRenderSettings settings = settings_of( 1, "1" );
@@ -345,15 +333,4 @@ static void test_shots_must_not_fall( void** state )
     assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "frame 12" ) );
     end( &c );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_shots_are_grouped_like_paths ), cmocka_unit_test( test_paths_without_cuts ),
-        cmocka_unit_test( test_frames_beside_a_cut ),          cmocka_unit_test( test_goals_beside_a_cut ),
-        cmocka_unit_test( test_second_shot_is_as_alone ),      cmocka_unit_test( test_no_motion_across_a_cut ),
-        cmocka_unit_test( test_trials_beside_a_cut ),          cmocka_unit_test( test_shots_must_not_fall ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

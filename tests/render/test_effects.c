@@ -1,19 +1,15 @@
 // The list of effects is complete, names what runs, and forcing or leaving out does what it says.
 #include "support/rooms.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include "render/sizes.h"
 #include "scene/lens.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 3
 #define WIDTH 32
@@ -45,9 +41,8 @@ static RfScene ( *const s_scenes[] )( void ) = { phong_room,   glass_room, pane_
 #define SCENES ( sizeof s_scenes / sizeof s_scenes[0] )
 
 // Every trait by which code is switched is the reason of a row, which is on where the trait is.
-static void test_every_trait_has_its_row( void** state )
+TEST( test_every_trait_has_its_row )
 {
-    (void)state;
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = quick( 1, "3x3" );
@@ -88,9 +83,8 @@ static void test_every_trait_has_its_row( void** state )
 #undef SEEN
 }
 
-static void test_rows_have_names_and_reasons( void** state )
+TEST( test_rows_have_names_and_reasons )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_DIFFUSE );
     RfRenderSettings settings = quick( 0, "1" );
     RfEffect rows[RF_MAX_EFFECTS];
@@ -118,9 +112,8 @@ static Rendered render_scene( const RfScene* scene, const RfRenderSettings* sett
 }
 
 // The picture with all effects forced is that without, to rounding, and the code does run: batches are larger.
-static void test_forced_effects_leave_the_picture( void** state )
+TEST( test_forced_effects_leave_the_picture )
 {
-    (void)state;
     static const struct
     {
         int group;
@@ -153,9 +146,8 @@ static void test_forced_effects_leave_the_picture( void** state )
 }
 
 // Each effect that a scene can do without is off then, and says so.
-static void test_left_out_effects_are_off( void** state )
+TEST( test_left_out_effects_are_off )
 {
-    (void)state;
     RfRenderSettings settings = quick( 1, "3x3" );
     for ( int i = 0; i < RF_EFFECT_COUNT; ++i )
     {
@@ -267,9 +259,8 @@ static RfScene clear_ball( void )
 }
 
 // A picture without an effect has the bits of the scene that was made without it, and not those of the whole scene.
-static void test_left_out_is_as_made_without( void** state )
+TEST( test_left_out_is_as_made_without )
 {
-    (void)state;
     static const struct
     {
         RfEffectId effect;
@@ -305,9 +296,8 @@ static void test_left_out_is_as_made_without( void** state )
 }
 
 // Selection by power has its own proof, tests/light/test_light_sampling_unbiased.c.
-static void test_no_light_tree_is_selection_by_power( void** state )
+TEST( test_no_light_tree_is_selection_by_power )
 {
-    (void)state;
     RfRenderSettings settings = quick( 1, "3x3" );
     RfScene left = open_scene(), whole = open_scene();
     assert_int_equal( rf_choose_effects( &left, 0, RF_EFFECT_BIT( RF_EFFECT_LIGHT_TREE ), NULL ), RF_OK );
@@ -323,9 +313,8 @@ static void test_no_light_tree_is_selection_by_power( void** state )
     rf_destroy_scene( &whole );
 }
 
-static void test_words_are_checked( void** state )
+TEST( test_words_are_checked )
 {
-    (void)state;
     uint64_t set;
     RfError error;
     char text[RF_EFFECTS_TEXT_SIZE];
@@ -343,18 +332,4 @@ static void test_words_are_checked( void** state )
     assert_int_equal( rf_choose_effects( &scene, RF_EFFECT_BIT( RF_EFFECT_ENVIRONMENT ), 0, &error ), RF_ERROR_USAGE );
     assert_int_equal( rf_choose_effects( &scene, panes, panes, &error ), RF_ERROR_USAGE );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_trait_has_its_row ),
-        cmocka_unit_test( test_rows_have_names_and_reasons ),
-        cmocka_unit_test( test_forced_effects_leave_the_picture ),
-        cmocka_unit_test( test_left_out_effects_are_off ),
-        cmocka_unit_test( test_left_out_is_as_made_without ),
-        cmocka_unit_test( test_no_light_tree_is_selection_by_power ),
-        cmocka_unit_test( test_words_are_checked ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -3,16 +3,12 @@
 // tiles.
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 36
 #define HEIGHT 27
@@ -98,16 +94,11 @@ static void check( const char* what, RfScene scene, float degrees, float aside, 
     rf_destroy_scene( &scene );
 }
 
-static void test_glass_room( void** state )
-{
-    (void)state;
-    check( "glass", make_glass_room(), 12.0f, 2.0f, RF_ADAPTIVE_ON, 1 );
-}
+TEST( test_glass_room ) { check( "glass", make_glass_room(), 12.0f, 2.0f, RF_ADAPTIVE_ON, 1 ); }
 
 // Glass takes several samples of a pixel into one batch.
-static void test_noisy_glass( void** state )
+TEST( test_noisy_glass )
 {
-    (void)state;
     check_noisy( "absorbing ball", ABSORBING_BALL, 1 );
     check_noisy( "mirror behind a pane", MIRROR_BEHIND_PANE, 1 );
     check_noisy( "mirror ball", MIRROR_BALL, 2 );
@@ -115,25 +106,19 @@ static void test_noisy_glass( void** state )
 }
 
 // Walls that no other frame sees.
-static void test_another_view( void** state )
-{
-    (void)state;
-    check( "aside, Phong", make_room( ROOM_PHONG ), 2.0f, 15.0f, RF_ADAPTIVE_AUTO, 2 );
-}
+TEST( test_another_view ) { check( "aside, Phong", make_room( ROOM_PHONG ), 2.0f, 15.0f, RF_ADAPTIVE_AUTO, 2 ); }
 
 // Highlights smaller than a pixel: extra samples by them alone, since all frames see the same.
-static void test_glints( void** state )
+TEST( test_glints )
 {
-    (void)state;
     check( "glints, GGX", make_glint_room( RF_BSDF_GGX ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 2 );
     check( "glints, Phong", make_glint_room( RF_BSDF_PHONG ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
     check( "glints, coat", make_glint_room( RF_BSDF_COATED ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
 }
 
 // Over seeds.
-static void test_mean_weight( void** state )
+TEST( test_mean_weight )
 {
-    (void)state;
     RfScene scene = make_glass_room();
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
@@ -165,11 +150,4 @@ static void test_mean_weight( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_glass_room ), cmocka_unit_test( test_another_view ), cmocka_unit_test( test_noisy_glass ),
-        cmocka_unit_test( test_glints ),     cmocka_unit_test( test_mean_weight ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -2,14 +2,10 @@
 // (Without the light tree it has the bits of selection by power: tests/render/test_effects.c.)
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define EYES 3
 #define WIDTH 32
@@ -41,33 +37,22 @@ static void check( const char* what, RfScene whole, RfScene left, RfEffectId eff
     rf_destroy_scene( &left );
 }
 
-static void test_chains_change_noise_alone( void** state )
+TEST( test_chains_change_noise_alone )
 {
-    (void)state;
     check( "no chains", make_mirror_room( FLAT_MIRROR ), make_mirror_room( FLAT_MIRROR ), RF_EFFECT_CHAINS, reference_images );
 }
 
-static void test_flat_mirrors_change_noise_alone( void** state )
+TEST( test_flat_mirrors_change_noise_alone )
 {
-    (void)state;
     check( "no flat mirrors", make_mirror_room( FLAT_MIRROR ), make_mirror_room( FLAT_MIRROR ), RF_EFFECT_FLAT_MIRRORS,
            reference_images );
 }
 
 // Without punctual lights.
-static void test_panes_change_noise_alone( void** state )
+TEST( test_panes_change_noise_alone )
 {
-    (void)state;
     check( "no panes", make_pane_room( PANES_AND_AREA_LIGHT ), make_pane_room( PANES_AND_AREA_LIGHT ), RF_EFFECT_PANES,
            pane_vertex_images );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_chains_change_noise_alone ),
-        cmocka_unit_test( test_flat_mirrors_change_noise_alone ),
-        cmocka_unit_test( test_panes_change_noise_alone ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -9,15 +9,11 @@
 #include "scene/camera.h"
 #include "scene/json/scene_file.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 64
 #define HEIGHT 36
@@ -169,9 +165,8 @@ static Tally check_room( const char* room, const Setting* settings, size_t count
     return tally;
 }
 
-static void test_what_is_told_is_true( void** state )
+TEST( test_what_is_told_is_true )
 {
-    (void)state;
     static const char* const rooms[] = { "shelf",   "corridor", "brushed", "mirrors", "spots", "checker",
                                          "crystal", "coats",    "patio",   "window",  "neon" };
     Tally sum = { 0 };
@@ -188,9 +183,8 @@ static void test_what_is_told_is_true( void** state )
     assert_true( 10 * sum.bounds_true >= 9 * sum.bounds );
 }
 
-static void test_caustics_are_lower_bounds( void** state )
+TEST( test_caustics_are_lower_bounds )
 {
-    (void)state;
     Tally few = check_room( "lantern", &s_few, 1 );
     assert_true( few.bounds > few.plain && 10 * few.bounds_true >= 9 * few.bounds );
     if ( !is_long() )
@@ -199,11 +193,4 @@ static void test_caustics_are_lower_bounds( void** state )
     assert_true( 10 * more.bounds_true >= 9 * more.bounds );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_is_told_is_true ),
-        cmocka_unit_test( test_caustics_are_lower_bounds ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -1,20 +1,17 @@
 // Passes are unbiased: emission and direct light against the plain path tracer of the tests with no further vertices, and all of
 // them, by frames and tiles, against single pixels of one frame.
+#include "support/render_one.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 32
 #define HEIGHT 24
+#define VALUES ( 3 * WIDTH * HEIGHT )
 #define BLOCK 4
 #define EYES 7
 #define FRAME 3
@@ -28,39 +25,25 @@ static int more( void ) { return getenv( "REFRAME_LONG" ) != NULL ? 4 : 1; }
 typedef struct PassImages
 {
     Images of[PASSES + 1];
-    int seed; // in work
 } PassImages;
 
-static RfResult keep( void* user, const RfFrameResult* frame, RfError* error )
-{
-    (void)error;
-    PassImages* images = user;
-    for ( int p = 0; p <= PASSES; ++p )
-    {
-        images->of[p].rgb[images->seed] = malloc( 3 * WIDTH * HEIGHT * sizeof( float ) );
-        for ( int i = 0; i < 3 * WIDTH * HEIGHT; ++i )
-            images->of[p].rgb[images->seed][i] =
-                p < SUM ? frame->aovs[RF_AOV_EMISSION + p][i] : frame->aovs[RF_AOV_EMISSION][i] + frame->aovs[RF_AOV_DIRECT][i];
-    }
-    return RF_OK;
-}
-
 // One image per seed, from `first` on.
-static PassImages pass_images( const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings, uint64_t first )
+static PassImages pass_images( Stage* stage, RfRenderSettings settings, uint64_t first )
 {
     PassImages images = { 0 };
-    int frame = FRAME;
     settings.aovs = RF_PASS_AOVS;
     settings.spp *= suite_samples();
     for ( int p = 0; p <= PASSES; ++p )
         images.of[p] = ( Images ){ .width = WIDTH, .height = HEIGHT, .count = SEEDS };
-    for ( ; images.seed < SEEDS; ++images.seed )
+    for ( int seed = 0; seed < SEEDS; ++seed )
     {
-        RfRenderCallbacks callbacks = { .user = &images, .frame = keep };
-        RfError error = { 0 };
-        settings.seed = first + (uint64_t)images.seed + suite_seed();
-        if ( rf_render( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &callbacks, NULL, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
+        settings.seed = first + (uint64_t)seed + suite_seed();
+        const float* const* passes = render_one( stage, FRAME, &settings )->aovs + RF_AOV_EMISSION;
+        for ( int p = 0; p < PASSES; ++p )
+            images.of[p].rgb[seed] = copy_floats( passes[p], VALUES );
+        float* sum = images.of[SUM].rgb[seed] = copy_floats( passes[0], VALUES );
+        for ( int i = 0; i < VALUES; ++i )
+            sum[i] += passes[1][i];
     }
     return images;
 }
@@ -91,43 +74,39 @@ static RfRenderSettings settings_of( int group, const char* tile, RfFilter filte
     return settings;
 }
 
-static void test_emission_and_direct_light( void** state )
+TEST( test_emission_and_direct_light )
 {
-    (void)state;
     RfScene scenes[] = { make_open_scene( LIT_BY_ALL ), make_room( ROOM_GGX ) };
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     for ( int k = 0; k < 2; ++k )
     {
-        RfTracer* tracer = make_tracer( scenes + k );
+        Stage stage;
+        open_stage( &stage, scenes[k], EYES, 4.0f, WIDTH, HEIGHT );
         RfRenderSettings shallow = settings_of( 0, "1", RF_FILTER_BOX, 1 );
         shallow.max_depth = 2;
-        Images reference = reference_images( tracer, eyes, FRAME, 48 * more(), &shallow );
+        Images reference = reference_images( stage_tracer( &stage ), stage.eyes, FRAME, 48 * more(), &shallow );
         for ( size_t mode = 0; mode < 2; ++mode ) // the plain filter, as the reference
         {
             char what[64];
             snprintf( what, sizeof what, "scene %d, group %d tile %s:", k, s_modes[mode].group, s_modes[mode].tile );
             RfRenderSettings settings = settings_of( s_modes[mode].group, s_modes[mode].tile, s_modes[mode].filter, 7 );
-            PassImages images = pass_images( tracer, eyes, settings, 1 );
+            PassImages images = pass_images( &stage, settings, 1 );
             assert_unbiased( what, images.of + SUM, &reference, BLOCK );
             free_passes( &images );
         }
         free_images( &reference );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( scenes + k );
+        close_stage( &stage );
     }
 }
 
 static void check_room( const char* name, RfScene scene, unsigned passes )
 {
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
+    open_stage( &stage, scene, EYES, 4.0f, WIDTH, HEIGHT );
     for ( size_t mode = 0; mode < sizeof s_modes / sizeof s_modes[0]; ++mode )
     {
-        PassImages one = pass_images( tracer, eyes, settings_of( 0, "1", s_modes[mode].filter, 28 ), 1000 );
+        PassImages one = pass_images( &stage, settings_of( 0, "1", s_modes[mode].filter, 28 ), 1000 );
         PassImages shared =
-            pass_images( tracer, eyes, settings_of( s_modes[mode].group, s_modes[mode].tile, s_modes[mode].filter, 7 ), 1 );
+            pass_images( &stage, settings_of( s_modes[mode].group, s_modes[mode].tile, s_modes[mode].filter, 7 ), 1 );
         for ( int p = 0; p < PASSES; ++p )
         {
             char what[96];
@@ -140,23 +119,14 @@ static void check_room( const char* name, RfScene scene, unsigned passes )
         free_passes( &one );
         free_passes( &shared );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     unsigned all = RF_PASS_AOVS;
     check_room( "layered slab", make_mirror_room( LAYERED_SLAB ), all );
     check_room( "panes", make_pane_room( PANES_AND_ALL ), all & ~RF_AOV_BIT( RF_AOV_EMISSION ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_emission_and_direct_light ),
-        cmocka_unit_test( test_mirrors_and_glass ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -1,15 +1,11 @@
 // Groups, tiles, extra samples and light paths are unbiased in rooms with what lies over GGX or changes its lobe: sheen of constant
 // and of textured colour and roughness, over cloth and over metal; brushed metal; films; layers.
 #include "support/rooms.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 32
 #define HEIGHT 24
@@ -90,15 +86,10 @@ static RfScene make_cloth_room( void )
     return scene;
 }
 
-static void test_sheen( void** state )
-{
-    (void)state;
-    check( "sheen", make_cloth_room(), s_all, 3 );
-}
+TEST( test_sheen ) { check( "sheen", make_cloth_room(), s_all, 3 ); }
 
-static void test_textured_sheen( void** state )
+TEST( test_textured_sheen )
 {
-    (void)state;
     RfScene scene = make_cloth_room();
     add_test_textures( &scene );
     RfFactors factors = { .base = { 0.8, 0.7, 0.6, 1 },
@@ -149,16 +140,11 @@ static RfScene make_metal_room( void )
     return scene;
 }
 
-static void test_metals( void** state )
-{
-    (void)state;
-    check( "brushed metal, films, layers", make_metal_room(), s_all, 1 );
-}
+TEST( test_metals ) { check( "brushed metal, films, layers", make_metal_room(), s_all, 1 ); }
 
 // A ball of glass before cloth: its light paths end there.
-static void test_light_paths( void** state )
+TEST( test_light_paths )
 {
-    (void)state;
     RfScene scene = make_mirror_room( GLASS_BALL );
     for ( uint32_t i = 0; i < scene.material_count; ++i )
     {
@@ -170,15 +156,4 @@ static void test_light_paths( void** state )
     c.settings = g_connected + 1;
     c.setting_count = 1;
     check_chains( &c, scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_metals ),
-        cmocka_unit_test( test_sheen ),
-        cmocka_unit_test( test_textured_sheen ),
-        cmocka_unit_test( test_light_paths ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,17 +1,13 @@
 // render --flicker reaches the F1 that it is asked for, in every mode of rendering, and tells it; cost, plan and tune know of it.
 #include "support/cli_run.h"
+#include "support/test.h"
 #include "image/exr.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define ROOM REFRAME_SCENE_FOLDER "/noise-shelf.glb" // no lamp is seen, whose rim would be all of F1
 #define SMALL "--size 48x27 --group 1 --quiet "
@@ -44,9 +40,8 @@ static int check_told( const json_t* json, double wanted )
 }
 
 // What is reported against a reference, over all pairs of three seeds.
-static void test_the_flicker_is_reached( void** state )
+TEST( test_the_flicker_is_reached )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " ROOM " -o ref.####.exr --frames 3-7 --float --spp 300 --tile 3x3 --seed 99 " SMALL ), 0,
                 NULL );
     double truth = 0.0, told = 0.0;
@@ -76,9 +71,8 @@ static void test_the_flicker_is_reached( void** state )
     assert_true( told / truth > 0.64 && told / truth < 1.5625 ); // 0.8 to 1.25 of F1
 }
 
-static void test_less_flicker_takes_more( void** state )
+TEST( test_less_flicker_takes_more )
 {
-    (void)state;
     double spp[2] = { 0 };
     int missed = 0;
     for ( int i = 0; i < 16; ++i )
@@ -98,18 +92,16 @@ static void test_less_flicker_takes_more( void** state )
 }
 
 // Neither threads nor a second run change a bit.
-static void test_threads_change_nothing( void** state )
+TEST( test_threads_change_nothing )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " ROOM " -o one.####.exr --frames 3-6 --flicker 0.03 --threads 1 " SMALL " && $R render " ROOM
                          " -o two.####.exr --frames 3-6 --flicker 0.03 --threads 3 " SMALL
                          " && for f in 3 4 5 6; do cmp one.000$f.exr two.000$f.exr || exit 1; done" ),
                 0, NULL );
 }
 
-static void test_both_goals_hold( void** state )
+TEST( test_both_goals_hold )
 {
-    (void)state;
     int missed = 0;
     static const char* const goals[] = { "--flicker 0.02 --noise 1", "--flicker 1 --noise 0.05", "--flicker 0.03 --noise 0.1" };
     for ( size_t i = 0; i < sizeof goals / sizeof goals[0]; ++i )
@@ -127,9 +119,8 @@ static void test_both_goals_hold( void** state )
     assert_true( missed <= 1 );
 }
 
-static void test_what_is_not_reached_is_reported( void** state )
+TEST( test_what_is_not_reached_is_reported )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " ROOM " -o w.####.exr --frames 1-3 --flicker 1e-6 --spp 6 --json w.json " SMALL ), 0,
                 "--flicker 1e-06: not reached in 2 of 3 frames" );
     json_t* json = cli_read_json( "w.json" );
@@ -141,9 +132,8 @@ static void test_what_is_not_reached_is_reported( void** state )
 
 // Each frame of its own samples; all frames in one group; cut groups; extra samples; other filters; a frame without
 // neighbours, which is held to what two like it would have; films that fit the budget closely.
-static void test_every_way_of_rendering_reaches_it( void** state )
+TEST( test_every_way_of_rendering_reaches_it )
 {
-    (void)state;
     static const char* const kinds[] = { "--frames 3-5 --group 0 --tile 1",          "--frames 3-5 --group 40",
                                          "--frames 3-5 --group 20 --filter box",     "--frames 3-5 --group 1 --adaptive",
                                          "--frames 3-5 --group 1 --normalize ratio", "--frames 3 --group 2" };
@@ -160,9 +150,8 @@ static void test_every_way_of_rendering_reaches_it( void** state )
     assert_true( missed <= 1 );
 }
 
-static void test_resume_goes_on( void** state )
+TEST( test_resume_goes_on )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " ROOM " -o r.####.exr --frames 3-6 --flicker 0.04 " SMALL
                          " && cp r.0003.exr kept.exr && rm r.0005.exr" ),
                 0, NULL );
@@ -183,9 +172,8 @@ static void test_resume_goes_on( void** state )
     cli_expect( cli_run( "$R render " ROOM " -o r.####.exr --frames 3-6 --resume " SMALL ), 1, "--resume: " );
 }
 
-static void test_header_and_json_agree( void** state )
+TEST( test_header_and_json_agree )
 {
-    (void)state;
     cli_expect( cli_run( "$R render " ROOM " -o h.####.exr --frames 3-4 --flicker 0.05 --json h.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "h.json" );
     static const char* const keys[][2] = { { "reframe/flicker-estimate", "flicker_estimate" },
@@ -206,9 +194,8 @@ static void test_header_and_json_agree( void** state )
     json_decref( json );
 }
 
-static void test_wrong_values_are_refused( void** state )
+TEST( test_wrong_values_are_refused )
 {
-    (void)state;
     static const char* const wrong[][2] = { { "--flicker -1", "--flicker: expected" },
                                             { "--flicker low", "--flicker: expected" },
                                             { "--flicker 2%", "--flicker: expected" },
@@ -224,9 +211,8 @@ static void test_wrong_values_are_refused( void** state )
 
 // What cost predicts for path tracing is what such a render of a few frames takes, within a factor of two; plan and
 // cost have it in their JSON.
-static void test_what_it_takes_is_predicted( void** state )
+TEST( test_what_it_takes_is_predicted )
 {
-    (void)state;
     cli_expect(
         cli_measure( "$R cost " ROOM " --frames 3-6 --size 48x27 --group 1 --flicker 0.05,0.025 --quiet --json c.json", 1 ), 0,
         NULL );
@@ -251,19 +237,4 @@ static void test_what_it_takes_is_predicted( void** state )
     json_decref( json );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_the_flicker_is_reached ),
-        cmocka_unit_test( test_less_flicker_takes_more ),
-        cmocka_unit_test( test_threads_change_nothing ),
-        cmocka_unit_test( test_both_goals_hold ),
-        cmocka_unit_test( test_what_is_not_reached_is_reported ),
-        cmocka_unit_test( test_every_way_of_rendering_reaches_it ),
-        cmocka_unit_test( test_resume_goes_on ),
-        cmocka_unit_test( test_header_and_json_agree ),
-        cmocka_unit_test( test_wrong_values_are_refused ),
-        cmocka_unit_test( test_what_it_takes_is_predicted ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,17 +1,13 @@
 // Finished frames are handed over on a thread of their own (settings.queue): in order,
 // while rendering continues, whatever stops it, and within the budget.
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 #define EYES 7
 #define WIDTH 33
@@ -46,9 +42,8 @@ static RfRenderSettings queued( int group, int queue )
     return settings;
 }
 
-static void test_queue_changes_no_frame( void** state )
+TEST( test_queue_changes_no_frame )
 {
-    (void)state;
     Setup s;
     begin( &s );
     for ( int group = 0; group <= 2; group += 2 )
@@ -117,9 +112,8 @@ static RfResult watch( const Setup* s, const RfRenderSettings* settings, Watch* 
 }
 
 // The first frame's callback ends only after two more frames were rendered.
-static void test_rendering_does_not_wait( void** state )
+TEST( test_rendering_does_not_wait )
 {
-    (void)state;
     Setup s;
     begin( &s );
     RfError error;
@@ -138,9 +132,8 @@ static void test_rendering_does_not_wait( void** state )
     end( &s );
 }
 
-static void test_failure_stops_the_render( void** state )
+TEST( test_failure_stops_the_render )
 {
-    (void)state;
     Setup s;
     begin( &s );
     RfError error;
@@ -165,9 +158,8 @@ static void test_failure_stops_the_render( void** state )
 
 // What is finished when somebody stops the render is handed over all the same,
 // and if that fails, this is what is reported.
-static void test_interruption_keeps_finished_frames( void** state )
+TEST( test_interruption_keeps_finished_frames )
 {
-    (void)state;
     Setup s;
     begin( &s );
     RfError error;
@@ -183,9 +175,8 @@ static void test_interruption_keeps_finished_frames( void** state )
     end( &s );
 }
 
-static void test_queue_keeps_the_budget( void** state )
+TEST( test_queue_keeps_the_budget )
 {
-    (void)state;
     Setup s;
     begin( &s );
     RfRenderSettings settings = queued( 1, 0 );
@@ -216,14 +207,4 @@ static void test_queue_keeps_the_budget( void** state )
     settings.queue = 3; // nobody takes the frames
     assert_int_equal( rf_render( &( RfShot ){ s.tracer, s.eyes, EYES, s_all, EYES }, &settings, NULL, NULL, &error ), RF_OK );
     end( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_queue_changes_no_frame ),   cmocka_unit_test( test_rendering_does_not_wait ),
-        cmocka_unit_test( test_failure_stops_the_render ), cmocka_unit_test( test_interruption_keeps_finished_frames ),
-        cmocka_unit_test( test_queue_keeps_the_budget ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,15 +1,11 @@
 // Sliding groups: which groups hold which frames, how many own-frame and effective samples
 // each frame gets, and how they split into the halves of (E2).
+#include "support/test.h"
 #include "render/groups.h"
 #include "reframe/render.h"
 
 #include <limits.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const int frame_counts[] = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 13, 14, 15, 20, 21, 22, 43, 60, 250 };
 static const int half_widths[] = { 0, 1, 2, 3, 4, 7, 8, 10, 31, 124, RF_MAX_GROUP, INT_MAX };
@@ -71,11 +67,7 @@ static void check_windows( const RfGroupPlan* plan, int half_width, int spp )
     }
 }
 
-static void test_windows_cover_the_path( void** state )
-{
-    (void)state;
-    for_all_plans( check_windows );
-}
+TEST( test_windows_cover_the_path ) { for_all_plans( check_windows ); }
 
 // Windows are cut in paths of one to two groups only.
 static void check_full( const RfGroupPlan* plan, int half_width, int spp )
@@ -89,11 +81,7 @@ static void check_full( const RfGroupPlan* plan, int half_width, int spp )
         assert_int_equal( rf_group( plan, w ).eyes, plan->eyes );
 }
 
-static void test_long_paths_have_full_windows( void** state )
-{
-    (void)state;
-    for_all_plans( check_full );
-}
+TEST( test_long_paths_have_full_windows ) { for_all_plans( check_full ); }
 
 // No more is added than one pass of every eye would bring.
 static void check_rounding( const RfGroupPlan* plan, int half_width, int spp )
@@ -112,11 +100,7 @@ static void check_rounding( const RfGroupPlan* plan, int half_width, int spp )
     assert_int_equal( again.passes, plan->passes );
 }
 
-static void test_rounding_is_minimal( void** state )
-{
-    (void)state;
-    for_all_plans( check_rounding );
-}
+TEST( test_rounding_is_minimal ) { for_all_plans( check_rounding ); }
 
 static void check_native( const RfGroupPlan* plan, int half_width, int spp )
 {
@@ -138,11 +122,7 @@ static void check_native( const RfGroupPlan* plan, int half_width, int spp )
     }
 }
 
-static void test_own_frame_samples_are_as_planned( void** state )
-{
-    (void)state;
-    for_all_plans( check_native );
-}
+TEST( test_own_frame_samples_are_as_planned ) { for_all_plans( check_native ); }
 
 // Native and reused samples that a frame can see: Σ passes × eyes of its windows.
 static long effective_samples( const RfGroupPlan* plan, int frame )
@@ -200,11 +180,7 @@ static void check_ends( const RfGroupPlan* plan, int half_width, int spp )
         check_cut_ends( plan );
 }
 
-static void test_the_ends_get_as_many_samples( void** state )
-{
-    (void)state;
-    for_all_plans( check_ends );
-}
+TEST( test_the_ends_get_as_many_samples ) { for_all_plans( check_ends ); }
 
 // The halves of every frame differ by one pass at most.
 static void check_halves( const RfGroupPlan* plan, int half_width, int spp )
@@ -228,11 +204,7 @@ static void check_halves( const RfGroupPlan* plan, int half_width, int spp )
     }
 }
 
-static void test_halves_share_alike( void** state )
-{
-    (void)state;
-    for_all_plans( check_halves );
-}
+TEST( test_halves_share_alike ) { for_all_plans( check_halves ); }
 
 // With two passes or more a window both halves see it; with one pass a window
 // the windows alternate.
@@ -252,19 +224,4 @@ static void check_halves_of_windows( const RfGroupPlan* plan, int half_width, in
     }
 }
 
-static void test_halves_see_all_windows( void** state )
-{
-    (void)state;
-    for_all_plans( check_halves_of_windows );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_windows_cover_the_path ),       cmocka_unit_test( test_long_paths_have_full_windows ),
-        cmocka_unit_test( test_rounding_is_minimal ),          cmocka_unit_test( test_own_frame_samples_are_as_planned ),
-        cmocka_unit_test( test_the_ends_get_as_many_samples ), cmocka_unit_test( test_halves_share_alike ),
-        cmocka_unit_test( test_halves_see_all_windows ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
-}
+TEST( test_halves_see_all_windows ) { for_all_plans( check_halves_of_windows ); }

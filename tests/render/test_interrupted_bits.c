@@ -6,15 +6,11 @@
 #include "support/render_support.h"
 #include "support/rooms.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 9
 #define WIDTH 22
@@ -243,9 +239,8 @@ static RfRenderSettings settings_of( int group, int spp, const char* tile, unsig
     return s;
 }
 
-static void test_groups_and_tiles( void** state )
+TEST( test_groups_and_tiles )
 {
-    (void)state;
     static const int groups[] = { 0, 3, 20 };
     for ( int g = 0; g < 3; ++g )
     {
@@ -256,9 +251,8 @@ static void test_groups_and_tiles( void** state )
     }
 }
 
-static void test_adaptive_alpha_and_filters( void** state )
+TEST( test_adaptive_alpha_and_filters )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         Case c = { "adaptive", settings_of( 2, 10, "3x3", AOVS | RF_AOV_BIT( RF_AOV_ALPHA ) ),
@@ -269,9 +263,8 @@ static void test_adaptive_alpha_and_filters( void** state )
     }
 }
 
-static void test_stop_rules( void** state )
+TEST( test_stop_rules )
 {
-    (void)state;
     Case noise = { "noise", settings_of( 2, 400, "3x3", 0 ), make_room( ROOM_DIFFUSE ), false };
     noise.settings.noise = 0.05;
     check_case( &noise );
@@ -280,9 +273,8 @@ static void test_stop_rules( void** state )
     check_case( &flicker );
 }
 
-static void test_gradients_and_biased_weights( void** state )
+TEST( test_gradients_and_biased_weights )
 {
-    (void)state;
     Case gradient = { "gradient", settings_of( 0, 10, "4x4", RF_ALL_AOVS & ~( REMOVED | SURFACES | RF_PASS_AOVS ) ),
                       make_room( ROOM_DIFFUSE ), false };
     gradient.settings.estimator = rf_find_estimator( "gradient" );
@@ -295,26 +287,23 @@ static void test_gradients_and_biased_weights( void** state )
     check_case( &biased );
 }
 
-static void test_light_paths( void** state )
+TEST( test_light_paths )
 {
-    (void)state;
     Case c = { "light paths", settings_of( 1, 8, "3x3", 0 ), make_mirror_room( GLASS_BALL ), false };
     c.settings.light_paths = RF_LIGHT_PATHS_ON;
     check_case( &c );
 }
 
-static void test_clamp( void** state )
+TEST( test_clamp )
 {
-    (void)state;
     Case c = { "clamp", settings_of( 1, 8, "3x3", AOVS | REMOVED ), make_mirror_room( MIRROR_BALL ), false };
     c.settings.clamp = RF_CLAMP_AUTO;
     check_case( &c );
 }
 
 // Each light group has films of its own.
-static void test_light_groups( void** state )
+TEST( test_light_groups )
 {
-    (void)state;
     Case c = { "light groups", settings_of( 2, 10, "3x3", REMOVED ), make_open_scene( LIT_BY_ALL ), false };
     assert_true( rf_tag_light( &c.scene, "sky", &c.scene.environment.light_group ) );
     assert_true( rf_tag_light( &c.scene, "lamp", &c.scene.punctuals[0].light_group ) );
@@ -324,9 +313,8 @@ static void test_light_groups( void** state )
 }
 
 // Films have sums of own-frame light, which are emptied, too.
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
     Case c = { "moving", settings_of( 3, 24, "3x3", AOVS | REMOVED ), load_moving_room( "sweep", WIDTH, HEIGHT ).scene, false };
     c.settings.adaptive = RF_ADAPTIVE_ON;
     c.settings.clamp = 1.0;
@@ -335,9 +323,8 @@ static void test_what_moves( void** state )
 }
 
 // A long render empties its films into doubles, and one with too little memory goes along the path several times.
-static void test_long_renders_and_sweeps( void** state )
+TEST( test_long_renders_and_sweeps )
 {
-    (void)state;
     Case longer = { "totals", settings_of( 0, 48, "1", 0 ), make_room( ROOM_DIFFUSE ), false };
     longer.settings.max_depth = 3;
     longer.settings.filter_width = RF_MAX_FILTER_WIDTH; // fills them soon
@@ -362,9 +349,8 @@ static void test_long_renders_and_sweeps( void** state )
 }
 
 // Of other frames, or cut short: an error, no crash.
-static void test_other_states_are_refused( void** state )
+TEST( test_other_states_are_refused )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_DIFFUSE );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
@@ -396,9 +382,8 @@ static void test_other_states_are_refused( void** state )
 }
 
 // The first comes after the first pass: of the oldest frame, with one sample.
-static void test_preview_comes_early( void** state )
+TEST( test_preview_comes_early )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_DIFFUSE );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[EYES];
@@ -416,22 +401,4 @@ static void test_preview_comes_early( void** state )
     free( run );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_groups_and_tiles ),
-        cmocka_unit_test( test_adaptive_alpha_and_filters ),
-        cmocka_unit_test( test_stop_rules ),
-        cmocka_unit_test( test_gradients_and_biased_weights ),
-        cmocka_unit_test( test_light_paths ),
-        cmocka_unit_test( test_clamp ),
-        cmocka_unit_test( test_light_groups ),
-        cmocka_unit_test( test_what_moves ),
-        cmocka_unit_test( test_long_renders_and_sweeps ),
-        cmocka_unit_test( test_other_states_are_refused ),
-        cmocka_unit_test( test_preview_comes_early ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

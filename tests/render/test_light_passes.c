@@ -1,20 +1,11 @@
 // Passes of the picture: emission, direct, indirect, reflection and transmission add up to it in rooms with all kinds of light and in
 // every mode, whichever are asked for, and each has what its name says.
-#include "support/moving_rooms.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
-#include "scene/light_groups.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 24
@@ -23,13 +14,6 @@
 #define FRAME 2
 #define PASSES 5
 #define TOLERANCE 1e-5 // of a value and the brightness
-
-typedef struct Split
-{
-    double rgb[VALUES], pass[PASSES][VALUES];
-    bool given[PASSES];
-    int layers, frame, previews;
-} Split;
 
 enum
 {
@@ -40,112 +24,35 @@ enum
     TRANSMISSION
 };
 
-static RfResult keep( void* user, const RfFrameResult* frame, RfError* error )
-{
-    (void)error;
-    Split* split = user;
-    if ( frame->frame != split->frame )
-        return RF_OK;
-    split->layers = frame->layer_count;
-    for ( int i = 0; i < VALUES; ++i )
-        split->rgb[i] = (double)frame->rgb[i];
-    for ( int p = 0; p < PASSES; ++p )
-    {
-        const float* values = frame->aovs[RF_AOV_EMISSION + p];
-        split->given[p] = values != NULL;
-        for ( int i = 0; i < VALUES && values != NULL; ++i )
-            split->pass[p][i] = (double)values[i];
-    }
-    return RF_OK;
-}
+static const float* const* passes_of( const RfFrameResult* frame ) { return frame->aovs + RF_AOV_EMISSION; }
 
-static void show( void* user, const RfPreview* preview )
+static void expect_same_pass( const RfFrameResult* a, const RfFrameResult* b, int pass )
 {
-    Split* split = user;
-    split->previews += preview->frame == split->frame && preview->rgb != NULL;
-}
-
-static const int g_frames[] = { FRAME, FRAME + 1, FRAME + 2 };
-static int s_frames = 1; // that are rendered, of which the first is looked at
-
-static void render( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings, Split* split )
-{
-    RfRenderCallbacks callbacks = { .user = split, .frame = keep, .preview = show };
-    RfError error = { 0 };
-    memset( split, 0, sizeof *split );
-    split->frame = eye_count > FRAME ? FRAME : 0;
-    const int* frames = split->frame == FRAME ? g_frames : &split->frame;
-    if ( rf_render( &( RfShot ){ tracer, eyes, eye_count, frames, s_frames }, settings, &callbacks, NULL, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-}
-
-static double brightness( const double* values )
-{
-    double sum = 0.0;
-    for ( int i = 0; i < VALUES; ++i )
-        sum += fabs( values[i] );
-    return sum / VALUES;
-}
-
-static void expect_equal( const char* what, const char* of, const double* got, const double* wanted, double bright )
-{
-    for ( int i = 0; i < VALUES; ++i )
-    {
-        if ( !( fabs( got[i] - wanted[i] ) <= TOLERANCE * ( fabs( wanted[i] ) + bright ) ) )
-            fail_msg( "%s: value %d of %s is %.9g, not %.9g", what, i, of, got[i], wanted[i] );
-    }
+    assert_memory_equal( passes_of( a )[pass], passes_of( b )[pass], VALUES * sizeof( float ) );
 }
 
 // The sum of all passes is the picture, which is as without them where `same`; the brightness of each over that of the picture goes
 // to `shares`.
-static void check( const char* what, const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings settings,
-                   bool same, double shares[PASSES] )
+static void check( const char* what, Stage* stage, int frames, RfRenderSettings settings, bool same, double shares[PASSES] )
 {
-    static Split whole, split, some;
-    static double sum[VALUES];
-    render( tracer, eyes, eye_count, &settings, &whole );
+    const RfFrameResult* whole = render_some( stage, FRAME, frames, &settings );
     settings.aovs |= RF_PASS_AOVS;
-    render( tracer, eyes, eye_count, &settings, &split );
-    assert_true( split.previews >= 1 );
-    double bright = brightness( split.rgb );
-    memset( sum, 0, sizeof sum );
+    const RfFrameResult* split = render_some( stage, FRAME, frames, &settings );
+    assert_true( stage->previews >= 1 );
+    double bright = brightness( split->rgb, VALUES );
     for ( int p = 0; p < PASSES; ++p )
     {
-        assert_true( split.given[p] );
-        shares[p] = brightness( split.pass[p] ) / bright;
-        for ( int i = 0; i < VALUES; ++i )
-            sum[i] += split.pass[p][i];
+        assert_non_null( passes_of( split )[p] );
+        shares[p] = brightness( passes_of( split )[p], VALUES ) / bright;
     }
-    expect_equal( what, "the sum of passes", sum, split.rgb, bright );
+    expect_sum( what, "the sum of passes", passes_of( split ), PASSES, split->rgb, VALUES, TOLERANCE, bright );
     if ( same )
-        assert_memory_equal( split.rgb, whole.rgb, sizeof whole.rgb );
+        assert_memory_equal( split->rgb, whole->rgb, VALUES * sizeof( float ) );
     settings.aovs &= ~( RF_AOV_BIT( RF_AOV_EMISSION ) | RF_AOV_BIT( RF_AOV_INDIRECT ) | RF_AOV_BIT( RF_AOV_REFLECTION ) );
-    render( tracer, eyes, eye_count, &settings, &some );
-    assert_false( some.given[INDIRECT] );
-    assert_memory_equal( some.pass[DIRECT], split.pass[DIRECT], sizeof some.pass[DIRECT] );
-    assert_memory_equal( some.pass[TRANSMISSION], split.pass[TRANSMISSION], sizeof some.pass[DIRECT] );
-}
-
-static const struct
-{
-    int group;
-    const char* tile;
-    RfFilter filter;
-} g_modes[] = {
-    { 0, "1", RF_FILTER_BOX },
-    { 0, "3x3", RF_FILTER_BLACKMAN_HARRIS },
-    { 2, "1", RF_FILTER_BLACKMAN_HARRIS },
-    { 2, "3x3", RF_FILTER_BOX },
-};
-#define MODES ( sizeof g_modes / sizeof g_modes[0] )
-
-static RfRenderSettings settings_of( size_t mode )
-{
-    RfRenderSettings settings = small_settings( g_modes[mode].group, 5 );
-    settings.filter = g_modes[mode].filter;
-    settings.filter_width = 0.0;
-    assert_true( rf_parse_tile( g_modes[mode].tile, &settings.tile ) );
-    return settings;
+    const RfFrameResult* some = render_some( stage, FRAME, frames, &settings );
+    assert_null( passes_of( some )[INDIRECT] );
+    expect_same_pass( some, split, DIRECT );
+    expect_same_pass( some, split, TRANSMISSION );
 }
 
 static void expect_shares( const char* what, const double shares[PASSES], const double least[PASSES] )
@@ -162,33 +69,29 @@ static void expect_shares( const char* what, const double shares[PASSES], const 
 // `least`: share of each pass, 0: it is black.
 static void check_room( const char* name, RfScene scene, const double least[PASSES] )
 {
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    RfTracer* tracer = make_tracer( &scene );
-    for ( size_t k = 0; k < MODES; ++k )
+    Stage stage;
+    open_stage( &stage, scene, EYES, 3.0f, WIDTH, HEIGHT );
+    for ( int mode = 0; mode < REUSE_MODES; ++mode )
     {
         char what[80];
         double shares[PASSES];
-        snprintf( what, sizeof what, "%s, mode %d", name, (int)k );
+        snprintf( what, sizeof what, "%s, mode %d", name, mode );
         // chains are followed for the passes, which single pixels do without
-        check( what, tracer, eyes, EYES, settings_of( k ), k % 2 == 1, shares );
+        check( what, &stage, 1, reuse_mode( mode ), mode % 2 == 1, shares );
         expect_shares( what, shares, least );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
-static void test_rooms_without_chains( void** state )
+TEST( test_rooms_without_chains )
 {
-    (void)state;
     check_room( "open", make_open_scene( LIT_BY_ALL ), ( double[] ){ 0.1, 0.3, 0.05, 0, 0 } );
     check_room( "room", make_room( ROOM_GGX ), ( double[] ){ 0, 0.3, 0.2, 0, 0 } );
     check_room( "panes", make_pane_room( PANES_AND_ALL ), ( double[] ){ 0, 0.3, 0.1, 0.1, 0.02 } );
 }
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     static const struct
     {
         MirrorRoom kind;
@@ -214,72 +117,50 @@ static void test_mirrors_and_glass( void** state )
     check_room( "glass under the sky", make_mirror_in_the_open( LIT_BY_ALL ), ( double[] ){ 0.1, 0.2, 0.06, 0.06, 0 } );
 }
 
-static void test_moving_rooms( void** state )
+TEST( test_moving_rooms )
 {
-    (void)state;
     static const char* const rooms[] = { "dimmer", "glow", "blackout", "lamps", "sweep", "mirrors", "panes", "sky" };
     for ( size_t k = 0; k < sizeof rooms / sizeof rooms[0]; ++k )
     {
-        MovingRoom room = load_moving_room( rooms[k], WIDTH, HEIGHT );
-        RfTracer* tracer = make_tracer( &room.scene );
-        for ( size_t mode = 0; mode < MODES; ++mode )
+        Stage stage;
+        open_moving_stage( &stage, rooms[k], WIDTH, HEIGHT );
+        for ( int mode = 0; mode < REUSE_MODES; ++mode )
         {
             char what[80];
             double shares[PASSES];
-            snprintf( what, sizeof what, "%s, mode %d", rooms[k], (int)mode );
-            check( what, tracer, room.eyes, room.eye_count, settings_of( mode ), mode % 2 == 1, shares );
+            snprintf( what, sizeof what, "%s, mode %d", rooms[k], mode );
+            check( what, &stage, 1, reuse_mode( mode ), mode % 2 == 1, shares );
             if ( !( shares[DIRECT] > 0.001 ) )
                 fail_msg( "%s: direct has %g of the light", what, shares[DIRECT] );
         }
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &room.scene );
+        close_stage( &stage );
     }
 }
 
 // With a clamp they add up to the picture that it leaves; with extra samples, and beside light groups.
-static void test_clamp_extra_samples_and_groups( void** state )
+TEST( test_clamp_extra_samples_and_groups )
 {
-    (void)state;
     static const char* const rooms[] = { "dimmer", "mirrors" };
     for ( int k = 0; k < 6; ++k )
     {
-        MovingRoom room = load_moving_room( rooms[k % 2], WIDTH, HEIGHT );
-        RfTracer* tracer = make_tracer( &room.scene );
-        RfRenderSettings settings = settings_of( MODES - 1 );
+        Stage stage;
+        RfRenderSettings settings = reuse_mode( REUSE_MODES - 1 );
         double shares[PASSES];
+        open_moving_stage( &stage, rooms[k % 2], WIDTH, HEIGHT );
         settings.clamp = k / 2 == 0 ? 0.5 : 0.0;
         settings.adaptive = k / 2 == 1 ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
         settings.light_groups = k / 2 == 2 ? "lamps" : NULL;
-        check( rooms[k % 2], tracer, room.eyes, room.eye_count, settings, true, shares );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &room.scene );
+        check( rooms[k % 2], &stage, 1, settings, true, shares );
+        close_stage( &stage );
     }
 }
 
-// The least memory, in which each frame has a sweep of its own.
-static size_t least_memory( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings settings )
+TEST( test_blur_long_sums_and_sweeps )
 {
-    RfRenderSettings resolved;
-    RfMemoryFit fit;
-    RfError error = { 0 };
-    RfShot shot = { tracer, eyes, eye_count, g_frames, s_frames };
-    settings.aovs |= RF_PASS_AOVS;
-    assert_int_equal( rf_resolve_settings( &shot, &settings, &resolved, &error ), RF_OK );
-    resolved.memory = 1;
-    assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, &error ), RF_ERROR_MEMORY );
-    resolved.memory = fit.least;
-    assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, &error ), RF_OK );
-    assert_int_equal( fit.sweeps, s_frames );
-    return resolved.memory;
-}
-
-static void test_blur_long_sums_and_sweeps( void** state )
-{
-    (void)state;
     static const struct
     {
         const char *what, *room;
-        size_t mode;
+        int mode;
         float lens;
         int blur_steps, spp, frames;
     } cases[] = {
@@ -289,129 +170,83 @@ static void test_blur_long_sums_and_sweeps( void** state )
     };
     for ( size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k )
     {
-        MovingRoom room = load_moving_room( cases[k].room, WIDTH, HEIGHT );
-        for ( int i = 0; i < room.eye_count; ++i )
-        {
-            RfEye *eye = room.eyes + i, open = *eye, close = open;
-            close.origin.y += 0.1f;
-            if ( cases[k].blur_steps > 0 )
-                rf_set_shutter( eye, &open, &close );
-            eye->opens = cases[k].blur_steps > 0 ? eye->time - 0.02 : 0.0;
-            eye->closes = cases[k].blur_steps > 0 ? eye->time + 0.02 : 0.0;
-            eye->blur_steps = cases[k].blur_steps;
-            eye->lens_radius = cases[k].lens;
-            eye->focus = 2.0f;
-        }
-        RfTracer* tracer = make_tracer( &room.scene );
-        RfRenderSettings settings = settings_of( cases[k].mode );
+        Stage stage;
+        RfRenderSettings settings = reuse_mode( cases[k].mode );
         double shares[PASSES];
         settings.spp = cases[k].spp;
-        s_frames = cases[k].frames;
-        if ( s_frames > 1 )
-            settings.memory = least_memory( tracer, room.eyes, room.eye_count, settings );
-        check( cases[k].what, tracer, room.eyes, room.eye_count, settings, cases[k].mode % 2 == 1, shares );
-        s_frames = 1;
+        open_moving_stage( &stage, cases[k].room, WIDTH, HEIGHT );
+        blur_eyes( stage.eyes, stage.eye_count, cases[k].lens, 2.0f, cases[k].blur_steps );
+        if ( cases[k].frames > 1 )
+        {
+            RfRenderSettings split = settings;
+            split.aovs |= RF_PASS_AOVS;
+            settings.memory = least_memory( &stage, FRAME, cases[k].frames, &split );
+        }
+        check( cases[k].what, &stage, cases[k].frames, settings, cases[k].mode % 2 == 1, shares );
         if ( !( shares[DIRECT] > 0.001 ) )
             fail_msg( "%s: direct has %g of the light", cases[k].what, shares[DIRECT] );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &room.scene );
+        close_stage( &stage );
     }
 }
 
 // Direct light needs no further vertices: by the same random numbers it is the same without them, and there is no other then.
-static void test_direct_light_is_that_of_depth_two( void** state )
+TEST( test_direct_light_is_that_of_depth_two )
 {
-    (void)state;
     RfScene scenes[] = { make_open_scene( LIT_BY_ALL ), make_room( ROOM_GGX ), make_mirror_room( GLASS_BALL ) };
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    for ( size_t k = 0; k < 3; ++k )
+    for ( int k = 0; k < 3; ++k )
     {
-        static Split deep, shallow;
-        RfTracer* tracer = make_tracer( scenes + k );
-        for ( size_t mode = 0; mode < MODES; ++mode )
+        Stage stage;
+        open_stage( &stage, scenes[k], EYES, 3.0f, WIDTH, HEIGHT );
+        for ( int mode = 0; mode < REUSE_MODES; ++mode )
         {
             char what[80];
-            snprintf( what, sizeof what, "scene %d, mode %d", (int)k, (int)mode );
-            RfRenderSettings settings = settings_of( mode );
+            snprintf( what, sizeof what, "scene %d, mode %d", k, mode );
+            RfRenderSettings settings = reuse_mode( mode );
             settings.aovs = RF_PASS_AOVS;
-            render( tracer, eyes, EYES, &settings, &deep );
+            const RfFrameResult* deep = render_one( &stage, FRAME, &settings );
             settings.max_depth = 2;
-            render( tracer, eyes, EYES, &settings, &shallow );
-            double bright = brightness( deep.rgb );
-            expect_equal( what, "direct", deep.pass[DIRECT], shallow.pass[DIRECT], bright );
-            expect_equal( what, "emission", deep.pass[EMISSION], shallow.pass[EMISSION], bright );
-            if ( brightness( shallow.pass[INDIRECT] ) > 1e-6 * bright )
-                fail_msg( "%s: indirect light by two vertices: %g", what, brightness( shallow.pass[INDIRECT] ) / bright );
+            const RfFrameResult* shallow = render_one( &stage, FRAME, &settings );
+            double bright = brightness( deep->rgb, VALUES );
+            double indirect = brightness( passes_of( shallow )[INDIRECT], VALUES );
+            expect_sum( what, "direct", passes_of( deep ) + DIRECT, 1, passes_of( shallow )[DIRECT], VALUES, TOLERANCE, bright );
+            expect_sum( what, "emission", passes_of( deep ), 1, passes_of( shallow )[EMISSION], VALUES, TOLERANCE, bright );
+            if ( indirect > 1e-6 * bright )
+                fail_msg( "%s: indirect light by two vertices: %g", what, indirect / bright );
         }
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( scenes + k );
+        close_stage( &stage );
     }
 }
 
 // With alpha the sky is taken out of the picture, and of emission.
-static void test_alpha_takes_the_sky_out_of_emission( void** state )
+TEST( test_alpha_takes_the_sky_out_of_emission )
 {
-    (void)state;
-    static Split with, without;
-    RfScene scene = make_open_scene( LIT_BY_MAP );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    RfTracer* tracer = make_tracer( &scene );
-    RfRenderSettings settings = settings_of( MODES - 1 );
+    Stage stage;
+    open_stage( &stage, make_open_scene( LIT_BY_MAP ), EYES, 3.0f, WIDTH, HEIGHT );
+    RfRenderSettings settings = reuse_mode( REUSE_MODES - 1 );
     settings.aovs = RF_PASS_AOVS;
-    render( tracer, eyes, EYES, &settings, &with );
+    const RfFrameResult* with = render_one( &stage, FRAME, &settings );
     settings.aovs |= RF_AOV_BIT( RF_AOV_ALPHA );
-    render( tracer, eyes, EYES, &settings, &without );
-    assert_true( brightness( with.pass[EMISSION] ) > 0.01 * brightness( with.rgb ) );
-    assert_true( brightness( without.pass[EMISSION] ) == 0.0 );
-    expect_equal( "alpha", "direct", without.pass[DIRECT], with.pass[DIRECT], brightness( with.rgb ) );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    const RfFrameResult* without = render_one( &stage, FRAME, &settings );
+    double bright = brightness( with->rgb, VALUES );
+    assert_true( brightness( passes_of( with )[EMISSION], VALUES ) > 0.01 * bright );
+    assert_true( brightness( passes_of( without )[EMISSION], VALUES ) == 0.0 );
+    expect_sum( "alpha", "direct", passes_of( without ) + DIRECT, 1, passes_of( with )[DIRECT], VALUES, TOLERANCE, bright );
+    close_stage( &stage );
 }
 
-static void expect_refused( const RfTracer* tracer, const RfRenderSettings* settings, const char* part )
+TEST( test_what_cannot_be_split_is_refused )
 {
-    RfEye eyes[EYES];
-    RfRenderSettings resolved;
-    RfError error = { 0 };
-    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    assert_int_equal( rf_resolve_settings( &( RfShot ){ tracer, eyes, EYES, NULL, 0 }, settings, &resolved, &error ),
-                      RF_ERROR_USAGE );
-    if ( strstr( error.text, part ) == NULL )
-        fail_msg( "'%s' has no '%s'", error.text, part );
-}
-
-static void test_what_cannot_be_split_is_refused( void** state )
-{
-    (void)state;
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
+    open_stage( &stage, make_room( ROOM_GGX ), EYES, 3.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = small_settings( 1, 6 );
     settings.aovs = RF_AOV_BIT( RF_AOV_DIRECT );
     settings.weights = RF_WEIGHTS_UNWEIGHTED;
-    expect_refused( tracer, &settings, "the biased weights cannot split light into passes" );
+    expect_refused( &stage, &settings, "the biased weights cannot split light into passes" );
     settings.weights = RF_WEIGHTS_EXACT;
-    assert_int_equal( rf_choose_effects( &scene, 0, RF_EFFECT_BIT( RF_EFFECT_CHAINS ), NULL ), RF_OK );
-    expect_refused( tracer, &settings, "chains are left out" );
-    assert_int_equal( rf_choose_effects( &scene, 0, 0, NULL ), RF_OK );
+    assert_int_equal( rf_choose_effects( &stage.scene, 0, RF_EFFECT_BIT( RF_EFFECT_CHAINS ), NULL ), RF_OK );
+    expect_refused( &stage, &settings, "chains are left out" );
+    assert_int_equal( rf_choose_effects( &stage.scene, 0, 0, NULL ), RF_OK );
     rf_use_estimator( &settings, rf_find_estimator( "gradient" ) );
-    expect_refused( tracer, &settings, "the estimator 'gradient' has no passes of its light" );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rooms_without_chains ),
-        cmocka_unit_test( test_mirrors_and_glass ),
-        cmocka_unit_test( test_moving_rooms ),
-        cmocka_unit_test( test_clamp_extra_samples_and_groups ),
-        cmocka_unit_test( test_blur_long_sums_and_sweeps ),
-        cmocka_unit_test( test_direct_light_is_that_of_depth_two ),
-        cmocka_unit_test( test_alpha_takes_the_sky_out_of_emission ),
-        cmocka_unit_test( test_what_cannot_be_split_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    expect_refused( &stage, &settings, "the estimator 'gradient' has no passes of its light" );
+    close_stage( &stage );
 }

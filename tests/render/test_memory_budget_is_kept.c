@@ -2,11 +2,10 @@
 // the smallest that works; and no budget changes a picture.
 #define _DEFAULT_SOURCE // wait4
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <fcntl.h>
 #include <jansson.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -15,8 +14,6 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define MIB 1048576.0
 #define SLACK ( 6.0 * MIB ) // tables of the compression, stacks, what malloc keeps: 0.5 to 3 MiB when measured
@@ -158,9 +155,8 @@ static const struct
 };
 #define CASES ( (int)( sizeof s_cases / sizeof s_cases[0] ) )
 
-static void test_budgets_are_kept( void** state )
+TEST( test_budgets_are_kept )
 {
-    (void)state;
     for ( int i = 0; i < CASES; ++i )
     {
         if ( s_cases[i].large && !COUNTS_RESIDENT )
@@ -175,9 +171,8 @@ static void test_budgets_are_kept( void** state )
     }
 }
 
-static void test_budgets_change_nothing( void** state )
+TEST( test_budgets_change_nothing )
 {
-    (void)state;
     for ( int i = 0; i < CASES - ONCE; ++i )
     {
         if ( s_cases[i].large && !COUNTS_RESIDENT )
@@ -195,9 +190,8 @@ static void test_budgets_change_nothing( void** state )
 // The paper's own example (800x600, groups of 7, its memory by section 4.3
 // 1,787,520,000 bytes): any budget from 96 MiB on does. In little, its sides a
 // quarter as long, in proportion; as it is, where there is time.
-static void test_paper_example_fits_in_96_mib( void** state )
+TEST( test_paper_example_fits_in_96_mib )
 {
-    (void)state;
     static const char* const tiles[] = { "1", "3x3" };
     bool is_long = getenv( "REFRAME_LONG" ) != NULL;
     double bare = bare_bytes( "vase-room" );
@@ -215,12 +209,4 @@ static void test_paper_example_fits_in_96_mib( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_budgets_are_kept ),
-        cmocka_unit_test( test_budgets_change_nothing ),
-        cmocka_unit_test( test_paper_example_fits_in_96_mib ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,23 +1,16 @@
 // Rooms in which something moves (tests/support/moving_rooms.py) against the still room of each frame: path tracing and tiles give
 // the same pictures and AOVs at the same seed, but for a few pixels whose paths part where a rounding decides. What moves out of
 // the way changes no bit. Ten thousand nodes that move take little time and memory.
-#include "support/moving_rooms.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include "film/aov.h"
 #include "render/traits.h"
 #include "render/worlds.h"
 #include "scene/pose.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 16
@@ -29,56 +22,45 @@ static const char* const s_rooms[] = { "sweep",      "door",  "mirrors",  "figur
 
 #define PANES 5 // rays through what is half transparent are hashed: all values may differ
 
-static void render( const MovingRoom* room, const RfEye* eyes, int frame, const RfRenderSettings* settings, KeptPicture* p )
-{
-    RfTracer* tracer = make_tracer( &room->scene );
-    render_picture( &( RfShot ){ tracer, eyes, room->eye_count, &frame, 1 }, settings, p );
-    rf_destroy_tracer( tracer );
-}
-
 static RfRenderSettings settings_of( int group, const char* tile, int spp )
 {
-    RfRenderSettings settings = small_settings( group, spp );
-    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    RfRenderSettings settings = tiled_settings( group, spp, tile );
     settings.adaptive = RF_ADAPTIVE_OFF;
     settings.light_paths = RF_LIGHT_PATHS_OFF;
     return settings;
 }
 
-// The same ball around both, by which lights are chosen.
-static void share_bounds( RfScene* scene, const RfScene* from )
+// A moving room, and the still one of a frame in the same ball, by which lights are chosen.
+static void open_both( Stage stages[2], const char* name, int frame )
 {
-    scene->bounds_min = from->bounds_min;
-    scene->bounds_max = from->bounds_max;
+    open_moving_stage( stages, name, WIDTH, HEIGHT );
+    open_still_stage( stages + 1, name, frame, WIDTH, HEIGHT );
+    if ( strcmp( name, "plate" ) == 0 ) // whose own bounds have to reach it
+        return;
+    stages[1].scene.bounds_min = stages[0].scene.bounds_min;
+    stages[1].scene.bounds_max = stages[0].scene.bounds_max;
+}
+
+static void close_both( Stage stages[2] )
+{
+    close_stage( stages );
+    close_stage( stages + 1 );
 }
 
 static void check_frame( const char* name, int frame, const RfRenderSettings* settings, double most_others )
 {
-    static KeptPicture pictures[2];
-    MovingRoom moving = load_moving_room( name, WIDTH, HEIGHT ), still = load_still_room( name, frame, WIDTH, HEIGHT );
-    if ( strcmp( name, "plate" ) != 0 ) // whose own bounds have to reach it
-        share_bounds( &still.scene, &moving.scene );
-    render( &moving, moving.eyes, frame, settings, pictures );
-    render( &still, still.eyes, frame, settings, pictures + 1 );
-    double others = share_of_others( pictures[0].rgb, pictures[1].rgb, 3 * PIXELS );
+    Stage stages[2];
+    open_both( stages, name, frame );
+    const RfFrameResult *moving = render_one( stages, frame, settings ), *still = render_one( stages + 1, frame, settings );
+    double others = share_of_others( moving->rgb, still->rgb, 3 * PIXELS );
     if ( !( others <= most_others ) )
         fail_msg( "%s, frame %d: %.2f %% of the values differ", name, frame, 100.0 * others );
-    for ( int k = 0; k < RF_AOV_COUNT; ++k )
-    {
-        if ( pictures[0].channels[k] == 0 )
-            continue;
-        double share = share_of_others( pictures[0].aov[k], pictures[1].aov[k], pictures[0].channels[k] * PIXELS );
-        if ( share > 0.005 )
-            fail_msg( "%s, frame %d: AOV %s differs in %.2f %% of its values", name, frame, rf_aov_name( (RfAov)k ),
-                      100.0 * share );
-    }
-    rf_destroy_scene( &moving.scene );
-    rf_destroy_scene( &still.scene );
+    expect_like_aovs( name, moving, still, 0.005 );
+    close_both( stages );
 }
 
-static void test_frames_are_those_of_still_rooms( void** state )
+TEST( test_frames_are_those_of_still_rooms )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_rooms / sizeof s_rooms[0]; ++i )
     {
         RfRenderSettings settings = settings_of( 0, i % 2 == 0 ? "1" : "3x3", 2 );
@@ -89,56 +71,48 @@ static void test_frames_are_those_of_still_rooms( void** state )
     }
 }
 
-static void test_groups_are_finite( void** state )
+TEST( test_groups_are_finite )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_rooms / sizeof s_rooms[0]; ++i )
     {
-        MovingRoom room = load_moving_room( s_rooms[i], WIDTH, HEIGHT );
-        RfTracer* tracer = make_tracer( &room.scene );
+        Stage room;
+        open_moving_stage( &room, s_rooms[i], WIDTH, HEIGHT );
         RfRenderSettings settings = settings_of( 3, i % 2 == 0 ? "3x3" : "1", 7 );
-        check_sane_settings( s_rooms[i], tracer, room.eyes, room.eye_count, &settings );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &room.scene );
+        check_sane_settings( s_rooms[i], stage_tracer( &room ), room.eyes, room.eye_count, &settings );
+        close_stage( &room );
     }
 }
 
-static void test_what_is_out_of_the_way_changes_no_bit( void** state )
+TEST( test_what_is_out_of_the_way_changes_no_bit )
 {
-    (void)state;
-    static KeptPicture pictures[2];
-    MovingRoom moving = load_moving_room( "apart", WIDTH, HEIGHT ), still = load_still_room( "apart", 3, WIDTH, HEIGHT );
-    share_bounds( &still.scene, &moving.scene );
+    Stage stages[2];
+    open_both( stages, "apart", 3 );
     for ( int k = 0; k < 2; ++k )
     {
         RfRenderSettings settings = settings_of( 3, k == 0 ? "1" : "3x3", 7 );
-        render( &moving, moving.eyes, 3, &settings, pictures );
-        render( &still, still.eyes, 3, &settings, pictures + 1 );
-        assert_memory_equal( pictures[0].rgb, pictures[1].rgb, 3 * PIXELS * sizeof( float ) );
+        const RfFrameResult *moving = render_one( stages, 3, &settings ), *still = render_one( stages + 1, 3, &settings );
+        assert_memory_equal( moving->rgb, still->rgb, 3 * PIXELS * sizeof( float ) );
     }
-    rf_destroy_scene( &moving.scene );
-    rf_destroy_scene( &still.scene );
+    close_both( stages );
 }
 
-static void test_ten_thousand_nodes( void** state )
+TEST( test_ten_thousand_nodes )
 {
-    (void)state;
-    MovingRoom room = load_moving_room( "many", WIDTH, HEIGHT );
+    Stage room;
+    open_moving_stage( &room, "many", WIDTH, HEIGHT );
     RfPosedScene pose = { 0 };
     RfError error;
     assert_int_equal( rf_pose_scene( &room.scene, 0.1, &pose, &error ), RF_OK );
     rf_destroy_pose( &pose );
-    static KeptPicture picture;
     RfRenderSettings settings = settings_of( 3, "3x3", 7 );
-    render( &room, room.eyes, 3, &settings, &picture );
+    render_one( &room, 3, &settings );
     double bytes = (double)rf_worlds_bytes( &room.scene, MOVING_EYES, 0 );
     assert_true( bytes < 1e8 );
-    rf_destroy_scene( &room.scene );
+    close_stage( &room );
 }
 
-static void test_settings_that_cannot_tell_are_refused( void** state )
+TEST( test_settings_that_cannot_tell_are_refused )
 {
-    (void)state;
     RfSceneTraits traits = { .moves = true };
     RfRenderSettings settings = plain_settings();
     RfError error;
@@ -154,16 +128,4 @@ static void test_settings_that_cannot_tell_are_refused( void** state )
     assert_int_equal( RF_ERROR_USAGE, rf_check_moving( &traits, &settings, &error ) );
     traits.moves = false;
     assert_int_equal( RF_OK, rf_check_moving( &traits, &settings, &error ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_settings_that_cannot_tell_are_refused ),
-        cmocka_unit_test( test_frames_are_those_of_still_rooms ),
-        cmocka_unit_test( test_groups_are_finite ),
-        cmocka_unit_test( test_what_is_out_of_the_way_changes_no_bit ),
-        cmocka_unit_test( test_ten_thousand_nodes ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

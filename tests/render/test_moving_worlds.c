@@ -7,17 +7,13 @@
 #include "render/worlds.h"
 #include "support/render_support.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 48
 #define HEIGHT 32
@@ -163,9 +159,8 @@ static void assert_motion( const Layers* kept, int frame, int x, int y, int chan
         fail_msg( "frame %d, pixel %d,%d: motion %d is %.6f instead of %.6f", frame, x, y, channel, got, wanted );
 }
 
-static void test_motion_of_what_slides( void** state )
+TEST( test_motion_of_what_slides )
 {
-    (void)state;
     RfEye eyes[5];
     still_eyes( eyes, 5, 0.0 );
     RfScene scene = load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0 } );
@@ -193,9 +188,8 @@ static void test_motion_of_what_slides( void** state )
 }
 
 // Eye and plate move alike: to the film it rests, while the wall moves.
-static void test_an_eye_that_goes_along( void** state )
+TEST( test_an_eye_that_goes_along )
 {
-    (void)state;
     RfEye eyes[3];
     still_eyes( eyes, 3, 0.0 );
     for ( int i = 0; i < 3; ++i )
@@ -211,9 +205,8 @@ static void test_an_eye_that_goes_along( void** state )
 }
 
 // It is gone in the second frame: there is nowhere to follow it to.
-static void test_motion_of_what_vanishes( void** state )
+TEST( test_motion_of_what_vanishes )
 {
-    (void)state;
     GltfBuilder b = make_plate();
     static const float s_scales[] = { 1, 1, 1, 0, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
@@ -230,9 +223,8 @@ static void test_motion_of_what_vanishes( void** state )
 }
 
 // x grows by y, by a morph target: 0.1 y each second.
-static void test_motion_of_what_changes_its_shape( void** state )
+TEST( test_motion_of_what_changes_its_shape )
 {
-    (void)state;
     GltfBuilder b = make_plate();
     static const float s_weights[] = { 0, 0.4f }, s_lean[] = { -0.6f, 0, 0, -0.6f, 0, 0, 0.6f, 0, 0, 0.6f, 0, 0 };
     add_gltf_floats( &b, "SCALAR", 1, 2, s_weights );
@@ -257,9 +249,8 @@ static void test_motion_of_what_changes_its_shape( void** state )
 }
 
 // A joint mirrors the plate from one frame to the next, which turns its triangles over.
-static void test_motion_of_a_skin_that_is_turned_over( void** state )
+TEST( test_motion_of_a_skin_that_is_turned_over )
 {
-    (void)state;
     GltfBuilder b = make_plate();
     static const float s_scales[] = { 1, 1, 1, -1, 1, 1 }, s_weights[] = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0 };
     static const uint8_t s_joints[16] = { 0 };
@@ -321,9 +312,8 @@ static void check_parts( const RfScene* scene, const RfRenderSettings* settings,
     free_layers( &all );
 }
 
-static void test_a_frame_alone_is_that_of_its_sequence( void** state )
+TEST( test_a_frame_alone_is_that_of_its_sequence )
 {
-    (void)state;
     RfScene scene = load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0.5f } );
     for ( int kind = 0; kind < 9; ++kind )
     {
@@ -337,9 +327,8 @@ static void test_a_frame_alone_is_that_of_its_sequence( void** state )
 }
 
 // A mirror that grows: light paths are aimed at where it is in their own frame.
-static void test_light_paths_by_a_mirror_that_grows( void** state )
+TEST( test_light_paths_by_a_mirror_that_grows )
 {
-    (void)state;
     GltfBuilder b = make_plate();
     static const float s_scales[] = { 0.2f, 0.2f, 1, 1.5f, 1.5f, 1 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
@@ -373,9 +362,8 @@ static void test_light_paths_by_a_mirror_that_grows( void** state )
 }
 
 // The wall brightens while the plate slides: it is as bright as in the middle of the shutter, in which moment that lies or not.
-static void test_light_of_the_middle_of_a_shutter( void** state )
+TEST( test_light_of_the_middle_of_a_shutter )
 {
-    (void)state;
     GltfBuilder b = make_plate();
     add_gltf_floats( &b, "VEC3", 3, 2, ( const float[] ){ 0, 0, 0, 0.5f, 0, 0 } );
     add_gltf_floats( &b, "VEC3", 3, 2, ( const float[] ){ 0, 0, 0, 1, 1, 1 } );
@@ -425,9 +413,8 @@ static RfPlan plan_of( const RfScene* scene )
 }
 
 // A sheet of 40 by 40 m at z = −5 that slides before all else, and hardly anything that does.
-static void test_groups_that_do_not_pay( void** state )
+TEST( test_groups_that_do_not_pay )
 {
-    (void)state;
     GltfBuilder b = make_plate();
     static const float s_slides[] = { 0, 0, -2, 1, 0, -2 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_slides );
@@ -449,9 +436,8 @@ static void test_groups_that_do_not_pay( void** state )
 
 // A curtain between a lamp on the left and the right half of the wall, which the eye sees edge on. Where it has been lifted, the
 // light is that of one frame alone.
-static void test_pilots_see_light_that_no_other_frame_has( void** state )
+TEST( test_pilots_see_light_that_no_other_frame_has )
 {
-    (void)state;
     GltfBuilder b = make_plate();
     static const float s_lifts[] = { 0, 0, 0, 0, 60, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_lifts );
@@ -498,9 +484,8 @@ static RfMemoryFit fit_of( const RfTracer* tracer, const RfEye* eyes, int count,
     return fit;
 }
 
-static void test_the_budget_counts_what_moves( void** state )
+TEST( test_the_budget_counts_what_moves )
 {
-    (void)state;
     RfEye eyes[9];
     still_eyes( eyes, 9, 0.0 );
     RfScene scene = load_sliding( ( const float[3] ){ 0.8f, 0, 0 } );
@@ -569,9 +554,8 @@ static RfScene load_strips( int squares, int count )
 }
 
 // What Embree says that it holds.
-static void test_embree_holds_no_more_than_counted( void** state )
+TEST( test_embree_holds_no_more_than_counted )
 {
-    (void)state;
     static const int s_steps[] = { 0, 1, 4, 32 };
     for ( int i = 0; i < 12; ++i )
     {
@@ -606,9 +590,8 @@ static void test_embree_holds_no_more_than_counted( void** state )
 // ---- Failures -------------------------------------------------------------------
 
 // Something is further out than floats compute with, for a moment that the reader does not look at.
-static void test_a_pose_that_fails( void** state )
+TEST( test_a_pose_that_fails )
 {
-    (void)state;
     static const float s_keys[] = { 0, 2.05f, 2.2f, 4 }, s_places[] = { 0, 0, 0, 3e15f, 0, 0, 0, 0, 0, 0, 0, 0 };
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 4, s_plate );
@@ -635,22 +618,4 @@ static void test_a_pose_that_fails( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_motion_of_what_slides ),
-        cmocka_unit_test( test_an_eye_that_goes_along ),
-        cmocka_unit_test( test_motion_of_what_vanishes ),
-        cmocka_unit_test( test_motion_of_what_changes_its_shape ),
-        cmocka_unit_test( test_motion_of_a_skin_that_is_turned_over ),
-        cmocka_unit_test( test_a_frame_alone_is_that_of_its_sequence ),
-        cmocka_unit_test( test_light_paths_by_a_mirror_that_grows ),
-        cmocka_unit_test( test_light_of_the_middle_of_a_shutter ),
-        cmocka_unit_test( test_groups_that_do_not_pay ),
-        cmocka_unit_test( test_pilots_see_light_that_no_other_frame_has ),
-        cmocka_unit_test( test_the_budget_counts_what_moves ),
-        cmocka_unit_test( test_embree_holds_no_more_than_counted ),
-        cmocka_unit_test( test_a_pose_that_fails ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -1,18 +1,14 @@
 // render --noise reaches the error and --time keeps the time, in every mode of rendering.
 #include "support/cli_run.h"
+#include "support/test.h"
 #include "image/exr.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define LARGER "--size 64x36 --group 1 --quiet " // estimates of small pictures are as uncertain as their errors
 #define SMALL "--size 40x24 --group 1 --quiet "
@@ -22,9 +18,8 @@ static double value_of( const json_t* json, const char* key ) { return json_numb
 static const json_t* frame_of( const json_t* json, size_t i ) { return json_array_get( json_object_get( json, "frames" ), i ); }
 
 // Seeds and not only one, each frame of them, against the truth.
-static void test_the_error_is_reached( void** state )
+TEST( test_the_error_is_reached )
 {
-    (void)state;
     const double wanted = 0.03;
     cli_expect( cli_run( "$R render $VASE -o ref.####.exr --frames 5,30 --spp 150 --seed 99 --float " LARGER ), 0, NULL );
     int above = 0, all = 0;
@@ -54,9 +49,8 @@ static void test_the_error_is_reached( void** state )
     assert_true( native / all < 25.0 ); // about twice what it takes
 }
 
-static void test_less_noise_takes_more( void** state )
+TEST( test_less_noise_takes_more )
 {
-    (void)state;
     static const char* const errors[] = { "0.1", "0.03", "0.01" };
     double before = 0.0;
     for ( int i = 0; i < 3; ++i )
@@ -73,17 +67,15 @@ static void test_less_noise_takes_more( void** state )
     }
 }
 
-static void test_threads_change_nothing( void** state )
+TEST( test_threads_change_nothing )
 {
-    (void)state;
     cli_expect( cli_run( "for t in 1 2 5; do $R render $VASE -o t$t.####.exr --frames 1-4 --noise 0.04 --threads $t " SMALL
                          " || exit 1; done; for f in t2.* t5.*; do cmp $f t1.${f#t?.} || exit 1; done" ),
                 0, NULL );
 }
 
-static void test_what_is_not_reached_is_reported( void** state )
+TEST( test_what_is_not_reached_is_reported )
 {
-    (void)state;
     const CliResult* result = cli_run( "$R render $VASE -o m.####.exr --frames 1-4 --noise 1e-6 --spp 9 --json m.json " SMALL );
     cli_expect( result, 0, "--noise: 0.058 % (relMSE 1e-06) not reached in 4 of 4 frames" );
     json_t* json = cli_read_json( "m.json" );
@@ -96,9 +88,8 @@ static void test_what_is_not_reached_is_reported( void** state )
 }
 
 // How much of it is used is a matter of the machine: tests/render/test_stop_rule.c has a clock of its own.
-static void test_time_is_taken( void** state )
+TEST( test_time_is_taken )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o s.####.exr --frames 1-6 --time 0.4 --json s.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "s.json" );
     assert_true( json_is_boolean( json_object_get( json_object_get( json, "time" ), "too_short" ) ) );
@@ -106,9 +97,8 @@ static void test_time_is_taken( void** state )
     json_decref( json );
 }
 
-static void test_too_short_a_time_is_reported( void** state )
+TEST( test_too_short_a_time_is_reported )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o z.####.exr --frames 1-4 --time 1e-7 --json z.json " SMALL ), 0,
                 "--time 1e-07: too short" );
     json_t* json = cli_read_json( "z.json" );
@@ -122,9 +112,8 @@ static void test_too_short_a_time_is_reported( void** state )
 }
 
 // Whichever comes first.
-static void test_whichever_comes_first_stops( void** state )
+TEST( test_whichever_comes_first_stops )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o b.####.exr --frames 1-4 --noise 0.1 --time 1000 --json b.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "b.json" );
     assert_int_equal( value_of( json_object_get( json, "noise" ), "missed" ), 0 );
@@ -133,9 +122,8 @@ static void test_whichever_comes_first_stops( void** state )
                 "not reached in 4" );
 }
 
-static void test_resume_keeps_frames_that_reached_it( void** state )
+TEST( test_resume_keeps_frames_that_reached_it )
 {
-    (void)state;
     cli_expect(
         cli_run( "$R render $VASE -o r.####.exr --frames 1-4 --noise 0.05 " SMALL " && cp r.0003.exr kept.exr && rm r.0002.exr" ),
         0, NULL );
@@ -157,9 +145,8 @@ static void test_resume_keeps_frames_that_reached_it( void** state )
     cli_expect( cli_run( "$R render $VASE -o r.####.exr --frames 1-5 --resume " SMALL ), 1, "--resume: " );
 }
 
-static void test_header_and_json_agree( void** state )
+TEST( test_header_and_json_agree )
 {
-    (void)state;
     cli_expect( cli_run( "$R render $VASE -o h.####.exr --frames 2,3 --noise 0.05 --json h.json " SMALL ), 0, NULL );
     json_t* json = cli_read_json( "h.json" );
     static const char* const keys[][2] = { { "reframe/relmse-estimate", "relmse_estimate" },
@@ -181,9 +168,8 @@ static void test_header_and_json_agree( void** state )
     json_decref( json );
 }
 
-static void test_wrong_values_are_refused( void** state )
+TEST( test_wrong_values_are_refused )
 {
-    (void)state;
     static const char* const wrong[][2] = {
         { "--noise -1", "--noise: expected" },
         { "--noise low", "--noise: expected" },
@@ -199,9 +185,8 @@ static void test_wrong_values_are_refused( void** state )
 }
 
 // 0 is what it is without; a scene file's samples are no bound, the command line's are.
-static void test_defaults_of_a_scene_file( void** state )
+TEST( test_defaults_of_a_scene_file )
 {
-    (void)state;
     static const char scene[] = "{\"scene\":\"room.glb\",\"render\":{\"noise\":\"6.3%\",\"spp\":3}}";
     cli_expect( cli_run( "ln -sf $VASE room.glb" ), 0, NULL );
     cli_write( "scene.json", scene, sizeof scene - 1 );
@@ -221,9 +206,8 @@ static void test_defaults_of_a_scene_file( void** state )
 }
 
 // Ways of rendering that have their own films, passes or sums.
-static void test_every_way_of_rendering_reaches_it( void** state )
+TEST( test_every_way_of_rendering_reaches_it )
 {
-    (void)state;
     static const char* const kinds[] = { "--group 0 --tile 1",
                                          "--group 40",
                                          "--tile rooks4",
@@ -247,21 +231,4 @@ static void test_every_way_of_rendering_reaches_it( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_the_error_is_reached ),
-        cmocka_unit_test( test_less_noise_takes_more ),
-        cmocka_unit_test( test_threads_change_nothing ),
-        cmocka_unit_test( test_what_is_not_reached_is_reported ),
-        cmocka_unit_test( test_time_is_taken ),
-        cmocka_unit_test( test_too_short_a_time_is_reported ),
-        cmocka_unit_test( test_whichever_comes_first_stops ),
-        cmocka_unit_test( test_resume_keeps_frames_that_reached_it ),
-        cmocka_unit_test( test_header_and_json_agree ),
-        cmocka_unit_test( test_wrong_values_are_refused ),
-        cmocka_unit_test( test_defaults_of_a_scene_file ),
-        cmocka_unit_test( test_every_way_of_rendering_reaches_it ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

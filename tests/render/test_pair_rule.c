@@ -1,14 +1,10 @@
 // What a pair of frames will flicker when both are finished, predicted after some of their groups: by numbers alone, for
 // samples of variance 1 of which a common one has the correlation RHO in two neighbouring frames.
+#include "support/test.h"
 #include "render/stop/stop_rule.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define RHO 0.9
 
@@ -51,9 +47,8 @@ static RfFrameNoise known( const Path* path, int frame, int end )
 }
 
 // From any group that holds both frames on, in the middle of the path and at its ends.
-static void test_the_finished_pair_is_predicted( void** state )
+TEST( test_the_finished_pair_is_predicted )
 {
-    (void)state;
     static const int shapes[][2] = { { 48, 3 }, { 48, 1 }, { 48, 8 }, { 17, 8 }, { 20, 3 } };
     for ( size_t k = 0; k < sizeof shapes / sizeof shapes[0]; ++k )
     {
@@ -78,9 +73,8 @@ static void test_the_finished_pair_is_predicted( void** state )
 
 // Where much is shared, further samples of the later frame alone make a pair flicker more: none are asked for. Where
 // nothing is, so many that it comes down to what is wanted.
-static void test_the_later_frame_mends_what_it_can( void** state )
+TEST( test_the_later_frame_mends_what_it_can )
 {
-    (void)state;
     Path path = make_path( 48, 3 );
     RfFrameNoise now = { .frame = 20, .weight = 100.0, .seen = 100.0 };
     RfFlicker shared = { .before = 0.02, .now = 0.02, .product = 0.012 },
@@ -92,13 +86,4 @@ static void test_the_later_frame_mends_what_it_can( void** state )
     assert_true( rf_late_flicker( &path.rule, &now, &enough ) == 0.0 );
     double needed = rf_late_flicker( &path.rule, &now, &apart ) / path.rule.goals.flicker;
     assert_true( fabs( apart.before + apart.now * now.weight / needed - path.rule.goals.flicker ) < 1e-12 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_the_finished_pair_is_predicted ),
-        cmocka_unit_test( test_the_later_frame_mends_what_it_can ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,43 +1,21 @@
 // Scenes of meshes that are placed give the pictures that they give in world space, at the same seed: all but a few pixels, whose
 // paths part where a rounding decides.
 #include "support/placed_scenes.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include "film/aov.h"
 #include "scene/placement.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 5
 #define WIDTH 40
 #define HEIGHT 30
 #define PIXELS ( WIDTH * HEIGHT )
-
-// The middle frame of the path.
-static void render( const RfScene* scene, const RfEye* eyes, const RfRenderSettings* settings, KeptPicture* p )
-{
-    int frame = EYES / 2;
-    RfTracer* tracer = make_tracer( scene );
-    render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, settings, p );
-    rf_destroy_tracer( tracer );
-}
-
-static double mean_of( const float* a, int count )
-{
-    double sum = 0.0;
-    for ( int i = 0; i < count; ++i )
-        sum += (double)a[i];
-    return sum / count;
-}
 
 typedef RfScene MakeRoom( void );
 
@@ -103,41 +81,34 @@ static void turn_eye( RfEye* eye )
 
 static void check_case( const Case* c, const char* mode, const RfRenderSettings* settings )
 {
-    static KeptPicture pictures[2];
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    for ( int i = 0; i < EYES; ++i )
-        turn_eye( eyes + i );
+    Stage stages[2];
+    const RfFrameResult* pictures[2];
     for ( int k = 0; k < 2; ++k )
     {
-        RfScene scene = c->make();
-        turn_scene( &scene );
-        place_scene( &scene, c->kind, 4, c->mirrors );
+        Stage* stage = stages + k;
+        open_stage( stage, c->make(), EYES, 3.0f, WIDTH, HEIGHT );
+        for ( int i = 0; i < EYES; ++i )
+            turn_eye( stage->eyes + i );
+        turn_scene( &stage->scene );
+        place_scene( &stage->scene, c->kind, 4, c->mirrors );
         if ( k == 1 )
-            flatten_scene( &scene );
-        render( &scene, eyes, settings, pictures + k );
-        rf_destroy_scene( &scene );
+            flatten_scene( &stage->scene );
+        pictures[k] = render_one( stage, EYES / 2, settings );
     }
-    double others = share_of_others( pictures[0].rgb, pictures[1].rgb, 3 * PIXELS );
-    double a = mean_of( pictures[0].rgb, 3 * PIXELS ), b = mean_of( pictures[1].rgb, 3 * PIXELS );
+    double others = share_of_others( pictures[0]->rgb, pictures[1]->rgb, 3 * PIXELS );
+    double a = mean_value( pictures[0]->rgb, 3 * PIXELS ), b = mean_value( pictures[1]->rgb, 3 * PIXELS );
     printf( "%s, %s: %.2f %% of the values differ, the mean by %.2g\n", c->name, mode, 100.0 * others, fabs( a / b - 1.0 ) );
     assert_true( b > 0.0 );
     assert_true( others <= c->others );
     assert_true( fabs( a / b - 1.0 ) < ( c->others < 1.0 ? 0.001 : 0.03 ) );
-    for ( int k = 0; k < RF_AOV_COUNT; ++k )
-    {
-        if ( pictures[0].channels[k] == 0 )
-            continue;
-        double share = share_of_others( pictures[0].aov[k], pictures[1].aov[k], pictures[0].channels[k] * PIXELS );
-        if ( share > 0.02 )
-            fail_msg( "%s: AOV %s differs in %.2f %% of its values", c->name, rf_aov_name( (RfAov)k ), 100.0 * share );
-    }
+    expect_like_aovs( c->name, pictures[0], pictures[1], 0.02 );
+    close_stage( stages );
+    close_stage( stages + 1 );
 }
 
 static RfRenderSettings settings_of( int group, const char* tile )
 {
-    RfRenderSettings settings = small_settings( group, 7 );
-    assert_true( rf_parse_tile( tile, &settings.tile ) );
+    RfRenderSettings settings = tiled_settings( group, 7, tile );
     settings.adaptive = RF_ADAPTIVE_OFF;
     return settings;
 }
@@ -149,26 +120,23 @@ static void check_all( const char* mode, RfRenderSettings settings, int first, i
         check_case( s_cases + i, mode, &settings );
 }
 
-static void test_path_tracing( void** state )
+TEST( test_path_tracing )
 {
-    (void)state;
     RfRenderSettings settings = settings_of( 0, "1" );
     settings.aovs = RF_AOV_BIT( RF_AOV_ALBEDO ) | RF_AOV_BIT( RF_AOV_NORMAL ) | RF_AOV_BIT( RF_AOV_DEPTH ) |
                     RF_AOV_BIT( RF_AOV_MOTION ) | RF_AOV_BIT( RF_AOV_SAMPLES );
     check_all( "paths", settings, 0, 1 );
 }
 
-static void test_groups_and_tiles( void** state )
+TEST( test_groups_and_tiles )
 {
-    (void)state;
     check_all( "groups", settings_of( 2, "1" ), 0, 2 );
     check_all( "tiles", settings_of( 0, "3x3" ), 1, 2 );
     check_all( "groups and tiles", settings_of( 2, "3x3" ), 0, 1 );
 }
 
-static void test_light_paths( void** state )
+TEST( test_light_paths )
 {
-    (void)state;
     RfRenderSettings settings = settings_of( 0, "1" );
     settings.light_paths = RF_LIGHT_PATHS_ON;
     check_case( s_cases + 5, "light paths", &settings );
@@ -177,21 +145,9 @@ static void test_light_paths( void** state )
     check_case( s_cases + 5, "light paths in groups", &settings );
 }
 
-static void test_gradients( void** state )
+TEST( test_gradients )
 {
-    (void)state;
     RfRenderSettings settings = settings_of( 0, "1" );
     settings.estimator = rf_find_estimator( "gradient" );
     check_all( "gradients", settings, 0, 3 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_path_tracing ),
-        cmocka_unit_test( test_groups_and_tiles ),
-        cmocka_unit_test( test_light_paths ),
-        cmocka_unit_test( test_gradients ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,16 +4,13 @@
 #include "render/groups.h"
 #include "reframe/plan.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MOST_EYES 70
 #define WIDTH 32
@@ -62,9 +59,8 @@ static RfPlan plan_of( const Setup* s, int eyes, const RfRenderSettings* setting
 }
 
 // A path ends the table with the group that holds all of it.
-static void test_table_ends_with_the_whole_path( void** state )
+TEST( test_table_ends_with_the_whole_path )
 {
-    (void)state;
     static const int paths[][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 3, 2, 3 }, { 5, 3, 5 }, { 6, 4, 6 }, { 9, 5, 9 }, { 48, 9, 33 } };
     static const int groups[] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
     Setup s;
@@ -93,9 +89,8 @@ static void test_table_ends_with_the_whole_path( void** state )
 
 // Eyes that are all the same see all of each other's hits: then it is FR (16).
 // Nothing is lost where all frames see the same.
-static void test_equal_eyes_reach_all_frames( void** state )
+TEST( test_equal_eyes_reach_all_frames )
 {
-    (void)state;
     Setup s;
     begin( &s, ROOM_DIFFUSE, 0.0f );
     RfRenderSettings settings = settings_of( 17 );
@@ -112,9 +107,8 @@ static void expect_near( const char* what, int group, double planned, uint64_t c
 }
 
 // Rays, bytes, threads and chunks of every row are those of a render of it.
-static void test_forecast_is_what_render_does( void** state )
+TEST( test_forecast_is_what_render_does )
 {
-    (void)state;
     Setup s;
     begin( &s, ROOM_GGX, 2.0f );
     RfRenderSettings settings = settings_of( 5 );
@@ -142,9 +136,8 @@ static void test_forecast_is_what_render_does( void** state )
 }
 
 // Only films and the samples asked for keep auto from the best row.
-static void test_choice_is_the_best_row( void** state )
+TEST( test_choice_is_the_best_row )
 {
-    (void)state;
     Setup s;
     begin( &s, ROOM_DIFFUSE, 0.2f );
     RfRenderSettings settings = settings_of( 34 );
@@ -180,9 +173,8 @@ static void test_choice_is_the_best_row( void** state )
     end( &s );
 }
 
-static void test_choice_by_memory( void** state )
+TEST( test_choice_by_memory )
 {
-    (void)state;
     Setup s;
     begin( &s, ROOM_DIFFUSE, 0.2f );
     RfRenderSettings settings = settings_of( 34 );
@@ -218,9 +210,8 @@ static void test_choice_by_memory( void** state )
 }
 
 // What does not fit stays in the table, with the budget that it wants.
-static void test_rows_without_room_stay( void** state )
+TEST( test_rows_without_room_stay )
 {
-    (void)state;
     Setup s;
     begin( &s, ROOM_GGX, 0.2f );
     RfRenderSettings settings = settings_of( 34 );
@@ -263,9 +254,8 @@ static void check_resolved( const Setup* s, const RfRenderSettings* settings, co
 }
 
 // Several sweeps trace all of it as often: auto does not take such a row, whatever the threads are.
-static void test_rows_of_several_sweeps_are_not_chosen( void** state )
+TEST( test_rows_of_several_sweeps_are_not_chosen )
 {
-    (void)state;
     Setup s;
     begin( &s, ROOM_GGX, 0.2f );
     RfRenderSettings settings = settings_of( 34 );
@@ -322,9 +312,8 @@ static RfHalo halo_of( const Setup* s, int first, int count, int group, double l
     return halo;
 }
 
-static void test_halo_of_short_ranges( void** state )
+TEST( test_halo_of_short_ranges )
 {
-    (void)state;
     Setup s;
     begin( &s, ROOM_DIFFUSE, 0.0f );
     RfHalo all = halo_of( &s, 0, MOST_EYES, 8, 0.0 ), alone = halo_of( &s, 0, MOST_EYES, 0, 0.0 );
@@ -342,19 +331,4 @@ static void test_halo_of_short_ranges( void** state )
     one = halo_of( &s, 30, 1, 8, 0.0 );
     assert_true( one.group < 4 && one.saved > 0.3 && one.saved < 1.0 );
     end( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_table_ends_with_the_whole_path ),
-        cmocka_unit_test( test_equal_eyes_reach_all_frames ),
-        cmocka_unit_test( test_forecast_is_what_render_does ),
-        cmocka_unit_test( test_choice_is_the_best_row ),
-        cmocka_unit_test( test_choice_by_memory ),
-        cmocka_unit_test( test_rows_without_room_stay ),
-        cmocka_unit_test( test_rows_of_several_sweeps_are_not_chosen ),
-        cmocka_unit_test( test_halo_of_short_ranges ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,15 +1,11 @@
 // Ranges of frames for several machines: they hold every frame once, take what a render of them takes, are as even as can be,
 // and are cut where the halo is least.
+#include "support/test.h"
 #include "reframe/plan.h"
 #include "render/groups.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define MOST 200
 
@@ -78,9 +74,8 @@ static double check_ranges( int eye_count, const int* eyes, int count, int group
     return sum - 1.0;
 }
 
-static void test_ranges_are_whole_and_even( void** state )
+TEST( test_ranges_are_whole_and_even )
 {
-    (void)state;
     static const int s_groups[] = { 0, 1, 3, 6 }, s_machines[] = { 1, 2, 3, 7 };
     int eyes[24];
     for ( int i = 0; i < 24; ++i )
@@ -95,9 +90,8 @@ static void test_ranges_are_whole_and_even( void** state )
 }
 
 // A cut in a gap of the frames asked for costs less, within a gap of a whole group nothing.
-static void test_gaps_are_cut_first( void** state )
+TEST( test_gaps_are_cut_first )
 {
-    (void)state;
     int eyes[20];
     for ( int i = 0; i < 20; ++i )
         eyes[i] = i < 10 ? i : i + 20;
@@ -111,9 +105,8 @@ static void test_gaps_are_cut_first( void** state )
 }
 
 // Frames of a camera that stands still share an eye: cut among them, both sides would render it.
-static void test_a_camera_that_stands_still_is_not_cut( void** state )
+TEST( test_a_camera_that_stands_still_is_not_cut )
 {
-    (void)state;
     int eyes[40], found;
     RfPlanRange ranges[4];
     RfError error;
@@ -128,9 +121,8 @@ static void test_a_camera_that_stands_still_is_not_cut( void** state )
     assert_int_equal( rf_plan_ranges( &shot, &settings, 2, ranges, &found, &error ), RF_ERROR_USAGE );
 }
 
-static void test_long_paths_take_no_time( void** state )
+TEST( test_long_paths_take_no_time )
 {
-    (void)state;
     int count = 100000, found;
     int* eyes = malloc( (size_t)count * sizeof( int ) );
     RfPlanRange ranges[100];
@@ -144,15 +136,4 @@ static void test_long_paths_take_no_time( void** state )
     assert_int_equal( found, 100 );
     assert_int_equal( ranges[99].end, count );
     free( eyes );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_ranges_are_whole_and_even ),
-        cmocka_unit_test( test_gaps_are_cut_first ),
-        cmocka_unit_test( test_a_camera_that_stands_still_is_not_cut ),
-        cmocka_unit_test( test_long_paths_take_no_time ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

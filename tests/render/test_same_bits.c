@@ -5,14 +5,10 @@
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 9
 #ifdef REFRAME_SANITIZED // which take their time
@@ -90,9 +86,8 @@ static RfScene make_flooded_room( void )
     return finish_scene( &b );
 }
 
-static void test_group_0_is_a_plain_path_tracer( void** state )
+TEST( test_group_0_is_a_plain_path_tracer )
 {
-    (void)state;
     for ( int kind = ROOM_DIFFUSE; kind <= ROOM_GGX; ++kind )
     {
         check_plain( make_room( (RoomKind)kind ), 1, 12 );
@@ -144,9 +139,8 @@ static void begin_in( Twice* t, RfScene scene, const RfRenderSettings* settings 
 
 static void begin( Twice* t, const RfRenderSettings* settings ) { begin_in( t, make_room( ROOM_GGX ), settings ); }
 
-static void test_threads_and_runs( void** state )
+TEST( test_threads_and_runs )
 {
-    (void)state;
     static const RfWeights weights[] = { RF_WEIGHTS_EXACT, RF_WEIGHTS_EQ15, RF_WEIGHTS_UNWEIGHTED };
     for ( int w = 0; w < 3; ++w )
     {
@@ -170,9 +164,8 @@ static void test_threads_and_runs( void** state )
     }
 }
 
-static void test_alone_and_in_sequence( void** state )
+TEST( test_alone_and_in_sequence )
 {
-    (void)state;
     static const int groups[] = { 0, 1, 3, 20 };
     for ( int g = 0; g < 4; ++g )
     {
@@ -192,9 +185,8 @@ static void test_alone_and_in_sequence( void** state )
     }
 }
 
-static void test_any_budget_same_bits( void** state )
+TEST( test_any_budget_same_bits )
 {
-    (void)state;
     RfRenderSettings settings = quick( 2, 5 );
     settings.tile = tile_of( "3x3" );
     Twice t;
@@ -227,9 +219,8 @@ static void check_all_again( const Twice* t, RfRenderSettings settings )
 }
 
 // Groups with tiles: threads, some frames only, less memory.
-static void test_mirrors_and_glass_same_bits( void** state )
+TEST( test_mirrors_and_glass_same_bits )
 {
-    (void)state;
     static const MirrorRoom rooms[] = { FLAT_MIRROR, FACING_MIRRORS, MIRROR_BEHIND_PANE, GLASS_BALL };
     for ( size_t k = 0; k < sizeof rooms / sizeof rooms[0]; ++k )
     {
@@ -252,9 +243,8 @@ static void test_mirrors_and_glass_same_bits( void** state )
     }
 }
 
-static void test_seeds_differ( void** state )
+TEST( test_seeds_differ )
 {
-    (void)state;
     RfRenderSettings settings = quick( 1, 3 );
     Twice t;
     begin( &t, &settings );
@@ -263,14 +253,4 @@ static void test_seeds_differ( void** state )
     assert_memory_not_equal( frame_rgb( &t.whole, 0 ), frame_rgb( &other, 0 ), 3 * other.pixels * sizeof( float ) );
     free_rendered( &other );
     end_twice( &t );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_group_0_is_a_plain_path_tracer ), cmocka_unit_test( test_threads_and_runs ),
-        cmocka_unit_test( test_alone_and_in_sequence ),          cmocka_unit_test( test_any_budget_same_bits ),
-        cmocka_unit_test( test_mirrors_and_glass_same_bits ),    cmocka_unit_test( test_seeds_differ ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -6,15 +6,11 @@
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 #include "reuse/tile/tile.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 39
 #define HEIGHT 34
@@ -183,9 +179,8 @@ static int tear_down( void** state )
     return 0;
 }
 
-static void test_equals_reuse_without_reuse( void** state )
+TEST( test_equals_reuse_without_reuse )
 {
-    (void)state;
     Rendered reuse = render_all_of( s_tracer, s_eyes, NULL ), plain = render_all_of( s_tracer, s_eyes, &s_plain );
     assert_same( &reuse, &plain );
     assert_true( plain.relmse_estimate[2] == reuse.relmse_estimate[2] && plain.relmse_estimate[2] > 0.0 );
@@ -204,9 +199,8 @@ static void test_equals_reuse_without_reuse( void** state )
 }
 
 // Threads, memory and the frames asked for are the driver's: no estimator need think of them.
-static void test_driver_does_the_rest( void** state )
+TEST( test_driver_does_the_rest )
 {
-    (void)state;
     RfRenderSettings settings = settings_of( &s_plain );
     settings.group = 1;
     Rendered all = render_all( s_tracer, s_eyes, EYES, &settings );
@@ -233,9 +227,8 @@ static RfFirstHits no_hits( const void* scratch )
 }
 
 // What an estimator lacks is an error with its name, before any work.
-static void test_what_it_lacks_is_said( void** state )
+TEST( test_what_it_lacks_is_said )
 {
-    (void)state;
     RfError error;
     RfRenderSettings resolved, adaptive = settings_of( &s_plain ), aovs = adaptive, none = adaptive;
     assert_int_equal( rf_resolve_settings( &( RfShot ){ s_tracer, s_eyes, EYES, NULL, 0 }, &adaptive, &resolved, &error ),
@@ -268,9 +261,8 @@ static void test_what_it_lacks_is_said( void** state )
 }
 
 // Settings that come from a program are checked as those of the command line are.
-static void test_settings_out_of_range_are_refused( void** state )
+TEST( test_settings_out_of_range_are_refused )
 {
-    (void)state;
     RfError error;
     RfRenderSettings resolved, bad[6];
     for ( int i = 0; i < 6; ++i )
@@ -303,9 +295,8 @@ static RfResult fail_silently( void* user, const RfFrameResult* frame, RfError* 
     return RF_ERROR_IO;
 }
 
-static void test_a_silent_callback_is_named( void** state )
+TEST( test_a_silent_callback_is_named )
 {
-    (void)state;
     RfError error;
     RfRenderSettings settings = settings_of( NULL );
     RfRenderCallbacks callbacks = { .frame = fail_silently };
@@ -315,9 +306,8 @@ static void test_a_silent_callback_is_named( void** state )
     assert_non_null( strstr( error.text, "frame 2 was not taken" ) );
 }
 
-static void test_estimators_have_names( void** state )
+TEST( test_estimators_have_names )
 {
-    (void)state;
     assert_ptr_equal( rf_find_estimator( "reuse" ), rf_default_render_settings().estimator );
     assert_string_equal( rf_estimator_name( rf_find_estimator( "reuse" ) ), "reuse" );
     assert_null( rf_find_estimator( "plain" ) );
@@ -325,15 +315,4 @@ static void test_estimators_have_names( void** state )
         assert_ptr_equal( rf_find_estimator( rf_estimator_words[i] ), rf_estimator_at( i ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_equals_reuse_without_reuse ),
-        cmocka_unit_test( test_driver_does_the_rest ),
-        cmocka_unit_test( test_what_it_lacks_is_said ),
-        cmocka_unit_test( test_estimators_have_names ),
-        cmocka_unit_test( test_settings_out_of_range_are_refused ),
-        cmocka_unit_test( test_a_silent_callback_is_named ),
-    };
-    return cmocka_run_group_tests( tests, set_up, tear_down );
-}
+SHARED_BY_TESTS( set_up, tear_down )

@@ -1,16 +1,10 @@
 // How the light of what changes is shared: pictures under some of the lights sum to that under all of them, and no light is in two.
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include "trace/relit.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 16
@@ -29,49 +23,26 @@ static bool is_lit( void* user, uint32_t light )
     return ( light < triangles ? 0 : 1 + (int)( light - triangles ) ) == lit->part;
 }
 
-static void test_relit_pictures_sum_to_the_whole( void** state )
+TEST( test_relit_pictures_sum_to_the_whole )
 {
-    (void)state;
-    static KeptPicture whole, part;
-    const int frame = 0;
-    double sum[VALUES] = { 0 };
-    RfEye eyes[1];
-    RfScene scene = make_pane_room( PANES_AND_ALL );
-    orbit_eyes( eyes, 1, 4.0f, WIDTH, HEIGHT );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
+    const float* rgb[8];
+    open_stage( &stage, make_pane_room( PANES_AND_ALL ), 1, 4.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = small_settings( 0, 2 );
-    render_picture( &( RfShot ){ tracer, eyes, 1, &frame, 1 }, &settings, &whole );
-    Lit lit = { .lights = rf_tracer_lights( tracer ) };
+    const RfFrameResult* whole = render_one( &stage, 0, &settings );
+    Lit lit = { .lights = rf_tracer_lights( stage.tracer ) };
     int parts = 1 + (int)( lit.lights->count - lit.lights->triangle_count ), bright = 0;
+    assert_int_equal( parts, 4 );
     for ( ; lit.part < parts; ++lit.part )
     {
         RfRelitTracer* relit;
-        double mean = 0.0;
-        assert_int_equal( rf_create_relit_tracer( tracer, is_lit, &lit, &relit, NULL ), RF_OK );
-        render_picture( &( RfShot ){ rf_relit_tracer( relit ), eyes, 1, &frame, 1 }, &settings, &part );
+        assert_int_equal( rf_create_relit_tracer( stage.tracer, is_lit, &lit, &relit, NULL ), RF_OK );
+        RfShot shot = { rf_relit_tracer( relit ), stage.eyes, 1, &( int ){ 0 }, 1 };
+        rgb[lit.part] = render_shot( &stage, &shot, &settings )->rgb;
         rf_destroy_relit_tracer( relit );
-        for ( int i = 0; i < VALUES; ++i )
-        {
-            sum[i] += (double)part.rgb[i];
-            mean += (double)part.rgb[i] / VALUES;
-        }
-        bright += mean > 0.01;
+        bright += mean_value( rgb[lit.part], VALUES ) > 0.01;
     }
-    assert_int_equal( parts, 4 );
     assert_int_equal( bright, 4 );
-    for ( int i = 0; i < VALUES; ++i )
-    {
-        if ( !( fabs( sum[i] - (double)whole.rgb[i] ) <= 1e-4 * ( 1.0 + sum[i] ) ) )
-            fail_msg( "value %d is %g by the sum, %g in the whole", i, sum[i], (double)whole.rgb[i] );
-    }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_relit_pictures_sum_to_the_whole ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    expect_sum( "relit", "the sum", rgb, parts, whole->rgb, VALUES, 1e-4, 1.0 );
+    close_stage( &stage );
 }

@@ -2,16 +2,12 @@
 // lamp that a metal plate throws on the walls, which paths find by chance.
 #include "cli/render/specks_json.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 64
 #define HEIGHT 36
@@ -149,17 +145,15 @@ static void check_kind( const char* what, const RfScene* scene, int depth, RfSpe
 }
 
 // Without indirect light all that stands out is a glint.
-static void test_glints( void** state )
+TEST( test_glints )
 {
-    (void)state;
     RfScene scene = make_beads();
     check_kind( "beads", &scene, 2, RF_SPECK_GLINT, SHINY );
     rf_destroy_scene( &scene );
 }
 
-static void test_chance( void** state )
+TEST( test_chance )
 {
-    (void)state;
     RfScene mirror = make_plate( make_mirror( 0.9f ) ), metal = make_plate( make_metal( 0.9f, 0.1f ) );
     check_kind( "mirror plate", &mirror, 8, RF_SPECK_CHANCE, -1 );
     check_kind( "metal plate", &metal, 8, RF_SPECK_CHANCE, -1 );
@@ -168,9 +162,8 @@ static void test_chance( void** state )
 }
 
 // Looking at specks changes no picture, whatever follows, and any number of threads finds the same.
-static void test_nothing_else_changes( void** state )
+TEST( test_nothing_else_changes )
 {
-    (void)state;
     static Kept all, alone, threaded;
     RfScene scenes[] = { make_beads(), make_plate( make_metal( 0.9f, 0.1f ) ) };
     for ( size_t k = 0; k < sizeof scenes / sizeof scenes[0]; ++k )
@@ -191,9 +184,8 @@ static void test_nothing_else_changes( void** state )
 }
 
 // Sums agree, and where nothing stands out or nothing is known there are none.
-static void test_what_cannot_be_told( void** state )
+TEST( test_what_cannot_be_told )
 {
-    (void)state;
     static Kept kept;
     RfRenderSettings settings = plain_settings();
     RfScene dark = make_furnace( 0.5f, 0.0f ), even = make_even(), sky = make_open_scene( LIT_BY_SKY );
@@ -216,15 +208,4 @@ static void test_what_cannot_be_told( void** state )
     rf_destroy_scene( &dark );
     rf_destroy_scene( &even );
     rf_destroy_scene( &sky );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_glints ),
-        cmocka_unit_test( test_chance ),
-        cmocka_unit_test( test_nothing_else_changes ),
-        cmocka_unit_test( test_what_cannot_be_told ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,16 +1,12 @@
 // How many passes each group gets for a target error or time: the decisions alone, with
 // made-up films, estimates and clock.
+#include "support/test.h"
 #include "render/stop/stop_rule.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define MOST_FRAMES 256
 
@@ -154,9 +150,8 @@ static double least_work( const Trial* t, double weight )
 }
 
 // Estimates that are right: every frame is below, at little more than it costs.
-static void test_exact_estimates_reach_the_error( void** state )
+TEST( test_exact_estimates_reach_the_error )
 {
-    (void)state;
     static const double errors[] = { 0.05, 0.02, 0.003, 0.0007 };
     for ( size_t s = 0; s < SHAPES; ++s )
     {
@@ -175,9 +170,8 @@ static void test_exact_estimates_reach_the_error( void** state )
 
 // As off as estimates of small and heavy-tailed pictures are: the truth is still
 // below 1.2 E in nine of ten frames.
-static void test_noisy_estimates_reach_the_error( void** state )
+TEST( test_noisy_estimates_reach_the_error )
 {
-    (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
     {
         int above = 0, all = 0;
@@ -202,9 +196,8 @@ static void test_noisy_estimates_reach_the_error( void** state )
 }
 
 // No window of the middle stands out: what would show as a seam.
-static void test_passes_are_spread( void** state )
+TEST( test_passes_are_spread )
 {
-    (void)state;
     for ( int group = 1; group <= 8; group += 7 )
     {
         Trial t = make_trial( 200, group );
@@ -218,9 +211,8 @@ static void test_passes_are_spread( void** state )
 }
 
 // Where the noise rises along the path, and where it jumps, passes follow.
-static void test_passes_follow_the_noise( void** state )
+TEST( test_passes_follow_the_noise )
 {
-    (void)state;
     Trial t = make_trial( 100, 3 );
     t.error = 0.004;
     for ( int k = 0; k < t.frames; ++k )
@@ -232,9 +224,8 @@ static void test_passes_follow_the_noise( void** state )
     assert_true( t.passes[80] > 3 * t.passes[50] );
 }
 
-static void test_halves_stay_balanced( void** state )
+TEST( test_halves_stay_balanced )
 {
-    (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
     {
         for ( int timed = 0; timed < 2; ++timed )
@@ -255,9 +246,8 @@ static void test_halves_stay_balanced( void** state )
 }
 
 // An error that is not worth more than the least gets the least.
-static void test_least_passes_are_kept( void** state )
+TEST( test_least_passes_are_kept )
 {
-    (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
     {
         Trial t = make_trial( s_shapes[s][0], s_shapes[s][1] );
@@ -270,9 +260,8 @@ static void test_least_passes_are_kept( void** state )
 }
 
 // --spp is the most; what is above the error then is counted.
-static void test_most_passes_are_kept( void** state )
+TEST( test_most_passes_are_kept )
 {
-    (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
     {
         Trial t = make_trial( s_shapes[s][0], s_shapes[s][1] );
@@ -286,9 +275,8 @@ static void test_most_passes_are_kept( void** state )
 }
 
 // Estimates that are no numbers end, and are no success.
-static void test_estimates_not_finite_end_the_render( void** state )
+TEST( test_estimates_not_finite_end_the_render )
 {
-    (void)state;
     static const double bad[] = { (double)NAN, (double)INFINITY };
     for ( size_t s = 0; s < SHAPES; ++s )
     {
@@ -307,9 +295,8 @@ static void test_estimates_not_finite_end_the_render( void** state )
 }
 
 // The time is kept within 10 % and one pass of a window, whatever the machine does.
-static void test_time_is_kept( void** state )
+TEST( test_time_is_kept )
 {
-    (void)state;
     static const double seconds[] = { 0.5, 2.0, 30.0 };
     for ( size_t s = 0; s < SHAPES; ++s )
     {
@@ -328,9 +315,8 @@ static void test_time_is_kept( void** state )
 }
 
 // A machine that becomes three times slower on the way.
-static void test_time_with_a_changing_pace( void** state )
+TEST( test_time_with_a_changing_pace )
 {
-    (void)state;
     Trial t = make_trial( 200, 3 );
     t.seconds = 400.0;
     RfGroupPlan plan = rf_plan_groups( t.frames, t.group, t.most_spp );
@@ -347,9 +333,8 @@ static void test_time_with_a_changing_pace( void** state )
 }
 
 // Less time than the least takes: the least, and it is reported.
-static void test_too_short_a_time( void** state )
+TEST( test_too_short_a_time )
 {
-    (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
     {
         Trial t = make_trial( s_shapes[s][0], s_shapes[s][1] );
@@ -364,9 +349,8 @@ static void test_too_short_a_time( void** state )
 
 // After a tenth of the work the time to the end is known within a tenth where all frames are alike. In the first group
 // nothing is.
-static void test_time_to_the_end_is_in_proportion( void** state )
+TEST( test_time_to_the_end_is_in_proportion )
 {
-    (void)state;
     for ( int group = 0; group <= 8; group += 4 )
     {
         Trial whole = make_trial( 120, group ), t = whole;
@@ -394,9 +378,8 @@ static void test_time_to_the_end_is_in_proportion( void** state )
 }
 
 // Both: whichever comes first.
-static void test_whichever_comes_first_stops( void** state )
+TEST( test_whichever_comes_first_stops )
 {
-    (void)state;
     for ( size_t s = 0; s < SHAPES; ++s )
     {
         Trial noise = make_trial( s_shapes[s][0], s_shapes[s][1] ), both = noise, tight = noise;
@@ -411,24 +394,4 @@ static void test_whichever_comes_first_stops( void** state )
         assert_true( tight.now <= 1.1 * tight.seconds + tight.pace * tight.stop.rule.plan.eyes );
         assert_true( tight.stop.missed > 0 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_exact_estimates_reach_the_error ),
-        cmocka_unit_test( test_noisy_estimates_reach_the_error ),
-        cmocka_unit_test( test_passes_are_spread ),
-        cmocka_unit_test( test_passes_follow_the_noise ),
-        cmocka_unit_test( test_halves_stay_balanced ),
-        cmocka_unit_test( test_least_passes_are_kept ),
-        cmocka_unit_test( test_most_passes_are_kept ),
-        cmocka_unit_test( test_estimates_not_finite_end_the_render ),
-        cmocka_unit_test( test_time_is_kept ),
-        cmocka_unit_test( test_time_with_a_changing_pace ),
-        cmocka_unit_test( test_too_short_a_time ),
-        cmocka_unit_test( test_time_to_the_end_is_in_proportion ),
-        cmocka_unit_test( test_whichever_comes_first_stops ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

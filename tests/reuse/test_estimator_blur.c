@@ -8,17 +8,13 @@
 #include "support/reference_tracer.h"
 #include "support/scene_files.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 #include "trace/trace.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 16
@@ -141,48 +137,16 @@ static void check( const char* name, double shutter, int count )
     rf_destroy_scene( &room.scene );
 }
 
-static void test_what_passes_by( void** state )
-{
-    (void)state;
-    check( "sweep", 1.0, 4 );
-}
+TEST( test_what_passes_by ) { check( "sweep", 1.0, 4 ); }
 
-static void test_a_fan( void** state )
-{
-    (void)state;
-    check( "fan", 0.5, 3 );
-}
+TEST( test_a_fan ) { check( "fan", 0.5, 3 ); }
 
-static void test_figures( void** state )
-{
-    (void)state;
-    check( "figure", 1.0, 3 );
-}
+TEST( test_figures ) { check( "figure", 1.0, 3 ); }
 
-static void test_mirrors_that_turn( void** state )
-{
-    (void)state;
-    check( "mirrors", 1.0, 2 );
-}
+TEST( test_mirrors_that_turn ) { check( "mirrors", 1.0, 2 ); }
 
-static void test_panes_that_move( void** state )
-{
-    (void)state;
-    check( "panes", 1.0, 2 );
-}
+TEST( test_panes_that_move ) { check( "panes", 1.0, 2 ); }
 
-static void test_what_shines_and_moves( void** state )
-{
-    (void)state;
-    check( "torch", 1.0, 2 );
-}
+TEST( test_what_shines_and_moves ) { check( "torch", 1.0, 2 ); }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_what_passes_by ),  cmocka_unit_test( test_a_fan ),
-        cmocka_unit_test( test_figures ),         cmocka_unit_test( test_mirrors_that_turn ),
-        cmocka_unit_test( test_panes_that_move ), cmocka_unit_test( test_what_shines_and_moves ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

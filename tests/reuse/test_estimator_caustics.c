@@ -1,16 +1,13 @@
 // Caustics that are left out: the picture is that of an independent reference without them, and with the light taken out that of
 // one with them, whatever throws them, lights them and reuses paths.
+#include "support/render_one.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 3
 #define WIDTH 32
@@ -46,42 +43,38 @@ typedef struct Parts
     double removed; // mean
 } Parts;
 
-static Parts render_parts( const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings )
+static Parts render_parts( Stage* stage, RfRenderSettings settings )
 {
-    static KeptPicture kept;
-    const int frame = 1;
     Parts parts = { .picture = { WIDTH, HEIGHT, SEEDS, { NULL } }, .sum = { WIDTH, HEIGHT, SEEDS, { NULL } } };
     settings.spp *= suite_samples();
     for ( int k = 0; k < SEEDS; ++k )
     {
         settings.seed = suite_seed() + (uint64_t)k + 1;
-        render_picture( &( RfShot ){ tracer, eyes, EYES, &frame, 1 }, &settings, &kept );
-        parts.picture.rgb[k] = copy_floats( kept.rgb, VALUES );
-        parts.sum.rgb[k] = copy_floats( kept.rgb, VALUES );
+        const RfFrameResult* kept = render_one( stage, 1, &settings );
+        const float* removed = kept->aovs[RF_AOV_REMOVED];
+        parts.picture.rgb[k] = copy_floats( kept->rgb, VALUES );
+        parts.sum.rgb[k] = copy_floats( kept->rgb, VALUES );
         for ( int i = 0; i < VALUES; ++i )
-        {
-            parts.sum.rgb[k][i] += kept.aov[RF_AOV_REMOVED][i];
-            parts.removed += (double)kept.aov[RF_AOV_REMOVED][i] / ( VALUES * SEEDS );
-        }
+            parts.sum.rgb[k][i] += removed[i];
+        parts.removed += mean_value( removed, VALUES ) / SEEDS;
     }
     return parts;
 }
 
 static void check( const char* what, RfScene scene, const RfEye* given, int count, const Reuse* reuse )
 {
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    memcpy( eyes, given != NULL ? given : eyes, sizeof eyes );
-    assert_int_equal( rf_choose_effects( &scene, 0, CAUSTICS, NULL ), RF_OK );
-    RfTracer* tracer = make_tracer( &scene );
+    Stage stage;
+    open_stage( &stage, scene, EYES, 4.0f, WIDTH, HEIGHT );
+    memcpy( stage.eyes, given != NULL ? given : stage.eyes, EYES * sizeof *given );
+    assert_int_equal( rf_choose_effects( &stage.scene, 0, CAUSTICS, NULL ), RF_OK );
     RfRenderSettings settings = settings_of( reuse[0], 6 );
-    Images whole = reference_images( tracer, eyes, 1, REFERENCE_SPP, &settings );
-    Images without = caustic_free_images( tracer, eyes, 1, REFERENCE_SPP, &settings );
+    Images whole = reference_images( stage_tracer( &stage ), stage.eyes, 1, REFERENCE_SPP, &settings );
+    Images without = caustic_free_images( stage_tracer( &stage ), stage.eyes, 1, REFERENCE_SPP, &settings );
     for ( int k = 0; k < count; ++k )
     {
         char name[100];
         settings = settings_of( reuse[k], reuse[k].group > 0 ? 9 : 6 );
-        Parts parts = render_parts( tracer, eyes, settings );
+        Parts parts = render_parts( &stage, settings );
         assert_true( parts.removed > 0.0 );
         snprintf( name, sizeof name, "%s, %d:%s, sum", what, reuse[k].group, reuse[k].tile );
         assert_unbiased( name, &parts.sum, &whole, 4 );
@@ -93,8 +86,7 @@ static void check( const char* what, RfScene scene, const RfEye* given, int coun
     }
     free_images( &whole );
     free_images( &without );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    close_stage( &stage );
 }
 
 static const Reuse s_all[] = {
@@ -102,18 +94,16 @@ static const Reuse s_all[] = {
 };
 static const Reuse s_both[] = { { 0, "3x3", false, false }, { 1, "3x3", false, false } };
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     check( "mirror", make_mirror_room( FLAT_MIRROR ), NULL, 2, s_both );
     check( "glass", make_mirror_room( GLASS_BALL ), NULL, 4, s_all );
     check( "rough slab", make_mirror_room( ROUGH_SLAB ), NULL, 2, s_both );
     check( "slab over a base", make_mirror_room( LAYERED_SLAB ), NULL, 2, s_both );
 }
 
-static void test_metals( void** state )
+TEST( test_metals )
 {
-    (void)state;
     check( "sharp metal", make_mirror_room( SHARP_METAL ), NULL, 2, s_both );
     RfScene scene = make_room( ROOM_GGX ); // with a ball that is brushed, and no chain
     RfMaterial* m = scene.materials + ROOM_OBJECT_MATERIAL;
@@ -125,9 +115,8 @@ static void test_metals( void** state )
     check( "varied", make_varied_room(), NULL, 2, s_both );
 }
 
-static void test_panes_and_skies( void** state )
+TEST( test_panes_and_skies )
 {
-    (void)state;
     check( "panes", make_pane_room( PANES_AND_ALL ), NULL, 2, s_both );
     check( "mirror under all lights", make_mirror_in_the_open( LIT_BY_ALL ), NULL, 2, s_both );
     check( "mirror under a map", make_mirror_in_the_open( LIT_BY_MAP ), NULL, 2, s_both );
@@ -136,12 +125,4 @@ static void test_panes_and_skies( void** state )
     check( "glass under a sky", make_glass_in_the_open(), eyes, 2, s_both );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_mirrors_and_glass ),
-        cmocka_unit_test( test_metals ),
-        cmocka_unit_test( test_panes_and_skies ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -2,14 +2,10 @@
 // have the mean of path tracing of a still room each, which a script made without any change (tests/support/changing_rooms.py).
 #include "support/moving_cases.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define DEPTH 5
 #define MIDDLE 3
@@ -21,109 +17,63 @@ static void check_room( const char* room, const MovingSetting* other )
     check_moving( &c );
 }
 
-static void test_a_dimmer( void** state )
+TEST( test_a_dimmer )
 {
-    (void)state;
     MovingCase c = {
         "dimmer", DEPTH, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames, &g_moving_rooks, &g_moving_adaptive }
     };
     check_moving( &c );
 }
 
-static void test_panels_that_dim( void** state )
-{
-    (void)state;
-    check_room( "glow", &g_moving_adaptive );
-}
+TEST( test_panels_that_dim ) { check_room( "glow", &g_moving_adaptive ); }
 
-static void test_switches( void** state )
-{
-    (void)state;
-    check_room( "switches", &g_moving_frames );
-}
+TEST( test_switches ) { check_room( "switches", &g_moving_frames ); }
 
-static void test_colours( void** state )
-{
-    (void)state;
-    check_room( "colors", &g_moving_two_lights );
-}
+TEST( test_colours ) { check_room( "colors", &g_moving_two_lights ); }
 
-static void test_more_lamps_than_parts( void** state )
-{
-    (void)state;
-    check_room( "six", &g_moving_frames );
-}
+TEST( test_more_lamps_than_parts ) { check_room( "six", &g_moving_frames ); }
 
-static void test_what_is_seen_of_lights( void** state )
-{
-    (void)state;
-    check_room( "seen", &g_moving_frames );
-}
+TEST( test_what_is_seen_of_lights ) { check_room( "seen", &g_moving_frames ); }
 
-static void test_lamps_that_pass( void** state )
+TEST( test_lamps_that_pass )
 {
-    (void)state;
     MovingCase c = { "passing", DEPTH, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames, &g_moving_two_lights } };
     check_moving( &c );
     check_room( "matt", &g_moving_frames );
 }
 
-static void test_cones_and_ranges( void** state )
-{
-    (void)state;
-    check_room( "cones", NULL );
-}
+TEST( test_cones_and_ranges ) { check_room( "cones", NULL ); }
 
-static void test_torches( void** state )
+TEST( test_torches )
 {
-    (void)state;
     MovingCase c = { "torch", DEPTH, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames, &g_moving_connected } };
     check_moving( &c );
 }
 
-static void test_a_sun_that_travels( void** state )
-{
-    (void)state;
-    check_room( "sun", &g_moving_rooks );
-}
+TEST( test_a_sun_that_travels ) { check_room( "sun", &g_moving_rooks ); }
 
-static void test_surfaces_that_change( void** state )
-{
-    (void)state;
-    check_room( "surfaces", &g_moving_frames );
-}
+TEST( test_surfaces_that_change ) { check_room( "surfaces", &g_moving_frames ); }
 
-static void test_films( void** state )
+TEST( test_films )
 {
-    (void)state;
     check_room( "poster", NULL );
     check_room( "cinema", NULL );
 }
 
-static void test_a_sky_that_turns_and_dims( void** state )
+TEST( test_a_sky_that_turns_and_dims )
 {
-    (void)state;
     MovingCase c = { "heavens", DEPTH, { 1, 2, 5 }, 3, { &g_moving_tiles, &g_moving_frames } }; // dark in between
     check_moving( &c );
     check_room( "dawn", &g_moving_frames );
 }
 
-static void test_a_lens_that_zooms( void** state )
-{
-    (void)state;
-    check_room( "zoom", NULL );
-}
+TEST( test_a_lens_that_zooms ) { check_room( "zoom", NULL ); }
 
-static void test_everything( void** state )
-{
-    (void)state;
-    check_room( "everything", &g_moving_adaptive );
-}
+TEST( test_everything ) { check_room( "everything", &g_moving_adaptive ); }
 
 // What the frames are shared with is bright; the one in the middle has no light at all.
-static void test_a_dark_frame( void** state )
+TEST( test_a_dark_frame )
 {
-    (void)state;
     const MovingSetting* settings[] = { &g_moving_tiles, &g_moving_frames, &g_moving_adaptive };
     MovingRoom room = load_moving_room( "blackout", MOVING_WIDTH, MOVING_HEIGHT );
     RfTracer* tracer = make_tracer( &room.scene );
@@ -148,41 +98,13 @@ static void test_a_dark_frame( void** state )
 }
 
 // The frames beside it have all of theirs.
-static void test_lamps_that_go_out( void** state )
+TEST( test_lamps_that_go_out )
 {
-    (void)state;
     MovingCase c = { "blackout", DEPTH, { 1, 4, 5 }, 3, { &g_moving_tiles, &g_moving_frames } };
     check_moving( &c );
 }
 
 // B counts first hits, whatever becomes of their light.
-static void test_mean_weight_is_1( void** state )
-{
-    (void)state;
-    assert_mean_weight_is_1( "everything" );
-}
+TEST( test_mean_weight_is_1 ) { assert_mean_weight_is_1( "everything" ); }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_dark_frame ),
-        cmocka_unit_test( test_a_dimmer ),
-        cmocka_unit_test( test_lamps_that_go_out ),
-        cmocka_unit_test( test_panels_that_dim ),
-        cmocka_unit_test( test_switches ),
-        cmocka_unit_test( test_colours ),
-        cmocka_unit_test( test_more_lamps_than_parts ),
-        cmocka_unit_test( test_what_is_seen_of_lights ),
-        cmocka_unit_test( test_lamps_that_pass ),
-        cmocka_unit_test( test_cones_and_ranges ),
-        cmocka_unit_test( test_a_sun_that_travels ),
-        cmocka_unit_test( test_surfaces_that_change ),
-        cmocka_unit_test( test_films ),
-        cmocka_unit_test( test_a_sky_that_turns_and_dims ),
-        cmocka_unit_test( test_a_lens_that_zooms ),
-        cmocka_unit_test( test_torches ),
-        cmocka_unit_test( test_everything ),
-        cmocka_unit_test( test_mean_weight_is_1 ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -5,15 +5,11 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 18
@@ -94,9 +90,8 @@ static RfScene make_slab( void )
     return finish_scene( &b );
 }
 
-static void test_slabs_let_through_what_fresnel_says( void** state )
+TEST( test_slabs_let_through_what_fresnel_says )
 {
-    (void)state;
     RfScene scene = make_slab();
     static const double s_angles[] = { 0.0, 1.0 }, s_absorption[] = { 0.0, 0.6, 1.5 };
     for ( int k = 0; k < 2; ++k )
@@ -141,9 +136,8 @@ static double single_scattering_albedo( double alpha, double cos_o )
     return sum / ( (double)steps * ( steps / 4 ) );
 }
 
-static void test_ggx_has_its_single_scattering_albedo( void** state )
+TEST( test_ggx_has_its_single_scattering_albedo )
 {
-    (void)state;
     static const double s_roughness[] = { 0.4, 0.7, 1.0 }, s_angles[] = { 0.3, 1.2 };
     for ( int i = 0; i < 6; ++i )
     {
@@ -163,11 +157,4 @@ static void test_ggx_has_its_single_scattering_albedo( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_slabs_let_through_what_fresnel_says ),
-        cmocka_unit_test( test_ggx_has_its_single_scattering_albedo ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

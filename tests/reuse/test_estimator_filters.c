@@ -4,16 +4,12 @@
 #include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 24
 #define HEIGHT 18
@@ -116,9 +112,8 @@ static void check_scene( const char* name, RfScene scene, View view, const Way* 
     rf_destroy_scene( &scene );
 }
 
-static void test_filters_are_unbiased( void** state )
+TEST( test_filters_are_unbiased )
 {
-    (void)state;
     static const Way s_ways[] = {
         { RF_FILTER_BLACKMAN_HARRIS, 1.5, 0, false, false, 16 },
         { RF_FILTER_BLACKMAN_HARRIS, 1.5, 2, true, false, 10 },
@@ -130,9 +125,8 @@ static void test_filters_are_unbiased( void** state )
 }
 
 // Views through mirrors, chains without a hit, own-frame light, the sky.
-static void test_mirrors_and_the_sky_are_unbiased( void** state )
+TEST( test_mirrors_and_the_sky_are_unbiased )
 {
-    (void)state;
     static const Way s_ways[] = { { RF_FILTER_BLACKMAN_HARRIS, 1.5, 2, true, false, 10 } };
     check_scene( "open", make_mirror_in_the_open( LIT_BY_SKY ), SWEEP, s_ways, 1 );
     if ( is_long() )
@@ -140,9 +134,8 @@ static void test_mirrors_and_the_sky_are_unbiased( void** state )
 }
 
 // They are drawn by the filter of their pixel; in rooms with glass several of them in a batch.
-static void test_extra_samples_are_unbiased( void** state )
+TEST( test_extra_samples_are_unbiased )
 {
-    (void)state;
     static const Way s_ways[] = { { RF_FILTER_TENT, 0.75, 2, true, true, 5 }, { RF_FILTER_GAUSSIAN, 1.0, 2, true, true, 5 } };
     check_scene( "Phong, aside", make_room( ROOM_PHONG ), ASIDE, s_ways, 1 );
     check_scene( "glass, aside", make_glass_room(), ASIDE, s_ways + 1, 1 );
@@ -177,9 +170,8 @@ static void column_means( const Rendered* r, int x, double* value, double* weigh
     }
 }
 
-static void test_an_edge_is_the_integral_of_the_filter( void** state )
+TEST( test_an_edge_is_the_integral_of_the_filter )
 {
-    (void)state;
     static const Way s_ways[] = {
         { RF_FILTER_BOX, 1.7, 2, false, false, 20 },
         { RF_FILTER_TENT, 1.0, 2, false, false, 20 },
@@ -221,13 +213,4 @@ static void test_an_edge_is_the_integral_of_the_filter( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_filters_are_unbiased ),
-        cmocka_unit_test( test_mirrors_and_the_sky_are_unbiased ),
-        cmocka_unit_test( test_extra_samples_are_unbiased ),
-        cmocka_unit_test( test_an_edge_is_the_integral_of_the_filter ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -4,15 +4,11 @@
 // bit (tests/render/test_same_bits.c).
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 48
 #define HEIGHT 36
@@ -81,23 +77,11 @@ static void check_scene( const char* what, RfScene scene, int larger )
     rf_destroy_scene( &scene );
 }
 
-static void test_diffuse_is_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "diffuse", make_room( ROOM_DIFFUSE ), 8 );
-}
+TEST( test_diffuse_is_unbiased ) { check_scene( "diffuse", make_room( ROOM_DIFFUSE ), 8 ); }
 
-static void test_phong_is_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "Phong", make_room( ROOM_PHONG ), 6 );
-}
+TEST( test_phong_is_unbiased ) { check_scene( "Phong", make_room( ROOM_PHONG ), 6 ); }
 
-static void test_ggx_is_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "GGX", make_room( ROOM_GGX ), 0 );
-}
+TEST( test_ggx_is_unbiased ) { check_scene( "GGX", make_room( ROOM_GGX ), 0 ); }
 
 // A zoom whose lens shifts as well, over pixels wider than high: every frame has a film of its own.
 static void zoom_eyes( RfEye* eyes, int count )
@@ -111,9 +95,8 @@ static void zoom_eyes( RfEye* eyes, int count )
     }
 }
 
-static void test_animated_lenses_are_unbiased( void** state )
+TEST( test_animated_lenses_are_unbiased )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_GGX );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[5];
@@ -137,9 +120,8 @@ static void test_animated_lenses_are_unbiased( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_light_samples_and_depth_are_unbiased( void** state )
+TEST( test_light_samples_and_depth_are_unbiased )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_GGX );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[5];
@@ -158,9 +140,8 @@ static void test_light_samples_and_depth_are_unbiased( void** state )
 
 // A glossy vase seen from widely spaced eyes: the exact weights pass where
 // both of the biased weightings of the literature fail.
-static void test_biased_weightings_are_seen( void** state )
+TEST( test_biased_weightings_are_seen )
 {
-    (void)state;
     enum
     {
         EYES = 7
@@ -195,15 +176,4 @@ static void test_biased_weightings_are_seen( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_diffuse_is_unbiased ),
-        cmocka_unit_test( test_phong_is_unbiased ),
-        cmocka_unit_test( test_ggx_is_unbiased ),
-        cmocka_unit_test( test_animated_lenses_are_unbiased ),
-        cmocka_unit_test( test_light_samples_and_depth_are_unbiased ),
-        cmocka_unit_test( test_biased_weightings_are_seen ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -4,15 +4,11 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define EYES 9
 #define WIDTH 24
@@ -133,28 +129,15 @@ static void check_albedo( float albedo )
     end( &f );
 }
 
-static void test_emission_only( void** state )
-{
-    (void)state;
-    check_albedo( 0.0f );
-}
+TEST( test_emission_only ) { check_albedo( 0.0f ); }
 
-static void test_albedo_half( void** state )
-{
-    (void)state;
-    check_albedo( 0.5f );
-}
+TEST( test_albedo_half ) { check_albedo( 0.5f ); }
 
-static void test_albedo_high( void** state )
-{
-    (void)state;
-    check_albedo( 0.8f );
-}
+TEST( test_albedo_high ) { check_albedo( 0.8f ); }
 
 // A quarter of the light is from beyond the 64th vertex.
-static void test_long_paths( void** state )
+TEST( test_long_paths )
 {
-    (void)state;
     Furnace f;
     begin( &f, 0.98f );
     double means[SEED_COUNT], error;
@@ -176,9 +159,8 @@ static void test_long_paths( void** state )
 }
 
 // Where nothing absorbs, roulette alone ends paths.
-static void test_albedo_1_ends( void** state )
+TEST( test_albedo_1_ends )
 {
-    (void)state;
     Furnace f;
     begin( &f, 1.0f );
     RfRenderSettings settings = settings_of( 0, "1", RF_NORMALIZE_CROSSFIT, 0 );
@@ -195,9 +177,8 @@ static void test_albedo_1_ends( void** state )
 }
 
 // Beyond vertex D lies the share a^D of the light.
-static void test_light_beyond_depth( void** state )
+TEST( test_light_beyond_depth )
 {
-    (void)state;
     Furnace f;
     begin( &f, 0.8f );
     static const int only = 0;
@@ -221,12 +202,4 @@ static void test_light_beyond_depth( void** state )
     end( &f );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_long_paths ),         cmocka_unit_test( test_albedo_1_ends ),
-        cmocka_unit_test( test_light_beyond_depth ), cmocka_unit_test( test_emission_only ),
-        cmocka_unit_test( test_albedo_half ),        cmocka_unit_test( test_albedo_high ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

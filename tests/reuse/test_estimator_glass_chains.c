@@ -1,16 +1,12 @@
 // Curved mirrors, glass, panes and lobes that are nearly specular are rendered without bias by
 // tiles, by groups of frames and by both, against independent references over 16 seeds. Without REFRAME_LONG a room is left
 // out whose parts are in others, such as panes, which are rendered under a film.
+#include "support/test.h"
 #include "support/unbiased.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static void check_room( const char* what, MirrorRoom kind, int max_depth )
 {
@@ -24,41 +20,33 @@ static void check_room_if_long( const char* what, MirrorRoom kind, int max_depth
         check_room( what, kind, max_depth );
 }
 
-static void test_a_mirror_ball_is_unbiased( void** state )
-{
-    (void)state;
-    check_room( "mirror ball", MIRROR_BALL, 5 );
-}
+TEST( test_a_mirror_ball_is_unbiased ) { check_room( "mirror ball", MIRROR_BALL, 5 ); }
 
-static void test_balls_of_glass_are_unbiased( void** state )
+TEST( test_balls_of_glass_are_unbiased )
 {
-    (void)state;
     check_room( "glass ball", GLASS_BALL, 6 );
     check_room( "absorbing ball", ABSORBING_BALL, 6 );
     check_room_if_long( "glass ball, depth 4", GLASS_BALL, 4 );
 }
 
-static void test_extra_samples_are_unbiased( void** state )
+TEST( test_extra_samples_are_unbiased )
 {
-    (void)state;
     ChainCase c = chain_case( "glass ball", 6 );
     c.settings = g_adaptive;
     c.setting_count = 1;
     check_chains( &c, make_mirror_room( GLASS_BALL ) );
 }
 
-static void test_slabs_of_glass_are_unbiased( void** state )
+TEST( test_slabs_of_glass_are_unbiased )
 {
-    (void)state;
     check_room( "glass slab", GLASS_SLAB, 6 );
     check_room_if_long( "absorbing slab", ABSORBING_SLAB, 6 );
     check_room_if_long( "glass slab, depth 4", GLASS_SLAB, 4 );
     check_room_if_long( "layered slab", LAYERED_SLAB, 6 );
 }
 
-static void test_light_that_comes_by_chains_is_unbiased( void** state )
+TEST( test_light_that_comes_by_chains_is_unbiased )
 {
-    (void)state;
     check_room( "lamp in glass", LAMP_IN_GLASS, 7 );
     check_room_if_long( "lamp in glass, depth 4", LAMP_IN_GLASS, 4 );
     ChainCase c = chain_case( "slabs under a sky", 7 );
@@ -66,38 +54,27 @@ static void test_light_that_comes_by_chains_is_unbiased( void** state )
     check_chains( &c, make_glass_in_the_open() );
 }
 
-static void test_rough_glass_is_unbiased( void** state )
-{
-    (void)state;
-    check_room( "rough slab", ROUGH_SLAB, 6 );
-}
+TEST( test_rough_glass_is_unbiased ) { check_room( "rough slab", ROUGH_SLAB, 6 ); }
 
-static void test_eyes_within_glass_are_unbiased( void** state )
-{
-    (void)state;
-    check_room( "tank", GLASS_TANK, 6 );
-}
+TEST( test_eyes_within_glass_are_unbiased ) { check_room( "tank", GLASS_TANK, 6 ); }
 
-static void test_panes_are_unbiased( void** state )
+TEST( test_panes_are_unbiased )
 {
-    (void)state;
     check_room_if_long( "panes in a row", PANES_IN_A_ROW, 7 );
     check_room_if_long( "panes, depth 4", PANES_IN_A_ROW, 4 );
     check_room_if_long( "mirror behind a pane", MIRROR_BEHIND_PANE, 6 );
 }
 
 // Where panes and mirrors show it again and again.
-static void test_lamps_in_bulbs_are_unbiased( void** state )
+TEST( test_lamps_in_bulbs_are_unbiased )
 {
-    (void)state;
     check_room( "bulb", MIRROR_BEHIND_BULB, 6 );
     check_room_if_long( "bulb, depth 3", MIRROR_BEHIND_BULB, 3 );
     check_room_if_long( "bulb, depth 2", MIRROR_BEHIND_BULB, 2 );
 }
 
-static void test_sharp_lobes_are_unbiased( void** state )
+TEST( test_sharp_lobes_are_unbiased )
 {
-    (void)state;
     check_room( "metal, roughness 0.05", SHARP_METAL, 4 );
     check_room( "smooth plastic", SMOOTH_PLASTIC, 4 );
     check_room_if_long( "plastic, roughness 0.05", SHARP_PLASTIC, 4 );
@@ -136,9 +113,8 @@ static void check_dispersion_if_long( const char* what, MirrorRoom kind, int max
 }
 
 // Each channel is that of glass of its own index.
-static void test_dispersion_is_unbiased( void** state )
+TEST( test_dispersion_is_unbiased )
 {
-    (void)state;
     check_dispersion( "rough slab, dispersion", ROUGH_SLAB, 6 );
     check_dispersion( "layered slab, dispersion", LAYERED_SLAB, 6 );
     check_dispersion_if_long( "absorbing ball, dispersion", ABSORBING_BALL, 6 );
@@ -148,9 +124,8 @@ static void test_dispersion_is_unbiased( void** state )
     check_chains( &c, make_spectral_room( GLASS_BALL, 8.0f, false ) );
 }
 
-static void test_films_over_glass_are_unbiased( void** state )
+TEST( test_films_over_glass_are_unbiased )
 {
-    (void)state;
     ChainCase panes = chain_case( "panes under a film", 7 ), mirrors = chain_case( "mirror under a film, behind a pane", 6 );
     check_chains( &panes, make_spectral_room( PANES_IN_A_ROW, 0.0f, true ) );
     check_chains( &mirrors, make_spectral_room( MIRROR_BEHIND_PANE, 0.0f, true ) );
@@ -159,15 +134,4 @@ static void test_films_over_glass_are_unbiased( void** state )
         check_chains( &slab, make_spectral_room( ROUGH_SLAB, 0.0f, true ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_mirror_ball_is_unbiased ),      cmocka_unit_test( test_balls_of_glass_are_unbiased ),
-        cmocka_unit_test( test_slabs_of_glass_are_unbiased ),    cmocka_unit_test( test_rough_glass_is_unbiased ),
-        cmocka_unit_test( test_eyes_within_glass_are_unbiased ), cmocka_unit_test( test_panes_are_unbiased ),
-        cmocka_unit_test( test_lamps_in_bulbs_are_unbiased ),    cmocka_unit_test( test_light_that_comes_by_chains_is_unbiased ),
-        cmocka_unit_test( test_sharp_lobes_are_unbiased ),       cmocka_unit_test( test_extra_samples_are_unbiased ),
-        cmocka_unit_test( test_dispersion_is_unbiased ),         cmocka_unit_test( test_films_over_glass_are_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

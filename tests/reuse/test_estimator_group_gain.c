@@ -4,16 +4,12 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 40
 #define HEIGHT 30
@@ -93,9 +89,8 @@ static void check_equal_eyes( const char* name, RfScene scene )
     rf_destroy_scene( &scene );
 }
 
-static void test_equal_eyes_add_up_their_samples( void** state )
+TEST( test_equal_eyes_add_up_their_samples )
 {
-    (void)state;
     check_equal_eyes( "diffuse", make_room( ROOM_DIFFUSE ) );
     check_equal_eyes( "GGX", make_room( ROOM_GGX ) );
 }
@@ -140,9 +135,8 @@ static void check_ends( const char* name, RfScene scene, int path, int group, in
     rf_destroy_scene( &scene );
 }
 
-static void test_the_ends_are_as_good( void** state )
+TEST( test_the_ends_are_as_good )
 {
-    (void)state;
     check_ends( "diffuse", make_room( ROOM_DIFFUSE ), 21, 3, 7 );
     check_ends( "diffuse", make_room( ROOM_DIFFUSE ), 21, 8, 17 ); // cut windows
     check_ends( "diffuse", make_room( ROOM_DIFFUSE ), 9, 3, 14 );
@@ -153,11 +147,4 @@ static void test_the_ends_are_as_good( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_equal_eyes_add_up_their_samples ),
-        cmocka_unit_test( test_the_ends_are_as_good ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

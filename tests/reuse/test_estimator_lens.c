@@ -3,15 +3,11 @@
 #include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 48
 #define HEIGHT 36
@@ -113,17 +109,15 @@ static void check( const char* scene_name, RfScene scene, Blur blur, bool all, b
     rf_destroy_scene( &scene );
 }
 
-static void test_glossy_rooms_are_unbiased( void** state )
+TEST( test_glossy_rooms_are_unbiased )
 {
-    (void)state;
     check( "GGX", make_room( ROOM_GGX ), BOTH, true, false );
     check( "GGX", make_room( ROOM_GGX ), LENS, false, true );
     check( "GGX", make_room( ROOM_GGX ), SHUTTER, false, true );
 }
 
-static void test_mirrors_glass_and_panes_are_unbiased( void** state )
+TEST( test_mirrors_glass_and_panes_are_unbiased )
 {
-    (void)state;
     check( "glass", make_glass_room(), BOTH, false, false );
     check( "mirror", make_mirror_room( FLAT_MIRROR ), SHUTTER, false, false );
     check( "panes", make_pane_room( PANES_AND_AREA_LIGHT ), LENS, false, false );
@@ -131,11 +125,4 @@ static void test_mirrors_glass_and_panes_are_unbiased( void** state )
         check( "mirror", make_mirror_room( FLAT_MIRROR ), BOTH, false, false );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_glossy_rooms_are_unbiased ),
-        cmocka_unit_test( test_mirrors_glass_and_panes_are_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -2,17 +2,13 @@
 // re-balanced before it: in still rooms with mirrors, glass and panes, in the open, and in rooms in which lamps or things move.
 #include "scene/light_groups.h"
 #include "support/moving_cases.h"
+#include "support/render_one.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #define EYES 7
 #define WIDTH 24
@@ -26,36 +22,6 @@
 // What each group is multiplied by: one alone, and all of them.
 #define BALANCES 2
 static const float g_balance[BALANCES][MOST_GROUPS] = { { 1.0f, 0.0f, 0.0f }, { 0.3f, 2.0f, 1.0f } };
-static const char* const g_tags[] = { "key", "fill" };
-
-// The group of a lamp or material by its number among all that shine.
-static int group_of( int number ) { return number % MOST_GROUPS; }
-
-static uint16_t tag_of( RfScene* scene, int number )
-{
-    uint16_t tag = 0;
-    if ( group_of( number ) < MOST_GROUPS - 1 )
-        assert_true( rf_tag_light( scene, g_tags[group_of( number )], &tag ) );
-    return tag;
-}
-
-static bool shines( const RfMaterial* m ) { return rf_max_component( m->emission ) > 0.0f || m->dims; }
-
-static void tag( RfScene* scene )
-{
-    int n = 0;
-    for ( int k = 0; k < MOST_GROUPS - 1; ++k ) // in this order
-        tag_of( scene, k );
-    for ( int i = 0; i < scene->punctual_count; ++i )
-        scene->punctuals[i].light_group = tag_of( scene, n++ );
-    for ( uint32_t i = 0; i < scene->material_count; ++i )
-    {
-        if ( shines( scene->materials + i ) )
-            scene->materials[i].light_group = tag_of( scene, n++ );
-    }
-    scene->environment.light_group = tag_of( scene, n );
-}
-
 // Multiplies the lights of a scene by the balance of the groups that those of a tagged one are in.
 static void balance( const RfScene* tagged, const float* by, RfScene* scene )
 {
@@ -71,52 +37,33 @@ static void balance( const RfScene* tagged, const float* by, RfScene* scene )
     rf_destroy_light_groups( &groups );
 }
 
-typedef struct Kept
+static void render_groups( Stage* stage, RfRenderSettings settings, Images* of )
 {
-    int seed;
-    Images* of; // by balance
-} Kept;
-
-static RfResult keep( void* user, const RfFrameResult* frame, RfError* error )
-{
-    (void)error;
-    const Kept* kept = user;
-    size_t values = 3 * (size_t)frame->width * (size_t)frame->height;
-    assert_true( frame->layer_count > 1 && frame->layer_count <= MOST_GROUPS );
-    for ( int b = 0; b < BALANCES; ++b )
-    {
-        float* rgb = kept->of[b].rgb[kept->seed] = calloc( values, sizeof *rgb );
-        assert_non_null( rgb );
-        for ( size_t i = 0; i < values * (size_t)frame->layer_count; ++i )
-            rgb[i % values] += (float)suite_bias() * g_balance[b][i / values] * frame->layers[i / values].values[i % values];
-    }
-    return RF_OK;
-}
-
-static void render_groups( const RfTracer* tracer, const RfEye* eyes, int eye_count, RfRenderSettings settings, Images* of )
-{
-    const int frame = FRAME;
+    const size_t values = 3 * WIDTH * HEIGHT;
     settings.light_groups = "all";
     settings.spp *= suite_samples();
     for ( int b = 0; b < BALANCES; ++b )
         of[b] = ( Images ){ .width = WIDTH, .height = HEIGHT, .count = SEEDS };
     for ( int k = 0; k < SEEDS; ++k )
     {
-        Kept kept = { k, of };
-        RfRenderCallbacks callbacks = { .user = &kept, .frame = keep };
-        RfError error;
         settings.seed = (uint64_t)( k + 1 ) + suite_seed();
-        if ( rf_render( &( RfShot ){ tracer, eyes, eye_count, &frame, 1 }, &settings, &callbacks, NULL, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
+        const RfFrameResult* frame = render_one( stage, FRAME, &settings );
+        assert_true( frame->layer_count > 1 && frame->layer_count <= MOST_GROUPS );
+        for ( int b = 0; b < BALANCES; ++b )
+        {
+            float* rgb = of[b].rgb[k] = calloc( values, sizeof *rgb );
+            assert_non_null( rgb );
+            for ( size_t i = 0; i < values * (size_t)frame->layer_count; ++i )
+                rgb[i % values] += (float)suite_bias() * g_balance[b][i / values] * frame->layers[i / values].values[i % values];
+        }
     }
 }
 
 // Compares the balances of a render with references, which are freed.
-static void compare( const char* what, const RfTracer* tracer, const RfEye* eyes, int eye_count, const MovingSetting* setting,
-                     Images* reference, bool last )
+static void compare( const char* what, Stage* stage, const MovingSetting* setting, Images* reference, bool last )
 {
     Images rendered[BALANCES];
-    render_groups( tracer, eyes, eye_count, moving_settings( setting, DEPTH ), rendered );
+    render_groups( stage, moving_settings( setting, DEPTH ), rendered );
     for ( int b = 0; b < BALANCES; ++b )
     {
         char name[96];
@@ -128,12 +75,15 @@ static void compare( const char* what, const RfTracer* tracer, const RfEye* eyes
     }
 }
 
-static Images refer( const RfScene* scene, const RfEye* eyes )
+// Frame FRAME of a scene whose lights are balanced, as those of the stage are by their groups; it is destroyed.
+static Images refer( const Stage* stage, int balance_number, RfScene scene, const RfEye* eyes )
 {
     RfRenderSettings settings = moving_settings( &g_moving_tiles, DEPTH );
-    RfTracer* tracer = make_tracer( scene );
+    balance( &stage->scene, g_balance[balance_number], &scene );
+    RfTracer* tracer = make_tracer( &scene );
     Images images = reference_images( tracer, eyes, FRAME, REFERENCE_SPP * ( is_moving_long() ? 4 : 1 ), &settings );
     rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
     return images;
 }
 
@@ -145,31 +95,21 @@ typedef RfScene MakeRoom( int kind );
 static void check_still( const char* what, MakeRoom* make, int kind, const MovingSetting* one )
 {
     Images reference[BALANCES];
-    RfEye eyes[EYES];
-    RfScene scene = make( kind );
-    orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    tag( &scene );
+    Stage stage;
+    open_stage( &stage, make( kind ), EYES, 3.0f, WIDTH, HEIGHT );
+    tag_lights( &stage.scene, MOST_GROUPS - 1 );
     for ( int b = 0; b < BALANCES; ++b )
-    {
-        RfScene balanced = make( kind );
-        balance( &scene, g_balance[b], &balanced );
-        reference[b] = refer( &balanced, eyes );
-        rf_destroy_scene( &balanced );
-    }
-    RfTracer* tracer = make_tracer( &scene );
-    compare( what, tracer, eyes, EYES, one, reference, false );
-    compare( what, tracer, eyes, EYES, &g_moving_tiles, reference, true );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+        reference[b] = refer( &stage, b, make( kind ), stage.eyes );
+    compare( what, &stage, one, reference, false );
+    compare( what, &stage, &g_moving_tiles, reference, true );
+    close_stage( &stage );
 }
 
 // A mirror room with a lamp without size and a sheet that shines besides its ceiling light.
 static RfScene lit_mirror_room( int kind )
 {
     RfScene room = make_mirror_room( (MirrorRoom)kind );
-    room.punctuals = realloc( room.punctuals, ( (size_t)room.punctual_count + 1 ) * sizeof *room.punctuals );
-    assert_non_null( room.punctuals );
-    room.punctuals[room.punctual_count++] = make_point_light( rf_vec3( 1.0f, 2.0f, 1.0f ), 2.0f );
+    add_punctual( &room, make_point_light( rf_vec3( 1.0f, 2.0f, 1.0f ), 2.0f ) );
     return room;
 }
 
@@ -190,68 +130,47 @@ static RfScene open_room( int kind )
     return room;
 }
 
-static void test_mirrors_and_glass( void** state )
+TEST( test_mirrors_and_glass )
 {
-    (void)state;
     check_still( "glass ball", lit_mirror_room, GLASS_BALL, &g_one );
     check_still( "sharp plastic", lit_mirror_room, SHARP_PLASTIC, &g_one );
     check_still( "mirrors", lit_mirror_room, FACING_MIRRORS, &g_one );
 }
 
-static void test_open( void** state )
-{
-    (void)state;
-    check_still( "open", open_room, LIT_BY_ALL, &g_one_more );
-}
+TEST( test_open ) { check_still( "open", open_room, LIT_BY_ALL, &g_one_more ); }
 
-static void test_panes( void** state )
-{
-    (void)state;
-    check_still( "panes", pane_room, PANES_AND_ALL, &g_one );
-}
+TEST( test_panes ) { check_still( "panes", pane_room, PANES_AND_ALL, &g_one ); }
 
 // Frame FRAME of a room in which something moves against the still room of that frame.
 static void check_room( const char* name, const MovingSetting* setting )
 {
     Images reference[BALANCES];
-    MovingRoom room = load_moving_room( name, WIDTH, HEIGHT );
-    tag( &room.scene );
+    Stage stage;
+    open_moving_stage( &stage, name, WIDTH, HEIGHT );
+    tag_lights( &stage.scene, MOST_GROUPS - 1 );
     for ( int b = 0; b < BALANCES; ++b )
     {
         MovingRoom still = load_still_room( name, FRAME, WIDTH, HEIGHT );
-        balance( &room.scene, g_balance[b], &still.scene );
-        reference[b] = refer( &still.scene, still.eyes );
-        rf_destroy_scene( &still.scene );
+        reference[b] = refer( &stage, b, still.scene, still.eyes );
     }
-    RfTracer* tracer = make_tracer( &room.scene );
-    compare( name, tracer, room.eyes, room.eye_count, setting, reference, true );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &room.scene );
+    compare( name, &stage, setting, reference, true );
+    close_stage( &stage );
 }
 
-static void test_dimmed_lamps( void** state )
+TEST( test_dimmed_lamps )
 {
-    (void)state;
     check_room( "dimmer", &g_moving_tiles );
     check_room( "glow", &g_moving_tiles );
     check_room( "six", &g_moving_frames );
     check_room( "seen", &g_moving_tiles );
 }
 
-static void test_what_moves( void** state )
+TEST( test_what_moves )
 {
-    (void)state;
     check_room( "torch", &g_moving_tiles );
     check_room( "passing", &g_moving_frames );
     check_room( "jumps", &g_moving_tiles );
     check_room( "lamps", &g_moving_tiles );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_dimmed_lamps ), cmocka_unit_test( test_what_moves ), cmocka_unit_test( test_mirrors_and_glass ),
-        cmocka_unit_test( test_panes ),        cmocka_unit_test( test_open ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof tests[0] );
-}
+STATISTICAL_TESTS

@@ -5,15 +5,11 @@
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/rooms.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 48
 #define HEIGHT 36
@@ -57,53 +53,24 @@ static void check_scene( const char* what, RfScene scene, int light_samples )
     rf_destroy_scene( &scene );
 }
 
-static void test_skies_are_unbiased( void** state )
+TEST( test_skies_are_unbiased )
 {
-    (void)state;
     check_scene( "constant sky", make_open_scene( LIT_BY_SKY ), 1 );
     check_scene( "map", make_open_scene( LIT_BY_MAP ), 1 );
 }
 
-static void test_lamps_are_unbiased( void** state )
+TEST( test_lamps_are_unbiased )
 {
-    (void)state;
     check_scene( "lamps", make_open_scene( LIT_BY_LAMPS ), 1 );
     check_scene( "all lights", make_open_scene( LIT_BY_ALL ), 3 );
 }
 
-static void test_glass_is_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "glass, mirror", make_glass_room(), 1 );
-}
+TEST( test_glass_is_unbiased ) { check_scene( "glass, mirror", make_glass_room(), 1 ); }
 
-static void test_textures_are_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "textures", make_textured_room(), 1 );
-}
+TEST( test_textures_are_unbiased ) { check_scene( "textures", make_textured_room(), 1 ); }
 
-static void test_varied_glass_and_coats_are_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "textured glass and coats", make_varied_room(), 1 );
-}
+TEST( test_varied_glass_and_coats_are_unbiased ) { check_scene( "textured glass and coats", make_varied_room(), 1 ); }
 
-static void test_blending_is_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "blended", make_blended_room(), 1 );
-}
+TEST( test_blending_is_unbiased ) { check_scene( "blended", make_blended_room(), 1 ); }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_skies_are_unbiased ),
-        cmocka_unit_test( test_lamps_are_unbiased ),
-        cmocka_unit_test( test_glass_is_unbiased ),
-        cmocka_unit_test( test_textures_are_unbiased ),
-        cmocka_unit_test( test_varied_glass_and_coats_are_unbiased ),
-        cmocka_unit_test( test_blending_is_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

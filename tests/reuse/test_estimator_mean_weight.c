@@ -6,16 +6,12 @@
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define EYES 17
 #define WIDTH 32
@@ -289,9 +285,8 @@ static void check_mirrors( const char* name, RfScene scene )
     rf_destroy_scene( &scene );
 }
 
-static void test_mirrors( void** state )
+TEST( test_mirrors )
 {
-    (void)state;
     check_mirrors( "mirrors", make_mirror_room( FACING_MIRRORS ) );
     check_mirrors( "open mirror", make_mirror_in_the_open( LIT_BY_SKY ) );
     RfScene scene = make_pane_room( PANES_AND_LAMP );
@@ -301,24 +296,8 @@ static void test_mirrors( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_closed_room( void** state )
-{
-    (void)state;
-    check_scene( "room", make_room( ROOM_GGX ) );
-}
+TEST( test_closed_room ) { check_scene( "room", make_room( ROOM_GGX ) ); }
 
-static void test_open_scene( void** state )
-{
-    (void)state;
-    check_scene( "open", make_plain_scene() );
-}
+TEST( test_open_scene ) { check_scene( "open", make_plain_scene() ); }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_closed_room ),
-        cmocka_unit_test( test_open_scene ),
-        cmocka_unit_test( test_mirrors ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

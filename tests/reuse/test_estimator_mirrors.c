@@ -2,16 +2,12 @@
 // against independent references over 16 seeds: one mirror, facing, coplanar and tessellated
 // ones, at the border of the film, with eyes on both sides of the mirror's plane and in it, with
 // paths cut at any vertex, with every kind of light.
+#include "support/test.h"
 #include "support/unbiased.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 static void check_room( const char* what, MirrorRoom kind, int max_depth )
 {
@@ -19,18 +15,16 @@ static void check_room( const char* what, MirrorRoom kind, int max_depth )
     check_chains( &c, make_mirror_room( kind ) );
 }
 
-static void test_one_mirror_is_unbiased( void** state )
+TEST( test_one_mirror_is_unbiased )
 {
-    (void)state;
     ChainCase c = chain_case( "mirror", 5 );
     c.settings = g_all_reuse;
     c.setting_count = 4;
     check_chains( &c, make_mirror_room( FLAT_MIRROR ) );
 }
 
-static void test_mirrors_in_view_of_each_other_are_unbiased( void** state )
+TEST( test_mirrors_in_view_of_each_other_are_unbiased )
 {
-    (void)state;
     ChainCase c = chain_case( "facing mirrors", 8 );
     c.settings = g_all_reuse;
     c.setting_count = 4;
@@ -38,16 +32,14 @@ static void test_mirrors_in_view_of_each_other_are_unbiased( void** state )
     check_room( "mirrors in a corner", CORNER_MIRRORS, 6 );
 }
 
-static void test_coplanar_mirrors_are_unbiased( void** state )
+TEST( test_coplanar_mirrors_are_unbiased )
 {
-    (void)state;
     check_room( "L-shaped mirror", L_SHAPED_MIRROR, 5 );
     check_room( "coplanar mirrors", COPLANAR_MIRRORS, 5 );
 }
 
-static void test_a_mirror_at_the_border_of_the_film_is_unbiased( void** state )
+TEST( test_a_mirror_at_the_border_of_the_film_is_unbiased )
 {
-    (void)state;
     ChainCase c = chain_case( "mirror at the border", 5 );
     sweep_eyes( c.eyes, CHAIN_EYES, CHAIN_WIDTH, CHAIN_HEIGHT );
     c.settings = g_all_reuse + 2; // groups of 3 without and with tiles
@@ -55,9 +47,8 @@ static void test_a_mirror_at_the_border_of_the_film_is_unbiased( void** state )
 }
 
 // Before the mirror, exactly in its plane, behind it.
-static void test_eyes_that_cross_the_plane_of_a_mirror_are_unbiased( void** state )
+TEST( test_eyes_that_cross_the_plane_of_a_mirror_are_unbiased )
 {
-    (void)state;
     ChainCase c = chain_case( "crossing", 5 );
     crossing_eyes( c.eyes, CHAIN_EYES, CHAIN_WIDTH, CHAIN_HEIGHT );
     c.every_frame = true;
@@ -66,18 +57,16 @@ static void test_eyes_that_cross_the_plane_of_a_mirror_are_unbiased( void** stat
 }
 
 // A chain takes as many vertices as it has.
-static void test_any_depth_is_unbiased( void** state )
+TEST( test_any_depth_is_unbiased )
 {
-    (void)state;
     check_room( "mirror, depth 2", FLAT_MIRROR, 2 );
     check_room( "mirror, depth 3", FLAT_MIRROR, 3 );
     check_room( "mirror, depth 4", FLAT_MIRROR, 4 );
     check_room( "facing mirrors, depth 4", FACING_MIRRORS, 4 );
 }
 
-static void test_lights_in_a_mirror_are_unbiased( void** state )
+TEST( test_lights_in_a_mirror_are_unbiased )
 {
-    (void)state;
     static const struct
     {
         const char* what;
@@ -91,26 +80,12 @@ static void test_lights_in_a_mirror_are_unbiased( void** state )
     }
 }
 
-static void test_extra_samples_are_unbiased( void** state )
+TEST( test_extra_samples_are_unbiased )
 {
-    (void)state;
     ChainCase c = chain_case( "coplanar mirrors", 5 );
     c.settings = g_adaptive;
     c.setting_count = 1;
     check_chains( &c, make_mirror_room( COPLANAR_MIRRORS ) );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_one_mirror_is_unbiased ),
-        cmocka_unit_test( test_mirrors_in_view_of_each_other_are_unbiased ),
-        cmocka_unit_test( test_coplanar_mirrors_are_unbiased ),
-        cmocka_unit_test( test_a_mirror_at_the_border_of_the_film_is_unbiased ),
-        cmocka_unit_test( test_eyes_that_cross_the_plane_of_a_mirror_are_unbiased ),
-        cmocka_unit_test( test_any_depth_is_unbiased ),
-        cmocka_unit_test( test_lights_in_a_mirror_are_unbiased ),
-        cmocka_unit_test( test_extra_samples_are_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

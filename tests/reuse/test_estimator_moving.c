@@ -5,77 +5,54 @@
 #include "render/estimator.h"
 #include "support/moving_cases.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <cmocka.h>
-
-static void test_what_passes_by( void** state )
+TEST( test_what_passes_by )
 {
-    (void)state;
     check_moving( &( MovingCase ){
         "sweep", 5, { 1, 3, 5 }, 3, { &g_moving_frames, &g_moving_tiles, &g_moving_rooks, &g_moving_adaptive } } );
 }
 
-static void test_a_door( void** state )
-{
-    (void)state;
-    check_moving( &( MovingCase ){ "door", 5, { 1, 3, 5 }, 3, { &g_moving_frames, &g_moving_tiles } } );
-}
+TEST( test_a_door ) { check_moving( &( MovingCase ){ "door", 5, { 1, 3, 5 }, 3, { &g_moving_frames, &g_moving_tiles } } ); }
 
-static void test_mirrors_that_turn( void** state )
+TEST( test_mirrors_that_turn )
 {
-    (void)state;
     check_moving( &( MovingCase ){ "mirrors", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames, &g_moving_connected } } );
 }
 
-static void test_figures( void** state )
+TEST( test_figures )
 {
-    (void)state;
     check_moving( &( MovingCase ){ "figure", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_two_lights } } );
 }
 
-static void test_what_is_shown_at_times( void** state )
+TEST( test_what_is_shown_at_times )
 {
-    (void)state;
     check_moving( &( MovingCase ){ "shown", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_adaptive } } );
 }
 
-static void test_panes_that_move( void** state )
+TEST( test_panes_that_move )
 {
-    (void)state;
     check_moving( &( MovingCase ){ "panes", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames } } );
 }
 
-static void test_drapes( void** state )
-{
-    (void)state;
-    check_moving( &( MovingCase ){ "drapes", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_adaptive } } );
-}
+TEST( test_drapes ) { check_moving( &( MovingCase ){ "drapes", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_adaptive } } ); }
 
-static void test_a_sky_through_openings( void** state )
+TEST( test_a_sky_through_openings )
 {
-    (void)state;
     check_moving( &( MovingCase ){ "sky", 5, { 1, 3, 5 }, 3, { &g_moving_tiles, &g_moving_frames } } );
 }
 
-static void test_lamps_and_a_hidden_sky( void** state )
+TEST( test_lamps_and_a_hidden_sky )
 {
-    (void)state;
     check_moving( &( MovingCase ){ "lamps", 5, { 2, 4 }, 2, { &g_moving_tiles, &g_moving_two_lights } } );
 }
 
 // B counts first hits, whatever becomes of their light.
-static void test_mean_weight_is_1( void** state )
-{
-    (void)state;
-    assert_mean_weight_is_1( "sweep" );
-}
+TEST( test_mean_weight_is_1 ) { assert_mean_weight_is_1( "sweep" ); }
 
 #define PIXELS ( MOVING_WIDTH * MOVING_HEIGHT )
 #define VALUES ( 3 * PIXELS )
@@ -131,9 +108,8 @@ static Rendered render_noting( const MovingRoom* room, const RfTracer* tracer, R
 }
 
 // Bᵒ counts the samples of the frame itself, each once, by the pixel filter; extra ones are not among them.
-static void test_own_samples_are_counted( void** state )
+TEST( test_own_samples_are_counted )
 {
-    (void)state;
     static const char* const names[] = { "sky", "late" };
     for ( size_t k = 0; k < 2 * sizeof names / sizeof names[0]; ++k )
     {
@@ -200,9 +176,8 @@ static double median_error( const MovingRoom* room, const RfTracer* tracer, cons
 }
 
 // A group in which nearly all light is own-frame is no worse than its frames alone.
-static void test_own_light_is_that_of_single_frames( void** state )
+TEST( test_own_light_is_that_of_single_frames )
 {
-    (void)state;
     MovingRoom room = load_moving_room( "shade", MOVING_WIDTH, MOVING_HEIGHT );
     RfTracer* tracer = make_tracer( &room.scene );
     MovingSetting setting = g_moving_tiles;
@@ -220,21 +195,4 @@ static void test_own_light_is_that_of_single_frames( void** state )
     rf_destroy_scene( &room.scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_mean_weight_is_1 ),
-        cmocka_unit_test( test_lamps_and_a_hidden_sky ),
-        cmocka_unit_test( test_what_passes_by ),
-        cmocka_unit_test( test_a_door ),
-        cmocka_unit_test( test_mirrors_that_turn ),
-        cmocka_unit_test( test_figures ),
-        cmocka_unit_test( test_what_is_shown_at_times ),
-        cmocka_unit_test( test_panes_that_move ),
-        cmocka_unit_test( test_drapes ),
-        cmocka_unit_test( test_a_sky_through_openings ),
-        cmocka_unit_test( test_own_samples_are_counted ),
-        cmocka_unit_test( test_own_light_is_that_of_single_frames ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -5,17 +5,13 @@
 #include "support/embree_kind.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define WIDTH 36
 #define HEIGHT 30
@@ -103,9 +99,8 @@ static double floor_radiance( const RfPunctual* lamp, RfVec3 p, int c )
 }
 
 // The eyes look down from under the panes: all is known, to the size of a pixel.
-static void test_lamp_and_sun_shine_through( void** state )
+TEST( test_lamp_and_sun_shine_through )
 {
-    (void)state;
     for ( int sun = 0; sun < 2; ++sun )
     {
         RfScene scene = make_floor( sun == 1 );
@@ -138,9 +133,8 @@ static void test_lamp_and_sun_shine_through( void** state )
 }
 
 // A box that emits and reflects half, cut by panes that lose nothing: the same radiance everywhere.
-static void test_furnace_with_panes( void** state )
+TEST( test_furnace_with_panes )
 {
-    (void)state;
     enum
     {
         SEEDS_HERE = 24
@@ -216,16 +210,14 @@ static void check_room( const char* what, PaneLight light, int light_samples, in
 }
 
 // Deep, so that it does not matter whether panes count as vertices.
-static void test_panes_passed_or_scattered_at_are_the_same( void** state )
+TEST( test_panes_passed_or_scattered_at_are_the_same )
 {
-    (void)state;
     check_room( "area light, panes as vertices", PANES_AND_AREA_LIGHT, 1, 40, true );
     check_room( "sky, panes as vertices", PANES_AND_SKY, 2, 40, true );
 }
 
-static void test_lamps_through_panes_are_unbiased( void** state )
+TEST( test_lamps_through_panes_are_unbiased )
 {
-    (void)state;
     check_room( "lamp", PANES_AND_LAMP, 1, 6, false );
     check_room( "sun", PANES_AND_SUN, 1, 6, false );
     check_room( "all lights", PANES_AND_ALL, 2, 4, false );
@@ -233,9 +225,8 @@ static void test_lamps_through_panes_are_unbiased( void** state )
 
 // Blocks over many seeds: a bias of one or two per cent in a few of them is within the noise of sixteen. Path tracing by the
 // renderer is the reference; it is that of the tests, bit for bit (tests/render/test_same_bits.c).
-static void test_blocks_over_many_seeds( void** state )
+TEST( test_blocks_over_many_seeds )
 {
-    (void)state;
     enum
     {
         ACROSS = WIDTH / BLOCK,
@@ -289,14 +280,4 @@ static void test_blocks_over_many_seeds( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lamp_and_sun_shine_through ),
-        cmocka_unit_test( test_furnace_with_panes ),
-        cmocka_unit_test( test_panes_passed_or_scattered_at_are_the_same ),
-        cmocka_unit_test( test_lamps_through_panes_are_unbiased ),
-        cmocka_unit_test( test_blocks_over_many_seeds ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

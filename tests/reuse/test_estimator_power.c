@@ -2,14 +2,10 @@
 // tiles and for both. `scripts/test --seeds N --bias` builds such a bias in, and all three must find it.
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define WIDTH 48
 #define HEIGHT 36
@@ -45,35 +41,20 @@ static void check( const char* what, int group, const char* tile, int spp )
     free_images( &rendered );
 }
 
-static void test_groups( void** state )
-{
-    (void)state;
-    check( "groups", 3, "1", 16 );
-}
+TEST( test_groups ) { check( "groups", 3, "1", 16 ); }
 
-static void test_tiles( void** state )
-{
-    (void)state;
-    check( "tiles", 0, "3x3", 128 );
-}
+TEST( test_tiles ) { check( "tiles", 0, "3x3", 128 ); }
 
-static void test_groups_with_tiles( void** state )
-{
-    (void)state;
-    check( "groups with tiles", 3, "3x3", 24 );
-}
+TEST( test_groups_with_tiles ) { check( "groups with tiles", 3, "3x3", 24 ); }
+
+STATISTICAL_TESTS
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_groups ),
-        cmocka_unit_test( test_tiles ),
-        cmocka_unit_test( test_groups_with_tiles ),
-    };
     s_scene = make_room( ROOM_DIFFUSE );
     s_tracer = make_tracer( &s_scene );
     orbit_eyes( s_eyes, EYES, 3.0f, WIDTH, HEIGHT );
-    int failed = run_statistical_tests( tests, sizeof tests / sizeof *tests );
+    int failed = run_listed_tests();
     rf_destroy_tracer( s_tracer );
     rf_destroy_scene( &s_scene );
     return failed;

@@ -2,6 +2,7 @@
 // another way. Their densities are derivatives of their projections, and rays and projections are inverse to each other.
 #include "support/rooms.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
 #include "scene/lens.h"
@@ -9,13 +10,8 @@
 #include "support/statistics.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 36
 #define HEIGHT 24
@@ -100,9 +96,8 @@ static void check( const char* scene_name, RfScene scene, Camera camera )
     rf_destroy_scene( &scene );
 }
 
-static void test_glossy_rooms_are_unbiased( void** state )
+TEST( test_glossy_rooms_are_unbiased )
 {
-    (void)state;
     check( "GGX", make_room( ROOM_GGX ), ORTHOGRAPHIC );
     check( "GGX", make_room( ROOM_GGX ), PANORAMIC );
     check( "GGX", make_room( ROOM_GGX ), ORTHOGRAPHIC_BLURRED );
@@ -110,9 +105,8 @@ static void test_glossy_rooms_are_unbiased( void** state )
         check( "GGX", make_room( ROOM_GGX ), PANORAMIC_MOVING );
 }
 
-static void test_mirrors_coats_and_panes_are_unbiased( void** state )
+TEST( test_mirrors_coats_and_panes_are_unbiased )
 {
-    (void)state;
     check( "mirror", make_mirror_room( FLAT_MIRROR ), ORTHOGRAPHIC );
     check( "panes", make_pane_room( PANES_AND_AREA_LIGHT ), ORTHOGRAPHIC );
     if ( !is_long() )
@@ -153,9 +147,8 @@ static void check_density( const RfEye* eye, float column, float row )
     assert_float_equal( (double)at.density / density, 1.0, 2e-3 );
 }
 
-static void test_densities_are_derivatives( void** state )
+TEST( test_densities_are_derivatives )
 {
-    (void)state;
     RfVec3 o = rf_vec3( 0.3f, 1.2f, 2.0f ), forward = rf_vec3( 0.3f, -0.2f, -1.0f ), up = rf_vec3( 0, 1, 0 );
     RfEye perspective = rf_make_eye( o, forward, up, 0.9, 640, 480 ),
           parallel = rf_make_orthographic_eye( o, forward, up, 1.3, 640, 480 ),
@@ -177,9 +170,8 @@ static void test_densities_are_derivatives( void** state )
 }
 
 // A point in focus stays in its place; others become discs of radius f R |z − F| / F, f pixels per metre.
-static void test_the_lens_of_an_orthographic_camera( void** state )
+TEST( test_the_lens_of_an_orthographic_camera )
 {
-    (void)state;
     RfEye eye = rf_make_orthographic_eye( rf_vec3( 0, 0, 0 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 1.0, 64, 48 );
     rf_set_lens( &eye, 0.25, 2.0, 0, 0.0 );
     static const float s_depth[] = { 2.0f, 3.0f, 1.0f };
@@ -197,13 +189,4 @@ static void test_the_lens_of_an_orthographic_camera( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_densities_are_derivatives ),
-        cmocka_unit_test( test_the_lens_of_an_orthographic_camera ),
-        cmocka_unit_test( test_glossy_rooms_are_unbiased ),
-        cmocka_unit_test( test_mirrors_coats_and_panes_are_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -6,16 +6,12 @@
 #include "scene/pinhole.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 48
 #define HEIGHT 36
@@ -208,9 +204,8 @@ static RfEye look( RfVec3 origin, RfVec3 at, double yfov )
     return rf_make_eye( origin, rf_sub( at, origin ), rf_vec3( 0.1f, 1, 0.05f ), yfov, WIDTH, HEIGHT );
 }
 
-static void test_hits_fall_as_their_density_says( void** state )
+TEST( test_hits_fall_as_their_density_says )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     uint32_t grey = add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
     add_quad( &b, grey, rf_vec3( -50, -50, 0 ), rf_vec3( 50, -50, 0 ), rf_vec3( 50, 50, 0 ), rf_vec3( -50, 50, 0 ) );
@@ -234,9 +229,8 @@ static void test_hits_fall_as_their_density_says( void** state )
 }
 
 // J is what it says: the area on the film of a small patch over its own.
-static void test_density_is_an_area_ratio( void** state )
+TEST( test_density_is_an_area_ratio )
 {
-    (void)state;
     RfEye eye = look( rf_vec3( 0.4f, -0.7f, 2.1f ), rf_vec3( 0.1f, 0.2f, 0 ), 0.8 );
     RfEye window = rf_make_eye( rf_vec3( 0, 0, 1 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.9, WIDTH, HEIGHT );
     for ( int i = 0; i < 64; ++i )
@@ -252,11 +246,4 @@ static void test_density_is_an_area_ratio( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_hits_fall_as_their_density_says ),
-        cmocka_unit_test( test_density_is_an_area_ratio ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

@@ -6,15 +6,11 @@
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/rooms.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 36
 #define HEIGHT 30
@@ -75,9 +71,8 @@ static void check_scene( const char* what, RfScene scene, RfRenderSettings setti
     check_eyes( what, scene, eyes, settings, tried, count );
 }
 
-static void test_rooms_are_unbiased( void** state )
+TEST( test_rooms_are_unbiased )
 {
-    (void)state;
     const Setting* tried = is_long() ? s_all : s_few;
     check_scene( "diffuse", make_room( ROOM_DIFFUSE ), settings_of( 1, 12 ), tried, is_long() ? 5 : 2 );
     check_scene( "Phong", make_room( ROOM_PHONG ), settings_of( 1, 12 ), tried, is_long() ? 5 : 2 );
@@ -105,42 +100,34 @@ static RfScene make_fence( void )
     return finish_scene( &b );
 }
 
-static void test_large_tiles_are_unbiased( void** state )
+TEST( test_large_tiles_are_unbiased )
 {
-    (void)state;
     static const Setting large[] = { { 0, "rooks36", 8 }, { 1, "8x8", 6 } };
     check_scene( "GGX", make_room( ROOM_GGX ), settings_of( 1, 5 ), large, 2 );
 }
 
-static void test_light_samples_and_depth_are_unbiased( void** state )
+TEST( test_light_samples_and_depth_are_unbiased )
 {
-    (void)state;
     check_scene( "GGX, 4 light samples", make_room( ROOM_GGX ), settings_of( 4, 4 ), s_few, 2 );
     check_scene( "GGX, depth 2", make_room( ROOM_GGX ), settings_of( 1, 2 ), s_few, 2 );
     if ( is_long() )
         check_scene( "Phong, depth 3", make_room( ROOM_PHONG ), settings_of( 2, 3 ), s_few, 2 );
 }
 
-static void test_textures_and_blending_are_unbiased( void** state )
+TEST( test_textures_and_blending_are_unbiased )
 {
-    (void)state;
     check_scene( "textures", make_textured_room(), settings_of( 1, 8 ), s_few, 2 );
     check_scene( "blended", make_blended_room(), settings_of( 1, 8 ), s_few, 2 );
 }
 
-static void test_skies_lamps_glass_are_unbiased( void** state )
+TEST( test_skies_lamps_glass_are_unbiased )
 {
-    (void)state;
     check_scene( "map", make_open_scene( LIT_BY_MAP ), settings_of( 1, 8 ), s_few, 2 );
     check_scene( "all lights", make_open_scene( LIT_BY_ALL ), settings_of( 2, 8 ), s_few, 2 );
     check_scene( "glass", make_glass_room(), settings_of( 1, 8 ), s_few, 2 );
 }
 
-static void test_fence_is_unbiased( void** state )
-{
-    (void)state;
-    check_scene( "fence", make_fence(), settings_of( 1, 8 ), s_all, 4 );
-}
+TEST( test_fence_is_unbiased ) { check_scene( "fence", make_fence(), settings_of( 1, 8 ), s_all, 4 ); }
 
 // A room that a lamp lights alone; where its light comes in from outside, without the walls behind the eyes and on their left.
 static RfScene make_lit_room( RfPunctual lamp )
@@ -166,9 +153,8 @@ static RfScene make_lit_room( RfPunctual lamp )
     return scene;
 }
 
-static void test_lamps_with_size_and_profiles_are_unbiased( void** state )
+TEST( test_lamps_with_size_and_profiles_are_unbiased )
 {
-    (void)state;
     static const Setting s_both = { 3, "3x3", 4 };
     RfPunctual ball = make_point_light( rf_vec3( 0.3f, 2.0f, 0.1f ), 6.0f ), sun = ball;
     ball.radius = 0.5f;
@@ -183,9 +169,8 @@ static void test_lamps_with_size_and_profiles_are_unbiased( void** state )
 }
 
 // Into a corner of the room from near by: second vertices as close as can be.
-static void test_corner_is_unbiased( void** state )
+TEST( test_corner_is_unbiased )
 {
-    (void)state;
     static const RoomKind kinds[] = { ROOM_GGX, ROOM_DIFFUSE };
     RfEye eyes[EYES];
     for ( int i = 0; i < EYES; ++i )
@@ -197,17 +182,4 @@ static void test_corner_is_unbiased( void** state )
         check_eyes( "corner", make_room( kinds[k] ), eyes, settings_of( 1, 8 ), s_few, 2 );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_rooms_are_unbiased ),
-        cmocka_unit_test( test_large_tiles_are_unbiased ),
-        cmocka_unit_test( test_light_samples_and_depth_are_unbiased ),
-        cmocka_unit_test( test_textures_and_blending_are_unbiased ),
-        cmocka_unit_test( test_skies_lamps_glass_are_unbiased ),
-        cmocka_unit_test( test_lamps_with_size_and_profiles_are_unbiased ),
-        cmocka_unit_test( test_fence_is_unbiased ),
-        cmocka_unit_test( test_corner_is_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

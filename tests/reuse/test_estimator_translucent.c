@@ -2,15 +2,11 @@
 // paths and gradients share what is found there. Against a path tracer that scatters to both sides at every point.
 #include "support/rooms.h"
 #include "support/statistics.h"
+#include "support/test.h"
 #include "support/unbiased.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 36
 #define HEIGHT 28
@@ -61,9 +57,8 @@ static void check_room( const char* what, CurtainRoom kind, const RfEye* eyes, c
     rf_destroy_scene( &scene );
 }
 
-static void test_frames_and_tiles_are_unbiased( void** state )
+TEST( test_frames_and_tiles_are_unbiased )
 {
-    (void)state;
     static const Setting settings[] = {
         { .group = 0, .tile = "1", .spp = 24 },
         { .group = 0, .tile = "3x3", .spp = 16 },
@@ -82,9 +77,8 @@ static void test_frames_and_tiles_are_unbiased( void** state )
 }
 
 // Frames on one side of a sheet do not share what those on the other see.
-static void test_eyes_on_both_sides_are_unbiased( void** state )
+TEST( test_eyes_on_both_sides_are_unbiased )
 {
-    (void)state;
     static const Setting settings[] = { { .group = 3, .tile = "1", .spp = 9 }, { .group = 3, .tile = "3x3", .spp = 7 } };
     RfEye eyes[EYES];
     crossing_eyes( eyes, EYES, WIDTH, HEIGHT );
@@ -93,9 +87,8 @@ static void test_eyes_on_both_sides_are_unbiased( void** state )
     check_room( "crossed", CURTAIN_CROSSED, eyes, settings, sizeof settings / sizeof *settings );
 }
 
-static void test_chains_and_light_paths_are_unbiased( void** state )
+TEST( test_chains_and_light_paths_are_unbiased )
 {
-    (void)state;
     static const Setting settings[] = { { .group = 3, .tile = "3x3", .spp = 7 },
                                         { .group = 0, .tile = "1", .spp = 4, .connected = true },
                                         { .group = 1, .tile = "3x3", .spp = 4, .connected = true } };
@@ -104,12 +97,4 @@ static void test_chains_and_light_paths_are_unbiased( void** state )
     check_room( "curtain, glass", CURTAIN_AND_GLASS, eyes, settings, sizeof settings / sizeof *settings );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_frames_and_tiles_are_unbiased ),
-        cmocka_unit_test( test_eyes_on_both_sides_are_unbiased ),
-        cmocka_unit_test( test_chains_and_light_paths_are_unbiased ),
-    };
-    return run_statistical_tests( tests, sizeof tests / sizeof *tests );
-}
+STATISTICAL_TESTS

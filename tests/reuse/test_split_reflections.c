@@ -4,15 +4,11 @@
 #include "support/rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define WIDTH 12
 #define SPP 32
@@ -111,9 +107,8 @@ static void check( const char* what, Shown shown, int max_depth, double want, do
     }
 }
 
-static void test_panes_in_a_row( void** state )
+TEST( test_panes_in_a_row )
 {
-    (void)state;
     double f = fresnel( 1.0, 1.5 );
     check( "panes", PANES, DEEP, reflected( 3, f, false ), 0.1 );
     // panes that are passed do not count
@@ -121,9 +116,8 @@ static void test_panes_in_a_row( void** state )
     check( "panes", PANES, 3, reflected( 3, f, true ), 0.1 );
 }
 
-static void test_a_slab( void** state )
+TEST( test_a_slab )
 {
-    (void)state;
     double f = fresnel( 1.0, 1.5 ), pass = ( 1.0 - f ) * ( 1.0 - f );
     check( "slab", SLAB, DEEP, reflected( 2, f, false ), 0.1 );
     check( "slab", SLAB, 2, f, 0.1 );
@@ -131,9 +125,8 @@ static void test_a_slab( void** state )
     check( "slab", SLAB, 4, f + pass * f, 0.1 );
 }
 
-static void test_panes_in_a_mirror( void** state )
+TEST( test_panes_in_a_mirror )
 {
-    (void)state;
     double mirror = MIRROR + ( 1.0 - MIRROR ) * pow( 1.0 - sqrt( 0.5 ), 5.0 ), both = mirror * mirror, f = fresnel( 1.0, 1.5 );
     check( "panes in a mirror", IN_MIRROR, DEEP, both * reflected( 3, f, false ), 0.1 );
     check( "panes in a mirror", IN_MIRROR, 4, both * reflected( 3, f, true ), 0.1 );
@@ -165,9 +158,8 @@ static double mean_green( const RfTracer* tracer, const RfEye* eyes, int group, 
 #define DARK 0.5f
 
 // A wall that shines behind panes so dark that a chain over four of them would be a case for Russian roulette.
-static void test_a_lamp_behind_many_dark_panes( void** state )
+TEST( test_a_lamp_behind_many_dark_panes )
 {
-    (void)state;
     double pass = (double)DARK * ( 1.0 - fresnel( 1.0, 1.5 ) );
     for ( int panes = 3; panes <= 6; ++panes )
     {
@@ -194,9 +186,8 @@ static void test_a_lamp_behind_many_dark_panes( void** state )
 }
 
 // What is seen through a pane at --max-depth 2 has light samples, by all weights; those that compare do not follow camera rays.
-static void test_a_floor_below_a_pane( void** state )
+TEST( test_a_floor_below_a_pane )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     uint32_t ground = add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
     uint32_t pane = add_material( &b, make_thin_pane( rf_vec3( 1, 1, 1 ), 0.0f ) );
@@ -243,9 +234,8 @@ static double reflected_in_row( const RfEye* eye, int row )
 }
 
 // Some of the eyes see what it shows at angles at which it reflects more often than not, others do not.
-static void test_a_lamp_in_a_dark_pane( void** state )
+TEST( test_a_lamp_in_a_dark_pane )
 {
-    (void)state;
     enum
     {
         HEIGHT = 18,
@@ -288,17 +278,4 @@ static void test_a_lamp_in_a_dark_pane( void** state )
     }
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_lamp_behind_many_dark_panes ),
-        cmocka_unit_test( test_a_lamp_in_a_dark_pane ),
-        cmocka_unit_test( test_a_floor_below_a_pane ),
-        cmocka_unit_test( test_panes_in_a_row ),
-        cmocka_unit_test( test_a_slab ),
-        cmocka_unit_test( test_panes_in_a_mirror ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

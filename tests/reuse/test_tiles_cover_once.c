@@ -1,19 +1,14 @@
 // Tiles: their names; the patches of a pass cover every pixel of the film once with tiles
 // of the right shape, for any shift.
+#include "support/test.h"
 #include "base/random.h"
 #include "reuse/tile/tile.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-static void test_names_of_tiles( void** state )
+TEST( test_names_of_tiles )
 {
-    (void)state;
     static const char* const good[] = { "1", "3x3", "2x1", "1x64", "8x8", "rooks2", "rooks16", "rooks64" };
     for ( size_t i = 0; i < sizeof good / sizeof good[0]; ++i )
     {
@@ -126,9 +121,8 @@ static void check_shapes( const Cover* c )
         assert_true( whole > 0 );
 }
 
-static void test_every_pixel_once( void** state )
+TEST( test_every_pixel_once )
 {
-    (void)state;
     static const char* const names[] = { "3x3",    "2x1",    "5x7",     "1x13",    "8x8",    "64x1",
                                          "rooks2", "rooks9", "rooks16", "rooks36", "rooks64" };
     static const int sizes[][2] = { { 1, 1 }, { 5, 3 }, { 33, 61 }, { 63, 40 } };
@@ -152,9 +146,8 @@ static void test_every_pixel_once( void** state )
 
 // Any two neighbours share a tile in some passes and in others do not: no seam
 // stays where it is.
-static void test_no_seam_stays( void** state )
+TEST( test_no_seam_stays )
 {
-    (void)state;
     static const char* const names[] = { "3x3", "rooks9" };
     enum
     {
@@ -192,14 +185,4 @@ static void test_no_seam_stays( void** state )
         }
         assert_true( sum / count / PASSES > share * 0.85 && sum / count / PASSES < share * 1.15 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_names_of_tiles ),
-        cmocka_unit_test( test_every_pixel_once ),
-        cmocka_unit_test( test_no_seam_stays ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,19 +1,15 @@
 // Animation channels, camera placement and frame counts, on scenes made by hand.
 
+#include "support/test.h"
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/movement.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define HALF_SQRT2 0.70710678118654752440
 
@@ -43,9 +39,8 @@ static RfScene make_scene( RfNode* nodes, int node_count, RfCamera* cameras, int
         RfScene ){ .path = "test", .nodes = nodes, .node_count = node_count, .cameras = cameras, .camera_count = camera_count };
 }
 
-static void test_step_holds_the_last_key( void** state )
+TEST( test_step_holds_the_last_key )
 {
-    (void)state;
     double times[] = { 1, 2, 4 }, values[] = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }, v[4];
     RfChannel channel = {
         .path = RF_TRANSLATION, .components = 3, .interpolation = RF_STEP, .count = 3, .times = times, .values = values
@@ -60,9 +55,8 @@ static void test_step_holds_the_last_key( void** state )
 }
 
 // Times of keys are floats: half of those that stand for a frame's time are rounded up.
-static void test_steps_fall_on_their_frames( void** state )
+TEST( test_steps_fall_on_their_frames )
 {
-    (void)state;
     static double times[2000], values[2000];
     static const double fps[] = { 24.0, 25.0, 30.0, 60.0, 24000.0 / 1001.0 };
     for ( size_t k = 0; k < sizeof fps / sizeof fps[0]; ++k )
@@ -86,9 +80,8 @@ static void test_steps_fall_on_their_frames( void** state )
     }
 }
 
-static void test_linear_is_straight( void** state )
+TEST( test_linear_is_straight )
 {
-    (void)state;
     double times[] = { 1, 2, 4 }, values[] = { 0, 0, 0, 2, 4, 8, 0, 0, 0 }, v[4];
     RfChannel channel = {
         .path = RF_SCALE, .components = 3, .interpolation = RF_LINEAR, .count = 3, .times = times, .values = values
@@ -106,9 +99,8 @@ static void test_linear_is_straight( void** state )
 
 // From no rotation to 90° around y: half way is 45°, also when the second key
 // is written as its negative.
-static void test_slerp_takes_the_short_way( void** state )
+TEST( test_slerp_takes_the_short_way )
 {
-    (void)state;
     for ( int sign = -1; sign <= 1; sign += 2 )
     {
         double times[] = { 0, 1 }, q[4];
@@ -126,9 +118,8 @@ static void test_slerp_takes_the_short_way( void** state )
     }
 }
 
-static void test_slerp_of_equal_keys( void** state )
+TEST( test_slerp_of_equal_keys )
 {
-    (void)state;
     double times[] = { 0, 1 }, values[] = { 0, 0, 0, 1, 1e-9, 0, 0, 1 }, q[4];
     RfChannel channel = {
         .path = RF_ROTATION, .components = 4, .interpolation = RF_LINEAR, .count = 2, .times = times, .values = values
@@ -140,9 +131,8 @@ static void test_slerp_of_equal_keys( void** state )
 
 // A cubic that the basis reproduces exactly: x = t³ on keys 0 and 2, where the
 // tangents are 0 and 12 per second.
-static void test_cubicspline_scales_tangents( void** state )
+TEST( test_cubicspline_scales_tangents )
 {
-    (void)state;
     double times[] = { 0, 2 }, v[4];
     double values[] = { 99, 99, 99, 0, 0, 0, 0, 0, 0, 12, 12, 12, 8, 8, 8, 99, 99, 99 };
     RfChannel channel = {
@@ -159,9 +149,8 @@ static void test_cubicspline_scales_tangents( void** state )
     assert_near( v[0], 0.0, 0.0 );
 }
 
-static void test_cubicspline_rotation_is_unit( void** state )
+TEST( test_cubicspline_rotation_is_unit )
 {
-    (void)state;
     double times[] = { 0, 1 }, q[4];
     double values[] = { 0, 0, 0, 0, 0, 0, 0, 1, 0, 3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0 };
     RfChannel channel = {
@@ -172,9 +161,8 @@ static void test_cubicspline_rotation_is_unit( void** state )
     assert_true( q[1] > 0.1 );
 }
 
-static void test_cameras_are_found_by_name( void** state )
+TEST( test_cameras_are_found_by_name )
 {
-    (void)state;
     RfCamera cameras[] = { { .name = "still" }, { .name = "moving", .animated = true } };
     RfScene scene = make_scene( NULL, 0, cameras, 2 );
     RfError error;
@@ -202,9 +190,8 @@ static void check_frames( const RfScene* scene, const RfCamera* camera, RfCamera
     assert_int_equal( frames.count, wanted.count );
 }
 
-static void test_frames_cover_the_animation( void** state )
+TEST( test_frames_cover_the_animation )
 {
-    (void)state;
     RfCamera camera = { .name = "c", .animated = true, .start = 0.0, .end = (double)( 47.0f / 24.0f ) };
     RfScene scene = { .path = "file.glb" };
     RfError error;
@@ -226,9 +213,8 @@ static void test_frames_cover_the_animation( void** state )
 }
 
 // Something moves from 0.5 s to 2 s: up to frame 49.
-static void test_frames_cover_what_moves( void** state )
+TEST( test_frames_cover_what_moves )
 {
-    (void)state;
     RfMovement movement = { .start = 0.5, .end = 2.0 };
     RfScene scene = { .path = "file.glb", .movement = &movement };
     RfCamera still = { .name = "still" }, early = { .name = "early", .animated = true, .start = 0.5, .end = 1.0 },
@@ -270,9 +256,8 @@ static void test_frames_cover_what_moves( void** state )
     check_frames( &scene, &path, ( RfCameraFrames ){ 1, 1, 1 } );
 }
 
-static void test_eye_looks_down_minus_z( void** state )
+TEST( test_eye_looks_down_minus_z )
 {
-    (void)state;
     RfNode node = make_node( -1 );
     node.translation[1] = 2.0;
     RfCamera camera = { .name = "c", .yfov = 1.5707963267948966 };
@@ -290,9 +275,8 @@ static void test_eye_looks_down_minus_z( void** state )
 }
 
 // A parent that turns 90° around y within a second, above a camera at (0,0,5).
-static void test_parents_move_cameras( void** state )
+TEST( test_parents_move_cameras )
 {
-    (void)state;
     RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
     nodes[1].translation[2] = 5.0;
     double times[] = { 0, 1 }, values[] = { 0, 0, 0, 1, 0, HALF_SQRT2, 0, HALF_SQRT2 };
@@ -314,9 +298,8 @@ static void test_parents_move_cameras( void** state )
 }
 
 // Mirroring keeps what the camera sees upright and to the front.
-static void test_scale_and_mirror_keep_the_view( void** state )
+TEST( test_scale_and_mirror_keep_the_view )
 {
-    (void)state;
     RfNode nodes[] = { make_node( -1 ), make_node( 0 ) };
     nodes[0].scale[0] = -3.0;
     nodes[0].scale[1] = 1e-30;
@@ -332,9 +315,8 @@ static void test_scale_and_mirror_keep_the_view( void** state )
     assert_vec( eye.right, 1, 0, 0 );
 }
 
-static void test_collapsed_camera_fails( void** state )
+TEST( test_collapsed_camera_fails )
 {
-    (void)state;
     RfNode node = make_node( -1 );
     RfCamera camera = { .name = "flat", .yfov = 1.0 };
     RfScene scene = make_scene( &node, 1, &camera, 1 );
@@ -349,9 +331,8 @@ static void test_collapsed_camera_fails( void** state )
 }
 
 // Columns 1 and 2 of a shear may become parallel.
-static void test_parallel_axes_fail( void** state )
+TEST( test_parallel_axes_fail )
 {
-    (void)state;
     RfNode node = make_node( -1 );
     node.has_matrix = true;
     node.matrix.m[4] = 0.0, node.matrix.m[5] = 0.0, node.matrix.m[6] = 1.0;
@@ -362,9 +343,8 @@ static void test_parallel_axes_fail( void** state )
     assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
 }
 
-static void test_destroying_nothing_is_allowed( void** state )
+TEST( test_destroying_nothing_is_allowed )
 {
-    (void)state;
     RfScene scene = { 0 };
     rf_destroy_scene( &scene );
     rf_destroy_scene( NULL );
@@ -399,9 +379,8 @@ static void check_edit( const RfScene* scene, RfEdit edit )
     assert_int_equal( rf_scene_eye( &with, 0, 1.0, 64, 36, &eye, NULL ), RF_ERROR_USAGE );
 }
 
-static void test_cameras_of_an_edit( void** state )
+TEST( test_cameras_of_an_edit )
 {
-    (void)state;
     double times[] = { 0, 2 }, values[] = { 0, 1, 0, 4, 1, 2 };
     RfChannel channel = {
         .path = RF_TRANSLATION, .components = 3, .interpolation = RF_LINEAR, .count = 2, .times = times, .values = values
@@ -419,9 +398,8 @@ static void test_cameras_of_an_edit( void** state )
 }
 
 // A node that steps on under a parent that moves: at 1 s, 1.5 s and 2 s; and 0.1 s later, as stop motion does.
-static void test_steps_are_cuts( void** state )
+TEST( test_steps_are_cuts )
 {
-    (void)state;
     double times[] = { 0, 1, 1.5, 2, 2.5, 2.6 }, values[] = { 0, 0, 0, 5, 0, 0, 5, 0, 0, -3, 0, 0, 1, 0, 0, 2, 0, 0 };
     double span[] = { 0, 4 }, rise[] = { 0, 0, 0, 0, 4, 0 };
     RfChannel channels[] = {
@@ -468,29 +446,4 @@ static void test_steps_are_cuts( void** state )
         assert_int_equal( eye.moves, 0 );
     }
     free( camera.cuts );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_step_holds_the_last_key ),
-        cmocka_unit_test( test_steps_fall_on_their_frames ),
-        cmocka_unit_test( test_linear_is_straight ),
-        cmocka_unit_test( test_slerp_takes_the_short_way ),
-        cmocka_unit_test( test_cameras_of_an_edit ),
-        cmocka_unit_test( test_steps_are_cuts ),
-        cmocka_unit_test( test_slerp_of_equal_keys ),
-        cmocka_unit_test( test_cubicspline_scales_tangents ),
-        cmocka_unit_test( test_cubicspline_rotation_is_unit ),
-        cmocka_unit_test( test_cameras_are_found_by_name ),
-        cmocka_unit_test( test_frames_cover_the_animation ),
-        cmocka_unit_test( test_frames_cover_what_moves ),
-        cmocka_unit_test( test_eye_looks_down_minus_z ),
-        cmocka_unit_test( test_parents_move_cameras ),
-        cmocka_unit_test( test_scale_and_mirror_keep_the_view ),
-        cmocka_unit_test( test_collapsed_camera_fails ),
-        cmocka_unit_test( test_parallel_axes_fail ),
-        cmocka_unit_test( test_destroying_nothing_is_allowed ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

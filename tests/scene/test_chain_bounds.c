@@ -3,14 +3,10 @@
 #include "scene/chain_bounds.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 #include "trace/trace.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define RAYS 1024
 #define ROUNDS 64
@@ -88,28 +84,19 @@ static void check_things( float scale, RfVec3 shift )
     rf_destroy_scene( &scene );
 }
 
-static void test_no_ray_is_lost( void** state )
+TEST( test_no_ray_is_lost )
 {
-    (void)state;
     check_things( 1.0f, rf_vec3( 0, 0, 0 ) );
     check_things( 1e-3f, rf_vec3( 0, 0, 0 ) );
     check_things( 1e4f, rf_vec3( 0, 0, 0 ) );
     check_things( 1.0f, rf_vec3( 500, -300, 200 ) );
 }
 
-static void test_without_mirrors_and_glass_there_are_none( void** state )
+TEST( test_without_mirrors_and_glass_there_are_none )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_GGX );
     RfTracer* tracer = make_tracer( &scene );
     assert_int_equal( rf_tracer_chain_bounds( tracer )->count, 0 );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_no_ray_is_lost ),
-                                        cmocka_unit_test( test_without_mirrors_and_glass_there_are_none ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

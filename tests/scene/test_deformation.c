@@ -1,5 +1,6 @@
 // Skins and morph targets at a moment, against closed forms, and files of others that have them.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/deformation.h"
 #include "scene/movement.h"
@@ -7,15 +8,10 @@
 #include "scene/pose.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define HALF 0.70710678118654752
 
@@ -58,9 +54,8 @@ static GltfBuilder make_strip( void )
     "{\"translation\":[0,1,0]}],\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":5}]," ONE_MESH(                             \
         "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"indices\":2}" ) animation
 
-static void test_a_bent_arm( void** state )
+TEST( test_a_bent_arm )
 {
-    (void)state;
     GltfBuilder b = make_strip();
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
@@ -91,9 +86,8 @@ static void test_a_bent_arm( void** state )
 }
 
 // By linear blending, a twist of 180 degrees pinches the middle: there the matrix has no volume.
-static void test_singular_skins( void** state )
+TEST( test_singular_skins )
 {
-    (void)state;
     GltfBuilder b = make_strip();
     static const float s_twist[] = { 0, 0, 0, 1, 0, 1, 0, 0 };
     add_gltf_floats( &b, "VEC4", 4, 2, s_twist );
@@ -120,9 +114,8 @@ static void test_singular_skins( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_mirrored_skins_keep_their_outside( void** state )
+TEST( test_mirrored_skins_keep_their_outside )
 {
-    (void)state;
     GltfBuilder b = make_strip();
     static const float s_scales[] = { 1, 1, 1, 1, 1, -1 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
@@ -144,9 +137,8 @@ static void test_mirrored_skins_keep_their_outside( void** state )
 }
 
 // A skin whose joints stand still is triangles like any others.
-static void test_a_posed_figure_that_stands_still( void** state )
+TEST( test_a_posed_figure_that_stands_still )
 {
-    (void)state;
     GltfBuilder b = make_strip();
     RfScene scene = gltf_load_built( &b, STRIP( "" ) );
     assert_null( scene.movement );
@@ -160,9 +152,8 @@ static void test_a_posed_figure_that_stands_still( void** state )
 }
 
 // Tangents turn with the joints; where these mirror, the bitangent stays on its side.
-static void test_tangents_of_a_skin( void** state )
+TEST( test_tangents_of_a_skin )
 {
-    (void)state;
     static const float s_along[] = { 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, -1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0 };
     static const float s_turns[] = { 0, (float)HALF, 0, (float)HALF, 0, 0, 0, 1 }, s_scales[] = { 1, 1, 1, 1, 1, -1 };
     for ( int k = 0; k < 2; ++k )
@@ -193,9 +184,8 @@ static void test_tangents_of_a_skin( void** state )
 }
 
 // Far from the origin, where floats are a metre apart: the scene is loaded around another.
-static void test_a_figure_far_out( void** state )
+TEST( test_a_figure_far_out )
 {
-    (void)state;
     GltfBuilder b = make_strip();
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
@@ -261,9 +251,8 @@ static GltfBuilder make_morph( int count, const float* weights )
     return b;
 }
 
-static void test_morph_targets( void** state )
+TEST( test_morph_targets )
 {
-    (void)state;
     static const float s_weights[] = { 0, 0, 1, 0, 0, 1 };
     GltfBuilder b = make_morph( 6, s_weights );
     RfScene scene = gltf_load_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ) );
@@ -287,9 +276,8 @@ static void test_morph_targets( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_weights_by_splines( void** state )
+TEST( test_weights_by_splines )
 {
-    (void)state;
     // in-tangents, values, out-tangents of each key, each of two weights
     static const float s_spline[] = { 0, 0, 0.25f, 0, 1, 0, -1, 0, 0.5f, 0, 2, 0, 3, 0, 0, 0, 0, 0 };
     GltfBuilder b = make_morph( 18, s_spline );
@@ -308,9 +296,8 @@ static void test_weights_by_splines( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_weights_at_rest( void** state )
+TEST( test_weights_at_rest )
 {
-    (void)state;
     static const float s_none[] = { 0 };
     GltfBuilder b = make_morph( 1, s_none );
     RfScene scene = gltf_load_built( &b, SQUARE( "" ) );
@@ -330,9 +317,8 @@ static void test_weights_at_rest( void** state )
 }
 
 // A face on a head that turns: targets first, then the joints.
-static void test_morph_targets_of_a_skin( void** state )
+TEST( test_morph_targets_of_a_skin )
 {
-    (void)state;
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     static const float s_wider[] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0 }, s_half[] = { 0, 0.5f };
     GltfBuilder b = make_strip();
@@ -355,9 +341,8 @@ static void test_morph_targets_of_a_skin( void** state )
 }
 
 // One of two triangles closes: the other stays, each with its number.
-static void test_a_triangle_that_closes( void** state )
+TEST( test_a_triangle_that_closes )
 {
-    (void)state;
     static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0, 3, 0, 0, 2, 1, 0 };
     static const float s_closing[] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -1, 0 };
     static const float s_weights[] = { 0, 1 };
@@ -381,9 +366,8 @@ static void test_a_triangle_that_closes( void** state )
 }
 
 // By joints, and by weights that nobody means.
-static void test_deformed_out_of_reach( void** state )
+TEST( test_deformed_out_of_reach )
 {
-    (void)state;
     static const float s_far[] = { 0, 0, 0, 0, 2e15f, 0 }, s_absurd[] = { 0, 0, 1e30f, 0, 3e38f, 0 };
     GltfBuilder b = make_strip();
     add_gltf_floats( &b, "VEC3", 3, 2, s_far );
@@ -408,9 +392,8 @@ static const char* animated( const char* name )
     return s_path;
 }
 
-static void test_the_fox_walks( void** state )
+TEST( test_the_fox_walks )
 {
-    (void)state;
     RfScene scene = gltf_load( animated( "Fox.glb" ) );
     gltf_assert_warned( "animation 'Survey' is used: 'Walk', 'Run', which move the same, are left out" );
     assert_int_equal( scene.placement_count, 1 );
@@ -434,9 +417,8 @@ static void test_the_fox_walks( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_the_morph_stress_test( void** state )
+TEST( test_the_morph_stress_test )
 {
-    (void)state;
     RfScene scene = gltf_load_with( animated( "MorphStressTest.gltf" ), &( RfGltfOptions ){ .animation = "Pulse" } );
     assert_int_equal( scene.unrendered_count, 0 );
     assert_true( scene.movement->mover_count >= 1 && scene.movement->movers[0].target_count == 8 );
@@ -451,23 +433,4 @@ static void test_the_morph_stress_test( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_bent_arm ),
-        cmocka_unit_test( test_singular_skins ),
-        cmocka_unit_test( test_mirrored_skins_keep_their_outside ),
-        cmocka_unit_test( test_a_posed_figure_that_stands_still ),
-        cmocka_unit_test( test_tangents_of_a_skin ),
-        cmocka_unit_test( test_a_figure_far_out ),
-        cmocka_unit_test( test_morph_targets ),
-        cmocka_unit_test( test_weights_by_splines ),
-        cmocka_unit_test( test_weights_at_rest ),
-        cmocka_unit_test( test_morph_targets_of_a_skin ),
-        cmocka_unit_test( test_a_triangle_that_closes ),
-        cmocka_unit_test( test_deformed_out_of_reach ),
-        cmocka_unit_test( test_the_fox_walks ),
-        cmocka_unit_test( test_the_morph_stress_test ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -3,15 +3,11 @@
 #include "scene/pinhole.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SAMPLES 4096
 
@@ -39,9 +35,8 @@ static void film_position( const RfEye* eye, RfVec3 p, float at[2] )
     assert_true( rf_pinhole_position( eye, rf_sub( p, rf_pinhole_origin( eye ) ), at ) > 0.0f );
 }
 
-static void test_points_in_focus_stay_in_place( void** state )
+TEST( test_points_in_focus_stay_in_place )
 {
-    (void)state;
     RfEye eye = test_eye();
     rf_shift_eye( &eye, 1.3, 0.1, -0.05 );
     rf_set_lens( &eye, 0.05, 3.0, 7, 0.3 );
@@ -81,9 +76,8 @@ static void check_circle( float depth, double focus )
     assert_true( most >= expected * 0.98 - 2e-3 );
 }
 
-static void test_circles_of_confusion_are_those_of_the_thin_lens( void** state )
+TEST( test_circles_of_confusion_are_those_of_the_thin_lens )
 {
-    (void)state;
     check_circle( 2.0f, 3.0 );
     check_circle( 6.0f, 3.0 );
     check_circle( 1000.0f, 3.0 );
@@ -93,9 +87,8 @@ static void test_circles_of_confusion_are_those_of_the_thin_lens( void** state )
 
 // A uniform point of a regular n-gon in the unit circle: the mean squared distance from the middle is
 // ( 1 + 2 cos²(π/n) ) / 6, and every point is inside.
-static void test_blades_make_a_polygon( void** state )
+TEST( test_blades_make_a_polygon )
 {
-    (void)state;
     for ( int blades = 3; blades <= 9; ++blades )
     {
         RfEye eye = test_eye();
@@ -121,9 +114,8 @@ static void test_blades_make_a_polygon( void** state )
     }
 }
 
-static void test_the_shutter_goes_through_its_poses( void** state )
+TEST( test_the_shutter_goes_through_its_poses )
 {
-    (void)state;
     RfEye eye = test_eye(), open = eye, close = eye;
     open.origin = rf_add( eye.origin, rf_vec3( -0.1f, 0.02f, 0.0f ) );
     close = rf_make_eye( rf_add( eye.origin, rf_vec3( 0.2f, 0, 0 ) ), rf_vec3( 0.3f, -0.1f, -1.0f ), rf_vec3( 0, 1, 0 ), 0.6, 640,
@@ -146,9 +138,8 @@ static void test_the_shutter_goes_through_its_poses( void** state )
 
 // A wall that shines to the left of an edge. The camera passes by so that the edge moves over the film at constant speed,
 // twenty pixels while the shutter is open: a linear ramp.
-static void test_a_moving_edge_is_a_ramp( void** state )
+TEST( test_a_moving_edge_is_a_ramp )
 {
-    (void)state;
     enum
     {
         W = 48,
@@ -195,9 +186,8 @@ static void test_a_moving_edge_is_a_ramp( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_threads_change_nothing( void** state )
+TEST( test_threads_change_nothing )
 {
-    (void)state;
     RfScene scene = make_room( ROOM_GGX );
     RfTracer* tracer = make_tracer( &scene );
     RfEye eyes[7], path[8];
@@ -224,17 +214,4 @@ static void test_threads_change_nothing( void** state )
     free_rendered( &three );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_points_in_focus_stay_in_place ),
-        cmocka_unit_test( test_circles_of_confusion_are_those_of_the_thin_lens ),
-        cmocka_unit_test( test_blades_make_a_polygon ),
-        cmocka_unit_test( test_the_shutter_goes_through_its_poses ),
-        cmocka_unit_test( test_a_moving_edge_is_a_ramp ),
-        cmocka_unit_test( test_threads_change_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

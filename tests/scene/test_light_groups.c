@@ -1,20 +1,16 @@
 // Light groups: tags of lamps, nodes, materials and the sky, materials that are in several groups, and what a render may ask for.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/light_groups.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/pose.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define TAG( name ) "\"extras\":{\"reframe\":{\"light_group\":\"" name "\"}}"
 #define LAMP( name, more ) "{\"type\":\"point\",\"name\":\"" name "\"" more "}"
@@ -57,9 +53,8 @@ static void expect_light( const RfScene* scene, int index, const char* kind, con
     assert_int_equal( light.shines, shines );
 }
 
-static void test_a_material_in_several_groups_is_split( void** state )
+TEST( test_a_material_in_several_groups_is_split )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built( &b, ROOM( "" ) );
     assert_int_equal( scene.material_count, 5 );
@@ -88,9 +83,8 @@ static void test_a_material_in_several_groups_is_split( void** state )
 }
 
 // Of one group, a material is what it was.
-static void test_a_material_in_one_group_is_kept( void** state )
+TEST( test_a_material_in_one_group_is_kept )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built(
         &b, "\"scenes\":[{\"nodes\":[0,1]}],\"materials\":[" MATERIAL(
@@ -113,9 +107,8 @@ static void test_a_material_in_one_group_is_kept( void** state )
     "\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/materials/0/extensions/KHR_materials_emissive_strength/"          \
     "emissiveStrength\"}}}}]}]"
 
-static void test_copies_change_as_well( void** state )
+TEST( test_copies_change_as_well )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built( &b, ROOM( DIMS ) );
     assert_int_equal( scene.movement->material_count, 4 );
@@ -157,9 +150,8 @@ static void expect_refused( const RfScene* scene, const char* asked, const char*
     assert_null( groups.punctual );
 }
 
-static void test_groups_that_a_render_asks_for( void** state )
+TEST( test_groups_that_a_render_asks_for )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built( &b, ROOM( "" ) );
     // lamps Desk, Desk, Spare; materials bulb, socket, bulb of key, fill, rim; the sky
@@ -182,9 +174,8 @@ static void test_groups_that_a_render_asks_for( void** state )
 }
 
 // What is dark is not in "all", but may be asked for; seventeen lamps are too many.
-static void test_dark_groups_and_too_many( void** state )
+TEST( test_dark_groups_and_too_many )
 {
-    (void)state;
     char text[4096], *end = text;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built(
@@ -221,9 +212,8 @@ static void test_dark_groups_and_too_many( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_tags_must_be_names( void** state )
+TEST( test_tags_must_be_names )
 {
-    (void)state;
     static const char* const wrong[] = { "\"a,b\"", "\"\"", "7", "\"a\\nb\"",
                                          "\"1234567890123456789012345678901234567890123456789012345678901234\"" };
     for ( size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i )
@@ -241,9 +231,8 @@ static void test_tags_must_be_names( void** state )
 }
 
 // Scene files tag lamps, materials and the sky, and files that they place bring their own.
-static void test_scene_files_tag_lights( void** state )
+TEST( test_scene_files_tag_lights )
 {
-    (void)state;
     RfScene scene;
     RfError error = { 0 };
     write_room( "" );
@@ -282,16 +271,4 @@ static int enter( void** state ) { return gltf_enter( state ) != 0 ? 1 : cli_ent
 
 static int leave( void** state ) { return cli_leave_group( state ) != 0 ? 1 : gltf_leave( state ); }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_material_in_several_groups_is_split ),
-        cmocka_unit_test( test_a_material_in_one_group_is_kept ),
-        cmocka_unit_test( test_copies_change_as_well ),
-        cmocka_unit_test( test_groups_that_a_render_asks_for ),
-        cmocka_unit_test( test_dark_groups_and_too_many ),
-        cmocka_unit_test( test_tags_must_be_names ),
-        cmocka_unit_test( test_scene_files_tag_lights ),
-    };
-    return cmocka_run_group_tests_name( "light groups", tests, enter, leave );
-}
+SHARED_BY_TESTS( enter, leave )

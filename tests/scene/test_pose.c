@@ -1,5 +1,6 @@
 // Scenes at a moment, against closed forms: what turns, is hidden, flattened or far out, and many at once.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/deformation.h"
 #include "scene/movement.h"
@@ -7,15 +8,10 @@
 #include "scene/pose.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define HALF 0.70710678118654752
 
@@ -53,9 +49,8 @@ static RfScene load_turning_box( void )
                                 "\"mesh\":0,\"scale\":[1,1,2]}]," BOX "," LINEAR( "2", "rotation", "2", "3" ) );
 }
 
-static void test_a_turning_box( void** state )
+TEST( test_a_turning_box )
 {
-    (void)state;
     RfScene scene = load_turning_box();
     assert_int_equal( scene.triangles.count, 12 );
     assert_int_equal( scene.triangle_count, 24 );
@@ -85,9 +80,8 @@ static void test_a_turning_box( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_when_a_scene_moves( void** state )
+TEST( test_when_a_scene_moves )
 {
-    (void)state;
     RfScene scene = load_turning_box();
     assert_true( rf_scene_moves( &scene, 0.25, 0.5 ) );
     assert_true( rf_scene_moves( &scene, 0.0, 1.0 ) );
@@ -103,9 +97,8 @@ static void test_when_a_scene_moves( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_memory_of_the_caller( void** state )
+TEST( test_memory_of_the_caller )
 {
-    (void)state;
     RfScene scene = load_turning_box();
     size_t bytes = rf_pose_bytes( &scene );
     assert_in_range( bytes, sizeof( RfPlacement ), 4096 );
@@ -124,9 +117,8 @@ static void test_memory_of_the_caller( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_a_still_scene_is_its_own_pose( void** state )
+TEST( test_a_still_scene_is_its_own_pose )
 {
-    (void)state;
     GltfBuilder b = make_box();
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," BOX );
     assert_null( scene.movement );
@@ -145,9 +137,8 @@ static RfScene load_scaled_box( const float scales[6] )
     return gltf_load_built( &b, "\"nodes\":[{\"mesh\":0,\"name\":\"box\"}]," BOX "," LINEAR( "0", "scale", "2", "3" ) );
 }
 
-static void test_a_scale_of_zero_is_not_there( void** state )
+TEST( test_a_scale_of_zero_is_not_there )
 {
-    (void)state;
     RfScene scene = load_scaled_box( ( const float[] ){ 0, 0, 0, 1, 1, 1 } );
     RfPosedScene pose = gltf_pose_at( &scene, 0.0 );
     assert_false( pose.scene.placements[0].shown );
@@ -160,9 +151,8 @@ static void test_a_scale_of_zero_is_not_there( void** state )
 }
 
 // A cube that is flattened to a square keeps two of its faces, and those of no area meet no ray.
-static void test_what_is_flattened( void** state )
+TEST( test_what_is_flattened )
 {
-    (void)state;
     RfScene scene = load_scaled_box( ( const float[] ){ 1, 1, 0, 1, 1, 1 } );
     RfPosedScene pose = gltf_pose_at( &scene, 0.0 );
     const RfPlacement* placement = pose.scene.placements;
@@ -191,9 +181,8 @@ static void test_what_is_flattened( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_what_is_turned_inside_out( void** state )
+TEST( test_what_is_turned_inside_out )
 {
-    (void)state;
     RfScene scene = load_scaled_box( ( const float[] ){ 1, 1, 1, -1, 1, 1 } );
     RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
     assert_true( rf_mat4_det3( &pose.scene.placements[0].matrix ) < 0.0 );
@@ -206,9 +195,8 @@ static void test_what_is_turned_inside_out( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_out_of_reach( void** state )
+TEST( test_out_of_reach )
 {
-    (void)state;
     GltfBuilder b = make_box();
     static const float s_far[] = { 0, 0, 0, 3e15f, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_far );
@@ -223,9 +211,8 @@ static void test_out_of_reach( void** state )
     "{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/nodes/" node      \
     "/extensions/KHR_node_visibility/visible\"}}}}]}]"
 // A pause is the same to the last bit at all its times, so that its frames are rendered once.
-static void test_a_pause( void** state )
+TEST( test_a_pause )
 {
-    (void)state;
     GltfBuilder b = make_box();
     static const float s_keys[] = { 0, 1, 2 }, s_places[] = { 0.1f, 0.7f, -0.3f, 0.1f, 0.7f, -0.3f, 7, 0, 0 };
     add_gltf_floats( &b, "SCALAR", 1, 3, s_keys );
@@ -239,9 +226,8 @@ static void test_a_pause( void** state )
 
 #define VISIBLE( value ) "\"extensions\":{\"KHR_node_visibility\":{\"visible\":" value "}}"
 
-static void test_what_is_shown_at_times( void** state )
+TEST( test_what_is_shown_at_times )
 {
-    (void)state;
     GltfBuilder b = make_box();
     static const float s_keys[] = { 1, 2, 4 };
     static const uint8_t s_shown[] = { 1, 0, 1 };
@@ -293,9 +279,8 @@ static char* write_many( void )
     return text;
 }
 
-static void test_ten_thousand_nodes( void** state )
+TEST( test_ten_thousand_nodes )
 {
-    (void)state;
     static const float s_triangle[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, s_moves[] = { 0, 0, 0, 8, 4, 0 };
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 3, s_triangle );
@@ -324,9 +309,8 @@ static void test_ten_thousand_nodes( void** state )
 }
 
 // Instances of a node that moves go with it.
-static void test_instances_that_move( void** state )
+TEST( test_instances_that_move )
 {
-    (void)state;
     static const float s_places[] = { 0, 0, 0, 0, 0, 100 }, s_moves[] = { 0, 0, 0, 4, 0, 0 };
     GltfBuilder b = make_box();
     add_gltf_floats( &b, "VEC3", 3, 2, s_places );
@@ -344,21 +328,4 @@ static void test_instances_that_move( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_turning_box ),
-        cmocka_unit_test( test_when_a_scene_moves ),
-        cmocka_unit_test( test_memory_of_the_caller ),
-        cmocka_unit_test( test_a_still_scene_is_its_own_pose ),
-        cmocka_unit_test( test_a_scale_of_zero_is_not_there ),
-        cmocka_unit_test( test_what_is_flattened ),
-        cmocka_unit_test( test_what_is_turned_inside_out ),
-        cmocka_unit_test( test_out_of_reach ),
-        cmocka_unit_test( test_a_pause ),
-        cmocka_unit_test( test_what_is_shown_at_times ),
-        cmocka_unit_test( test_ten_thousand_nodes ),
-        cmocka_unit_test( test_instances_that_move ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

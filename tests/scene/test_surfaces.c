@@ -1,18 +1,14 @@
 // Whose surfaces are: objects, assets, materials and their numbers, in world space, placed and moving, alone and in a scene file.
 #include "support/cli_run.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/surfaces.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
 static const float s_times[] = { 0, 1 };
@@ -59,9 +55,8 @@ static void expect_names( const RfScene* scene, uint32_t first, const char* cons
     }
 }
 
-static void test_names_of_nodes( void** state )
+TEST( test_names_of_nodes )
 {
-    (void)state;
     GltfBuilder b;
     char rest[4096];
     build( &b, "", "{\"name\":\"wood\"},{}", rest, sizeof rest );
@@ -80,9 +75,8 @@ static void test_names_of_nodes( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_extras_go_first( void** state )
+TEST( test_extras_go_first )
 {
-    (void)state;
     GltfBuilder b;
     char rest[4096];
     build( &b, ",\"extras\":{\"reframe\":{\"object\":\"Leg.001\",\"asset\":\"Legs\",\"pass_index\":7}}",
@@ -109,9 +103,8 @@ static void test_extras_go_first( void** state )
 }
 
 // What is placed by a scene file belongs to the object that places it.
-static void test_placed_files( void** state )
+TEST_WITHIN( test_placed_files, cli_enter_group, cli_leave_group )
 {
-    (void)state;
     GltfBuilder b;
     char rest[4096];
     RfScene scene;
@@ -142,9 +135,8 @@ static void keep_line( void* user, const char* line )
 
 // Of plates that shine, "Twin" lies on the first one, "Shifted" and "Turned" partly; others are beside it, above, across, and back
 // to back. "Flipped" lies on one that shines to both sides.
-static void test_emitters_in_one_place( void** state )
+TEST( test_emitters_in_one_place )
 {
-    (void)state;
     static const float s_plate[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0 };
     static const float s_flipped[] = { 1, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0 };
     char lines[1024] = "";
@@ -185,13 +177,4 @@ static void test_emitters_in_one_place( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_names_of_nodes ),
-        cmocka_unit_test( test_extras_go_first ),
-        cmocka_unit_test( test_emitters_in_one_place ),
-        cmocka_unit_test_setup_teardown( test_placed_files, cli_enter_group, cli_leave_group ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

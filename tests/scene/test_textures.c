@@ -5,15 +5,11 @@
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const RfFactors s_paint = { .base = { 1, 1, 1, 1 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
 
@@ -36,9 +32,8 @@ static float red_at( const RfTexture* t, const RfTextureRef* ref, float u, float
 }
 
 // Four grey texels in a row: 0, 51, 102, 255 of 255.
-static void test_wrap_modes_by_hand( void** state )
+TEST( test_wrap_modes_by_hand )
 {
-    (void)state;
     static const uint8_t bytes[] = { 0, 51, 102, 255 };
     static const struct
     {
@@ -68,9 +63,8 @@ static void test_wrap_modes_by_hand( void** state )
 }
 
 // Rows run down: v = 0 is the top. Channels, alpha, the curve of sRGB.
-static void test_channels_by_hand( void** state )
+TEST( test_channels_by_hand )
 {
-    (void)state;
     static const uint8_t bytes[] = { 255, 128, 0, 64, 10, 20, 30, 255 };
     float rgba[4], top[2] = { 0.5f, 0.25f }, bottom[2] = { 0.5f, 0.75f };
     RfTextureRef ref = ref_of( RF_WRAP_CLAMP, true );
@@ -91,9 +85,8 @@ static void test_channels_by_hand( void** state )
     free( t.bytes );
 }
 
-static void test_bounds_hold_every_texel( void** state )
+TEST( test_bounds_hold_every_texel )
 {
-    (void)state;
     uint8_t bytes[64 * 64] = { 0 };
     bytes[10 * 64 + 20] = 255;
     RfTexture t = make_texture( 64, 64, 1, bytes, false );
@@ -149,9 +142,8 @@ static const uint8_t s_picture[] = { 255, 0,  0,  255, 0,   255, 128, 255, 10, 2
                                      90,  90, 90, 255, 255, 255, 255, 255, 0,  0,  0,   255 };
 
 // A texel a pixel: the picture comes out as it went in.
-static void test_emission_by_texel( void** state )
+TEST( test_emission_by_texel )
 {
-    (void)state;
     RfTextured* t = make_textured( &s_paint );
     t->refs[RF_TEXTURE_EMISSIVE].texture = 0;
     t->refs[RF_TEXTURE_EMISSIVE].nearest = true;
@@ -171,9 +163,8 @@ static void test_emission_by_texel( void** state )
 }
 
 // Under a sky of radiance 1 a Lambert square shows its albedo.
-static void test_albedo_by_texel( void** state )
+TEST( test_albedo_by_texel )
 {
-    (void)state;
     RfTextured* t = make_textured( &s_paint );
     t->refs[RF_TEXTURE_BASE].texture = 0;
     t->refs[RF_TEXTURE_BASE].nearest = true;
@@ -194,9 +185,8 @@ static void test_albedo_by_texel( void** state )
 }
 
 // Normals: (1, 0, 1)/√2 of the texture leans to the right, (0, 1, 1)/√2 up.
-static void test_normal_maps_lean_normals( void** state )
+TEST( test_normal_maps_lean_normals )
 {
-    (void)state;
     static const uint8_t bytes[] = { 218, 128, 218, 255, 128, 218, 218, 255 };
     RfTextured* t = make_textured( &s_paint );
     t->refs[RF_TEXTURE_NORMAL].texture = 0;
@@ -249,9 +239,8 @@ static uint32_t nearest( const RfTracer* tracer, RfVec3 o, RfVec3 d )
 // A square whose left half is cut out, before a wall of two triangles that come
 // first in the scene: all kinds of rays go through there, and triangles keep
 // the scene's numbers.
-static void test_cut_outs_let_every_ray_through( void** state )
+TEST( test_cut_outs_let_every_ray_through )
 {
-    (void)state;
     static const uint8_t bytes[] = { 255, 255, 255, 100, 255, 255, 255, 200 };
     for ( int order = 0; order < 2; ++order )
     {
@@ -296,9 +285,8 @@ static void test_cut_outs_let_every_ray_through( void** state )
 
 // A light whose texture is black but for one texel: it is picked, the triangle
 // without the texel is no light, and sampling finds the radiance there.
-static void test_one_bright_texel_is_sampled( void** state )
+TEST( test_one_bright_texel_is_sampled )
 {
-    (void)state;
     uint8_t bytes[32 * 32 * 4] = { 0 };
     memset( bytes + 4 * ( 2 * 32 + 3 ), 255, 4 ); // near the upper left corner, in triangle 1
     RfTextured* t = make_textured( &s_paint );
@@ -350,9 +338,8 @@ static void check_plain( RfScene scene )
     rf_destroy_scene( &scene );
 }
 
-static void test_group_0_is_a_plain_path_tracer( void** state )
+TEST( test_group_0_is_a_plain_path_tracer )
 {
-    (void)state;
     check_plain( make_textured_room() );
     check_plain( make_blended_room() );
     check_plain( make_varied_room() );
@@ -377,9 +364,8 @@ static RfScene make_panes( void )
     return finish_scene( &b );
 }
 
-static void test_blended_panes_by_closed_form( void** state )
+TEST( test_blended_panes_by_closed_form )
 {
-    (void)state;
     RfScene scene = make_panes();
     scene.environment.radiance = rf_vec3( 2, 2, 2 );
     RfTracer* tracer = make_tracer( &scene );
@@ -419,9 +405,8 @@ static void test_blended_panes_by_closed_form( void** state )
 }
 
 // Of colours, not of normals and the like; what Rec. 709 cannot hold is clipped.
-static void test_primaries_of_an_image( void** state )
+TEST( test_primaries_of_an_image )
 {
-    (void)state;
     for ( int colour = 0; colour < 2; ++colour )
     {
         RfPixels pixels = {
@@ -437,22 +422,4 @@ static void test_primaries_of_an_image( void** state )
         assert_close( (float)t.outside, colour == 1 ? 0.15426 / ( 1.70505 + 0.15426 ) : 0.0, 1e-4 );
         rf_destroy_texture( &t );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_wrap_modes_by_hand ),
-        cmocka_unit_test( test_channels_by_hand ),
-        cmocka_unit_test( test_bounds_hold_every_texel ),
-        cmocka_unit_test( test_emission_by_texel ),
-        cmocka_unit_test( test_albedo_by_texel ),
-        cmocka_unit_test( test_normal_maps_lean_normals ),
-        cmocka_unit_test( test_cut_outs_let_every_ray_through ),
-        cmocka_unit_test( test_one_bright_texel_is_sampled ),
-        cmocka_unit_test( test_group_0_is_a_plain_path_tracer ),
-        cmocka_unit_test( test_blended_panes_by_closed_form ),
-        cmocka_unit_test( test_primaries_of_an_image ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

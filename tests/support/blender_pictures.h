@@ -3,17 +3,13 @@
 #define REFRAME_TESTS_BLENDER_PICTURES_H
 
 #include "support/blender_run.h"
+#include "support/test.h"
 
 #include "reframe/image.h"
 #include "scene/gltf/gltf.h"
 #include "scene/scene.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define EXPORT( scene )                                                                                                          \
     BLENDER scene ".blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- " scene ".glb --bake-cache cache "

@@ -2,15 +2,12 @@
 
 #include "image/sequence.h"
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 RfFlickerFrame make_frame( int number )
 {

@@ -1,13 +1,11 @@
 #include "support/image_files.h"
+#include "support/test.h"
 
 #include "base/file.h"
 #include "image/exr.h"
 
 #include <openexr.h>
 #include <png.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,8 +13,6 @@
 #include <unistd.h>
 
 #include <jpeglib.h> // which needs stdio.h
-
-#include <cmocka.h>
 
 static void must( int ok )
 {

@@ -3,18 +3,15 @@
 #ifndef REFRAME_TEST_IMAGE_SUPPORT_H
 #define REFRAME_TEST_IMAGE_SUPPORT_H
 
+#include "support/test.h"
 #include "image/exr.h"
 
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define UNUSED_OK __attribute__( ( unused ) )
 

@@ -1,16 +1,12 @@
 #include "support/moving_cases.h"
 
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define BLOCK 4
 #define REFERENCE_SPP 48

@@ -3,16 +3,12 @@
 #include "render_support.h"
 #include "reuse/tile/tile.h"
 #include "support/statistics.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MOST_FRAMES 64
 
@@ -76,30 +72,6 @@ Rendered render_all( const RfTracer* tracer, const RfEye* eyes, int eye_count, c
     for ( int i = 0; i < eye_count && i < MOST_FRAMES; ++i )
         frames[i] = i;
     return render_frames( tracer, eyes, eye_count, frames, eye_count, settings );
-}
-
-static RfResult keep_picture( void* user, const RfFrameResult* result, RfError* error )
-{
-    (void)error;
-    KeptPicture* p = user;
-    size_t pixels = (size_t)result->width * (size_t)result->height;
-    assert_true( pixels <= KEPT_PIXELS );
-    memcpy( p->rgb, result->rgb, 3 * pixels * sizeof( float ) );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-    {
-        p->channels[a] = result->aovs[a] != NULL ? rf_aov_channels( (RfAov)a ) : 0;
-        if ( result->aovs[a] != NULL )
-            memcpy( p->aov[a], result->aovs[a], (size_t)p->channels[a] * pixels * sizeof( float ) );
-    }
-    return RF_OK;
-}
-
-void render_picture( const RfShot* shot, const RfRenderSettings* settings, KeptPicture* picture )
-{
-    RfRenderCallbacks callbacks = { .user = picture, .frame = keep_picture };
-    RfError error = { 0 };
-    if ( rf_render( shot, settings, &callbacks, NULL, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
 }
 
 double share_of_others( const float* a, const float* b, int count )

@@ -31,18 +31,6 @@ Rendered render_frames( const RfTracer* tracer, const RfEye* eyes, int eye_count
 Rendered render_all( const RfTracer* tracer, const RfEye* eyes, int eye_count, const RfRenderSettings* settings );
 void free_rendered( Rendered* rendered );
 
-// A frame with its AOVs.
-#define KEPT_PIXELS 1200 // at most
-typedef struct KeptPicture
-{
-    float rgb[3 * KEPT_PIXELS];
-    float aov[RF_AOV_COUNT][4 * KEPT_PIXELS];
-    int channels[RF_AOV_COUNT]; // 0: not asked for
-} KeptPicture;
-
-// Renders the one frame of the shot; aborts the test where that fails.
-void render_picture( const RfShot* shot, const RfRenderSettings* settings, KeptPicture* picture );
-
 // The share of values that differ by more than a hundredth.
 double share_of_others( const float* a, const float* b, int count );
 

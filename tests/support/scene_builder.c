@@ -1,5 +1,7 @@
 #include "support/scene_builder.h"
 
+#include "scene/light_groups.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -327,6 +329,35 @@ RfScene make_glass_room( void )
     add_quad( &b, mirror, rf_vec3( -1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 0.3f, -1.8f ), rf_vec3( 1.9f, 2.0f, -1.8f ),
               rf_vec3( -1.9f, 2.0f, -1.8f ) );
     return finish_scene( &b );
+}
+
+void add_punctual( RfScene* scene, RfPunctual lamp )
+{
+    scene->punctuals = realloc( scene->punctuals, ( (size_t)scene->punctual_count + 1 ) * sizeof lamp );
+    if ( scene->punctuals == NULL )
+        abort();
+    scene->punctuals[scene->punctual_count++] = lamp;
+}
+
+void tag_lights( RfScene* scene, int tags )
+{
+    static const char* const names[] = { "key", "fill", "back", "lamp 4", "lamp 5", "lamp 6", "lamp 7", "lamp 8" };
+    int n = 0;
+    uint16_t tag_of[9] = { 0 };
+    for ( int k = 0; k < tags; ++k )
+    {
+        if ( !rf_tag_light( scene, names[k], tag_of + k ) )
+            abort();
+    }
+    for ( int i = 0; i < scene->punctual_count; ++i )
+        scene->punctuals[i].light_group = tag_of[n++ % ( tags + 1 )];
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+    {
+        RfMaterial* m = scene->materials + i;
+        if ( rf_max_component( m->emission ) > 0.0f || m->dims )
+            m->light_group = tag_of[n++ % ( tags + 1 )];
+    }
+    scene->environment.light_group = tag_of[n++ % ( tags + 1 )];
 }
 
 RfScene make_furnace( float albedo, float emission )

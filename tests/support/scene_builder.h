@@ -71,6 +71,12 @@ RfPunctual make_point_light( RfVec3 position, float intensity );
 // One that shines along `direction` by a profile, up to 80 degrees from it, and brighter on one side.
 RfPunctual make_beam( RfVec3 position, RfVec3 direction, float intensity );
 
+// Adds a lamp to a scene.
+void add_punctual( RfScene* scene, RfPunctual lamp );
+
+// All that shines gets a tag of light groups in turn ("key", "fill" and so on, at most 8); every `tags` + 1-th thing gets none.
+void tag_lights( RfScene* scene, int tags );
+
 // A closed box whose inside has this albedo and emits this radiance.
 RfScene make_furnace( float albedo, float emission );
 

@@ -4,18 +4,14 @@
 #include "scene/placement.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 GltfFolder make_folder( void )
 {

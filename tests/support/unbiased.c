@@ -1,3 +1,4 @@
+#include "support/test.h"
 #include "support/unbiased.h"
 
 #include "support/reference_tracer.h"
@@ -7,14 +8,9 @@
 
 #include <math.h>
 #include <omp.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define REFERENCE_SEED 1000003 // far from the seeds of the renders
 

@@ -1,15 +1,11 @@
 // Boxes around what moves: no ray that meets one is left out, and hardly any other is kept.
+#include "support/test.h"
 #include "base/random.h"
 #include "scene/scene.h"
 #include "trace/boxes.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
-
-#include <cmocka.h>
 
 #define BLOCKS 200
 
@@ -103,9 +99,8 @@ static void try_rays( float size, float length )
     assert_true( met > 100 && kept < met + met / 50 + 5 );
 }
 
-static void test_rays_that_meet_are_kept( void** state )
+TEST( test_rays_that_meet_are_kept )
 {
-    (void)state;
     for ( int exponent = -12; exponent <= 12; exponent += 6 )
     {
         try_rays( powf( 10.0f, (float)exponent ), 1.0f );
@@ -114,9 +109,8 @@ static void test_rays_that_meet_are_kept( void** state )
 }
 
 // Packets: rays that are not valid are not near, and what ends before a box does not meet it.
-static void test_lanes_of_a_packet( void** state )
+TEST( test_lanes_of_a_packet )
 {
-    (void)state;
     RfBoxes boxes = make_boxes( 1.0f );
     float x[16], y[16], z[16], across[16] = { 0.0f }, down[16], far[16];
     int valid[16], near[16];
@@ -140,11 +134,4 @@ static void test_lanes_of_a_packet( void** state )
     rf_finish_boxes( &none );
     assert_int_equal( none.count, 0 );
     assert_false( rf_find_near_lanes( &none, o, d, far, valid, near ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( test_rays_that_meet_are_kept ),
-                                        cmocka_unit_test( test_lanes_of_a_packet ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

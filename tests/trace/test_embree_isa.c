@@ -3,15 +3,11 @@
 #include "support/embree_kind.h"
 #include "support/rooms.h"
 #include "support/render_support.h"
+#include "support/test.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const char* const s_kinds[] = { NULL, "avx2", "sse4.2" };
 #define KINDS (int)( sizeof s_kinds / sizeof *s_kinds )
@@ -36,9 +32,8 @@ static void draw_points( float point[3][COUNT] )
     }
 }
 
-static void test_lanes_without_weight_are_left_alone( void** state )
+TEST( test_lanes_without_weight_are_left_alone )
 {
-    (void)state;
     RfScene scene = make_pane_room( PANES_AND_LAMP );
     static float point[3][COUNT], weight[COUNT], probability[COUNT], colour[3][COUNT];
     draw_points( point );
@@ -65,9 +60,8 @@ static void test_lanes_without_weight_are_left_alone( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_kinds_of_processors_agree( void** state )
+TEST( test_kinds_of_processors_agree )
 {
-    (void)state;
     RfScene scene = make_pane_room( PANES_AND_LAMP );
     static float point[3][COUNT], way[3][COUNT], visible[KINDS][COUNT], probability[KINDS][COUNT], colour[KINDS][3][COUNT];
     draw_points( point );
@@ -94,13 +88,4 @@ static void test_kinds_of_processors_agree( void** state )
         }
     }
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_lanes_without_weight_are_left_alone ),
-        cmocka_unit_test( test_kinds_of_processors_agree ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,17 +2,13 @@
 // and how far it reaches beyond what is looked at.
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/test.h"
 
 #include "base/random.h"
 #include "trace/trace.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #define RAYS 4096
 
@@ -117,9 +113,8 @@ static void check_ground( float reach, float tilt, float scale )
     rf_destroy_scene( &scene );
 }
 
-static void test_no_ground_hides_its_lamps_or_leaks( void** state )
+TEST( test_no_ground_hides_its_lamps_or_leaks )
 {
-    (void)state;
     const float tilts[] = { 0.0f, 1e-7f, 0.3f, 20.0f }, scales[] = { 1e-9f, 1e-6f, 1.0f, 1e6f };
     for ( int t = 0; t < 4; ++t )
     {
@@ -160,9 +155,8 @@ static void check_box( float scale, float far )
     rf_destroy_scene( &scene );
 }
 
-static void test_no_light_leaves_a_closed_box( void** state )
+TEST( test_no_light_leaves_a_closed_box )
 {
-    (void)state;
     const float scales[] = { 1e-9f, 1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f };
     for ( int k = 0; k < 6; ++k )
     {
@@ -200,9 +194,8 @@ static double mean_under_lamp( float scale, float intensity )
     return sum;
 }
 
-static void test_no_lamp_is_too_bright( void** state )
+TEST( test_no_lamp_is_too_bright )
 {
-    (void)state;
     double plain = mean_under_lamp( 1.0f, 10.0f );
     const double scales[] = { 0x1p-10, 0x1p-20, 0x1p-30 }; // I / d² of 1e13 to 1e25
     for ( int k = 0; k < 3; ++k )
@@ -216,10 +209,5 @@ static void test_no_lamp_is_too_bright( void** state )
 int main( void )
 {
     rf_set_float_mode();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_no_ground_hides_its_lamps_or_leaks ),
-        cmocka_unit_test( test_no_light_leaves_a_closed_box ),
-        cmocka_unit_test( test_no_lamp_is_too_bright ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_listed_tests();
 }

@@ -6,17 +6,13 @@
 #include "support/moving_rooms.h"
 #include "support/render_support.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define RAYS 800
 #define TIMES 12
@@ -265,9 +261,8 @@ static void check_room( const char* name, int steps )
     free( memory );
 }
 
-static void test_hits_between_moments( void** state )
+TEST( test_hits_between_moments )
 {
-    (void)state;
     static const char* const rooms[] = { "sweep", "door", "mirrors", "figure", "sky" };
     for ( size_t i = 0; i < sizeof rooms / sizeof *rooms; ++i )
     {
@@ -340,9 +335,8 @@ static void check_shown( double opens, double closes, int steps, double decides 
 }
 
 // A screen and a lid take turns at 1/24 s.
-static void test_what_is_shown_at_times( void** state )
+TEST( test_what_is_shown_at_times )
 {
-    (void)state;
     check_shown( 0.6 / 24, 1.2 / 24, 4, 0.9 / 24 );
     check_shown( 0.8 / 24, 1.4 / 24, 4, 1.1 / 24 );
     check_shown( 0.8 / 24, 1.3 / 24, 1, 1.05 / 24 );
@@ -350,9 +344,8 @@ static void test_what_is_shown_at_times( void** state )
 }
 
 // Scales of 0, joints without an inverse, and triangles that deformation turns over or takes out, on the way.
-static void test_what_flattens( void** state )
+TEST( test_what_flattens )
 {
-    (void)state;
     static const char* const rooms[] = { "flat", "singular" };
     for ( int i = 0; i < 8; ++i )
     {
@@ -402,9 +395,8 @@ static RfCameraPath path_of( const RfScene* scene, const char* text, int steps )
 #define KEY( frame, cut ) "{\"frame\":" frame cut ",\"position\":[0,1,1],\"target\":[0,1,0]}"
 
 // Frames 1 to 12 at 24 frames/s, of which what moves fills the first 7.
-static void test_moments_of_a_path( void** state )
+TEST( test_moments_of_a_path )
 {
-    (void)state;
     MovingRoom room = load_moving_room( "sweep", 8, 8 );
     RfCameraPath path =
         path_of( &room.scene,
@@ -435,13 +427,4 @@ static void test_moments_of_a_path( void** state )
     rf_destroy_scene( &room.scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_hits_between_moments ),
-        cmocka_unit_test( test_what_is_shown_at_times ),
-        cmocka_unit_test( test_what_flattens ),
-        cmocka_unit_test( test_moments_of_a_path ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

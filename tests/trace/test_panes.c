@@ -2,16 +2,12 @@
 // sides, with holes of their alpha, and how often rays pass; queries that do not pass them.
 #include "support/rooms.h"
 #include "support/render_support.h"
+#include "support/test.h"
 
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static const RfVec3 s_tint[2] = { { 0.9f, 0.5f, 0.2f }, { 1, 1, 1 } };
 
@@ -90,9 +86,8 @@ static void check_segment( const RfTracer* tracer, RfVec3 from, RfVec3 to, int f
     }
 }
 
-static void test_segments_have_the_closed_forms( void** state )
+TEST( test_segments_have_the_closed_forms )
 {
-    (void)state;
     for ( int blended = 0; blended < 2; ++blended )
     {
         RfScene scene = make_panes( blended == 1 );
@@ -111,9 +106,8 @@ static void test_segments_have_the_closed_forms( void** state )
 }
 
 // Rays pass with the probability q, each pane on its own, and carry the weight of those they passed.
-static void test_rays_pass_with_their_probability( void** state )
+TEST( test_rays_pass_with_their_probability )
 {
-    (void)state;
     enum
     {
         RAYS = 40000
@@ -167,9 +161,8 @@ static void test_rays_pass_with_their_probability( void** state )
 }
 
 // To the other queries panes are surfaces like any others, and from an origin they can be passed as well.
-static void test_panes_stop_the_plain_queries( void** state )
+TEST( test_panes_stop_the_plain_queries )
 {
-    (void)state;
     RfScene scene = make_panes( false );
     RfTracer* tracer = make_tracer( &scene );
     RfVec3 from = rf_vec3( 0, 0, 1 ), way = rf_vec3( 0, 0, -1 );
@@ -196,14 +189,4 @@ static void test_panes_stop_the_plain_queries( void** state )
     assert_true( probability[1] == 1.0f && colour[2][1] == 1.0f );
     rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_segments_have_the_closed_forms ),
-        cmocka_unit_test( test_rays_pass_with_their_probability ),
-        cmocka_unit_test( test_panes_stop_the_plain_queries ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -2,20 +2,16 @@
 #include "support/placed_scenes.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 
 #include "base/random.h"
 #include "scene/placement.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define RAYS 20000
 
@@ -145,9 +141,8 @@ static void compare_hits( const char* name, const Twins* t, float scale )
     assert_true( colours < 2e-2 );
 }
 
-static void test_hits_are_the_same( void** state )
+TEST( test_hits_are_the_same )
 {
-    (void)state;
     for ( int kind = 0; kind < PLACED_KIND_COUNT; ++kind )
     {
         for ( int room = 0; room < 3; ++room )
@@ -169,9 +164,8 @@ static void test_hits_are_the_same( void** state )
 }
 
 // Rooms of all sizes, of meshes that are of yet another size.
-static void test_hits_are_the_same_at_any_scale( void** state )
+TEST( test_hits_are_the_same_at_any_scale )
 {
-    (void)state;
     const float scales[] = { 1e-9f, 1e-4f, 1e4f, 1e9f };
     for ( int s = 0; s < 4; ++s )
     {
@@ -243,9 +237,8 @@ static void check_offsets( PlacedKind kind, float far, float reach )
     rf_destroy_scene( &scene );
 }
 
-static void test_nothing_placed_shades_itself( void** state )
+TEST( test_nothing_placed_shades_itself )
 {
-    (void)state;
     for ( int kind = 0; kind < PLACED_KIND_COUNT; ++kind )
     {
         check_offsets( (PlacedKind)kind, 0.0f, 0.0f );
@@ -256,9 +249,8 @@ static void test_nothing_placed_shades_itself( void** state )
 }
 
 // A ground of kilometres, tilted, is placed; hits near its middle are as exact as those of one in world space.
-static void test_far_ground_is_placed( void** state )
+TEST( test_far_ground_is_placed )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     uint32_t grey = add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
     add_quad( &b, grey, rf_vec3( -1e4f, 0, 1e4f ), rf_vec3( 1e4f, 0, 1e4f ), rf_vec3( 1e4f, 0, -1e4f ),
@@ -302,9 +294,8 @@ static void test_far_ground_is_placed( void** state )
 }
 
 // Where rounding in the world joins corners that are apart in the mesh's space, in which rays still meet the triangle.
-static void test_normals_far_out( void** state )
+TEST( test_normals_far_out )
 {
-    (void)state;
     for ( int kind = 0; kind < PLACED_KIND_COUNT; ++kind )
     {
         RfScene scene = make_textured_room();
@@ -332,9 +323,8 @@ static void test_normals_far_out( void** state )
 }
 
 // Panes and holes weaken segments alike, and stop as many rays.
-static void test_segments_are_the_same( void** state )
+TEST( test_segments_are_the_same )
 {
-    (void)state;
     for ( int kind = 0; kind < PLACED_KIND_COUNT; ++kind )
     {
         for ( int room = 0; room < 3; ++room )
@@ -377,9 +367,8 @@ static void test_segments_are_the_same( void** state )
 }
 
 // Triangle numbers beyond those that fit are an error.
-static void test_too_many_triangles_are_refused( void** state )
+TEST( test_too_many_triangles_are_refused )
 {
-    (void)state;
     SceneBuilder b = { 0 };
     add_box( &b, add_material( &b, make_lambert( 1, 1, 1 ) ), rf_vec3( 0, 0, 0 ), rf_vec3( 1, 1, 1 ), false );
     RfScene scene = finish_scene( &b );
@@ -396,18 +385,4 @@ static void test_too_many_triangles_are_refused( void** state )
     assert_null( strchr( error.text, '\n' ) );
     scene.meshes[mesh].triangles.count = count;
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_hits_are_the_same ),
-        cmocka_unit_test( test_hits_are_the_same_at_any_scale ),
-        cmocka_unit_test( test_nothing_placed_shades_itself ),
-        cmocka_unit_test( test_far_ground_is_placed ),
-        cmocka_unit_test( test_normals_far_out ),
-        cmocka_unit_test( test_segments_are_the_same ),
-        cmocka_unit_test( test_too_many_triangles_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -5,16 +5,12 @@
 #include "support/moving_rooms.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
+#include "support/test.h"
 #include "trace/occluders.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MOST 1024
 #define CALLS 60
@@ -129,9 +125,8 @@ static double compare_scene( RfScene scene, bool panes )
     return blocked;
 }
 
-static void test_occluders_change_no_shadow_ray( void** state )
+TEST( test_occluders_change_no_shadow_ray )
 {
-    (void)state;
     assert_true( compare_scene( make_room( ROOM_DIFFUSE ), false ) > 0.3 );
     assert_true( compare_scene( make_pane_room( PANES_AND_LAMP ), false ) > 0.3 );
     assert_true( compare_scene( make_pane_room( PANES_AND_LAMP ), true ) > 0.3 );
@@ -173,9 +168,8 @@ static void draw_narrow( const RfScene* scene, int call, int i, Segments* s )
     set_segment( s, i, from, rf_scale( rf_sub( at, from ), way ) );
 }
 
-static void test_occluders_leave_what_is_near_their_edges( void** state )
+TEST( test_occluders_leave_what_is_near_their_edges )
 {
-    (void)state;
     static Segments s;
     RfScene scene = make_plates();
     RfTracer* tracer = make_tracer( &scene );
@@ -194,9 +188,8 @@ static void test_occluders_leave_what_is_near_their_edges( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_occluders_change_no_shadow_ray_where_something_moves( void** state )
+TEST( test_occluders_change_no_shadow_ray_where_something_moves )
 {
-    (void)state;
     static const char* const rooms[] = { "sweep", "door", "figure" };
     for ( size_t k = 0; k < sizeof rooms / sizeof *rooms; ++k )
     {
@@ -265,9 +258,8 @@ static void compare_origin( const RfTracer* tracer, const RfScene* scene, bool p
     }
 }
 
-static void test_packets_from_an_origin_find_the_same( void** state )
+TEST( test_packets_from_an_origin_find_the_same )
 {
-    (void)state;
     RfScene scenes[] = { make_room( ROOM_DIFFUSE ), make_pane_room( PANES_AND_LAMP ), make_curtain_room( CURTAIN ),
                          make_blended_room(), make_textured_room() };
     for ( size_t k = 0; k < sizeof scenes / sizeof *scenes; ++k )
@@ -283,11 +275,5 @@ static void test_packets_from_an_origin_find_the_same( void** state )
 int main( void )
 {
     rf_set_float_mode();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_occluders_change_no_shadow_ray ),
-        cmocka_unit_test( test_occluders_leave_what_is_near_their_edges ),
-        cmocka_unit_test( test_occluders_change_no_shadow_ray_where_something_moves ),
-        cmocka_unit_test( test_packets_from_an_origin_find_the_same ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    return run_listed_tests();
 }

@@ -1,17 +1,14 @@
 // Curves of camera paths: they meet every key, have the shape of closed forms, and their
 // speed does not jump; walks by arc length.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "math/quat.h"
 #include "scene/camera_path/curve.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979323846
 
@@ -34,9 +31,8 @@ static double distance( const double* a, const double* b )
     return sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) + ( a[2] - b[2] ) * ( a[2] - b[2] ) );
 }
 
-static void test_curves_meet_their_keys( void** state )
+TEST( test_curves_meet_their_keys )
 {
-    (void)state;
     for ( int linear = 0; linear < 2; ++linear )
     {
         RfCurve curve = make( RF_CURVE_POINT, linear == 1, COUNT, s_times, s_points );
@@ -60,9 +56,8 @@ static void test_curves_meet_their_keys( void** state )
 }
 
 // Equal steps in time and space: the plain Catmull-Rom spline.
-static void test_even_keys_give_catmull_rom( void** state )
+TEST( test_even_keys_give_catmull_rom )
 {
-    (void)state;
     static const double times[] = { 0, 1, 2, 3 }, points[] = { 0, 0, 0, 1, 1, 0, 2, 0, 0, 3, 1, 0 };
     RfCurve curve = make( RF_CURVE_POINT, false, 4, times, points );
     double got[3];
@@ -75,9 +70,8 @@ static void test_even_keys_give_catmull_rom( void** state )
 }
 
 // Hermite form of the same segment with the tangents of non-uniform Catmull-Rom.
-static void test_centripetal_shape( void** state )
+TEST( test_centripetal_shape )
 {
-    (void)state;
     RfCurve curve = make( RF_CURVE_POINT, false, COUNT, s_times, s_points );
     const double *p0 = s_points, *p1 = p0 + 3, *p2 = p0 + 6, *p3 = p0 + 9;
     double k[4] = { 0, sqrt( distance( p0, p1 ) ) };
@@ -116,9 +110,8 @@ static void velocity( const RfCurve* curve, double time, double step, double v[3
         v[i] = ( b[i] - a[i] ) / step;
 }
 
-static void test_no_jump_of_speed( void** state )
+TEST( test_no_jump_of_speed )
 {
-    (void)state;
     RfCurve curve = make( RF_CURVE_POINT, false, COUNT, s_times, s_points );
     for ( int i = 1; i + 1 < COUNT; ++i )
     {
@@ -139,9 +132,8 @@ static void test_no_jump_of_speed( void** state )
     rf_destroy_curve( &curve );
 }
 
-static void test_numbers_stay_between_keys( void** state )
+TEST( test_numbers_stay_between_keys )
 {
-    (void)state;
     static const double times[] = { 0, 1, 1.1, 5 }, fov[] = { 40, 40, 20, 30 };
     RfCurve curve = make( RF_CURVE_NUMBER, false, 4, times, fov );
     for ( int i = 0; i < 4; ++i )
@@ -183,9 +175,8 @@ static double yaw_at( const RfCurve* curve, double time )
 
 static double wrapped( double degrees ) { return degrees - 360.0 * floor( degrees / 360.0 + 0.5 ); }
 
-static void test_even_turns_are_even( void** state )
+TEST( test_even_turns_are_even )
 {
-    (void)state;
     static const double times[] = { 0, 1, 2, 3 }, degrees[] = { 0, 90, 180, 270 };
     double q[16];
     yaws( degrees, 4, q );
@@ -201,9 +192,8 @@ static void test_even_turns_are_even( void** state )
 }
 
 // Wide turns there and back, uneven in time: slerps of slerps would jump.
-static void test_turning_back_does_not_jump( void** state )
+TEST( test_turning_back_does_not_jump )
 {
-    (void)state;
     static const double times[] = { 0, 1, 1.3, 4, 5 }, degrees[] = { 0, 170, 0, -160, 15 };
     double q[20], last = 0.0, rate = 0.0;
     yaws( degrees, 5, q );
@@ -244,9 +234,8 @@ static void expect_constant_speed( const RfWaypoints* walk )
     assert_true( shortest / ( walk->length / STEPS ) > 1.0 - 1e-3 );
 }
 
-static void test_walks_keep_their_speed( void** state )
+TEST( test_walks_keep_their_speed )
 {
-    (void)state;
     // neighbours from 0.3 to 10 apart, none with a hairpin, whose chords tell nothing
     static const double points[] = { 0, 0, 0, 3, 0, 0.5, 3.3, 0, 0.6, 10, 1, 6, 10, 1, 16, 4, 1, 20 };
     RfWaypoints walk;
@@ -265,9 +254,8 @@ static void test_walks_keep_their_speed( void** state )
     rf_destroy_waypoints( &walk );
 }
 
-static void test_straight_walks_stay_straight( void** state )
+TEST( test_straight_walks_stay_straight )
 {
-    (void)state;
     static const double points[] = { 0, 0, 0, 3, 0, 0, 3, 4, 0 };
     RfWaypoints walk;
     RfError error;
@@ -286,9 +274,8 @@ static void test_straight_walks_stay_straight( void** state )
 }
 
 // Points far beyond any scene, or all but equal, give numbers.
-static void test_extreme_points_give_numbers( void** state )
+TEST( test_extreme_points_give_numbers )
 {
-    (void)state;
     static const double sets[][12] = {
         { 1e15, 0, 0, 1e15, 1e-3, 0, -1e15, 0, 0, 1e15, 0, 1 },
         { 0, 0, 0, 1e-300, 0, 0, 2e-300, 0, 0, 1, 0, 0 },
@@ -312,21 +299,4 @@ static void test_extreme_points_give_numbers( void** state )
         rf_destroy_waypoints( &walk );
         rf_destroy_curve( &curve );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_curves_meet_their_keys ),
-        cmocka_unit_test( test_even_keys_give_catmull_rom ),
-        cmocka_unit_test( test_centripetal_shape ),
-        cmocka_unit_test( test_no_jump_of_speed ),
-        cmocka_unit_test( test_numbers_stay_between_keys ),
-        cmocka_unit_test( test_even_turns_are_even ),
-        cmocka_unit_test( test_turning_back_does_not_jump ),
-        cmocka_unit_test( test_walks_keep_their_speed ),
-        cmocka_unit_test( test_straight_walks_stay_straight ),
-        cmocka_unit_test( test_extreme_points_give_numbers ),
-    };
-    return cmocka_run_group_tests_name( "curve", tests, NULL, NULL );
 }

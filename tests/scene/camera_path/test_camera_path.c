@@ -2,18 +2,15 @@
 // a file wrong.
 #include "support/scene_files.h"
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define PI 3.14159265358979323846
 #define MUTATIONS 3000
@@ -27,9 +24,8 @@ static int frames_of( const RfCamera* camera, double fps )
     return frames.count;
 }
 
-static void test_orbit_by_closed_form( void** state )
+TEST( test_orbit_by_closed_form )
 {
-    (void)state;
     RfCamera camera =
         load_path( "{\"kind\":\"orbit\",\"center\":[1,2,3],\"radius\":2,\"height\":0.5,\"duration\":4,\"fov\":90}" );
     static const double wanted[][2] = { { 1, 5 }, { 3, 3 }, { 1, 1 }, { -1, 3 }, { 1, 5 } };
@@ -54,9 +50,8 @@ static void test_orbit_by_closed_form( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_dolly_and_zoom_by_closed_form( void** state )
+TEST( test_dolly_and_zoom_by_closed_form )
 {
-    (void)state;
     RfCamera camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,1,10],\"to\":[4,1,2],\"target\":[0,1,0],"
                                  "\"fov\":{\"from\":20,\"to\":60},\"duration\":2}" );
     assert_three( view_at( &camera, 0.5 ).position, 1, 1, 8, 1e-12 );
@@ -78,9 +73,8 @@ static void test_dolly_and_zoom_by_closed_form( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_walk_by_closed_form( void** state )
+TEST( test_walk_by_closed_form )
 {
-    (void)state;
     RfCamera camera = load_path( "{\"kind\":\"walk\",\"interpolation\":\"linear\",\"waypoints\":[[0,1,0],[4,1,0],[4,1,-4]],"
                                  "\"look_ahead\":2,\"speed\":2}" );
     assert_int_equal( frames_of( &camera, 10.0 ), 41 );
@@ -105,9 +99,8 @@ static void test_walk_by_closed_form( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_keys_are_met( void** state )
+TEST( test_keys_are_met )
 {
-    (void)state;
     RfCamera camera = load_path( "{\"about\":\"x\",\"kind\":\"keyed\",\"target\":[0,0,0],\"fov\":30,\"keys\":["
                                  "{\"time\":1,\"position\":[0,0,4]},{\"time\":1.5,\"position\":[3,1,4],\"fov\":50},"
                                  "{\"time\":3,\"position\":[5,0,0],\"target\":[0,1,0],\"up\":[0,2,1]}]}" );
@@ -148,9 +141,8 @@ static RfView turned( const char* rotation )
     return view;
 }
 
-static void test_angles_turn_as_documented( void** state )
+TEST( test_angles_turn_as_documented )
 {
-    (void)state;
     assert_three( turned( "{}" ).forward, 0, 0, -1, 0 );
     assert_three( turned( "{\"yaw\":90}" ).forward, -1, 0, 0, 1e-12 );
     assert_three( turned( "{\"pitch\":30}" ).forward, 0, 0.5, -sqrt( 0.75 ), 1e-12 );
@@ -163,9 +155,8 @@ static void test_angles_turn_as_documented( void** state )
 }
 
 // Frames of a path, as eyes: their times are whole multiples, whatever the unit.
-static void test_frame_times_are_exact_multiples( void** state )
+TEST( test_frame_times_are_exact_multiples )
 {
-    (void)state;
     RfScene scene = { 0 };
     RfCamera camera =
         load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"fov\":90,\"duration\":1}" );
@@ -205,9 +196,8 @@ static void expect_no_view( const char* text, double time, const char* part )
     rf_destroy_camera( &camera );
 }
 
-static void test_views_without_direction( void** state )
+TEST( test_views_without_direction )
 {
-    (void)state;
     expect_no_view( "{\"kind\":\"dolly\",\"from\":[-1,0,0],\"to\":[1,0,0],\"target\":[0,0,0],\"duration\":1}", 0.5,
                     "at 0.5 s the camera stands on its target" );
     expect_no_view( "{\"kind\":\"dolly\",\"from\":[-1,0,0],\"to\":[1,0,0],\"target\":[0,0,0],\"frames\":3}", 1.0,
@@ -224,9 +214,8 @@ static void test_views_without_direction( void** state )
 #define ORBIT( rest ) "{\"kind\":\"orbit\",\"center\":[0,0,0],\"radius\":1" rest "}"
 #define WALK( points, rest ) "{\"kind\":\"walk\",\"waypoints\":[" points "]" rest "}"
 
-static void test_faults_are_one_line( void** state )
+TEST( test_faults_are_one_line )
 {
-    (void)state;
     static const char* const faults[][2] = {
         { "", "line 1, column 0" },
         { "{\n  \"kind\": \"orbit\",\n}", "line 3, column 1: " },
@@ -358,9 +347,8 @@ static void check_cut( const char* cut, const char* first, const char* second )
     rf_destroy_camera( parts + 1 );
 }
 
-static void test_cuts_end_the_curves( void** state )
+TEST( test_cuts_end_the_curves )
 {
-    (void)state;
     check_cut( KEYS_OF( "catmull-rom", FIRST_SHOT "," SECOND_SHOT( "\"cut\":true," ) ), KEYS_OF( "catmull-rom", FIRST_SHOT ),
                KEYS_OF( "catmull-rom", SECOND_SHOT( "" ) ) );
     check_cut( KEYS_OF( "linear", FIRST_SHOT "," SECOND_SHOT( "\"cut\":true," ) ), KEYS_OF( "linear", FIRST_SHOT ),
@@ -406,9 +394,8 @@ static int load_mutations( const char* text, uint64_t count )
     return loaded;
 }
 
-static void test_mutations_never_crash( void** state )
+TEST( test_mutations_never_crash )
 {
-    (void)state;
     static const char* const texts[] = {
         ( "{\"kind\":\"keyed\",\"interpolation\":\"catmull-rom\",\"up\":[0,1,0],\"keys\":["
           "{\"time\":0.0,\"position\":[0.5,1.5,2.25],\"target\":[0,1,0],\"fov\":30},"
@@ -424,9 +411,8 @@ static void test_mutations_never_crash( void** state )
 }
 
 // The path from which the vase room's camera is made is that camera.
-static void test_vase_zoom_is_the_scenes_camera( void** state )
+TEST( test_vase_zoom_is_the_scenes_camera )
 {
-    (void)state;
     RfScene scene;
     RfCamera camera;
     RfError error = { 0 };
@@ -451,20 +437,4 @@ static void test_vase_zoom_is_the_scenes_camera( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_orbit_by_closed_form ),
-        cmocka_unit_test( test_dolly_and_zoom_by_closed_form ),
-        cmocka_unit_test( test_cuts_end_the_curves ),
-        cmocka_unit_test( test_walk_by_closed_form ),
-        cmocka_unit_test( test_keys_are_met ),
-        cmocka_unit_test( test_angles_turn_as_documented ),
-        cmocka_unit_test( test_frame_times_are_exact_multiples ),
-        cmocka_unit_test( test_views_without_direction ),
-        cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_mutations_never_crash ),
-        cmocka_unit_test( test_vase_zoom_is_the_scenes_camera ),
-    };
-    return cmocka_run_group_tests_name( "camera path", tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

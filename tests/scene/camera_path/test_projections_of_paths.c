@@ -2,17 +2,14 @@
 // that is being shifted.
 #include "support/scene_files.h"
 #include "support/cli_run.h"
+#include "support/test.h"
 
 #include "scene/lens.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define KEYED( rest ) "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"rotation\":[0,0,0,1]," rest "}"
 #define PLACE "\"position\":[0,0,0]"
@@ -27,9 +24,8 @@ static RfEye eye_of( const RfCamera* camera, double frame )
     return eye;
 }
 
-static void test_orthographic_paths( void** state )
+TEST( test_orthographic_paths )
 {
-    (void)state;
     RfCamera camera = load_path( KEYED( "\"projection\":\"orthographic\",\"keys\":[{\"frame\":1,\"ymag\":2," PLACE
                                         "},{\"frame\":3,\"ymag\":4,\"shift\":[0.25,0.1]," PLACE "}],\"pixelAspect\":2" ) );
     RfEye eye = eye_of( &camera, 1 );
@@ -47,9 +43,8 @@ static void test_orthographic_paths( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_panoramic_paths( void** state )
+TEST( test_panoramic_paths )
 {
-    (void)state;
     RfCamera camera = load_path( KEYED( "\"projection\":\"panoramic\",\"keys\":[{\"frame\":1," PLACE "}]" ) );
     RfEye eye = eye_of( &camera, 0 );
     assert_int_equal( eye.projection, RF_PANORAMIC );
@@ -67,9 +62,8 @@ static void test_panoramic_paths( void** state )
 }
 
 // A caller's lens has the limits of one in a file.
-static void test_lenses_have_limits( void** state )
+TEST( test_lenses_have_limits )
 {
-    (void)state;
     static const RfLens s_wrong[] = {
         { .has_fstop = true, .fstop = -1.0 },
         { .has_fstop = true, .fstop = 2.0 * RF_MAX_FSTOP },
@@ -95,9 +89,8 @@ static void test_lenses_have_limits( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_faults_name_the_key( void** state )
+TEST( test_faults_name_the_key )
 {
-    (void)state;
     static const char* const s_faults[][2] = {
         { KEYED( "\"projection\":\"fisheye\",\"keys\":[{\"frame\":1," PLACE "}]" ),
           "projection: must be one of perspective, orthographic, panoramic, got \"fisheye\"" },
@@ -126,9 +119,8 @@ static RfScene scene_of( const char* node, const char* camera )
     return gltf_load_built( &b, json );
 }
 
-static void test_cameras_of_gltf( void** state )
+TEST( test_cameras_of_gltf )
 {
-    (void)state;
     RfEye eye;
     RfScene scene = scene_of( "", "{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":9,\"ymag\":2,\"zfar\":9,\"znear\":0}}" );
     assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, NULL ), RF_OK );
@@ -146,9 +138,8 @@ static void test_cameras_of_gltf( void** state )
 }
 
 // The path goes on as it came: a frame's blur is the same at its ends as within.
-static void test_shutters_see_beyond_the_ends( void** state )
+TEST( test_shutters_see_beyond_the_ends )
 {
-    (void)state;
     RfCamera camera = load_path( "{\"kind\":\"dolly\",\"from\":[0,0,0],\"to\":[10,0,0],\"rotation\":{},\"frames\":11,"
                                  "\"lens\":{\"shutter\":0.5}}" );
     for ( int frame = 0; frame <= 10; frame += 5 )
@@ -193,9 +184,8 @@ static void test_shutters_see_beyond_the_ends( void** state )
     rf_destroy_camera( &camera );
 }
 
-static void test_shifts_move_within_the_shutter( void** state )
+TEST( test_shifts_move_within_the_shutter )
 {
-    (void)state;
     RfCamera camera = load_path( KEYED( "\"keys\":[{\"frame\":1,\"shift\":[0,0]," PLACE
                                         "},{\"frame\":3,\"shift\":[0.2,0.4]," PLACE "}],\"lens\":{\"shutter\":1}" ) );
     RfEye eye = eye_of( &camera, 1 );
@@ -209,16 +199,4 @@ static void test_shifts_move_within_the_shutter( void** state )
     rf_destroy_camera( &camera );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_orthographic_paths ),
-        cmocka_unit_test( test_panoramic_paths ),
-        cmocka_unit_test( test_lenses_have_limits ),
-        cmocka_unit_test( test_faults_name_the_key ),
-        cmocka_unit_test( test_cameras_of_gltf ),
-        cmocka_unit_test( test_shutters_see_beyond_the_ends ),
-        cmocka_unit_test( test_shifts_move_within_the_shutter ),
-    };
-    return cmocka_run_group_tests( tests, cli_enter_group, cli_leave_group );
-}
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,18 +1,14 @@
 // A corpus of small glTF files with accessors of every component type, packed, strided and sparse.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const struct
 {
@@ -124,9 +120,8 @@ static void check_accessor( int kind, bool normalized, int layout, int index_typ
     rf_destroy_scene( &scene );
 }
 
-static void test_every_accessor_type_is_read( void** state )
+TEST( test_every_accessor_type_is_read )
 {
-    (void)state;
     static const int s_index_types[] = { 5121, 5123, 5125 };
     for ( int kind = 0; kind < 6; ++kind )
     {
@@ -142,9 +137,8 @@ static void test_every_accessor_type_is_read( void** state )
 }
 
 // Sparse over zeros, which have no area above, as coordinates.
-static void test_sparse_over_zeros_is_read( void** state )
+TEST( test_sparse_over_zeros_is_read )
 {
-    (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
     for ( int kind = 0; kind < 6; ++kind )
     {
@@ -160,9 +154,8 @@ static void test_sparse_over_zeros_is_read( void** state )
 }
 
 // Colours are floats or normalized unsigned, of three or four; nothing else.
-static void test_every_colour_type_is_read( void** state )
+TEST( test_every_colour_type_is_read )
 {
-    (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
     int read = 0;
     for ( int kind = 0; kind < 6; ++kind )
@@ -198,9 +191,8 @@ static void test_every_colour_type_is_read( void** state )
     assert_int_equal( read, 6 );
 }
 
-static void test_every_index_type( void** state )
+TEST( test_every_index_type )
 {
-    (void)state;
     static const float s_square[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
     for ( int kind = 1; kind < 5; kind += kind == 3 ? 1 : 2 )
     {
@@ -223,9 +215,8 @@ static void test_every_index_type( void** state )
 
 // What gltfpack and Blender write: quantised normals with a stride, tangents of
 // bytes, the scale in the node.
-static void test_quantized_meshes_are_read( void** state )
+TEST( test_quantized_meshes_are_read )
 {
-    (void)state;
     static const uint16_t s_positions[] = { 0, 0, 0, 0, 65535, 0, 0, 0, 0, 65535, 0, 0 };
     static const int8_t s_normals[] = { 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0 },
                         s_tangents[] = { 127, 0, 0, -127, 127, 0, 0, -127, 127, 0, 0, -127 };
@@ -249,9 +240,8 @@ static void test_quantized_meshes_are_read( void** state )
 }
 
 // Two buffers: one in the text, one beside it.
-static void test_two_buffers_are_read( void** state )
+TEST( test_two_buffers_are_read )
 {
-    (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 5 };
     static const uint16_t s_indices[] = { 2, 0, 1, 0 };
     char* text = gltf_base64( (const uint8_t*)s_indices, sizeof s_indices );
@@ -273,12 +263,4 @@ static void test_two_buffers_are_read( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_every_accessor_type_is_read ), cmocka_unit_test( test_sparse_over_zeros_is_read ),
-        cmocka_unit_test( test_every_colour_type_is_read ),   cmocka_unit_test( test_every_index_type ),
-        cmocka_unit_test( test_quantized_meshes_are_read ),   cmocka_unit_test( test_two_buffers_are_read ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

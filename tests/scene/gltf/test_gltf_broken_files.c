@@ -4,19 +4,15 @@
 // take gigabytes to reach, and failed allocations.
 #include "support/image_files.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static GltfFolder s_folder;
 
@@ -84,9 +80,8 @@ static void expect_faults( const Fault* faults, size_t count )
 #define POSITION( accessor ) PRIMITIVE( "\"attributes\":{\"POSITION\":" #accessor "}" )
 #define BAD RF_ERROR_FORMAT
 
-static void test_broken_accessors( void** state )
+TEST( test_broken_accessors )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { BAD, "accessors[11]: count is missing", POSITION( 11 ), ",{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\"}",
           NULL },
@@ -131,9 +126,8 @@ static void test_broken_accessors( void** state )
 
 #define SPARSE( members ) ",{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"sparse\":{" members "}}"
 
-static void test_broken_sparse_accessors( void** state )
+TEST( test_broken_sparse_accessors )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { BAD, "sparse must be an object", POSITION( 11 ),
           ",{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"sparse\":1}", NULL },
@@ -156,9 +150,8 @@ static void test_broken_sparse_accessors( void** state )
     EXPECT_FAULTS( s_faults );
 }
 
-static void test_broken_primitives( void** state )
+TEST( test_broken_primitives )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { BAD, "primitives must be an array", "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":{}}]", NULL, NULL },
         { BAD, "attributes must be an object", PRIMITIVE( "\"attributes\":[]" ), NULL, NULL },
@@ -185,9 +178,8 @@ static void test_broken_primitives( void** state )
 #define CHANNEL( sampler, path )                                                                                                 \
     ANIMATION( "\"samplers\":[{" sampler "}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"" path "\"}}]" )
 
-static void test_broken_animations( void** state )
+TEST( test_broken_animations )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { BAD, "animations[0]: channels must be an array", ANIMATION( "\"channels\":1" ), NULL, NULL },
         { BAD, "animations[0]: samplers must be an array", ANIMATION( "\"samplers\":1" ), NULL, NULL },
@@ -224,9 +216,8 @@ static void test_broken_animations( void** state )
     "\"extensions\":{\"KHR_lights_punctual\":" lights "},\"nodes\":[{" node                                                      \
     "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}]"
 
-static void test_broken_nodes( void** state )
+TEST( test_broken_nodes )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { BAD, "EXT_mesh_gpu_instancing must be an object", INSTANCES( "1" ), NULL, NULL },
         { BAD, "EXT_mesh_gpu_instancing: attributes is missing", INSTANCES( "{}" ), NULL, NULL },
@@ -264,9 +255,8 @@ static void test_broken_nodes( void** state )
 
 #define EXTENSION( json ) "\"materials\":[{\"extensions\":{" json "}}]"
 
-static void test_broken_materials( void** state )
+TEST( test_broken_materials )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { BAD, "pbrMetallicRoughness must be an object", "\"materials\":[{\"pbrMetallicRoughness\":1}]", NULL, NULL },
         { BAD, "baseColorFactor must be numbers only",
@@ -315,9 +305,8 @@ static void test_broken_materials( void** state )
 }
 
 // A pixel of an image that is no number.
-static void test_broken_pixels( void** state )
+TEST( test_broken_pixels )
 {
-    (void)state;
     float rgb[12] = { 0.5f, 0.5f, 0.5f, 0.5f, INFINITY, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f };
     size_t size;
     uint8_t* exr = encode_exr( 2, 2, rgb, &size );
@@ -336,9 +325,8 @@ static void test_broken_pixels( void** state )
         &fault );
 }
 
-static void test_broken_containers( void** state )
+TEST( test_broken_containers )
 {
-    (void)state;
     // a header alone; a chunk whose own header is cut off
     uint8_t bytes[64] = "glTF\2\0\0\0\14\0\0\0";
     const Fault none = { BAD, "has no JSON chunk", NULL, NULL, NULL },
@@ -366,13 +354,4 @@ static int leave( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_broken_accessors ),  cmocka_unit_test( test_broken_sparse_accessors ),
-        cmocka_unit_test( test_broken_primitives ), cmocka_unit_test( test_broken_animations ),
-        cmocka_unit_test( test_broken_nodes ),      cmocka_unit_test( test_broken_materials ),
-        cmocka_unit_test( test_broken_pixels ),     cmocka_unit_test( test_broken_containers ),
-    };
-    return cmocka_run_group_tests( tests, enter, leave );
-}
+SHARED_BY_TESTS( enter, leave )

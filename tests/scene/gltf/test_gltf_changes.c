@@ -1,6 +1,7 @@
 // What changes by KHR_animation_pointer, against closed forms: lamps, materials, textures and lenses, and how files go wrong.
 #include "support/image_files.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 #include "scene/leave_out.h"
@@ -9,15 +10,10 @@
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // All keys but those of a truth are at 1 and 3 s. Accessors: 0 times, 1 intensities, 2 colours, 3 angles, 4 places, 5 a spline, 6
 // truths and 7 their times, 8 a triangle and 9 its texture coordinates, 10 strengths, 11 emission, 12 base colours, 13 offsets, 14
@@ -77,9 +73,8 @@ static double part_of( double time ) { return fmin( fmax( ( time - 1.0 ) / 2.0, 
 #define MOVES "{\"sampler\":3,\"target\":{\"node\":0,\"path\":\"translation\"}}"
 
 // A spot of which all changes, at two nodes, of which one moves.
-static void test_a_lamp_that_changes( void** state )
+TEST( test_a_lamp_that_changes )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{" WITH_LIGHT "},{\"translation\":[7,0,0]," WITH_LIGHT "}]," LIGHTS( SPOT ) "," ANIMATE(
@@ -126,9 +121,8 @@ static void test_a_lamp_that_changes( void** state )
 #define SWITCH ANIMATE( STEPS( "7", "6" ), CHANGES( "0", "/nodes/0/extensions/KHR_node_visibility/visible" ) )
 #define SWITCHED "\"nodes\":[{\"children\":[1]},{\"translation\":[0,3,0]," WITH_LIGHT "}]," BULB "," SWITCH
 
-static void test_a_lamp_that_is_switched( void** state )
+TEST( test_a_lamp_that_is_switched )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene = gltf_load_built( &b, SWITCHED );
     assert_int_equal( scene.unrendered_count, 0 );
@@ -164,9 +158,8 @@ static void assert_hash_of_pose( const RfScene* scene, double time )
 #define GLOW ANIMATE( KEYS( "10" ) "," KEYS( "11" ), CHANGES( "0", STRENGTH ) "," CHANGES( "1", "/materials/1/emissiveFactor" ) )
 
 // Dark at first, and in the middle brighter than at any key: (1 - t) × 7 t, the most of which bounds the light that is loaded.
-static void test_a_material_that_dims( void** state )
+TEST( test_a_material_that_dims )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene = gltf_load_built( &b, TWO_TRIANGLES "\"materials\":[{\"emissiveFactor\":[1,1,1]},{}]," GLOW );
     assert_int_equal( scene.unrendered_count, 0 );
@@ -191,9 +184,8 @@ static void test_a_material_that_dims( void** state )
 }
 
 // From 1 up and back in 2 s, with slopes of 4: 3 half-way, the most that it is. Downwards it is held at 0.
-static void test_a_spline_between_its_keys( void** state )
+TEST( test_a_spline_between_its_keys )
 {
-    (void)state;
     for ( int down = 0; down < 2; ++down )
     {
         float slope = down ? -4.0f : 4.0f;
@@ -226,9 +218,8 @@ static void assert_is_made_of( const RfMaterial* m, const double base[3], double
 }
 
 // Its primitive alone moves; that of another material stands still.
-static void test_a_material_that_changes( void** state )
+TEST( test_a_material_that_changes )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene =
         gltf_load_built( &b, TWO_TRIANGLES "\"materials\":[{},{\"pbrMetallicRoughness\":{\"metallicFactor\":1}}]," SHAPES );
@@ -263,9 +254,8 @@ static void test_a_material_that_changes( void** state )
 }
 
 // A metal that is a mirror in the file is none where its roughness changes; one whose colour changes stays one.
-static void test_metals_that_change( void** state )
+TEST( test_metals_that_change )
 {
-    (void)state;
     GltfBuilder b = make_keys(), c = make_keys();
     RfScene scene =
         gltf_load_built( &b, TWO_TRIANGLES "\"materials\":[{},{\"pbrMetallicRoughness\":{\"roughnessFactor\":0}}]," ANIMATE(
@@ -282,9 +272,8 @@ static void test_metals_that_change( void** state )
 }
 
 // What a material of its own model has no use for, and what no triangle has, changes nothing.
-static void test_what_changes_without_effect( void** state )
+TEST( test_what_changes_without_effect )
 {
-    (void)state;
     GltfBuilder b = make_keys(), c = make_keys();
     RfScene scene = gltf_load_built( &b, TWO_TRIANGLES "\"materials\":[{},{\"extras\":{\"reframe\":{\"bsdf\":\"lambert\","
                                                        "\"diffuse\":[1,0,0]}}}]," SHAPES );
@@ -303,9 +292,8 @@ static void test_what_changes_without_effect( void** state )
     "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"rotation\":0.5,"   \
     "\"scale\":[3,4]}}}}}],"
 
-static void test_a_texture_that_slides( void** state )
+TEST( test_a_texture_that_slides )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene =
         gltf_load_built( &b, TWO_TRIANGLES TEXTURED ANIMATE( KEYS( "13" ) "," KEYS( "3" ),
@@ -343,9 +331,8 @@ static void assert_intensity( const RfScene* scene, double time, double want )
 }
 
 // From 10 s on, four times as fast: a round takes half a second.
-static void test_a_clock( void** state )
+TEST( test_a_clock )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfClock clock = { .start = 10.0, .speed = 4.0, .loops = true };
     RfScene scene = gltf_load_with( write_gltf( &b, &gltf_folder, LAMP DIMMER ), &( RfGltfOptions ){ .clock = &clock } );
@@ -359,9 +346,8 @@ static void test_a_clock( void** state )
 #define NAMED( name, samplers )                                                                                                  \
     "{\"name\":\"" name "\",\"samplers\":[" samplers "],\"channels\":[" CHANGES( "0", LIGHT "intensity" ) "]}"
 
-static void test_animations_that_contend( void** state )
+TEST( test_animations_that_contend )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     const char* path =
         write_gltf( &b, &gltf_folder, LAMP "\"animations\":[" NAMED( "on", KEYS( "1" ) ) "," NAMED( "off", KEYS( "10" ) ) "]" );
@@ -375,9 +361,8 @@ static void test_animations_that_contend( void** state )
 }
 
 // As in the first frame, or at another time.
-static void test_frozen( void** state )
+TEST( test_frozen )
 {
-    (void)state;
     double at = 2.0;
     GltfBuilder b = make_keys(), c = make_keys();
     RfScene scene = gltf_load_with( write_gltf( &b, &gltf_folder, LAMP DIMMER ), &( RfGltfOptions ){ .freeze = true } );
@@ -396,9 +381,8 @@ static void test_frozen( void** state )
 }
 
 // Equal keys say what a value is, and nothing changes.
-static void test_keys_that_are_equal( void** state )
+TEST( test_keys_that_are_equal )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     int same = add_gltf_floats( &b, "SCALAR", 1, 2, ( const float[] ){ 3, 3 } );
     assert_int_equal( same, 16 );
@@ -409,9 +393,8 @@ static void test_keys_that_are_equal( void** state )
 }
 
 // The list of an exporter names nodes: that of a lamp that dims is rendered, another is not.
-static void test_what_is_said_to_change( void** state )
+TEST( test_what_is_said_to_change )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene = gltf_load_built(
         &b, "\"scenes\":[{\"nodes\":[0],\"extras\":{\"reframe\":{\"moving\":[\"a\",\"smoke\"]}}}]," LAMP DIMMER );
@@ -420,9 +403,8 @@ static void test_what_is_said_to_change( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_what_is_left_out( void** state )
+TEST( test_what_is_left_out )
 {
-    (void)state;
     GltfBuilder b = make_keys(), c = make_keys();
     RfScene scene = gltf_load_built( &b, LAMP DIMMER );
     assert_int_equal( rf_choose_effects( &scene, 0, RF_EFFECT_BIT( RF_EFFECT_PUNCTUAL_LIGHTS ), NULL ), RF_OK );
@@ -445,9 +427,8 @@ static void test_what_is_left_out( void** state )
     CAMERA "," ANIMATE( keys, CHANGES( "0", "/cameras/0/perspective/yfov" ) "," CHANGES( "0", "/cameras/0/perspective/znear" ) )
 
 // The focal length, in pixels of a picture 200 high, is 100 / tan(yfov / 2).
-static void test_a_camera_that_zooms( void** state )
+TEST( test_a_camera_that_zooms )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene = gltf_load_built( &b, ZOOM( KEYS( "3" ) ) );
     const RfCamera* camera = scene.cameras;
@@ -472,9 +453,8 @@ static void test_a_camera_that_zooms( void** state )
 }
 
 // Two cameras, of which an edit shows the second first; the default has as many pixels as 960x540.
-static void test_the_shape_of_the_picture( void** state )
+TEST( test_the_shape_of_the_picture )
 {
-    (void)state;
 #define TALL "{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1,\"aspectRatio\":0.5625}}"
 #define EVEN "{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":-3,\"ymag\":3,\"znear\":0,\"zfar\":9}}"
     GltfBuilder b = make_keys();
@@ -515,9 +495,8 @@ static void test_the_shape_of_the_picture( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_a_camera_that_jumps_to_another_lens( void** state )
+TEST( test_a_camera_that_jumps_to_another_lens )
 {
-    (void)state;
     GltfBuilder b = make_keys();
     RfScene scene = gltf_load_built( &b, ZOOM( STEPS( "0", "3" ) ) );
     assert_int_equal( scene.cameras[0].cut_count, 1 );
@@ -554,9 +533,8 @@ static const struct
       "has a profile, which stands still, in the place of a cone that changes" },
 };
 
-static void test_broken_files( void** state )
+TEST( test_broken_files )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_broken / sizeof s_broken[0]; ++i )
     {
         GltfBuilder b = make_keys();
@@ -580,9 +558,8 @@ static void test_broken_files( void** state )
                                                                                            "\"translation\""                     \
                                                                                            "}}" )
 
-static void test_mutated_files( void** state )
+TEST( test_mutated_files )
 {
-    (void)state;
     size_t size;
     GltfBuilder b = make_keys();
     uint8_t *bytes = build_glb( &b, RICH, &size ), *mutated = malloc( size );
@@ -612,28 +589,4 @@ static void test_mutated_files( void** state )
     free( bytes );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_lamp_that_changes ),
-        cmocka_unit_test( test_a_lamp_that_is_switched ),
-        cmocka_unit_test( test_a_material_that_dims ),
-        cmocka_unit_test( test_a_spline_between_its_keys ),
-        cmocka_unit_test( test_a_material_that_changes ),
-        cmocka_unit_test( test_metals_that_change ),
-        cmocka_unit_test( test_what_changes_without_effect ),
-        cmocka_unit_test( test_a_texture_that_slides ),
-        cmocka_unit_test( test_a_clock ),
-        cmocka_unit_test( test_animations_that_contend ),
-        cmocka_unit_test( test_frozen ),
-        cmocka_unit_test( test_keys_that_are_equal ),
-        cmocka_unit_test( test_what_is_said_to_change ),
-        cmocka_unit_test( test_what_is_left_out ),
-        cmocka_unit_test( test_a_camera_that_zooms ),
-        cmocka_unit_test( test_the_shape_of_the_picture ),
-        cmocka_unit_test( test_a_camera_that_jumps_to_another_lens ),
-        cmocka_unit_test( test_broken_files ),
-        cmocka_unit_test( test_mutated_files ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

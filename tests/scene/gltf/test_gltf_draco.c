@@ -1,20 +1,16 @@
 // KHR_draco_mesh_compression: meshes are those that were compressed, and broken ones are refused in one line.
 #include "support/draco_encode.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/gltf/draco_mesh.h"
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SIDE 5 // of a bumpy square
 #define POINTS ( SIDE * SIDE )
@@ -160,9 +156,8 @@ static void assert_same( const RfScene* one, const RfScene* other, double tolera
     }
 }
 
-static void test_mesh_is_that_which_was_compressed( void** state )
+TEST( test_mesh_is_that_which_was_compressed )
 {
-    (void)state;
     GltfBuilder plain = build_square( false );
     RfScene want = gltf_load_built( &plain, PLAIN );
     assert_non_null( want.triangles.uvs );
@@ -187,9 +182,8 @@ static void test_mesh_is_that_which_was_compressed( void** state )
 #define TARGET ",\"targets\":[{\"POSITION\":7}]"
 
 // A skin and a morph target, posed: the order of the vertices is kept.
-static void test_skins_and_targets( void** state )
+TEST( test_skins_and_targets )
 {
-    (void)state;
     float deltas[3 * POINTS];
     for ( int i = 0; i < 3 * POINTS; ++i )
         deltas[i] = 0.125f * (float)( i % 5 );
@@ -213,9 +207,8 @@ static void test_skins_and_targets( void** state )
 }
 
 // What real files get wrong, or may leave out.
-static void test_what_is_read_all_the_same( void** state )
+TEST( test_what_is_read_all_the_same )
 {
-    (void)state;
     static const struct
     {
         const char *json, *warning;
@@ -241,9 +234,8 @@ static void test_what_is_read_all_the_same( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_numbers_of_other_types( void** state )
+TEST( test_numbers_of_other_types )
 {
-    (void)state;
     uint16_t shorts[4 * POINTS];
     for ( int i = 0; i < 4 * POINTS; ++i )
         shorts[i] = s_square.colors[i];
@@ -269,9 +261,8 @@ static void test_numbers_of_other_types( void** state )
     gltf_refuse_built( &b, MESH( PACKED( LOOK ) ), "accessors[3]: its compressed mesh has numbers that are not of" );
 }
 
-static void test_faults( void** state )
+TEST( test_faults )
 {
-    (void)state;
     static const struct
     {
         const char *json, *part;
@@ -312,9 +303,8 @@ static void test_faults( void** state )
 }
 
 // Bytes that are cut off or changed: one line, or a mesh; and never memory for what the bytes only promise.
-static void test_broken_bytes( void** state )
+TEST( test_broken_bytes )
 {
-    (void)state;
     for ( int method = 0; method < 2; ++method )
     {
         DracoInput input = make_input( method == 0, 11 );
@@ -345,9 +335,8 @@ static void test_broken_bytes( void** state )
 }
 
 // Views of the same few bytes: each counts, whether or not its attributes are taken.
-static void test_memory_is_counted( void** state )
+TEST( test_memory_is_counted )
 {
-    (void)state;
     uint8_t* bytes;
     size_t size;
     RfDracoMesh* mesh;
@@ -360,9 +349,8 @@ static void test_memory_is_counted( void** state )
 }
 
 // Few bytes that say what takes 10 GB.
-static void test_limits( void** state )
+TEST( test_limits )
 {
-    (void)state;
     static const struct
     {
         uint8_t bytes[32];
@@ -394,9 +382,8 @@ static void test_limits( void** state )
 #else
 
 // Without the library: the uncompressed mesh, where there is one.
-static void test_build_without_draco( void** state )
+TEST( test_build_without_draco )
 {
-    (void)state;
     GltfBuilder plain = build_square( false );
     RfScene scene = gltf_load_built( &plain, MESH( PACKED( LOOK ) ) ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"]" );
     gltf_assert_warned( "KHR_draco_mesh_compression needs Draco, which this build of reframe lacks: the uncompressed" );
@@ -411,22 +398,10 @@ static void test_build_without_draco( void** state )
 
 #endif
 
+SHARED_BY_TESTS( gltf_enter, gltf_leave )
+
 int main( void )
 {
     make_square();
-    const struct CMUnitTest tests[] = {
-#ifdef REFRAME_DRACO
-        cmocka_unit_test( test_mesh_is_that_which_was_compressed ),
-        cmocka_unit_test( test_skins_and_targets ),
-        cmocka_unit_test( test_what_is_read_all_the_same ),
-        cmocka_unit_test( test_numbers_of_other_types ),
-        cmocka_unit_test( test_faults ),
-        cmocka_unit_test( test_broken_bytes ),
-        cmocka_unit_test( test_memory_is_counted ),
-        cmocka_unit_test( test_limits ),
-#else
-        cmocka_unit_test( test_build_without_draco ),
-#endif
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
+    return run_listed_tests();
 }

@@ -2,21 +2,17 @@
 // object, and no input makes it crash, hang or leak.
 
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "base/file.h"
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // Broken files per run; the environment's REFRAME_MUTATIONS asks for more.
 #define MUTATIONS 300
@@ -73,9 +69,8 @@ static void expect_faults( const Fault* faults, size_t count )
 }
 #define EXPECT_FAULTS( faults ) expect_faults( faults, sizeof( faults ) / sizeof( faults )[0] )
 
-static void test_faults_of_text( void** state )
+TEST( test_faults_of_text )
 {
-    (void)state;
     static const struct
     {
         RfResult code;
@@ -101,9 +96,8 @@ static void test_faults_of_text( void** state )
     expect_failure( write_bytes( &s_folder, "a.gltf", deep, sizeof deep ), RF_ERROR_FORMAT, "depth" );
 }
 
-static void test_faults_of_files( void** state )
+TEST( test_faults_of_files )
 {
-    (void)state;
     expect_failure( folder_file( &s_folder, "absent.gltf" ), RF_ERROR_IO, "absent.gltf" );
     expect_failure( s_folder.path, RF_ERROR_IO, "folder" );
     RfError error;
@@ -120,9 +114,8 @@ static void test_faults_of_files( void** state )
     assert_int_equal( rf_read_file( "/dev/zero", 5, &bytes, &size, &error ), RF_ERROR_IO );
 }
 
-static void test_faults_of_uris( void** state )
+TEST( test_faults_of_uris )
 {
-    (void)state;
     static const char* const s_uris[] = {
         "/etc/passwd",  "../a.bin",      "x/../../a.bin", "x\\\\a.bin", "file:a.bin", "http://host/a.bin",
         "%2e%2e/a.bin", "%2Fetc/passwd", "a%00.bin",      "a%4",        "",           "a%5Cb.bin"
@@ -145,9 +138,8 @@ static void test_faults_of_uris( void** state )
     expect_failure( write_bytes( &s_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_IO, "absent.bin" );
 }
 
-static void test_faults_of_containers( void** state )
+TEST( test_faults_of_containers )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     size_t size;
     uint8_t* glb = build_glb( &b, "", &size );
@@ -162,9 +154,8 @@ static void test_faults_of_containers( void** state )
     free( glb );
 }
 
-static void test_faults_of_extensions( void** state )
+TEST( test_faults_of_extensions )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { RF_ERROR_UNSUPPORTED, "EXT_unheard_of", "\"extensionsRequired\":[\"KHR_materials_ior\",\"EXT_unheard_of\"]" },
         { RF_ERROR_UNSUPPORTED, "KHR_texture_basisu", "\"extensionsRequired\":[\"KHR_texture_basisu\"]" },
@@ -174,9 +165,8 @@ static void test_faults_of_extensions( void** state )
     EXPECT_FAULTS( s_faults );
 }
 
-static void test_faults_of_nodes( void** state )
+TEST( test_faults_of_nodes )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { RF_ERROR_FORMAT, "own ancestors", "\"nodes\":[{\"children\":[1]},{\"children\":[0]}]" },
         { RF_ERROR_FORMAT, "own ancestors", "\"nodes\":[{\"children\":[0]}]" },
@@ -202,9 +192,8 @@ static void test_faults_of_nodes( void** state )
     EXPECT_FAULTS( s_faults );
 }
 
-static void test_deep_nodes_do_not_overflow( void** state )
+TEST( test_deep_nodes_do_not_overflow )
 {
-    (void)state;
     char* json = calloc( 1, 200000 );
     char* at = json + sprintf( json, "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}" );
     for ( int i = 1; i < 5000; ++i )
@@ -217,9 +206,8 @@ static void test_deep_nodes_do_not_overflow( void** state )
 #define NODE "\"nodes\":[{\"mesh\":0}],"
 #define PRIMITIVE( members ) NODE "\"meshes\":[{\"primitives\":[{" members "}]}]"
 
-static void test_faults_of_meshes( void** state )
+TEST( test_faults_of_meshes )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { RF_ERROR_FORMAT, "meshes[0]: primitives is missing", NODE "\"meshes\":[{}]" },
         { RF_ERROR_FORMAT, "meshes[0].primitives[0]", NODE "\"meshes\":[{\"primitives\":[1]}]" },
@@ -244,9 +232,8 @@ static void expect_accessor_fault( GltfBuilder* b, const char* object, const cha
     expect_failure( write_gltf( b, &s_folder, rest ), RF_ERROR_FORMAT, object );
 }
 
-static void test_faults_of_accessors( void** state )
+TEST( test_faults_of_accessors )
 {
-    (void)state;
     float values[12] = { 0, 0, 0, 1, 0, 0, 0, NAN, 0, 1, 1, 1 };
     uint16_t indices[] = { 0, 1, 4 };
     GltfBuilder b = make_triangle();
@@ -281,9 +268,8 @@ static void test_faults_of_accessors( void** state )
     expect_accessor_fault( &b, "accessors[14]: count", "\"attributes\":{\"POSITION\":14}" );
 }
 
-static void test_faults_of_materials( void** state )
+TEST( test_faults_of_materials )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { RF_ERROR_FORMAT, "materials[0].pbrMetallicRoughness: metallicFactor is 2",
           "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":2}}]" },
@@ -325,9 +311,8 @@ static void test_faults_of_materials( void** state )
     "\"nodes\":[{},{\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],\"animations\":[{\"samplers\":[{" sampler                     \
     "}],\"channels\":[{\"sampler\":0,\"target\":{" target "}}]}]"
 
-static void test_faults_of_animations( void** state )
+TEST( test_faults_of_animations )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { RF_ERROR_FORMAT, "samplers[0]: interpolation",
           CHANNEL( "\"interpolation\":\"SMOOTH\"", "\"node\":0,\"path\":\"scale\"" ) },
@@ -409,9 +394,8 @@ static void run_mutations( const uint8_t* original, size_t size, uint64_t count 
     assert_true( loaded > 0 );
 }
 
-static void test_mutations_never_crash( void** state )
+TEST( test_mutations_never_crash )
 {
-    (void)state;
     size_t size;
     uint8_t* glb = make_everything( &size );
     RfScene scene;
@@ -439,21 +423,4 @@ static int leave( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_faults_of_text ),
-        cmocka_unit_test( test_faults_of_files ),
-        cmocka_unit_test( test_faults_of_uris ),
-        cmocka_unit_test( test_faults_of_containers ),
-        cmocka_unit_test( test_faults_of_extensions ),
-        cmocka_unit_test( test_faults_of_nodes ),
-        cmocka_unit_test( test_deep_nodes_do_not_overflow ),
-        cmocka_unit_test( test_faults_of_meshes ),
-        cmocka_unit_test( test_faults_of_accessors ),
-        cmocka_unit_test( test_faults_of_materials ),
-        cmocka_unit_test( test_faults_of_animations ),
-        cmocka_unit_test( test_mutations_never_crash ),
-    };
-    return cmocka_run_group_tests( tests, enter, leave );
-}
+SHARED_BY_TESTS( enter, leave )

@@ -2,21 +2,17 @@
 // target; what is read without being drawn, and what is ignored with one warning. Accessors, materials, textures and
 // geometry have their own tests.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // ---- Animations ---------------------------------------------------------------
 
@@ -61,9 +57,8 @@ static RfMat4 world_at( const Keys* keys, double time )
     return world;
 }
 
-static void test_translations_and_scales( void** state )
+TEST( test_translations_and_scales )
 {
-    (void)state;
     static const char* const s_paths[] = { "translation", "scale" };
     for ( int p = 0; p < 2; ++p )
     {
@@ -92,9 +87,8 @@ static void test_translations_and_scales( void** state )
 
 // Turns about z by 0, 90 and 270 degrees; the third with its sign turned around,
 // which is the same rotation and must not change the way.
-static void test_rotations_take_the_short_way( void** state )
+TEST( test_rotations_take_the_short_way )
 {
-    (void)state;
     const float h = 0.70710678f;
     Keys step = { "STEP", "rotation", 4, { 0, 0, 0, 1, 0, 0, h, h, 0, 0, -h, h } }, linear = step,
          cubic = { "CUBICSPLINE", "rotation", 4, { 0 } };
@@ -120,9 +114,8 @@ static void test_rotations_take_the_short_way( void** state )
 }
 
 // Rotations as exporters quantise them.
-static void test_quantized_rotations( void** state )
+TEST( test_quantized_rotations )
 {
-    (void)state;
     static const float s_times[] = { 0, 1 };
     static const int16_t s_turns[] = { 0, 0, 0, 32767, 0, 0, 23170, 23170 };
     GltfBuilder b = { 0 };
@@ -138,9 +131,8 @@ static void test_quantized_rotations( void** state )
 
 // ---- Cameras, scenes, and what is left out -------------------------------------
 
-static void test_cameras_by_name( void** state )
+TEST( test_cameras_by_name )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     RfScene scene = gltf_load_built(
         &b, "\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[1,2]}],\"nodes\":[{\"name\":\"elsewhere\",\"camera\":0},"
@@ -171,9 +163,8 @@ typedef struct Notice
     ",\"materials\":[{\"name\":\"paint\",\"extensions\":{" extension "}},{\"extensions\":{" extension "}}]"
 #define SCATTER ",\"extensionsUsed\":[\"KHR_materials_volume_scatter\"]"
 
-static void test_what_is_left_out( void** state )
+TEST( test_what_is_left_out )
 {
-    (void)state;
     static const Notice s_notices[] = {
         { "points and lines are not drawn: meshes[0].primitives[1]", 1,
           MESH( TRIANGLE ",{\"attributes\":{\"POSITION\":0},\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":1}" ) },
@@ -232,9 +223,8 @@ static void test_what_is_left_out( void** state )
 }
 
 // A file that names thousands does not fill the log.
-static void test_many_unknown_extensions( void** state )
+TEST( test_many_unknown_extensions )
 {
-    (void)state;
     char rest[2048] = "\"extensionsUsed\":[";
     for ( int i = 0; i < 40; ++i )
         sprintf( rest + strlen( rest ), "%s\"EXT_%d\"", i > 0 ? "," : "", i );
@@ -248,12 +238,4 @@ static void test_many_unknown_extensions( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_translations_and_scales ), cmocka_unit_test( test_rotations_take_the_short_way ),
-        cmocka_unit_test( test_quantized_rotations ),     cmocka_unit_test( test_cameras_by_name ),
-        cmocka_unit_test( test_what_is_left_out ),        cmocka_unit_test( test_many_unknown_extensions ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -1,17 +1,13 @@
 // Geometry as the glTF reader takes it: accessors, meshes, transforms, containers.
 
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const float s_square[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
 static const float s_up[] = { 0, 0, 2, 0, 0, 1, 0, 0, 0, 0, 0, 1 };
@@ -31,9 +27,8 @@ static GltfBuilder make_square( void )
 #define SMOOTH "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}"
 #define MESH( primitives ) "\"meshes\":[{\"primitives\":[" primitives "]}]"
 
-static void test_smooth_normals_are_read( void** state )
+TEST( test_smooth_normals_are_read )
 {
-    (void)state;
     GltfBuilder b = make_square();
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0,\"translation\":[10,0,0],\"scale\":[2,4,1]}]," MESH( SMOOTH ) );
     assert_int_equal( scene.triangles.count, 2 );
@@ -51,9 +46,8 @@ static void test_smooth_normals_are_read( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_flat_meshes_get_face_normals( void** state )
+TEST( test_flat_meshes_get_face_normals )
 {
-    (void)state;
     GltfBuilder b = make_square();
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," MESH( "{\"attributes\":{\"POSITION\":0},\"indices\":2}" ) );
     assert_int_equal( scene.triangles.vertex_count, 6 );
@@ -64,9 +58,8 @@ static void test_flat_meshes_get_face_normals( void** state )
 
 // A mirrored square still faces +z, with its corners counter-clockwise seen
 // from there; so does one with flat normals.
-static void test_mirrored_meshes_face_as_before( void** state )
+TEST( test_mirrored_meshes_face_as_before )
 {
-    (void)state;
     static const char* const s_primitives[] = { MESH( SMOOTH ), MESH( "{\"attributes\":{\"POSITION\":0},\"indices\":2}" ) };
     for ( int kind = 0; kind < 2; ++kind )
     {
@@ -84,9 +77,8 @@ static void test_mirrored_meshes_face_as_before( void** state )
 }
 
 // Normals under a squeeze lean the other way than positions do.
-static void test_nonuniform_normals( void** state )
+TEST( test_nonuniform_normals )
 {
-    (void)state;
     static const float s_positions[] = { 0, 1, 0, 1, 0, 0, 1, 0, -1 };
     static const float s_normals[] = { 1, 1, 0, 1, 1, 0, 1, 1, 0 };
     GltfBuilder b = { 0 };
@@ -98,9 +90,8 @@ static void test_nonuniform_normals( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_strips_and_fans_keep_their_side( void** state )
+TEST( test_strips_and_fans_keep_their_side )
 {
-    (void)state;
     static const float s_strip[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0 };
     GltfBuilder b = make_square();
     add_gltf_floats( &b, "VEC3", 3, 5, s_strip ); // 3
@@ -117,9 +108,8 @@ static void test_strips_and_fans_keep_their_side( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_degenerate_triangles( void** state )
+TEST( test_degenerate_triangles )
 {
-    (void)state;
     static const uint16_t s_indices[] = { 0, 1, 1, 0, 1, 2, 3, 3, 3 };
     GltfBuilder b = make_square();
     add_gltf_u16( &b, 9, s_indices ); // 3
@@ -134,9 +124,8 @@ static void test_degenerate_triangles( void** state )
 }
 
 // Quantised positions, normalised UVs with a stride, sparse over zeros.
-static void test_every_accessor_kind_is_read( void** state )
+TEST( test_every_accessor_kind_is_read )
 {
-    (void)state;
     static const int16_t s_positions[] = { 0, 0, 0, 4, 0, 0, 0, -4, 0 };
     static const uint8_t s_uvs[] = { 255, 0, 9, 9, 0, 51, 9, 9, 102, 204 };
     static const uint8_t s_places[] = { 1, 2 };
@@ -167,9 +156,8 @@ static void test_every_accessor_kind_is_read( void** state )
 }
 
 // Primitives that share accessors take only the vertices they use.
-static void test_shared_vertices_are_taken_once( void** state )
+TEST( test_shared_vertices_are_taken_once )
 {
-    (void)state;
     static const uint16_t s_indices[] = { 3, 0, 2 };
     GltfBuilder b = make_square();
     add_gltf_u16( &b, 3, s_indices ); // 3
@@ -181,9 +169,8 @@ static void test_shared_vertices_are_taken_once( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_hierarchy_and_scenes( void** state )
+TEST( test_hierarchy_and_scenes )
 {
-    (void)state;
     const char* nodes = "\"nodes\":[{\"children\":[1],\"translation\":[1,0,0]},{\"mesh\":0,\"name\":\"leaf\",\"matrix\":"
                         "[0,1,0,0,-1,0,0,0,0,0,1,0,0,5,0,1]},{\"mesh\":0}]," MESH( SMOOTH );
     char rest[1024];
@@ -203,9 +190,8 @@ static void test_hierarchy_and_scenes( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_containers_agree( void** state )
+TEST( test_containers_agree )
 {
-    (void)state;
     const char* rest = "\"nodes\":[{\"mesh\":0}]," MESH( SMOOTH );
     GltfBuilder b = make_square();
     uint64_t hashes[3];
@@ -242,9 +228,8 @@ static void test_containers_agree( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_empty_scenes_are_scenes( void** state )
+TEST( test_empty_scenes_are_scenes )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     RfScene scene = gltf_load_built( &b, "" );
     assert_int_equal( scene.triangles.count, 0 );
@@ -253,20 +238,4 @@ static void test_empty_scenes_are_scenes( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_smooth_normals_are_read ),
-        cmocka_unit_test( test_flat_meshes_get_face_normals ),
-        cmocka_unit_test( test_mirrored_meshes_face_as_before ),
-        cmocka_unit_test( test_nonuniform_normals ),
-        cmocka_unit_test( test_strips_and_fans_keep_their_side ),
-        cmocka_unit_test( test_degenerate_triangles ),
-        cmocka_unit_test( test_every_accessor_kind_is_read ),
-        cmocka_unit_test( test_shared_vertices_are_taken_once ),
-        cmocka_unit_test( test_hierarchy_and_scenes ),
-        cmocka_unit_test( test_containers_agree ),
-        cmocka_unit_test( test_empty_scenes_are_scenes ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

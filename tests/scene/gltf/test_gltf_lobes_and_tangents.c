@@ -3,20 +3,16 @@
 // where texture coordinates are mirrored.
 #include "support/image_files.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 #include "scene/leave_out.h"
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const uint8_t s_pixels[] = { 255, 0, 0, 255, 0, 128, 0, 255, 0, 0, 64, 255, 200, 200, 200, 51 };
 
@@ -63,9 +59,8 @@ static RfScene load_material( const char* json )
     return gltf_load_built( &b, json );
 }
 
-static void test_transmission_textures( void** state )
+TEST( test_transmission_textures )
 {
-    (void)state;
     RfScene scene = load_material(
         MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.5},\"extensions\":{"
                   "\"KHR_materials_transmission\":{\"transmissionFactor\":0.5,\"transmissionTexture\":{\"index\":0}}}" ) );
@@ -107,9 +102,8 @@ static void test_transmission_textures( void** state )
 }
 
 // A coat that is added leaves the model glTF's: textures vary all of it, and base and coat are those of constant factors.
-static void test_textures_of_added_coats( void** state )
+TEST( test_textures_of_added_coats )
 {
-    (void)state;
 #define ADDED( more ) MATERIAL( "\"extras\":{\"reframe\":{\"coat\":\"added\"}},\"pbrMetallicRoughness\":{" more "}" )
     RfScene scene = load_material( ADDED( "\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0},"
                                           "\"metallicRoughnessTexture\":{\"index\":0}" ) );
@@ -128,9 +122,8 @@ static void test_textures_of_added_coats( void** state )
 }
 
 // A rough coat loses light between its facets, and leaves so much more to the base that it is added to.
-static void test_rough_added_coats_leave_more( void** state )
+TEST( test_rough_added_coats_leave_more )
 {
-    (void)state;
 #define WHITE_COAT( roughness )                                                                                                  \
     MATERIAL( "\"extras\":{\"reframe\":{\"coat\":\"added\"}},\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],"     \
               "\"metallicFactor\":0,\"roughnessFactor\":" roughness                                                              \
@@ -144,9 +137,8 @@ static void test_rough_added_coats_leave_more( void** state )
 }
 
 // A body's thickness is that of its mesh: the texture changes nothing.
-static void test_thickness_textures_change_nothing( void** state )
+TEST( test_thickness_textures_change_nothing )
 {
-    (void)state;
     RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_"
                                              "transmission\":{\"transmissionFactor\":1},"
                                              "\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"thicknessTexture\":{\"index\":"
@@ -159,9 +151,8 @@ static void test_thickness_textures_change_nothing( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_clearcoat_textures( void** state )
+TEST( test_clearcoat_textures )
 {
-    (void)state;
     RfScene scene = load_material( MATERIAL(
         "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,"
         "\"clearcoatRoughnessFactor\":0.8,\"clearcoatTexture\":{\"index\":0},\"clearcoatRoughnessTexture\":{\"index\":0},"
@@ -197,9 +188,8 @@ static void test_clearcoat_textures( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_sheen( void** state )
+TEST( test_sheen )
 {
-    (void)state;
     RfScene scene = load_material(
         MATERIAL( "\"extensions\":{\"KHR_materials_sheen\":{\"sheenColorFactor\":[1,0.5,0],\"sheenRoughnessFactor\":0.8,"
                   "\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessTexture\":{\"index\":0}}}" ) );
@@ -243,9 +233,8 @@ static void test_sheen( void** state )
     }
 }
 
-static void test_anisotropy_and_films( void** state )
+TEST( test_anisotropy_and_films )
 {
-    (void)state;
     RfScene scene = load_material(
         MATERIAL( "\"extensions\":{\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.5,\"anisotropyRotation\":"
                   "1.5707963267948966,\"anisotropyTexture\":{\"index\":0}},\"KHR_materials_iridescence\":{"
@@ -303,9 +292,8 @@ static void test_anisotropy_and_films( void** state )
 }
 
 // By the coordinates of the texture that u grows along; at right angles to a shading normal that leans; turned by the factor.
-static void test_directions_of_anisotropy( void** state )
+TEST( test_directions_of_anisotropy )
 {
-    (void)state;
     RfScene scene = load_material( MATERIAL( "\"extensions\":{\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}}" ) );
     const RfMaterial* m = scene.materials;
     RfVec3 n = rf_normalize( rf_vec3( 0.3f, 0.2f, 1.0f ) ), up = rf_vec3( 0, 0, 1 );
@@ -327,9 +315,8 @@ static void test_directions_of_anisotropy( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_faults_are_one_line( void** state )
+TEST( test_faults_are_one_line )
 {
-    (void)state;
     static const char* const s_faults[][2] = {
         { "KHR_materials_transmission.transmissionTexture: index is missing",
           "\"KHR_materials_transmission\":{\"transmissionTexture\":{}}" },
@@ -362,9 +349,8 @@ static void test_faults_are_one_line( void** state )
 #define BUMPS IMAGE ",\"materials\":[{\"normalTexture\":{\"index\":0}}]"
 
 // u' along x and, where the image is turned by a quarter, along y.
-static void test_tangents_follow_the_transform( void** state )
+TEST( test_tangents_follow_the_transform )
 {
-    (void)state;
     RfScene scene = load_material( MESH( ALL_UVS ) BUMPS );
     for ( uint32_t v = 0; v < 4; ++v )
     {
@@ -389,9 +375,8 @@ static void test_tangents_follow_the_transform( void** state )
 
 // The picture on the right half mirrors that on the left: the vertices of the
 // middle become two, one for each side.
-static void test_mirrored_coordinates_split_vertices( void** state )
+TEST( test_mirrored_coordinates_split_vertices )
 {
-    (void)state;
     static const float s_positions[] = { -1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0 };
     static const float s_uvs[] = { 0, 1, 1, 1, 0, 1, 0, 0, 1, 0, 0, 0 };
     static const uint16_t s_indices[] = { 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4 };
@@ -479,9 +464,8 @@ static double tangent_error( const RfTriangles* t, size_t v )
 }
 
 // On a sphere they run along its circles.
-static void test_sphere_tangents_run_along_circles( void** state )
+TEST( test_sphere_tangents_run_along_circles )
 {
-    (void)state;
     static Ball ball;
     ball = make_ball();
     GltfBuilder b = make_square();
@@ -509,9 +493,8 @@ static void test_sphere_tangents_run_along_circles( void** state )
 
 // Corners of the same place that the file lists apart share what they add up to;
 // angles weigh.
-static void test_same_vertices_and_angles( void** state )
+TEST( test_same_vertices_and_angles )
 {
-    (void)state;
     // two triangles at the origin: 90 degrees wide with u along x, 30 degrees with u along y
     const float c = 0.8660254f;
     float positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, -0.5f, c, 0 };
@@ -545,9 +528,8 @@ static void test_same_vertices_and_angles( void** state )
 }
 
 // A metal that its factors make a mirror is a rough one where a texture says so.
-static void test_mirror_with_a_roughness_texture( void** state )
+TEST( test_mirror_with_a_roughness_texture )
 {
-    (void)state;
     RfScene scene = load_material(
         MATERIAL( "\"pbrMetallicRoughness\":{\"roughnessFactor\":0.01,\"metallicRoughnessTexture\":{\"index\":0}}" ) );
     assert_int_equal( scene.materials[0].kind, RF_BSDF_GGX );
@@ -560,9 +542,8 @@ static void test_mirror_with_a_roughness_texture( void** state )
 
 // Triangles without area on the image take the tangents of others at the same
 // vertices; with none there, they do without.
-static void test_coordinates_without_area( void** state )
+TEST( test_coordinates_without_area )
 {
-    (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0, -1, 0, 0, 5, 5, 0, 6, 5, 0, 5, 6, 0 };
     static const float s_uvs[] = { 0, 0, 1, 0, 1, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 };
     float normals[27] = { 0 };
@@ -588,9 +569,8 @@ static void test_coordinates_without_area( void** state )
 }
 
 // Without normals: those of the faces, and tangents along their pictures.
-static void test_tangents_of_flat_faces( void** state )
+TEST( test_tangents_of_flat_faces )
 {
-    (void)state;
     RfScene scene = load_material( MESH( ",\"TEXCOORD_0\":1,\"TEXCOORD_1\":2" ) BUMPS );
     const RfTriangles* t = &scene.triangles;
     assert_int_equal( t->vertex_count, 6 );
@@ -607,9 +587,8 @@ static void test_tangents_of_flat_faces( void** state )
 }
 
 // Floats of an EXR are taken as they are; a material that nothing has needs no image.
-static void test_float_textures_are_taken_as_they_are( void** state )
+TEST( test_float_textures_are_taken_as_they_are )
 {
-    (void)state;
     float rgb[12] = { 0.5f, 0.25f, 4.0f, 0, 0, 0, 0, 0, 0, 0, 0, -1.0f };
     size_t size;
     uint8_t* exr = encode_exr( 2, 2, rgb, &size );
@@ -632,9 +611,8 @@ static void test_float_textures_are_taken_as_they_are( void** state )
 }
 
 // Whatever an EXR has: strengths are 0 to 1, thicknesses between those of the file, directions unit vectors.
-static void test_float_textures_of_layers_are_bounded( void** state )
+TEST( test_float_textures_of_layers_are_bounded )
 {
-    (void)state;
     static const float s_values[][3] = { { 8.0f, -3.0f, 5.0f }, { 3e38f, 3e38f, 3e38f }, { -3e38f, 3e38f, -1.0f } };
     for ( int i = 0; i < 3; ++i )
     {
@@ -665,9 +643,8 @@ static void test_float_textures_of_layers_are_bounded( void** state )
 }
 
 // What a base does not send through, by its texture, is its own: with the effect and without it.
-static void test_base_beside_textured_transmission( void** state )
+TEST( test_base_beside_textured_transmission )
 {
-    (void)state;
     RfScene scene = load_material( MATERIAL( "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{"
                                              "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.5,"
                                              "\"diffuseTransmissionTexture\":{\"index\":0}}}" ) );
@@ -683,28 +660,4 @@ static void test_base_beside_textured_transmission( void** state )
     rf_destroy_scene( &scene );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_transmission_textures ),
-        cmocka_unit_test( test_textures_of_added_coats ),
-        cmocka_unit_test( test_rough_added_coats_leave_more ),
-        cmocka_unit_test( test_thickness_textures_change_nothing ),
-        cmocka_unit_test( test_clearcoat_textures ),
-        cmocka_unit_test( test_sheen ),
-        cmocka_unit_test( test_anisotropy_and_films ),
-        cmocka_unit_test( test_directions_of_anisotropy ),
-        cmocka_unit_test( test_float_textures_of_layers_are_bounded ),
-        cmocka_unit_test( test_base_beside_textured_transmission ),
-        cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_tangents_follow_the_transform ),
-        cmocka_unit_test( test_mirrored_coordinates_split_vertices ),
-        cmocka_unit_test( test_sphere_tangents_run_along_circles ),
-        cmocka_unit_test( test_same_vertices_and_angles ),
-        cmocka_unit_test( test_mirror_with_a_roughness_texture ),
-        cmocka_unit_test( test_coordinates_without_area ),
-        cmocka_unit_test( test_tangents_of_flat_faces ),
-        cmocka_unit_test( test_float_textures_are_taken_as_they_are ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

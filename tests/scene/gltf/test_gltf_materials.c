@@ -1,17 +1,13 @@
 // Materials, lamps and instances of glTF extensions: what is read, and every
 // error line.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const float s_corners[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
 
@@ -74,9 +70,8 @@ static void assert_fails( const char* material, const char* nodes, const char* m
 
 static bool near( float a, double b ) { return fabs( (double)a - b ) <= 1e-6 * ( 1.0 + fabs( b ) ); }
 
-static void test_transmission_makes_glass( void** state )
+TEST( test_transmission_makes_glass )
 {
-    (void)state;
     RfScene s = load_ok(
         ",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0,\"baseColorFactor\":[1,0.5,0.25,1]}" EXTENSIONS(
             "\"KHR_materials_transmission\":{\"transmissionFactor\":1},\"KHR_materials_ior\":{\"ior\":1.3},"
@@ -102,9 +97,8 @@ static void test_transmission_makes_glass( void** state )
     rf_destroy_scene( &s );
 }
 
-static void test_extras_are_read( void** state )
+TEST( test_extras_are_read )
 {
-    (void)state;
     RfScene s = load_ok( ",\"extras\":{\"reframe\":{\"bsdf\":\"mirror\",\"specular\":[0.9,0.8,0.7]}}", MESH, "" );
     assert_true( s.materials->kind == RF_BSDF_GLASS && s.materials->ior == 0.0f && near( s.materials->specular.z, 0.7 ) );
     rf_destroy_scene( &s );
@@ -120,9 +114,8 @@ static void test_extras_are_read( void** state )
     assert_fails( ",\"extras\":{\"reframe\":{\"bsdf\":\"wood\"}}", MESH, "", "\"mirror\" or \"glass\"" );
 }
 
-static void test_clearcoat_and_unlit( void** state )
+TEST( test_clearcoat_and_unlit )
 {
-    (void)state;
     RfScene s = load_ok( EXTENSIONS( "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,\"clearcoatRoughnessFactor\":0.4}" ),
                          MESH, "" );
     assert_true( s.materials->kind == RF_BSDF_COATED && near( s.materials->clearcoat, 0.5 ) &&
@@ -146,9 +139,8 @@ static void test_clearcoat_and_unlit( void** state )
                  "\"scatterAnisotropy\":" anisotropy "}"
 
 // Bodies that scatter inside: dense ones are opaque, with the albedo of a half-space.
-static void test_scatter_stands_in( void** state )
+TEST( test_scatter_stands_in )
 {
-    (void)state;
     RfScene s = load_ok( WHITE EXTENSIONS( SCATTER( TRANSMITS( "1" ), "0.01", "0" ) ), MESH, "" );
     const RfMaterial* m = s.materials;
     assert_true( m->kind == RF_BSDF_GGX && near( m->diffuse.x, 0.9 ) && near( m->diffuse.y, 0.5 ) && near( m->diffuse.z, 0 ) );
@@ -174,9 +166,8 @@ static void test_scatter_stands_in( void** state )
     "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.25,\"diffuseTransmissionColorFactor\":[1,0.5,0]}"
 #define PLASTIC ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.4,0.2,1],\"metallicFactor\":0.5}"
 
-static void test_diffuse_transmission( void** state )
+TEST( test_diffuse_transmission )
 {
-    (void)state;
     RfScene s = load_ok( PLASTIC EXTENSIONS( DIFFUSE_TRANSMISSION ), MESH, "" );
     const RfMaterial* m = s.materials;
     assert_int_equal( m->kind, RF_BSDF_TRANSLUCENT );
@@ -198,9 +189,8 @@ static void test_diffuse_transmission( void** state )
 }
 
 // What its model does not know is lost with a warning that names the material.
-static void test_losses_beside_diffuse_transmission( void** state )
+TEST( test_losses_beside_diffuse_transmission )
 {
-    (void)state;
     static const struct
     {
         const char *more, *warning;
@@ -223,9 +213,8 @@ static void test_losses_beside_diffuse_transmission( void** state )
     }
 }
 
-static void test_faults_are_one_line( void** state )
+TEST( test_faults_are_one_line )
 {
-    (void)state;
     assert_fails( EXTENSIONS( "\"KHR_materials_transmission\":{\"transmissionFactor\":2}" ), MESH, "",
                   "transmissionFactor is 2" );
     assert_fails( EXTENSIONS( "\"KHR_materials_volume\":{\"thicknessFactor\":-1}" ), MESH, "", "thicknessFactor is -1" );
@@ -242,9 +231,8 @@ static void test_faults_are_one_line( void** state )
 
 #define OURS( text ) LIGHTS( "{\"type\":\"point\",\"extras\":{\"reframe\":{" text "}}}" )
 
-static void test_faults_of_profiles_are_one_line( void** state )
+TEST( test_faults_of_profiles_are_one_line )
 {
-    (void)state;
     assert_fails( "", LAMP_NODE, OURS( "\"ies\":\"no-such.ies\"" ), "no-such.ies" );
     assert_fails( "", LAMP_NODE, OURS( "\"ies\":7" ), "lights[0].extras.reframe.ies: must be" );
     assert_fails( "", LAMP_NODE, OURS( "\"ies\":{\"bufferView\":99}" ), "ies.bufferView" );
@@ -263,9 +251,8 @@ static void test_faults_of_profiles_are_one_line( void** state )
                   "intensity" );
 }
 
-static void test_lamps_are_read( void** state )
+TEST( test_lamps_are_read )
 {
-    (void)state;
     RfScene s = load_ok( "", LAMP_NODE,
                          LIGHTS( "{\"type\":\"spot\",\"name\":\"desk\",\"color\":[1,0.5,0],\"intensity\":10,\"range\":7,"
                                  "\"spot\":{\"innerConeAngle\":0.1,\"outerConeAngle\":0.5}}" ) );
@@ -310,9 +297,8 @@ static void test_lamps_are_read( void** state )
 
 #define SIZED( type, text ) LIGHTS( "{\"type\":\"" type "\",\"extras\":{\"reframe\":{" text "}}}" )
 
-static void test_lamps_have_sizes( void** state )
+TEST( test_lamps_have_sizes )
 {
-    (void)state;
     RfScene s = load_ok( "", LAMP_NODE, SIZED( "point", "\"radius\":0.1,\"soft\":true" ) );
     assert_true( s.punctuals->kind == RF_PUNCTUAL_POINT && near( s.punctuals->radius, 0.1 ) && s.punctuals->soft );
     rf_destroy_scene( &s );
@@ -338,9 +324,8 @@ static void test_lamps_have_sizes( void** state )
 
 #define INSTANCED( text ) "{\"mesh\":0,\"translation\":[5,0,0],\"extensions\":{\"EXT_mesh_gpu_instancing\":{" text "}}}"
 
-static void test_instances_are_read( void** state )
+TEST( test_instances_are_read )
 {
-    (void)state;
     RfScene s = load_ok( "", INSTANCED( "\"attributes\":{\"TRANSLATION\":1,\"SCALE\":2,\"ROTATION\":3}" ), "" );
     assert_int_equal( s.triangles.count, 2 );
     const float* p = s.triangles.positions;
@@ -358,9 +343,8 @@ static void test_instances_are_read( void** state )
 
 #define GLOSSY( members ) EXTENSIONS( "\"KHR_materials_pbrSpecularGlossiness\":{" members "}" )
 
-static void test_glossiness( void** state )
+TEST( test_glossiness )
 {
-    (void)state;
     RfScene s =
         load_ok( GLOSSY( "\"diffuseFactor\":[0.8,0.4,0.2,1],\"specularFactor\":[0.5,0.25,0.125],\"glossinessFactor\":0.4" ), MESH,
                  ",\"extensionsRequired\":[\"KHR_materials_pbrSpecularGlossiness\"]" );
@@ -401,9 +385,8 @@ static RfResult load_variant( const char* rest, const char* variant, RfScene* sc
     return result;
 }
 
-static void test_variants( void** state )
+TEST( test_variants )
 {
-    (void)state;
     static const char* const s_rest = VARIANTS( "{\"material\":1,\"variants\":[0]},{\"material\":2,\"variants\":[1]}" );
     static const char* const s_names[] = { NULL, "noon", "night" };
     uint64_t hashes[3];
@@ -443,24 +426,4 @@ static void test_variants( void** state )
         if ( strstr( error.text, s_faults[i][2] ) == NULL )
             fail_msg( "'%s' does not say '%s'", error.text, s_faults[i][2] );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_scatter_stands_in ),
-        cmocka_unit_test( test_transmission_makes_glass ),
-        cmocka_unit_test( test_extras_are_read ),
-        cmocka_unit_test( test_diffuse_transmission ),
-        cmocka_unit_test( test_losses_beside_diffuse_transmission ),
-        cmocka_unit_test( test_clearcoat_and_unlit ),
-        cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_lamps_are_read ),
-        cmocka_unit_test( test_faults_of_profiles_are_one_line ),
-        cmocka_unit_test( test_lamps_have_sizes ),
-        cmocka_unit_test( test_instances_are_read ),
-        cmocka_unit_test( test_variants ),
-        cmocka_unit_test( test_glossiness ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,18 +1,14 @@
 // EXT_ and KHR_meshopt_compression: views hold what was compressed, and broken ones are refused in one line.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define POINTS 40 // a strip of squares
 #define FACES ( POINTS - 2 )
@@ -133,9 +129,8 @@ static GltfBuilder make_packed( const char* extension, int stride )
     return b;
 }
 
-static void test_meshes( void** state )
+TEST( test_meshes )
 {
-    (void)state;
     for ( int i = 0; i < 4; ++i )
     {
         GltfBuilder b = make_packed( i < 2 ? EXT : KHR, i % 2 == 0 ? 2 : 4 );
@@ -148,9 +143,8 @@ static void test_meshes( void** state )
 }
 
 // 2^e·m, of which these need no rounding: what comes out is exact.
-static void test_exponential_filter( void** state )
+TEST( test_exponential_filter )
 {
-    (void)state;
     int32_t packed[3 * POINTS];
     for ( int i = 0; i < 3 * POINTS; ++i )
         packed[i] = (int32_t)( (uint32_t)-2 << 24 | ( (uint32_t)( 4.0f * s_positions[i] ) & 0xffffff ) );
@@ -182,9 +176,8 @@ static void add_normals( GltfBuilder* b, int stride )
                                  : "\"componentType\":5120,\"count\":40,\"type\":\"VEC3\",\"normalized\":true" );
 }
 
-static void test_octahedral_filter( void** state )
+TEST( test_octahedral_filter )
 {
-    (void)state;
     for ( int stride = 4; stride <= 8; stride += 4 )
     {
         GltfBuilder b = make_packed( EXT, 2 );
@@ -198,9 +191,8 @@ static void test_octahedral_filter( void** state )
 }
 
 // An animated rotation, by 90° about z: (0, 0, √½, √½), of which w is left out.
-static void test_quaternion_filter( void** state )
+TEST( test_quaternion_filter )
 {
-    (void)state;
     static const float s_times[] = { 0, 1 };
     // √2 times the component, of 32767; the last is 32767 with the index of the largest, 3
     static const int16_t s_turns[] = { 0, 0, 0, 32767, 0, 0, 32767, 32767 };
@@ -229,9 +221,8 @@ static void test_quaternion_filter( void** state )
 }
 
 // Numbers of the specification's formulas, by hand: 8 bits (K = 8), 6 bits (K = 6) and 16 bits (K = 12).
-static void test_color_filter( void** state )
+TEST( test_color_filter )
 {
-    (void)state;
     // Y 100, Co 20, Cg −30, alpha 0x40 of 7 bits: r = 100 + 20 + 30 = 150, g = 70, b = 100 − 20 + 30 = 110, a = 128
     // Y 20, Co −3, Cg 5, alpha 0x1f of 5 bits below bit 5: r 12, g 25, b 18, a 63, each times 255/63
     static const uint8_t s_small[][4] = { { 100, 20, (uint8_t)-30, 0xc0 }, { 20, (uint8_t)-3, 5, 0x3f } };
@@ -259,9 +250,8 @@ static void test_color_filter( void** state )
     }
 }
 
-static void test_faults( void** state )
+TEST( test_faults )
 {
-    (void)state;
     static const struct
     {
         const char *from, *to, *part; // in the text of the first view
@@ -298,9 +288,8 @@ static void test_faults( void** state )
 }
 
 // Version 1 of the attributes: all deltas zero, so every element is that of the tail (KHR_meshopt_compression, mode 0).
-static void test_newer_attributes( void** state )
+TEST( test_newer_attributes )
 {
-    (void)state;
     uint8_t bytes[1 + 3 + 9 + 15] = { 0xa1, 0xaa, 0xaa, 0xaa };
     float corner[3] = { 1, 2, 3 };
     memcpy( bytes + 4 + 9, corner, 12 );
@@ -319,9 +308,8 @@ static void test_newer_attributes( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_broken_bytes( void** state )
+TEST( test_broken_bytes )
 {
-    (void)state;
     uint32_t number = 1;
     for ( int i = 0; i < MUTATIONS; ++i )
     {
@@ -371,9 +359,8 @@ static void expect_error( const char* path, const char* part )
 }
 
 // Buffers of what is compressed elsewhere need no bytes; without the library they are what is read.
-static void test_fallback_buffers( void** state )
+TEST( test_fallback_buffers )
 {
-    (void)state;
 #ifdef REFRAME_MESHOPT
     static const char* const s_buffers[] = {
         "{\"byteLength\":9000}", "{\"byteLength\":9000,\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}",
@@ -419,21 +406,10 @@ static void test_fallback_buffers( void** state )
 #endif
 }
 
+SHARED_BY_TESTS( gltf_enter, gltf_leave )
+
 int main( void )
 {
     make_strip();
-    const struct CMUnitTest tests[] = {
-#ifdef REFRAME_MESHOPT
-        cmocka_unit_test( test_meshes ),
-        cmocka_unit_test( test_exponential_filter ),
-        cmocka_unit_test( test_octahedral_filter ),
-        cmocka_unit_test( test_quaternion_filter ),
-        cmocka_unit_test( test_color_filter ),
-        cmocka_unit_test( test_faults ),
-        cmocka_unit_test( test_newer_attributes ),
-        cmocka_unit_test( test_broken_bytes ),
-#endif
-        cmocka_unit_test( test_fallback_buffers ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
+    return run_listed_tests();
 }

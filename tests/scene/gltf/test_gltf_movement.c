@@ -1,6 +1,7 @@
 // What the reader makes of movement: joints and weights of every type, animations that contend, what cannot be rendered yet,
 // and files that are broken.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/changes.h"
 #include "scene/deformation.h"
@@ -9,15 +10,10 @@
 #include "scene/pose.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // 0 a triangle, 1 times, 2 places, 3 floats of its vertices with four numbers each.
 static const float s_triangle[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
@@ -61,9 +57,8 @@ static void assert_x( const RfScene* scene, int vertex, double want )
     rf_destroy_pose( &pose );
 }
 
-static void test_joints_and_weights_of_each_type( void** state )
+TEST( test_joints_and_weights_of_each_type )
 {
-    (void)state;
     // each vertex: so much of the second joint
     static const uint8_t s_joints[] = { 0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0 };
     static const uint16_t s_long_joints[] = { 0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0 };
@@ -96,9 +91,8 @@ static void test_joints_and_weights_of_each_type( void** state )
     }
 }
 
-static void test_eight_joints( void** state )
+TEST( test_eight_joints )
 {
-    (void)state;
     static const uint8_t s_first[] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }, s_second[] = { 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 };
     static const float s_parts[] = { .125f, .125f, .125f, .125f, .25f, .25f, .25f, .25f, 0, 0, 0, 0 };
     static const float s_rest[] = { .125f, .125f, .125f, .125f, 0, 0, 0, 0, .25f, .25f, .25f, .25f };
@@ -125,9 +119,8 @@ static void test_eight_joints( void** state )
 }
 
 // A vertex of which no joint has any.
-static void test_vertices_without_weights( void** state )
+TEST( test_vertices_without_weights )
 {
-    (void)state;
     static const uint8_t s_joints[] = { 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 };
     static const float s_weights[] = { 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0 };
     GltfBuilder b = make_triangle();
@@ -147,9 +140,8 @@ static void test_vertices_without_weights( void** state )
     TWO_NODES ",\"animations\":[" ANIMATION( "Walk", MOVE( "0" ) ) "," ANIMATION(                                                \
         "Run", MOVE( "0" ) "," MOVE( "1" ) ) "," ANIMATION( "Sway", MOVE( "2" ) ) "]"
 
-static void test_animations_that_contend( void** state )
+TEST( test_animations_that_contend )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built( &b, CONTEND );
     gltf_assert_warned( "animation 'Walk' is used: 'Run', which moves the same, is left out" );
@@ -174,9 +166,8 @@ static void test_animations_that_contend( void** state )
 }
 
 // As where each object has animations of its own, of the same names.
-static void test_animations_of_one_name( void** state )
+TEST( test_animations_of_one_name )
 {
-    (void)state;
     static const char s_file[] = TWO_NODES ",\"animations\":[" ANIMATION( "Idle", MOVE( "0" ) ) "," ANIMATION(
         "Jump", MOVE( "0" ) ) "," ANIMATION( "Idle", MOVE( "1" ) "," MOVE( "2" ) ) "," ANIMATION( "Jump", MOVE( "1" ) ) "]";
     GltfBuilder b = make_triangle();
@@ -199,9 +190,8 @@ static void test_animations_of_one_name( void** state )
     assert_non_null( strstr( error.text, "there are 'Idle', 'Jump'" ) );
 }
 
-static void test_frozen( void** state )
+TEST( test_frozen )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_with( write_gltf( &b, &gltf_folder, CONTEND ), &( RfGltfOptions ){ .freeze = true } );
     assert_null( scene.movement );
@@ -214,9 +204,8 @@ static void test_frozen( void** state )
 }
 
 // A channel whose keys are equal moves nothing, and places all the same.
-static void test_keys_that_are_equal( void** state )
+TEST( test_keys_that_are_equal )
 {
-    (void)state;
     static const float s_same[] = { 5, 0, 0, 5, 0, 0 };
     GltfBuilder b = make_triangle();
     add_gltf_floats( &b, "VEC3", 3, 2, s_same );
@@ -227,9 +216,8 @@ static void test_keys_that_are_equal( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_targets_of_other_attributes( void** state )
+TEST( test_targets_of_other_attributes )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0,\"weights\":[1]}]," MESH(
                                              ",\"COLOR_0\":3", ",\"targets\":[{\"POSITION\":0,\"_own\":0,\"COLOR_0\":3}]" ) );
@@ -238,9 +226,8 @@ static void test_targets_of_other_attributes( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_pointers_to_nodes( void** state )
+TEST( test_pointers_to_nodes )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," MESH( "", "" ) ",\"animations\":[" ANIMATION(
                                              "", POINTER( "/nodes/0/translation" ) ) "]" );
@@ -268,9 +255,8 @@ static void assert_unrendered( const RfScene* scene, const char* what, const cha
 
 #define NORMAL_SCALE "/materials/0/normalTexture/scale"
 
-static void test_what_cannot_be_rendered( void** state )
+TEST( test_what_cannot_be_rendered )
 {
-    (void)state;
     GltfBuilder b = make_triangle();
     RfScene scene = gltf_load_built(
         &b, "\"scenes\":[{\"nodes\":[0,1],\"extras\":{\"reframe\":{\"moving\":[\"smoke\",\"bulb\"]}}}],\"nodes\":[{\"name\":"
@@ -384,9 +370,8 @@ static const Broken s_broken[] = {
     { "\"nodes\":[{\"extensions\":{\"KHR_node_visibility\":{\"visible\":1}}}]", "visible must be true or false" },
 };
 
-static void test_broken_files( void** state )
+TEST( test_broken_files )
 {
-    (void)state;
     for ( size_t i = 0; i < sizeof s_broken / sizeof s_broken[0]; ++i )
     {
         GltfBuilder b = make_parts();
@@ -395,9 +380,8 @@ static void test_broken_files( void** state )
 }
 
 // Joints without a weight are not looked at, and without inverse bind matrices they are the identity.
-static void test_what_is_not_broken( void** state )
+TEST( test_what_is_not_broken )
 {
-    (void)state;
     GltfBuilder b = make_parts();
     RfScene scene = gltf_load_built( &b, SKINNED( "", ",\"JOINTS_0\":4,\"WEIGHTS_0\":3" ) );
     assert_x( &scene, 0, 0 );
@@ -436,9 +420,8 @@ static void pose_thrice( const RfScene* scene )
     }
 }
 
-static void test_mutated_files( void** state )
+TEST( test_mutated_files )
 {
-    (void)state;
     size_t size;
     uint8_t *bytes = build_rich( &size ), *mutated = malloc( size );
     RfScene scene = gltf_load( write_bytes( &gltf_folder, "a.glb", bytes, size ) );
@@ -465,22 +448,4 @@ static void test_mutated_files( void** state )
     free( bytes );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_joints_and_weights_of_each_type ),
-        cmocka_unit_test( test_eight_joints ),
-        cmocka_unit_test( test_vertices_without_weights ),
-        cmocka_unit_test( test_animations_that_contend ),
-        cmocka_unit_test( test_animations_of_one_name ),
-        cmocka_unit_test( test_frozen ),
-        cmocka_unit_test( test_keys_that_are_equal ),
-        cmocka_unit_test( test_targets_of_other_attributes ),
-        cmocka_unit_test( test_pointers_to_nodes ),
-        cmocka_unit_test( test_what_cannot_be_rendered ),
-        cmocka_unit_test( test_broken_files ),
-        cmocka_unit_test( test_what_is_not_broken ),
-        cmocka_unit_test( test_mutated_files ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

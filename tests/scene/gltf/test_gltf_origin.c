@@ -1,20 +1,16 @@
 // Scenes far from the origin are loaded around their middle: to the bit as if they were not, with eyes, lamps, bounds
 // and matrices where they belong.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "reframe/camera.h"
 #include "scene/camera.h"
 #include "scene/eye.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // A room of 4 m with a lamp, a camera that rises by 1 m, and everything under a node that is moved.
 static RfScene load_moved( const char* root )
@@ -42,9 +38,8 @@ static RfScene load_moved( const char* root )
     return gltf_load_built( &b, rest );
 }
 
-static void test_a_far_scene_is_the_same_to_the_bit( void** state )
+TEST( test_a_far_scene_is_the_same_to_the_bit )
 {
-    (void)state;
     RfScene plain = load_moved( "[0,0,0]" ), far = load_moved( "[1e6,-2e6,5e5]" );
     assert_true( plain.origin[0] == 0.0 && plain.origin[1] == 0.0 && plain.origin[2] == 0.0 );
     assert_true( far.origin[0] == 1e6 && far.origin[1] == -2e6 && far.origin[2] == 5e5 );
@@ -74,9 +69,8 @@ static void test_a_far_scene_is_the_same_to_the_bit( void** state )
 }
 
 // Not where the camera is still near the origin, and the middle of the scene is not.
-static void test_a_scene_near_its_camera_stays( void** state )
+TEST( test_a_scene_near_its_camera_stays )
 {
-    (void)state;
     RfScene near = load_moved( "[20,0,0]" ); // some 5 of its sizes away
     assert_true( near.origin[0] == 0.0 );
     rf_destroy_scene( &near );
@@ -91,13 +85,4 @@ static void test_a_scene_near_its_camera_stays( void** state )
                              "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.8,\"znear\":0.1}}]" );
     assert_true( scene.camera_count == 1 && scene.origin[0] == 0.0 );
     rf_destroy_scene( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_a_far_scene_is_the_same_to_the_bit ),
-        cmocka_unit_test( test_a_scene_near_its_camera_stays ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,20 +1,16 @@
 // Meshes that many nodes use, or that EXT_mesh_gpu_instancing places, are in memory once; what emits, what may be a mirror and
 // what cannot be placed are triangles of the world. Broken placements end in an error of one line.
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "light/light.h"
 #include "scene/gltf/gltf.h"
 #include "scene/placement.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define TRIANGLES 2000
 #define PLACES 400
@@ -79,9 +75,8 @@ static void check_all_placed( const RfScene* scene )
     gltf_assert_rgb( scene->bounds_max, 2 * PLACES - 1, 7, -1 );
 }
 
-static void test_instances_of_the_extension_are_placed( void** state )
+TEST( test_instances_of_the_extension_are_placed )
 {
-    (void)state;
     GltfBuilder b = make_builder();
     char rest[4096];
     snprintf( rest, sizeof rest, INSTANCES( "\"TRANSLATION\":2" ) ",\"meshes\":[{\"primitives\":[" PRIMITIVE "]}]", "" );
@@ -94,9 +89,8 @@ static void test_instances_of_the_extension_are_placed( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_meshes_of_many_nodes_are_placed( void** state )
+TEST( test_meshes_of_many_nodes_are_placed )
 {
-    (void)state;
     static char rest[32768];
     GltfBuilder b = make_builder();
     size_t at = (size_t)snprintf( rest, sizeof rest, "\"meshes\":[{\"primitives\":[" PRIMITIVE "]}],\"nodes\":[", "" );
@@ -113,9 +107,8 @@ static void test_meshes_of_many_nodes_are_placed( void** state )
 }
 
 // A mesh of four primitives: grey, a lamp, a mirror, a second grey.
-static void test_lamps_and_mirrors_stay_in_world_space( void** state )
+TEST( test_lamps_and_mirrors_stay_in_world_space )
 {
-    (void)state;
     static const uint8_t s_square[] = { 0, 1, 2, 0, 2, 3 };
     GltfBuilder b = make_builder();
     add_gltf_accessor( &b, 5121, "SCALAR", 6, s_square, sizeof s_square, "" );
@@ -140,9 +133,8 @@ static void test_lamps_and_mirrors_stay_in_world_space( void** state )
 }
 
 // By scales: instance 0 has none of its size left, 1 is a sheet and 2 mirrored, which is no harm, 3 too small.
-static void test_what_cannot_be_placed_is_baked( void** state )
+TEST( test_what_cannot_be_placed_is_baked )
 {
-    (void)state;
     float scales[3 * PLACES];
     for ( int i = 0; i < 3 * PLACES; ++i )
         scales[i] = 1.0f;
@@ -163,9 +155,8 @@ static void test_what_cannot_be_placed_is_baked( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_few_or_small_meshes_are_baked( void** state )
+TEST( test_few_or_small_meshes_are_baked )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0 };
     float places[3 * PLACES] = { 0 };
@@ -179,9 +170,8 @@ static void test_few_or_small_meshes_are_baked( void** state )
 }
 
 // Each instance of a node that moves is one that moves.
-static void test_instances_that_move( void** state )
+TEST( test_instances_that_move )
 {
-    (void)state;
     GltfBuilder b = make_builder();
     static const float s_times[] = { 0, 1 }, s_heights[] = { 0, 0, 0, 0, 1, 0 };
     add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
@@ -210,9 +200,8 @@ static void check_refused( GltfBuilder* b, const char* rest, const char* part )
         fail_msg( "'%s' is not in: %s", part, error.text );
 }
 
-static void test_broken_placements_are_refused( void** state )
+TEST( test_broken_placements_are_refused )
 {
-    (void)state;
     char rest[4096];
     float bad[] = { 1, NAN, 0, 0, 0, 0 };
     GltfBuilder b = make_builder();
@@ -236,13 +225,4 @@ static void test_broken_placements_are_refused( void** state )
     check_refused( &b, rest, "a vertex is at 1e+16, beyond 1e+15" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_instances_of_the_extension_are_placed ), cmocka_unit_test( test_meshes_of_many_nodes_are_placed ),
-        cmocka_unit_test( test_lamps_and_mirrors_stay_in_world_space ), cmocka_unit_test( test_what_cannot_be_placed_is_baked ),
-        cmocka_unit_test( test_few_or_small_meshes_are_baked ),         cmocka_unit_test( test_instances_that_move ),
-        cmocka_unit_test( test_broken_placements_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -2,21 +2,17 @@
 // warnings; and scenes of others where REFRAME_SCENES names their folder.
 
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/camera.h"
 #include "scene/gltf/gltf.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #ifndef REFRAME_SOURCE_DIR
 #define REFRAME_SOURCE_DIR "."
@@ -26,9 +22,8 @@ static const float s_square[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
 
 #define MESH( primitives ) "\"meshes\":[{\"primitives\":[" primitives "]}]"
 
-static void test_materials_are_read( void** state )
+TEST( test_materials_are_read )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     RfScene scene = gltf_load_built(
         &b, "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,1,1],\"metallicFactor\":0.5,"
@@ -70,9 +65,8 @@ static void test_materials_are_read( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_warnings_are_said_once( void** state )
+TEST( test_warnings_are_said_once )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 4, s_square );
     add_gltf_floats( &b, "VEC3", 3, 4, s_square );
@@ -108,9 +102,8 @@ static GltfBuilder make_motion( void )
     return b;
 }
 
-static void test_cameras_are_read( void** state )
+TEST( test_cameras_are_read )
 {
-    (void)state;
     GltfBuilder b = make_motion();
     RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"name\":\"Dolly\",\"children\":[1]},{\"name\":\"Shot\",\"camera\":0,\"translation\":[0,1,0]},"
@@ -145,9 +138,8 @@ static void test_cameras_are_read( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_frozen_mesh_is_taken_at_its_first_key( void** state )
+TEST( test_frozen_mesh_is_taken_at_its_first_key )
 {
-    (void)state;
     GltfBuilder b = make_motion();
     static const float s_moves[] = { 7, 0, 0, 8, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_moves ); // 4
@@ -164,9 +156,8 @@ static void test_frozen_mesh_is_taken_at_its_first_key( void** state )
 }
 
 // A scene that lists a node, but not its parent, which would put it elsewhere.
-static void test_root_with_parent( void** state )
+TEST( test_root_with_parent )
 {
-    (void)state;
     static const float s_positions[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 3, s_positions );
@@ -178,9 +169,8 @@ static void test_root_with_parent( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_scenes_of_others_are_read( void** state )
+TEST( test_scenes_of_others_are_read )
 {
-    (void)state;
     static const struct
     {
         const char* file;
@@ -221,12 +211,4 @@ static void test_scenes_of_others_are_read( void** state )
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_materials_are_read ), cmocka_unit_test( test_warnings_are_said_once ),
-        cmocka_unit_test( test_cameras_are_read ),   cmocka_unit_test( test_frozen_mesh_is_taken_at_its_first_key ),
-        cmocka_unit_test( test_root_with_parent ),   cmocka_unit_test( test_scenes_of_others_are_read ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -3,20 +3,16 @@
 // everything that can be wrong with them.
 #include "support/image_files.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "image/decode.h"
 #include "scene/gltf/gltf.h"
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const float s_square[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
 static const uint8_t s_pixels[] = { 255, 0, 0, 255, 0, 128, 0, 255, 0, 0, 64, 255, 200, 200, 200, 51 };
@@ -57,9 +53,8 @@ static RfMaterial at( const RfScene* scene, float u, float v )
     return out;
 }
 
-static void test_colour_is_srgb_data_is_linear( void** state )
+TEST( test_colour_is_srgb_data_is_linear )
 {
-    (void)state;
     GltfBuilder b = make_square();
     RfScene scene = gltf_load_built(
         &b, NODES IMAGE
@@ -98,9 +93,8 @@ static void test_colour_is_srgb_data_is_linear( void** state )
 }
 
 // An image that is read is taken before the texture's own, one that is not is named.
-static void test_other_images( void** state )
+TEST( test_other_images )
 {
-    (void)state;
     static const uint8_t s_other[] = { 9, 9, 9, 255 };
     static const struct
     {
@@ -150,9 +144,8 @@ static void test_other_images( void** state )
 }
 
 // Specular colour in RGB, sRGB, and glossiness in A.
-static void test_glossiness_textures( void** state )
+TEST( test_glossiness_textures )
 {
-    (void)state;
     GltfBuilder b = make_square();
     RfScene scene = gltf_load_built(
         &b, NODES IMAGE
@@ -170,9 +163,8 @@ static void test_glossiness_textures( void** state )
 }
 
 // What a material would be by its factors alone is what comes out of white textures.
-static void test_white_textures_equal_factors( void** state )
+TEST( test_white_textures_equal_factors )
 {
-    (void)state;
     uint8_t white[4] = { 255, 255, 255, 255 };
     size_t size;
     uint8_t* png = encode_png( 1, 1, 4, white, &size );
@@ -194,9 +186,8 @@ static void test_white_textures_equal_factors( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_transforms_and_second_coordinates( void** state )
+TEST( test_transforms_and_second_coordinates )
 {
-    (void)state;
     GltfBuilder b = make_square();
     RfScene scene = gltf_load_built(
         &b, NODES TEXTURE
@@ -222,9 +213,8 @@ static void test_transforms_and_second_coordinates( void** state )
 }
 
 // VEC3 of normalized shorts and VEC4 of floats; primitives without keep theirs.
-static void test_vertex_colours_multiply_in( void** state )
+TEST( test_vertex_colours_multiply_in )
 {
-    (void)state;
     static const uint16_t s_shorts[] = { 65535, 0, 0, 0, 0, 65535, 0, 0, 13107, 0, 0, 65535, 0, 0, 65535, 0 };
     static const float s_floats[] = { 2, -1, 0.5f, 0.25f, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 };
     GltfBuilder b = make_square();
@@ -250,9 +240,8 @@ static void test_vertex_colours_multiply_in( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_alpha_modes_are_read( void** state )
+TEST( test_alpha_modes_are_read )
 {
-    (void)state;
     GltfBuilder b = make_square();
     RfScene scene = gltf_load_built(
         &b, NODES TEXTURE ",\"materials\":[{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.4,"
@@ -281,9 +270,8 @@ static void test_alpha_modes_are_read( void** state )
 }
 
 // Tangents go with their node; a mirror changes the side of the bitangent.
-static void test_tangents_follow_their_node( void** state )
+TEST( test_tangents_follow_their_node )
 {
-    (void)state;
     static const float s_tangents[] = { 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1 };
     GltfBuilder b = make_square();
     int tangents = add_gltf_floats( &b, "VEC4", 4, 4, s_tangents );
@@ -301,9 +289,8 @@ static void test_tangents_follow_their_node( void** state )
     }
 }
 
-static void test_where_images_come_from( void** state )
+TEST( test_where_images_come_from )
 {
-    (void)state;
     size_t size;
     uint8_t* png = encode_png( 2, 2, 4, s_pixels, &size );
     char* base64 = gltf_base64( png, size );
@@ -339,9 +326,8 @@ static void test_where_images_come_from( void** state )
 }
 
 // 16 bits become floats, by the curve where they are colour.
-static void test_deep_images_become_floats( void** state )
+TEST( test_deep_images_become_floats )
 {
-    (void)state;
     uint16_t pixels[] = { 32768, 65535, 0 };
     size_t size;
     uint8_t* png = encode_png16( 1, 1, 3, pixels, &size );
@@ -371,9 +357,8 @@ typedef struct Fault
 
 #define USE "\"materials\":[{\"emissiveTexture\":{\"index\":0}}]"
 
-static void test_faults_are_one_line( void** state )
+TEST( test_faults_are_one_line )
 {
-    (void)state;
     static const Fault s_faults[] = {
         { RF_ERROR_FORMAT, "materials[0].emissiveTexture: index", ",\"materials\":[{\"emissiveTexture\":{}}]" },
         { RF_ERROR_FORMAT, "materials[0]: emissiveTexture must be", ",\"materials\":[{\"emissiveTexture\":3}]" },
@@ -453,9 +438,8 @@ static void test_faults_are_one_line( void** state )
     }
 }
 
-static void test_faults_of_vertices( void** state )
+TEST( test_faults_of_vertices )
 {
-    (void)state;
     static const char* const s_attributes[] = { "\"COLOR_0\":1", "\"COLOR_0\":6", "\"TEXCOORD_1\":0",
                                                 "\"NORMAL\":4,\"TANGENT\":0" };
     static const char* const s_texts[] = { "COLOR_0 must be 3 or 4", "COLOR_0 must be 3 or 4", "2 are needed", "4 are needed" };
@@ -477,9 +461,8 @@ static void test_faults_of_vertices( void** state )
 }
 
 // Pixels of floats: none that is no number, none so bright that its square is no float.
-static void test_wild_floats_are_bounded( void** state )
+TEST( test_wild_floats_are_bounded )
 {
-    (void)state;
     static const struct
     {
         float value;
@@ -526,9 +509,8 @@ static void test_wild_floats_are_bounded( void** state )
 }
 
 // Broken files that are full of textures: an error line or a scene.
-static void test_mutations_never_crash( void** state )
+TEST( test_mutations_never_crash )
 {
-    (void)state;
     GltfBuilder b = make_square();
     size_t size;
     uint8_t* glb =
@@ -564,23 +546,4 @@ static void test_mutations_never_crash( void** state )
     free( glb );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_colour_is_srgb_data_is_linear ),
-        cmocka_unit_test( test_other_images ),
-        cmocka_unit_test( test_glossiness_textures ),
-        cmocka_unit_test( test_white_textures_equal_factors ),
-        cmocka_unit_test( test_transforms_and_second_coordinates ),
-        cmocka_unit_test( test_vertex_colours_multiply_in ),
-        cmocka_unit_test( test_alpha_modes_are_read ),
-        cmocka_unit_test( test_tangents_follow_their_node ),
-        cmocka_unit_test( test_deep_images_become_floats ),
-        cmocka_unit_test( test_where_images_come_from ),
-        cmocka_unit_test( test_faults_are_one_line ),
-        cmocka_unit_test( test_faults_of_vertices ),
-        cmocka_unit_test( test_mutations_never_crash ),
-        cmocka_unit_test( test_wild_floats_are_bounded ),
-    };
-    return cmocka_run_group_tests( tests, gltf_enter, gltf_leave );
-}
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -2,6 +2,7 @@
 #include "support/cli_run.h"
 #include "support/image_files.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/image_sequence.h"
 #include "scene/movement.h"
@@ -9,15 +10,10 @@
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 // ---- Files ----------------------------------------------------------------------
 
@@ -98,9 +94,8 @@ static void expect_fault( const char* members, const char* part )
 
 // ---- When which image is shown --------------------------------------------------
 
-static void test_numbers( void** state )
+TEST( test_numbers )
 {
-    (void)state;
     RfImageSequence s = { .first = 7, .last = 10, .start = 0.5, .fps = 10.0 };
     static const double s_times[] = { -1, 0.5, 0.59995, 0.6, 0.85, 0.9, 99 };
     static const int s_held[] = { 7, 7, 8, 8, 10, 10, 10 }, s_looped[] = { 7, 7, 8, 8, 10, 7, 8 };
@@ -162,9 +157,8 @@ static void check_poses( const RfScene* scene, int texture )
 
 #define EMISSIVE( film ) "\"materials\":{\"Screen\":{\"emissiveTexture\":" film "}}"
 
-static void test_a_screen_plays( void** state )
+TEST( test_a_screen_plays )
 {
-    (void)state;
     RfScene scene = load_scene( EMISSIVE( FILM( "" ) ) );
     assert_int_equal( scene.movement->sequence_count, 1 );
     assert_true( scene.movement->start == 0.0 && fabs( scene.movement->end - 0.3 ) < 1e-12 );
@@ -187,9 +181,8 @@ static void test_a_screen_plays( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_what_a_film_keeps_of_a_texture( void** state )
+TEST( test_what_a_film_keeps_of_a_texture )
 {
-    (void)state;
     RfScene scene =
         load_scene( "\"render\":{\"fps\":8},\"materials\":{\"Screen\":{\"baseColorTexture\":{\"frames\":\"film.#.png\","
                     "\"first\":2,\"last\":3,\"start\":1,\"repeat\":\"loop\"}}}" );
@@ -206,9 +199,8 @@ static void test_what_a_film_keeps_of_a_texture( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_films_of_a_gltf( void** state )
+TEST( test_films_of_a_gltf )
 {
-    (void)state;
     write_screen( ",\"extras\":{\"reframe\":" FILM( "" ) "}", "" );
     RfScene scene = load_scene( "\"about\":\"as it is\"" );
     assert_int_equal( scene.movement->sequence_count, 1 );
@@ -224,9 +216,8 @@ static void test_films_of_a_gltf( void** state )
     write_screen( "", "" );
 }
 
-static void test_films_are_placed( void** state )
+TEST( test_films_are_placed )
 {
-    (void)state;
     RfScene scene = load_scene( EMISSIVE( FILM( "" ) ) ",\"objects\":[{\"file\":\"room.glb\",\"translation\":[5,0,0]," EMISSIVE(
         FILM( ",\"start\":1" ) ) "}]" );
     assert_int_equal( scene.movement->sequence_count, 2 );
@@ -241,9 +232,8 @@ static void test_films_are_placed( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_films_are_frozen( void** state )
+TEST( test_films_are_frozen )
 {
-    (void)state;
     RfScene scene;
     RfError error = { 0 };
     assert_int_equal( try_scene( EMISSIVE( FILM( ",\"start\":-0.25" ) ), true, &scene, &error ), RF_OK );
@@ -254,9 +244,8 @@ static void test_films_are_frozen( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_images_are_of_the_content( void** state )
+TEST( test_images_are_of_the_content )
 {
-    (void)state;
     RfScene scene = load_scene( EMISSIVE( FILM( "" ) ) );
     uint64_t hash = scene.content_hash;
     rf_destroy_scene( &scene );
@@ -284,9 +273,8 @@ static void test_images_are_of_the_content( void** state )
     write_film();
 }
 
-static void test_faults_of_films( void** state )
+TEST( test_faults_of_films )
 {
-    (void)state;
     static const char* const faults[][2] = {
         { "3", "scene.json: materials.Screen.emissiveTexture: must be an object, got 3" },
         { "{}", "emissiveTexture.frames: is missing: must be the name of a sequence, such as \"film.####.png\"" },
@@ -326,9 +314,8 @@ static void test_faults_of_films( void** state )
 #define DIMMER                                                                                                                   \
     "\"interpolation\":\"linear\",\"keys\":[{\"frame\":1,\"emissiveStrength\":8},{\"frame\":11,\"emissiveStrength\":0}]"
 
-static void test_materials_have_keys( void** state )
+TEST( test_materials_have_keys )
 {
-    (void)state;
     RfScene scene = load_scene( "\"render\":{\"fps\":10},\"materials\":{\"paint\":{\"emissiveFactor\":[1,0.5,0]," DIMMER "}}" );
     assert_true( scene.materials[0].dims && !scene.materials[0].changes );
     assert_int_equal( scene.triangles.count, 2 ); // a lamp that dims stays where it is
@@ -366,9 +353,8 @@ static void test_materials_have_keys( void** state )
     "{\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":{\"pointer\":"                    \
     "\"/materials/0/pbrMetallicRoughness/metallicFactor\"}}}}]}]"
 
-static void test_values_of_scene_files_go_before_animations( void** state )
+TEST( test_values_of_scene_files_go_before_animations )
 {
-    (void)state;
     write_screen( "", OWN );
     RfScene scene = load_scene( "\"materials\":{}" );
     assert_true( scene.materials[0].changes && scene.movement != NULL );
@@ -387,9 +373,8 @@ static void test_values_of_scene_files_go_before_animations( void** state )
     write_screen( "", "" );
 }
 
-static void test_faults_of_keys_of_materials( void** state )
+TEST( test_faults_of_keys_of_materials )
 {
-    (void)state;
     static const char* const faults[][2] = {
         { "\"paint\":{\"interpolation\":\"linear\"}", "materials.paint.interpolation: has no effect without keys" },
         { "\"paint\":{\"keys\":[{\"time\":1,\"ior\":2}]}",
@@ -418,20 +403,4 @@ static int enter( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_numbers ),
-        cmocka_unit_test( test_a_screen_plays ),
-        cmocka_unit_test( test_what_a_film_keeps_of_a_texture ),
-        cmocka_unit_test( test_films_of_a_gltf ),
-        cmocka_unit_test( test_films_are_placed ),
-        cmocka_unit_test( test_films_are_frozen ),
-        cmocka_unit_test( test_images_are_of_the_content ),
-        cmocka_unit_test( test_faults_of_films ),
-        cmocka_unit_test( test_materials_have_keys ),
-        cmocka_unit_test( test_values_of_scene_files_go_before_animations ),
-        cmocka_unit_test( test_faults_of_keys_of_materials ),
-    };
-    return cmocka_run_group_tests( tests, enter, cli_leave_group );
-}
+SHARED_BY_TESTS( enter, cli_leave_group )

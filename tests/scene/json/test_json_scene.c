@@ -2,6 +2,7 @@
 #include "support/scene_files.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"
+#include "support/test.h"
 
 #include "scene/animation.h"
 #include "scene/json/material_edit.h"
@@ -9,14 +10,10 @@
 #include "scene/pose.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MUTATIONS 600
 
@@ -55,9 +52,8 @@ static void assert_rgb( RfVec3 got, double r, double g, double b )
     assert_three( three, r, g, b, 1e-6 );
 }
 
-static void test_scene_alone_changes_nothing( void** state )
+TEST( test_scene_alone_changes_nothing )
 {
-    (void)state;
     RfScene scene = load_members( "\"about\":\"nothing added\"" ), gltf;
     RfError error;
     assert_int_equal( load_named( "room.gltf", &gltf, &error ), RF_OK );
@@ -72,9 +68,8 @@ static void test_scene_alone_changes_nothing( void** state )
     rf_destroy_scene( &gltf );
 }
 
-static void test_materials_are_replaced( void** state )
+TEST( test_materials_are_replaced )
 {
-    (void)state;
     RfScene scene = load_members(
         "\"materials\":{\"vase\":{\"exponent\":200,\"doubleSided\":true},"
         "\"wood floor\":{\"baseColorFactor\":[0.1,0.2,0.3,1],\"specularFactor\":1,\"roughnessFactor\":0.5,\"ior\":1.5,"
@@ -112,9 +107,8 @@ static void test_materials_are_replaced( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_cameras_take_over( void** state )
+TEST( test_cameras_take_over )
 {
-    (void)state;
     RfScene scene = load_members( EDIT( "{\"name\":\"Side\",\"frame\":9},{\"name\":\"Eye\",\"frame\":12.5}" ) );
     assert_int_equal( scene.camera_count, 3 );
     assert_int_equal( scene.chosen_camera, 3 );
@@ -130,9 +124,8 @@ static void test_cameras_take_over( void** state )
 }
 
 // "textures": false on a parsed glTF, at all depths where one has textures.
-static void test_textures_can_be_dropped( void** state )
+TEST( test_textures_can_be_dropped )
 {
-    (void)state;
     json_t* root = json_loads( "{\"materials\":[{\"name\":\"a\",\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
                                "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0.5},\"extensions\":{\"KHR_x\":"
                                "{\"xTexture\":{\"index\":0},\"xFactor\":1}},\"extras\":{\"aTexture\":1}},"
@@ -153,9 +146,8 @@ static void test_textures_can_be_dropped( void** state )
     json_decref( root );
 }
 
-static void test_faults_of_materials( void** state )
+TEST( test_faults_of_materials )
 {
-    (void)state;
     static const char* const faults[][2] = {
         { "\"materials\":[]", "materials: must be an object of materials by name, got an array of 0" },
         { "\"materials\":{\"vase\":3}", "materials.vase: must be an object, got 3" },
@@ -193,9 +185,8 @@ static void test_faults_of_materials( void** state )
 
 static void write_map( const char* name, unsigned char mantissa );
 
-static void test_faults_of_files( void** state )
+TEST( test_faults_of_files )
 {
-    (void)state;
     write_map( "bright.hdr", 255 );
     static const char* const faults[][2] = {
         { "\"scene\":\"room.gltf\"", "duplicate" },
@@ -287,9 +278,8 @@ static void write_map( const char* name, unsigned char mantissa )
     free( bytes );
 }
 
-static void test_environment_is_read( void** state )
+TEST( test_environment_is_read )
 {
-    (void)state;
     RfScene scene = load_members( "\"environment\":{\"radiance\":[0.5,1,2],\"visible\":false}" );
     assert_rgb( scene.environment.radiance, 0.5, 1, 2 );
     assert_true( scene.environment.hidden );
@@ -328,9 +318,8 @@ static double sky_at( const RfScene* scene, RfChangedValue value, double time )
     "\"environment\":{\"radiance\":[1,2,3],\"map\":\"sky.hdr\",\"interpolation\":\"linear\",\"keys\":["                          \
     "{\"time\":1,\"strength\":0,\"rotation\":0},{\"time\":2,\"strength\":4},{\"time\":3,\"rotation\":720}]}"
 
-static void test_environment_has_keys( void** state )
+TEST( test_environment_has_keys )
 {
-    (void)state;
     write_map( "sky.hdr", 128 );
     RfScene scene = load_members( SUNRISE );
     assert_rgb( scene.environment.radiance, 1, 2, 3 ); // of which the strength is a factor
@@ -375,9 +364,8 @@ static void test_environment_has_keys( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_environment_is_frozen( void** state )
+TEST( test_environment_is_frozen )
 {
-    (void)state;
     RfSceneOptions options = { .freeze = true };
     RfScene scene, moving = load_members( SUNRISE ); // writes the file
     RfError error = { 0 };
@@ -412,9 +400,8 @@ static void expect_extras_fault( const char* extras, const char* part )
         fail_msg( "'%s' gave '%s'", extras, error.text );
 }
 
-static void test_environment_in_gltf( void** state )
+TEST( test_environment_in_gltf )
 {
-    (void)state;
     write_map( "sky.hdr", 128 );
     write_room(
         ",\"extras\":{\"other\":1,\"reframe\":{\"environment\":{\"radiance\":[1,2,3],\"map\":\"sky.hdr\",\"rotation\":-90}}}" );
@@ -489,9 +476,8 @@ static void expect_embedded_fault( const char* environment, const char* warnings
 
 #define LAST "{\"bufferView\":true}" // write_embedded knows its number
 
-static void test_map_and_warnings_inside_gltf( void** state )
+TEST( test_map_and_warnings_inside_gltf )
 {
-    (void)state;
     write_map( "sky.hdr", 128 );
     write_embedded( LAST, "[\"'a\\u001b[31m\\u0085': left out\", \"café\"]" );
     RfScene scene = load_members( "" );
@@ -532,9 +518,8 @@ static uint64_t hash_of( const char* members )
     return hash;
 }
 
-static void test_cameras_are_chosen_and_replaced( void** state )
+TEST( test_cameras_are_chosen_and_replaced )
 {
-    (void)state;
     RfError error;
     int index;
     RfScene scene = load_members( "\"camera\":\"Side\"" );
@@ -581,9 +566,8 @@ static RfResult load_lit( const char* lights, RfScene* scene, RfError* error )
     return load_named( "lit.json", scene, error );
 }
 
-static void test_lights_get_what_gltf_lacks( void** state )
+TEST( test_lights_get_what_gltf_lacks )
 {
-    (void)state;
     static const char* const faults[][2] = {
         { "[]", "lit.json: lights: must be an object of lights by name" },
         { "{\"Lmap\":{}}", "lit.json: lights.Lmap: " },
@@ -610,9 +594,8 @@ static void test_lights_get_what_gltf_lacks( void** state )
     }
 }
 
-static void test_mutations_never_crash( void** state )
+TEST( test_mutations_never_crash )
 {
-    (void)state;
     static const char text[] =
         "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,3],\"rotation\":45,\"visible\":true},\"materials\":{"
         "\"vase\":{\"exponent\":20,\"diffuse\":[0.1,0.1,0.1]},\"lamp\":{\"emissiveStrength\":3,\"textures\":false}},"
@@ -654,23 +637,4 @@ static int leave( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_scene_alone_changes_nothing ),
-        cmocka_unit_test( test_materials_are_replaced ),
-        cmocka_unit_test( test_cameras_take_over ),
-        cmocka_unit_test( test_textures_can_be_dropped ),
-        cmocka_unit_test( test_faults_of_materials ),
-        cmocka_unit_test( test_faults_of_files ),
-        cmocka_unit_test( test_environment_is_read ),
-        cmocka_unit_test( test_environment_has_keys ),
-        cmocka_unit_test( test_environment_is_frozen ),
-        cmocka_unit_test( test_environment_in_gltf ),
-        cmocka_unit_test( test_map_and_warnings_inside_gltf ),
-        cmocka_unit_test( test_cameras_are_chosen_and_replaced ),
-        cmocka_unit_test( test_lights_get_what_gltf_lacks ),
-        cmocka_unit_test( test_mutations_never_crash ),
-    };
-    return cmocka_run_group_tests_name( "json scene", tests, enter, leave );
-}
+SHARED_BY_TESTS( enter, leave )

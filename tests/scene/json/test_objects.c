@@ -2,21 +2,17 @@
 #include "support/cli_run.h"
 #include "support/image_files.h"
 #include "support/scene_files.h"
+#include "support/test.h"
 
 #include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define MUTATIONS 300
 
@@ -177,9 +173,8 @@ static void write_figure( void )
 
 // ---- Nodes ----------------------------------------------------------------------
 
-static void test_keys_of_a_node( void** state )
+TEST( test_keys_of_a_node )
 {
-    (void)state;
     RfScene alone = load_alone( "moving.glb" );
     RfScene scene =
         load_scene( "room.glb", "\"objects\":[{\"node\":\"Door\",\"interpolation\":\"linear\",\"keys\":[" TURN "]}]" );
@@ -202,9 +197,8 @@ static void test_keys_of_a_node( void** state )
     rf_destroy_scene( &alone );
 }
 
-static void test_smooth_keys_are_those_of_cameras( void** state )
+TEST( test_smooth_keys_are_those_of_cameras )
 {
-    (void)state;
     static const char* const s_how[] = { "catmull-rom", "linear" };
     for ( int k = 0; k < 2; ++k )
     {
@@ -240,9 +234,8 @@ static void test_smooth_keys_are_those_of_cameras( void** state )
     }
 }
 
-static void test_a_node_with_a_matrix( void** state )
+TEST( test_a_node_with_a_matrix )
 {
-    (void)state;
     RfScene scene = load_scene(
         "room.glb", "\"objects\":[{\"node\":\"nodes[4]\",\"translation\":[0,7,0],\"rotation\":[0,0,0,1],\"scale\":2}]" );
     gltf_assert_corner( &scene, 6, 0, 7, 0 );
@@ -250,9 +243,8 @@ static void test_a_node_with_a_matrix( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_a_node_that_carries_a_camera( void** state )
+TEST( test_a_node_that_carries_a_camera )
 {
-    (void)state;
     RfScene scene =
         load_scene( "room.glb", "\"objects\":[{\"node\":\"Eye\",\"keys\":[{\"time\":1,\"translation\":[0,0,5]},{\"time\":3,"
                                 "\"translation\":[0,1,5]}]}]" );
@@ -260,9 +252,8 @@ static void test_a_node_that_carries_a_camera( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_what_is_shown( void** state )
+TEST( test_what_is_shown )
 {
-    (void)state;
     RfScene scene = load_scene( "room.glb", "\"objects\":[{\"node\":\"Door\",\"visible\":false}]" );
     assert_int_equal( scene.triangles.count, 2 ); // nor what is below it
     assert_null( scene.movement );
@@ -290,9 +281,8 @@ static void test_what_is_shown( void** state )
 
 // ---- Files that are placed ------------------------------------------------------
 
-static void test_a_still_file_is_part_of_the_scene( void** state )
+TEST( test_a_still_file_is_part_of_the_scene )
 {
-    (void)state;
     RfScene room = load_alone( "room.glb" ),
             scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"room.glb\",\"translation\":[0,0,-3],\"scale\":[1,2,1],"
                                             "\"rotation\":{\"yaw\":90}}]" );
@@ -313,9 +303,8 @@ static void test_a_still_file_is_part_of_the_scene( void** state )
     rf_destroy_scene( &room );
 }
 
-static void test_as_if_by_gltf_alone( void** state )
+TEST( test_as_if_by_gltf_alone )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     static const float s_times[] = { 0, 2 }, s_moves[] = { 0, 0, 0, 8, 4, 2 };
     add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
@@ -357,9 +346,8 @@ static void assert_same_mover( const RfPosedScene* a, int i, const RfPosedScene*
     "\"loop\"},"                                                                                                                 \
     "{\"file\":\"figure.glb\",\"translation\":[20,0,0],\"animation\":\"Go\",\"start\":-0.25,\"repeat\":\"hold\"}]"
 
-static void test_a_file_twice_at_other_times( void** state )
+TEST( test_a_file_twice_at_other_times )
 {
-    (void)state;
     RfScene alone = load_alone( "figure.glb" ), scene = load_scene( "figure.glb", TWICE );
     assert_int_equal( alone.placement_count, 3 );
     assert_int_equal( scene.placement_count, 9 );
@@ -391,9 +379,8 @@ static void test_a_file_twice_at_other_times( void** state )
 #define PLACES 400
 
 // Instances that save enough memory to be placed, in a scene where others move.
-static void test_instances_come_before_what_moves( void** state )
+TEST( test_instances_come_before_what_moves )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     uint8_t indices[3 * MANY];
     float places[3 * PLACES];
@@ -426,9 +413,8 @@ static void test_instances_come_before_what_moves( void** state )
     rf_destroy_scene( &alone );
 }
 
-static void test_materials_and_textures_are_their_own( void** state )
+TEST( test_materials_and_textures_are_their_own )
 {
-    (void)state;
     RfScene scene =
         load_scene( "figure.glb", "\"objects\":[{\"file\":\"figure.glb\",\"materials\":{\"stone\":{\"baseColorFactor\":"
                                   "[1,0,0,1],\"metallicFactor\":0}}}]" );
@@ -453,9 +439,8 @@ static void test_materials_and_textures_are_their_own( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_which_animation( void** state )
+TEST( test_which_animation )
 {
-    (void)state;
     RfScene scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"figure.glb\",\"animation\":\"Grow\",\"speed\":4}]" );
     assert_int_equal( scene.placement_count, 1 ); // the disc alone, with Go left out whole
     assert_true( scene.movement->start == 0.0 && scene.movement->end == 0.25 );
@@ -471,9 +456,8 @@ static void test_which_animation( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_what_a_placed_file_leaves_behind( void** state )
+TEST( test_what_a_placed_file_leaves_behind )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     write_glb(
         "sky.glb", &b,
@@ -503,9 +487,8 @@ static void test_what_a_placed_file_leaves_behind( void** state )
 
 // A lamp and a material that dim and one that changes, twice: in the second the last stands still, since the scene file says what
 // it is, and all goes twice as fast.
-static void test_what_changes_in_placed_files( void** state )
+TEST( test_what_changes_in_placed_files )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
     add_gltf_floats( &b, "SCALAR", 1, 2, ( const float[] ){ 0, 2 } );
@@ -543,9 +526,8 @@ static void test_what_changes_in_placed_files( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_the_origin_is_that_of_the_scene( void** state )
+TEST( test_the_origin_is_that_of_the_scene )
 {
-    (void)state;
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 3, s_corners );
     write_glb( "far.glb", &b,
@@ -570,9 +552,8 @@ static RfResult try_path( const RfScene* scene, RfFps fps, const char* camera, R
     "\"camera\":{\"kind\":\"keyed\",\"step\":5,\"target\":[0,0,0]," lens "\"keys\":[{\"frame\":6,\"position\":[0,0,5]},"         \
     "{\"frame\":16,\"position\":[0,1,5]}]}"
 
-static void test_frames_of_keys( void** state )
+TEST( test_frames_of_keys )
 {
-    (void)state;
     RfCameraPath path;
     RfError error = { 0 };
     RfScene scene = load_scene( "room.glb", "\"render\":{\"fps\":\"30000/1001\"}," DOOR "," PATH( "" ) );
@@ -603,9 +584,8 @@ static void test_frames_of_keys( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_frozen_as_the_camera_begins( void** state )
+TEST( test_frozen_as_the_camera_begins )
 {
-    (void)state;
     RfScene scene;
     RfError error = { 0 };
     const char* members = "\"camera\":{\"kind\":\"keyed\",\"target\":[0,0,0],\"keys\":[{\"frame\":49,\"position\":[0,0,5]},"
@@ -627,9 +607,8 @@ static void test_frozen_as_the_camera_begins( void** state )
     rf_destroy_scene( &scene );
 }
 
-static void test_what_loops_counts_one_round( void** state )
+TEST( test_what_loops_counts_one_round )
 {
-    (void)state;
     RfCameraPath path;
     RfError error = { 0 };
     RfScene scene = load_scene( "room.glb", "\"objects\":[{\"file\":\"figure.glb\",\"start\":1,\"repeat\":\"loop\"}]" );
@@ -642,9 +621,8 @@ static void test_what_loops_counts_one_round( void** state )
 
 // ---- Faults ---------------------------------------------------------------------
 
-static void test_faults( void** state )
+TEST( test_faults )
 {
-    (void)state;
     static const char* const s_faults[][2] = {
         { "{}", "objects: must be an array" },
         { "[1]", "objects[0]: must be an object" },
@@ -690,9 +668,8 @@ static void test_faults( void** state )
 }
 
 // Nodes that stay where they are whatever is set.
-static void test_moves_without_effect( void** state )
+TEST( test_moves_without_effect )
 {
-    (void)state;
     static const char s_camera[] = "{\"asset\":{\"version\":\"2.0\"},\"cameras\":[{\"type\":\"perspective\",\"perspective\":{"
                                    "\"yfov\":0.8,\"znear\":0.1}}],\"nodes\":[{\"name\":\"Eye\",\"camera\":0,\"extras\":{"
                                    "\"reframe\":{\"path\":{\"kind\":\"zoom\"}}}}]}";
@@ -710,9 +687,8 @@ static void test_moves_without_effect( void** state )
 }
 
 // What is put under a node before it is checked.
-static void test_broken_files( void** state )
+TEST( test_broken_files )
 {
-    (void)state;
     static const char s_scene[] =
         "{\"scene\":\"room.glb\",\"objects\":[{\"file\":\"broken.glb\",\"scale\":2,\"keys\":["
         "{\"time\":0,\"translation\":[0,0,0]},{\"time\":1,\"translation\":[1,0,0]}],\"repeat\":\"loop\"}]}";
@@ -750,29 +726,4 @@ static int enter( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( test_keys_of_a_node ),
-        cmocka_unit_test( test_smooth_keys_are_those_of_cameras ),
-        cmocka_unit_test( test_a_node_with_a_matrix ),
-        cmocka_unit_test( test_a_node_that_carries_a_camera ),
-        cmocka_unit_test( test_what_is_shown ),
-        cmocka_unit_test( test_a_still_file_is_part_of_the_scene ),
-        cmocka_unit_test( test_as_if_by_gltf_alone ),
-        cmocka_unit_test( test_a_file_twice_at_other_times ),
-        cmocka_unit_test( test_instances_come_before_what_moves ),
-        cmocka_unit_test( test_materials_and_textures_are_their_own ),
-        cmocka_unit_test( test_which_animation ),
-        cmocka_unit_test( test_what_a_placed_file_leaves_behind ),
-        cmocka_unit_test( test_what_changes_in_placed_files ),
-        cmocka_unit_test( test_the_origin_is_that_of_the_scene ),
-        cmocka_unit_test( test_frames_of_keys ),
-        cmocka_unit_test( test_frozen_as_the_camera_begins ),
-        cmocka_unit_test( test_what_loops_counts_one_round ),
-        cmocka_unit_test( test_faults ),
-        cmocka_unit_test( test_moves_without_effect ),
-        cmocka_unit_test( test_broken_files ),
-    };
-    return cmocka_run_group_tests_name( "objects", tests, enter, cli_leave_group );
-}
+SHARED_BY_TESTS( enter, cli_leave_group )
