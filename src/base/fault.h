@@ -46,7 +46,7 @@
     X( light_group, "light without a part of its own counts in its light group", "changes-primaries" ) \
     X( light_offset, "shadow rays end off the light", "lights-1e-12-1e6 lights-without-area coincident" ) \
     X( light_rounding, "shadow rays end off the light by the rounding of both ends", "lamp-at-origin" ) \
-    X( long_sums, "sums of many passes are moved to doubles", "long-sums" ) \
+    X( long_sums, "the mean is taken out of sums of many passes", "long-sums" ) \
     X( mirrored_eye, "a coat that light comes through sees the mirror image of the eye", "sheet-between-eyes" ) \
     X( mixture, "directions that nobody could have drawn bring no light", "phong-1e7 phong-1e4" ) \
     X( near_0, "rays find what is at any distance: there is no near limit", "eyes-touch-surface corner-1e-12 touching-plates" ) \

@@ -4,35 +4,72 @@
 
 #include "base/fault.h"
 #include "film/normalize.h"
+#include "math/fastmath.h"
 #include "trace/trace.h"
 
 #include <math.h>
 #include <string.h>
+
+static size_t pixels_of( const RfFilm* film ) { return (size_t)film->width * (size_t)film->height; }
+
+// A mean in 64 bits: from the highest on the upper ten of a float behind its sign, the step, and for each channel 18 that count
+// steps from −NEGATIVE on. Only gradients have negative means.
+#define CODES ( 1 << 18 )
+#define NEGATIVE ( 1 << 15 )
+
+static uint64_t pack_mean( const double mean[3] )
+{
+    double step = 0.0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        if ( !isfinite( mean[c] ) )
+            return 0;
+        step = fmax( step, mean[c] > 0.0 ? mean[c] / ( CODES - 1 - NEGATIVE ) : mean[c] / -NEGATIVE );
+    }
+    if ( step < (double)FLT_MIN || step > 0.25 * (double)FLT_MAX )
+        return 0;
+    uint32_t upper = ( (uint32_t)rf_float_bits( (float)step ) >> 21 ) + 1;
+    double steps = 1.0 / (double)rf_bits_float( (int32_t)( upper << 21 ) );
+    uint64_t packed = (uint64_t)upper << 54;
+    for ( int c = 0; c < 3; ++c )
+        packed |= (uint64_t)(int64_t)( steps * mean[c] + ( NEGATIVE + 0.5 ) ) << 18 * c;
+    return packed;
+}
+
+void rf_film_mean( const RfFilm* film, size_t i, double mean[4] )
+{
+    uint64_t packed = film->mean[i];
+    double step = (double)rf_bits_float( (int32_t)( packed >> 54 << 21 ) );
+    for ( int c = 0; c < 3; ++c )
+        mean[c] = step * ( (int)( packed >> 18 * c & ( CODES - 1 ) ) - NEGATIVE );
+    mean[3] = film->mean_b != NULL && i < pixels_of( film ) ? (double)film->mean_b[i] : 1.0;
+}
 
 void rf_clear_film_counts( RfFilm* film )
 {
     for ( int h = 0; h < 2; ++h )
     {
         film->passes[h] = 0;
-        film->weight[h] = 0.0;
+        film->weight[h] = film->held[h] = 0.0;
     }
     film->landed = film->extra_samples = 0;
 }
 
 void rf_clear_film_pixels( RfFilm* film, size_t first, size_t count )
 {
-    size_t own = rf_film_sums( film->width, film->height, false ) + 4 * first;
-    for ( int h = 0; h < 2; ++h )
+    for ( size_t part = 0; part < ( film->split ? 2 : 1 ); ++part )
     {
-        memset( film->half[h] + 4 * first, 0, 4 * count * sizeof( float ) );
-        if ( film->split )
-            memset( film->half[h] + own, 0, 4 * count * sizeof( float ) );
-        if ( film->total[h] != NULL )
-            memset( film->total[h] + 4 * first, 0, 4 * count * sizeof( double ) );
-        if ( film->total[h] != NULL && film->split )
-            memset( film->total[h] + own, 0, 4 * count * sizeof( double ) );
-        if ( film->extra[h] != NULL )
-            memset( film->extra[h] + first, 0, count * sizeof( float ) );
+        size_t from = part * pixels_of( film ) + first;
+        for ( int h = 0; h < 2; ++h )
+            memset( film->half[h] + 4 * from, 0, 4 * count * sizeof( float ) );
+        if ( film->mean != NULL )
+            memset( film->mean + from, 0, count * sizeof *film->mean );
+    }
+    float* const extra[3] = { film->extra[0], film->extra[1], film->mean_b };
+    for ( int k = 0; k < 3; ++k )
+    {
+        if ( extra[k] != NULL )
+            memset( extra[k] + first, 0, count * sizeof( float ) );
     }
 }
 
@@ -48,27 +85,38 @@ void rf_clear_film( RfFilm* film )
     }
 }
 
-// Moves sums of a half into its totals.
-static void empty_sums( RfFilm* film, int half, size_t first, size_t count )
+// Takes the mean so far out of both halves, in place of that before.
+static void take_mean_out( RfFilm* film, size_t i )
 {
-    for ( size_t i = first; i < first + count; ++i )
-        film->total[half][i] += (double)film->half[half][i];
-    memset( film->half[half] + first, 0, count * sizeof( float ) );
+    double sums[2][4], mean[4], weight = film->weight[0] + film->weight[1];
+    for ( int h = 0; h < 2; ++h )
+        rf_film_sums_at( film, i, h, sums[h] );
+    for ( int c = 0; c < 4; ++c )
+        mean[c] = ( sums[0][c] + sums[1][c] ) / weight;
+    film->mean[i] = pack_mean( mean );
+    if ( film->mean_b != NULL && i < pixels_of( film ) )
+        film->mean_b[i] = (float)mean[3];
+    rf_film_mean( film, i, mean );
+    for ( size_t k = 0; k < 8; ++k )
+        film->half[k / 4][4 * i + k % 4] = (float)( sums[k / 4][k % 4] - film->weight[k / 4] * mean[k % 4] );
 }
 
 void rf_end_film_pass( RfFilm* film, int half, double weight )
 {
     film->passes[half] += 1;
     film->weight[half] += weight;
-    if ( film->total[half] == NULL || film->passes[half] % film->total_every != 0 || RF_FAULT( long_sums ) )
+    if ( film->mean == NULL || ( film->passes[0] + film->passes[1] ) % film->block != 0 || RF_FAULT( long_sums ) )
         return;
-    size_t of_row = rf_film_sums( film->width, 1, film->split );
+    size_t of_row = (size_t)film->width * ( film->split ? 2 : 1 );
 #pragma omp parallel for schedule( static )
     for ( int y = 0; y < film->height; ++y )
     {
         rf_set_float_mode();
-        empty_sums( film, half, (size_t)y * of_row, of_row );
+        for ( size_t i = (size_t)y * of_row; i < ( (size_t)y + 1 ) * of_row; ++i )
+            take_mean_out( film, i );
     }
+    for ( int h = 0; h < 2; ++h )
+        film->held[h] = film->weight[h];
 }
 
 void rf_combine_film( const RfFilm* film, RfNormalize normalize, float* rgb, float* weight )
@@ -192,16 +240,17 @@ void rf_estimate_variance( const RfFilm* film, RfNormalize normalize, float* var
     }
 }
 
-static double mean_of_halves( const RfFilm* film, int first, int last, size_t i, size_t c )
+static void mean_of_halves( const RfFilm* film, int first, int last, size_t i, double mean[3] )
 {
-    double sum = 0.0, count = 0.0;
+    double sum[4] = { 0.0 }, of_half[4];
     for ( int h = first; h <= last; ++h )
     {
-        const double* total = film->total[h];
-        sum += (double)film->half[h][4 * i + c] + ( total != NULL ? total[4 * i + c] : 0.0 );
-        count += (double)film->half[h][4 * i + 3] + ( total != NULL ? total[4 * i + 3] : 0.0 );
+        rf_film_sums_at( film, i, h, of_half );
+        for ( int c = 0; c < 4; ++c )
+            sum[c] += of_half[c];
     }
-    return count > 0.0 ? sum / count : 0.0;
+    for ( int c = 0; c < 3; ++c )
+        mean[c] = sum[3] > 0.0 ? sum[c] / sum[3] : 0.0;
 }
 
 void rf_add_film_steps( const RfFilm* film, int first, int last, bool down, float* image )
@@ -215,9 +264,11 @@ void rf_add_film_steps( const RfFilm* film, int first, int last, bool down, floa
         rf_set_float_mode();
         for ( size_t i = start; i < end; ++i )
         {
+            double here[3], there[3];
+            mean_of_halves( film, first, last, i, here );
+            mean_of_halves( film, first, last, i + step, there );
             for ( size_t c = 0; c < 3; ++c )
-                image[3 * i + c] +=
-                    (float)( mean_of_halves( film, first, last, i + step, c ) - mean_of_halves( film, first, last, i, c ) );
+                image[3 * i + c] += (float)( there[c] - here[c] );
         }
     }
 }

@@ -1,6 +1,12 @@
 // The film of one frame: two independent halves (src/reuse/estimators.md, section 2),
 // each with the sums of A (contributions, RGB) and B (weights) per pixel, and where something moves with those of own-frame
 // light (section 18).
+//
+// A float that many values are added to loses them bit by bit. So what both halves have in common, a mean times the weight of
+// their passes, is taken out of the sums after every block of passes: a half holds what it differs from it, and what came since.
+// The mean of B is 1, that of A takes 64 bits: 40 bytes a pixel for both halves. Rounding in floats as large as Rmax values takes
+// 2^-26 Rmax of a sum of equal ones at most, and n of them in each half leave Rmax = 512 + n / 367,000: 3e-5 of the brightest
+// channel for 10^9 additions to a pixel. Where noise sets the halves apart, it takes n 2^-26 of that noise.
 #ifndef REFRAME_FILM_FILM_H
 #define REFRAME_FILM_FILM_H
 
@@ -14,48 +20,29 @@ typedef struct RfFilm
 {
     int width, height;
     bool split;       // own-frame light has sums of its own: Aᵒ and Bᵒ of all pixels follow A and B of all
-    float* half[2];   // 4 per pixel: A red, green, blue, B
-    double* total[2]; // sums moved out of the halves in doubles; NULL in renders too short to need them
-    int total_every;  // passes of a half after which it is emptied
+    float* half[2];   // 4 per pixel: A red, green, blue, B, without mean times held
+    uint64_t* mean;   // of A and of Aᵒ per weight, packed
+    double held[2];   // weight of the passes whose mean has been taken out of a half; 0: none yet
+    int block;        // passes of both halves after which it is taken out anew
     int passes[2];    // passes in each half
     double weight[2]; // sum of their weights; its expectation is that of B in a pixel
     uint64_t landed;  // samples that landed in the film
     float* extra[2];  // adaptive sampling: weight of extra samples per pixel, which count like passes there; NULL: none
+    float* mean_b;    // the mean of B with them; NULL: 1
     uint64_t extra_samples;
 } RfFilm;
 
-// Additions to a pixel after which a sum in floats is moved to one in doubles.
-// n equal values lose n·2^−25 of their sum at most: 3e-5.
-#define RF_FILM_ADDITIONS ( 1 << 10 )
+// Additions to a pixel of a half after which a mean is taken out of it.
+#define RF_FILM_ADDITIONS 512
 
-// Sums in a half; bytes of it, and of the doubles that it is emptied into.
-static inline size_t rf_film_sums( int width, int height, bool split )
-{
-    return ( split ? 8 : 4 ) * (size_t)width * (size_t)height;
-}
-static inline size_t rf_film_half_bytes( int width, int height, bool split )
-{
-    return rf_film_sums( width, height, split ) * sizeof( float );
-}
-static inline size_t rf_film_total_bytes( int width, int height, bool split )
-{
-    return rf_film_sums( width, height, split ) * sizeof( double );
-}
+// Passes of both halves, which alternate, until then, where a pass adds to a pixel about `samples` times.
+static inline int rf_film_block( int samples ) { return 2 * ( samples < RF_FILM_ADDITIONS ? RF_FILM_ADDITIONS / samples : 1 ); }
 
 // Aᵒ and Bᵒ of a half; NULL where the film has none.
 static inline float* rf_film_own( const RfFilm* film, int half )
 {
-    return film->split ? film->half[half] + rf_film_sums( film->width, film->height, false ) : NULL;
+    return film->split ? film->half[half] + 4 * (size_t)film->width * (size_t)film->height : NULL;
 }
-
-static inline size_t rf_film_extra_bytes( int width, int height ) { return (size_t)width * (size_t)height * sizeof( float ); }
-
-// Passes after which a half must be emptied where a pass adds to a pixel about
-// `samples` times.
-static inline int rf_film_total_every( int samples ) { return samples < RF_FILM_ADDITIONS ? RF_FILM_ADDITIONS / samples : 1; }
-
-// Does a film of so many passes need totals?
-static inline bool rf_film_needs_total( int64_t passes, int total_every ) { return passes > total_every; }
 
 // Sums over a film are those of so many parts, which may be summed at once: the same for any number of threads.
 #define RF_FILM_PARTS 256
@@ -116,10 +103,17 @@ typedef struct RfFilmPixel
     double own[2][4]; // Aᵒ and Bᵒ; 0 where the film is not split
 } RfFilmPixel;
 
-static inline void rf_film_sums_at( const RfFilm* film, size_t i, int h, double* sums )
+// The mean of A, B in pixel i, or of Aᵒ, Bᵒ in pixel i − width height.
+void rf_film_mean( const RfFilm* film, size_t i, double mean[4] );
+
+// The sums of a half there.
+static inline void rf_film_sums_at( const RfFilm* film, size_t i, int h, double sums[4] )
 {
+    double mean[4] = { 0.0 };
+    if ( film->held[h] > 0.0 )
+        rf_film_mean( film, i, mean );
     for ( size_t c = 0; c < 4; ++c )
-        sums[c] = (double)film->half[h][4 * i + c] + ( film->total[h] != NULL ? film->total[h][4 * i + c] : 0.0 );
+        sums[c] = (double)film->half[h][4 * i + c] + film->held[h] * mean[c];
 }
 
 static inline RfFilmPixel rf_film_pixel( const RfFilm* film, size_t i )

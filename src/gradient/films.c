@@ -138,12 +138,6 @@ size_t rf_finish_gradients_bytes( const RfRenderSettings* settings, int width, i
     return layout.bytes;
 }
 
-// Entry i of the sums of a half.
-static double sum_of( const RfFilm* film, int h, size_t i )
-{
-    return (double)film->half[h][i] + ( film->total[h] != NULL ? film->total[h][i] : 0.0 );
-}
-
 // Mean and variance of the mean of one film in one half. With a single value the variance is not known: its square, which
 // is above it, stands for it.
 static void find_means( const RfFilm* films, int f, int h, float* mean, float* variance )
@@ -151,14 +145,17 @@ static void find_means( const RfFilm* films, int f, int h, float* mean, float* v
     const RfFilm *film = films + f, *squares = films + RF_FILM_SQUARES;
     for ( size_t i = 0; i < pixels_of( film ); ++i )
     {
-        double count = sum_of( film, h, 4 * i + 3 ), square = 0.0;
+        double sums[4], of_squares[4], square = 0.0;
+        rf_film_sums_at( film, i, h, sums );
+        rf_film_sums_at( squares, i, h, of_squares );
+        double count = sums[3];
         for ( size_t c = 0; c < 3; ++c )
         {
-            double value = count > 0.0 ? sum_of( film, h, 4 * i + c ) / count : 0.0;
+            double value = count > 0.0 ? sums[c] / count : 0.0;
             mean[3 * i + c] = (float)value;
             square += value * value;
         }
-        double mean_square = count > 0.0 ? sum_of( squares, h, 4 * i + (size_t)f ) / count : 0.0;
+        double mean_square = count > 0.0 ? of_squares[f] / count : 0.0;
         variance[i] = (float)( count > 1.0 ? fmax( mean_square - square, 0.0 ) / ( count - 1.0 ) : mean_square );
     }
 }

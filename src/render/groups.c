@@ -188,26 +188,6 @@ int rf_frame_passes( const RfGroupPlan* plan, int frame )
     return (int)( end.passes_before - rf_group( plan, first ).passes_before ) + end.passes;
 }
 
-int64_t rf_most_passes( const RfGroupPlan* plan )
-{
-    int64_t most = 0;
-    for ( int frame = 0; plan->cameras != NULL && frame < plan->frames; )
-    {
-        Stretch shot = shot_around( plan->cameras, plan->frames, frame );
-        RfGroupPlan own = plan_of( plan, shot );
-        int64_t passes = rf_most_passes( &own );
-        most = passes > most ? passes : most;
-        frame = shot.end;
-    }
-    if ( plan->cameras != NULL )
-        return most;
-    if ( plan->groups == 1 )
-        return plan->passes;
-    if ( plan->cut > 0 ) // the end frames lie in the shortest groups
-        return passes_before( plan, plan->eyes ) + 1;
-    return (int64_t)plan->end_passes + (int64_t)( plan->eyes - 1 ) * plan->passes;
-}
-
 void rf_add_group_samples( const RfGroupPlan* plan, const int* frames, int first, int end, double* samples, double* others )
 {
     int done = 0;

@@ -72,9 +72,6 @@ void rf_groups_of_frame( const RfGroupPlan* plan, int frame, int* first, int* la
 // Own-frame samples per pixel of a frame, over all groups that hold it.
 int rf_frame_passes( const RfGroupPlan* plan, int frame );
 
-// Upper bound of rf_frame_passes over all frames.
-int64_t rf_most_passes( const RfGroupPlan* plan );
-
 // Adds the own-frame samples per pixel in the groups that hold any of
 // frames[first … end), in ascending order, and those times the other frames of the group.
 void rf_add_group_samples( const RfGroupPlan* plan, const int* frames, int first, int end, double* samples, double* others );

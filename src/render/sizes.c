@@ -31,14 +31,13 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
 {
     RfSceneTraits called = rf_scene_traits( scene, eyes, plan->frames, settings );
     RfEstimatorGroup group = rf_size_group( scene, called, eyes, plan->eyes, settings );
-    // as many additions to a pixel as the group has frames, and half of the passes in each half
+    // as many additions to a pixel as the group has frames
     bool adaptive = may_adapt( settings, plan->eyes );
     int materials = adaptive && rf_noise_differs( &called ) ? (int)scene->material_count : 0;
     bool glints = adaptive && called.sharp && settings->estimator->add_glints != NULL &&
                   ( settings->adaptive == RF_ADAPTIVE_ON || settings->spp >= RF_LEAST_GLINT_SPP );
-    int total_every = rf_film_total_every( plan->eyes * rf_filter_pixels( settings ) +
-                                           ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) + ( glints ? RF_MOST_GLINTS : 0 ) );
-    int64_t most = ( rf_most_passes( plan ) + 1 ) / 2;
+    int block = rf_film_block( plan->eyes * rf_filter_pixels( settings ) + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) +
+                               ( glints ? RF_MOST_GLINTS : 0 ) );
     int passes = __builtin_popcount( settings->aovs & RF_PASS_AOVS );
     int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
     RfEstimatorSizes of_estimator = settings->estimator->sizes( &group );
@@ -63,7 +62,7 @@ RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const Rf
         .cryptomatte = settings->cryptomatte,
         .covering = rf_wants_covering( settings ),
         .filtered = !rf_is_plain_filter( settings ) && !settings->estimator->draws_by_filter,
-        .total_every = rf_film_needs_total( most, total_every ) ? total_every : 0,
+        .film_block = block,
         .stopping = rf_is_stopping( settings ),
         .paired = rf_is_stopping( settings ) && settings->flicker > 0.0,
         .adaptive = adaptive,

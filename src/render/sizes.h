@@ -23,7 +23,7 @@ typedef struct RfRenderSizes
     unsigned cryptomatte; // kinds asked for
     bool covering;        // surfaces of pixels are counted, for these or index AOVs
     bool filtered;        // by another than the plain pixel filter
-    int total_every;      // passes of a half of a film before it is emptied; 0: never
+    int film_block;       // passes (RfFilm.block)
     bool stopping;        // by noise, flicker or time
     bool paired;          // by flicker: the films of a group are held at once, and the errors of one more frame
     bool adaptive;        // films may get extra samples

@@ -10,7 +10,7 @@ typedef struct Shape
 {
     int32_t width, height, films, live, frames, of_sweep;
     uint32_t aovs, adaptive, paired, stopping, cryptomatte, covering;
-    uint64_t film_bytes, total_bytes, stop;
+    uint64_t split, stop;
 } Shape;
 
 typedef struct Stream
@@ -54,9 +54,10 @@ static void move_block( RfMemoryWalk* walk, const char* name, size_t bytes, void
 
 static void move_film( Stream* s, RfFilm* film )
 {
-    MOVE( s, film->total_every );
+    MOVE( s, film->block );
     MOVE( s, film->passes );
     MOVE( s, film->weight );
+    MOVE( s, film->held );
     MOVE( s, film->landed );
     MOVE( s, film->extra_samples );
 }
@@ -142,9 +143,7 @@ static Shape shape_of( const RfRenderer* r )
         .stopping = sizes->stopping,
         .cryptomatte = sizes->cryptomatte,
         .covering = sizes->covering,
-        .film_bytes = rf_film_half_bytes( sizes->width, sizes->height, sizes->of_estimator.splits ),
-        .total_bytes =
-            sizes->total_every > 0 ? rf_film_total_bytes( sizes->width, sizes->height, sizes->of_estimator.splits ) : 0,
+        .split = sizes->of_estimator.splits,
         .stop = sizeof( RfStop ),
     };
     for ( int i = 0; i < r->memory.film_slots; ++i )

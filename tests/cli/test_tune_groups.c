@@ -94,7 +94,7 @@ TEST( test_split_light_is_priced )
     const json_t* split = json_object_get( plan, "split_light" );
     json_int_t films = json_integer_value( json_object_get( split, "films" ) );
     assert_int_equal( films, 3 ); // one lamp, two passes
-    assert_true( json_integer_value( json_object_get( split, "bytes_films" ) ) >= films * 64 * 36 * 32 );
+    assert_true( json_integer_value( json_object_get( split, "bytes_films" ) ) >= films * 64 * 36 * 40 );
     assert_true( json_integer_value( json_object_get( split, "bytes_hits" ) ) > 0 );
     assert_true( is_null( split, "time_share" ) );
     json_decref( plan );
@@ -127,11 +127,11 @@ TEST( test_options_change_plan_as_render )
         const char *plain, *options;
         bool felt;
     } cases[] = {
-        { "--size 64x36 --tile 1 --memory 2700K", "--adaptive", true },
-        { "--size 64x36 --tile 1 --memory 2700K", "--aov albedo,normal,depth,motion,variance,samples", true },
-        { "--size 64x36 --tile 1 --memory 2700K", "--noise 1000", true }, // the samples that it may take need totals
-        { "--size 64x36 --tile 1 --memory 2700K", "--time 0.001", true },
-        { "--size 64x36 --tile 1 --memory 2700K", "--clamp 1 --aov removed", true },
+        { "--size 64x36 --tile 1 --memory 3200K", "--adaptive", true },
+        { "--size 64x36 --tile 1 --memory 3200K", "--aov albedo,normal,depth,motion,variance,samples", true },
+        { "--size 64x36 --tile 1 --memory 3200K", "--noise 1000", true },
+        { "--size 64x36 --tile 1 --memory 3200K", "--time 0.001", true },
+        { "--size 64x36 --tile 1 --memory 3200K", "--clamp 1 --aov removed", true },
         { "--size 64x36 --spp 9 --memory 12M", "--weights eq15", true },
         { "--size 64x36 --spp 9 --memory 12M", "--weights unweighted --normalize none --tile rooks16 --light-samples 2", false },
     };

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define WIDTH 256
 #define HEIGHT 256
@@ -28,10 +29,12 @@ static Film make_film( int width, int height, int even, int odd )
     Film f = { .film = { .width = width, .height = height, .passes = { even, odd }, .weight = { even, odd } } };
     for ( int h = 0; h < 2; ++h )
         f.film.half[h] = calloc( pixels, 4 * sizeof( float ) );
+    f.film.mean = calloc( pixels, sizeof *f.film.mean );
     f.rgb = calloc( pixels, 3 * sizeof( float ) );
     f.weight = calloc( pixels, sizeof( float ) );
-    if ( f.film.half[0] == NULL || f.film.half[1] == NULL || f.rgb == NULL || f.weight == NULL )
+    if ( f.film.half[0] == NULL || f.film.half[1] == NULL || f.film.mean == NULL || f.rgb == NULL || f.weight == NULL )
         abort();
+    f.film.block = rf_film_block( 1 );
     return f;
 }
 
@@ -39,6 +42,7 @@ static void free_film( Film* f )
 {
     free( f->film.half[0] );
     free( f->film.half[1] );
+    free( f->film.mean );
     free( f->rgb );
     free( f->weight );
 }
@@ -136,6 +140,8 @@ TEST( test_extra_samples_bring_own_light )
     free_film( &f );
 }
 
+static float uniform( uint32_t pixel, uint32_t dimension ) { return rf_random( rf_pixel_key( 4711, pixel ), dimension ); }
+
 // A million passes of the same value: a sum in floats alone would be off by
 // half a per cent.
 TEST( test_long_sums_do_not_drift )
@@ -148,12 +154,7 @@ TEST( test_long_sums_do_not_drift )
     for ( int samples = 1; samples <= 1000; samples = samples * 7 + 3 )
     {
         Film f = make_film( 1, 1, 0, 0 );
-        f.film.total_every = rf_film_total_every( samples );
-        assert_true( rf_film_needs_total( PASSES, f.film.total_every ) );
-        double total[2][4];
-        f.film.total[0] = total[0];
-        f.film.total[1] = total[1];
-        rf_clear_film( &f.film );
+        f.film.block = rf_film_block( samples );
         for ( int pass = 0; pass < PASSES; ++pass )
         {
             for ( int s = 0; s < samples && ( samples == 1 || pass < 1 << 12 ); ++s )
@@ -176,44 +177,125 @@ TEST( test_long_sums_do_not_drift )
     }
 }
 
-// Emptied or not, the image is the same where rounding plays no part.
-TEST( test_totals_are_part_of_the_sum )
+// Sums of a pixel over both halves.
+static void sum_pixel( const Film* f, size_t i, double sums[4] )
+{
+    RfFilmPixel p = rf_film_pixel( &f->film, i );
+    for ( int c = 0; c < 4; ++c )
+        sums[c] = p.half[0][c] + p.half[1][c];
+}
+
+// What a film that has had `weight` passes of the values in each half makes of some blocks of them: added to `off`, relative to the
+// brightest channel, and of B to itself.
+static void drift( Film* f, const float* values, double weight, int blocks, double* off )
+{
+    size_t pixels = (size_t)f->film.width;
+    double* before = malloc( 4 * pixels * sizeof *before );
+    if ( before == NULL )
+        abort();
+    rf_clear_film( &f->film );
+    for ( size_t k = 0; k < 8 * pixels; ++k )
+        f->film.half[k / ( 4 * pixels )][k % ( 4 * pixels )] = (float)( weight * (double)values[k % ( 4 * pixels )] );
+    f->film.weight[0] = f->film.weight[1] = weight;
+    f->film.passes[0] = f->film.block - 1;
+    rf_end_film_pass( &f->film, 1, 0.0 );
+    assert_true( f->film.held[0] == weight && f->film.held[1] == weight );
+    for ( size_t i = 0; i < pixels; ++i )
+        sum_pixel( f, i, before + 4 * i );
+    int passes = blocks * f->film.block;
+    for ( int pass = 0; pass < passes; ++pass )
+    {
+        float* sums = f->film.half[pass & 1];
+        for ( size_t k = 0; k < 4 * pixels; ++k )
+            sums[k] += values[k];
+        rf_end_film_pass( &f->film, pass & 1, 1.0 );
+    }
+    for ( size_t i = 0; i < pixels; ++i )
+    {
+        double sums[4];
+        sum_pixel( f, i, sums );
+        for ( size_t c = 0; c < 4; ++c )
+            off[4 * i + c] += ( ( sums[c] - before[4 * i + c] ) / passes - (double)values[4 * i + c] ) /
+                              (double)values[4 * i + ( c < 3 ? 0 : 3 )];
+    }
+    free( before );
+}
+
+// 10^9 additions of the same values: their error is the mean of that of blocks in their midst. Extra samples bring B more than the
+// passes have.
+TEST( test_1e9_equal_additions_stay_within_3e_5 )
+{
+    enum
+    {
+        PLACES = 64,
+        VALUES = 512
+    };
+    float* values = malloc( 4 * VALUES * sizeof *values );
+    float* mean_b = malloc( VALUES * sizeof *mean_b );
+    double* off = malloc( 4 * VALUES * sizeof *off );
+    if ( values == NULL || mean_b == NULL || off == NULL )
+        abort();
+    for ( int adaptive = 0; adaptive < 2; ++adaptive )
+    {
+        Film f = make_film( VALUES, 1, 0, 0 );
+        double worst = 0.0, of_b = 0.0;
+        if ( adaptive )
+            f.film.mean_b = mean_b;
+        for ( uint32_t i = 0; i < VALUES; ++i )
+        {
+            float brightest = exp2f( 2.0f * uniform( i, 0 ) - 1.0f );
+            for ( uint32_t c = 0; c < 3; ++c )
+                values[4 * i + c] = brightest * ( c > 0 ? uniform( i, c ) : 1.0f );
+            values[4 * i + 3] = adaptive ? 1.0f + 3.0f * uniform( i, 3 ) : 1.0f;
+        }
+        memset( off, 0, 4 * VALUES * sizeof *off );
+        for ( int place = 0; place < PLACES; ++place )
+            drift( &f, values, floor( 5e8 * ( place + 0.5 ) / PLACES ), 2, off );
+        for ( int k = 0; k < 4 * VALUES; ++k )
+        {
+            double* most = k % 4 < 3 ? &worst : &of_b;
+            *most = fmax( *most, fabs( off[k] ) / PLACES );
+        }
+        printf( "1e9 additions: off by %.2g, B by %.2g\n", worst, of_b );
+        assert_true( worst < 3e-5 && of_b < 3e-5 && ( adaptive || of_b == 0.0 ) );
+        free_film( &f );
+    }
+    free( values );
+    free( mean_b );
+    free( off );
+}
+
+// With or without a mean taken out, the image is the same but for rounding.
+TEST( test_the_mean_is_part_of_the_sum )
 {
     enum
     {
         PASSES = 100
     };
-    Film plain = make_film( 3, 2, 0, 0 ), emptied = make_film( 3, 2, 0, 0 );
-    double total[2][4 * 6];
-    emptied.film.total[0] = total[0];
-    emptied.film.total[1] = total[1];
-    emptied.film.total_every = 7;
-    rf_clear_film( &emptied.film );
+    Film plain = make_film( 3, 2, 0, 0 ), held = make_film( 3, 2, 0, 0 );
+    held.film.block = 14;
     for ( int pass = 0; pass < PASSES; ++pass )
     {
         int half = pass % 3 == 0;
         for ( int i = 0; i < 4 * 6; ++i )
         {
-            float value = (float)( ( pass + 3 * i ) % 17 );
+            float value = (float)( ( pass + 3 * i ) % 17 - ( i % 4 == 2 ? 8 : 0 ) );
             plain.film.half[half][i] += value;
-            emptied.film.half[half][i] += value;
+            held.film.half[half][i] += value;
         }
         rf_end_film_pass( &plain.film, half, 1.0 );
-        rf_end_film_pass( &emptied.film, half, 1.0 );
+        rf_end_film_pass( &held.film, half, 1.0 );
     }
-    for ( int c = RF_NORMALIZE_CROSSFIT; c <= RF_NORMALIZE_NONE; ++c )
+    assert_true( plain.film.held[0] == 0.0 && held.film.held[0] > 0.0 );
+    for ( size_t i = 0; i < 6; ++i )
     {
-        rf_combine_film( &plain.film, (RfNormalize)c, plain.rgb, plain.weight );
-        rf_combine_film( &emptied.film, (RfNormalize)c, emptied.rgb, emptied.weight );
-        assert_memory_equal( plain.rgb, emptied.rgb, 3 * 6 * sizeof( float ) );
-        assert_memory_equal( plain.weight, emptied.weight, 6 * sizeof( float ) );
-        assert_true( plain.rgb[0] > 0.0f );
+        RfFilmPixel a = rf_film_pixel( &plain.film, i ), b = rf_film_pixel( &held.film, i );
+        for ( int k = 0; k < 8; ++k )
+            assert_true( fabs( a.half[k / 4][k % 4] - b.half[k / 4][k % 4] ) <= 0x1p-24 * fabs( a.half[k / 4][k % 4] ) );
     }
     free_film( &plain );
-    free_film( &emptied );
+    free_film( &held );
 }
-
-static float uniform( uint32_t pixel, uint32_t dimension ) { return rf_random( rf_pixel_key( 4711, pixel ), dimension ); }
 
 TEST( test_equal_halves_are_equation_2 )
 {

@@ -21,9 +21,8 @@ static HardInput long_sums( void )
     for ( int v = 0; v < 4; ++v )
     {
         float half[2][4] = { { 0 } }, rgb[3], weight;
-        double total[2][4] = { { 0 } };
-        RfFilm film = { .width = 1, .height = 1, .half = { half[0], half[1] }, .total = { total[0], total[1] } };
-        film.total_every = rf_film_total_every( 1 );
+        uint64_t mean = 0;
+        RfFilm film = { .width = 1, .height = 1, .half = { half[0], half[1] }, .mean = &mean, .block = rf_film_block( 1 ) };
         for ( int pass = 0; pass < 1 << 20; ++pass )
         {
             for ( int c = 0; c < 4; ++c )

@@ -49,7 +49,6 @@ static void check_shot( const RfGroupPlan* plan, int start, int length, int half
             assert_memory_equal( &group, &wanted, sizeof group );
         }
         assert_int_equal( rf_frame_passes( plan, start + frame ), rf_frame_passes( &own, frame ) );
-        assert_true( rf_frame_passes( plan, start + frame ) <= rf_most_passes( plan ) );
         rf_shot_of_frame( plan, start + frame, &begin, &end );
         assert_true( begin == start && end == start + length );
         assert_true( !rf_share_shot( plan, start, start + length ) && rf_share_shot( plan, start, start + frame ) );

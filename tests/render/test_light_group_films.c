@@ -199,7 +199,7 @@ TEST( test_blur_long_sums_and_sweeps )
         { "lens", "mirrors", 3, 0.05f, 0, 5, 1 },
         { "shutter", "torch", 3, 0.0f, 4, 5, 1 },
         { "lens and shutter", "dimmer", 2, 0.05f, 4, 5, 1 },
-        { "sums in doubles", "dimmer", 2, 0.0f, 0, 70, 1 },
+        { "long sums", "dimmer", 2, 0.0f, 0, 70, 1 },
         { "sweeps", "torch", 3, 0.0f, 0, 5, 3 },
         { "sweeps without tiles", "dimmer", 2, 0.0f, 0, 5, 3 },
     };

@@ -165,7 +165,7 @@ TEST( test_blur_long_sums_and_sweeps )
         int blur_steps, spp, frames;
     } cases[] = {
         { "lens", "mirrors", 3, 0.05f, 0, 5, 1 },           { "shutter", "sweep", 3, 0.0f, 4, 5, 1 },
-        { "lens and shutter", "panes", 1, 0.05f, 4, 5, 1 }, { "sums in doubles", "dimmer", 2, 0.0f, 0, 70, 1 },
+        { "lens and shutter", "panes", 1, 0.05f, 4, 5, 1 }, { "long sums", "dimmer", 2, 0.0f, 0, 70, 1 },
         { "sweeps", "mirrors", 3, 0.0f, 0, 5, 3 },
     };
     for ( size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k )

@@ -134,7 +134,7 @@ static const struct
     { "turntable", "--group 1 --frames 1-2 --size 160x120 --spp 3 --threads 3 --tile 1 --aov depth", false },
     { "still-life", "--group 2 --frames 3-5 --size 120x90 --spp 5 --threads 3 --adaptive", false },
     { "vase-room-phong", "--group 1 --frames 1 --size 96x72 --spp 3 --threads 2 --tile 1 --weights eq15", false },
-    // films of 108 MiB, and images whose files are written in chunks of 14 MiB
+    // films of 135 MiB, and images whose files are written in chunks of 14 MiB
     { "vase-room", "--group 0 --frames 1 --size 2304x1536 --spp 1 --max-depth 1 --threads 1 --tile 1", true },
     { "vase-room",
       "--group 0 --frames 1-2 --size 8192x32 --spp 1 --max-depth 1 --threads 2 --tile 1 --compression piz "

@@ -13,7 +13,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#define MAGIC "reframe films 2\n"
+#define MAGIC "reframe films 3\n"
 #define ENDING ".films"
 
 typedef struct Header

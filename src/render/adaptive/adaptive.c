@@ -403,9 +403,9 @@ void rf_run_pilot( RfRenderer* r, RfLiveFilm* live )
     if ( live->glints != NULL )
         rf_find_glints( r, live, extra_worth( r ) );
     // without extra samples the sums are those of a render without adaptive sampling, bit for bit
-    live->films[0].total_every = rf_film_total_every( r->setup->plan.eyes * rf_filter_pixels( &r->setup->settings ) +
-                                                      ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) +
-                                                      ( live->most_glints > 0.0f ? RF_MOST_GLINTS : 0 ) );
+    live->films[0].block = rf_film_block( r->setup->plan.eyes * rf_filter_pixels( &r->setup->settings ) +
+                                          ( live->most_need > 0.0f ? rf_most_extra( r->memory.noise != NULL ) : 0 ) +
+                                          ( live->most_glints > 0.0f ? RF_MOST_GLINTS : 0 ) );
 }
 
 // The samples of some tiles of a frame alone.

@@ -113,14 +113,12 @@ static void walk_film( RfMemoryWalk* w, RfFilm* film )
 {
     const RfRenderSizes* s = w->sizes;
     bool split = s->of_estimator.splits;
-    size_t sums = rf_film_sums( s->width, s->height, split );
+    size_t means = ( split ? 2 : 1 ) * rf_film_pixels( s );
     if ( w->take == allocate )
-        *film = ( RfFilm ){ .width = s->width, .height = s->height, .split = split, .total_every = s->total_every };
+        *film = ( RfFilm ){ .width = s->width, .height = s->height, .split = split, .block = s->film_block };
     for ( int h = 0; h < 2; ++h )
-    {
-        TAKE( w, "films", film->half[h], sums );
-        TAKE( w, "films", film->total[h], s->total_every > 0 ? sums : 0 );
-    }
+        TAKE( w, "films", film->half[h], 4 * means );
+    TAKE( w, "films", film->mean, means );
 }
 
 void rf_walk_film_arrays( RfMemoryWalk* w, RfLiveFilm* live )
@@ -132,6 +130,7 @@ void rf_walk_film_arrays( RfMemoryWalk* w, RfLiveFilm* live )
         walk_film( w, live->films != NULL ? live->films + f : &none );
     for ( int h = 0; h < 2; ++h )
         TAKE( w, "adaptive", first->extra[h], s->adaptive ? pixels : 0 );
+    TAKE( w, "adaptive", first->mean_b, s->adaptive ? pixels : 0 );
     TAKE( w, "adaptive", live->need, s->adaptive ? pixels : 0 );
     TAKE( w, "adaptive", live->glints, s->glints ? pixels : 0 );
     TAKE( w, "surfaces", live->covering, s->covering ? pixels : 0 );
