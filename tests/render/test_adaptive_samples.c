@@ -154,7 +154,8 @@ TEST( test_auto_is_off_where_it_must )
         assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, NULL ), RF_OK );
         resolved.adaptive = RF_ADAPTIVE_OFF;
         assert_int_equal( rf_fit_memory( &shot, &resolved, &off, NULL ), RF_OK );
-        size_t more = cases[i].resolved == RF_ADAPTIVE_AUTO ? 5 * sizeof( float ) * 40 * 30 : 0; // need, glints, extra, and the mean of B
+        size_t more =
+            cases[i].resolved == RF_ADAPTIVE_AUTO ? 5 * sizeof( float ) * 40 * 30 : 0; // need, glints, extra, and the mean of B
         size_t noise = more > 0 ? ( scene.material_count + 1 ) * sizeof( RfMaterialNoise ) : 0;
         assert_true( fit.bytes_films >= off.bytes_films + more && fit.bytes_films < off.bytes_films + more + 256 + noise );
         settings.adaptive = RF_ADAPTIVE_ON;
