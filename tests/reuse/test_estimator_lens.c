@@ -9,8 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define WIDTH 48
-#define HEIGHT 36
+#define WIDTH 36
+#define HEIGHT 30
 #define BLOCK 6
 #define EYES 5
 

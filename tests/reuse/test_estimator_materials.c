@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define WIDTH 48
-#define HEIGHT 36
+#define WIDTH 36
+#define HEIGHT 30
 #define BLOCK 6
 
 static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
