@@ -98,8 +98,10 @@ int rf_matte_kinds( const RfRenderSizes* s )
 
 int rf_landings( const RfRenderSizes* s )
 {
+    if ( s->of_estimator.landing == 0 || s->threads == 1 || s->films == 0 ) // no films: none fits
+        return 0;
     int each = ( s->threads * LANDINGS_PER_THREAD + s->films - 1 ) / s->films, batches = rf_batches_wanted( s );
-    return s->of_estimator.landing > 0 && s->threads > 1 ? s->films * ( each < batches ? each : batches ) : 0;
+    return s->films * ( each < batches ? each : batches );
 }
 
 size_t rf_writer_bytes( const RfRenderSizes* s )
