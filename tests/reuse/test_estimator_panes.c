@@ -240,7 +240,7 @@ TEST( test_blocks_over_many_seeds )
     } s_ways[] = { { { 0, "1", 64 }, NULL }, { { 3, "3x3", 7 }, "avx2" }, { { 3, "1", 7 }, NULL }, { { 0, "3x3", 16 }, "avx2" } };
     static double mean[sizeof s_ways / sizeof *s_ways][BLOCKS][MOST];
     memset( mean, 0, sizeof mean ); // of the first round
-    int seeds = is_long() ? MOST : 64, ways = is_long() ? sizeof s_ways / sizeof *s_ways : 2;
+    int seeds = is_long() ? MOST : 32, ways = is_long() ? sizeof s_ways / sizeof *s_ways : 2;
     RfScene scene = make_pane_room( PANES_AND_LAMP );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
