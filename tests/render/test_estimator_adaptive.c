@@ -111,9 +111,10 @@ TEST( test_another_view ) { check( "aside, Phong", make_room( ROOM_PHONG ), 2.0f
 // Highlights smaller than a pixel: extra samples by them alone, since all frames see the same.
 TEST( test_glints )
 {
-    check( "glints, GGX", make_glint_room( RF_BSDF_GGX ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 2 );
+    check( "glints, GGX", make_glint_room( RF_BSDF_GGX ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
     check( "glints, Phong", make_glint_room( RF_BSDF_PHONG ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
-    check( "glints, coat", make_glint_room( RF_BSDF_COATED ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
+    if ( is_long() )
+        check( "glints, coat", make_glint_room( RF_BSDF_COATED ), 2.0f, 0.0f, RF_ADAPTIVE_AUTO, 1 );
 }
 
 // Over seeds.
