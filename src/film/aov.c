@@ -135,11 +135,7 @@ int rf_aov_film_floats( RfAov aov, bool filtered )
         case RF_AOV_OBJECT_INDEX: // film/covering.h
         case RF_AOV_MATERIAL_INDEX:
         case RF_AOV_REMOVED: // made from the films of the colour
-        case RF_AOV_EMISSION:
-        case RF_AOV_DIRECT:
-        case RF_AOV_INDIRECT:
-        case RF_AOV_REFLECTION:
-        case RF_AOV_TRANSMISSION:
+        RF_PASS_AOV_CASES:
         case RF_AOV_VARIANCE:
         case RF_AOV_PRIMAL:
         case RF_AOV_DX:
@@ -292,11 +288,7 @@ static void value_at_hit( const RfAovJob* job, RfAov aov, RfFirstHits first, int
         case RF_AOV_OBJECT_INDEX: // not of hits
         case RF_AOV_MATERIAL_INDEX:
         case RF_AOV_REMOVED:
-        case RF_AOV_EMISSION:
-        case RF_AOV_DIRECT:
-        case RF_AOV_INDIRECT:
-        case RF_AOV_REFLECTION:
-        case RF_AOV_TRANSMISSION:
+        RF_PASS_AOV_CASES:
         case RF_AOV_VARIANCE:
         case RF_AOV_SAMPLES:
         case RF_AOV_PRIMAL:
@@ -513,11 +505,7 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNo
         case RF_AOV_MOTION: finish_rows( film, aov, colour->width, colour->height, image ); break;
         case RF_AOV_OBJECT_INDEX: // rf_finish_index
         case RF_AOV_MATERIAL_INDEX:
-        case RF_AOV_EMISSION: // rf_combine_part makes them
-        case RF_AOV_DIRECT:
-        case RF_AOV_INDIRECT:
-        case RF_AOV_REFLECTION:
-        case RF_AOV_TRANSMISSION:
+        RF_PASS_AOV_CASES: // rf_combine_part makes them
         case RF_AOV_COUNT: break;
     }
 }

@@ -22,6 +22,14 @@ static inline bool rf_follows_motion( const RfRenderSettings* settings )
 // Whether camera rays are to be followed to what denoisers want to know.
 static inline bool rf_finds_features( const RfRenderSettings* settings ) { return ( settings->aovs & RF_DENOISE_AOVS ) != 0; }
 
+// The labels of RF_PASS_AOVS in a switch.
+#define RF_PASS_AOV_CASES                                                                                                        \
+    case RF_AOV_EMISSION:                                                                                                        \
+    case RF_AOV_DIRECT:                                                                                                          \
+    case RF_AOV_INDIRECT:                                                                                                        \
+    case RF_AOV_REFLECTION:                                                                                                      \
+    case RF_AOV_TRANSMISSION
+
 // Of the films of gradients, what differences lack (src/gradient/films.h).
 #define RF_UNSHARED_FILM 4
 

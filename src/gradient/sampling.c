@@ -98,8 +98,8 @@ struct RfGradientScratch
     int32_t number[RF_LANES];    // of its tile in the pass
     int32_t source[RF_LANES];    // tiles of one pixel: of the paths (reuse/tile/tile_paths.h)
     float missed[RF_LANES];      // 1 where the camera ray did, with RF_AOV_ALPHA
-    RfAccumulateScratch accumulate;
-    RfArrivals arrivals; // kept while some are left out
+    char* accumulate;            // workspace of accumulation
+    RfArrivals arrivals;         // kept while some are left out
 };
 
 // The group as the harvest of frames and tiles sees it: whole extended tiles.
@@ -132,8 +132,10 @@ RfGradientScratch* rf_place_gradient_scratch( const RfEstimatorGroup* group, RfL
     RfGradientScratch* scratch = rf_take( layout, 1, sizeof *scratch );
     RfHitBatch* hits = rf_place_batch( &shape, layout );
     RfHarvestScratch* harvest = rf_place_harvest_scratch( &shape, layout );
+    char* accumulate = rf_take( layout, rf_accumulate_scratch_bytes( &extended.group ), 1 );
     if ( scratch == NULL )
         return NULL;
+    scratch->accumulate = accumulate;
     scratch->hits = hits;
     scratch->harvest = harvest;
     return scratch;
@@ -263,7 +265,7 @@ static void add_up( const RfEstimatorGroup* group, const RfHarvest* harvest, flo
     RfAccumulateJob job = {
         .eye = scratch->hits->eye, .end_row = RF_LANES, .films = &film, .weight = 1.0f, .sky = alpha ? scratch->missed : NULL
     };
-    rf_accumulate_rows( group, job, &( void* ){ scratch->hits }, 1, &scratch->accumulate );
+    rf_accumulate_rows( group, job, &( void* ){ scratch->hits }, 1, scratch->accumulate );
     for ( int i = 0; i < RF_LANES; ++i )
         value[i][3] = scratch->missed[i];
 }

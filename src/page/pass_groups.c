@@ -1,8 +1,8 @@
 // Groups the channels of a file into passes.
 #include "page/pass_groups.h"
 
+#include "film/aov.h"
 #include "output/pass_names.h"
-#include "reframe/aov.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,11 +17,7 @@ static bool look_of( RfAov aov, RfLook* look )
         case RF_AOV_PRIMAL:
         case RF_AOV_REMOVED:
         case RF_AOV_DENOISE_ALBEDO:
-        case RF_AOV_EMISSION:
-        case RF_AOV_DIRECT:
-        case RF_AOV_INDIRECT:
-        case RF_AOV_REFLECTION:
-        case RF_AOV_TRANSMISSION:
+        RF_PASS_AOV_CASES:
         case RF_AOV_ALBEDO: *look = RF_LOOK_LIGHT; return true;
         case RF_AOV_DENOISE_NORMAL:
         case RF_AOV_NORMAL: *look = RF_LOOK_NORMAL; return true;

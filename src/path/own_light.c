@@ -145,8 +145,8 @@ bool rf_any_arrives( const RfArrivalLanes* arrival, int first, int end )
 {
     for ( int i = first; i < end; ++i )
     {
-        if ( arrival->a[0][i] + arrival->a[1][i] + arrival->a[2][i] + arrival->b[0][i] + arrival->b[1][i] + arrival->b[2][i] >
-             0.0f )
+        if ( arrival->a[0][i] + arrival->a[1][i] + arrival->a[2][i] + arrival->b[0][i] + arrival->b[1][i] + arrival->b[2][i] !=
+             0.0f ) // not a number counts, too
             return true;
     }
     return false;

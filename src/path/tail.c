@@ -50,7 +50,7 @@ static void note_caustics( const RfPathSettings* settings, const RfVertexLanes* 
 }
 
 // Light of a part, which what moves may touch, goes to the arrivals that are returned.
-static inline RfArrivals* take_part( const RfPathSettings* settings, int part, const RfReceiver* to, bool* touched,
+static inline RfArrivals* take_part( const RfPathSettings* settings, int slot, int part, const RfReceiver* to, bool* touched,
                                      RfVec3* light )
 {
     bool of_frame = rf_is_own_part( part );
@@ -61,6 +61,8 @@ static inline RfArrivals* take_part( const RfPathSettings* settings, int part, c
     int counts_in = apart ? part : rf_counts_in( settings, part );
     if ( *touched )
         return rf_own_arrivals( to->own, counts_in );
+    if ( to->event != NULL )
+        counts_in = counts_in * to->events + to->event[slot];
     return counts_in != 0 ? to->dimmed + counts_in - 1 : to->arrivals;
 }
 
@@ -73,7 +75,7 @@ static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes
     bool by_chain =
         part >= rf_base_parts( settings ) && to->chain_light != NULL && rf_may_take_chain_light( to->chain_light, slot );
     touched = touched || ( by_chain && to->own != NULL );
-    RfArrivals* arrivals = take_part( settings, part, to, &touched, &light );
+    RfArrivals* arrivals = take_part( settings, slot, part, to, &touched, &light );
     float l[3] = { light.x * rays->throughput[0][r], light.y * rays->throughput[1][r], light.z * rays->throughput[2][r] };
     if ( to->chain_light != NULL && rf_take_chain_light( to->chain_light, slot, l ) )
     {
@@ -94,8 +96,6 @@ static inline void add_arrival( const RfPathSettings* settings, const RfRayLanes
     float weight = rf_balance_weight( pdf, (float)settings->light_samples * light_pdf );
     for ( int c = 0; c < 3; ++c )
         arrivals->rest[c][slot] += l[c] * weight;
-    for ( int c = 0; c < 3 && to->met != NULL; ++c )
-        to->met[c][slot] += l[c] * weight;
 }
 
 // The probability that a light sample at the ray's origin selects this light.

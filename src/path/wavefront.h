@@ -89,7 +89,7 @@ typedef struct RfWavefront
     RfRayLanes rays;                // the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
-    RfArrivals* dimmed;              // by part from 1 on, with RfPathSettings.parts or grouped
+    RfArrivals* dimmed;              // of all parts from 1 on: use rf_arrivals_of_part
     uint64_t path_rays, shadow_rays; // counted up
     uint16_t rays_of[RF_LANES];      // path rays by slot, counted up
     uint8_t deltas[RF_LANES];        // with a connector, by slot: 1 + the specular vertices since the last non-specular one;
@@ -288,9 +288,10 @@ typedef struct RfReceiver
     bool defer_mis;            // to `emitted` of the arrivals, unweighted; else to `rest`, weighted by the balance heuristic
     RfChainLight* chain_light; // takes what it waits for instead; NULL: nothing
     RfArrivals* arrivals;
-    RfOwnLight* own;          // takes that of touched paths; NULL: there are none
-    RfArrivals* dimmed;       // take that of parts from 1 on; not set without RfPathSettings.parts or grouped
-    float ( *met )[RF_LANES]; // without defer_mis, gets all of it as well, by slot; NULL: nothing does
+    RfOwnLight* own;      // takes that of touched paths; NULL: there are none
+    RfArrivals* dimmed;   // take that of parts from 1 on; not set without RfPathSettings.parts or grouped
+    const uint8_t* event; // by slot: which of `events` arrivals of a base part takes it; NULL: there is one of each part
+    int events;
 } RfReceiver;
 
 // Adds emission hit by the rays, of surfaces (the vertices) and of the sky. The rays have passed panes with these probabilities

@@ -16,8 +16,8 @@ typedef struct Landed
     RfHarvestScratch* scratch;
 } Landed;
 
-// Records as they were harvested, and then as each frame of the group weights them: these have directions, density_sum and rows
-// of their own, and share the rest.
+// Records as they were harvested, and then as each frame of the group weights them: these have directions, light, density_sum and
+// rows of their own, and share the rest.
 static RfHitBatch** place_batches( const RfEstimatorGroup* group, RfLayout* layout )
 {
     RfBatchShape shape = rf_batch_shape( group );
@@ -152,10 +152,13 @@ static void weight_for( const RfHarvest* at, int eye, const Landed* landed, cons
     }
     *out = *hits;
     out->directions = own.directions;
+    out->light = own.light;
     out->density_sum = counted;
     out->rows = own.rows;
     memset( own.rows, 0, 2 * (size_t)at->shape.eyes * sizeof *own.rows ); // no camera is left out
     rf_weight_batch( at, out, scratch );
+    size_t others = (size_t)( hits->miss_count + hits->glint_count ), first = 4 * (size_t)hits->count;
+    memcpy( out->light->radiance + first, hits->light->radiance + first, 4 * others * sizeof( float ) );
     memcpy( own.rows, hits->rows, 2 * (size_t)at->shape.eyes * sizeof *own.rows );
     out->density_sum = own.density_sum;
 }

@@ -3,7 +3,6 @@
 
 #include "reuse/accumulate/accumulate.h"
 #include "reuse/accumulate/reprojection.h"
-#include "reuse/accumulate/splat.h"
 #include "reuse/biased_weights.h"
 #include "reuse/harvest/connection_share.h"
 #include "reuse/harvest/glints.h"
@@ -40,20 +39,18 @@ static RfLightPaths* place_shared( const RfEstimatorGroup* group, RfLayout* layo
 static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 {
     RfBatchShape shape = rf_batch_shape( group ), diffuse = shape;
-    RfLayout scratch = { 0 }, landing = { 0 }, shared = { 0 };
+    RfLayout scratch = { 0 }, shared = { 0 };
     RfPilot* pilot;
     diffuse.params = 0;
     rf_place_harvest_scratch( &shape, &scratch );
-    if ( rf_keeps_landings( &shape ) )
-        rf_place_landing( shape.filtered, &landing );
     if ( shape.connections )
         place_shared( group, &shared, &pilot );
     return ( RfEstimatorSizes ){
         .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.scattered, group->width, group->height ).count,
         .batch = batch_bytes( &shape ),
         .trace_scratch = scratch.bytes,
-        .accumulate_scratch = rf_accumulate_scratch_bytes( &shape ),
-        .landing = landing.bytes,
+        .accumulate_scratch = rf_accumulate_scratch_bytes( group ),
+        .landing = rf_landing_bytes( group ),
         .shared = shared.bytes,
         .shared_name = "light paths",
         .splits = shape.own_light && !shape.caustics,

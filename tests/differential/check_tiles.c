@@ -175,9 +175,10 @@ int check_tiles( long count )
     RfPathSettings path = { .tracer = tracer, .max_depth = 3, .light_samples = 1, .light_sampling = RF_LIGHTS_BY_POWER };
     RfTileReuseSettings settings = { .path = &path, .tile_pixels = 2 };
     RfLayout layout = { 0 };
-    rf_place_tile_reuse( 1, 2, false, false, 0, 0, &layout );
+    const RfLayerSet layers = { .parts = 1, .base_parts = 1 };
+    rf_place_tile_reuse( 1, 2, false, false, &layers, &layout );
     layout = ( RfLayout ){ .memory = aligned_alloc( 64, layout.bytes ) };
-    RfTileReuse* reuse = rf_place_tile_reuse( 1, 2, false, false, 0, 0, &layout );
+    RfTileReuse* reuse = rf_place_tile_reuse( 1, 2, false, false, &layers, &layout );
     RfVertexLanes* hits = aligned_alloc( 64, ( sizeof *hits + 63 ) / 64 * 64 );
     RfWavefront* wavefront = aligned_alloc( 64, ( sizeof *wavefront + 63 ) / 64 * 64 );
     static float s_scattered[3][RF_LANES];

@@ -49,7 +49,7 @@ static void check_noisy( const char* what, MirrorRoom kind, int tiles )
     {
         char name[64];
         snprintf( name, sizeof name, "%s group 3 tile %s:", what, s_tiles[t] );
-        RfRenderSettings settings = settings_of( 3, 10 * more, s_tiles[t] );
+        RfRenderSettings settings = settings_of( 3, 12 * more, s_tiles[t] );
         Images rendered = rendered_images( tracer, eyes, EYES, frame, settings );
         assert_unbiased( name, &rendered, &reference, BLOCK );
         free_images( &rendered );
@@ -79,7 +79,7 @@ static void check( const char* what, RfScene scene, float degrees, float aside, 
     {
         char name[64];
         snprintf( name, sizeof name, "%s group 3 tile %s:", what, s_tiles[t] );
-        RfRenderSettings settings = settings_of( 3, 10 * more, s_tiles[t] );
+        RfRenderSettings settings = settings_of( 3, 12 * more, s_tiles[t] );
         settings.adaptive = adaptive;
         Images rendered = rendered_images( tracer, eyes, EYES, frame, settings );
         assert_unbiased( name, &rendered, &reference, BLOCK );

@@ -2,9 +2,9 @@
 #ifndef REFRAME_REUSE_ACCUMULATE_COVERING_WEIGHTS_H
 #define REFRAME_REUSE_ACCUMULATE_COVERING_WEIGHTS_H
 
-#include "reuse/accumulate/accumulate.h"
+#include "reuse/accumulate/splat.h"
 
-// Adds a batch's hits, by the pixels, ratios and offsets of the scratch, and in their own frame its misses, to the rows of the job.
-void rf_cover_rows( const RfAccumulation* a, RfAccumulateJob job, const RfHitBatch* batch, const RfAccumulateScratch* scratch );
+// Adds the hits of a batch that landed, and in its `own` frame its misses.
+void rf_cover_rows( const RfSplat* splat, const RfHitBatch* batch, bool own, const RfLandedHits* landing );
 
 #endif

@@ -170,23 +170,3 @@ void rf_evaluate_glossy( const RfHitBatch* b, const float* const wo[3], const fl
             rf_bsdf_evaluate( (RfBsdfKind)kind, count, &lanes, out_dir, in_dir, NULL, pdf_solid_angle + k );
     }
 }
-
-static void clear( float* lanes, int count ) { memset( lanes, 0, (size_t)count * sizeof( float ) ); }
-
-void rf_clear_directions( RfHitBatch* batch, int directions )
-{
-    int count = rf_glossy_count( batch );
-    if ( count == 0 )
-        return;
-    for ( int d = 0; d < directions; ++d )
-    {
-        RfDirectionLanes* lanes = batch->directions + d;
-        lanes->dark = true;
-        for ( int c = 0; c < 3; ++c )
-        {
-            for ( int i = 0; i < count; ++i )
-                lanes->wi[c][i] = c == 2 ? 1.0f : 0.0f; // some direction
-            clear( lanes->q[c], count );
-        }
-    }
-}

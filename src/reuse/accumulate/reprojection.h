@@ -25,7 +25,4 @@ void rf_directions_to( const RfMirrors* mirrors, const RfEye* at, int eye, const
 void rf_evaluate_glossy( const RfHitBatch* batch, const float* const wo[3], const float* const wi[3], float* const f[3],
                          float* pdf_solid_angle );
 
-// Sets the light of all directions to zero, and the directions to some.
-void rf_clear_directions( RfHitBatch* batch, int directions );
-
 #endif

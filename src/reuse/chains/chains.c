@@ -57,13 +57,10 @@ static bool any_is_lit( const RfVertexLanes* v )
     return false;
 }
 
-static void add_by_event( RfChains* chains, int event, int slot, const float light[3] )
+// What arrives by chains of a base part with this first event, where events are told apart.
+static RfArrivals* arrivals_by( const RfChains* chains, int base, int event, RfWavefront* wavefront )
 {
-    if ( event == RF_EVENT_NONE )
-        return;
-    float( *to )[RF_LANES] = event == RF_EVENT_REFLECTION ? chains->by_event->reflection : chains->by_event->transmission;
-    for ( int c = 0; c < 3; ++c )
-        to[c][slot] += light[c];
+    return rf_arrivals_of_part( wavefront, base * chains->events + ( chains->events > 1 ? event : 0 ) );
 }
 
 // The first event of a chain that lane i of its vertex sends to wi; `reflects`: it only reflects.
@@ -93,15 +90,10 @@ static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexL
         {
             int slot = v->slot[i];
             float scale = rf_balance_scale( k * lights->pdf_solid_angle[i], s->pdf[i] );
-            RfArrivals* to = rf_arrivals_of_part( wavefront, path->grouped ? lights->part[i] : 0 );
-            float light[3];
+            int event = chains->events > 1 ? event_towards( chains, v, i, wi, reflects ) : RF_EVENT_NONE;
+            RfArrivals* to = arrivals_by( chains, path->grouped ? lights->part[i] : 0, event, wavefront );
             for ( int c = 0; c < 3; ++c )
-            {
-                light[c] = chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
-                to->rest[c][slot] += light[c];
-            }
-            if ( chains->by_event != NULL )
-                add_by_event( chains, event_towards( chains, v, i, wi, reflects ), slot, light );
+                to->rest[c][slot] += chains->throughput[c][slot] * s->f[c][i] * lights->radiance_cos[c][i] * scale;
         }
     }
 }
@@ -233,19 +225,16 @@ static void add_met_emission( const RfPathSettings* path, const RfVertexLanes* f
                               bool reflected, RfWavefront* wavefront, RfChains* chains )
 {
     const RfRayLanes* rays = &wavefront->rays;
+    uint8_t event[RF_LANES]; // by slot
     RfReceiver to = { .arrivals = &wavefront->arrivals, .dimmed = wavefront->dimmed };
-    if ( chains->by_event != NULL )
+    for ( int r = 0; r < rays->count && chains->events > 1; ++r )
     {
-        to.met = chains->by_event->met;
-        memset( chains->by_event->met, 0, sizeof chains->by_event->met );
+        int slot = rays->slot[r], before = chains->event[slot];
+        event[slot] = (uint8_t)( before == RF_EVENT_NONE && reflected ? RF_EVENT_REFLECTION : before );
     }
+    to.events = chains->events;
+    to.event = chains->events > 1 ? event : NULL;
     rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, to );
-    for ( int r = 0; r < rays->count && to.met != NULL; ++r )
-    {
-        int slot = rays->slot[r], event = chains->event[slot];
-        const float light[3] = { to.met[0][slot], to.met[1][slot], to.met[2][slot] };
-        add_by_event( chains, event == RF_EVENT_NONE && reflected ? RF_EVENT_REFLECTION : event, slot, light );
-    }
 }
 
 // Adds emission that split reflections hit.
@@ -327,11 +316,12 @@ bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i )
     return rf_pane_of_lane( kind, &lanes, i, RF_GET3( v->wo, i ) ).probability > 0.0f;
 }
 
-// What arrives of the light group of a material's emission.
-static RfArrivals* arrivals_of_material( const RfPathSettings* path, RfWavefront* wavefront, int32_t material )
+// What arrives of the light group of a material's emission, before any event.
+static RfArrivals* arrivals_of_material( const RfPathSettings* path, const RfChains* chains, RfWavefront* wavefront,
+                                         int32_t material )
 {
     int part = rf_material_part( rf_tracer_lights( path->tracer ), material );
-    return rf_arrivals_of_part( wavefront, rf_counts_in( path, part ) );
+    return arrivals_by( chains, rf_counts_in( path, part ), RF_EVENT_NONE, wavefront );
 }
 
 // Mirrors and glass: what the cameras see of their emission, absorbed on the way if the camera is inside a body.
@@ -347,7 +337,7 @@ static void start_at_glass( const RfPathSettings* path, const RfRayLanes* rays, 
         chains->view[slot] = view_of( path, v, i, wavefront->scratch.triangle[v->ray[i]], t );
         RfVec3 emission = rf_emission_in_frame( path, v, i );
         const float light[3] = { emission.x, emission.y, emission.z };
-        RfArrivals* to = arrivals_of_material( path, wavefront, v->material[i] );
+        RfArrivals* to = arrivals_of_material( path, chains, wavefront, v->material[i] );
         for ( int c = 0; c < 3; ++c )
             to->rest[c][slot] += left[c] * light[c];
     }
@@ -371,7 +361,7 @@ static void start_at_coats( const RfPathSettings* path, const RfVertexLanes* fir
             continue;
         RfVec3 emission = rf_emission_in_frame( path, first, i );
         const float light[3] = { emission.x, emission.y, emission.z };
-        RfArrivals* to = arrivals_of_material( path, wavefront, first->material[i] );
+        RfArrivals* to = arrivals_of_material( path, chains, wavefront, first->material[i] );
         for ( int c = 0; c < 3 && base == 0.0f; ++c ) // otherwise the base has it
             to->rest[c][slot] += light[c];
         chains->lobe_weight[slot] = 1.0f / ( 1.0f - base );
@@ -393,10 +383,8 @@ static void start_chains( const RfPathSettings* path, const RfVertexLanes* first
     for ( int i = 0; chains->triangle != NULL && i < camera_rays->count; ++i )
         chains->triangle[i] = RF_MISS;
     memset( chains->event, RF_EVENT_NONE, sizeof chains->event );
-    if ( chains->by_event != NULL )
-        memset( chains->by_event, 0, sizeof *chains->by_event );
-    for ( int part = 0; part < rf_base_parts( path ); ++part )
-        memset( rf_arrivals_of_part( wavefront, part ), 0, sizeof wavefront->arrivals );
+    for ( int k = 0; k < rf_base_parts( path ) * chains->events; ++k )
+        memset( rf_arrivals_of_part( wavefront, k ), 0, sizeof wavefront->arrivals );
     for ( int i = 0; i < camera_rays->count; ++i )
     {
         set_throughput( chains, i, rf_vec3( 1, 1, 1 ) );
@@ -405,8 +393,8 @@ static void start_chains( const RfPathSettings* path, const RfVertexLanes* first
     go_to( first, &chains->at );
     start_at_glass( path, camera_rays, wavefront, chains );
     start_at_coats( path, first, wavefront, chains );
-    for ( int part = 0; part < rf_base_parts( path ) && chains->clamped; ++part )
-        memcpy( rf_chain_light( chains, part ), rf_arrivals_of_part( wavefront, part )->rest, sizeof chains->light );
+    for ( int k = 0; k < rf_base_parts( path ) * chains->events && chains->clamped; ++k )
+        memcpy( chains->finds[k].light, rf_arrivals_of_part( wavefront, k )->rest, sizeof chains->finds->light );
     if ( lit && path->max_depth > 1 )
         split_reflections( path, 1, first, wavefront, chains );
     for ( int i = 0; i < chains->at.count; ++i )
@@ -608,13 +596,15 @@ static void merge_hits( const RfVertexLanes* first, RfChains* chains )
         hits->first[kind] = hits->count;
 }
 
-// What has arrived since the chains started.
-static void tell_found_light( const RfArrivals* arrivals, float ( *const light )[RF_LANES], float ( *found )[RF_LANES] )
+// What has arrived, with a clamp since the chains started.
+static void note_finds( const RfArrivals* arrivals, bool clamped, RfChainFinds* finds )
 {
-    for ( int c = 0; c < 3; ++c )
+    if ( !clamped )
+        memcpy( finds->light, arrivals->rest, sizeof finds->light );
+    for ( int k = 0; k < 3 * RF_LANES && clamped; ++k )
     {
-        for ( int slot = 0; slot < RF_LANES; ++slot )
-            found[c][slot] = arrivals->rest[c][slot] - light[c][slot];
+        int c = k / RF_LANES, slot = k % RF_LANES;
+        finds->found[c][slot] = arrivals->rest[c][slot] - finds->light[c][slot];
     }
 }
 
@@ -643,14 +633,8 @@ void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, c
         note_ends( path, &wavefront->vertices, &wavefront->rays, wavefront->scratch.triangle, vertex, chains );
         go_to( &wavefront->vertices, &chains->at );
     }
-    for ( int part = 0; part < rf_base_parts( path ); ++part )
-    {
-        const RfArrivals* arrivals = rf_arrivals_of_part( wavefront, part );
-        if ( chains->clamped )
-            tell_found_light( arrivals, rf_chain_light( chains, part ), rf_chain_found( chains, part ) );
-        else
-            memcpy( rf_chain_light( chains, part ), arrivals->rest, sizeof chains->light );
-    }
+    for ( int k = 0; k < rf_base_parts( path ) * chains->events; ++k )
+        note_finds( rf_arrivals_of_part( wavefront, k ), chains->clamped, chains->finds + k );
     merge_hits( first, chains );
 }
 

@@ -6,19 +6,12 @@
 #include "path/wavefront.h"
 #include "reuse/harvest/records.h"
 
-// Light of chains in a light group, by slot.
-typedef struct RfChainGroup
+// Light that chains bring for their own pixel, of a base part and by their first event, by slot.
+typedef struct RfChainFinds
 {
     RF_ALIGN float light[3][RF_LANES];
-    float found[3][RF_LANES];
-} RfChainGroup;
-
-// What chains find beyond the emission of their first vertices, by their first event: that of ways that have one, by slot.
-typedef struct RfChainPasses
-{
-    RF_ALIGN float reflection[3][RF_LANES], transmission[3][RF_LANES];
-    float met[3][RF_LANES]; // workspace
-} RfChainPasses;
+    float found[3][RF_LANES]; // with RfChains.clamped: what they find beyond their first vertices; `light` is that of these alone
+} RfChainFinds;
 
 typedef struct RfChains
 {
@@ -27,7 +20,6 @@ typedef struct RfChains
     RfVertexLanes at;   // the vertices where chains are now
     // by slot
     RF_ALIGN float throughput[3][RF_LANES]; // of the chain; 1 without one
-    RF_ALIGN float light[3][RF_LANES];      // that the chain itself brings, for its own pixel
     int32_t length[RF_LANES];               // vertices before the hit; 0: the camera ray found it
     uint8_t view[RF_LANES];
     uint8_t pane[RF_LANES];      // 1: is at a thin pane
@@ -37,23 +29,17 @@ typedef struct RfChains
     uint8_t reflected[RF_LANES]; // 1: the last event was a reflection
     uint8_t event[RF_LANES];     // RF_EVENT_: the first
     float lobe_weight[RF_LANES]; // 1 over the probability of drawing the lobe of a coat
-    bool clamped;                // `light` is that of the first vertices alone,
-    float found[3][RF_LANES];    // and what chains find beyond them is here; else this is not set
-    uint32_t* triangle;          // that the chain ends on, RF_MISS without a chain; NULL: not asked for
-    RfChainPasses* by_event;     // NULL without passes
-    RfChainGroup* groups;        // with RfPathSettings.grouped: both by base part (light/light.h) from 1 on
+    bool clamped;
+    uint32_t* triangle;  // that the chain ends on, RF_MISS without a chain; NULL: not asked for
+    int events;          // RF_EVENTS where their light is told apart by event, else 1
+    RfChainFinds* finds; // by base part (light/light.h) and event: use rf_chain_finds
     // by end
     uint8_t kind[RF_LANES]; // RfBsdfKind
 } RfChains;
 
-// Light that chains bring of a base part of light groups, and with `clamped` what they find beyond their first vertices.
-static inline float ( *rf_chain_light( RfChains* chains, int part ) )[RF_LANES]
+static inline RfChainFinds* rf_chain_finds( const RfChains* chains, int base, int event )
 {
-    return part == 0 ? chains->light : chains->groups[part - 1].light;
-}
-static inline float ( *rf_chain_found( RfChains* chains, int part ) )[RF_LANES]
-{
-    return part == 0 ? chains->found : chains->groups[part - 1].found;
+    return chains->finds + base * chains->events + event;
 }
 
 // True if chains start at some of these vertices.
@@ -63,7 +49,7 @@ bool rf_has_chains( const RfVertexLanes* first );
 bool rf_is_at_pane( const RfTracer* tracer, const RfVertexLanes* v, int i );
 
 // Follows the chains that start at some vertices of `first`, and fills everything.
-// Uses the wavefront, whose keys must be set, and with `grouped` room for light of base parts. Without `lit`, leaves light sampling out.
+// Uses the wavefront, whose keys must be set, with arrivals by base part and event. Without `lit`, leaves light sampling out.
 void rf_follow_chains( const RfPathSettings* path, const RfVertexLanes* first, const RfRayLanes* camera_rays, bool lit,
                        RfWavefront* wavefront, RfChains* chains );
 

@@ -16,7 +16,6 @@ typedef struct RfClampHits
     float threshold[RF_CLAMP_KINDS]; // c, luminance
     RfClampWatch* watch;             // is told of all that paths bring; NULL: nobody
     RF_ALIGN float dimmed[RF_LANES]; // by hit: luminance of the throughput of the chain that leads there, 1 without
-    float ( *own )[RF_LANES];        // taken out of RfOwnHits.light
 } RfClampHits;
 
 // κ = min(1, c / Q) of a path that brings `value` to a hit, or to a miss behind the hits.

@@ -1,6 +1,6 @@
 // Traces a batch into hit records: its pixels, one lens point and shutter time for all of them, camera rays and
 // their specular chains, hits, and the light that the rest of their paths brings.
-#include "reuse/harvest/passes.h"
+#include "reuse/harvest/harvest_steps.h"
 
 #include "path/roulette.h"
 #include "scene/projection.h"
@@ -33,10 +33,18 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     bool caustics = group->traits.without_caustics && exact;
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples && !caustics;
     // at the ends of a path, groups of more frames are shorter, and have the memory of those
-    int groups = exact ? group->traits.light_groups : 0, dimmed = groups > 1 ? groups - 1 : 0;
+    int groups = exact ? group->traits.light_groups : 0;
     int frames = !group->traits.lamps_alone || !exact || groups > 0 ? 1
                  : group->eye_count < RF_FRAMES_MOST                ? group->eye_count
                                                                     : RF_FRAMES_MOST;
+    RfLayerSet layers = {
+        .base_parts = groups > 1 ? groups : 1,
+        .by_kind = ( settings->aovs & RF_PASS_AOVS ) != 0 && exact,
+        .removed = settings->clamp != 0.0 || caustics,
+    };
+    layers.parts = layers.base_parts;
+    if ( group->eye_count > 1 && exact )
+        layers.parts += group->traits.dimmable + ( frames > 1 ? frames : 0 );
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),
@@ -59,9 +67,8 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
         .connections = connections,
         .clamped = settings->clamp != 0.0,
         .light_frames = frames,
-        .passes = ( settings->aovs & RF_PASS_AOVS ) != 0 && exact,
         .groups = groups,
-        .dimmed = dimmed + ( group->eye_count > 1 && exact ? group->traits.dimmable + ( frames > 1 ? frames : 0 ) : 0 ),
+        .layers = layers,
     };
 }
 
@@ -346,12 +353,16 @@ static void note_own_frame( const RfVertexLanes* first, const uint8_t* recorded,
     }
 }
 
-// All that a chain finds of a base part.
-static inline float light_of_chain( RfChains* chains, int base, int slot )
+// All that a chain finds.
+static float light_of_chain( const RfChains* chains, int base_parts, int slot )
 {
-    float( *light )[RF_LANES] = rf_chain_light( chains, base ), ( *found )[RF_LANES] = rf_chain_found( chains, base );
-    float sum = light[0][slot] + light[1][slot] + light[2][slot];
-    return chains->clamped ? sum + found[0][slot] + found[1][slot] + found[2][slot] : sum;
+    float sum = 0.0f;
+    for ( int k = 0; k < base_parts * chains->events; ++k )
+    {
+        for ( int c = 0; c < 3; ++c )
+            sum += chains->finds[k].light[c][slot] + ( chains->clamped ? chains->finds[k].found[c][slot] : 0.0f );
+    }
+    return sum;
 }
 
 // Lists glints: light that a chain finds on its way, for pixels that have a hit as well.
@@ -360,10 +371,7 @@ static void note_glints( const RfHarvestScratch* scratch, int base_parts, RfHitB
     for ( int i = 0; i < batch->count; ++i )
     {
         int slot = scratch->hits->slot[i];
-        float light = light_of_chain( scratch->chains, 0, slot );
-        for ( int base = 1; base < base_parts; ++base )
-            light += light_of_chain( scratch->chains, base, slot );
-        if ( light == 0.0f )
+        if ( light_of_chain( scratch->chains, base_parts, slot ) == 0.0f )
             continue;
         rf_glint_pixel( batch )[batch->glint_count] = scratch->pixel[slot];
         glint_slot[batch->glint_count++] = slot;
@@ -703,9 +711,11 @@ static void split_light( RfHarvest* harvest, int count, RfHarvestScratch* scratc
         rf_begin_caustics( count, harvest->path.own );
     else
         memset( harvest->path.own->touched, 0, (size_t)count );
-    for ( int c = 0; c < 3 * rf_base_parts( &harvest->path ); ++c )
-        memset( rf_own_group( scratch, c / 3 )->light[c % 3], 0, (size_t)count * sizeof( float ) );
-    rf_set_own_group( scratch, 0 );
+    int base_parts = rf_base_parts( &harvest->path ), kinds = rf_hit_kinds( &harvest->shape.layers );
+    for ( int k = 0; k < base_parts * kinds; ++k )
+        memset( scratch->own->layers[k].light, 0, 4 * (size_t)count * sizeof( float ) );
+    for ( int base = 0; base < base_parts && scratch->own->removed != NULL; ++base )
+        memset( scratch->own->removed[base].light, 0, 4 * (size_t)count * sizeof( float ) );
 }
 
 // Estimates by first hits alone, without paths, how much of their light is own-frame.
@@ -722,10 +732,30 @@ static void look_for_own_light( const RfHarvest* harvest, RfHarvestScratch* scra
     rf_find_own_parts( harvest, wavefront->scratch.triangle, scratch );
 }
 
+// From here on light groups are kept apart, if there are any: light as it is in the frame, by base part.
+static void begin_groups( RfHarvest* harvest, RfHarvestScratch* scratch )
+{
+    harvest->path.grouped = rf_tracer_lights( harvest->path.tracer )->group_count > 1 && harvest->shape.layers.parts > 1;
+    scratch->wavefront.dimmed = scratch->dimmed;
+}
+
+// From here on light of all parts is kept apart at slots [0, count) of a frame's hits: what the chains before them have found of it is
+// as in the frame.
+static void begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
+{
+    bool frames = rf_looks_at_frames( harvest );
+    harvest->path.parts =
+        ( rf_tracer_lights( harvest->path.tracer )->dimmed_count > 0 || frames ) && harvest->shape.layers.parts > 1;
+    harvest->path.frames = frames ? harvest->tracers : NULL;
+    harvest->path.frame = harvest->path.at_frame = eye;
+    for ( int part = 0; part <= rf_dimmed_parts( &harvest->path ); ++part )
+        rf_clear_arrivals( count, rf_arrivals_of_part( &scratch->wavefront, part ) );
+}
+
 static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
     RfWavefront* wavefront = &scratch->wavefront;
-    rf_begin_groups( harvest, scratch );
+    begin_groups( harvest, scratch );
     int count = harvest_first_hits( harvest, job, batch, scratch, rays );
 
     // the rest of their paths
@@ -733,8 +763,7 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
         memset( scratch->own->part, 0, sizeof scratch->own->part );
     if ( rf_splits_light( harvest ) || harvest->shape.caustics )
         split_light( harvest, count, scratch );
-    rf_begin_parts( harvest, batch->eye, count, scratch );
-    rf_clear_arrivals( count, &wavefront->arrivals );
+    begin_parts( harvest, batch->eye, count, scratch );
     wavefront->rays.count = 0;
     rf_scale_roulette( scratch, count );
     bool lit = harvest->path.max_depth > 1 && !harvest->first_hits_only;
@@ -752,20 +781,11 @@ static int harvest_batch( RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch,
     rf_test_batch_visibility( harvest, batch, scratch, rays );
     if ( harvest->first_hits_only )
         return count;
-    if ( batch->removed != NULL )
-        rf_begin_removed( harvest, batch );
-    rf_clear_parts( harvest, batch );
-    if ( batch->passes != NULL )
-        rf_begin_passes( harvest, batch, scratch );
     if ( scratch->clamp != NULL )
         rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape.own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );
-    RfTileReuseSettings tiles = tile_settings( harvest, scratch );
-    rf_weight_dimmed( harvest, &tiles, batch, scratch );
-    if ( batch->passes != NULL )
-        rf_pass_throughput( harvest, batch, scratch );
     if ( harvest->path.own != NULL )
         rf_add_own_light( harvest, batch, scratch );
     return count;

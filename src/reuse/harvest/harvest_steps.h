@@ -10,37 +10,22 @@
 #include "reuse/harvest/harvest.h"
 #include "reuse/tile/tile_reuse.h"
 
-// Towards the hits' own camera, by hit: of the light that is kept apart, of one light group.
-typedef struct RfOwnGroup
+// Towards the hits' own camera, by hit: 4 each.
+typedef struct RfOwnLanes
 {
-    RF_ALIGN float light[3][RF_LANES];
-    float removed[3][RF_LANES]; // with a clamp
-} RfOwnGroup;
-
-// By hit: their share that is emission or direct, of all light groups, with passes.
-typedef struct RfOwnPasses
-{
-    RF_ALIGN float emission[3][RF_LANES], direct[3][RF_LANES];
-} RfOwnPasses;
-
-// The directions that light comes by.
-typedef enum RfWay
-{
-    RF_WAY_OTHER,
-    RF_WAY_LIGHT_SAMPLE,
-    RF_WAY_SCATTERED, // of paths
-} RfWay;
+    RF_ALIGN float light[4 * RF_LANES];
+} RfOwnLanes;
 
 // Light that is kept apart (path/own_light.h).
 typedef struct RfOwnHits
 {
     RfOwnLight paths;
-    RfArrivalLanes arrival;     // from one direction
-    float ( *light )[RF_LANES]; // of the base part that is weighted: in one of the next
-    RfOwnGroup group;           // of part 0
-    RfOwnGroup* groups;         // of the base parts from 1 on, where light has groups (light/light.h)
-    uint8_t moving[RF_LANES];   // by slot: the first hit is on what moves, so other cameras do not see it
-    float part[RF_LANES];       // with RfHarvest.first_hits_only: share of the hit's light that is own-frame, estimated
+    RfArrivalLanes arrival;   // from one direction
+    bool by_kind;             // as in RfLayerSet
+    RfOwnLanes* layers;       // by base part and kind of hits: use rf_own_at
+    RfOwnLanes* removed;      // by base part: what of it is taken out; NULL where nothing is
+    uint8_t moving[RF_LANES]; // by slot: the first hit is on what moves, so other cameras do not see it
+    float part[RF_LANES];     // with RfHarvest.first_hits_only: share of the hit's light that is own-frame, estimated
 } RfOwnHits;
 
 struct RfHarvestScratch
@@ -79,11 +64,8 @@ struct RfHarvestScratch
     RfChainSamples* chain_samples;           // NULL without
     RfChainLight* chain_light;               // of the paths, where tiles do not share it; NULL without chain samples
     RfOwnHits* own;                          // NULL unless something moves
-    RfArrivals* dimmed;                      // by part from 1 on; NULL where light has none
-    int part;                                // of the light that is weighted
+    RfArrivals* dimmed;                      // by part from 1 on, and of what chains bring by base part and event; may be NULL
     RfClampHits* clamp;                      // NULL without a clamp
-    RfOwnPasses* own_passes;                 // NULL without passes or own light
-    RfWay way;                               // of the direction that is weighted
 };
 
 // What the scene and the settings call for.
@@ -161,18 +143,6 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
 // Turns ng of translucent hits to the cameras, which are on the side that is seen, wherever light arrives.
 void rf_face_cameras( const RfVertexLanes* v, RfHitBatch* batch );
 
-// The base part of the light that is kept apart: where it is from now on, and its group.
-static inline RfOwnGroup* rf_own_group( RfHarvestScratch* scratch, int base )
-{
-    return base == 0 ? &scratch->own->group : scratch->own->groups + base - 1;
-}
-static inline void rf_set_own_group( RfHarvestScratch* scratch, int base )
-{
-    scratch->own->light = rf_own_group( scratch, base )->light;
-    if ( scratch->clamp != NULL )
-        scratch->clamp->own = rf_own_group( scratch, base )->removed;
-}
-
 // Starts roulette with the throughput of the chains up to the hits.
 void rf_scale_roulette( RfHarvestScratch* scratch, int count );
 
@@ -212,52 +182,35 @@ void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch );
 // Finds scratch->own->part by the light samples at each hit and a scattered ray of it, which hits these triangles.
 void rf_find_own_parts( const RfHarvest* harvest, const uint32_t* triangle, RfHarvestScratch* scratch );
 
-// Adds light by one direction, at those glossy hits where it holds in their own frame alone, to scratch->own->light.
-void rf_add_own_glossy( RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch );
-
 // Whether the light that is kept apart (RfOwnHits) is clamped; caustics are taken out whole.
 static inline bool rf_clamps_own( const RfHarvestScratch* scratch )
 {
-    return scratch->clamp != NULL && !scratch->own->paths.caustics;
+    return scratch->clamp != NULL && scratch->own != NULL && !scratch->own->paths.caustics;
+}
+
+// Where the light of a hit that is kept apart is, and what is taken out of it: 4 floats. Caustics are taken out.
+static inline float* rf_own_removed_at( const RfHarvestScratch* scratch, int base, int hit )
+{
+    return scratch->own->removed[base].light + 4 * (size_t)hit;
+}
+static inline float* rf_own_at( const RfHarvestScratch* scratch, int base, RfLayerKind kind, int hit )
+{
+    const RfOwnHits* own = scratch->own;
+    if ( own->paths.caustics )
+        return rf_own_removed_at( scratch, base, hit );
+    return own->layers[own->by_kind ? base * RF_HIT_KINDS + (int)kind : base].light + 4 * (size_t)hit;
 }
 
 // Adds the light that is kept apart to the batch, as glints; caustics to what is taken out.
 void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
-// Nothing is taken out yet.
-void rf_begin_removed( const RfHarvest* harvest, RfHitBatch* batch );
+// Before the light of a batch is weighted, with a clamp (clamp.h).
+void rf_begin_clamp( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch );
 
-// The clamp (clamp.h), only with one: before the light of a batch is added, in place of adding it, and what is clamped of a direction
-// of glossy hits. `all_indirect`: light samples are clamped as well. `factor`: of the light, by hit.
-void rf_begin_clamp( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
-void rf_add_clamped_diffuse( const RfArrivalLanes* arrival, bool all_indirect, const float* pdf, float* const f[3],
-                             RfHitBatch* batch, RfHarvestScratch* scratch );
-void rf_add_clamped_light( float ( *const light )[RF_LANES], const float* const factor[3], int count, RfHitBatch* batch,
-                           RfHarvestScratch* scratch );
-void rf_clamp_direction( int direction, const RfArrivalLanes* arrival, bool all_indirect, const float* mixture, RfHitBatch* batch,
-                         RfHarvestScratch* scratch );
-// Emission of hits at the end of chains that no other camera can follow.
-void rf_clamp_seen_emission( RfHitBatch* batch, RfHarvestScratch* scratch );
-// The same of light that holds in the hits' own frame alone; the first for hit i.
-void rf_add_clamped_own( const RfArrivalLanes* arrival, int i, float pdf, const float f[3], RfHitBatch* batch,
-                         RfHarvestScratch* scratch );
-void rf_add_clamped_own_light( float ( *const light )[RF_LANES], const float* const factor[3], int count, RfHitBatch* batch,
-                               RfHarvestScratch* scratch );
+// Clamps emission of hits at the end of chains that no other camera can follow.
+void rf_clamp_seen_emission( RfHitBatch* batch, const RfHarvestScratch* scratch );
 
-// The light of the records: batch->radiance, and the glossy hits' directions. Of one part alone: scratch->part.
+// The light of the records, in all layers. Misses and glints have none yet.
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
-
-// From here on light groups are kept apart, if there are any: light as it is in the frame, by base part.
-void rf_begin_groups( RfHarvest* harvest, RfHarvestScratch* scratch );
-
-// From here on light of all parts is kept apart at slots [0, count) of a frame's hits: what the chains before them have found of it is
-// as in the frame.
-void rf_begin_parts( RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch );
-
-// Misses and glints have no light yet, and nothing is taken out, in parts from 1 on.
-void rf_clear_parts( const RfHarvest* harvest, RfHitBatch* batch );
-
-// What the parts from 1 on bring, after part 0. `tiles`: as rf_trace_tile_tails had it.
-void rf_weight_dimmed( const RfHarvest* harvest, const RfTileReuseSettings* tiles, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 #endif

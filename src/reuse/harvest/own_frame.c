@@ -1,22 +1,21 @@
 // Own-frame samples: hits of specular materials, and the sky in the background.
 // They are stored with the misses, which have weight 1 in their own frame and 0
 // elsewhere (src/reuse/estimators.md, section 2), but are not black.
-#include "reuse/harvest/passes.h"
+#include "reuse/harvest/harvest_steps.h"
 
-static inline float* light_of( const RfHitBatch* batch, int miss ) { return rf_miss_radiance( batch ) + 4 * (size_t)miss; }
-
-// The light of a base part.
-static inline float* light_of_part( const RfHitBatch* batch, int base, int miss )
+// The light of a miss, of a base part. What specular hits bring is of the kind of emission where chains are not followed.
+static inline float* light_of( const RfHitBatch* batch, int base, int miss )
 {
-    return base == 0 ? light_of( batch, miss ) : batch->dimmed[base - 1].radiance + 4 * (size_t)( batch->count + miss );
+    return rf_layer_light( batch, base, RF_KIND_EMISSION )->radiance + 4 * (size_t)( batch->count + miss );
 }
 
-// A sample without a hit, with what it sees: light of one base part.
-static inline void put_light( const RfHitBatch* batch, int base, int miss, RfVec3 seen )
+static inline float* removed_of( const RfHitBatch* batch, int base, int miss )
 {
-    float *all = light_of( batch, miss ), *light = light_of_part( batch, base, miss );
-    all[0] = all[1] = all[2] = 0.0f;
-    all[3] = 1.0f;
+    return rf_removed_light( batch, base )->radiance + 4 * (size_t)( batch->count + miss );
+}
+
+static inline void put_light( float* light, RfVec3 seen )
+{
     light[0] = seen.x;
     light[1] = seen.y;
     light[2] = seen.z;
@@ -29,16 +28,8 @@ static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scra
     bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden && !harvest->alpha;
     int base = seen ? rf_counts_in( &harvest->path, rf_light_part( lights, rf_sky_number( lights ) ) ) : 0;
     const RfRayLanes* rays = &scratch->camera_rays;
-    for ( int k = 0; k < count; ++k )
-    {
-        RfVec3 sky = rf_vec3( 0, 0, 0 );
-        if ( seen )
-        {
-            int slot = scratch->miss_slot[k];
-            sky = rf_sky_in_frame( &harvest->path, RF_GET3( rays->d, slot ) );
-        }
-        put_light( batch, base, k, sky );
-    }
+    for ( int k = 0; k < count && seen; ++k )
+        put_light( light_of( batch, base, k ), rf_sky_in_frame( &harvest->path, RF_GET3( rays->d, scratch->miss_slot[k] ) ) );
 }
 
 // Adds light sampling at the specular hits; their delta lobes do not contribute.
@@ -57,7 +48,7 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
         for ( int i = rf_record_count( v ); i < v->count; ++i )
         {
             int part = harvest->path.parts ? direct->part[i] : 0;
-            float* light = light_of_part( batch, rf_counts_in( &harvest->path, part ), first_miss + i - rf_record_count( v ) );
+            float* light = light_of( batch, rf_counts_in( &harvest->path, part ), first_miss + i - rf_record_count( v ) );
             float scale = rf_balance_scale( k * direct->pdf_solid_angle[i], s->pdf[i] );
             RfVec3 of_part = rf_part_scale( lights, part );
             const float of_frame[3] = { of_part.x, of_part.y, of_part.z };
@@ -94,35 +85,29 @@ static void gather_dimmed( const RfHarvest* harvest, RfHarvestScratch* scratch )
     }
 }
 
-static void add_clamped_scattered( const RfHarvestScratch* scratch, const RfArrivals* arrivals, int slot, float weight,
-                                   RfHitBatch* batch, int miss )
+// Adds what a path has found for a miss, clamped; what is taken out goes to `removed`.
+static void add_clamped( const RfHarvestScratch* scratch, RfClampKind kind, const float value[3], int base, int miss,
+                         float* light, RfHitBatch* batch )
 {
-    float *light = light_of( batch, miss ), rest[3];
-    for ( int c = 0; c < 3; ++c )
-    {
-        light[c] += arrivals->emitted[c][slot] * weight;
-        rest[c] = arrivals->rest[c][slot];
-    }
-    float* removed = batch->removed + 4 * (size_t)( batch->count + miss );
-    batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_PATHS, batch, batch->count + miss, rest, light, removed );
+    if ( rf_add_clamped( scratch->clamp, kind, batch, batch->count + miss, value, light, removed_of( batch, base, miss ) ) )
+        rf_removed_light( batch, base )->dark = false;
 }
 
 // Caustics at specular hits: all of them longer paths.
-static void take_out_caustics( const RfHarvestScratch* scratch, const RfArrivals* arrivals, RfHitBatch* batch, int first_miss )
+static void take_out_caustics( const RfHarvestScratch* scratch, const RfArrivals* arrivals, int base, RfHitBatch* batch,
+                               int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
-        float* removed = batch->removed + 4 * (size_t)( batch->count + first_miss + i - rf_record_count( v ) );
+        float* removed = removed_of( batch, base, first_miss + i - rf_record_count( v ) );
         for ( int c = 0; c < 3; ++c )
-        {
             removed[c] += arrivals->rest[c][v->slot[i]];
-            batch->any_removed |= removed[c] > 0.0f;
-        }
+        rf_removed_light( batch, base )->dark = false;
     }
 }
 
-static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfArrivals* arrivals,
+static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfArrivals* arrivals, int base,
                            RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
@@ -130,77 +115,78 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         int slot = v->slot[i], n = i - rf_record_count( v );
-        float* light = light_of( batch, first_miss + n );
+        float *light = light_of( batch, base, first_miss + n ), rest[3];
         float pdf = scratch->specular_pdf[n];
         float weight = pdf > 0.0f ? rf_balance_weight( pdf, k * arrivals->light_pdf_solid_angle[slot] ) : 0.0f;
-        if ( scratch->clamp != NULL )
-        {
-            add_clamped_scattered( scratch, arrivals, slot, weight, batch, first_miss + n );
-            continue;
-        }
         for ( int c = 0; c < 3; ++c )
-            light[c] += arrivals->emitted[c][slot] * weight + arrivals->rest[c][slot];
+        {
+            rest[c] = arrivals->rest[c][slot];
+            light[c] += arrivals->emitted[c][slot] * weight + ( scratch->clamp != NULL ? 0.0f : rest[c] );
+        }
+        if ( scratch->clamp != NULL )
+            add_clamped( scratch, RF_CLAMP_PATHS, rest, base, first_miss + n, light, batch );
     }
 }
 
 // Absorption along the camera rays, for a camera inside a body.
-static void absorb( const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
+static void absorb( const RfHarvestScratch* scratch, int base, const RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
     const RfRayLanes* rays = &scratch->camera_rays;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
-        int slot = v->slot[i];
-        float* light = light_of( batch, first_miss + i - rf_record_count( v ) );
+        int slot = v->slot[i], miss = first_miss + i - rf_record_count( v );
+        float* light = light_of( batch, base, miss );
         RfVec3 transmittance = rf_transmittance_from( v, i, RF_GET3( rays->o, slot ) );
         float left[3] = { transmittance.x, transmittance.y, transmittance.z };
-        float* removed = batch->removed + 4 * (size_t)( batch->count + first_miss + i - rf_record_count( v ) );
         for ( int c = 0; c < 3; ++c )
         {
             light[c] *= left[c];
-            if ( batch->removed != NULL )
-                removed[c] *= left[c];
+            if ( batch->layers.removed )
+                removed_of( batch, base, miss )[c] *= left[c];
         }
     }
 }
 
-static void copy_chain_light( float ( *const light )[RF_LANES], const int32_t* slot, int count, float fourth, float* out )
+// Light that chains find on their way, of a base part, for a miss or glint: what their first vertices emit, and beyond these, by
+// their first event, what is left of it by the clamp.
+static void light_chain( const RfHarvestScratch* scratch, int base, int slot, int miss, RfHitBatch* batch )
 {
-    for ( int k = 0; k < count; ++k )
+    static const RfLayerKind s_kinds[] = { [RF_EVENT_NONE] = RF_KIND_EMISSION,
+                                           [RF_EVENT_REFLECTION] = RF_KIND_REFLECTION,
+                                           [RF_EVENT_TRANSMISSION] = RF_KIND_TRANSMISSION };
+    const RfChains* chains = scratch->chains;
+    float found[3] = { 0.0f, 0.0f, 0.0f }, share = 1.0f;
+    for ( int event = 0; event < chains->events; ++event )
     {
+        const RfChainFinds* of = rf_chain_finds( chains, base, event );
+        for ( int c = 0; c < 3 && chains->clamped; ++c )
+            found[c] += of->found[c][slot];
+    }
+    if ( found[0] + found[1] + found[2] > 0.0f )
+        share = rf_clamp_share( scratch->clamp, RF_CLAMP_CHAINS, batch, batch->count + miss, found );
+    for ( int event = 0; event < chains->events; ++event )
+    {
+        const RfChainFinds* of = rf_chain_finds( chains, base, event );
+        float* light = rf_layer_light( batch, base, s_kinds[event] )->radiance + 4 * (size_t)( batch->count + miss );
         for ( int c = 0; c < 3; ++c )
-            out[4 * k + c] = light[c][slot[k]];
-        out[4 * k + 3] = fourth;
+        {
+            float kept = chains->clamped ? share * of->found[c][slot] : 0.0f;
+            light[c] = of->light[c][slot] + kept;
+            if ( chains->clamped )
+                removed_of( batch, base, miss )[c] += of->found[c][slot] - kept;
+        }
     }
+    if ( share < 1.0f )
+        rf_removed_light( batch, base )->dark = false;
 }
 
-// What chains find beyond their first vertices, clamped.
-static void add_found_light( const RfHarvestScratch* scratch, float ( *const found )[RF_LANES], RfHitBatch* batch, int first,
-                             int count, const int32_t* slot )
-{
-    for ( int k = 0; k < count; ++k )
-    {
-        size_t at = 4 * (size_t)( first + k );
-        float value[3] = { found[0][slot[k]], found[1][slot[k]], found[2][slot[k]] };
-        if ( value[0] + value[1] + value[2] > 0.0f )
-            batch->any_removed |= rf_add_clamped( scratch->clamp, RF_CLAMP_CHAINS, batch, first + k, value, batch->radiance + at,
-                                                  batch->removed + at );
-    }
-}
-
-// Light that chains find on their way, of a base part, for pixels without a hit and for pixels with one.
 static void light_chains( const RfHarvestScratch* scratch, int base, RfHitBatch* batch )
 {
-    int first = scratch->ray_miss_count;
-    float fourth = base == 0 ? 1.0f : 0.0f, ( *light )[RF_LANES] = rf_chain_light( scratch->chains, base );
-    copy_chain_light( light, scratch->miss_slot + first, batch->miss_count - first, fourth,
-                      rf_miss_radiance( batch ) + 4 * (size_t)first );
-    copy_chain_light( light, scratch->glint_slot, batch->glint_count, 0.0f, rf_glint_radiance( batch ) );
-    if ( scratch->clamp == NULL )
-        return;
-    float( *found )[RF_LANES] = rf_chain_found( scratch->chains, base );
-    add_found_light( scratch, found, batch, batch->count + first, batch->miss_count - first, scratch->miss_slot + first );
-    add_found_light( scratch, found, batch, batch->count + batch->miss_count, batch->glint_count, scratch->glint_slot );
+    for ( int k = scratch->ray_miss_count; k < batch->miss_count; ++k )
+        light_chain( scratch, base, scratch->miss_slot[k], k, batch );
+    for ( int g = 0; g < batch->glint_count; ++g )
+        light_chain( scratch, base, scratch->glint_slot[g], batch->miss_count + g, batch );
 }
 
 // What paths from specular hits bring, of a base part.
@@ -208,13 +194,13 @@ static void light_specular( const RfHarvest* harvest, int base, RfHitBatch* batc
 {
     if ( harvest->path.max_depth > 1 )
     {
-        add_scattered( harvest, scratch, rf_arrivals_of_part( &scratch->wavefront, base ), batch, first_miss );
+        add_scattered( harvest, scratch, rf_arrivals_of_part( &scratch->wavefront, base ), base, batch, first_miss );
         if ( harvest->path.own != NULL && harvest->path.own->caustics )
-            take_out_caustics( scratch, &harvest->path.own->arrivals, batch, first_miss );
+            take_out_caustics( scratch, rf_own_arrivals( harvest->path.own, base ), base, batch, first_miss );
         else if ( harvest->path.own != NULL )
-            add_scattered( harvest, scratch, rf_own_arrivals( harvest->path.own, base ), batch, first_miss );
+            add_scattered( harvest, scratch, rf_own_arrivals( harvest->path.own, base ), base, batch, first_miss );
     }
-    absorb( scratch, batch, first_miss );
+    absorb( scratch, base, batch, first_miss );
 }
 
 static void see_specular( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int first_miss )
@@ -223,8 +209,8 @@ static void see_specular( const RfHarvest* harvest, const RfHarvestScratch* scra
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
-        int part = rf_counts_in( &harvest->path, rf_material_part( lights, v->material[i] ) );
-        put_light( batch, part, first_miss + i - rf_record_count( v ), rf_emission_in_frame( &harvest->path, v, i ) );
+        int base = rf_counts_in( &harvest->path, rf_material_part( lights, v->material[i] ) );
+        put_light( light_of( batch, base, first_miss + i - rf_record_count( v ) ), rf_emission_in_frame( &harvest->path, v, i ) );
     }
 }
 
@@ -243,15 +229,9 @@ void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
     }
     for ( int base = 0; base < rf_base_parts( &harvest->path ); ++base )
     {
-        RfHitBatch of_part = rf_batch_of_part( batch, base, true );
         if ( chains )
-            light_chains( scratch, base, &of_part );
+            light_chains( scratch, base, batch );
         else if ( specular > 0 )
-            light_specular( harvest, base, &of_part, scratch, first_miss );
-        batch->any_removed = batch->any_removed || of_part.any_removed;
-        if ( base > 0 )
-            batch->dimmed[base - 1].any_removed = of_part.any_removed;
+            light_specular( harvest, base, batch, scratch, first_miss );
     }
-    if ( chains && batch->passes != NULL )
-        rf_pass_chains( harvest, batch, scratch );
 }

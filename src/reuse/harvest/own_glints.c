@@ -1,7 +1,7 @@
 // Light at hits that is kept apart, weighted as in a group of one frame and added to the hit's own pixel as a glint: what holds in
 // the frame of its path alone, since what moves touches the path in some frame of the group (src/reuse/estimators.md, section 18), or
 // caustics, which go to what is taken out of the picture (section 19).
-#include "reuse/harvest/passes.h"
+#include "reuse/harvest/harvest_steps.h"
 
 #include <string.h>
 
@@ -13,91 +13,92 @@ void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch )
         scratch->own->moving[v->slot[i]] = rf_is_moving( tracer, scratch->wavefront.scratch.triangle[v->ray[i]] );
 }
 
-void rf_add_own_glossy( RfHitBatch* batch, const float* const wi[3], RfHarvestScratch* scratch )
+// Filters of the ways to the hits' own camera, as accumulation has them for what is shared, and the throughput of chains.
+static void find_filters( const RfHarvest* harvest, const RfHitBatch* batch, const RfHarvestScratch* scratch,
+                          float ( *filter )[RF_LANES] )
 {
-    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
-    RfLaneScratch* s = &scratch->wavefront.scratch;
-    RfOwnHits* own = scratch->own;
-    if ( !rf_any_arrives( &own->arrival, first, batch->count ) )
-        return;
-    const float *wo[3] = { batch->wo[0], batch->wo[1], batch->wo[2] }, *in[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
-    float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    rf_evaluate_glossy( batch, wo, in, f, s->pdf );
-    for ( int i = first; i < batch->count; ++i )
+    RF_ALIGN float density[RF_LANES];
+    RfProjectedLanes out = { .density = density, .filter = { filter[0], filter[1], filter[2] } };
+    rf_own_densities( rf_tracer_mirrors( harvest->path.tracer ), harvest->eyes + batch->eye, batch, out );
+    for ( int c = 0; c < 3; ++c )
     {
-        float q[3];
-        if ( rf_clamps_own( scratch ) )
+        const float* kappa = batch->panes[c] != NULL ? batch->panes[c] + (size_t)batch->eye * RF_LANES : NULL;
+        for ( int i = 0; i < batch->count; ++i )
         {
-            float of_lobes[3] = { f[0][i - first], f[1][i - first], f[2][i - first] };
-            rf_add_clamped_own( &own->arrival, i, s->pdf[i - first], of_lobes, batch, scratch );
-            continue;
+            bool chain = batch->view[i] == RF_VIEW_CHAIN;
+            float left = chain ? scratch->chains->throughput[c][scratch->hits->slot[i]] : filter[c][i];
+            filter[c][i] = left * ( kappa != NULL ? kappa[i] : 1.0f );
         }
-        rf_weigh_arrival( &own->arrival, i, s->pdf[i - first], q );
-        for ( int c = 0; c < 3; ++c )
-            own->light[c][i] += f[c][i - first] * q[c];
     }
-    if ( batch->passes != NULL )
-        rf_pass_own( &own->arrival, first, batch->count, s->pdf, f, scratch );
 }
 
-// A new glint for a hit, without light.
-static int append_glint( const RfPathSettings* path, const RfHarvestScratch* scratch, int hit, RfHitBatch* batch )
+// A new glint for a hit, without light. Returns its number among all that is listed.
+static int append_glint( const RfHarvestScratch* scratch, int hit, RfHitBatch* batch )
 {
-    int slot = scratch->hits->slot[hit], glint = batch->glint_count++, at = batch->count + batch->miss_count + glint;
-    rf_glint_pixel( batch )[glint] = scratch->pixel[slot];
-    for ( int base = 0; base < rf_base_parts( path ); ++base )
-    {
-        RfHitBatch of_part = rf_batch_of_part( batch, base, true );
-        memset( of_part.radiance + 4 * (size_t)at, 0, 4 * sizeof( float ) );
-        if ( of_part.removed != NULL )
-            memset( of_part.removed + 4 * (size_t)at, 0, 4 * sizeof( float ) );
-    }
-    for ( int k = 0; k < RF_OTHER_PASSES && batch->passes != NULL; ++k )
-        memset( rf_other_pass( batch, k, at ), 0, 4 * sizeof( float ) );
+    int slot = scratch->hits->slot[hit], at = rf_listed( batch ), base_parts = batch->layers.base_parts;
+    batch->pixel[at] = scratch->pixel[slot];
+    batch->glint_count += 1;
+    for ( int layer = 0; layer < base_parts * rf_kinds( &batch->layers ); ++layer )
+        memset( batch->light[layer].radiance + 4 * (size_t)at, 0, 4 * sizeof( float ) );
+    for ( int base = 0; base < base_parts && batch->layers.removed; ++base )
+        memset( rf_removed_light( batch, base )->radiance + 4 * (size_t)at, 0, 4 * sizeof( float ) );
     for ( int c = 0; c < 2 && batch->offset[0] != NULL; ++c )
         batch->offset[c][at] = scratch->place[c][slot];
-    return glint;
+    return at;
 }
 
-// That of a base part; glint_of[] has the glint of each slot, or −1.
-static void add_group( const RfHarvest* harvest, int base, int32_t* glint_of, RfHitBatch* batch, RfHarvestScratch* scratch )
+// The glints of hits.
+typedef struct Glints
 {
-    float( *light )[RF_LANES] = rf_own_group( scratch, base )->light,
-                  ( *taken )[RF_LANES] = rf_own_group( scratch, base )->removed;
-    bool caustics = scratch->own->paths.caustics, clamped = rf_clamps_own( scratch );
-    if ( rf_has_views( batch ) )
-        rf_dim_own( harvest, batch, scratch, light );
-    if ( rf_has_views( batch ) && clamped )
-        rf_dim_own( harvest, batch, scratch, taken );
-    RfHitBatch of_part = rf_batch_of_part( batch, base, true );
-    for ( int i = 0; i < batch->count; ++i )
-    {
-        int32_t* glint = glint_of + scratch->hits->slot[i];
-        if ( !( light[0][i] + light[1][i] + light[2][i] > 0.0f ) )
-            continue;
-        *glint = *glint >= 0 ? *glint : append_glint( &harvest->path, scratch, i, batch );
-        size_t at = 4 * (size_t)( batch->count + batch->miss_count + *glint );
-        float *picture = of_part.radiance + at, *removed = of_part.removed != NULL ? of_part.removed + at : NULL;
-        for ( int c = 0; c < 3; ++c )
-        {
-            *( caustics ? removed + c : picture + c ) += light[c][i];
-            if ( clamped )
-                removed[c] += taken[c][i];
-        }
-        batch->any_removed |= caustics;
-    }
+    int32_t of[RF_LANES]; // by slot: number among all that is listed, or −1
+    bool filtered;
+    RF_ALIGN float filter[3][RF_LANES];
+} Glints;
+
+// Adds the light of a hit to that of its glint.
+static void add_glint( const float* light, int hit, const RfHarvestScratch* scratch, RfHitBatch* batch, Glints* glints,
+                       RfLayerLight* to )
+{
+    int32_t* glint = glints->of + scratch->hits->slot[hit];
+    if ( !( light[0] + light[1] + light[2] > 0.0f ) )
+        return;
+    *glint = *glint >= 0 ? *glint : append_glint( scratch, hit, batch );
+    for ( int c = 0; c < 3; ++c )
+        to->radiance[4 * *glint + c] += light[c] * ( glints->filtered ? glints->filter[c][hit] : 1.0f );
+    to->dark = false;
+}
+
+// The kind that light of a hit has in its picture.
+static RfLayerKind kind_seen( const RfHitBatch* batch, int hit, int kind )
+{
+    static const RfLayerKind s_events[] = {
+        [RF_EVENT_REFLECTION] = RF_KIND_REFLECTION, [RF_EVENT_TRANSMISSION] = RF_KIND_TRANSMISSION
+    };
+    bool by_event = batch->event != NULL && batch->event[hit] != RF_EVENT_NONE;
+    return by_event ? s_events[batch->event[hit]] : (RfLayerKind)kind;
 }
 
 void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    int32_t glint_of[RF_LANES];
-    memset( glint_of, -1, sizeof glint_of );
+    const RfOwnHits* own = scratch->own;
+    Glints glints = { .filtered = rf_has_views( batch ) };
+    int kinds = rf_hit_kinds( &batch->layers );
+    memset( glints.of, -1, sizeof glints.of );
     for ( int g = 0; g < batch->glint_count; ++g )
-        glint_of[scratch->glint_slot[g]] = g;
+        glints.of[scratch->glint_slot[g]] = batch->count + batch->miss_count + g;
+    if ( glints.filtered )
+        find_filters( harvest, batch, scratch, glints.filter );
     for ( int base = 0; base < rf_base_parts( &harvest->path ); ++base )
-        add_group( harvest, base, glint_of, batch, scratch );
-    if ( batch->passes != NULL && !scratch->own->paths.caustics )
-        rf_pass_own_light( harvest, glint_of, batch, scratch );
+    {
+        for ( int i = 0; i < kinds * batch->count && !own->paths.caustics; ++i )
+        {
+            int hit = i % batch->count, kind = i / batch->count;
+            add_glint( rf_own_at( scratch, base, (RfLayerKind)kind, hit ), hit, scratch, batch, &glints,
+                       rf_layer_light( batch, base, kind_seen( batch, hit, kind ) ) );
+        }
+        for ( int hit = 0; hit < batch->count && own->removed != NULL; ++hit )
+            add_glint( rf_own_removed_at( scratch, base, hit ), hit, scratch, batch, &glints, rf_removed_light( batch, base ) );
+    }
 }
 
 static float sample_luminance( const RfLightLanes* direct, int i )

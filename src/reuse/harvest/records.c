@@ -5,48 +5,32 @@
     for ( int c_ = 0; c_ < 3; ++c_ )                                                                                             \
     RF_PLACE( layout, ( lanes )[c_], RF_LANES )
 
-// `along`: directions whose wi these have as well, if they have no `own`.
-static RfDirectionLanes* place_directions( RfLayout* layout, int count, bool own, const RfDirectionLanes* along )
+void rf_find_layer_directions( const RfBatchShape* shape, const RfLayerSet* set, int layer, int* first, int* end )
 {
-    RfDirectionLanes* out = rf_take( layout, (size_t)count, sizeof *out );
-    for ( int d = 0; d < count; ++d )
-    {
-        if ( out != NULL )
-            out[d] = own ? ( RfDirectionLanes ){ .dark = false } : along[d];
-        if ( own )
-            PLACE_LANES3( layout, out[d].wi );
-        PLACE_LANES3( layout, out[d].q );
-    }
-    return out;
+    RfDirections directions = rf_layer_directions( set, layer, shape->clamped );
+    *first = directions == RF_DIRECTIONS_SCATTERING ? rf_light_directions( shape ) : 0;
+    *end = directions == RF_DIRECTIONS_SAMPLING ? rf_first_pairing( shape ) + 1 : rf_direction_count( shape );
+    if ( shape->params == 0 || directions == RF_DIRECTIONS_NONE )
+        *end = *first;
 }
 
-static RfPassLight* place_pass_light( RfLayout* layout, const RfBatchShape* shape )
+// Whether a layer has light of hits, and of misses and glints: parts beyond base parts have no own-frame light.
+static size_t find_listed( const RfBatchShape* shape, int layer, size_t listed )
 {
-    RfPassLight* light = rf_take( layout, 1, sizeof *light );
-    if ( light != NULL )
-        *light = ( RfPassLight ){ 0 };
-    PLACE_LANES3( layout, light->emission );
-    PLACE_LANES3( layout, light->direct );
-    if ( shape->params != 0 )
-        PLACE_LANES3( layout, light->direct_q );
+    const RfLayerSet* set = &shape->layers;
+    int kinds = set->parts * rf_kinds( set ), part = layer < kinds ? layer / rf_kinds( set ) : layer - kinds;
+    bool of_hits = layer >= kinds || !set->by_kind || layer % RF_KINDS < RF_HIT_KINDS;
+    return part < set->base_parts ? listed : of_hits ? RF_LANES : 0;
+}
+
+static RfLayerLight place_layer( RfLayout* layout, const RfBatchShape* shape, int layer, size_t listed )
+{
+    RfLayerLight light = { .radiance = rf_take( layout, 4 * find_listed( shape, layer, listed ), sizeof( float ) ) };
+    rf_find_layer_directions( shape, &shape->layers, layer, &light.first_direction, &light.end_direction );
+    light.by = rf_take( layout, (size_t)( light.end_direction - light.first_direction ), sizeof *light.by );
+    for ( int d = light.first_direction; d < light.end_direction; ++d )
+        PLACE_LANES3( layout, rf_weighted( &light, d )->q );
     return light;
-}
-
-// Part `part` of the light, from 1 on.
-static void place_part( RfLayout* layout, const RfBatchShape* shape, int part, size_t listed, RfHitBatch* batch )
-{
-    int directions = shape->params != 0 ? rf_direction_count( shape ) : 0;
-    bool base = part < shape->groups;
-    RfDimmedLight light = { .radiance = rf_take( layout, 4 * ( base ? listed : RF_LANES ), sizeof( float ) ) };
-    if ( shape->clamped )
-        light.removed = rf_take( layout, 4 * ( base ? listed : RF_LANES ), sizeof( float ) );
-    const RfDirectionLanes* along = batch != NULL ? batch->directions : NULL;
-    light.directions = place_directions( layout, directions, false, along );
-    light.removed_directions = place_directions( layout, shape->clamped ? directions : 0, false, along );
-    if ( shape->passes && !base )
-        light.passes = place_pass_light( layout, shape );
-    if ( batch != NULL )
-        batch->dimmed[part - 1] = light;
 }
 
 static void place_glossy( RfLayout* layout, const RfBatchShape* shape, RfHitBatch* batch )
@@ -56,13 +40,9 @@ static void place_glossy( RfLayout* layout, const RfBatchShape* shape, RfHitBatc
     PLACE_LANES3( layout, batch->wo );
     for ( int p = 0; p < RF_PARAM_COUNT; ++p )
         RF_PLACE( layout, batch->param[p], rf_has_param( shape->params, (RfBsdfParam)p ) ? RF_LANES : 0 );
-    RfDirectionLanes* lanes = place_directions( layout, directions, true, NULL );
-    RfDirectionLanes* removed = place_directions( layout, shape->clamped ? directions : 0, false, lanes );
-    if ( batch != NULL )
-    {
-        batch->directions = lanes;
-        batch->removed_directions = removed;
-    }
+    RF_PLACE( layout, batch->directions, directions );
+    for ( int d = 0; d < directions; ++d )
+        PLACE_LANES3( layout, batch->directions[d].wi );
 }
 
 RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout )
@@ -76,8 +56,6 @@ RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout )
     PLACE_LANES3( layout, batch->p );
     PLACE_LANES3( layout, batch->ng );
     RF_PLACE( layout, batch->density_sum, RF_LANES );
-    RF_PLACE( layout, batch->radiance, 4 * listed );
-    RF_PLACE( layout, batch->removed, shape->clamped || shape->caustics ? 4 * listed : 0 );
     RF_PLACE( layout, batch->seen, rf_seen_words( shape->eyes ) * RF_LANES );
     RF_PLACE( layout, batch->densities, rf_is_partial( shape ) ? by_eye : 0 );
     for ( int c = 0; c < 3; ++c )
@@ -91,17 +69,16 @@ RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout )
     RF_PLACE( layout, batch->rows, 2 * shape->eyes );
     if ( shape->params != 0 )
         place_glossy( layout, shape, batch );
-    if ( shape->passes )
+    RF_PLACE( layout, batch->event, shape->layers.by_kind ? RF_LANES : 0 );
+    RF_PLACE( layout, batch->light, rf_layer_count( &shape->layers ) );
+    for ( int layer = 0; layer < rf_layer_count( &shape->layers ); ++layer )
     {
-        RfPassLight* light = place_pass_light( layout, shape );
+        RfLayerLight light = place_layer( layout, shape, layer, listed );
         if ( batch != NULL )
-            batch->passes = light;
-        RF_PLACE( layout, batch->event, RF_LANES );
-        RF_PLACE( layout, batch->others, RF_OTHER_PASSES * 4 * RF_MOST_LISTED );
+            batch->light[layer] = light;
     }
-    RF_PLACE( layout, batch->dimmed, shape->dimmed );
-    for ( int part = 1; part <= shape->dimmed; ++part )
-        place_part( layout, shape, part, listed, batch );
+    if ( batch != NULL )
+        batch->layers = shape->layers;
     return batch;
 }
 
@@ -114,21 +91,4 @@ RfBsdfParams rf_glossy_params( unsigned kinds )
             params |= rf_bsdf_model( (RfBsdfKind)kind )->params;
     }
     return params;
-}
-
-RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others )
-{
-    RfHitBatch out = *batch;
-    if ( part == 0 )
-        return out;
-    const RfDimmedLight* light = batch->dimmed + part - 1;
-    out.radiance = light->radiance;
-    out.directions = light->directions;
-    out.removed = light->removed;
-    out.removed_directions = light->removed_directions;
-    out.any_removed = light->any_removed;
-    out.passes = light->passes != NULL ? light->passes : batch->passes;
-    out.miss_count = others ? out.miss_count : 0;
-    out.glint_count = others ? out.glint_count : 0;
-    return out;
 }

@@ -6,36 +6,34 @@
 #include "base/layout.h"
 #include "film/covering.h"
 #include "path/lanes.h"
+#include "reuse/layer.h"
 #include "scene/lens.h"
 
-// A direction that lights glossy hits, weighted over the cameras. Its contribution to
-// camera t is C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l and
-// Q = |cos| (A / (K p_L + P) + B / P), where P = Σ r_l p_l is the mixture density of
-// the cameras (E1, E3), A radiance that light sampling could have found too, B the rest.
+// A direction that lights glossy hits.
 typedef struct RfDirectionLanes
 {
     float* wi[3];
-    float* q[3];
-    bool dark; // q is 0, and not looked at
 } RfDirectionLanes;
 
-// Of hits, with RfBatchShape.passes: their emission, and direct light: of diffuse ones towards any camera, of glossy ones that
-// which the scattered direction finds, as Q; light samples bring the rest of it.
-typedef struct RfPassLight
+// What comes by it in a layer, weighted over the cameras. Its contribution to
+// camera t is C_t = r_t f_t(x, wi) Q, with r_t = J_t V_t / Σ J_l V_l and
+// Q = |cos| (A / (K p_L + P) + B / P), where P = Σ r_l p_l is the mixture density of
+// the cameras (E1, E3), A radiance that light sampling could have found too, B the rest.
+typedef struct RfWeightedLanes
 {
-    float *emission[3], *direct[3], *direct_q[3];
-} RfPassLight;
+    float* q[3];
+    bool dark; // q is 0, and not looked at
+} RfWeightedLanes;
 
-// Light of a part at scale 1 (light/light.h): what a batch has of part 0. Misses and glints have that of base parts alone.
-typedef struct RfDimmedLight
+// The light of a layer, at scale 1 (light/light.h).
+typedef struct RfLayerLight
 {
-    float* radiance;                      // with r g b 0
-    RfDirectionLanes* directions;         // share wi
-    float* removed;                       // NULL without a clamp, as the next
-    RfDirectionLanes* removed_directions; // share wi
-    bool any_removed;
-    RfPassLight* passes; // NULL without, and of base parts
-} RfDimmedLight;
+    bool dark;       // it brings nothing, and the next are not looked at
+    float* radiance; // 4 per hit: r g b, and 1 in the first layer, else 0. Diffuse: towards any camera; glossy: emission only.
+                     // Behind them misses and glints, of base parts. NULL where the layer has none
+    int first_direction, end_direction; // that the layer has
+    RfWeightedLanes* by;                // by direction, from first_direction on: use rf_weighted
+} RfLayerLight;
 
 typedef struct RfHitBatch
 {
@@ -51,7 +49,6 @@ typedef struct RfHitBatch
     float* p[3];
     float* ng[3];
     float* density_sum;     // Σ_l J_l V_l over the cameras of the group
-    float* radiance;        // 4 per hit: r g b 1. Diffuse: towards any camera; glossy: emission only
     uint32_t* seen;         // visibility: word w of hit i is seen[w·RF_LANES + i], bit l%32 of word l/32 for camera l
     float* densities;       // J_l V_l of camera l and hit i at l·RF_LANES + i; NULL unless V may be between 0 and 1
     float* panes[3];        // κ of the panes on the straight way to camera l, in the same places; NULL without panes
@@ -68,16 +65,10 @@ typedef struct RfHitBatch
     float* wo[3];                 // back along the camera ray
     float* param[RF_PARAM_COUNT]; // NULL where the glossy models of the scene lack it
     RfDirectionLanes* directions; // numbered as by rf_first_pairing
-    // what is taken out of the light; NULL where nothing is
-    float* removed;                       // like radiance, with r g b 0
-    RfDirectionLanes* removed_directions; // like directions, which they share wi with; NULL without a clamp (clamp.h)
-    bool any_removed;                     // else neither of the two is set
-    // NULL without passes
-    RfPassLight* passes; // of all base parts together
-    uint8_t* event;      // by hit: RF_EVENT_, the first of the chain to it
-    float* others;       // of misses and glints, by RF_OTHER_: 4 each, of which the fourth is 0, with room for hits before them
-    int dimmed_count;
-    RfDimmedLight* dimmed; // parts of the light from 1 on
+    uint8_t* event;               // by hit: RF_EVENT_, the first of the chain to it; NULL unless layers are by kind
+    RfLayerSet layers;
+    int part_count;      // of the light, up to layers.parts
+    RfLayerLight* light; // by layer (layer.h)
 } RfHitBatch;
 
 // Determines the layout of a batch.
@@ -103,9 +94,8 @@ typedef struct RfBatchShape
     bool features;          // camera rays have features for denoisers (path/features.h)
     bool connections;       // hits have connections to light paths: one direction more
     bool clamped;           // what the clamp takes out of the light is kept
-    bool passes;            // light is sorted into passes (passes.h)
     int groups;             // light groups; 0: none
-    int dimmed;             // parts that light of these groups, and of lamps that are dimmed or move, may have from 1 on
+    RfLayerSet layers;
     // What is told apart of the surfaces that hits are on (film/covering.h).
     RfSurfaceKinds covering;
 } RfBatchShape;
@@ -125,39 +115,38 @@ enum
     RF_EVENT_NONE,
     RF_EVENT_REFLECTION,
     RF_EVENT_TRANSMISSION,
-};
-
-// Passes of misses and glints besides emission.
-enum
-{
-    RF_OTHER_DIRECT,
-    RF_OTHER_INDIRECT,
-    RF_OTHER_REFLECTION,
-    RF_OTHER_TRANSMISSION,
-    RF_OTHER_PASSES,
+    RF_EVENTS,
 };
 
 #define RF_MOST_LISTED ( 2 * RF_LANES ) // hits, misses and glints of a batch
 
-// By the number of the miss or glint among all that is listed.
-static inline float* rf_other_pass( const RfHitBatch* batch, int pass, int item )
+static inline int rf_listed( const RfHitBatch* batch ) { return batch->count + batch->miss_count + batch->glint_count; }
+
+static inline RfLayerLight* rf_layer_light( const RfHitBatch* batch, int part, RfLayerKind kind )
 {
-    return batch->others + 4 * ( (size_t)pass * RF_MOST_LISTED + (size_t)item );
+    return batch->light + rf_layer( &batch->layers, part, kind );
 }
 
-// What is left of a sum without its terms, or 0 where that is no more than rounding.
-static inline float rf_without_rounding( float left, float sum ) { return fabsf( left ) > 1e-6f * sum ? left : 0.0f; }
+static inline RfLayerLight* rf_removed_light( const RfHitBatch* batch, int part )
+{
+    return batch->light + rf_removed_layer( &batch->layers, part );
+}
+
+// What comes by a direction, which the layer must have.
+static inline RfWeightedLanes* rf_weighted( const RfLayerLight* light, int direction )
+{
+    return light->by + ( direction - light->first_direction );
+}
+
+static inline bool rf_has_direction( const RfLayerLight* light, int direction )
+{
+    return direction >= light->first_direction && direction < light->end_direction;
+}
 
 // Misses follow the hits in the arrays that both have.
 static inline int32_t* rf_miss_pixel( const RfHitBatch* batch ) { return batch->pixel + batch->count; }
-// 4 each: r g b 1. Not set without own_frame_light: black.
-static inline float* rf_miss_radiance( const RfHitBatch* batch ) { return batch->radiance + 4 * (size_t)batch->count; }
-// Glints follow the misses, with r g b 0.
+// Glints follow the misses; in radiance the fourth of a miss is 1, that of a glint 0.
 static inline int32_t* rf_glint_pixel( const RfHitBatch* batch ) { return rf_miss_pixel( batch ) + batch->miss_count; }
-static inline float* rf_glint_radiance( const RfHitBatch* batch )
-{
-    return rf_miss_radiance( batch ) + 4 * (size_t)batch->miss_count;
-}
 
 // True if V may be between 0 and 1.
 static inline bool rf_is_partial( const RfBatchShape* shape )
@@ -190,12 +179,13 @@ static inline int rf_direction_count( const RfBatchShape* shape )
 }
 static inline int rf_seen_words( int eyes ) { return ( eyes + 31 ) / 32; }
 
-// The batch with the light of a part in the place of that of part 0. `others`: with misses and glints, which base parts alone have.
-RfHitBatch rf_batch_of_part( const RfHitBatch* batch, int part, bool others );
-
 // The parameters of the glossy models among `kinds`, a bit per RfBsdfKind.
 RfBsdfParams rf_glossy_params( unsigned kinds );
 
+// The directions of a layer, [first, end), by their numbers.
+void rf_find_layer_directions( const RfBatchShape* shape, const RfLayerSet* set, int layer, int* first, int* end );
+
+// A batch serves shapes of fewer cameras, too, whose parts and directions may be fewer.
 RfHitBatch* rf_place_batch( const RfBatchShape* shape, RfLayout* layout );
 
 #endif

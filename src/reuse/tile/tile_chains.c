@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-#define NO_PART 255
-
 static RfVec3 point_of( const RfVertexLanes* v, int i ) { return RF_GET3( v->p, i ); }
 
 static RfVec3 direction_of( float* const d[3], int i ) { return RF_GET3( d, i ); }
@@ -311,10 +309,8 @@ static void follow_others( Walk* walk )
             pairing->touched[i] = all->touched[k];
             pairing->any_touched = pairing->any_touched || all->touched[k];
         }
-        bool grouped = walk->path->grouped;
-        RF_PUT3( grouped ? pairing->chains->light : pairing->light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
-        if ( grouped )
-            pairing->chains->part[a] = all->probability[k] > 0.0f ? all->part[k] : NO_PART;
+        int part = walk->path->grouped && all->probability[k] > 0.0f ? all->part[k] : 0;
+        RF_PUT3( pairing->of_part[part].light, a, rf_scale( rf_mul( light, left ), walk->scale[a] ) );
     }
     all->count = 0;
 }
@@ -322,14 +318,20 @@ static void follow_others( Walk* walk )
 uint64_t rf_follow_chain_light( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
-    for ( int s = 0; s < settings->tile_pixels && settings->path->grouped; ++s )
-        memset( reuse->pairings[s].chains->part, NO_PART, RF_LANES );
-    if ( !settings->chain_light || rf_record_count( y ) == y->count )
+    int first = rf_record_count( y );
+    if ( !settings->chain_light || first == y->count )
         return 0;
+    for ( int k = 0; k < settings->tile_pixels * reuse->part_count && reuse->part_count > 1;
+          ++k ) // each brings light of one part
+    {
+        RfPairingLight* t = reuse->pairings[k / reuse->part_count].of_part + k % reuse->part_count;
+        for ( int c = 0; c < 3; ++c )
+            memset( t->light[c] + first, 0, (size_t)( y->count - first ) * sizeof( float ) );
+    }
     Walk walk = { .path = settings->path, .wavefront = wavefront, .reuse = reuse };
     follow_own( &walk );
     walk.all.count = 0;
-    for ( int a = rf_record_count( y ); a < y->count; ++a )
+    for ( int a = first; a < y->count; ++a )
     {
         for ( int s = 1; reuse->second.owner[a] >= 0 && s < reuse->hits.size[reuse->second.owner[a]]; ++s )
         {

@@ -6,55 +6,53 @@
 
 #include <string.h>
 
-// What arrives at second vertices beyond them, of a part.
-static const RfArrivals* arrivals_of_part( const RfTileReuse* reuse )
+// Whether light of a part that holds in its own frame alone arrives at second vertices; parts beyond base parts have none.
+static inline bool has_own( const RfTileReuse* reuse, int part )
 {
-    return reuse->part == 0 ? &reuse->slots.at_second : &reuse->dimmed[reuse->part - 1].at_second;
+    return reuse->split && part < reuse->base_parts && reuse->own->groups[part].any;
 }
 
-// One direction at all second vertices: that of a light sample, or the scattered one.
-static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* reuse, int sample )
+// What arrives of a part at all second vertices by one direction: that of a light sample, or the scattered one.
+static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* reuse, int part, int sample )
 {
     RfSecondVertices* second = &reuse->second;
     const RfLightLanes* direct = second->direct + sample;
     rf_gather_light_sample( direct, second->lanes.count, (float)settings->light_samples, &second->arrival );
     if ( settings->parts )
-        rf_keep_part( direct->part, reuse->part, second->lanes.count, &second->arrival );
-    if ( reuse->split && reuse->own->any )
+        rf_keep_part( direct->part, part, second->lanes.count, &second->arrival );
+    if ( has_own( reuse, part ) )
         rf_split_arrival( direct->touched, second->lanes.count, &second->arrival, &reuse->own->arrival );
 }
 
-static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse )
+static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse, int part )
 {
     RfSecondVertices* second = &reuse->second;
     const float* wi[3] = { second->wi[0], second->wi[1], second->wi[2] };
-    rf_gather_scattered( &second->lanes, second->lanes.count, wi, arrivals_of_part( reuse ), (float)settings->light_samples,
+    rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->parts[part].at_second, (float)settings->light_samples,
                          &second->arrival );
-    if ( reuse->split && reuse->own->any )
-        rf_gather_scattered( &second->lanes, second->lanes.count, wi, rf_own_arrivals( &reuse->own->beyond, reuse->part ),
+    if ( has_own( reuse, part ) )
+        rf_gather_scattered( &second->lanes, second->lanes.count, wi, rf_own_arrivals( &reuse->own->beyond, part ),
                              (float)settings->light_samples, &reuse->own->arrival );
 }
 
-// Diffuse vertices scatter the same light to all receivers.
-static void add_diffuse( const float* const wi[3], RfTileReuse* reuse, RfLaneScratch* s )
+// Diffuse vertices scatter the same light to all receivers; their f and densities are in the scratch.
+static void add_diffuse( int part, RfTileReuse* reuse, const RfLaneScratch* s )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
-    const float* wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
-    float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
+    const float* f[3] = { s->f[0], s->f[1], s->f[2] };
     for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY]; ++a )
     {
         float q[3];
         rf_weigh_arrival( &reuse->second.arrival, a, s->pdf[a], q );
         for ( int c = 0; c < 3; ++c )
-            reuse->pairings[0].light[c][a] += f[c][a] * q[c];
+            reuse->pairings[0].of_part[part].light[c][a] += f[c][a] * q[c];
     }
-    for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY] && reuse->split && reuse->own->any; ++a )
+    for ( int a = 0; a < y->first[RF_BSDF_FIRST_GLOSSY] && has_own( reuse, part ); ++a )
     {
         float q[3];
         rf_weigh_arrival( &reuse->own->arrival, a, s->pdf[a], q );
         for ( int c = 0; c < 3; ++c )
-            reuse->pairings[0].own[c][a] += f[c][a] * q[c];
+            reuse->pairings[0].own[part].light[c][a] += f[c][a] * q[c];
     }
 }
 
@@ -83,19 +81,16 @@ static void find_connection_weights( const RfPathSettings* settings, const RfTil
 }
 
 // Adds the light of light paths, as gathered, that diffuse vertices scatter to each receiver. All other light was added before.
-static void add_diffuse_connections( const RfPathSettings* settings, const float* const wi[3], int tile_pixels,
-                                     RfTileReuse* reuse, RfLaneScratch* scratch )
+static void add_diffuse_connections( const RfPathSettings* settings, int part, int tile_pixels, RfTileReuse* reuse,
+                                     RfLaneScratch* scratch )
 {
-    const RfVertexLanes* y = &reuse->second.lanes;
-    int count = y->first[RF_BSDF_FIRST_GLOSSY];
-    const float* wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
-    float *f[3] = { scratch->f[0], scratch->f[1], scratch->f[2] }, *weight = scratch->visible;
-    rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, scratch->pdf );
+    int count = reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
+    float( *found )[RF_LANES] = scratch->wi, *weight = scratch->visible;
     for ( int a = 0; a < count; ++a )
     {
         float scale = rf_balance_scale( reuse->second.arrival.light_pdf[a], scratch->pdf[a] );
         for ( int c = 0; c < 3; ++c )
-            f[c][a] *= reuse->second.arrival.a[c][a] * scale;
+            found[c][a] = scratch->f[c][a] * ( reuse->second.arrival.a[c][a] * scale );
     }
     for ( int pairing = tile_pixels - 1; pairing >= 0; --pairing )
     {
@@ -104,7 +99,7 @@ static void add_diffuse_connections( const RfPathSettings* settings, const float
         for ( int c = 0; c < 3; ++c )
         {
             for ( int a = 0; a < count; ++a )
-                t->light[c][a] = reuse->pairings[0].light[c][a] + weight[a] * f[c][a];
+                t->of_part[part].light[c][a] = reuse->pairings[0].of_part[part].light[c][a] + weight[a] * found[c][a];
         }
     }
 }
@@ -144,7 +139,7 @@ static void weigh_glossy( const RfSecondVertices* second, int first, int end, Rf
 }
 
 // Light of glossy vertices for their own frame alone, weighted as above.
-static void add_own_glossy( int tile_pixels, int first, int end, RfTileReuse* reuse )
+static void add_own_glossy( int part, int tile_pixels, int first, int end, RfTileReuse* reuse )
 {
     weigh_glossy( &reuse->second, first, end, &reuse->own->arrival );
     for ( int pairing = 0; pairing < tile_pixels; ++pairing )
@@ -153,18 +148,16 @@ static void add_own_glossy( int tile_pixels, int first, int end, RfTileReuse* re
         for ( int c = 0; c < 3; ++c )
         {
             for ( int a = first; a < end; ++a )
-                t->own[c][a] += t->f[c][a] * reuse->own->arrival.a[c][a];
+                t->own[part].light[c][a] += t->f[c][a] * reuse->own->arrival.a[c][a];
         }
     }
 }
 
-static void add_glossy( const RfPathSettings* settings, const float* const wi[3], int tile_pixels, bool connections,
-                        RfTileReuse* reuse, RfLaneScratch* s )
+// f of glossy vertices towards the receivers of all pairings, and the mixture of their densities.
+static void evaluate_glossy( const float* const wi[3], int tile_pixels, RfTileReuse* reuse, RfLaneScratch* s )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     int first = y->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( y );
-    if ( first == end )
-        return;
     const float* wo[3] = { reuse->second.wo[0], reuse->second.wo[1], reuse->second.wo[2] };
     memset( reuse->second.mixture, 0, sizeof reuse->second.mixture );
     for ( int pairing = 0; pairing < tile_pixels; ++pairing )
@@ -182,54 +175,69 @@ static void add_glossy( const RfPathSettings* settings, const float* const wi[3]
         for ( int a = first; a < end; ++a )
             reuse->second.mixture[a] += weight[a] * s->pdf[a];
     }
+}
+
+static void add_glossy( const RfPathSettings* settings, int part, int tile_pixels, bool connections, RfTileReuse* reuse,
+                        RfLaneScratch* s )
+{
+    const RfVertexLanes* y = &reuse->second.lanes;
+    int first = y->first[RF_BSDF_FIRST_GLOSSY], end = rf_record_count( y );
+    if ( first == end )
+        return;
     weigh_glossy( &reuse->second, first, end, &reuse->second.arrival );
-    if ( reuse->split && reuse->own->any && rf_any_arrives( &reuse->own->arrival, first, end ) )
-        add_own_glossy( tile_pixels, first, end, reuse );
+    if ( has_own( reuse, part ) && rf_any_arrives( &reuse->own->arrival, first, end ) )
+        add_own_glossy( part, tile_pixels, first, end, reuse );
     float* weight = s->visible; // of light paths; other light has none beside that of its mixture
     for ( int a = first; a < end; ++a )
         weight[a] = 1.0f;
     for ( int pairing = 0; pairing < tile_pixels; ++pairing )
     {
         RfPairingLanes* t = reuse->pairings + pairing;
+        float( *light )[RF_LANES] = t->of_part[part].light;
         if ( connections )
             find_connection_weights( settings, reuse, pairing, first, end, weight );
         for ( int c = 0; c < 3; ++c )
         {
 #pragma omp simd
             for ( int a = first; a < end; ++a )
-                t->light[c][a] += t->f[c][a] * reuse->second.arrival.a[c][a] * weight[a];
+                light[c][a] += t->f[c][a] * reuse->second.arrival.a[c][a] * weight[a];
         }
     }
 }
 
-// Light of vertices that are not reused reaches the hit of their path as it would without tiles: one of the two is specular.
-// `own`: the part that holds in its own frame alone.
-static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const float* const wi[3], bool scattered,
-                            bool connections, bool own, RfTileReuse* reuse )
+// One direction at second vertices.
+typedef struct Direction
+{
+    const float* wi[3];
+    bool scattered, connections;
+} Direction;
+
+// Light of vertices that are not reused reaches the hit of their path as it would without tiles: one of the two is specular. Of a
+// part; `own`: what of it holds in its own frame alone.
+static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefront, const Direction* by, int part, bool own,
+                            RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfArrivalLanes* arrival = own ? &reuse->own->arrival : &reuse->second.arrival;
-    const RfArrivals* at_second = own ? rf_own_arrivals( &reuse->own->beyond, reuse->part ) : arrivals_of_part( reuse );
-    RfLaneScratch* s = &wavefront->scratch;
-    RfVec3 scale = rf_part_scale( rf_tracer_lights( settings->tracer ), reuse->part );
+    const RfArrivals* at_second = own ? rf_own_arrivals( &reuse->own->beyond, part ) : &reuse->parts[part].at_second;
+    const RfLaneScratch* s = &wavefront->scratch;
+    RfVec3 scale = rf_part_scale( rf_tracer_lights( settings->tracer ), part );
     const float of_frame[3] = { scale.x, scale.y, scale.z };
-    float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    rf_evaluate_lanes( y, wi, f, s->pdf );
     for ( int a = 0; a < y->count; ++a )
     {
         if ( rf_scatters_to_tile( reuse, a ) )
             continue;
         int slot = y->slot[a];
-        bool specular = scattered && a >= rf_record_count( y ); // its ray carried the weight
+        bool specular = by->scattered && a >= rf_record_count( y ); // its ray carried the weight
         float pdf = specular ? reuse->second.pdf[a] : s->pdf[a], q[3];
-        float weight = connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
+        float weight = by->connections ? connection_weight( settings, reuse, reuse->second.hit[a], a ) : 1.0f;
         rf_weigh_arrival( arrival, a, pdf, q );
         bool to_own = own || ( reuse->split && settings->own->touched[slot] );
-        RfArrivals* to = to_own ? rf_own_arrivals( settings->own, rf_counts_in( settings, reuse->part ) )
-                                : rf_arrivals_of_part( wavefront, reuse->part );
+        RfArrivals* to =
+            to_own ? rf_own_arrivals( settings->own, rf_counts_in( settings, part ) ) : rf_arrivals_of_part( wavefront, part );
         for ( int c = 0; c < 3; ++c )
         {
-            float light = f[c][a] * q[c] * weight;
+            float light = s->f[c][a] * q[c] * weight;
             if ( specular )
             {
                 float k = (float)settings->light_samples * at_second->light_pdf_solid_angle[slot];
@@ -251,15 +259,17 @@ static bool all_reused( const RfTileReuse* reuse )
     return true;
 }
 
-// store_own where light is split.
-static void store_own_split( const RfPathSettings* path, RfArrivals* held, const RfTileReuse* reuse )
+// store_own where light is split: what holds in its own frame alone is as in that frame.
+static void store_own_split( const RfPathSettings* path, int part, RfArrivals* held, const RfTileReuse* reuse )
 {
     RfOwnLight* paths = path->own;
-    RfArrivals* to = rf_own_arrivals( paths, rf_counts_in( path, reuse->part ) );
-    RfVec3 scale = rf_part_scale( rf_tracer_lights( path->tracer ), reuse->part );
+    RfArrivals* to = rf_own_arrivals( paths, rf_counts_in( path, part ) );
+    RfVec3 scale = rf_part_scale( rf_tracer_lights( path->tracer ), part );
     const float of_frame[3] = { scale.x, scale.y, scale.z };
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfPairingLanes* own = reuse->pairings;
+    float( *light )[RF_LANES] = own->of_part[part].light;
+    bool any = has_own( reuse, part );
     for ( int a = 0; a < rf_record_count( y ); ++a )
     {
         if ( reuse->second.owner[a] < 0 )
@@ -270,15 +280,15 @@ static void store_own_split( const RfPathSettings* path, RfArrivals* held, const
         for ( int c = 0; c < 3; ++c )
         {
             float throughput = reuse->second.throughput[c][a];
-            float beyond = ( reuse->own->any ? own->own[c][a] : 0.0f ) + ( touched ? own->light[c][a] * of_frame[c] : 0.0f );
-            held->rest[c][slot] = touched ? 0.0f : weight * own->light[c][a] * throughput;
-            to->rest[c][slot] = weight * beyond * throughput;
+            float beyond = ( any ? own->own[part].light[c][a] : 0.0f ) + ( touched ? light[c][a] * of_frame[c] : 0.0f );
+            held->rest[c][slot] = touched ? 0.0f : weight * light[c][a] * throughput;
+            to->rest[c][slot] = ( part < reuse->base_parts ? 0.0f : to->rest[c][slot] ) + weight * beyond * throughput;
         }
     }
 }
 
 // Pairing 0 is the light of the hits' own paths; their throughput is that of the panes they passed.
-static void store_own( RfArrivals* arrivals, const RfTileReuse* reuse )
+static void store_own( int part, RfArrivals* arrivals, const RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfPairingLanes* own = reuse->pairings;
@@ -288,7 +298,7 @@ static void store_own( RfArrivals* arrivals, const RfTileReuse* reuse )
             continue;
         for ( int c = 0; c < 3; ++c )
             arrivals->rest[c][y->slot[a]] =
-                own->weight[reuse->second.owner[a]] * own->light[c][a] * reuse->second.throughput[c][a];
+                own->weight[reuse->second.owner[a]] * own->of_part[part].light[c][a] * reuse->second.throughput[c][a];
     }
 }
 
@@ -305,9 +315,9 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
         float( *from )[RF_LANES] = d < k ? reuse->second.direct[d].wi : reuse->second.wi;
         const float* wi[3] = { from[0], from[1], from[2] };
         if ( d < k )
-            gather_light_sample( path, reuse, d );
+            gather_light_sample( path, reuse, 0, d );
         else
-            gather_scattered( path, reuse );
+            gather_scattered( path, reuse, 0 );
         rf_evaluate_lanes( y, wi, f, s->pdf );
         for ( int a = 0; a < rf_record_count( y ); ++a )
         {
@@ -321,9 +331,9 @@ void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfT
     }
 }
 
-static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int a )
+static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int base, int a )
 {
-    const RfArrivals* arrivals = rf_own_arrivals( &reuse->own->beyond, reuse->part );
+    const RfArrivals* arrivals = rf_own_arrivals( &reuse->own->beyond, base );
     int slot = reuse->second.lanes.slot[a];
     float sum = 0.0f;
     for ( int c = 0; c < 3; ++c )
@@ -331,7 +341,7 @@ static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int
     for ( int j = 0; j < path->light_samples; ++j )
     {
         const RfLightLanes* direct = reuse->second.direct + j;
-        if ( direct->touched[a] && ( !path->grouped || direct->part[a] == reuse->part ) )
+        if ( direct->touched[a] && ( !path->grouped || direct->part[a] == base ) )
             sum += direct->radiance_cos[0][a] + direct->radiance_cos[1][a] + direct->radiance_cos[2][a];
     }
     return sum;
@@ -339,132 +349,158 @@ static float arriving( const RfPathSettings* path, const RfTileReuse* reuse, int
 
 // Finds at which second vertices there is light, of a base part, that holds in its own frame alone; if at any, there is none yet in
 // the pairings. Chains bring none.
-static void begin_own( const RfPathSettings* path, int tile_pixels, RfTileReuse* reuse )
+static void begin_own( const RfPathSettings* path, int tile_pixels, int base, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
-    RfTileOwn* own = reuse->own;
+    RfTileOwnGroup* own = reuse->own->groups + base;
     own->any = false;
     for ( int a = 0; a < y->count; ++a )
     {
-        own->lit[a] = arriving( path, reuse, a ) > 0.0f;
+        own->lit[a] = arriving( path, reuse, base, a ) > 0.0f;
         own->any = own->any || own->lit[a];
     }
     for ( int k = 0; k < 3 * tile_pixels && own->any; ++k )
     {
         int first = k < 3 ? 0 : reuse->second.shared; // theirs is in pairing 0
-        memset( reuse->pairings[k / 3].own[k % 3] + first, 0, (size_t)( y->count - first ) * sizeof( float ) );
+        memset( reuse->pairings[k / 3].own[base].light[k % 3] + first, 0, (size_t)( y->count - first ) * sizeof( float ) );
     }
 }
 
-// The light of chains had its turn with part 0.
-static void clear_chain_light( int tile_pixels, const RfTileReuse* reuse )
+// Whether any light of a part comes to second vertices by the direction that was gathered. What a specular vertex scatters carries the
+// weight of its ray, and counts behind any cosine.
+static bool brings_light( const RfTileReuse* reuse, int part, bool scattered )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
-    int first = rf_record_count( y );
-    for ( int k = 0; k < 3 * tile_pixels; ++k )
-        memset( reuse->pairings[k / 3].light[k % 3] + first, 0, (size_t)( y->count - first ) * sizeof( float ) );
+    if ( rf_any_arrives( &reuse->second.arrival, 0, y->count ) ||
+         ( has_own( reuse, part ) && rf_any_arrives( &reuse->own->arrival, 0, y->count ) ) )
+        return true;
+    return scattered && rf_record_count( y ) < y->count;
 }
 
-// With groups each base part has that of its own.
-static void take_chain_light( int tile_pixels, const RfTileReuse* reuse )
+// f and densities of the second vertices for a direction, which all parts have in common: the diffuse ones' in the scratch, or with
+// `all` those of all that are not seen by receivers, and the glossy ones' in the pairings.
+static void evaluate( const Direction* by, bool all, int tile_pixels, RfTileReuse* reuse, RfLaneScratch* s )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
-    for ( int s = 0; s < tile_pixels; ++s )
+    const float *wi[3] = { by->wi[0], by->wi[1], by->wi[2] }, *wo[3] = { y->wo[0], y->wo[1], y->wo[2] };
+    float* f[3] = { s->f[0], s->f[1], s->f[2] };
+    if ( y->first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( y ) )
+        evaluate_glossy( wi, tile_pixels, reuse, s );
+    if ( all )
+        rf_evaluate_lanes( y, wi, f, s->pdf );
+    else
+        rf_evaluate_seen_from( y, RF_BSDF_LAMBERT, wo, wi, f, s->pdf );
+}
+
+// Adds the light of a part that comes to second vertices by a direction to what they scatter to their receivers.
+static void add_direction( const RfTileReuseSettings* settings, const Direction* by, int part, bool reused,
+                           RfWavefront* wavefront, RfTileReuse* reuse )
+{
+    const RfPathSettings* path = settings->path;
+    if ( !reused )
+        add_not_reused( path, wavefront, by, part, false, reuse );
+    if ( !reused && has_own( reuse, part ) )
+        add_not_reused( path, wavefront, by, part, true, reuse );
+    if ( by->connections )
+        add_diffuse_connections( path, part, settings->tile_pixels, reuse, &wavefront->scratch );
+    else
+        add_diffuse( part, reuse, &wavefront->scratch );
+    add_glossy( path, part, settings->tile_pixels, by->connections, reuse, &wavefront->scratch );
+}
+
+// No light comes from second vertices yet; beyond them is that of chains.
+static void begin_pairings( const RfTileReuseSettings* settings, RfTileReuse* reuse )
+{
+    int count = rf_record_count( &reuse->second.lanes ), glossy = count - reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
+    bool connected = settings->path->connector != NULL;
+    reuse->second.shared = connected ? 0 : count - glossy;
+    for ( int part = 0; part < reuse->part_count; ++part )
     {
-        RfPairingLanes* t = reuse->pairings + s;
-        for ( int a = rf_record_count( y ); a < y->count; ++a )
-        {
-            for ( int c = 0; c < 3; ++c )
-                t->light[c][a] = t->chains->part[a] == reuse->part ? t->chains->light[c][a] : 0.0f;
-        }
+        for ( int k = 0; k < 3 * ( glossy > 0 || connected ? settings->tile_pixels : 1 ); ++k )
+            memset( reuse->pairings[k / 3].of_part[part].light[k % 3], 0, (size_t)count * sizeof( float ) );
     }
+    for ( int base = 0; base < reuse->base_parts && reuse->split; ++base )
+        begin_own( settings->path, settings->tile_pixels, base, reuse );
 }
 
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse )
 {
     const RfPathSettings* path = settings->path;
-    int tile_pixels = settings->tile_pixels;
-    bool glossy = reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY] < rf_record_count( &reuse->second.lanes );
-    size_t bytes = (size_t)rf_record_count( &reuse->second.lanes ) * sizeof( float ); // beyond is the light of chains
-    bool connected = path->connector != NULL;
-    reuse->second.shared = connected ? 0 : reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY];
-    for ( int k = 0; k < 3 * ( glossy || connected ? tile_pixels : 1 ); ++k )
-        memset( reuse->pairings[k / 3].light[k % 3], 0, bytes );
-    if ( reuse->split && reuse->part < rf_base_parts( path ) )
-        begin_own( path, tile_pixels, reuse );
-    else if ( reuse->split )
-        reuse->own->any = false; // it had its turn, too
-    if ( path->grouped )
-        take_chain_light( tile_pixels, reuse );
-    else if ( reuse->part > 0 )
-        clear_chain_light( tile_pixels, reuse );
-    bool reused = all_reused( reuse );
+    bool reused = all_reused( reuse ), connected = path->connector != NULL;
     int k = rf_light_set_count( path, path->light_samples );
+    begin_pairings( settings, reuse );
     for ( int d = 0; d <= k + connected; ++d ) // light samples, what was scattered, connections
     {
-        if ( d < k && !rf_sample_has_part( path, path->light_samples, d, reuse->part ) )
-            continue;
         const RfLightLanes* direct = reuse->second.direct + ( d < k ? d : k );
-        bool scattered = d == k, connections = d > k;
-        const float* wi[3] = { scattered ? reuse->second.wi[0] : direct->wi[0], scattered ? reuse->second.wi[1] : direct->wi[1],
-                               scattered ? reuse->second.wi[2] : direct->wi[2] };
-        if ( scattered )
-            gather_scattered( path, reuse );
-        else
-            gather_light_sample( path, reuse, connections ? k : d );
-        if ( !reused )
-            add_not_reused( path, wavefront, wi, scattered, connections, false, reuse );
-        if ( !reused && reuse->split && reuse->own->any )
-            add_not_reused( path, wavefront, wi, scattered, connections, true, reuse );
-        if ( connections )
-            add_diffuse_connections( path, wi, tile_pixels, reuse, &wavefront->scratch );
-        else
-            add_diffuse( wi, reuse, &wavefront->scratch );
-        add_glossy( path, wi, tile_pixels, connections, reuse, &wavefront->scratch );
+        Direction by = { .scattered = d == k, .connections = d > k };
+        bool evaluated = false;
+        for ( int c = 0; c < 3; ++c )
+            by.wi[c] = by.scattered ? reuse->second.wi[c] : direct->wi[c];
+        for ( int part = 0; part < reuse->part_count; ++part )
+        {
+            if ( d < k && !rf_sample_has_part( path, path->light_samples, d, part ) )
+                continue;
+            if ( by.scattered )
+                gather_scattered( path, reuse, part );
+            else
+                gather_light_sample( path, reuse, part, by.connections ? k : d );
+            if ( part > 0 && !brings_light( reuse, part, by.scattered ) )
+                continue;
+            if ( !evaluated )
+                evaluate( &by, !reused, settings->tile_pixels, reuse, &wavefront->scratch );
+            evaluated = true;
+            add_direction( settings, &by, part, reused, wavefront, reuse );
+        }
     }
-    RfArrivals* arrivals = rf_arrivals_of_part( wavefront, reuse->part );
-    if ( reuse->split )
-        store_own_split( path, arrivals, reuse );
-    else
-        store_own( arrivals, reuse );
+    for ( int part = 0; part < reuse->part_count; ++part )
+    {
+        RfArrivals* arrivals = rf_arrivals_of_part( wavefront, part );
+        if ( reuse->split )
+            store_own_split( path, part, arrivals, reuse );
+        else
+            store_own( part, arrivals, reuse );
+    }
 }
 
-// The light for its own frame alone that second vertex a sends to hit i by pairing t; `from` has the vertex's light.
-static inline float own_part( const RfTileReuse* reuse, const RfPairingLanes* t, const RfPairingLanes* from, int c, int a, int i )
+// The light of a part for its own frame alone that second vertex a sends to hit i by pairing t; `from` has the vertex's light.
+static inline float own_light( const RfTileReuse* reuse, int part, const RfPairingLanes* t, const RfPairingLanes* from, int c,
+                               int a, int i )
 {
-    return ( reuse->own->any ? from->own[c][a] : 0.0f ) + ( t->touched[i] ? from->light[c][a] : 0.0f );
+    return ( has_own( reuse, part ) ? from->own[part].light[c][a] : 0.0f ) +
+           ( t->touched[i] ? from->of_part[part].light[c][a] : 0.0f );
 }
 
 // Whether pairing t brings hit i such light.
-static inline bool brings_own( const RfTileReuse* reuse, const RfPairingLanes* t, int i )
+static inline bool brings_own( const RfTileReuse* reuse, int part, const RfPairingLanes* t, int i )
 {
-    return t->weight[i] > 0.0f && ( t->touched[i] || ( reuse->own->any && reuse->own->lit[t->vertex[i]] ) );
+    return t->weight[i] > 0.0f && ( t->touched[i] || ( has_own( reuse, part ) && reuse->own->groups[part].lit[t->vertex[i]] ) );
 }
 
-static void gather_own( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end,
-                        float light[3][RF_LANES] )
+static void gather_own( const RfTileReuse* reuse, int part, int pairing, int first, int end, float light[3][RF_LANES] )
 {
+    const RfVertexLanes* hits = reuse->hits.lanes;
     const RfPairingLanes* t = reuse->pairings + pairing;
     for ( int i = first; i < end; ++i )
     {
         int a = t->vertex[i];
-        bool brings = brings_own( reuse, t, i );
+        bool brings = brings_own( reuse, part, t, i );
         float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
         const RfPairingLanes* from = a < reuse->second.shared ? reuse->pairings : t;
         for ( int c = 0; c < 3; ++c )
         {
             float kappa = brings && t->pane_weight != NULL ? t->pane_weight[c][i] : 1.0f;
-            light[c][i] = brings ? cos_x * t->weight[i] * kappa * own_part( reuse, t, from, c, a, i ) : 0.0f;
+            light[c][i] = brings ? cos_x * t->weight[i] * kappa * own_light( reuse, part, t, from, c, a, i ) : 0.0f;
         }
     }
 }
 
-void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end, bool own_frame,
+void rf_gather_tile_light( const RfTileReuse* reuse, int part, int pairing, int first, int end, bool own_frame,
                            float light[3][RF_LANES] )
 {
+    const RfVertexLanes* hits = reuse->hits.lanes;
     if ( own_frame )
     {
-        gather_own( reuse, pairing, hits, first, end, light );
+        gather_own( reuse, part, pairing, first, end, light );
         return;
     }
     int diffuse = reuse->second.shared;
@@ -477,7 +513,7 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
         float cos_x = hits->n[0][i] * t->wi[0][i] + hits->n[1][i] * t->wi[1][i] + hits->n[2][i] * t->wi[2][i];
         const RfPairingLanes* from = a < diffuse ? own : t;
         for ( int c = 0; c < 3; ++c )
-            light[c][i] = weight > 0.0f ? cos_x * weight * from->light[c][a] : 0.0f;
+            light[c][i] = weight > 0.0f ? cos_x * weight * from->of_part[part].light[c][a] : 0.0f;
     }
     for ( int c = 0; c < 3 && t->pane_weight != NULL; ++c )
     {
@@ -487,7 +523,7 @@ void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertex
 }
 
 // Adds a pairing whose connections pass panes.
-static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own, int diffuse, const float* weight, int count,
+static void sum_behind_panes( const RfTileReuse* reuse, int part, const RfPairingLanes* t, const float* weight, int count,
                               float sum[3][RF_LANES] )
 {
     for ( int i = 0; i < count; ++i )
@@ -495,25 +531,26 @@ static void sum_behind_panes( const RfPairingLanes* t, const RfPairingLanes* own
         if ( t->weight[i] == 0.0f )
             continue;
         int a = t->vertex[i];
-        const RfPairingLanes* from = a < diffuse ? own : t;
+        const RfPairingLanes* from = a < reuse->second.shared ? reuse->pairings : t;
         for ( int c = 0; c < 3; ++c )
-            sum[c][i] += weight[i] * t->pane_weight[c][i] * from->light[c][a];
+            sum[c][i] += weight[i] * t->pane_weight[c][i] * from->of_part[part].light[c][a];
     }
 }
 
-// Adds the part of a pairing that holds in its own frame alone.
-static void sum_own( const RfTileReuse* reuse, const RfPairingLanes* t, const float* weight, int count, float sum[3][RF_LANES] )
+// Adds what of a pairing holds in its own frame alone.
+static void sum_own( const RfTileReuse* reuse, int part, const RfPairingLanes* t, const float* weight, int count,
+                     float sum[3][RF_LANES] )
 {
-    bool any = reuse->own->any;
-    for ( int i = 0; i < count && ( t->any_touched || any ); ++i )
+    const uint8_t* lit = has_own( reuse, part ) ? reuse->own->groups[part].lit : NULL;
+    for ( int i = 0; i < count && ( t->any_touched || lit != NULL ); ++i )
     {
-        if ( !( t->touched[i] | ( any ? reuse->own->lit[t->vertex[i]] : 0 ) ) || !brings_own( reuse, t, i ) )
+        if ( !( t->touched[i] | ( lit != NULL ? lit[t->vertex[i]] : 0 ) ) || !brings_own( reuse, part, t, i ) )
             continue; // most, by the first
         int a = t->vertex[i];
         const RfPairingLanes* from = a < reuse->second.shared ? reuse->pairings : t;
         for ( int c = 0; c < 3; ++c )
             sum[c][i] +=
-                weight[i] * ( t->pane_weight != NULL ? t->pane_weight[c][i] : 1.0f ) * own_part( reuse, t, from, c, a, i );
+                weight[i] * ( t->pane_weight != NULL ? t->pane_weight[c][i] : 1.0f ) * own_light( reuse, part, t, from, c, a, i );
     }
 }
 
@@ -526,11 +563,10 @@ static const float* held_weights( const RfPairingLanes* t, const float* weight, 
     return scaled;
 }
 
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int first, int end, int count, bool own_frame, const bool* weighted,
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int part, int first, int end, bool own_frame, const bool* weighted,
                                    float chain_weight, float sum[3][RF_LANES] )
 {
-    int diffuse = reuse->second.shared;
-    const RfPairingLanes* own = reuse->pairings;
+    int diffuse = reuse->second.shared, count = reuse->hits.lanes->first[RF_BSDF_FIRST_GLOSSY];
     for ( int c = 0; c < 3; ++c )
         memset( sum[c], 0, (size_t)count * sizeof( float ) );
     for ( int s = first; s < end; ++s )
@@ -546,22 +582,23 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int first, int end,
         }
         if ( own_frame )
         {
-            sum_own( reuse, t, weight, count, sum );
+            sum_own( reuse, part, t, weight, count, sum );
             continue;
         }
         if ( reuse->split && t->any_touched )
             weight = held_weights( t, weight, count, scaled );
         if ( t->pane_weight != NULL )
         {
-            sum_behind_panes( t, own, diffuse, weight, count, sum );
+            sum_behind_panes( reuse, part, t, weight, count, sum );
             continue;
         }
+        const RfPairingLight *own = reuse->pairings->of_part + part, *others = t->of_part + part;
         for ( int i = 0; i < count; ++i )
         {
             if ( t->weight[i] == 0.0f )
                 continue;
             int a = t->vertex[i];
-            const RfPairingLanes* from = a < diffuse ? own : t;
+            const RfPairingLight* from = a < diffuse ? own : others;
             for ( int c = 0; c < 3; ++c )
                 sum[c][i] += weight[i] * from->light[c][a];
         }

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups,
+RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, const RfLayerSet* layers,
                                   RfLayout* layout )
 {
     if ( tile_pixels == 1 )
@@ -15,21 +15,21 @@ RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, 
     RF_PLACE( layout, reuse->second.direct, light_lanes );
     RF_PLACE( layout, reuse->pairings, tile_pixels );
     RF_PLACE( layout, reuse->own, own );
-    RF_PLACE( layout, reuse->dimmed, dimmed );
+    RF_PLACE( layout, reuse->parts, layers->parts );
     for ( int s = 0; s < tile_pixels; ++s )
     {
         RF_PLACE( layout, reuse->pairings[s].pane_weight, panes ? 3 : 0 );
-        RF_PLACE( layout, reuse->pairings[s].own, own ? 3 : 0 );
+        RF_PLACE( layout, reuse->pairings[s].of_part, layers->parts );
+        RF_PLACE( layout, reuse->pairings[s].own, own ? layers->base_parts : 0 );
         RF_PLACE( layout, reuse->pairings[s].touched, own ? RF_LANES : 0 );
-        RF_PLACE( layout, reuse->pairings[s].chains, groups > 1 );
     }
     if ( own )
-        RF_PLACE( layout, reuse->own->beyond.of_groups, groups > 1 ? groups - 1 : 0 );
-    if ( reuse != NULL )
     {
-        reuse->part = 0;
-        reuse->split = false;
+        RF_PLACE( layout, reuse->own->groups, layers->base_parts );
+        RF_PLACE( layout, reuse->own->beyond.of_groups, layers->base_parts - 1 );
     }
+    if ( reuse != NULL )
+        reuse->split = false;
     return reuse;
 }
 
@@ -120,17 +120,15 @@ static float sum_of( const RfArrivals* arrivals, int slot )
 static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
 {
     const RfVertexLanes* y = &reuse->second.lanes;
-    const RfArrivals* arrivals = &reuse->slots.at_second;
-    int dimmed = rf_dimmed_parts( path );
     float sum[RF_LANES];
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
-        sum[a] = sum_of( arrivals, slot ) + ( reuse->split ? sum_of( &reuse->own->beyond.arrivals, slot ) : 0.0f );
-        for ( int base = 1; reuse->split && base < rf_base_parts( path ); ++base )
+        sum[a] = 0.0f;
+        for ( int part = 0; part < reuse->part_count; ++part )
+            sum[a] += sum_of( &reuse->parts[part].at_second, slot );
+        for ( int base = 0; reuse->split && base < reuse->base_parts; ++base )
             sum[a] += sum_of( rf_own_arrivals( &reuse->own->beyond, base ), slot );
-        for ( int part = 0; part < dimmed; ++part )
-            sum[a] += sum_of( &reuse->dimmed[part].at_second, slot );
     }
     for ( int j = 0; j < rf_light_lanes_count( path ); ++j )
     {
@@ -201,11 +199,10 @@ static void begin_beyond( const RfPathSettings* path, const uint32_t* triangle, 
     bool caustics = path->own->caustics;
     reuse->own->beyond.caustics = caustics;
     const RfVertexLanes* y = &reuse->second.lanes;
-    int base_parts = rf_base_parts( path );
     for ( int a = 0; a < y->count; ++a )
     {
         int slot = y->slot[a];
-        for ( int base = 0; base < base_parts; ++base )
+        for ( int base = 0; base < reuse->base_parts; ++base )
             clear_arrival( rf_own_arrivals( &reuse->own->beyond, base ), slot );
         reuse->own->beyond.seen[slot] = path->own->seen[slot];
         reuse->own->moving[slot] = reuse->own->beyond.touched[slot] =
@@ -233,25 +230,22 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
     if ( settings->connector != NULL )
         settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
                                      reuse->second.connection_area );
-    int dimmed = rf_dimmed_parts( path );
-    memcpy( &reuse->slots.at_hits, &wavefront->arrivals, sizeof wavefront->arrivals );
-    memset( &wavefront->arrivals, 0, sizeof wavefront->arrivals );
-    for ( int part = 0; part < dimmed; ++part )
+    for ( int part = 0; part < reuse->part_count; ++part )
     {
-        memcpy( &reuse->dimmed[part].at_hits, wavefront->dimmed + part, sizeof *wavefront->dimmed );
-        memset( wavefront->dimmed + part, 0, sizeof *wavefront->dimmed );
+        RfArrivals* arrivals = rf_arrivals_of_part( wavefront, part );
+        memcpy( &reuse->parts[part].at_hits, arrivals, sizeof *arrivals );
+        memset( arrivals, 0, sizeof *arrivals );
     }
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
     rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
     memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
     rf_face_rays( &reuse->second.lanes ); // where the hits of the tile are
     rf_trace_tails( settings, wavefront, 3 );
-    memcpy( &reuse->slots.at_second, &wavefront->arrivals, sizeof wavefront->arrivals );
-    memcpy( &wavefront->arrivals, &reuse->slots.at_hits, sizeof wavefront->arrivals );
-    for ( int part = 0; part < dimmed; ++part )
+    for ( int part = 0; part < reuse->part_count; ++part )
     {
-        memcpy( &reuse->dimmed[part].at_second, wavefront->dimmed + part, sizeof *wavefront->dimmed );
-        memcpy( wavefront->dimmed + part, &reuse->dimmed[part].at_hits, sizeof *wavefront->dimmed );
+        RfArrivals* arrivals = rf_arrivals_of_part( wavefront, part );
+        memcpy( &reuse->parts[part].at_second, arrivals, sizeof *arrivals );
+        memcpy( arrivals, &reuse->parts[part].at_hits, sizeof *arrivals );
     }
 }
 
@@ -271,7 +265,6 @@ static bool all_end_at_second( const RfPathSettings* path, const RfWavefront* wa
 // No pairing brings light. The directions stay valid, as BSDFs need them.
 static void clear_pairings( int tile_pixels, RfTileReuse* reuse )
 {
-    reuse->paired = false;
     const RfVertexLanes* hits = reuse->hits.lanes;
     reuse->second.lanes.first[RF_BSDF_FIRST_GLOSSY] = 0;
     for ( int s = 0; s < tile_pixels; ++s )
@@ -293,9 +286,10 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     reuse->second.lanes.count = reuse->thinned = reuse->kept = reuse->second.shared = 0;
     reuse->hits.lanes = hits;
     reuse->split = settings->path->own != NULL;
-    reuse->part = 0;
-    if ( reuse->split )
-        reuse->own->any = false;
+    reuse->part_count = 1 + rf_dimmed_parts( settings->path );
+    reuse->base_parts = rf_base_parts( settings->path );
+    for ( int base = 0; reuse->split && base < reuse->base_parts; ++base )
+        reuse->own->groups[base].any = false;
     if ( wavefront->rays.count > 0 )
         note_panes( &wavefront->rays,
                     rf_find_lit_vertices( settings->path, wavefront, &wavefront->rays, true, &reuse->second.lanes ), reuse );
@@ -326,7 +320,6 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     for ( int s = 0; s < tile_pixels; ++s )
         find_neighbours( reuse, s, rf_record_count( hits ), reuse->pairings + s );
     pass_own_panes( settings->path->tracer, reuse );
-    reuse->paired = true;
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
     rf_light_pairings( settings, wavefront, reuse );
     if ( wavefront->chain_light != NULL )

@@ -15,15 +15,21 @@
 
 #include "base/layout.h"
 #include "path/wavefront.h"
+#include "reuse/layer.h"
 
 // By path slot.
 typedef struct RfTileSlots
 {
     float pane_probability[RF_LANES]; // q of the panes on the way to the second vertex; not set without panes
-    RfArrivals at_hits;               // along the rays scattered at the hits
-    RfArrivals at_second;             // along the rays scattered at the second vertices
     RfChainLight chain_light;         // of the paths; all 0 unless it is shared
 } RfTileSlots;
+
+// What arrives of a part of the light (light/light.h), by path slot.
+typedef struct RfTileArrivals
+{
+    RfArrivals at_hits;   // along the rays scattered at the hits
+    RfArrivals at_second; // along the rays scattered at the second vertices
+} RfTileArrivals;
 
 // By hit: the non-specular lanes of the first vertices.
 typedef struct RfTileHits
@@ -57,12 +63,11 @@ typedef struct RfSecondVertices
     bool parallel[RF_LANES]; // the chain that begins there is followed in the same direction (reuse/tile/tile_chains.h)
 } RfSecondVertices;
 
-// Light of chains in light groups, by second vertex: pairings get that of each part in its turn.
-typedef struct RfTileChains
+// Light that second vertices scatter to the receivers of a pairing, of a part.
+typedef struct RfPairingLight
 {
     RF_ALIGN float light[3][RF_LANES];
-    uint8_t part[RF_LANES]; // base part (light/light.h); 255: there is none
-} RfTileChains;
+} RfPairingLight;
 
 // One pairing: hits connected to second vertices of neighbour paths.
 typedef struct RfPairingLanes
@@ -74,30 +79,28 @@ typedef struct RfPairingLanes
     float ( *pane_weight )[RF_LANES]; // κ of the thin dielectrics between (section 11), by channel; NULL: the scene has none
     // by second vertex
     RF_ALIGN float f[3][RF_LANES]; // of glossy ones
-    float light[3][RF_LANES];      // scattered to the receiver; that of `shared` ones is in pairing 0 alone
+    RfPairingLight* of_part;       // scattered to the receiver, by part; that of `shared` ones is in pairing 0 alone
     // with RfTileReuse.split; else NULL or not set
-    bool any_touched;         // some connection is
-    uint8_t* touched;         // by hit: what moves touches the connection
-    float ( *own )[RF_LANES]; // like `light`, by paths that it touches beyond the second vertex
-    RfTileChains* chains;     // with RfPathSettings.grouped; else not looked at
+    bool any_touched;    // some connection is
+    uint8_t* touched;    // by hit: what moves touches the connection
+    RfPairingLight* own; // by base part: like of_part, by paths that it touches beyond the second vertex
 } RfPairingLanes;
+
+// Light of a base part that holds in its own frame alone.
+typedef struct RfTileOwnGroup
+{
+    bool any;              // some arrives at second vertices
+    uint8_t lit[RF_LANES]; // by second vertex, 1: some does there
+} RfTileOwnGroup;
 
 // Light that holds in its own frame alone (path/own_light.h).
 typedef struct RfTileOwn
 {
-    bool any;                 // some light arrives at second vertices
-    uint8_t lit[RF_LANES];    // by second vertex, 1: some does there
+    RfTileOwnGroup* groups;   // by base part
     RfOwnLight beyond;        // of the paths from their second vertices on
     RfArrivalLanes arrival;   // as in RfSecondVertices
     uint8_t moving[RF_LANES]; // by slot: the second vertex itself moves
 } RfTileOwn;
-
-// Of a part of the light (light/light.h).
-typedef struct RfTileDimmed
-{
-    RfArrivals at_hits; // as in RfTileSlots
-    RfArrivals at_second;
-} RfTileDimmed;
 
 typedef struct RfTileReuse
 {
@@ -107,10 +110,10 @@ typedef struct RfTileReuse
     RfSecondVertices second;
     RfPairingLanes* pairings; // one per pixel of a tile
     RfTileOwn* own;
-    bool split;           // light is split into what the frames share and `own`
-    RfTileDimmed* dimmed; // by part from 1 on
-    int part;             // of the light that pairings bring
-    bool paired;          // else no pairing brings any
+    bool split;            // light is split into what the frames share and `own`
+    RfTileArrivals* parts; // by part of the light
+    int part_count;        // of paths traced
+    int base_parts;        // of them those of light groups
 } RfTileReuse;
 
 typedef struct RfTileReuseSettings
@@ -125,10 +128,9 @@ typedef struct RfTileReuseSettings
 } RfTileReuseSettings;
 
 // `light_lanes`: light samples of a vertex, with those of a connector (rf_light_lanes_count).
-// `own`: with room for light that holds in its own frame alone; `dimmed`: parts of the light (light/light.h), from 1 on; `groups`:
-// light groups among them, or 0.
+// `own`: with room for light that holds in its own frame alone; `layers`: whose parts have room.
 // NULL for tiles of one pixel.
-RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, int dimmed, int groups,
+RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, bool own, const RfLayerSet* layers,
                                   RfLayout* layout );
 
 // Like rf_trace_tails for the rays scattered at the hits, but second vertices are reused inside their tiles.
@@ -142,24 +144,23 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
 uint64_t rf_weight_pairings( const RfTileReuseSettings* settings, const RfVertexLanes* hits, float* const scattered[3],
                              RfWavefront* wavefront, RfTileReuse* reuse );
 
-// The light that second vertices scatter to the receivers of all pairings: of reuse->part, which rf_trace_tile_tails leaves at 0. With
-// another, it takes the place of what was there, and that of pairing 0 is in wavefront->dimmed. What is split of it is to be scaled
-// for its frame, but for pairing 0.
+// The light that second vertices scatter to the receivers of all pairings, of all parts. Light that holds in its own frame alone is
+// as in that frame in pairing 0, and in the others still to be scaled for it. A step of rf_trace_tile_tails.
 void rf_light_pairings( const RfTileReuseSettings* settings, RfWavefront* wavefront, RfTileReuse* reuse );
 
 // Luminance of the light that each second vertex scatters back along its own path, weighted as without tiles; and whether
 // any light arrives at it.
 void rf_light_own_paths( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse, float* luminance, bool* lit );
 
-// The light that a pairing from 1 on brings to hits [first, end), times the cosine there: (E5) before the weights over the
+// The light of a part that a pairing from 1 on brings to hits [first, end), times the cosine there: (E5) before the weights over the
 // cameras. `own`: that of their own frame alone, else what frames share.
-void rf_gather_tile_light( const RfTileReuse* reuse, int pairing, const RfVertexLanes* hits, int first, int end, bool own,
+void rf_gather_tile_light( const RfTileReuse* reuse, int part, int pairing, int first, int end, bool own,
                            float light[3][RF_LANES] );
 
-// Its sum over pairings [first, end), from 1 on, at diffuse hits [0, count), divided by the density of the directions: multiply by the
+// Its sum over pairings [first, end), from 1 on, at all diffuse hits, divided by the density of the directions: multiply by the
 // albedo, which is f cos / density. Light that comes by chains has the weight `chain_weight` at the hits in `weighted` (NULL:
 // none).
-void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int first, int end, int count, bool own, const bool* weighted,
+void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int part, int first, int end, bool own, const bool* weighted,
                                    float chain_weight, float sum[3][RF_LANES] );
 
 // True if the scattered light of second vertex a is reused.
