@@ -444,24 +444,44 @@ static void note_parts( const Making* m )
     }
 }
 
+// Numbers the light groups with light of one frame; returns how many there are.
+static int number_frame_groups( const Making* m, uint8_t* number, uint8_t* base )
+{
+    int count = 0;
+    memset( number, RF_PART_OWN, RF_LIGHT_GROUPS_MOST );
+    for ( int k = 0; k < m->lamp_count; ++k )
+    {
+        int part = m->lamp[k].part, of = RF_PART_OWN - part;
+        if ( !rf_is_own_part( part ) || number[of] != RF_PART_OWN )
+            continue;
+        base[count] = (uint8_t)of;
+        number[of] = (uint8_t)count++;
+    }
+    return count;
+}
+
 // Light of one frame has parts by frame where nothing moves but lamps without size and the sky.
 static void add_frame_parts( const Making* m )
 {
     const RfLights* first = m->group->lights;
-    int frames = m->count;
-    bool alone = m->loaded->placement_count > m->loaded->still_placement_count || m->still->part != NULL;
+    uint8_t number[RF_LIGHT_GROUPS_MOST], base[RF_LIGHT_GROUPS_MOST];
+    int frames = m->count, groups = number_frame_groups( m, number, base );
+    bool alone = m->loaded->placement_count > m->loaded->still_placement_count;
     for ( int k = 0; k < m->lamp_count; ++k )
         alone = alone || ( m->lamp[k].kind == LAMP_MATERIAL && rf_is_own_part( m->lamp[k].part ) );
-    if ( frames > RF_FRAMES_MOST || !first->any_own || alone )
+    if ( frames > RF_FRAMES_MOST || !first->any_own || alone || first->dimmed_count + groups * frames > RF_PARTS_MOST )
         return;
     for ( int i = 0; i < m->count; ++i )
     {
         RfLights* lights = m->group->lights + i;
         lights->frame_count = frames;
-        for ( int l = 0; l < frames; ++l )
+        lights->frame_groups = groups;
+        memcpy( lights->frame_group, number, sizeof lights->frame_group );
+        for ( int k = 0; k < groups * frames; ++k )
         {
-            float scale = l == i ? 1.0f : 0.0f;
-            lights->part_scale[lights->dimmed_count + 1 + l] = rf_vec3( scale, scale, scale );
+            float scale = k % frames == i ? 1.0f : 0.0f;
+            lights->part_scale[lights->dimmed_count + 1 + k] = rf_vec3( scale, scale, scale );
+            lights->base_part[lights->dimmed_count + 1 + k] = base[k / frames];
         }
     }
 }

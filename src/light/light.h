@@ -53,12 +53,13 @@ enum
 //
 // Where nothing moves but punctual lights and the sky, what paths find of light of one frame is the same in all frames but for the
 // light itself: they look it up as it is in each of them, and that of each frame is a part, too, with the scale 1 there and 0 in
-// the others. With light groups there are no such parts.
-#define RF_DIMMED_MOST 4
+// the others; of each light group that has such light.
+#define RF_DIMMED_MOST 16
 #define RF_FRAMES_MOST 9 // of a group whose frames have such parts
-#define RF_PARTS_MOST ( RF_LIGHT_GROUPS_MOST - 1 + RF_DIMMED_MOST )
+#define RF_PARTS_MOST 96
 #define RF_PART_OWN 255
-_Static_assert( RF_PARTS_MOST >= RF_DIMMED_MOST + RF_FRAMES_MOST, "parts by frame" );
+_Static_assert( RF_PARTS_MOST >= RF_LIGHT_GROUPS_MOST + RF_DIMMED_MOST + RF_FRAMES_MOST, "parts of one group by frame" );
+_Static_assert( RF_PARTS_MOST < RF_PART_OWN - RF_LIGHT_GROUPS_MOST, "light of one frame" );
 
 // Up to so many lights are selected by power: a lamp of two triangles needs no tree.
 #define RF_FEW_LIGHTS 2
@@ -95,19 +96,21 @@ typedef struct RfLights
     float* power_fraction;     // of each light: its power over that of all
     uint32_t* alias_threshold; // alias table, in units of 2⁻³²: below it the column is selected, else its alias
     uint32_t* alias;
-    uint32_t* of_triangle;                // light of each triangle, or RF_NO_LIGHT; NULL without area lights
-    struct RfChangingLights* changing;    // what of them moves or changes (light/changing.h); NULL: nothing does
-    const RfLightTree* second;            // over what does, in the frames at hand; NULL: one tree is over all
-    float tree_scale, second_scale;       // where there are two: times their importances, in a unit common with the sky's
-    uint8_t* part;                        // of each light; NULL: all hold
-    uint8_t* material_part;               // of the triangles that have each material of the scene; set where `part` is
-    bool any_own;                         // some light is of one frame alone
-    bool all_own;                         // all is, but for lights without power
-    int group_count;                      // of light groups: base parts are those below it; 0 or 1: part 0 alone
-    int dimmed_count;                     // parts from 1 on
-    int frame_count;                      // those behind them, by frame of the group; 0: light of one frame has none
-    uint8_t base_part[RF_PARTS_MOST + 1]; // of the light group that each part belongs to
-    RfVec3 part_scale[RF_PARTS_MOST + 1]; // of each part, in the frame at hand; those of base parts are 1
+    uint32_t* of_triangle;                     // light of each triangle, or RF_NO_LIGHT; NULL without area lights
+    struct RfChangingLights* changing;         // what of them moves or changes (light/changing.h); NULL: nothing does
+    const RfLightTree* second;                 // over what does, in the frames at hand; NULL: one tree is over all
+    float tree_scale, second_scale;            // where there are two: times their importances, in a unit common with the sky's
+    uint8_t* part;                             // of each light; NULL: all hold
+    uint8_t* material_part;                    // of the triangles that have each material of the scene; set where `part` is
+    bool any_own;                              // some light is of one frame alone
+    bool all_own;                              // all is, but for lights without power
+    int group_count;                           // of light groups: base parts are those below it; 0 or 1: part 0 alone
+    int dimmed_count;                          // parts from 1 on
+    int frame_count;                           // those behind them, by frame of the group; 0: light of one frame has none
+    int frame_groups;                          // so many times, by light group
+    uint8_t frame_group[RF_LIGHT_GROUPS_MOST]; // which of these a base part has
+    uint8_t base_part[RF_PARTS_MOST + 1];      // of the light group that each part belongs to
+    RfVec3 part_scale[RF_PARTS_MOST + 1];      // of each part, in the frame at hand; those of base parts are 1
 } RfLights;
 
 // Fails with RF_ERROR_MEMORY only. A scene without emission gives count 0.

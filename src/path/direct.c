@@ -402,7 +402,7 @@ static void sort_by_part( const RfPathSettings* settings, const LightPoints* poi
     {
         int i = scratch->index[k], part = rf_light_part( lights, points->selection[i].light );
         if ( settings->parts && settings->frames != NULL && rf_is_own_part( part ) )
-            part = rf_frame_part( settings, settings->at_frame );
+            part = rf_frame_part( settings, part, settings->at_frame );
         bool of_frame = rf_is_own_part( part );
         if ( settings->own != NULL )
             out->touched[i] |= of_frame;

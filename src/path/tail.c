@@ -131,7 +131,7 @@ static void add_emission( const RfPathSettings* settings, const RfRayLanes* rays
 }
 
 // The sky where it changes, in each frame as it is there.
-static void add_changing_sky( const RfPathSettings* settings, const RfRayLanes* rays, int r, float probability,
+static void add_changing_sky( const RfPathSettings* settings, const RfRayLanes* rays, int r, int part, float probability,
                               const RfReceiver* to )
 {
     RfVec3 d = RF_GET3( rays->d, r );
@@ -144,7 +144,7 @@ static void add_changing_sky( const RfPathSettings* settings, const RfRayLanes* 
         if ( alone && l != settings->frame )
             continue;
         const RfSky* sky = &rf_tracer_lights( settings->frames[l] )->sky;
-        add_arrival( settings, rays, r, rf_sky_radiance( sky, d ), rf_frame_part( settings, l ),
+        add_arrival( settings, rays, r, rf_sky_radiance( sky, d ), rf_frame_part( settings, part, l ),
                      rf_sky_pdf_solid_angle_at( sky, n, d ) * probability, to );
     }
 }
@@ -164,7 +164,7 @@ static void add_sky( const RfPathSettings* settings, const RfRayLanes* rays, con
         int part = rf_light_part( lights, rf_sky_number( lights ) );
         if ( rf_is_own_part( part ) && settings->parts && settings->frames != NULL )
         {
-            add_changing_sky( settings, rays, r, light_pdf_behind( pane_probability, r, probability ), to );
+            add_changing_sky( settings, rays, r, part, light_pdf_behind( pane_probability, r, probability ), to );
             continue;
         }
         RfVec3 n = RF_GET3( rays->n, r );

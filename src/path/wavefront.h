@@ -168,10 +168,11 @@ static inline int rf_lit_frames( const RfPathSettings* settings )
     return settings->frames != NULL ? rf_tracer_lights( settings->tracer )->frame_count : 1;
 }
 
-// The part of such light in a frame.
-static inline int rf_frame_part( const RfPathSettings* settings, int frame )
+// The part that light of one frame has there, which has the number `part` otherwise.
+static inline int rf_frame_part( const RfPathSettings* settings, int part, int frame )
 {
-    return rf_tracer_lights( settings->tracer )->dimmed_count + 1 + frame;
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    return lights->dimmed_count + 1 + lights->frame_group[rf_base_part( lights, part )] * lights->frame_count + frame;
 }
 
 // How many parts light has that is kept apart by group, lamp or frame, from 1 on.
@@ -179,7 +180,8 @@ static inline int rf_dimmed_parts( const RfPathSettings* settings )
 {
     if ( !settings->parts )
         return 0;
-    return rf_tracer_lights( settings->tracer )->dimmed_count + ( settings->frames != NULL ? rf_lit_frames( settings ) : 0 );
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    return lights->dimmed_count + ( settings->frames != NULL ? lights->frame_groups * lights->frame_count : 0 );
 }
 
 // Light samples per vertex, `samples` of them for each frame in which light is looked up, the paths' own first, without that of the
@@ -201,8 +203,10 @@ static inline bool rf_sample_has_part( const RfPathSettings* settings, int sampl
 {
     if ( settings->frames == NULL )
         return true;
-    int of_frame = rf_frame_part( settings, rf_frame_of_sample( settings, samples, sample ) );
-    return part == of_frame || ( sample < samples && part < rf_frame_part( settings, 0 ) );
+    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    if ( part <= lights->dimmed_count )
+        return sample < samples;
+    return ( part - lights->dimmed_count - 1 ) % lights->frame_count == rf_frame_of_sample( settings, samples, sample );
 }
 
 // The settings by which a light sample is taken.

@@ -40,13 +40,13 @@ static int count_dimmable( const RfScene* scene )
     return count < RF_DIMMED_MOST ? count : RF_DIMMED_MOST;
 }
 
-// Whether lamps without size or the sky may be other than dimmed, and nothing else moves.
-static bool change_lamps_alone( const RfScene* scene )
+// The lamps without size, and the sky, that may be other than dimmed; none where anything else moves.
+static int count_lamps_alone( const RfScene* scene )
 {
-    bool any = scene->environment.changes;
+    int count = scene->environment.changes;
     for ( int i = 0; i < scene->punctual_count; ++i )
-        any = any || scene->punctuals[i].changes;
-    return any && scene->placement_count == scene->still_placement_count;
+        count += scene->punctuals[i].changes;
+    return scene->placement_count == scene->still_placement_count ? count : 0;
 }
 
 // Settings that ask for none that there are have been refused.
@@ -105,7 +105,7 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.scattered = traits.lens || traits.shutter;
     traits.moves = rf_may_move( scene );
     traits.dimmable = traits.moves ? count_dimmable( scene ) : 0;
-    traits.lamps_alone = traits.moves && change_lamps_alone( scene );
+    traits.lamps_alone = traits.moves ? count_lamps_alone( scene ) : 0;
     traits.light_groups = count_light_groups( scene, settings );
     traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;

@@ -26,7 +26,7 @@ typedef struct RfSceneTraits
     bool moves;               // something in it moves or changes
     int dimmable;             // lamps that may be dimmed, at most RF_DIMMED_MOST
     int light_groups;         // that light is split by; 0: it is not
-    bool lamps_alone;         // some do more, and nothing else does but the sky
+    int lamps_alone;          // lamps and skies that may do more; 0 where anything else does
     bool sharp;               // some surface may mirror a lamp (rf_may_be_sharp)
     bool grouped_chains;      // other frames can use what chains find
     int blur_steps;           // the most of the cameras' (RfEye.blur_steps); 0: what moves is not blurred

@@ -85,6 +85,8 @@ static RfSplat make_splat( const RfEstimatorGroup* group, const RfBatchShape* sh
     bool extra = group->need != NULL;
     RfFilmLayers films[RF_FRAME_FILMS_MOST];
     RfSplat out = {
+        .half = job.half,
+        .splits = shape->own_light,
         .filter = extra ? NULL : group->filter,
         .width = group->width,
         .height = group->height,
@@ -99,11 +101,8 @@ static RfSplat make_splat( const RfEstimatorGroup* group, const RfBatchShape* sh
     out.count = rf_list_film_layers( shape, group->settings->aovs, films );
     for ( int k = 0; k < out.count; ++k )
     {
-        RfFilm* film = film_of( group, shape, job, films[k] );
-        float* own = film != NULL ? rf_film_own( film, job.half ) : NULL;
         out.films[k].layers = films[k];
-        out.films[k].film = film != NULL ? film->half[job.half] : NULL;
-        out.films[k].glints = own != NULL && shape->own_light ? own : out.films[k].film;
+        out.films[k].film = film_of( group, shape, job, films[k] );
     }
     return out;
 }

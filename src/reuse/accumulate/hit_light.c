@@ -31,7 +31,10 @@ RfHitLights* rf_place_hit_lights( const RfBatchShape* shape, RfLayout* layout )
     int sums = count_sums( shape ), pictures = sums - shape->layers.removed;
     bool composed = shape->layers.parts > shape->layers.base_parts;
     if ( lights != NULL )
-        *lights = ( RfHitLights ){ .shape = shape, .sum_count = sums };
+    {
+        lights->shape = shape;
+        lights->sum_count = sums;
+    }
     RF_PLACE( layout, lights->layers, rf_layer_count( &shape->layers ) );
     RF_PLACE( layout, lights->sums, sums );
     RF_PLACE( layout, lights->radiance, composed || shape->layers.removed ? 4 * RF_LANES * sums : 0 );

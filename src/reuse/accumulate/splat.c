@@ -35,21 +35,35 @@ RfLandedHits* rf_place_landing( int films, bool filtered, bool covering, RfLayou
     return landing;
 }
 
-static int list_landed( const RfHitBatch* batch, const RfProjectedHits* at, int16_t* listed, RfLandedHits* landing )
+// Lists the hits that land, in their order.
+static int list_landed( const RfHitBatch* batch, const RfProjectedHits* at, int16_t* restrict listed, RfLandedHits* landing )
 {
+    const float* restrict ratio = at->ratio;
+    const int32_t* restrict pixel = at->pixel;
     int count = 0;
     int32_t low = INT32_MAX, high = -1;
     for ( int i = 0; i < batch->count; ++i )
     {
-        if ( !( at->ratio[i] > 0.0f ) )
+        if ( !( ratio[i] > 0.0f ) )
             continue;
         listed[count++] = (int16_t)i;
-        low = at->pixel[i] < low ? at->pixel[i] : low;
-        high = at->pixel[i] > high ? at->pixel[i] : high;
+        low = pixel[i] < low ? pixel[i] : low;
+        high = pixel[i] > high ? pixel[i] : high;
     }
     landing->low = low;
     landing->high = high;
     return count;
+}
+
+// out[k] = of[order[k]]; with `all` the order is that of the batch.
+static void gather( const void* of, const int16_t* restrict order, int count, bool all, void* out )
+{
+    const uint32_t* restrict from = of;
+    uint32_t* restrict to = out;
+    if ( all )
+        memcpy( to, from, (size_t)count * sizeof *to );
+    for ( int k = 0; k < count && !all; ++k )
+        to[k] = from[order[k]];
 }
 
 // Where the bins begin; without any hit all are empty.
@@ -73,43 +87,45 @@ void rf_list_landing( const RfHitBatch* batch, int eye, const RfProjectedHits* a
     bool own = eye == batch->eye || batch->surface_seen == NULL;
     const uint32_t* seen = own ? batch->surface : batch->surface_seen + (size_t)eye * RF_LANES;
     landing->sorted = sorted;
-    landing->count = list_landed( batch, at, listed, landing );
+    landing->count = list_landed( batch, at, sorted ? listed : order, landing );
     if ( sorted )
     {
         find_bins( at, listed, landing );
         memcpy( next, landing->first, sizeof next );
+        for ( int k = 0; k < landing->count; ++k )
+            order[next[( at->pixel[listed[k]] - landing->low ) >> landing->shift]++] = listed[k];
     }
-    for ( int k = 0; k < landing->count; ++k )
-    {
-        int i = listed[k], to = sorted ? next[( at->pixel[i] - landing->low ) >> landing->shift]++ : k;
-        order[to] = (int16_t)i;
-        landing->pixel[to] = at->pixel[i];
-        if ( landing->surface != NULL )
-        {
-            landing->surface[to] = seen[i];
-            landing->ratio[to] = at->ratio[i];
-        }
-        for ( int c = 0; c < 2 && landing->offset[0] != NULL; ++c )
-            landing->offset[c][to] = at->offset[c][i];
-    }
+    bool all = !sorted && landing->count == batch->count;
+    gather( at->pixel, order, landing->count, all, landing->pixel );
+    for ( int c = 0; c < 2 && landing->offset[0] != NULL; ++c )
+        gather( at->offset[c], order, landing->count, all, landing->offset[c] );
+    if ( landing->surface == NULL )
+        return;
+    gather( seen, order, landing->count, all, landing->surface );
+    gather( at->ratio, order, landing->count, all, landing->ratio );
 }
 
 void rf_keep_light( const RfHitBatch* batch, const RfProjectedHits* at, RfHitLight light, const int16_t* order, int film,
                     RfLandedHits* landing )
 {
     bool views = rf_has_views( batch );
+    int first = batch->first[RF_BSDF_FIRST_GLOSSY];
+    float* to = landing->value[film];
     landing->lit[film] = true;
     for ( int k = 0; k < landing->count; ++k )
     {
-        int i = order[k], glossy = i - batch->first[RF_BSDF_FIRST_GLOSSY];
-        Float4 value = { 0.0f, 0.0f, 0.0f, 1.0f };
-        for ( int c = 0; c < 3; ++c )
-        {
-            value[c] = glossy < 0 ? light.radiance[4 * i + c] : light.glossy->rgb[c][glossy];
-            value[c] *= views ? at->filter[c][i] : 1.0f;
-        }
+        int i = order[k];
+        Float4 value;
+        if ( i < first )
+            memcpy( &value, light.radiance + 4 * i, sizeof value );
+        else
+            value =
+                ( Float4 ){ light.glossy->rgb[0][i - first], light.glossy->rgb[1][i - first], light.glossy->rgb[2][i - first] };
+        if ( views )
+            value *= ( Float4 ){ at->filter[0][i], at->filter[1][i], at->filter[2][i] };
+        value[3] = 1.0f;
         value *= at->ratio[i];
-        memcpy( landing->value[film] + 4 * k, &value, sizeof value );
+        memcpy( to + 4 * k, &value, sizeof value );
     }
 }
 
@@ -189,30 +205,33 @@ static int bin_of( const RfLandedHits* landing, int32_t pixel )
     return bin < RF_LANDING_BINS ? bin : RF_LANDING_BINS - 1;
 }
 
-// Adds hit i to all films.
-static void add_hit( const RfSplat* s, const RfLandedHits* landing, int i )
+// Adds hit i to all films, of which the first is the picture; `films`: how many there are.
+static inline __attribute__( ( always_inline ) ) void add_hit( const RfSplat* s, const RfLandedHits* landing, int i,
+                                                               bool filtered, int films )
 {
     int32_t pixel = landing->pixel[i];
     Footprint f;
-    if ( rf_has_filter( s->filter ) && !find_footprint( s, pixel, landing->offset[0][i], landing->offset[1][i], &f ) )
+    if ( filtered && !find_footprint( s, pixel, landing->offset[0][i], landing->offset[1][i], &f ) )
         return;
-    for ( int k = 0; k < s->count; ++k )
+    for ( int k = 0; k < films; ++k )
     {
         const float* value = landing->value[k] + 4 * i;
-        if ( !landing->lit[k] )
+        if ( k > 0 && !landing->lit[k] )
             continue;
-        if ( rf_has_filter( s->filter ) )
-            add_to_footprint( s, &f, 1.0f, value, s->films[k].film );
+        float* film = s->films[k].film->half[s->half];
+        if ( filtered )
+            add_to_footprint( s, &f, 1.0f, value, film );
         else
-            add_to_pixel( s->films[k].film + 4 * (size_t)pixel, 1.0f, value );
+            add_to_pixel( film + 4 * (size_t)pixel, 1.0f, value );
     }
 }
 
 // Returns how many landed in the range itself.
-static uint64_t splat_hits( const RfSplat* s, const RfLandedHits* landing )
+static inline __attribute__( ( always_inline ) ) uint64_t add_hits( const RfSplat* s, const RfLandedHits* landing, bool filtered,
+                                                                    int films )
 {
     uint64_t landed = 0;
-    int32_t beyond = rf_has_filter( s->filter ) ? s->filter->reach * s->width : 0;
+    int32_t beyond = filtered ? s->filter->reach * s->width : 0;
     bool out_of_reach = landing->low - beyond >= s->end || landing->high + beyond < s->low;
     int first = landing->sorted ? landing->first[bin_of( landing, s->low )] : 0;
     int end = landing->sorted ? landing->first[bin_of( landing, s->end - 1 ) + 1] : landing->count;
@@ -221,12 +240,21 @@ static uint64_t splat_hits( const RfSplat* s, const RfLandedHits* landing )
         int32_t pixel = landing->pixel[i];
         if ( pixel < s->low - beyond || pixel >= s->end + beyond )
             continue;
-        add_hit( s, landing, i );
-        landed += is_in_range( s, pixel );
-        if ( s->landed != NULL && is_in_range( s, pixel ) )
+        bool within = is_in_range( s, pixel );
+        add_hit( s, landing, i, filtered, films );
+        landed += within;
+        if ( s->landed != NULL && within )
             s->landed[pixel] += 1;
     }
     return landed;
+}
+
+// Most frames have one film.
+static uint64_t splat_hits( const RfSplat* s, const RfLandedHits* landing )
+{
+    if ( s->count == 1 )
+        return rf_has_filter( s->filter ) ? add_hits( s, landing, true, 1 ) : add_hits( s, landing, false, 1 );
+    return add_hits( s, landing, rf_has_filter( s->filter ), s->count );
 }
 
 // ---- The batch's own frame
@@ -240,16 +268,19 @@ static void splat_other( const RfSplat* s, const RfHitBatch* batch, int item, co
     for ( int k = 0; k < s->count; ++k )
     {
         const RfSplatFilm* film = s->films + k;
-        float* to = miss ? film->film : film->glints;
         for ( int layer = 0; layer < set->base_parts * ( film->layers.removed ? 1 : kinds ); ++layer )
         {
             const RfLayerLight* light = film->layers.removed ? rf_removed_light( batch, layer ) : batch->light + layer;
             const float* value = light->radiance + 4 * (size_t)item;
             bool has = film->layers.removed ? !light->dark
                                             : rf_is_in_film( film->layers, layer / kinds, (RfLayerKind)( layer % kinds ) );
-            if ( has && rf_has_filter( s->filter ) )
+            if ( !has || film->film == NULL )
+                continue;
+            bool own = !miss && s->splits && film->film->split;
+            float* to = own ? rf_film_own( film->film, s->half ) : film->film->half[s->half];
+            if ( rf_has_filter( s->filter ) )
                 add_to_footprint( s, f, s->weight, value, to );
-            else if ( has )
+            else
                 add_to_pixel( to + 4 * (size_t)batch->pixel[item], s->weight, value );
         }
     }

@@ -9,14 +9,15 @@
 typedef struct RfSplatFilm
 {
     RfFilmLayers layers;
-    float* film;   // 4 per pixel, as in the next
-    float* glints; // what glints are added to: the film, or its sums of own-frame light
+    RfFilm* film; // NULL where the layers bring it nothing
 } RfSplatFilm;
 
 typedef struct RfSplat
 {
     int count;
     RfSplatFilm films[RF_FRAME_FILMS_MOST]; // the picture first
+    int half;                               // of the films
+    bool splits;                            // glints are added to the films' sums of own-frame light, where they have such
     const RfPixelFilter* filter;            // by which samples are spread; NULL: each counts in its own pixel
     int width, height;                      // of the films
     int32_t low, end;

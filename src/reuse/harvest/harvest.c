@@ -34,9 +34,7 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !group->even_light_samples && !caustics;
     // at the ends of a path, groups of more frames are shorter, and have the memory of those
     int groups = exact ? group->traits.light_groups : 0;
-    int frames = !group->traits.lamps_alone || !exact || groups > 0 ? 1
-                 : group->eye_count < RF_FRAMES_MOST                ? group->eye_count
-                                                                    : RF_FRAMES_MOST;
+    int frames = !group->traits.lamps_alone || !exact ? 1 : group->eye_count < RF_FRAMES_MOST ? group->eye_count : RF_FRAMES_MOST;
     RfLayerSet layers = {
         .base_parts = groups > 1 ? groups : 1,
         .by_kind = ( settings->aovs & RF_PASS_AOVS ) != 0 && exact,
@@ -44,7 +42,11 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group )
     };
     layers.parts = layers.base_parts;
     if ( group->eye_count > 1 && exact )
-        layers.parts += group->traits.dimmable + ( frames > 1 ? frames : 0 );
+    {
+        int alone = group->traits.lamps_alone < layers.base_parts ? group->traits.lamps_alone : layers.base_parts;
+        layers.parts += group->traits.dimmable + ( frames > 1 ? alone * frames : 0 );
+    }
+    layers.parts = layers.parts < RF_PARTS_MOST + 1 ? layers.parts : RF_PARTS_MOST + 1;
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = direct_samples( group, tile_pixels, connections ),

@@ -546,6 +546,7 @@ static void add_emission( const RfHarvest* harvest, const RfHitBatch* batch, RfH
 
 static void begin_layers( const RfHarvest* harvest, RfHitBatch* batch, const RfHarvestScratch* scratch )
 {
+    static const float s_black[4] = { 0.0f, 0.0f, 0.0f, 1.0f };
     const RfLayerSet* set = &batch->layers;
     int listed = rf_listed( batch );
     batch->part_count = 1 + rf_dimmed_parts( &harvest->path );
@@ -556,13 +557,14 @@ static void begin_layers( const RfHarvest* harvest, RfHitBatch* batch, const RfH
                     ( layer >= rf_removed_layer( set, 0 ) && layer < rf_removed_layer( set, set->base_parts ) );
         light->dark = layer >= rf_removed_layer( set, 0 );
         rf_find_layer_directions( &harvest->shape, set, layer, &light->first_direction, &light->end_direction );
-        if ( light->radiance != NULL )
+        if ( light->radiance != NULL && layer > 0 )
             memset( light->radiance, 0, 4 * (size_t)( base ? listed : batch->count ) * sizeof( float ) );
         for ( int d = light->first_direction; d < light->end_direction; ++d )
             rf_weighted( light, d )->dark = true;
     }
     for ( int i = 0; i < batch->count + batch->miss_count; ++i )
-        batch->light->radiance[4 * i + 3] = 1.0f;
+        memcpy( batch->light->radiance + 4 * i, s_black, sizeof s_black );
+    memset( batch->light->radiance + 4 * ( listed - batch->glint_count ), 0, 4 * (size_t)batch->glint_count * sizeof( float ) );
     for ( int i = 0; i < batch->count && batch->event != NULL; ++i )
         batch->event[i] = rf_follows_chains( scratch ) ? scratch->chains->event[scratch->hits->slot[i]] : (uint8_t)RF_EVENT_NONE;
 }
