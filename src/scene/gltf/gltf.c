@@ -300,7 +300,7 @@ static RfResult read_document( RfGltf* gltf )
         rf_gltf_check_required,
         rf_gltf_open_lists,
         rf_gltf_choose_variant,
-        rf_gltf_split_light_groups,
+        rf_gltf_open_edits,
         create_accessors,
         rf_gltf_load_buffers,
         rf_gltf_load_nodes,
@@ -309,6 +309,7 @@ static RfResult read_document( RfGltf* gltf )
         rf_gltf_load_environment, // with the frames per second
         choose_time,
         rf_gltf_load_materials,
+        rf_gltf_split_light_groups,
         rf_gltf_load_lights,
         rf_gltf_load_meshes,
         rf_gltf_load_images,
@@ -328,13 +329,16 @@ static void close_document( RfGltf* gltf )
     json_decref( gltf->root );
     free( gltf->file );
     free( gltf->accessors );
-    free( gltf->spans );
+    free( gltf->nodes );
     free( gltf->order );
     free( gltf->remap );
     free( gltf->remap_stamp );
     free( gltf->apart );
     free( gltf->part_apart );
-    free( gltf->copies );
+    free( gltf->material_edits );
+    free( gltf->light_edits );
+    free( gltf->films );
+    rf_gltf_free_split( gltf );
     rf_gltf_free_changes( gltf );
 }
 
@@ -343,17 +347,16 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
 {
     memset( scene, 0, sizeof *scene );
     memcpy( scene->origin, origin, sizeof scene->origin );
-    RfGltf gltf = { .path = path, .scene = scene, .log = log, .error = rf_begin_reading( error ), .default_material = -1 };
+    RfGltf gltf = {
+        .path = path, .scene = scene, .log = log, .error = rf_begin_reading( error ), .default_material = -1, .variant = -1
+    };
     gltf.freeze = options->freeze;
     gltf.options = options;
     gltf.animation = options->animation;
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
-    gltf.own_images = (int)json_array_size( json_object_get( gltf.root, "images" ) );
-    if ( result == RF_OK )
-        result = rf_gltf_convert_glossiness( &gltf );
-    if ( result == RF_OK && options->edit != NULL )
-        result = options->edit->run( options->edit->user, gltf.root, gltf.error );
+    if ( result == RF_OK && options->survey != NULL )
+        result = options->survey( options->user, gltf.root, gltf.error );
     if ( result == RF_OK && options->animation != NULL )
         scene->content_hash = rf_hash_bytes( scene->content_hash, options->animation, strlen( options->animation ) );
     if ( result == RF_OK && options->variant != NULL )

@@ -3,6 +3,7 @@
 #ifndef REFRAME_SCENE_GLTF_GLTF_H
 #define REFRAME_SCENE_GLTF_GLTF_H
 
+#include "base/json.h"
 #include "scene/scene.h"
 
 // Loads the default scene of a file, transformed to world space. Unsupported features that the
@@ -13,22 +14,23 @@ RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* er
 // How a file is read; zeros are as rf_load_gltf reads it.
 typedef struct RfGltfOptions
 {
-    bool freeze;                   // all but cameras stands still, as in the first frame of the default camera: scene->frozen
-    const char* animation;         // those of this name go before the others, where several move the same; NULL: the first
-    const char* variant;           // whose materials its primitives have; NULL: their own
-    const struct RfGltfEdit* edit; // of the document, before it is read (scene/gltf/gltf_document.h); or NULL
+    bool freeze;               // all but cameras stands still, as in the first frame of the default camera: scene->frozen
+    const char* animation;     // those of this name go before the others, where several move the same; NULL: the first
+    const char* variant;       // whose materials its primitives have; NULL: their own
+    RfField materials, lights; // of a scene file: what it says of them by their names (scene/gltf/gltf_edit.c), in the
+                               // place of what the glTF says; without json: nothing
+    RfResult ( *survey )( void* user, const json_t* root, RfError* error ); // sees the document first, and may set
+    void* user;                                                             // `channels`; NULL: nobody does
     int channel_count;
-    const RfChannel* channels; // from elsewhere, in the place of those of the file; without keys: in the place of what moves
-                               // there, which stands still. Read after the edit; copied
-    int change_count;
-    const struct RfChange* changes; // of materials by their numbers, which nothing in the file changes; set by the edit
-    int override_count;
-    const struct RfOverride* overrides; // likewise
-    const RfClock* clock;    // of the animations of the file, all of whose keys are played: start, speed, loops; or NULL
-    const double* origin;    // that the scene gets; NULL: its own
-    const char* beside;      // the file that names the image sequences that the edit adds, which lie beside it
-    RfFps fps;               // of image sequences that do not say; 0/0: the frames per second of the file
-    const double* frozen_at; // seconds; NULL: as in the first frame of its own default camera
+    const RfChannel* channels; // from elsewhere, in the place of those of the file, and copied; without keys: a value that
+                               // stands still
+    const char* top;           // a node of this name has all of the file below it, and the channels of node −1; or NULL
+    bool no_environment;       // that of the file is left out
+    const RfClock* clock;      // of the animations of the file, all of whose keys are played: start, speed, loops; or NULL
+    const double* origin;      // that the scene gets; NULL: its own
+    RfFps fps;                 // of image sequences that do not say, and of keys of materials; 0/0: those of the file
+    bool* in_frames;           // set where keys of materials are numbers of frames; or NULL
+    const double* frozen_at;   // seconds; NULL: as in the first frame of its own default camera
 } RfGltfOptions;
 
 // When the default camera has its first frame: at 0 s, unless its path begins with the number of another.

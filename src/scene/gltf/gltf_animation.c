@@ -16,7 +16,6 @@
 
 typedef struct Loader
 {
-    int capacity;
     uint64_t values;
     uint8_t* taken;  // per node: one bit per animated property
     uint8_t* given;  // likewise, those from outside the file
@@ -24,7 +23,8 @@ typedef struct Loader
     json_t* changed; // by name_change: the animation that changes it
     int* left_out;   // animations that move what one before them moves
     int left_out_count;
-    int instead; // of the first of those
+    int instead;       // of the first of those
+    int given_changes; // of materials, from outside the file: the first of all
 } Loader;
 
 #define MAX_NAMED 5 // in a warning
@@ -212,15 +212,14 @@ static RfResult check_node( RfGltf* gltf, Loader* loader, const char* where, con
     return RF_OK;
 }
 
-// Whether a value comes from outside the file.
-static bool is_given( const RfGltf* gltf, const RfChange* change )
+// Whether a scene file gives a value, or keys of it.
+static bool is_given( const RfGltf* gltf, const Loader* loader, const RfChange* change )
 {
-    const RfGltfOptions* options = gltf->options;
-    bool found = false;
-    for ( int i = 0; i < options->change_count; ++i )
-        found = found || ( options->changes[i].value == change->value && options->changes[i].of == change->of );
-    for ( int i = 0; i < options->override_count; ++i )
-        found = found || ( options->overrides[i].value == change->value && options->overrides[i].material == change->of );
+    const RfChangedTraits* traits = rf_changed_traits( change->value );
+    bool found = traits->owner == RF_OF_MATERIAL && gltf->material_edits != NULL &&
+                 rf_has_member( gltf->material_edits + change->of, traits->name );
+    for ( int i = 0; i < loader->given_changes; ++i )
+        found = found || ( gltf->changes[i].value == change->value && gltf->changes[i].of == change->of );
     return found;
 }
 
@@ -236,7 +235,7 @@ static RfResult take_target( RfGltf* gltf, Loader* loader, const char* where, in
         return result;
     }
     RfWhere name = name_change( change );
-    if ( is_given( gltf, change ) )
+    if ( is_given( gltf, loader, change ) )
     {
         target->wanted = false;
         return RF_OK;
@@ -267,18 +266,11 @@ static int find_owner( const Loader* loader, const RfGltfTarget* target )
     return taken ? loader->owner[channel->node] : -1;
 }
 
-static RfResult append_channel( RfGltf* gltf, Loader* loader, const RfChannel* channel )
+static RfResult append_channel( RfGltf* gltf, const RfChannel* channel )
 {
     RfScene* scene = gltf->scene;
-    if ( scene->channel_count == loader->capacity )
-    {
-        int capacity = loader->capacity > 0 ? loader->capacity * 2 : 8;
-        RfChannel* grown = realloc( scene->channels, (size_t)capacity * sizeof *grown );
-        if ( grown == NULL )
-            return rf_gltf_no_memory( gltf, "animations" );
-        scene->channels = grown;
-        loader->capacity = capacity;
-    }
+    if ( !rf_gltf_grow( &scene->channels, scene->channel_count, sizeof *scene->channels ) )
+        return rf_gltf_no_memory( gltf, "animations" );
     scene->channels[scene->channel_count++] = *channel;
     return RF_OK;
 }
@@ -307,7 +299,7 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const RfField* json,
     if ( result == RF_OK && channel->path == RF_VALUE )
         result = rf_gltf_check_change( gltf, sampler.path, &target.change );
     if ( result == RF_OK )
-        result = channel->path == RF_VALUE ? rf_gltf_add_change( gltf, &target.change ) : append_channel( gltf, loader, channel );
+        result = channel->path == RF_VALUE ? rf_gltf_add_change( gltf, &target.change ) : append_channel( gltf, channel );
     if ( result != RF_OK )
         rf_destroy_channel( channel );
     return result; // NOLINT(clang-analyzer-unix.Malloc): what appends does not fail with RF_OK
@@ -423,32 +415,18 @@ static RfResult add_given( RfGltf* gltf, Loader* loader )
     {
         const RfChannel* given = options->channels + i;
         RfChannel channel = { 0 };
-        loader->given[given->node] |= (uint8_t)( 1u << given->path );
+        int node = rf_gltf_given_node( gltf, given );
+        loader->given[node] |= (uint8_t)( 1u << given->path );
         if ( given->count == 0 )
             continue;
         result = rf_copy_channel( given, &channel, gltf->error );
+        channel.node = node;
         if ( result == RF_OK )
-            result = append_channel( gltf, loader, &channel );
+            result = append_channel( gltf, &channel );
         if ( result != RF_OK )
             rf_destroy_channel( &channel );
     }
     return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
-}
-
-// Likewise of materials, after the file's own have got their clock.
-static RfResult add_given_changes( RfGltf* gltf )
-{
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < gltf->options->change_count; ++i )
-    {
-        RfChange change = gltf->options->changes[i];
-        result = rf_copy_channel( &gltf->options->changes[i].channel, &change.channel, gltf->error );
-        if ( result == RF_OK )
-            result = rf_gltf_add_change( gltf, &change );
-        if ( result != RF_OK )
-            rf_destroy_channel( &change.channel );
-    }
-    return result; // NOLINT(clang-analyzer-unix.Malloc): rf_gltf_add_change does not fail with RF_OK
 }
 
 static void find_keys( const RfChannel* channel, RfClock* all )
@@ -458,18 +436,18 @@ static void find_keys( const RfChannel* channel, RfClock* all )
 }
 
 // Sets the clock of the file's own channels, from the first of their keys to the last.
-static void set_clock( RfGltf* gltf, RfChannel* channels, int count )
+static void set_clock( RfGltf* gltf, RfChannel* channels, int count, int given_changes )
 {
     RfClock all = *gltf->options->clock;
     all.first = (double)INFINITY;
     all.last = -(double)INFINITY;
     for ( int i = 0; i < count; ++i )
         find_keys( channels + i, &all );
-    for ( int i = 0; i < gltf->change_count; ++i )
+    for ( int i = given_changes; i < gltf->change_count; ++i )
         find_keys( &gltf->changes[i].channel, &all );
     for ( int i = 0; i < count; ++i )
         channels[i].clock = all;
-    for ( int i = 0; i < gltf->change_count; ++i )
+    for ( int i = given_changes; i < gltf->change_count; ++i )
         gltf->changes[i].channel.clock = all;
 }
 
@@ -479,6 +457,9 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     int count = gltf->counts[RF_GLTF_ANIMATIONS];
     RfResult result = add_given( gltf, loader );
     int given = gltf->scene->channel_count;
+    for ( int i = 0; result == RF_OK && gltf->material_edits != NULL && i < gltf->counts[RF_GLTF_MATERIALS]; ++i )
+        result = rf_gltf_read_keys( gltf, i );
+    loader->given_changes = gltf->change_count;
     if ( result == RF_OK && gltf->animation != NULL )
         result = check_chosen( gltf );
     for ( int i = 0; result == RF_OK && gltf->animation != NULL && i < count; ++i )
@@ -496,10 +477,8 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     if ( result == RF_OK && gltf->animation == NULL )
         warn_of_left_out( gltf, loader );
     if ( result == RF_OK && gltf->options->clock != NULL )
-        set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given );
-    if ( result == RF_OK )
-        result = add_given_changes( gltf );
-    return result == RF_OK ? rf_gltf_copy_changes( gltf ) : result;
+        set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given, loader->given_changes );
+    return result;
 }
 
 static int compare_channels( const void* a, const void* b )
@@ -516,14 +495,9 @@ static void widen( RfGltfSpan* span, double start, double end )
     span->end = fmax( span->end, end );
 }
 
-static RfResult find_spans( RfGltf* gltf )
+static void find_spans( RfGltf* gltf )
 {
     const RfScene* scene = gltf->scene;
-    gltf->spans = malloc( ( (size_t)scene->node_count + 1 ) * sizeof *gltf->spans );
-    if ( gltf->spans == NULL )
-        return rf_gltf_no_memory( gltf, "animations" );
-    for ( int i = 0; i < scene->node_count; ++i )
-        gltf->spans[i] = ( RfGltfSpan ){ INFINITY, -INFINITY };
     for ( int i = 0; i < scene->channel_count; ++i )
     {
         const RfChannel* channel = scene->channels + i;
@@ -531,16 +505,15 @@ static RfResult find_spans( RfGltf* gltf )
             continue;
         double start, end;
         rf_channel_span( channel, &start, &end );
-        widen( gltf->spans + channel->node, start, end );
+        widen( &gltf->nodes[channel->node].span, start, end );
     }
     // parents come first, so one pass propagates all ancestors
     for ( int i = 0; i < gltf->order_count; ++i )
     {
         int node = gltf->order[i], parent = scene->nodes[node].parent;
         if ( parent >= 0 )
-            widen( gltf->spans + node, gltf->spans[parent].start, gltf->spans[parent].end );
+            widen( &gltf->nodes[node].span, gltf->nodes[parent].span.start, gltf->nodes[parent].span.end );
     }
-    return RF_OK;
 }
 
 RfResult rf_gltf_load_animations( RfGltf* gltf )
@@ -563,6 +536,6 @@ RfResult rf_gltf_load_animations( RfGltf* gltf )
         return result;
     if ( gltf->scene->channel_count > 0 )
         qsort( gltf->scene->channels, (size_t)gltf->scene->channel_count, sizeof( RfChannel ), compare_channels );
-    result = rf_gltf_sort_changes( gltf );
-    return result == RF_OK ? find_spans( gltf ) : result;
+    find_spans( gltf );
+    return rf_gltf_sort_changes( gltf );
 }

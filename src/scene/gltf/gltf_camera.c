@@ -152,8 +152,8 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
     camera->animated = rf_gltf_moves( gltf, node );
     if ( camera->animated )
     {
-        camera->start = gltf->spans[node].start;
-        camera->end = gltf->spans[node].end;
+        camera->start = gltf->nodes[node].span.start;
+        camera->end = gltf->nodes[node].span.end;
     }
     result = load_zoom( gltf, index, camera );
     if ( result == RF_OK && camera->animated )

@@ -64,23 +64,9 @@ RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfCh
     return result;
 }
 
-// Room for one more where the count is a power of two.
-static bool reserve( void** list, int count, size_t size )
-{
-    size_t items = (size_t)count;
-    if ( ( items & ( items - 1 ) ) != 0 )
-        return true;
-    void* grown = realloc( *list, ( items > 0 ? 2 * items : 1 ) * size );
-    *list = grown != NULL ? grown : *list;
-    return grown != NULL;
-}
-
 RfResult rf_gltf_add_change( RfGltf* gltf, const RfChange* change )
 {
-    void* list = gltf->changes;
-    bool room = reserve( &list, gltf->change_count, sizeof *gltf->changes );
-    gltf->changes = list;
-    if ( !room )
+    if ( !rf_gltf_grow( &gltf->changes, gltf->change_count, sizeof *gltf->changes ) )
         return rf_gltf_no_memory( gltf, "animations" );
     gltf->changes[gltf->change_count++] = *change;
     return RF_OK;
@@ -164,12 +150,11 @@ bool rf_gltf_light_changes( const RfGltf* gltf, int index )
     return false;
 }
 
-bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive )
+bool rf_gltf_primitive_changes( const RfGltf* gltf, const RfField* primitive )
 {
-    const json_t* material = json_object_get( primitive, "material" );
-    json_int_t index = json_is_integer( material ) ? json_integer_value( material ) : -1;
-    return rf_gltf_has_changing( gltf ) && index >= 0 && index < gltf->counts[RF_GLTF_MATERIALS] &&
-           gltf->scene->materials[index].changes;
+    int material = -1;
+    return rf_gltf_has_changing( gltf ) && rf_gltf_material_of( gltf, primitive, &material ) == RF_OK && material >= 0 &&
+           gltf->scene->materials[material].changes;
 }
 
 RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name )
@@ -180,10 +165,7 @@ RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name )
 
 RfResult rf_gltf_add_lamp( RfGltf* gltf, const RfMovingLamp* lamp )
 {
-    void* list = gltf->lamps;
-    bool room = reserve( &list, gltf->lamp_count, sizeof *gltf->lamps );
-    gltf->lamps = list;
-    if ( !room )
+    if ( !rf_gltf_grow( &gltf->lamps, gltf->lamp_count, sizeof *gltf->lamps ) )
         return rf_gltf_no_memory( gltf, "lights" );
     gltf->lamps[gltf->lamp_count++] = *lamp;
     return RF_OK;
@@ -292,12 +274,9 @@ static int first_of_material( const RfGltf* gltf, int material )
     return low;
 }
 
-static RfResult add_material( RfGltf* gltf, const RfMovingMaterial* moving )
+RfResult rf_gltf_add_moving_material( RfGltf* gltf, const RfMovingMaterial* moving )
 {
-    void* list = gltf->moving_materials;
-    bool room = reserve( &list, gltf->moving_material_count, sizeof *gltf->moving_materials );
-    gltf->moving_materials = list;
-    if ( !room )
+    if ( !rf_gltf_grow( &gltf->moving_materials, gltf->moving_material_count, sizeof *gltf->moving_materials ) )
         return rf_gltf_no_memory( gltf, "materials" );
     gltf->moving_materials[gltf->moving_material_count++] = *moving;
     return RF_OK;
@@ -326,7 +305,7 @@ RfResult rf_gltf_change_material( RfGltf* gltf, RfMovingMaterial* moving, RfMate
         out->textured->optional = false;
         make_lightest( gltf, moving, out );
     }
-    return add_material( gltf, moving );
+    return rf_gltf_add_moving_material( gltf, moving );
 }
 
 // A lamp's changes that the movement does not have yet.
@@ -355,11 +334,36 @@ static void find_used( const RfScene* scene, bool* used )
     }
 }
 
-// Marks the changes that are needed, and moves them: `moved` has their numbers.
+// Marks the changes of lamps, and those with an effect of materials that are in use; copies of a material share them.
+static void mark_used( RfGltf* gltf, const bool* used, int* marked )
+{
+    int kept = 0;
+    for ( int i = 0; i < gltf->lamp_count; ++i )
+    {
+        for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+        {
+            if ( gltf->lamps[i].changes[v] >= 0 )
+                marked[gltf->lamps[i].changes[v]] = 1;
+        }
+    }
+    for ( int i = 0; i < gltf->moving_material_count; ++i )
+    {
+        const RfMovingMaterial* self = gltf->moving_materials + i;
+        bool keep = used[self->material];
+        for ( int c = self->first_change; keep && c < self->first_change + self->change_count; ++c )
+            marked[c] = gltf->change_used[c];
+        if ( keep )
+            gltf->moving_materials[kept++] = *self;
+    }
+    gltf->moving_material_count = kept;
+}
+
+// Moves the changes that are marked, and gives each its number in the movement.
 static void move_list( RfGltf* gltf, RfMovement* movement, int* moved )
 {
     for ( int i = 0; i < gltf->change_count; ++i )
     {
+        gltf->change_used[i] = moved[i] != 0;
         moved[i] = movement->change_count;
         if ( !gltf->change_used[i] )
             continue;
@@ -369,29 +373,6 @@ static void move_list( RfGltf* gltf, RfMovement* movement, int* moved )
             to->of = -1; // until a lamp has it
         memset( &gltf->changes[i].channel, 0, sizeof gltf->changes[i].channel );
     }
-}
-
-static void mark_used( RfGltf* gltf, const bool* used )
-{
-    int kept = 0;
-    for ( int i = 0; i < gltf->lamp_count; ++i )
-    {
-        for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
-        {
-            if ( gltf->lamps[i].changes[v] >= 0 )
-                gltf->change_used[gltf->lamps[i].changes[v]] = true;
-        }
-    }
-    for ( int i = 0; i < gltf->moving_material_count; ++i )
-    {
-        const RfMovingMaterial* self = gltf->moving_materials + i;
-        bool keep = used[self->material];
-        for ( int c = 0; !keep && c < self->change_count; ++c )
-            gltf->change_used[self->first_change + c] = false;
-        if ( keep )
-            gltf->moving_materials[kept++] = *self;
-    }
-    gltf->moving_material_count = kept;
 }
 
 // Those of a material that are in use come one after the other.
@@ -409,7 +390,7 @@ RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement )
 {
     size_t changes = (size_t)gltf->change_count + 1;
     bool* used = calloc( (size_t)gltf->scene->material_count + 1, sizeof *used );
-    int* moved = malloc( changes * sizeof *moved );
+    int* moved = calloc( changes, sizeof *moved );
     RfChange* all = realloc( movement->changes, ( (size_t)movement->change_count + changes ) * sizeof *all );
     movement->changes = all != NULL ? all : movement->changes;
     movement->lamps = calloc( (size_t)gltf->lamp_count + 1, sizeof *movement->lamps );
@@ -419,7 +400,7 @@ RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement )
     if ( room )
     {
         find_used( gltf->scene, used );
-        mark_used( gltf, used );
+        mark_used( gltf, used, moved );
         move_list( gltf, movement, moved );
     }
     for ( int i = 0; room && i < gltf->lamp_count; ++i )

@@ -29,6 +29,9 @@ RfResult rf_gltf_read_values( const RfGltf* gltf, const RfField* owner, RfValueO
 // That all keys of a change are values that the file may have (gltf_changes.c).
 RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfChange* change );
 
+// Reads the keys that a scene file gives a material, and adds them.
+RfResult rf_gltf_read_keys( RfGltf* gltf, int material );
+
 // Adds a change, whose channel it takes unless it fails.
 RfResult rf_gltf_add_change( RfGltf* gltf, const RfChange* change );
 
@@ -42,6 +45,9 @@ int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int s
 
 // Says in the list of what is frozen that something changes, where it is frozen.
 RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name );
+
+// Adds to the materials that change.
+RfResult rf_gltf_add_moving_material( RfGltf* gltf, const RfMovingMaterial* moving );
 
 // Whether the document changes a light by keys.
 bool rf_gltf_light_changes( const RfGltf* gltf, int index );

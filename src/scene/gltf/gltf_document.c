@@ -51,6 +51,20 @@ RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char*
                          "%s is %g, beyond what reframe reads: at most %g, change it in the scene", key, value, limit );
 }
 
+// Room doubles where the count is a power of two.
+bool rf_gltf_grow( void* list, int count, size_t size )
+{
+    size_t items = (size_t)count;
+    void* old;
+    if ( ( items & ( items - 1 ) ) != 0 )
+        return true;
+    memcpy( &old, list, sizeof old );
+    void* grown = realloc( old, ( items > 0 ? 2 * items : 1 ) * size );
+    if ( grown != NULL )
+        memcpy( list, &grown, sizeof grown );
+    return grown != NULL;
+}
+
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where )
 {
     return rf_gltf_fail( gltf, RF_ERROR_MEMORY, where, "the system has no memory left: close other programs" );

@@ -108,11 +108,14 @@ typedef struct RfGltfSpan
     double start, end;
 } RfGltfSpan;
 
-// A material of the document that the reader has made of another.
-typedef struct RfGltfCopy
+// What a node of the document has; −1: nothing.
+typedef struct RfGltfNode
 {
-    int from, to;
-} RfGltfCopy;
+    int mesh, skin;
+    int light_group; // as rf_gltf_read_light_group
+    int use;         // of its mesh (gltf_light_group.c)
+    RfGltfSpan span; // of its own channels and its ancestors'
+} RfGltfNode;
 
 typedef struct RfGltf
 {
@@ -132,18 +135,20 @@ typedef struct RfGltf
     json_t* root;
     const json_t* lists[RF_GLTF_LIST_COUNT]; // NULL if empty
     int counts[RF_GLTF_LIST_COUNT];
-    int own_images;     // of the file, before the edit
-    RfGltfCopy* copies; // of materials in several light groups
-    int copy_count;
-    size_t profile_values; // of all lights, which each read their own
-    bool plays;            // a texture of some material is an image sequence
+    RfField *material_edits, *light_edits; // by number: what a scene file says; NULL: it says nothing of any
+    RfField* films;                        // image sequences of a scene file: images after those of the document
+    int film_count;
+    int64_t variant;           // whose materials primitives have; −1: their own
+    struct RfGltfSplit* split; // of meshes and materials by light groups; NULL: there is none
+    size_t profile_values;     // of all lights, which each read their own
+    bool plays;                // a texture of some material is an image sequence
 
     RfGltfBuffer* buffers;
     RfGltfAccessor* accessors; // of the file, then those of compressed meshes
     int accessor_count;
     RfGltfUnpacked* unpacked;
-    RfGltfSpan* spans; // per node; of its own channels and its ancestors'
-    int* order;        // nodes of the default scene, parents first
+    RfGltfNode* nodes;
+    int* order; // nodes of the default scene, parents first
     int order_count;
     int default_material; // index of the material for primitives without one, or −1
 
@@ -194,6 +199,9 @@ RfResult rf_gltf_fail( const RfGltf* gltf, RfResult code, const char* where, con
 // Fails with RF_ERROR_UNSUPPORTED if |value| exceeds a limit of this reader: the file is valid
 // glTF.
 RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char* key, double value, double limit );
+
+// Makes room for one more in a list that grows only by this, whose address is given; false: there is no memory.
+bool rf_gltf_grow( void* list, int count, size_t size );
 
 // Fails with RF_ERROR_MEMORY.
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
@@ -268,23 +276,18 @@ RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char*
 // Reads the environment from the extras of the scene (gltf_light.c).
 RfResult rf_gltf_load_environment( RfGltf* gltf );
 
-// A modification of the parsed JSON before anything else is read (gltf.c). The input need not
-// be valid glTF; the result is validated like any file.
-typedef struct RfGltfEdit
-{
-    RfResult ( *run )( void* user, json_t* root, RfError* error );
-    void* user;
-} RfGltfEdit;
+// Finds which materials and lights a scene file says something of (gltf_edit.c).
+RfResult rf_gltf_open_edits( RfGltf* gltf );
 
-// Converts KHR_materials_pbrSpecularGlossiness in the document, before anything edits or reads it (gltf_glossiness.c).
-RfResult rf_gltf_convert_glossiness( RfGltf* gltf );
+// Fails since no item of the list, such as a "material" of "materials", has the name; says which there are.
+#define RF_ITEM_NAME 32 // of one without a name
+RfResult rf_fail_unknown_item( const RfField* field, const char* kind, const char* name, const json_t* list );
 
-// Has a material that was converted a glossiness in A of the texture of its specular colour?
-bool rf_gltf_has_glossiness_texture( const json_t* material );
-
-// Lists the variants, and sets the materials of primitives to those of the one that is chosen (gltf_variant.c). Before materials
-// and meshes are read.
+// Lists the variants of materials, and finds the one that is chosen (gltf_variant.c).
 RfResult rf_gltf_choose_variant( RfGltf* gltf );
+
+// The material of a primitive, in that variant; −1: none.
+RfResult rf_gltf_material_of( const RfGltf* gltf, const RfField* primitive, int* material );
 
 // Loads all buffers (gltf_buffer.c).
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
@@ -346,10 +349,19 @@ uint32_t rf_gltf_read_index( const RfGltfAccessor* accessor, uint32_t element );
 // The light group in the extras of a light, node or material (gltf_light_group.c): its tag (rf_tag_light), 0 for "rest"; −1: none.
 RfResult rf_gltf_read_light_group( const RfGltf* gltf, const RfField* object, int* tag );
 
-// Gives meshes of nodes that are tagged materials with that tag, copies where a material or a mesh is in several groups; and the
-// changes of materials to their copies.
+// The same of an object that may have the member "light_group" itself.
+RfResult rf_gltf_read_tag( const RfGltf* gltf, const RfField* ours, int* tag );
+
+// Tags the materials that meshes of tagged nodes emit by: once they are read, with copies of those that are in several groups.
 RfResult rf_gltf_split_light_groups( RfGltf* gltf );
-RfResult rf_gltf_copy_changes( RfGltf* gltf );
+void rf_gltf_free_split( RfGltf* gltf );
+
+// How many uses of meshes there are: those of the document, then one for each further group of nodes that has one.
+int rf_gltf_use_count( const RfGltf* gltf );
+
+// The mesh of a use, and what a material is in it.
+int rf_gltf_mesh_of( const RfGltf* gltf, int use );
+uint32_t rf_gltf_tagged_material( const RfGltf* gltf, int use, uint32_t material );
 
 // Reads the hierarchy (gltf_node.c; cameras: gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
@@ -367,14 +379,23 @@ RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* fo
 // Reads the cameras (gltf_camera.c).
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
 
-// Reads the profile of a light from its extras, if it has one (gltf_profile.c). The caller releases it.
-RfResult rf_gltf_read_profile( RfGltf* gltf, const RfField* ours, RfProfile** out );
+// Reads the profile of a light from its extras and a scene file, if it has one (gltf_profile.c). The caller releases it.
+RfResult rf_gltf_read_profile( RfGltf* gltf, const RfField* ours, const RfField* edit, RfProfile** out );
 
 // Reads the lights of KHR_lights_punctual (gltf_light.c).
 RfResult rf_gltf_load_lights( RfGltf* gltf );
 
+// The node that a channel from outside the file is of.
+static inline int rf_gltf_given_node( const RfGltf* gltf, const RfChannel* channel )
+{
+    return channel->node >= 0 ? channel->node : gltf->counts[RF_GLTF_NODES];
+}
+
 // Does a node move?
-static inline bool rf_gltf_moves( const RfGltf* gltf, int node ) { return gltf->spans[node].start <= gltf->spans[node].end; }
+static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
+{
+    return gltf->nodes[node].span.start <= gltf->nodes[node].span.end;
+}
 
 // Do its transforms differ over time, or those of an ancestor?
 bool rf_gltf_varies( const RfGltf* gltf, int node );
@@ -385,7 +406,7 @@ bool rf_gltf_changes( const RfGltf* gltf, int node );
 // At which time a node that does not move here is placed.
 static inline double rf_gltf_rest_time( const RfGltf* gltf, int node )
 {
-    return gltf->freeze ? gltf->frozen_at : rf_gltf_moves( gltf, node ) ? gltf->spans[node].start : 0.0;
+    return gltf->freeze ? gltf->frozen_at : rf_gltf_moves( gltf, node ) ? gltf->nodes[node].span.start : 0.0;
 }
 
 // Adds the name of something that moves in the file.
@@ -393,7 +414,7 @@ RfResult rf_gltf_note_moving( RfGltf* gltf, const char* name );
 
 // Whether materials change at all, and that of a primitive, unread (gltf_changes.c).
 static inline bool rf_gltf_has_changing( const RfGltf* gltf ) { return gltf->moving_material_count > 0 || gltf->plays; }
-bool rf_gltf_primitive_changes( const RfGltf* gltf, const json_t* primitive );
+bool rf_gltf_primitive_changes( const RfGltf* gltf, const RfField* primitive );
 
 // Whether a node and its ancestors are shown (gltf_mover.c).
 typedef enum RfGltfVisibility
@@ -411,6 +432,9 @@ RfResult rf_gltf_list_moving( RfGltf* gltf );
 
 // Reads `render` and `moving` of the scene's extras.reframe.
 RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours );
+
+// `extras.reframe` of the default scene of a document, which need not be valid.
+const json_t* rf_gltf_document_extras( const json_t* root );
 
 // The frames per second that a document asks for, 24 if it does not or is not valid.
 RfFps rf_gltf_document_fps( const json_t* root );

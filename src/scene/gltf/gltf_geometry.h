@@ -116,7 +116,7 @@ bool rf_gltf_has_eight_joints( const json_t* primitive );
 // joints as well; else without the triangles that have no area (gltf_shape.c).
 typedef struct RfGltfShape
 {
-    int mesh;
+    int use; // of a mesh
     bool deforms, skinned, changing_only;
 } RfGltfShape;
 

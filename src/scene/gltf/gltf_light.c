@@ -98,50 +98,76 @@ static void set_light( const RfGltf* gltf, const Source* source, RfPunctual* out
     out->range = (float)most.range;
 }
 
-static RfResult read_profile( RfGltf* gltf, const RfField* ours, Source* source, RfPunctual* out )
+// What says more of a light than glTF: its `extras.reframe`, then a scene file.
+typedef struct Extras
 {
-    RfResult result = *source->profile == NULL ? rf_gltf_read_profile( gltf, ours, source->profile ) : RF_OK;
+    RfField sources[2]; // messages of both name the first
+    RfField edit;       // the second, as the scene file has it
+} Extras;
+
+static Extras open_extras( const RfGltf* gltf, const RfField* json, int index )
+{
+    Extras out = { .sources = { rf_gltf_extras( json ) }, .edit = rf_make_field( "", "", NULL, gltf->error ) };
+    if ( gltf->light_edits != NULL )
+        out.edit = gltf->light_edits[index];
+    out.edit.error = gltf->error;
+    RfWhere where = rf_where( "%.140s.extras.reframe", json->path );
+    out.sources[1] = rf_make_field( gltf->path, where.text, out.edit.json, gltf->error );
+    return out;
+}
+
+static bool has( const Extras* e, const char* key ) { return rf_has_member( e->sources, key ) || rf_has_member( &e->edit, key ); }
+
+static RfResult read_profile( RfGltf* gltf, const Extras* e, Source* source, RfPunctual* out )
+{
+    RfResult result = *source->profile == NULL ? rf_gltf_read_profile( gltf, e->sources, &e->edit, source->profile ) : RF_OK;
     if ( result != RF_OK || *source->profile == NULL )
         return result;
     out->profile = *source->profile;
     out->profile->references += 1;
     out->turned = true;
-    if ( !rf_has_member( ours, "profile" ) || out->kind != RF_PUNCTUAL_SPOT )
+    if ( !rf_has_member( e->sources, "profile" ) || rf_has_member( &e->edit, "ies" ) || out->kind != RF_PUNCTUAL_SPOT )
         return RF_OK;
     if ( source->lamp.changes[RF_CHANGED_INNER_CONE] >= 0 || source->lamp.changes[RF_CHANGED_OUTER_CONE] >= 0 )
-        return rf_field_fail( ours, "has a profile, which stands still, in the place of a cone that changes: leave it out" );
+        return rf_field_fail( e->sources,
+                              "has a profile, which stands still, in the place of a cone that changes: leave it out" );
     out->kind = RF_PUNCTUAL_POINT;
     return RF_OK;
 }
 
-static RfResult read_radius( const RfField* ours, RfPunctual* out )
+static void read_radius( const RfField* ours, RfPunctual* out )
 {
-    double radius = 0.0;
+    double radius = (double)out->radius;
     rf_get_number( ours, "radius", rf_range( 0.0, MOST_SIZE ), &radius );
     out->radius = (float)radius;
-    return rf_get_bool( ours, "soft", &out->soft );
+    rf_get_bool( ours, "soft", &out->soft );
 }
 
-static RfResult read_angle( const RfField* ours, RfPunctual* out )
+static RfResult read_angle( const Extras* e, RfPunctual* out )
 {
     double angle = 0.0;
-    RfResult result = rf_get_number( ours, "angle", rf_range( 0.0, 180.0 ), &angle );
+    for ( int i = 0; i < 2; ++i )
+        rf_get_number( e->sources + i, "angle", rf_range( 0.0, 180.0 ), &angle );
     double sine = sin( angle * ( HALF_PI / 360.0 ) );
     out->versine = (float)( 2.0 * sine * sine );
-    return result;
+    return rf_json_result( e->sources );
 }
 
-static RfResult read_plane( const RfField* ours, RfPunctual* out )
+static RfResult read_plane( const Extras* e, RfPunctual* out )
 {
     static const char* const s_shapes[] = { "rectangle", "ellipse", NULL };
     int shape = 0;
     double size[2] = { 0.0, 0.0 }, spread = 180.0;
-    rf_get_choice( ours, "shape", s_shapes, &shape );
-    rf_field_require( ours, "size", "[width, height], m" );
-    rf_get_numbers( ours, "size", rf_above( 0.0, MOST_SIZE ), 2, size );
-    RfResult result = rf_get_number( ours, "spread", rf_range( 1.0, 180.0 ), &spread );
-    if ( result != RF_OK )
-        return result;
+    if ( !has( e, "size" ) )
+        rf_field_require( e->sources + ( e->sources[0].json == NULL ), "size", "[width, height], m" );
+    for ( int i = 0; i < 2; ++i )
+    {
+        rf_get_choice( e->sources + i, "shape", s_shapes, &shape );
+        rf_get_numbers( e->sources + i, "size", rf_above( 0.0, MOST_SIZE ), 2, size );
+        rf_get_number( e->sources + i, "spread", rf_range( 1.0, 180.0 ), &spread );
+    }
+    if ( rf_json_result( e->sources ) != RF_OK )
+        return rf_json_result( e->sources );
     double half = spread * ( HALF_PI / 180.0 );
     out->kind = RF_PUNCTUAL_PLANE;
     out->turned = true;
@@ -167,16 +193,18 @@ static RfResult read_extras( RfGltf* gltf, const RfField* json, Source* source, 
     static const char* const s_lamp[] = { "ies", "light_group", "profile", "radius", "soft", NULL };
     static const char* const s_sun[] = { "angle", "light_group", NULL };
     static const char* const s_plane[] = { "light_group", "shape", "size", "spread", NULL };
-    RfField field = rf_gltf_extras( json );
-    if ( field.json == NULL )
-        return rf_json_result( json );
-    bool is_plane = out->kind == RF_PUNCTUAL_POINT && rf_has_member( &field, "shape" ),
-         is_sun = out->kind == RF_PUNCTUAL_DIRECTIONAL;
-    RfResult result = rf_field_keys( &field, is_sun ? s_sun : is_plane ? s_plane : s_lamp );
-    if ( result != RF_OK || is_sun || is_plane )
-        return result != RF_OK ? result : is_sun ? read_angle( &field, out ) : read_plane( &field, out );
-    result = read_radius( &field, out );
-    return result == RF_OK ? read_profile( gltf, &field, source, out ) : result;
+    Extras e = open_extras( gltf, json, source->index );
+    bool is_plane = out->kind == RF_PUNCTUAL_POINT && has( &e, "shape" ), is_sun = out->kind == RF_PUNCTUAL_DIRECTIONAL;
+    for ( int i = 0; i < 2; ++i )
+    {
+        if ( e.sources[i].json != NULL )
+            rf_field_keys( e.sources + i, is_sun ? s_sun : is_plane ? s_plane : s_lamp );
+    }
+    if ( rf_json_result( json ) != RF_OK || is_sun || is_plane )
+        return rf_json_result( json ) != RF_OK ? rf_json_result( json ) : is_sun ? read_angle( &e, out ) : read_plane( &e, out );
+    read_radius( e.sources, out );
+    read_radius( e.sources + 1, out );
+    return rf_json_result( json ) == RF_OK ? read_profile( gltf, &e, source, out ) : rf_json_result( json );
 }
 
 static RfResult read_light( RfGltf* gltf, const RfField* json, Source* source, RfPunctual* out )
@@ -206,15 +234,12 @@ static RfResult read_light( RfGltf* gltf, const RfField* json, Source* source, R
 }
 
 // That of its node overrules its own.
-static RfResult read_group( const RfGltf* gltf, const RfField* json, int node, RfPunctual* out )
+static RfResult read_group( const RfGltf* gltf, const RfField* json, int node, int index, RfPunctual* out )
 {
-    RfField of_node = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
-    int own, tag;
-    RfResult result = rf_gltf_read_light_group( gltf, json, &own );
-    if ( result == RF_OK )
-        result = rf_gltf_read_light_group( gltf, &of_node, &tag );
-    if ( result == RF_OK )
-        out->light_group = (uint16_t)( tag >= 0 ? tag : own >= 0 ? own : 0 );
+    Extras e = open_extras( gltf, json, index );
+    int own, tag = gltf->nodes[node].light_group;
+    RfResult result = rf_gltf_read_tag( gltf, rf_has_member( &e.edit, "light_group" ) ? &e.edit : e.sources, &own );
+    out->light_group = (uint16_t)( tag >= 0 ? tag : own >= 0 ? own : 0 );
     return result;
 }
 
@@ -266,7 +291,7 @@ static RfResult load_node_light( RfGltf* gltf, const RfField* lights, int node, 
     gltf->scene->punctual_count += 1;
     result = read_light( gltf, &json, &source, out );
     if ( result == RF_OK )
-        result = read_group( gltf, &json, node, out );
+        result = read_group( gltf, &json, node, (int)index, out );
     if ( result == RF_OK && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) )
         result = place_light( gltf, node, extension->path, out );
     if ( result == RF_OK )
@@ -383,7 +408,7 @@ RfResult rf_gltf_load_environment( RfGltf* gltf )
     if ( result == RF_OK )
         result = rf_gltf_read_warnings( gltf, &field );
     RfField object = rf_field_member( &field, "environment" );
-    if ( result != RF_OK || object.json == NULL )
+    if ( result != RF_OK || object.json == NULL || gltf->options->no_environment )
         return result;
     return load_environment( gltf, &object );
 }

@@ -39,7 +39,6 @@ typedef struct Instances
     int* nodes;
     RfMat4* worlds; // by node
     bool* placed;   // by mesh
-    int placement_capacity, mesh_capacity;
 } Instances;
 
 static void free_instances( Instances* instances )
@@ -53,7 +52,7 @@ static void free_instances( Instances* instances )
 
 static RfResult create_instances( const RfGltf* gltf, Instances* out )
 {
-    size_t nodes = (size_t)gltf->scene->node_count + 1, meshes = (size_t)gltf->counts[RF_GLTF_MESHES] + 2;
+    size_t nodes = (size_t)gltf->scene->node_count + 1, meshes = (size_t)rf_gltf_use_count( gltf ) + 2;
     out->mesh_of = malloc( nodes * sizeof *out->mesh_of );
     out->starts = calloc( meshes, sizeof *out->starts );
     out->nodes = malloc( nodes * sizeof *out->nodes );
@@ -64,12 +63,10 @@ static RfResult create_instances( const RfGltf* gltf, Instances* out )
     return RF_OK;
 }
 
-static RfResult read_mesh_of( RfGltf* gltf, int node, int* mesh )
+static RfResult find_mesh_of( RfGltf* gltf, int node, int* mesh )
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
-    *mesh = rf_gltf_get_index( gltf, &json, "mesh", RF_GLTF_MESHES );
-    if ( rf_json_result( &json ) != RF_OK )
-        return rf_json_result( &json );
+    *mesh = gltf->nodes[node].use;
     rf_gltf_notice_extensions( gltf, &json, "node", gltf->scene->nodes[node].name );
     return *mesh >= 0 ? rf_gltf_set_apart( gltf, node, mesh ) : RF_OK;
 }
@@ -79,13 +76,13 @@ static RfResult sort_instances( RfGltf* gltf, Instances* out )
 {
     for ( int i = 0; i < gltf->order_count; ++i )
     {
-        RfResult result = read_mesh_of( gltf, gltf->order[i], out->mesh_of + i );
+        RfResult result = find_mesh_of( gltf, gltf->order[i], out->mesh_of + i );
         if ( result != RF_OK )
             return result;
         if ( out->mesh_of[i] >= 0 )
             out->starts[out->mesh_of[i] + 2] += 1;
     }
-    for ( int m = 0; m < gltf->counts[RF_GLTF_MESHES]; ++m )
+    for ( int m = 0; m < rf_gltf_use_count( gltf ); ++m )
         out->starts[m + 2] += out->starts[m + 1];
     for ( int i = 0; i < gltf->order_count; ++i )
     {
@@ -118,8 +115,7 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
 // A node keeps the mesh in world space if it moves or has a skin.
 static bool is_still( const RfGltf* gltf, int node )
 {
-    return ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) &&
-           json_object_get( rf_gltf_item( gltf, RF_GLTF_NODES, node ), "skin" ) == NULL;
+    return ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) && gltf->nodes[node].skin < 0;
 }
 
 // Frobenius norm: at least as much as edges become longer.
@@ -232,7 +228,6 @@ static bool can_be_placed( const RfScene* scene, const RfGltfPrimitive* p )
 // A mesh that is being placed, the scene's next.
 typedef struct Placing
 {
-    Instances* instances;
     RfMesh mesh;
     RfGltfBaker baker; // of the mesh
     int first;         // of its placements
@@ -243,17 +238,10 @@ static RfResult add_placement( RfGltf* gltf, const Place* place, void* user )
 {
     RfScene* scene = gltf->scene;
     Placing* placing = user;
-    int* capacity = &placing->instances->placement_capacity;
     if ( !place->fit )
         return RF_OK;
-    if ( scene->placement_count == *capacity )
-    {
-        *capacity = *capacity > 0 ? 2 * *capacity : 64;
-        RfPlacement* grown = realloc( scene->placements, (size_t)*capacity * sizeof *grown );
-        if ( grown == NULL )
-            return rf_gltf_no_memory( gltf, "nodes" );
-        scene->placements = grown;
-    }
+    if ( !rf_gltf_grow( &scene->placements, scene->placement_count, sizeof *scene->placements ) )
+        return rf_gltf_no_memory( gltf, "nodes" );
     placing->stretch = fmax( placing->stretch, stretch_of( &place->matrix ) );
     scene->placements[scene->placement_count++] = ( RfPlacement ){
         .mesh = scene->mesh_count, .matrix = place->matrix, .shown = true, .mover = -1, .node = 1 + place->node
@@ -264,15 +252,8 @@ static RfResult add_placement( RfGltf* gltf, const Place* place, void* user )
 static RfResult add_mesh( RfGltf* gltf, Placing* placing )
 {
     RfScene* scene = gltf->scene;
-    int* capacity = &placing->instances->mesh_capacity;
-    if ( scene->mesh_count == *capacity )
-    {
-        *capacity = *capacity > 0 ? 2 * *capacity : 16;
-        RfMesh* grown = realloc( scene->meshes, (size_t)*capacity * sizeof *grown );
-        if ( grown == NULL )
-            return rf_gltf_no_memory( gltf, "meshes" );
-        scene->meshes = grown;
-    }
+    if ( !rf_gltf_grow( &scene->meshes, scene->mesh_count, sizeof *scene->meshes ) )
+        return rf_gltf_no_memory( gltf, "meshes" );
     scene->meshes[scene->mesh_count++] = placing->mesh;
     placing->mesh = ( RfMesh ){ 0 };
     return RF_OK;
@@ -327,11 +308,12 @@ static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placi
     const char* where = json->path;
     static const RfMat4 own = { { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
     RfGltfPrimitive primitive;
-    if ( rf_gltf_primitive_changes( gltf, json->json ) ) // a mover
+    if ( rf_gltf_primitive_changes( gltf, json ) ) // a mover
         return RF_OK;
     RfResult result = rf_gltf_read_primitive( gltf, json, &primitive );
     if ( result != RF_OK || primitive.triangle_count == 0 )
         return result;
+    primitive.material = rf_gltf_tagged_material( gltf, mesh, primitive.material );
     Bake bake = { baker, &primitive, where, placing != NULL && can_be_placed( gltf->scene, &primitive ) };
     if ( bake.unfit_only )
         result = rf_gltf_bake( gltf, &placing->baker, &primitive, &own, where );
@@ -343,7 +325,7 @@ static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placi
 
 static RfResult load_primitives( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const Instances* instances, int mesh )
 {
-    RfField primitives = rf_gltf_primitives( gltf, mesh );
+    RfField primitives = rf_gltf_primitives( gltf, rf_gltf_mesh_of( gltf, mesh ) );
     RfResult result = rf_json_result( &primitives );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
@@ -355,9 +337,9 @@ static RfResult load_primitives( RfGltf* gltf, RfGltfBaker* baker, Placing* plac
 
 static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, Instances* instances, int mesh )
 {
-    Placing placing = { .instances = instances, .first = gltf->scene->placement_count };
+    Placing placing = { .first = gltf->scene->placement_count };
     RfMesh* own = &placing.mesh;
-    RfWhere where = rf_where( "meshes[%d]", mesh );
+    RfWhere where = rf_where( "meshes[%d]", rf_gltf_mesh_of( gltf, mesh ) );
     RfResult result = visit_places( gltf, instances, mesh, add_placement, &placing );
     double scale = fmax( placing.stretch, 1.0 / MOST_STRETCH );
     placing.baker =
@@ -398,7 +380,7 @@ static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh,
     RfResult result = count_places( gltf, instances, mesh, &saving->places );
     if ( result != RF_OK || saving->places < 2 )
         return result;
-    RfField primitives = rf_gltf_primitives( gltf, mesh );
+    RfField primitives = rf_gltf_primitives( gltf, rf_gltf_mesh_of( gltf, mesh ) );
     result = rf_json_result( &primitives );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
@@ -416,7 +398,7 @@ static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh,
 
 static RfResult choose_placed( RfGltf* gltf, Instances* instances )
 {
-    int count = gltf->counts[RF_GLTF_MESHES];
+    int count = rf_gltf_use_count( gltf );
     uint64_t places = 0;
     double triangles = 0.0, bytes = 0.0;
     for ( int m = 0; m < count; ++m )
@@ -459,7 +441,7 @@ RfResult rf_gltf_load_meshes( RfGltf* gltf )
         find_worlds( gltf, &instances );
     if ( result == RF_OK )
         result = choose_placed( gltf, &instances );
-    for ( int m = 0; result == RF_OK && m < gltf->counts[RF_GLTF_MESHES]; ++m )
+    for ( int m = 0; result == RF_OK && m < rf_gltf_use_count( gltf ); ++m )
     {
         if ( instances.starts[m] < instances.starts[m + 1] )
             result = instances.placed[m] ? place_mesh( gltf, &baker, &instances, m )

@@ -28,10 +28,9 @@ RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count )
 
 RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where, int* count )
 {
-    RfField self = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
-    int mesh = rf_gltf_get_index( gltf, &self, "mesh", RF_GLTF_MESHES );
+    int mesh = gltf->nodes[node].mesh;
     *count = 0;
-    RfResult result = mesh >= 0 ? rf_gltf_mesh_targets( gltf, mesh, count ) : rf_json_result( &self );
+    RfResult result = mesh >= 0 ? rf_gltf_mesh_targets( gltf, mesh, count ) : RF_OK;
     if ( result == RF_OK && *count == 0 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "animates the weights of nodes[%d], which has no morph targets",
                              node );

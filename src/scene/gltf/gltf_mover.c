@@ -52,13 +52,6 @@ RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node )
     return found;
 }
 
-static RfResult read_skin_of( const RfGltf* gltf, int node, int* skin )
-{
-    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
-    *skin = rf_gltf_get_index( gltf, &json, "skin", RF_GLTF_SKINS_LIST );
-    return rf_json_result( &json );
-}
-
 // Whether the mesh of a node has another shape than without its morph targets.
 static RfResult is_morphed( const RfGltf* gltf, int node, int mesh, bool* morphed )
 {
@@ -80,10 +73,15 @@ static RfResult is_morphed( const RfGltf* gltf, int node, int mesh, bool* morphe
 // How many primitives of a mesh have a material that changes.
 static uint32_t count_changing( const RfGltf* gltf, int mesh )
 {
-    const json_t* primitives = json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), "primitives" );
     uint32_t count = 0;
-    for ( size_t i = 0; rf_gltf_has_changing( gltf ) && i < json_array_size( primitives ); ++i )
-        count += rf_gltf_primitive_changes( gltf, json_array_get( primitives, i ) );
+    if ( !rf_gltf_has_changing( gltf ) )
+        return 0;
+    RfField primitives = rf_gltf_primitives( gltf, mesh );
+    for ( size_t i = 0; i < json_array_size( primitives.json ); ++i )
+    {
+        RfField primitive = rf_field_item( &primitives, i );
+        count += rf_gltf_primitive_changes( gltf, &primitive );
+    }
     return count;
 }
 
@@ -99,21 +97,19 @@ static RfResult add_apart( const RfGltf* gltf, int node, int** list, int* count 
 
 RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh )
 {
-    int skin;
+    int document_mesh = gltf->nodes[node].mesh;
     bool morphed;
     RfGltfVisibility visibility = rf_gltf_visibility( gltf, node );
-    RfResult result = read_skin_of( gltf, node, &skin );
-    if ( result == RF_OK )
-        result = is_morphed( gltf, node, *mesh, &morphed );
+    RfResult result = is_morphed( gltf, node, document_mesh, &morphed );
     if ( result == RF_OK && gltf->freeze && rf_gltf_changes( gltf, node ) )
         result = rf_gltf_note_moving( gltf, gltf->scene->nodes[node].name );
     if ( result != RF_OK )
         return result;
     if ( visibility == RF_GLTF_HIDDEN )
         *mesh = -1;
-    if ( visibility == RF_GLTF_HIDDEN ||
-         ( visibility == RF_GLTF_SHOWN && skin < 0 && !morphed && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) ) )
-        return *mesh >= 0 && count_changing( gltf, *mesh ) > 0
+    if ( visibility == RF_GLTF_HIDDEN || ( visibility == RF_GLTF_SHOWN && gltf->nodes[node].skin < 0 && !morphed &&
+                                           ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) ) )
+        return *mesh >= 0 && count_changing( gltf, document_mesh ) > 0
                    ? add_apart( gltf, node, &gltf->part_apart, &gltf->part_apart_count )
                    : RF_OK;
     *mesh = -1;
@@ -125,10 +121,8 @@ typedef struct Builder
 {
     RfGltf* gltf;
     RfMovement* movement;
-    int* moving_of;     // per node of the scene: its place among the moving nodes, or −1
-    int* shape_of[4];   // per mesh of the document: its meshes of the scene, as in find_mesh, or −1
-    int mesh_capacity;  // of the scene
-    int mover_capacity; // of movers and placements
+    int* moving_of;   // per node of the scene: its place among the moving nodes, or −1
+    int* shape_of[4]; // per use of a mesh: its meshes of the scene, as in find_mesh, or −1
 } Builder;
 
 static void free_builder( Builder* b )
@@ -149,7 +143,7 @@ static int* fill( size_t count )
 static RfResult begin( Builder* b )
 {
     RfGltf* gltf = b->gltf;
-    size_t nodes = (size_t)gltf->scene->node_count, meshes = (size_t)gltf->counts[RF_GLTF_MESHES];
+    size_t nodes = (size_t)gltf->scene->node_count, meshes = (size_t)rf_gltf_use_count( gltf );
     b->movement = rf_open_movement( gltf->scene );
     b->moving_of = fill( nodes );
     bool room = b->movement != NULL && b->moving_of != NULL;
@@ -205,15 +199,8 @@ static bool does_skin_move( const Builder* b, int skin )
 static RfResult add_mesh( Builder* b, const RfGltfShape* shape, int* index )
 {
     RfScene* scene = b->gltf->scene;
-    if ( scene->mesh_count >= b->mesh_capacity )
-    {
-        int capacity = scene->mesh_count > 0 ? 2 * scene->mesh_count : 4;
-        RfMesh* grown = realloc( scene->meshes, (size_t)capacity * sizeof *grown );
-        if ( grown == NULL )
-            return rf_gltf_no_memory( b->gltf, "meshes" );
-        scene->meshes = grown;
-        b->mesh_capacity = capacity;
-    }
+    if ( !rf_gltf_grow( &scene->meshes, scene->mesh_count, sizeof *scene->meshes ) )
+        return rf_gltf_no_memory( b->gltf, "meshes" );
     *index = scene->mesh_count++;
     memset( scene->meshes + *index, 0, sizeof *scene->meshes );
     return rf_gltf_read_shape( b->gltf, shape, scene->meshes + *index );
@@ -221,7 +208,7 @@ static RfResult add_mesh( Builder* b, const RfGltfShape* shape, int* index )
 
 static RfResult find_mesh( Builder* b, const RfGltfShape* shape, int* index )
 {
-    int* known = b->shape_of[shape->changing_only ? 3 : shape->skinned ? 2 : shape->deforms ? 1 : 0] + shape->mesh;
+    int* known = b->shape_of[shape->changing_only ? 3 : shape->skinned ? 2 : shape->deforms ? 1 : 0] + shape->use;
     RfResult result = *known >= 0 ? RF_OK : add_mesh( b, shape, known );
     *index = *known;
     return result;
@@ -267,18 +254,9 @@ static RfResult reserve_mover( Builder* b )
     int count = b->movement->mover_count;
     if ( count >= MAX_MOVERS )
         return rf_gltf_fail( b->gltf, RF_ERROR_UNSUPPORTED, "nodes", "more than %d objects move: join some", MAX_MOVERS );
-    if ( count < b->mover_capacity )
-        return RF_OK;
-    size_t capacity = count > 0 ? 2 * (size_t)count : 8;
-    RfMover* movers = realloc( b->movement->movers, capacity * sizeof *movers );
-    b->movement->movers = movers != NULL ? movers : b->movement->movers;
-    RfPlacement* placements =
-        realloc( scene->placements, ( (size_t)scene->still_placement_count + capacity ) * sizeof *placements );
-    scene->placements = placements != NULL ? placements : scene->placements;
-    if ( movers == NULL || placements == NULL )
-        return rf_gltf_no_memory( b->gltf, "nodes" );
-    b->mover_capacity = (int)capacity;
-    return RF_OK;
+    bool room = rf_gltf_grow( &b->movement->movers, count, sizeof *b->movement->movers ) &&
+                rf_gltf_grow( &scene->placements, scene->placement_count, sizeof *scene->placements );
+    return room ? RF_OK : rf_gltf_no_memory( b->gltf, "nodes" );
 }
 
 // What the movers of one node have in common.
@@ -363,13 +341,12 @@ static RfResult describe( Builder* b, bool* used, Common* common )
 {
     RfGltf* gltf = b->gltf;
     RfScene* scene = gltf->scene;
-    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, common->node );
+    const RfGltfNode* node = gltf->nodes + common->node;
     RfMover* mover = &common->mover;
     bool morphed = false;
-    common->document_mesh = rf_gltf_get_index( gltf, &json, "mesh", RF_GLTF_MESHES );
-    RfResult result = read_skin_of( gltf, common->node, &mover->skin );
-    if ( result == RF_OK )
-        result = is_morphed( gltf, common->node, common->document_mesh, &morphed );
+    common->document_mesh = node->mesh;
+    mover->skin = node->skin;
+    RfResult result = is_morphed( gltf, common->node, common->document_mesh, &morphed );
     if ( result != RF_OK )
         return result;
     const json_t* mesh = rf_gltf_item( gltf, RF_GLTF_MESHES, common->document_mesh );
@@ -386,7 +363,7 @@ static RfResult describe( Builder* b, bool* used, Common* common )
     common->still = ( !travels && changing == 0 ) || gltf->freeze;
     if ( result == RF_OK && travels )
         result = rf_gltf_note_moving( gltf, scene->nodes[common->node].name );
-    RfGltfShape shape = { common->document_mesh, morphed || mover->skin >= 0, mover->skin >= 0, common->part };
+    RfGltfShape shape = { node->use, morphed || mover->skin >= 0, mover->skin >= 0, common->part };
     if ( result == RF_OK )
         result = find_mesh( b, &shape, &common->mesh );
     return result == RF_OK ? check_joints( b, common ) : result;

@@ -37,16 +37,7 @@ static RfResult read_trs( const RfField* json, RfNode* node )
 {
     rf_get_numbers( json, "translation", rf_any_number(), 3, node->translation );
     rf_get_numbers( json, "rotation", rf_any_number(), 4, node->rotation );
-    RfResult result = rf_get_numbers( json, "scale", rf_any_number(), 3, node->scale );
-    if ( result != RF_OK )
-        return result;
-    double* q = node->rotation;
-    double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
-    if ( ( length > 1e-6 && length < 1e6 ) == false )
-        return rf_field_fail( json, "rotation is not a unit quaternion" );
-    for ( int i = 0; i < 4; ++i )
-        q[i] /= length;
-    return RF_OK;
+    return rf_get_numbers( json, "scale", rf_any_number(), 3, node->scale );
 }
 
 static RfResult copy_text( const RfField* ours, const char* key, char** copy )
@@ -77,22 +68,75 @@ static RfResult read_extras( const RfField* json, RfNode* node )
     return rf_json_result( json );
 }
 
+static RfResult normalise_rotation( const RfField* json, double q[4] )
+{
+    double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
+    if ( ( length > 1e-6 && length < 1e6 ) == false )
+        return rf_field_fail( json, "rotation is not a unit quaternion" );
+    for ( int i = 0; i < 4; ++i )
+        q[i] /= length;
+    return RF_OK;
+}
+
+// Places and hides a node as a scene file has it.
+static RfResult set_still( const RfGltf* gltf, const RfChannel* channel )
+{
+    int index = rf_gltf_given_node( gltf, channel );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, index );
+    RfNode* node = gltf->scene->nodes + index;
+    double* const to[] = { node->translation, node->rotation, node->scale };
+    if ( channel->path == RF_VISIBILITY )
+        node->hidden = channel->count == 0 && channel->values[0] == 0.0;
+    else
+        node->has_matrix = false; // all three are given
+    if ( channel->path <= RF_SCALE && channel->count == 0 )
+        memcpy( to[channel->path], channel->values, (size_t)channel->components * sizeof *channel->values );
+    return normalise_rotation( &json, node->rotation );
+}
+
+// Puts all of the file below a node that the scene file adds.
+static RfResult add_top( RfGltf* gltf )
+{
+    int index = gltf->counts[RF_GLTF_NODES];
+    RfNode* nodes = gltf->scene->nodes;
+    if ( gltf->options->top == NULL )
+        return RF_OK;
+    for ( int i = gltf->order_count++; i > 0; --i )
+    {
+        int node = gltf->order[i] = gltf->order[i - 1];
+        nodes[node].parent = nodes[node].parent < 0 ? index : nodes[node].parent;
+    }
+    gltf->order[0] = index;
+    nodes[index].parent = -1;
+    nodes[index].name = strdup( gltf->options->top );
+    return nodes[index].name != NULL ? RF_OK : rf_gltf_no_memory( gltf, "nodes" );
+}
+
 static RfResult load_node( RfGltf* gltf, int index )
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, index );
+    RfGltfNode* own = gltf->nodes + index;
     RfNode* node = gltf->scene->nodes + index;
     bool visible = true;
     node->matrix = rf_mat4_identity();
     node->rotation[3] = 1.0;
     node->scale[0] = node->scale[1] = node->scale[2] = 1.0;
-    rf_gltf_copy_name( &json, json.path, &node->name );
+    own->light_group = -1;
+    own->span = ( RfGltfSpan ){ INFINITY, -INFINITY };
+    if ( json.json != NULL )
+        rf_gltf_copy_name( &json, json.path, &node->name );
+    own->use = own->mesh = rf_gltf_get_index( gltf, &json, "mesh", RF_GLTF_MESHES );
+    own->skin = rf_gltf_get_index( gltf, &json, "skin", RF_GLTF_SKINS_LIST );
+    rf_gltf_read_light_group( gltf, &json, &own->light_group );
     RfField visibility = rf_gltf_extension( &json, "KHR_node_visibility" );
     rf_get_bool( &visibility, "visible", &visible );
     node->hidden = !visible;
-    RfResult result = read_extras( &json, node );
-    if ( result != RF_OK )
-        return result;
-    return rf_has_member( &json, "matrix" ) ? read_matrix( &json, node ) : read_trs( &json, node );
+    read_extras( &json, node );
+    if ( rf_has_member( &json, "matrix" ) )
+        read_matrix( &json, node );
+    else
+        read_trs( &json, node );
+    return rf_json_result( &json ) == RF_OK ? normalise_rotation( &json, node->rotation ) : rf_json_result( &json );
 }
 
 // Reads one index of an array, such as children[2].
@@ -229,24 +273,30 @@ static RfResult order_nodes( RfGltf* gltf, int* depth )
 
 RfResult rf_gltf_load_nodes( RfGltf* gltf )
 {
-    int count = gltf->counts[RF_GLTF_NODES];
+    int own = gltf->counts[RF_GLTF_NODES], count = own + ( gltf->options->top != NULL );
     RfNode* nodes = calloc( (size_t)count + 1, sizeof *nodes );
     int* depth = calloc( (size_t)count + 1, sizeof *depth );
     gltf->order = calloc( (size_t)count + 1, sizeof *gltf->order );
+    gltf->nodes = calloc( (size_t)count + 1, sizeof *gltf->nodes );
     gltf->scene->nodes = nodes;
-    gltf->scene->node_count = nodes != NULL ? count : 0;
+    gltf->scene->node_count = nodes != NULL ? own : 0;
     RfResult result = RF_OK;
-    if ( nodes == NULL || depth == NULL || gltf->order == NULL )
+    if ( nodes == NULL || depth == NULL || gltf->order == NULL || gltf->nodes == NULL )
         result = rf_gltf_no_memory( gltf, "nodes" );
     for ( int i = 0; result == RF_OK && i < count; ++i )
     {
         nodes[i].parent = -1;
         result = load_node( gltf, i );
     }
-    for ( int i = 0; result == RF_OK && i < count; ++i )
+    for ( int i = 0; result == RF_OK && i < gltf->options->channel_count; ++i )
+        result = set_still( gltf, gltf->options->channels + i );
+    for ( int i = 0; result == RF_OK && i < own; ++i )
         result = link_children( gltf, i );
     if ( result == RF_OK )
         result = order_nodes( gltf, depth );
+    if ( result == RF_OK )
+        result = add_top( gltf );
+    gltf->scene->node_count = nodes != NULL ? count : 0;
     free( depth );
     return result;
 }

@@ -342,11 +342,12 @@ static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes
 
 static RfResult find_material( RfGltf* gltf, const RfField* primitive, uint32_t* material )
 {
-    int index = rf_gltf_get_index( gltf, primitive, "material", RF_GLTF_MATERIALS );
-    if ( index < 0 && rf_json_result( primitive ) == RF_OK )
+    int index;
+    RfResult result = rf_gltf_material_of( gltf, primitive, &index );
+    if ( index < 0 && result == RF_OK )
         return rf_gltf_use_default_material( gltf, material );
     *material = (uint32_t)index;
-    return rf_json_result( primitive );
+    return result;
 }
 
 // For the normal texture of the surface, else of the coat, else for anisotropy. Tangents in the file take precedence.

@@ -11,7 +11,7 @@
 
 #include <stdlib.h>
 
-// `beside`: the name is that of a scene file, where the file lies.
+// By a scene file, the file lies beside it.
 static RfResult read_file( RfGltf* gltf, const RfField* field, bool beside, RfProfile** out )
 {
     const char* name = NULL;
@@ -21,7 +21,7 @@ static RfResult read_file( RfGltf* gltf, const RfField* field, bool beside, RfPr
     RfError error = { 0 };
     RfResult result = rf_field_text( field, &name );
     if ( result == RF_OK && beside )
-        path = rf_path_beside( gltf->options->beside, name );
+        path = rf_path_beside( field->file, name );
     if ( result == RF_OK && beside && path == NULL )
         return rf_gltf_no_memory( gltf, "profiles" );
     if ( result == RF_OK && !beside )
@@ -101,27 +101,27 @@ static RfResult read_table( const RfField* field, RfProfile** out )
     return result;
 }
 
-static RfResult read_any( RfGltf* gltf, const RfField* ours, RfProfile** out )
+static RfResult read_any( RfGltf* gltf, const RfField* ours, const RfField* edit, RfProfile** out )
 {
+    RfField given = rf_field_member( edit, "ies" );
     RfField ies = rf_field_member( ours, "ies" ), table = rf_field_member( ours, "profile" );
+    if ( given.json != NULL )
+        return read_file( gltf, &given, true, out );
     if ( ies.json != NULL && table.json != NULL )
         return rf_field_fail( ours, "has both ies and profile: leave one out" );
     if ( table.json != NULL )
         return read_table( &table, out );
     if ( ies.json == NULL )
         return RF_OK;
-    RfField beside = rf_field_member( &ies, "beside" ); // that a scene file gives it
-    if ( beside.json != NULL && gltf->options->beside != NULL )
-        return read_file( gltf, &beside, true, out );
     return json_is_object( ies.json ) ? read_view( gltf, &ies, out ) : read_file( gltf, &ies, false, out );
 }
 
 // A file may name the same table in each of many lights.
 #define MOST_VALUES ( (size_t)1 << 24 )
 
-RfResult rf_gltf_read_profile( RfGltf* gltf, const RfField* ours, RfProfile** out )
+RfResult rf_gltf_read_profile( RfGltf* gltf, const RfField* ours, const RfField* edit, RfProfile** out )
 {
-    RfResult result = read_any( gltf, ours, out );
+    RfResult result = read_any( gltf, ours, edit, out );
     if ( result != RF_OK || *out == NULL )
         return result;
     gltf->profile_values += (size_t)( *out )->rows * (size_t)( *out )->columns;

@@ -2,7 +2,7 @@
 //
 //     {"frames": "film.####.png", "first": 1, "last": 48}
 //
-// and what a scene file gives a material, of which it makes such images after those of the file.
+// and what a scene file gives a material: images after those of the document.
 #include "scene/gltf/gltf_materials.h"
 
 #include "scene/image_sequence.h"
@@ -11,25 +11,17 @@
 
 #include <stdlib.h>
 
-static bool is_added( const RfGltf* gltf, int image ) { return image >= gltf->own_images; }
-
-// Messages name the file and the place where the sequence is named.
-static const char* file_of( const RfGltf* gltf, int image )
+// What a scene file shows instead of an image; NULL: it is an image of the document.
+static const RfField* find_film( const RfGltf* gltf, int image )
 {
-    return is_added( gltf, image ) ? gltf->options->beside : gltf->path;
-}
-
-static RfWhere place_of( const RfGltf* gltf, int image )
-{
-    const char* name = json_string_value( json_object_get( rf_gltf_item( gltf, RF_GLTF_IMAGES, image ), "name" ) );
-    return is_added( gltf, image ) ? rf_where( "%s", name ) : rf_where( "images[%d]", image );
+    return image >= gltf->counts[RF_GLTF_IMAGES] ? gltf->films + image - gltf->counts[RF_GLTF_IMAGES] : NULL;
 }
 
 // `frames` is NULL where the image is one alone.
 static RfResult read_sequence( const RfGltf* gltf, int image, RfImageSequence* sequence, const char** frames )
 {
-    RfField json = rf_gltf_field( gltf, place_of( gltf, image ).text, rf_gltf_item( gltf, RF_GLTF_IMAGES, image ) );
-    RfField field = rf_gltf_extras( &json );
+    const RfField* film = find_film( gltf, image );
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_IMAGES, image ), field = film != NULL ? *film : rf_gltf_extras( &json );
     *frames = NULL;
     if ( field.json == NULL )
         return rf_json_result( &json );
@@ -49,16 +41,12 @@ RfResult rf_gltf_plays( const RfGltf* gltf, int image, bool* plays )
     return result;
 }
 
-static RfResult fail( const RfGltf* gltf, int image, RfResult result, const RfError* error )
-{
-    return rf_fail( gltf->error, result, "%s: %s: %.560s", file_of( gltf, image ), place_of( gltf, image ).text, error->text );
-}
-
 static RfResult find_files( const RfGltf* gltf, int image, const char* frames, char** pattern )
 {
-    if ( !is_added( gltf, image ) )
-        return rf_gltf_resolve_uri( gltf, place_of( gltf, image ).text, frames, pattern );
-    *pattern = rf_path_beside( gltf->options->beside, frames );
+    const RfField* film = find_film( gltf, image );
+    if ( film == NULL )
+        return rf_gltf_resolve_uri( gltf, rf_where( "images[%d]", image ).text, frames, pattern );
+    *pattern = rf_path_beside( film->file, frames );
     return *pattern != NULL ? RF_OK : rf_gltf_no_memory( gltf, "images" );
 }
 
@@ -70,7 +58,12 @@ static RfResult open_sequence( RfGltf* gltf, int image, RfImageSequence* sequenc
     RfResult result = rf_measure_sequence( sequence, &gltf->scene->content_hash, &error );
     if ( result == RF_OK )
         result = rf_load_sequence_image( sequence, number, out, &error );
-    return result == RF_OK ? RF_OK : fail( gltf, image, result, &error );
+    // messages name the file and the place where the sequence is named
+    const RfField* film = find_film( gltf, image );
+    RfWhere where = film != NULL ? rf_where( "%s", film->path ) : rf_where( "images[%d]", image );
+    return result == RF_OK
+               ? RF_OK
+               : rf_fail( gltf->error, result, "%s: %s: %.560s", film != NULL ? film->file : gltf->path, where.text, error.text );
 }
 
 RfResult rf_gltf_load_sequence( RfGltf* gltf, int image, bool srgb, RfTexture* out, bool* given )

@@ -161,11 +161,12 @@ static RfResult read_primitive( Reader* r, const RfField* json )
 {
     const char* where = json->path;
     RfGltfPrimitive p;
-    if ( r->shape->changing_only && !rf_gltf_primitive_changes( r->gltf, json->json ) )
+    if ( r->shape->changing_only && !rf_gltf_primitive_changes( r->gltf, json ) )
         return RF_OK;
     RfResult result = rf_gltf_read_primitive( r->gltf, json, &p );
     if ( result != RF_OK )
         return result;
+    p.material = rf_gltf_tagged_material( r->gltf, r->shape->use, p.material );
     if ( p.triangle_count > 0 && p.normals == NULL )
         result = rf_gltf_make_flat( r->gltf, where, &p );
     if ( result == RF_OK && p.triangle_count > 0 )
@@ -186,7 +187,7 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
             deformation->influences = rf_gltf_has_eight_joints( json_array_get( primitives, i ) ) ? EIGHT : FOUR;
     }
     int count;
-    RfResult result = rf_gltf_mesh_targets( r->gltf, r->shape->mesh, &count );
+    RfResult result = rf_gltf_mesh_targets( r->gltf, rf_gltf_mesh_of( r->gltf, r->shape->use ), &count );
     if ( result != RF_OK )
         return result;
     deformation->targets = calloc( (size_t)count + 1, sizeof *deformation->targets );
@@ -198,7 +199,7 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
 
 static RfResult read_primitives( Reader* r )
 {
-    RfField primitives = rf_gltf_primitives( r->gltf, r->shape->mesh );
+    RfField primitives = rf_gltf_primitives( r->gltf, rf_gltf_mesh_of( r->gltf, r->shape->use ) );
     RfResult result = rf_json_result( &primitives );
     if ( result == RF_OK && r->shape->deforms )
         result = begin_deformation( r, primitives.json, primitives.path );

@@ -46,12 +46,16 @@ static RfResult read_fps( const RfField* field, RfFps* fps )
                                         : rf_field_whole( field, 1.0, 1e6, &fps->numerator );
 }
 
-RfFps rf_gltf_document_fps( const json_t* root )
+const json_t* rf_gltf_document_extras( const json_t* root )
 {
     json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
     const json_t* scene = json_array_get( json_object_get( root, "scenes" ), index > 0 ? (size_t)index : 0 );
-    const json_t* ours = json_object_get( json_object_get( scene, "extras" ), "reframe" );
-    const json_t* render = json_object_get( ours, "render" );
+    return json_object_get( json_object_get( scene, "extras" ), "reframe" );
+}
+
+RfFps rf_gltf_document_fps( const json_t* root )
+{
+    const json_t* render = json_object_get( rf_gltf_document_extras( root ), "render" );
     RfError none;
     RfField field = rf_make_field( "", "fps", json_object_get( render, "fps" ), rf_begin_reading( &none ) );
     RfFps fps = { 0 };
@@ -181,28 +185,13 @@ bool rf_gltf_changes( const RfGltf* gltf, int node )
     return false;
 }
 
-// A power of two as long as the list grows.
-static RfResult grow( RfGltf* gltf )
-{
-    RfScene* scene = gltf->scene;
-    size_t count = (size_t)scene->moving_count;
-    if ( ( count & ( count - 1 ) ) != 0 )
-        return RF_OK;
-    char** grown = realloc( scene->moving, ( count > 0 ? 2 * count : 1 ) * sizeof *grown );
-    if ( grown == NULL )
-        return rf_gltf_no_memory( gltf, "animations" );
-    scene->moving = grown;
-    return RF_OK;
-}
-
 RfResult rf_gltf_note_moving( RfGltf* gltf, const char* name )
 {
     RfScene* scene = gltf->scene;
-    RfResult result = grow( gltf );
-    if ( result != RF_OK )
-        return result;
-    scene->moving[scene->moving_count] = strdup( name );
-    if ( scene->moving[scene->moving_count] == NULL )
+    bool room = rf_gltf_grow( &scene->moving, scene->moving_count, sizeof *scene->moving );
+    if ( room )
+        scene->moving[scene->moving_count] = strdup( name );
+    if ( !room || scene->moving[scene->moving_count] == NULL )
         return rf_gltf_no_memory( gltf, "animations" );
     scene->moving_count += 1;
     return RF_OK;
@@ -247,12 +236,13 @@ static void warn_of_frozen( const RfGltf* gltf )
 
 static bool any_material_changes( const RfGltf* gltf, int mesh )
 {
-    const json_t* primitives = json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, mesh ), "primitives" );
-    for ( size_t i = 0; i < json_array_size( primitives ); ++i )
+    RfField primitives = rf_gltf_primitives( gltf, mesh );
+    for ( size_t i = 0; i < json_array_size( primitives.json ); ++i )
     {
-        const json_t* material = json_object_get( json_array_get( primitives, i ), "material" );
-        const RfMaterial* m = material != NULL ? gltf->scene->materials + json_integer_value( material ) : NULL;
-        if ( m != NULL && ( m->dims || m->changes ) )
+        RfField primitive = rf_field_item( &primitives, i );
+        int material;
+        bool has = rf_gltf_material_of( gltf, &primitive, &material ) == RF_OK && material >= 0;
+        if ( has && ( gltf->scene->materials[material].dims || gltf->scene->materials[material].changes ) )
             return true;
     }
     return false;
@@ -262,10 +252,10 @@ static bool any_material_changes( const RfGltf* gltf, int mesh )
 static bool changes_at( const RfGltf* gltf, int node )
 {
     const json_t* json = rf_gltf_item( gltf, RF_GLTF_NODES, node );
-    const json_t* mesh = json_object_get( json, "mesh" );
+    int mesh = gltf->nodes[node].mesh;
     const json_t* light =
         json_object_get( json_object_get( json_object_get( json, "extensions" ), "KHR_lights_punctual" ), "light" );
-    return ( mesh != NULL && any_material_changes( gltf, (int)json_integer_value( mesh ) ) ) ||
+    return ( mesh >= 0 && any_material_changes( gltf, mesh ) ) ||
            ( light != NULL && rf_gltf_light_changes( gltf, (int)json_integer_value( light ) ) );
 }
 

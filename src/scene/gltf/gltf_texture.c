@@ -200,7 +200,8 @@ static RfResult fail_memory( const RfGltf* gltf, int count, size_t need, size_t 
 static RfResult check_memory( RfGltf* gltf, const bool* used )
 {
     const RfScene* scene = gltf->scene;
-    size_t uses = 2 * (size_t)gltf->counts[RF_GLTF_IMAGES], need = 0, scratch = 0, available = rf_free_memory();
+    size_t uses = 2 * ( (size_t)gltf->counts[RF_GLTF_IMAGES] + (size_t)gltf->film_count ), need = 0, scratch = 0,
+           available = rf_free_memory();
     ImageSize largest[NAMED] = { { 0 } };
     int count = 0;
     bool* wanted = calloc( uses + 1, sizeof *wanted );
@@ -231,7 +232,7 @@ static RfResult check_memory( RfGltf* gltf, const bool* used )
 RfResult rf_gltf_load_images( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
-    size_t uses = 2 * (size_t)gltf->counts[RF_GLTF_IMAGES];
+    size_t uses = 2 * ( (size_t)gltf->counts[RF_GLTF_IMAGES] + (size_t)gltf->film_count );
     int* numbers = malloc( ( uses + 1 ) * sizeof *numbers );
     bool* used = calloc( (size_t)scene->material_count + 1, sizeof *used );
     scene->textures = calloc( uses + 1, sizeof *scene->textures );
@@ -320,14 +321,21 @@ static RfResult find_image( RfGltf* gltf, const RfField* texture, int* image )
     return *image < 0 && rf_json_result( texture ) == RF_OK ? rf_gltf_refuse_texture( gltf, texture ) : rf_json_result( texture );
 }
 
-static RfResult read_texture( RfGltf* gltf, int index, bool srgb, RfTextureRef* out )
+// An image sequence of a scene file takes the place of the image.
+static RfResult read_texture( RfGltf* gltf, int index, const RfField* film, bool srgb, RfTextureRef* out )
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_TEXTURES_LIST, index );
-    int image, sampler = rf_gltf_get_index( gltf, &json, "sampler", RF_GLTF_SAMPLERS );
-    RfResult result = find_image( gltf, &json, &image );
+    int image = gltf->counts[RF_GLTF_IMAGES] + gltf->film_count,
+        sampler = rf_gltf_get_index( gltf, &json, "sampler", RF_GLTF_SAMPLERS );
+    RfResult result = film->json != NULL ? rf_json_result( &json ) : find_image( gltf, &json, &image );
     if ( result != RF_OK )
         return result;
-    rf_gltf_notice_extensions( gltf, &json, "texture", json.path );
+    if ( film->json == NULL )
+        rf_gltf_notice_extensions( gltf, &json, "texture", json.path );
+    else if ( !rf_gltf_grow( &gltf->films, gltf->film_count, sizeof *gltf->films ) )
+        return rf_gltf_no_memory( gltf, "images" );
+    else
+        gltf->films[gltf->film_count++] = *film;
     out->texture = 2 * image + srgb; // until rf_gltf_load_images
     return sampler >= 0 ? read_sampler( gltf, sampler, out ) : RF_OK;
 }
@@ -346,19 +354,22 @@ static RfResult read_transform( const RfGltf* gltf, const RfField* info, int64_t
     return rf_json_result( info );
 }
 
-// Reads a use of a texture, which its json is NULL without. Until rf_gltf_load_images, `texture` is 2 · image + srgb.
-static RfResult read_texture_info( RfGltf* gltf, const RfField* info, bool srgb, double transform[5], RfTextureRef* out )
+// Reads a use of a texture, which its json is NULL without, with what a scene file shows instead. Until rf_gltf_load_images,
+// `texture` is 2 · image + srgb.
+static RfResult read_texture_info( RfGltf* gltf, const RfField* info, const RfField* film, bool srgb, double transform[5],
+                                   RfTextureRef* out )
 {
     const double none[5] = { 0, 0, 0, 1, 1 };
     int64_t set = 0;
     memcpy( transform, none, sizeof none );
-    if ( info->json == NULL )
+    if ( info->json == NULL && film->json == NULL )
         return rf_json_result( info );
-    rf_gltf_require( info, "index", NULL );
+    if ( film->json == NULL )
+        rf_gltf_require( info, "index", NULL );
     int index = rf_gltf_get_index( gltf, info, "index", RF_GLTF_TEXTURES_LIST );
     RfResult result = rf_get_integer( info, "texCoord", 0, INT32_MAX, &set );
     if ( result == RF_OK )
-        result = read_texture( gltf, index, srgb, out );
+        result = read_texture( gltf, index, film, srgb, out );
     if ( result == RF_OK )
         result = read_transform( gltf, info, &set, transform, out );
     if ( result == RF_OK && set > 1 )
@@ -386,39 +397,38 @@ RfTextured* rf_gltf_textured( const RfFactors* factors )
 typedef struct Slot
 {
     const char *home, *key; // home: as RfChangedTraits.home
-    RfTextureSlot slot;
     bool srgb;
+    const char* glossy; // the key in KHR_materials_pbrSpecularGlossiness
 } Slot;
 
-static const Slot s_slots[] = {
-    { "pbrMetallicRoughness", "baseColorTexture", RF_TEXTURE_BASE, true },
-    { "pbrMetallicRoughness", "metallicRoughnessTexture", RF_TEXTURE_METALLIC_ROUGHNESS, false },
-    { NULL, "normalTexture", RF_TEXTURE_NORMAL, false },
-    { NULL, "emissiveTexture", RF_TEXTURE_EMISSIVE, true },
-    { "KHR_materials_specular", "specularTexture", RF_TEXTURE_SPECULAR, false },
-    { "KHR_materials_specular", "specularColorTexture", RF_TEXTURE_SPECULAR_COLOR, true },
-    { "KHR_materials_transmission", "transmissionTexture", RF_TEXTURE_TRANSMISSION, false },
-    { "KHR_materials_clearcoat", "clearcoatTexture", RF_TEXTURE_CLEARCOAT, false },
-    { "KHR_materials_clearcoat", "clearcoatRoughnessTexture", RF_TEXTURE_CLEARCOAT_ROUGHNESS, false },
-    { "KHR_materials_clearcoat", "clearcoatNormalTexture", RF_TEXTURE_CLEARCOAT_NORMAL, false },
-    { "KHR_materials_sheen", "sheenColorTexture", RF_TEXTURE_SHEEN_COLOR, true },
-    { "KHR_materials_sheen", "sheenRoughnessTexture", RF_TEXTURE_SHEEN_ROUGHNESS, false },
-    { "KHR_materials_anisotropy", "anisotropyTexture", RF_TEXTURE_ANISOTROPY, false },
-    { "KHR_materials_iridescence", "iridescenceTexture", RF_TEXTURE_FILM, false },
-    { "KHR_materials_iridescence", "iridescenceThicknessTexture", RF_TEXTURE_FILM_THICKNESS, false },
-    { "KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", RF_TEXTURE_THROUGH, false },
-    { "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture", RF_TEXTURE_THROUGH_COLOR, true },
+static const Slot s_slots[RF_TEXTURE_SLOT_COUNT] = {
+    [RF_TEXTURE_BASE] = { "pbrMetallicRoughness", "baseColorTexture", true, "diffuseTexture" },
+    [RF_TEXTURE_METALLIC_ROUGHNESS] = { "pbrMetallicRoughness", "metallicRoughnessTexture", false, NULL },
+    [RF_TEXTURE_NORMAL] = { NULL, "normalTexture", false, NULL },
+    [RF_TEXTURE_EMISSIVE] = { NULL, "emissiveTexture", true, NULL },
+    [RF_TEXTURE_SPECULAR] = { "KHR_materials_specular", "specularTexture", false, NULL },
+    [RF_TEXTURE_SPECULAR_COLOR] = { "KHR_materials_specular", "specularColorTexture", true, "specularGlossinessTexture" },
+    [RF_TEXTURE_TRANSMISSION] = { "KHR_materials_transmission", "transmissionTexture", false, NULL },
+    [RF_TEXTURE_CLEARCOAT] = { "KHR_materials_clearcoat", "clearcoatTexture", false, NULL },
+    [RF_TEXTURE_CLEARCOAT_ROUGHNESS] = { "KHR_materials_clearcoat", "clearcoatRoughnessTexture", false, NULL },
+    [RF_TEXTURE_CLEARCOAT_NORMAL] = { "KHR_materials_clearcoat", "clearcoatNormalTexture", false, NULL },
+    [RF_TEXTURE_SHEEN_COLOR] = { "KHR_materials_sheen", "sheenColorTexture", true, NULL },
+    [RF_TEXTURE_SHEEN_ROUGHNESS] = { "KHR_materials_sheen", "sheenRoughnessTexture", false, NULL },
+    [RF_TEXTURE_ANISOTROPY] = { "KHR_materials_anisotropy", "anisotropyTexture", false, NULL },
+    [RF_TEXTURE_FILM] = { "KHR_materials_iridescence", "iridescenceTexture", false, NULL },
+    [RF_TEXTURE_FILM_THICKNESS] = { "KHR_materials_iridescence", "iridescenceThicknessTexture", false, NULL },
+    [RF_TEXTURE_THROUGH] = { "KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", false, NULL },
+    [RF_TEXTURE_THROUGH_COLOR] = { "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture", true, NULL },
 };
 
 bool rf_gltf_texture_slot( const char* path, size_t length, int* slot )
 {
     // what a ray tracer does without
     static const char* const s_ignored[] = { "occlusionTexture", "extensions/KHR_materials_volume/thicknessTexture" };
-    for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
+    for ( *slot = 0; *slot < RF_TEXTURE_SLOT_COUNT; ++*slot )
     {
         char own[RF_VALUE_PATH];
-        rf_member_path( s_slots[i].home, s_slots[i].key, own );
-        *slot = (int)s_slots[i].slot;
+        rf_member_path( s_slots[*slot].home, s_slots[*slot].key, own );
         if ( length == strlen( own ) && strncmp( path, own, length ) == 0 )
             return true;
     }
@@ -431,36 +441,50 @@ bool rf_gltf_texture_slot( const char* path, size_t length, int* slot )
     return false;
 }
 
-static RfResult read_slots( RfGltf* gltf, const RfField* material, double transforms[][5], RfTextured* out )
+// The use of a texture in the document. KHR_materials_pbrSpecularGlossiness has its own in the place of some.
+static RfField find_use( const RfGltfMaterial* m, RfTextureSlot slot )
+{
+    const Slot* traits = s_slots + slot;
+    bool glossy = m->glossiness.json != NULL && slot <= RF_TEXTURE_SPECULAR_COLOR && traits->home != NULL;
+    const char* key = glossy ? traits->glossy : traits->key;
+    RfField home = glossy ? m->glossiness : rf_gltf_home( &m->json, traits->home );
+    return key != NULL && m->textures ? rf_get_object( &home, key ) : rf_make_field( home.file, "", NULL, home.error );
+}
+
+bool rf_gltf_has_texture( const RfGltfMaterial* m, RfTextureSlot slot )
+{
+    return find_use( m, slot ).json != NULL || rf_has_member( &m->edit, s_slots[slot].key );
+}
+
+static RfResult read_slots( RfGltf* gltf, const RfGltfMaterial* m, double transforms[][5], RfTextured* out )
 {
     double scale[RF_TEXTURE_SLOT_COUNT];
-    for ( size_t i = 0; i < sizeof s_slots / sizeof s_slots[0]; ++i )
+    for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
     {
-        const Slot* slot = s_slots + i;
-        RfField parent = rf_gltf_home( material, slot->home );
-        scale[slot->slot] = 1.0;
-        if ( !rf_has_member( &parent, slot->key ) )
+        RfField info = find_use( m, (RfTextureSlot)slot ), film = rf_field_member( &m->edit, s_slots[slot].key );
+        scale[slot] = 1.0;
+        if ( info.json == NULL && film.json == NULL )
             continue;
-        RfField info = rf_get_object( &parent, slot->key );
-        RfResult result = read_texture_info( gltf, &info, slot->srgb, transforms[slot->slot], out->refs + slot->slot );
-        if ( result == RF_OK && ( slot->slot == RF_TEXTURE_NORMAL || slot->slot == RF_TEXTURE_CLEARCOAT_NORMAL ) )
-            result = rf_get_number( &info, "scale", rf_any_number(), scale + slot->slot );
+        RfResult result = read_texture_info( gltf, &info, &film, s_slots[slot].srgb, transforms[slot], out->refs + slot );
+        if ( result == RF_OK && ( slot == RF_TEXTURE_NORMAL || slot == RF_TEXTURE_CLEARCOAT_NORMAL ) )
+            result = rf_get_number( &info, "scale", rf_any_number(), scale + slot );
         if ( result != RF_OK )
             return result;
     }
     out->normal_scale = (float)scale[RF_TEXTURE_NORMAL];
     out->clearcoat_normal_scale = (float)scale[RF_TEXTURE_CLEARCOAT_NORMAL];
-    return rf_json_result( material );
+    return rf_json_result( &m->json );
 }
 
 // The thickness texture is for rasterisers. It is validated but otherwise ignored: a ray
 // tracer finds the thickness itself.
-static RfResult check_thickness( RfGltf* gltf, const RfField* material )
+static RfResult check_thickness( RfGltf* gltf, const RfGltfMaterial* m )
 {
     RfTextureRef unused;
     double transform[5];
-    RfField volume = rf_gltf_extension( material, "KHR_materials_volume" ), info = rf_get_object( &volume, "thicknessTexture" );
-    return read_texture_info( gltf, &info, false, transform, &unused );
+    RfField volume = rf_gltf_extension( &m->json, "KHR_materials_volume" ), info = rf_get_object( &volume, "thicknessTexture" ),
+            none = rf_make_field( "", "", NULL, gltf->error );
+    return m->textures ? read_texture_info( gltf, &info, &none, false, transform, &unused ) : rf_json_result( &m->json );
 }
 
 static void drop_slots( RfTextured* textured, RfTextureSlot first, RfTextureSlot last )
@@ -487,24 +511,25 @@ static void drop_unused( const RfMaterial* m, RfTextured* textured )
         drop_slots( textured, RF_TEXTURE_THROUGH, RF_TEXTURE_THROUGH_COLOR );
 }
 
-static RfResult read_alpha( const RfField* material, double cutoff, RfTextured* out )
+static RfResult read_alpha( const RfGltfMaterial* m, double cutoff, RfTextured* out )
 {
     static const char* const s_modes[] = { "OPAQUE", "MASK", "BLEND", NULL };
     int mode = 0;
-    rf_get_choice( material, "alphaMode", s_modes, &mode );
+    rf_get_choice( &m->json, "alphaMode", s_modes, &mode );
+    rf_get_choice( &m->edit, "alphaMode", s_modes, &mode );
     out->masked = mode == 1;
     out->blended = mode == 2;
     out->alpha_cutoff = mode != 0 ? (float)cutoff : 0.0f;
-    return rf_json_result( material );
+    return rf_json_result( &m->json );
 }
 
-static RfTexturedModel find_model( const RfMaterial* material, const json_t* json )
+static RfTexturedModel find_model( const RfGltfMaterial* m, const RfMaterial* out )
 {
-    if ( rf_gltf_has_own_model( json ) )
+    if ( m->model != NULL )
         return RF_TEXTURED_DIFFUSE;
-    if ( rf_gltf_is_unlit( json ) )
+    if ( m->unlit )
         return RF_TEXTURED_UNLIT;
-    return material->kind >= RF_BSDF_FIRST_SPECULAR ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
+    return out->kind >= RF_BSDF_FIRST_SPECULAR ? RF_TEXTURED_GLASS : RF_TEXTURED_COATED;
 }
 
 // Do its textures show other images at other times?
@@ -546,23 +571,22 @@ static bool is_needed( const RfTextured* textured )
     return ( textured->masked && alpha < (double)textured->alpha_cutoff ) || ( textured->blended && alpha < 1.0 );
 }
 
-RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, RfMovingMaterial* moving, RfMaterial* out )
+RfResult rf_gltf_read_textured( RfGltf* gltf, const RfGltfMaterial* m, RfMovingMaterial* moving, RfMaterial* out )
 {
     const RfMaterialValues* values = &moving->values;
-    const json_t* json = field->json;
     out->textured = rf_gltf_textured( &values->lobes );
     if ( out->textured == NULL )
-        return rf_field_no_memory( field );
+        return rf_field_no_memory( &m->json );
     RfTextured* textured = out->textured;
-    RfResult result = read_slots( gltf, field, moving->transform, textured );
+    RfResult result = read_slots( gltf, m, moving->transform, textured );
     if ( result == RF_OK )
-        result = check_thickness( gltf, field );
+        result = check_thickness( gltf, m );
     if ( result == RF_OK )
-        result = read_alpha( field, values->alpha_cutoff, textured );
+        result = read_alpha( m, values->alpha_cutoff, textured );
     if ( result != RF_OK )
         return result;
     undo_mirror( textured, out );
-    textured->model = find_model( out, json );
+    textured->model = find_model( m, out );
     // our own models vary their own diffuse reflectance
     if ( textured->model == RF_TEXTURED_DIFFUSE )
         textured->factors.base[0] = textured->factors.base[1] = textured->factors.base[2] = 1.0;
@@ -570,7 +594,7 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const RfField* field, RfMovingMate
     textured->clearcoat = values->clearcoat;
     textured->clearcoat_roughness = values->clearcoat_roughness;
     drop_unused( out, textured );
-    textured->glossy = rf_gltf_has_glossiness_texture( json ) && textured->refs[RF_TEXTURE_SPECULAR_COLOR].texture >= 0;
+    textured->glossy = m->glossiness.json != NULL && textured->refs[RF_TEXTURE_SPECULAR_COLOR].texture >= 0;
     textured->optional = !is_needed( textured );
     return find_sequences( gltf, out );
 }

@@ -1,5 +1,4 @@
-// KHR_materials_variants: lists the variants of a file, and gives its primitives the materials of the one that is chosen. This
-// is done in the document, before anything reads materials.
+// KHR_materials_variants: lists the variants of a file, and finds the materials of primitives in the one that is chosen.
 #include "scene/gltf/gltf_document.h"
 
 #include <stdio.h>
@@ -30,7 +29,7 @@ static RfResult list_variants( RfGltf* gltf, const RfField* list )
     return result;
 }
 
-static RfResult find_chosen( const RfGltf* gltf, const json_t* list, json_int_t* chosen )
+static RfResult find_chosen( const RfGltf* gltf, const json_t* list, int64_t* chosen )
 {
     const RfScene* scene = gltf->scene;
     const char* wanted = gltf->options->variant;
@@ -40,7 +39,7 @@ static RfResult find_chosen( const RfGltf* gltf, const json_t* list, json_int_t*
     size_t i;
     json_array_foreach( list, i, item )
     {
-        *chosen = (json_int_t)i;
+        *chosen = (int64_t)i;
         if ( strcmp( scene->variants[i], wanted ) == 0 ) // as it is listed, where its name is empty too
             return RF_OK;
         if ( i < MAX_NAMED )
@@ -52,12 +51,12 @@ static RfResult find_chosen( const RfGltf* gltf, const json_t* list, json_int_t*
                          i > 0 ? ": there are " : ": there are none", names );
 }
 
-// The material of a primitive in the variant; −1: its own.
-static RfResult find_material( const RfGltf* gltf, const RfField* primitive, json_int_t chosen, int* material )
+RfResult rf_gltf_material_of( const RfGltf* gltf, const RfField* primitive, int* material )
 {
     const json_t* variant;
     size_t k;
-    RfField extension = rf_gltf_extension( primitive, EXTENSION ), mappings = rf_get_array( &extension, "mappings" );
+    RfField extension = gltf->variant >= 0 ? rf_gltf_extension( primitive, EXTENSION ) : *primitive,
+            mappings = gltf->variant >= 0 ? rf_get_array( &extension, "mappings" ) : extension;
     *material = -1;
     for ( size_t i = 0; i < json_array_size( mappings.json ); ++i )
     {
@@ -67,45 +66,22 @@ static RfResult find_material( const RfGltf* gltf, const RfField* primitive, jso
         RfField variants = rf_get_array( &mapping, "variants" );
         json_array_foreach( variants.json, k, variant )
         {
-            if ( !json_is_integer( variant ) || json_integer_value( variant ) != chosen || *material >= 0 )
+            if ( !json_is_integer( variant ) || json_integer_value( variant ) != gltf->variant || *material >= 0 )
                 continue;
             rf_gltf_require( &mapping, "material", NULL );
             *material = rf_gltf_get_index( gltf, &mapping, "material", RF_GLTF_MATERIALS );
         }
     }
+    if ( *material < 0 )
+        *material = rf_gltf_get_index( gltf, primitive, "material", RF_GLTF_MATERIALS );
     return rf_json_result( primitive );
-}
-
-static RfResult dress_mesh( RfGltf* gltf, int index, json_int_t chosen )
-{
-    json_t* json;
-    size_t i;
-    json_array_foreach( json_object_get( rf_gltf_item( gltf, RF_GLTF_MESHES, index ), "primitives" ), i, json )
-    {
-        int material;
-        RfField primitive = rf_gltf_field( gltf, rf_where( "meshes[%d].primitives[%zu]", index, i ).text, json );
-        if ( !json_is_object( json ) )
-            continue; // an error where meshes are read
-        RfResult result = find_material( gltf, &primitive, chosen, &material );
-        if ( result != RF_OK )
-            return result;
-        if ( material >= 0 && json_object_set_new( json, "material", json_integer( material ) ) != 0 )
-            return rf_field_no_memory( &primitive );
-    }
-    return RF_OK;
 }
 
 RfResult rf_gltf_choose_variant( RfGltf* gltf )
 {
-    json_int_t chosen = -1;
     RfField root = rf_gltf_root( gltf );
     RfField json = rf_gltf_field( gltf, EXTENSION, rf_gltf_extension( &root, EXTENSION ).json ),
             list = rf_get_array( &json, "variants" );
     RfResult result = rf_json_result( &root ) == RF_OK ? list_variants( gltf, &list ) : rf_json_result( &root );
-    if ( result != RF_OK || gltf->options->variant == NULL )
-        return result;
-    result = find_chosen( gltf, list.json, &chosen );
-    for ( int i = 0; result == RF_OK && i < gltf->counts[RF_GLTF_MESHES]; ++i )
-        result = dress_mesh( gltf, i, chosen );
-    return result;
+    return result == RF_OK && gltf->options->variant != NULL ? find_chosen( gltf, list.json, &gltf->variant ) : result;
 }

@@ -201,14 +201,6 @@ RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error )
                : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", scene->path );
 }
 
-bool rf_leave_out_environment( json_t* root )
-{
-    json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
-    json_t* scene = json_array_get( json_object_get( root, "scenes" ), index > 0 ? (size_t)index : 0 );
-    json_t* ours = json_object_get( json_object_get( scene, "extras" ), "reframe" );
-    return json_object_del( ours, "environment" ) == 0;
-}
-
 uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment )
 {
     if ( environment->map == NULL )

@@ -35,9 +35,6 @@ RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, Rf
 // Lets an environment that changes be as it is at `time`, and lists that in scene->unrendered.
 RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error );
 
-// Takes the environment out of the default scene of a glTF, and returns whether it had one.
-bool rf_leave_out_environment( json_t* root );
-
 // Continues a hash with the pixels of the map.
 uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment );
 

@@ -12,6 +12,19 @@
 #define MAX_KINDS 8
 #define MAX_COMPONENTS 4
 
+RfKeyed rf_keyed_value( RfChangedValue value )
+{
+    const RfChangedTraits* traits = rf_changed_traits( value );
+    bool own = traits->file_high > 0.0;
+    return ( RfKeyed ){ traits->name,
+                        RF_VALUE,
+                        traits->components,
+                        own ? traits->file_low : traits->low,
+                        own ? traits->file_high : traits->high,
+                        1,
+                        NULL };
+}
+
 RfResult rf_read_keyed( const RfField* field, const RfKeyed* kind, double* value )
 {
     if ( kind->read != NULL )

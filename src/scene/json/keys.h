@@ -3,7 +3,7 @@
 #define REFRAME_SCENE_JSON_KEYS_H
 
 #include "base/json.h"
-#include "scene/scene.h"
+#include "scene/movement.h"
 
 // A value that keys may have.
 typedef struct RfKeyed
@@ -15,6 +15,9 @@ typedef struct RfKeyed
     double unit;                                               // by which the numbers are multiplied
     RfResult ( *read )( const RfField* field, double* value ); // NULL: numbers in that range
 } RfKeyed;
+
+// How a value of a scene is read from a scene file.
+RfKeyed rf_keyed_value( RfChangedValue value );
 
 // Reads one of these values; one that is missing is left as it is.
 RfResult rf_read_keyed( const RfField* field, const RfKeyed* kind, double* value );

@@ -56,15 +56,9 @@ static RfResult read_still( const RfField* field, RfObject* object )
     {
         const RfKeyed* kind = s_keyed + i;
         RfField member = rf_field_member( field, kind->name );
-        double value[4] = { 0 };
         object->given |= object->channels[kind->path].count > 0 || member.json != NULL ? 1u << kind->path : 0u;
-        if ( member.json == NULL )
-            continue;
-        rf_read_keyed( &member, kind, value );
-        if ( kind->path == RF_VISIBILITY )
-            object->hidden = value[0] == 0.0;
-        else
-            memcpy( object->still[kind->path], value, sizeof value );
+        if ( member.json != NULL )
+            rf_read_keyed( &member, kind, object->still[kind->path] );
     }
     return rf_json_result( field );
 }

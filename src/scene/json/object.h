@@ -14,8 +14,7 @@ typedef struct RfObject
     const char *node, *file;             // one of the two: a node of the scene's own file, or a file that is placed
     const char* name;                    // of what is placed
     unsigned given;                      // a bit for each RfAnimatedPath that it sets
-    double still[3][4];                  // translation, rotation, scale without keys
-    bool hidden;                         // at all times
+    double still[RF_OBJECT_PATHS][4];    // translation, rotation, scale, and whether it is visible, without keys
     RfChannel channels[RF_OBJECT_PATHS]; // keys in seconds of the scene, for node -1; without any: `still`
     const char* animation;               // of the file; NULL: the first
     const char* variant;                 // of the file; NULL: none

@@ -1,10 +1,7 @@
-// Moves nodes of a glTF document, and places other files in a scene, each under a node of its own.
+// Finds the nodes of a glTF document that objects move, and places other files in a scene, each under a node of its own.
 #include "scene/json/object_place.h"
 
 #include "scene/gltf/gltf_document.h"
-#include "scene/json/environment_json.h"
-#include "scene/json/item_names.h"
-#include "scene/json/material_edit.h"
 #include "scene/merge.h"
 
 #include <stdio.h>
@@ -12,39 +9,6 @@
 #include <string.h>
 
 #define NAMES_LISTED 6
-
-static RfResult set_numbers( const RfField* field, json_t* node, const char* key, const double* values, int count )
-{
-    json_t* list = json_array();
-    bool done = list != NULL;
-    for ( int i = 0; done && i < count; ++i )
-        done = json_array_append_new( list, json_real( values[i] ) ) == 0;
-    if ( !done )
-        json_decref( list );
-    return done && json_object_set_new( node, key, list ) == 0 ? RF_OK : rf_field_no_memory( field );
-}
-
-// What stands still, and whether it is shown.
-static RfResult set_place( const RfObject* object, const RfField* field, json_t* node )
-{
-    static const char* const s_keys[] = { "translation", "rotation", "scale" };
-    RfResult result = RF_OK;
-    if ( ( object->given & 1u << RF_VISIBILITY ) != 0 )
-    {
-        json_t* visible = json_pack( "{s:{s:b}}", "KHR_node_visibility", "visible", !object->hidden );
-        json_t* extensions = json_object_get( node, "extensions" );
-        bool done = json_is_object( extensions ) ? json_object_update_new( extensions, visible ) == 0
-                                                 : json_object_set_new( node, "extensions", visible ) == 0;
-        if ( !done )
-            return rf_field_no_memory( field );
-    }
-    for ( int path = 0; result == RF_OK && path <= RF_SCALE; ++path )
-    {
-        if ( ( object->given & 1u << path ) != 0 && object->channels[path].count == 0 )
-            result = set_numbers( field, node, s_keys[path], object->still[path], path == RF_ROTATION ? 4 : 3 );
-    }
-    return result;
-}
 
 // Of the scene's own file.
 
@@ -120,10 +84,10 @@ static RfResult find_node( const RfObject* object, const json_t* nodes, const No
 }
 
 // What glTF or a camera's own path would pass over.
-static RfResult check_effect( const RfObject* object, json_t* node, bool moves )
+static RfResult check_effect( const RfObject* object, const json_t* node, bool moves )
 {
     const char* name = object->node;
-    json_t* reframe = json_object_get( json_object_get( node, "extras" ), "reframe" );
+    const json_t* reframe = json_object_get( json_object_get( node, "extras" ), "reframe" );
     if ( json_object_get( node, "children" ) != NULL )
         return RF_OK;
     if ( moves && json_object_get( node, "skin" ) != NULL )
@@ -137,21 +101,16 @@ static RfResult check_effect( const RfObject* object, json_t* node, bool moves )
     return RF_OK;
 }
 
-static RfResult edit_node( const RfObject* object, json_t* node )
+static RfResult check_node( const RfObject* object, const json_t* node )
 {
     const unsigned all = 1u << RF_TRANSLATION | 1u << RF_ROTATION | 1u << RF_SCALE;
     RfResult result = check_effect( object, node, ( object->given & all ) != 0 );
-    if ( result != RF_OK )
-        return result;
-    if ( ( object->given & all ) != 0 && json_object_get( node, "matrix" ) != NULL )
-    {
-        if ( ( object->given & all ) != all )
-            return rf_field_fail( &object->field,
-                                  "'%.60s' has a matrix in the file: give it translation, rotation and scale, all three",
-                                  object->node );
-        json_object_del( node, "matrix" );
-    }
-    return set_place( object, &object->field, node );
+    if ( result == RF_OK && ( object->given & all ) != 0 && ( object->given & all ) != all &&
+         json_object_get( node, "matrix" ) != NULL )
+        return rf_field_fail( &object->field,
+                              "'%.60s' has a matrix in the file: give it translation, rotation and scale, all three",
+                              object->node );
+    return result;
 }
 
 // Appends what an object sets of a node, with the node's number.
@@ -163,13 +122,15 @@ static void append_channels( const RfObject* object, int node, RfChannel* channe
             continue;
         channels[*count] = object->channels[path];
         channels[*count].path = (RfAnimatedPath)path;
+        if ( object->channels[path].count == 0 )
+            channels[*count].values = (double*)object->still[path];
         channels[( *count )++].node = node;
     }
 }
 
-RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* channels, int* count )
+RfResult rf_find_nodes( const RfObjects* objects, const json_t* root, RfChannel* channels, int* count )
 {
-    json_t* nodes = json_object_get( root, "nodes" );
+    const json_t* nodes = json_object_get( root, "nodes" );
     int* named = calloc( json_array_size( nodes ) + 1, sizeof *named ); // 1 + the object that names a node
     NodeName* names = sort_names( nodes );
     RfResult result = RF_OK;
@@ -186,7 +147,7 @@ RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* chann
             result = rf_field_fail( &object->field, "sets '%.60s', as objects[%d] does: leave one of the two out", object->node,
                                     named[index] - 1 );
         if ( result == RF_OK )
-            result = edit_node( object, json_array_get( nodes, (size_t)index ) );
+            result = check_node( object, json_array_get( nodes, (size_t)index ) );
         if ( result != RF_OK )
             break;
         named[index] = i + 1;
@@ -207,89 +168,15 @@ typedef struct Placing
     const RfObject* object;
     RfChannel channels[RF_OBJECT_PATHS];
     RfGltfOptions options;
-    RfMaterialKeys keys;
     bool environment; // it has one
+    bool in_frames;   // keys of materials are numbers of frames
 } Placing;
 
-// All nodes that are no children, for a file without scenes, of which everything is shown. NULL: there is no memory.
-static json_t* find_roots( const json_t* nodes )
-{
-    size_t count = json_array_size( nodes );
-    bool* below = calloc( count + 1, sizeof *below );
-    json_t* roots = below != NULL ? json_array() : NULL;
-    for ( size_t i = 0; roots != NULL && i < count; ++i )
-    {
-        const json_t* children = json_object_get( json_array_get( nodes, i ), "children" );
-        for ( size_t c = 0; c < json_array_size( children ); ++c )
-        {
-            json_int_t child = json_integer_value( json_array_get( children, c ) );
-            if ( child >= 0 && (size_t)child < count )
-                below[child] = true;
-        }
-    }
-    bool whole = roots != NULL;
-    for ( size_t i = 0; whole && i < count; ++i )
-        whole = below[i] || json_array_append_new( roots, json_integer( (json_int_t)i ) ) == 0;
-    free( below );
-    if ( !whole )
-        json_decref( roots );
-    return whole ? roots : NULL;
-}
-
-// The default scene, which is made where there are none; NULL: it is not valid.
-static RfResult open_scene( const RfField* field, json_t* root, json_t** scene )
-{
-    json_t* scenes = json_object_get( root, "scenes" );
-    if ( scenes == NULL || ( json_is_array( scenes ) && json_array_size( scenes ) == 0 ) )
-    {
-        json_t* roots = find_roots( json_object_get( root, "nodes" ) );
-        scenes = roots != NULL ? json_pack( "[{s:o}]", "nodes", roots ) : NULL;
-        if ( scenes == NULL || json_object_set_new( root, "scenes", scenes ) != 0 )
-            return rf_field_no_memory( field );
-    }
-    json_int_t index = json_integer_value( json_object_get( root, "scene" ) );
-    json_t* chosen = json_array_get( scenes, index > 0 ? (size_t)index : 0 );
-    *scene = json_is_object( chosen ) ? chosen : NULL;
-    return RF_OK;
-}
-
-// Puts all of a file under a node of the object's, whose number is set. What is not valid is left to the reader.
-static RfResult put_under( const Placing* p, const RfField* field, json_t* root, int* index )
-{
-    const RfObject* object = p->object;
-    *index = 0;
-    if ( json_object_get( root, "nodes" ) == NULL && json_object_set_new( root, "nodes", json_array() ) != 0 )
-        return rf_field_no_memory( field );
-    json_t *nodes = json_object_get( root, "nodes" ), *scene = NULL;
-    RfResult result = open_scene( field, root, &scene );
-    if ( result != RF_OK || !json_is_array( nodes ) || scene == NULL )
-        return result;
-    *index = (int)json_array_size( nodes );
-    json_t* roots = json_object_get( scene, "nodes" );
-    json_t* node = json_pack( "{s:s}", "name", name_of( object ) );
-    if ( node == NULL || json_array_append_new( nodes, node ) != 0 )
-        return rf_field_no_memory( field );
-    if ( ( roots != NULL && json_object_set( node, "children", roots ) != 0 ) ||
-         json_object_set_new( scene, "nodes", json_pack( "[i]", *index ) ) != 0 )
-        return rf_field_no_memory( field );
-    return set_place( object, field, node );
-}
-
-static RfResult edit_placed( void* user, json_t* root, RfError* error )
+static RfResult survey_placed( void* user, const json_t* root, RfError* error )
 {
     Placing* p = user;
-    int index = 0;
-    RfField field = p->object->field;
-    field.error = error;
-    RfField materials = rf_field_member( &field, "materials" );
-    p->environment = rf_leave_out_environment( root );
-    rf_destroy_material_keys( &p->keys ); // where the file is read again
-    RfResult result = rf_edit_materials( &materials, root, &p->keys, &p->options );
-    if ( result == RF_OK )
-        result = put_under( p, &field, root, &index );
-    for ( int i = 0; result == RF_OK && i < p->options.channel_count; ++i )
-        p->channels[i].node = index;
-    return result;
+    p->environment = json_object_get( rf_gltf_document_extras( root ), "environment" ) != NULL;
+    return error->code;
 }
 
 // Names the scene file, the member at fault and the placed file.
@@ -339,19 +226,22 @@ static RfResult place_file( const RfObject* object, RfFps fps, const double* fro
 {
     RfScene placed;
     RfError error = { 0 };
-    Placing p = { .object = object, .keys.fps = fps };
-    RfGltfEdit edit = { edit_placed, &p };
+    Placing p = { .object = object };
     p.options = ( RfGltfOptions ){
         .freeze = frozen_at != NULL,
         .frozen_at = frozen_at,
         .animation = object->animation,
         .variant = object->variant,
-        .edit = &edit,
+        .materials = rf_field_member( &object->field, "materials" ),
+        .survey = survey_placed,
+        .user = &p,
         .channels = p.channels,
+        .top = name_of( object ),
+        .no_environment = true,
         .clock = &object->clock,
         .origin = scene->origin,
-        .beside = object->field.file,
         .fps = fps,
+        .in_frames = &p.in_frames,
     };
     append_channels( object, -1, p.channels, &p.options.channel_count );
     char* path = rf_path_beside( object->field.file, object->file );
@@ -359,9 +249,8 @@ static RfResult place_file( const RfObject* object, RfFps fps, const double* fro
         return rf_field_no_memory( &object->field );
     RfResult result = rf_load_gltf_with( path, &p.options, &placed, log, &error );
     free( path );
-    if ( result == RF_OK && p.keys.in_frames && scene->key_fps.numerator == 0 )
+    if ( result == RF_OK && p.in_frames && scene->key_fps.numerator == 0 )
         scene->key_fps = fps;
-    rf_destroy_material_keys( &p.keys );
     if ( result != RF_OK )
         return fail( object, result, &error );
     result = check_placed( &p, &placed, log );

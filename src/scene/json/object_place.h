@@ -5,9 +5,9 @@
 #include "scene/gltf/gltf.h"
 #include "scene/json/object.h"
 
-// Sets the nodes that objects name, in the document of the scene's own file, and appends what moves them to `channels`, which has room
-// for 5 for each object. Fails where a name is not that of one node.
-RfResult rf_edit_nodes( const RfObjects* objects, json_t* root, RfChannel* channels, int* count );
+// Finds the nodes that objects name, in the document of the scene's own file, and appends what places, hides and moves them to
+// `channels` (RfGltfOptions), which has room for 5 for each object. Fails where a name is not that of one node.
+RfResult rf_find_nodes( const RfObjects* objects, const json_t* root, RfChannel* channels, int* count );
 
 // Loads the files that objects place and makes them part of the scene, of so many frames per second: frozen at a time, in seconds,
 // unless that is NULL.

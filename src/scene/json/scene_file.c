@@ -9,8 +9,6 @@
 #include "scene/json/environment_json.h"
 #include "scene/gltf/gltf.h"
 #include "scene/gltf/gltf_document.h"
-#include "scene/json/light_edit.h"
-#include "scene/json/material_edit.h"
 #include "scene/json/object_place.h"
 #include "scene/json/view_json.h"
 #include "scene/light_groups.h"
@@ -62,36 +60,25 @@ RfField rf_scene_file_defaults( const RfSceneFile* file, RfError* error )
     return rf_field_member( &root, "render" );
 }
 
-// What changes the glTF before it is read.
-typedef struct Changes
-{
-    bool environment; // it is replaced
-    RfField materials, lights;
-    RfMaterialKeys keys;
-    const RfObjects* objects;
-    RfChannel* channels; // that objects give
-    RfGltfOptions* options;
-} Changes;
-
 // Is a light group all that is said of the environment, which is the glTF's?
 static bool only_tags( const RfField* environment )
 {
     return json_object_size( environment->json ) == 1 && rf_has_member( environment, "light_group" );
 }
 
-static RfResult edit( void* user, json_t* root, RfError* error )
+// What objects do to a glTF.
+typedef struct Survey
 {
-    Changes* changes = user;
-    if ( changes->environment )
-        rf_leave_out_environment( root );
-    changes->materials.error = changes->lights.error = error;
-    rf_destroy_material_keys( &changes->keys ); // where the file is read again
-    RfResult result = rf_edit_materials( &changes->materials, root, &changes->keys, changes->options );
-    if ( result == RF_OK )
-        result = rf_edit_lights( &changes->lights, root );
-    if ( result == RF_OK )
-        result = rf_edit_nodes( changes->objects, root, changes->channels, &changes->options->channel_count );
-    return result;
+    const RfObjects* objects;
+    RfChannel* channels;
+    RfGltfOptions* options;
+} Survey;
+
+static RfResult survey( void* user, const json_t* root, RfError* error )
+{
+    const Survey* s = user;
+    RfResult result = rf_find_nodes( s->objects, root, s->channels, &s->options->channel_count );
+    return result == RF_OK ? error->code : result;
 }
 
 // How a scene is read.
@@ -134,29 +121,26 @@ static RfResult load_gltf( const RfField* root, const Reading* reading, const Rf
     if ( path == NULL )
         return result != RF_OK ? result : rf_field_no_memory( root );
     RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
+    bool in_frames = false;
+    RfField environment = rf_field_member( root, "environment" );
     RfGltfOptions edited = { .freeze = reading->options->freeze,
                              .animation = reading->options->animation,
                              .variant = reading->options->variant,
+                             .materials = rf_field_member( root, "materials" ),
+                             .lights = rf_field_member( root, "lights" ),
                              .channels = channels,
-                             .beside = root->file,
+                             .no_environment = environment.json != NULL && !only_tags( &environment ),
+                             .fps = given ? fps : ( RfFps ){ 0, 0 },
+                             .in_frames = &in_frames,
                              .frozen_at = reading->frozen_at };
-    RfField environment = rf_field_member( root, "environment" );
-    Changes changes = { .environment = environment.json != NULL && !only_tags( &environment ),
-                        .materials = rf_field_member( root, "materials" ),
-                        .lights = rf_field_member( root, "lights" ),
-                        .objects = objects,
-                        .channels = channels,
-                        .options = &edited };
-    if ( given )
-        edited.fps = changes.keys.fps = fps;
-    RfGltfEdit change = { edit, &changes };
-    edited.edit = &change;
+    Survey of_objects = { objects, channels, &edited };
+    edited.survey = survey;
+    edited.user = &of_objects;
     result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, reading->log, root->error ) : rf_field_no_memory( root );
-    if ( result == RF_OK && changes.keys.in_frames && given )
+    if ( result == RF_OK && in_frames && given )
         scene->fps = fps;
-    if ( result == RF_OK && changes.keys.in_frames && scene->key_fps.numerator == 0 ) // else the glTF's environment has some
+    if ( result == RF_OK && in_frames && scene->key_fps.numerator == 0 ) // else the glTF's environment has some
         scene->key_fps = rf_scene_fps( scene );
-    rf_destroy_material_keys( &changes.keys );
     free( channels ); // their keys are the objects'
     free( path );
     return result;

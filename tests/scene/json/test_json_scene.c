@@ -5,7 +5,6 @@
 #include "support/test.h"
 
 #include "scene/animation.h"
-#include "scene/json/material_edit.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
 
@@ -123,27 +122,33 @@ TEST( test_cameras_take_over )
     rf_destroy_scene( &scene );
 }
 
-// "textures": false on a parsed glTF, at all depths where one has textures.
+// At all places where glTF has them: what is dropped is not even looked at.
 TEST( test_textures_can_be_dropped )
 {
-    json_t* root = json_loads( "{\"materials\":[{\"name\":\"a\",\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
-                               "{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0.5},\"extensions\":{\"KHR_x\":"
-                               "{\"xTexture\":{\"index\":0},\"xFactor\":1}},\"extras\":{\"aTexture\":1}},"
-                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}",
-                               0, NULL );
-    json_t* edits = json_loads( "{\"a\":{\"textures\":false},\"b\":{\"textures\":true}}", 0, NULL );
+    static const char* const places[] = {
+        "\"normalTexture\":{\"index\":0}",
+        "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0.5}",
+        "\"pbrMetallicRoughness\":{\"metallicRoughnessTexture\":{\"index\":0},\"metallicFactor\":0.5}",
+        "\"extensions\":{\"KHR_materials_specular\":{\"specularTexture\":{\"index\":0}}}",
+        "\"extensions\":{\"KHR_materials_volume\":{\"thicknessTexture\":{\"index\":0}}}",
+        "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseTexture\":{\"index\":0}}}",
+    };
     RfError error = { 0 };
-    RfField field = rf_make_field( "x.json", "materials", edits, &error );
-    RfMaterialKeys keys = { 0 };
-    RfGltfOptions options = { 0 };
-    assert_int_equal( rf_edit_materials( &field, root, &keys, &options ), RF_OK );
-    char* text = json_dumps( root, JSON_COMPACT | JSON_SORT_KEYS );
-    assert_string_equal( text, "{\"materials\":[{\"extensions\":{\"KHR_x\":{\"xFactor\":1}},\"extras\":{\"aTexture\":1},"
-                               "\"name\":\"a\",\"pbrMetallicRoughness\":{\"metallicFactor\":0.5}},"
-                               "{\"name\":\"b\",\"normalTexture\":{\"index\":0}}]}" );
-    free( text );
-    json_decref( edits );
-    json_decref( root );
+    RfScene scene;
+    for ( size_t i = 0; i < sizeof places / sizeof places[0]; ++i )
+    {
+        char text[512];
+        snprintf( text, sizeof text, "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"name\":\"a\",%s}]}", places[i] );
+        write_text( "bare.gltf", text );
+        write_text( "bare.json", "{\"scene\":\"bare.gltf\",\"materials\":{\"a\":{\"textures\":true}}}" );
+        assert_int_equal( load_named( "bare.json", &scene, &error ), RF_ERROR_FORMAT );
+        assert_non_null( strstr( error.text, "index is 0, but there are 0 textures" ) );
+        write_text( "bare.json", "{\"scene\":\"bare.gltf\",\"materials\":{\"a\":{\"textures\":false}}}" );
+        assert_int_equal( load_named( "bare.json", &scene, &error ), RF_OK );
+        if ( strstr( places[i], "metallicFactor" ) != NULL ) // which stays
+            assert_true( rf_max_component( scene.materials[0].diffuse ) < 0.6f );
+        rf_destroy_scene( &scene );
+    }
 }
 
 TEST( test_faults_of_materials )
