@@ -10,7 +10,7 @@
 #include "scene/gltf/gltf_document.h"
 #include "scene/gltf/gltf_geometry.h"
 #include "scene/gltf/gltf_materials.h"
-#include "scene/json/environment_json.h"
+#include "scene/json/shared_json.h"
 #include "base/json.h"
 #include "scene/movement.h"
 #include "scene/placement.h"

@@ -5,20 +5,6 @@
 #include "scene/gltf/gltf_document.h"
 #include "scene/movement.h"
 
-// What a channel animates.
-typedef struct RfGltfTarget
-{
-    bool wanted;
-    const char* unrendered; // a pointer to what cannot be rendered; NULL: there is none
-    RfChange change;        // of a node: its channel's node and path alone, else the node is −1
-} RfGltfTarget;
-
-// Follows the pointer of an animation target (gltf_pointer.c). What the reader ignores is not wanted.
-RfResult rf_gltf_follow_pointer( RfGltf* gltf, const RfField* target, const char* where, RfGltfTarget* out );
-
-// Lists what a pointer names as not rendered.
-RfResult rf_gltf_note_pointer( RfGltf* gltf, const char* pointer );
-
 // Reads a value of glTF into the struct of its owner's values, and checks its range (gltf_changes.c); one that is missing is left as
 // it is. `home`: the object that has it.
 RfResult rf_gltf_read_value( const RfGltf* gltf, const RfField* home, RfChangedValue value, void* values );

@@ -369,7 +369,7 @@ RfResult rf_gltf_load_nodes( RfGltf* gltf );
 // Reads the animations (gltf_animation.c).
 RfResult rf_gltf_load_animations( RfGltf* gltf );
 
-// The number of morph targets of a node's mesh; fails if it has none (gltf_morph.c).
+// The number of morph targets of a node's mesh; fails if it has none (gltf_deformation.c).
 RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where, int* count );
 
 // Adds to what changes in the file and cannot be rendered so; the same is listed once.
@@ -378,9 +378,6 @@ RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* fo
 
 // Reads the cameras (gltf_camera.c).
 RfResult rf_gltf_load_cameras( RfGltf* gltf );
-
-// Reads the profile of a light from its extras and a scene file, if it has one (gltf_profile.c). The caller releases it.
-RfResult rf_gltf_read_profile( RfGltf* gltf, const RfField* ours, const RfField* edit, RfProfile** out );
 
 // Reads the lights of KHR_lights_punctual (gltf_light.c).
 RfResult rf_gltf_load_lights( RfGltf* gltf );

@@ -92,7 +92,7 @@ RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out );
 // The transform of one instance within its node.
 RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
 
-// The number of morph targets of all primitives of a mesh (gltf_morph.c).
+// The number of morph targets of all primitives of a mesh (gltf_deformation.c).
 RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count );
 
 // The weights of a node's mesh where nothing animates them.
@@ -102,7 +102,7 @@ RfResult rf_gltf_read_rest_weights( const RfGltf* gltf, int node, int mesh, int 
 RfResult rf_gltf_read_targets( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
                                RfDeformation* deformation );
 
-// Reads the skins, with nodes of the scene for joints (gltf_skin.c).
+// Reads the skins, with nodes of the scene for joints (gltf_deformation.c).
 RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement );
 
 // Adds joints and weights of a primitive, likewise.

@@ -12,6 +12,7 @@
 // and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
 #include "scene/gltf/gltf_changes.h"
 #include "scene/gltf/gltf_materials.h"
+
 #include "scene/json/keys.h"
 #include "scene/surfaces.h"
 

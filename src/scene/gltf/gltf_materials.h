@@ -44,13 +44,4 @@ RfTextured* rf_gltf_textured( const RfFactors* factors );
 // are loaded.
 RfResult rf_gltf_load_images( RfGltf* gltf );
 
-// Image sequences (gltf_sequence.c). Whether an image is one, of several images that are not frozen.
-RfResult rf_gltf_plays( const RfGltf* gltf, int image, bool* plays );
-
-// Makes a texture of the scene of a sequence, if the image is one, which `given` says.
-RfResult rf_gltf_load_sequence( RfGltf* gltf, int image, bool srgb, RfTexture* out, bool* given );
-
-// Limits the values of the images that a texture of the scene shows.
-void rf_gltf_limit_sequence( RfGltf* gltf, int texture, double most );
-
 #endif

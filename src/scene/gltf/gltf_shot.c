@@ -7,7 +7,7 @@
 #include "scene/camera.h"
 #include "scene/camera_path/optics.h"
 #include "base/json.h"
-#include "scene/json/view_json.h"
+#include "scene/json/shared_json.h"
 #include "scene/movement.h"
 #include "scene/projection.h"
 

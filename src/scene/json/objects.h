@@ -1,9 +1,9 @@
 // `objects` of a scene file: which nodes and files move, and how.
-#ifndef REFRAME_SCENE_JSON_OBJECT_H
-#define REFRAME_SCENE_JSON_OBJECT_H
+#ifndef REFRAME_SCENE_JSON_OBJECTS_H
+#define REFRAME_SCENE_JSON_OBJECTS_H
 
 #include "base/json.h"
-#include "scene/scene.h"
+#include "scene/gltf/gltf.h"
 
 #define RF_OBJECT_PATHS ( RF_VISIBILITY + 1 )
 
@@ -34,5 +34,13 @@ typedef struct RfObjects
 RfResult rf_read_objects( const RfField* list, RfFps fps, RfObjects* objects );
 
 void rf_destroy_objects( RfObjects* objects );
+
+// Finds the nodes that objects name, in the document of the scene's own file, and appends what places, hides and moves them to
+// `channels` (RfGltfOptions), which has room for 5 for each object. Fails where a name is not that of one node.
+RfResult rf_find_nodes( const RfObjects* objects, const json_t* root, RfChannel* channels, int* count );
+
+// Loads the files that objects place and makes them part of the scene, of so many frames per second: frozen at a time, in seconds,
+// unless that is NULL.
+RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log );
 
 #endif

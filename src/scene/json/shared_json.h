@@ -1,8 +1,9 @@
-// The environment in JSON: in scene files and in the extras of a glTF scene.
-#ifndef REFRAME_SCENE_JSON_ENVIRONMENT_JSON_H
-#define REFRAME_SCENE_JSON_ENVIRONMENT_JSON_H
+// What scene files and the extras of a glTF say alike: the environment, image sequences, views.
+#ifndef REFRAME_SCENE_JSON_SHARED_JSON_H
+#define REFRAME_SCENE_JSON_SHARED_JSON_H
 
 #include "base/json.h"
+#include "scene/image_sequence.h"
 #include "scene/scene.h"
 
 // What the JSON says of one.
@@ -37,5 +38,12 @@ RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error );
 
 // Continues a hash with the pixels of the map.
 uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment );
+
+// Reads {"frames": "film.####.png", "first": 1, "last": 48, "start": 0, "fps": 24, "repeat": "hold"}. `frames` is the pattern as
+// written (owned by the JSON); sequence->pattern is left to the caller, and fps is 0 where nothing is said.
+RfResult rf_read_sequence( const RfField* object, RfImageSequence* sequence, const char** frames );
+
+// Reads {"transform": "AgX", "look": "AgX - Punchy", "exposure": 0.5, "gamma": 1}; a field without a value changes nothing.
+RfResult rf_read_view( const RfField* object, RfViewText* view );
 
 #endif

@@ -1,13 +1,19 @@
-// Reads and validates an environment: map, visibility, and radiance, strength and rotation with their keys.
-#include "scene/json/environment_json.h"
+// Reads and validates what scene files and the extras of a glTF say alike: environments (map, visibility, and radiance, strength and
+// rotation with their keys), image sequences and views.
+#include "scene/json/shared_json.h"
 
 #include "base/file.h"
 #include "image/decode.h"
+#include "reframe/image.h"
 #include "scene/animation.h"
+#include "scene/camera_path/camera_track_read.h"
 #include "scene/json/keys.h"
 #include "scene/light_groups.h"
 #include "scene/movement.h"
+#include "scene/scene.h"
 
+#include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -209,4 +215,71 @@ uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment )
     size_t count = 3 * (size_t)environment->width * (size_t)environment->height;
     hash = rf_hash_bytes( hash, size, sizeof size );
     return rf_hash_bytes( hash, environment->map, count * sizeof *environment->map );
+}
+
+// Image sequences.
+
+#define MAX_NUMBER 1e6
+#define MAX_IMAGES 100000
+#define NAME "the name of a sequence, such as \"film.####.png\""
+
+RfResult rf_read_sequence( const RfField* object, RfImageSequence* s, const char** frames )
+{
+    static const char* const s_keys[] = { "frames", "first", "last", "start", "fps", "repeat", NULL };
+    static const char* const s_repeats[] = { "hold", "loop", NULL };
+    char name[PATH_MAX];
+    RfError error;
+    int repeat = 0;
+    *s = ( RfImageSequence ){ .first = 1, .most = (double)INFINITY };
+    *frames = "";
+    RfField pattern = rf_field_member( object, "frames" ), last = rf_field_member( object, "last" );
+    rf_field_keys( object, s_keys );
+    rf_field_require( object, "frames", NAME );
+    RfResult result = rf_field_text( &pattern, frames );
+    if ( result == RF_OK && !rf_is_sequence( *frames ) )
+        return rf_field_must_be( &pattern, NAME );
+    if ( result == RF_OK && rf_sequence_name( *frames, 1, name, sizeof name, &error ) != RF_OK )
+        return rf_field_fail( &pattern, "%.560s", error.text );
+    rf_field_require( object, "last", "the number of the last image" );
+    rf_get_whole( object, "first", 0.0, MAX_NUMBER, &s->first );
+    result = rf_field_whole( &last, 0.0, MAX_NUMBER, &s->last );
+    if ( result == RF_OK && ( s->last < s->first || s->last - s->first >= MAX_IMAGES ) )
+        return rf_field_fail( &last, "must be from %d, the first image, to %d", s->first, s->first + MAX_IMAGES - 1 );
+    rf_get_number( object, "start", rf_range( -RF_MAX_TRACK_SECONDS, RF_MAX_TRACK_SECONDS ), &s->start );
+    rf_get_number( object, "fps", rf_range( 1e-6, 1e6 ), &s->fps );
+    rf_get_choice( object, "repeat", s_repeats, &repeat );
+    RfFps exact;
+    if ( rf_broadcast_fps( s->fps, &exact ) )
+        s->fps = (double)exact.numerator / exact.denominator;
+    s->loops = repeat == 1;
+    return rf_json_result( object );
+}
+
+// Views. Whether there is one of its name is asked where a picture is shown.
+
+static RfResult read_name( const RfField* object, const char* key, char name[RF_VIEW_NAME_SIZE] )
+{
+    RfField field = rf_field_member( object, key );
+    const char* text = "";
+    RfResult result = rf_field_text( &field, &text );
+    if ( result == RF_OK && strlen( text ) >= RF_VIEW_NAME_SIZE )
+        return rf_field_fail( &field, "is longer than %d characters", RF_VIEW_NAME_SIZE - 1 );
+    snprintf( name, RF_VIEW_NAME_SIZE, "%s", text );
+    return result;
+}
+
+RfResult rf_read_view( const RfField* object, RfViewText* view )
+{
+    static const char* const s_keys[] = { "transform", "look", "exposure", "gamma", NULL };
+    if ( object->json == NULL )
+        return RF_OK;
+    RfViewText read = { .gamma = 1.0 };
+    rf_field_keys( object, s_keys );
+    rf_field_require( object, "transform", "the name of a view, such as \"AgX\"" );
+    read_name( object, "transform", read.transform );
+    read_name( object, "look", read.look );
+    rf_get_number( object, "exposure", rf_range( -32.0, 32.0 ), &read.exposure );
+    RfResult result = rf_get_number( object, "gamma", rf_range( 0.01, 100.0 ), &read.gamma );
+    *view = result == RF_OK ? read : *view;
+    return result;
 }
