@@ -4,6 +4,9 @@
 
 #include "scene/scene.h"
 
+// Appends vertices. Attributes that only one of the lists has are filled in. False if there is no memory.
+bool rf_append_vertices( RfTriangles* to, const RfTriangles* from );
+
 // Appends triangles, whose materials become those from `first_material` on; without those that have collapsed to two equal
 // corners. Attributes that only one of the lists has are filled in. False if there is no memory: `to` is to be destroyed.
 bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t first_material );

@@ -35,6 +35,32 @@ typedef struct RfTriangles
     uint32_t* material; // count
 } RfTriangles;
 
+// The attributes of vertices, in the order of their members.
+typedef enum RfAttribute
+{
+    RF_POSITION,
+    RF_NORMAL,
+    RF_UV,
+    RF_UV1,
+    RF_COLOR,
+    RF_TANGENT,
+    RF_ATTRIBUTE_COUNT
+} RfAttribute;
+
+typedef struct RfAttributeTraits
+{
+    size_t offset;
+    size_t components;
+    float fill; // of vertices without it, where others have it
+} RfAttributeTraits;
+
+extern const RfAttributeTraits g_rf_attributes[RF_ATTRIBUTE_COUNT];
+
+static inline float** rf_attribute( RfTriangles* t, int attribute )
+{
+    return (float**)(void*)( (char*)t + g_rf_attributes[attribute].offset );
+}
+
 struct RfDeformation;
 
 // A mesh in its own space, which placements put into the world.

@@ -126,14 +126,14 @@ static RfResult open_target( RfGltf* gltf, const RfField* target, const RfField*
     // normals of triangles follow them; tangents that are made here belong to the shape at rest
     if ( primitive->flat || json_object_get( attributes, "NORMAL" ) == NULL )
         accessors[1] = NO_ACCESSOR;
-    if ( primitive->tangents == NULL || json_object_get( attributes, "TANGENT" ) == NULL )
+    if ( primitive->t.tangents == NULL || json_object_get( attributes, "TANGENT" ) == NULL )
         accessors[2] = NO_ACCESSOR;
     return result;
 }
 
 static RfResult collect( const RfGltf* gltf, const char* where, const RfGltfPrimitive* primitive, uint32_t base, Deltas* deltas )
 {
-    size_t room = (size_t)primitive->vertex_count + 1;
+    size_t room = (size_t)primitive->t.vertex_count + 1;
     deltas->vertices = malloc( room * sizeof *deltas->vertices );
     bool fits = deltas->vertices != NULL;
     for ( int k = 0; k < 3; ++k )
@@ -144,7 +144,7 @@ static RfResult collect( const RfGltf* gltf, const char* where, const RfGltfPrim
     }
     if ( !fits )
         return rf_gltf_no_memory( gltf, where );
-    for ( uint32_t v = 0; v < primitive->vertex_count; ++v )
+    for ( uint32_t v = 0; v < primitive->t.vertex_count; ++v )
     {
         bool changed = false;
         for ( int k = 0; k < 3; ++k )
@@ -168,7 +168,7 @@ static RfResult add_target( RfGltf* gltf, const char* where, const RfGltfPrimiti
 {
     if ( deltas->accessor[0] < 0 && deltas->accessor[1] < 0 && deltas->accessor[2] < 0 )
         return RF_OK;
-    gltf->target_vertices += primitive->vertex_count;
+    gltf->target_vertices += primitive->t.vertex_count;
     if ( gltf->target_vertices > MAX_TARGET_VERTICES )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %llu vertices in all morph targets: split the scene",
                              (unsigned long long)MAX_TARGET_VERTICES );
@@ -410,7 +410,7 @@ RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGlt
     RfResult result = open_influences( gltf, json, &from );
     if ( result != RF_OK )
         return result;
-    size_t all = ( (size_t)base + primitive->vertex_count ) * (size_t)deformation->influences;
+    size_t all = ( (size_t)base + primitive->t.vertex_count ) * (size_t)deformation->influences;
     uint16_t* joints = realloc( deformation->joints, ( all + 1 ) * sizeof *joints );
     deformation->joints = joints != NULL ? joints : deformation->joints;
     float* weights = realloc( deformation->weights, ( all + 1 ) * sizeof *weights );
@@ -420,7 +420,7 @@ RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGlt
     size_t before = (size_t)base * (size_t)deformation->influences;
     memset( joints + before, 0, ( all - before ) * sizeof *joints );
     memset( weights + before, 0, ( all - before ) * sizeof *weights );
-    for ( uint32_t v = 0; result == RF_OK && v < primitive->vertex_count; ++v )
+    for ( uint32_t v = 0; result == RF_OK && v < primitive->t.vertex_count; ++v )
     {
         float joint[8] = { 0 }, weight[8] = { 0 };
         for ( int i = 0; result == RF_OK && i < 2 && from.joints[i] >= 0; ++i )

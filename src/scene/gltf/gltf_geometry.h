@@ -10,22 +10,14 @@
 // (gltf_primitive.c).
 typedef struct RfGltfPrimitive
 {
-    uint32_t vertex_count;
-    uint32_t triangle_count; // 0: nothing to draw
-    float* positions;
-    float* normals; // NULL: flat shading
-    float* uvs;     // or NULL, like the following
-    float* uvs1;
-    float* colors;   // 4 per vertex, in [0, 1]
-    float* tangents; // 4 per vertex
-    uint32_t* indices;
+    RfTriangles t;     // count 0: nothing to draw; without normals: flat shading
     uint32_t* sources; // per vertex: its number in the accessors
     bool flat;         // the normals are those of the triangles, which share no vertices
     uint32_t material;
 } RfGltfPrimitive;
 
-// Reads a primitive.
-RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, RfGltfPrimitive* out );
+// Reads a primitive; to survey it, the number of its triangles and its material alone.
+RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool survey, RfGltfPrimitive* out );
 
 // Gives each triangle vertices of its own with its normal, which is 0 where it has no area.
 RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );
@@ -37,16 +29,6 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
 // texture's coordinates (gltf_tangents.c). Vertices shared by mirrored and unmirrored
 // triangles are duplicated.
 RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive );
-
-// What a primitive is before it is read; 0 triangles where there is nothing to draw.
-typedef struct RfGltfSurvey
-{
-    uint32_t triangle_count;
-    uint32_t material;
-} RfGltfSurvey;
-
-// Surveys a primitive.
-RfResult rf_gltf_survey_primitive( RfGltf* gltf, const RfField* primitive, RfGltfSurvey* out );
 
 // Of all that is baked.
 #define RF_GLTF_MAX_TRIANGLES ( 1u << 28 )

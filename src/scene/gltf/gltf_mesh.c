@@ -206,17 +206,17 @@ static bool may_be_mirror( const RfMaterial* m )
 // Whether some triangle has the same normal at its corners.
 static bool has_flat_triangle( const RfGltfPrimitive* p )
 {
-    for ( size_t i = 0; i < p->triangle_count && p->normals != NULL; ++i )
+    for ( size_t i = 0; i < p->t.count && p->t.normals != NULL; ++i )
     {
-        const float *a = p->normals + 3 * (size_t)p->indices[3 * i], *b = p->normals + 3 * (size_t)p->indices[3 * i + 1],
-                    *c = p->normals + 3 * (size_t)p->indices[3 * i + 2];
+        const float *a = p->t.normals + 3 * (size_t)p->t.indices[3 * i], *b = p->t.normals + 3 * (size_t)p->t.indices[3 * i + 1],
+                    *c = p->t.normals + 3 * (size_t)p->t.indices[3 * i + 2];
         float most = 0.0f;
         for ( int k = 0; k < 3; ++k )
             most = rf_maxf( most, rf_maxf( fabsf( b[k] - a[k] ), fabsf( c[k] - a[k] ) ) );
         if ( most < 1e-3f )
             return true;
     }
-    return p->normals == NULL;
+    return p->t.normals == NULL;
 }
 
 static bool can_be_placed( const RfScene* scene, const RfGltfPrimitive* p )
@@ -310,8 +310,8 @@ static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placi
     RfGltfPrimitive primitive;
     if ( rf_gltf_primitive_changes( gltf, json ) ) // a mover
         return RF_OK;
-    RfResult result = rf_gltf_read_primitive( gltf, json, &primitive );
-    if ( result != RF_OK || primitive.triangle_count == 0 )
+    RfResult result = rf_gltf_read_primitive( gltf, json, false, &primitive );
+    if ( result != RF_OK || primitive.t.count == 0 )
         return result;
     primitive.material = rf_gltf_tagged_material( gltf, mesh, primitive.material );
     Bake bake = { baker, &primitive, where, placing != NULL && can_be_placed( gltf->scene, &primitive ) };
@@ -385,11 +385,11 @@ static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh,
     for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
         RfField primitive = rf_field_item( &primitives, i );
-        RfGltfSurvey survey;
-        result = rf_gltf_survey_primitive( gltf, &primitive, &survey );
+        RfGltfPrimitive survey;
+        result = rf_gltf_read_primitive( gltf, &primitive, true, &survey );
         const RfMaterial* material = gltf->scene->materials + survey.material;
-        if ( result == RF_OK && survey.triangle_count > 0 && !emits( material ) && !material->changes )
-            saving->triangles += survey.triangle_count;
+        if ( result == RF_OK && survey.t.count > 0 && !emits( material ) && !material->changes )
+            saving->triangles += survey.t.count;
     }
     double places = (double)saving->places;
     saving->bytes = ( places - 1.0 ) * (double)saving->triangles * TRIANGLE_BYTES - places * PLACEMENT_BYTES;

@@ -435,12 +435,7 @@ static RfResult settle_still( Builder* b )
 
 static void free_mesh( RfMesh* mesh )
 {
-    RfTriangles* t = &mesh->triangles;
-    float* const floats[] = { t->positions, t->normals, t->uvs, t->uvs1, t->colors, t->tangents };
-    for ( size_t i = 0; i < sizeof floats / sizeof floats[0]; ++i )
-        free( floats[i] );
-    free( t->indices );
-    free( t->material );
+    rf_destroy_triangles( &mesh->triangles );
     rf_destroy_deformation( mesh->deformation );
 }
 

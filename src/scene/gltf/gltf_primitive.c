@@ -65,22 +65,22 @@ static void find_corners( int mode, uint32_t t, uint32_t corners[3] )
     }
 }
 
-// Reads triples of vertex indices, from an index accessor or implicit, by mode.
-static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode, uint32_t vertex_count, uint32_t** indices,
-                                uint32_t* triangle_count )
+// Reads triples of vertex indices, from an index accessor or implicit, by mode; of a survey, their number alone.
+static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode, uint32_t vertex_count, bool survey,
+                                RfTriangles* out )
 {
     const char* where = primitive->path;
     const RfGltfAccessor* accessor;
     RfResult result = open_indices( gltf, primitive, &mode, &accessor );
     if ( result == RF_OK )
-        result = count_triangles( gltf, where, mode, accessor != NULL ? accessor->count : vertex_count, triangle_count );
-    if ( result != RF_OK )
+        result = count_triangles( gltf, where, mode, accessor != NULL ? accessor->count : vertex_count, &out->count );
+    if ( result != RF_OK || survey )
         return result;
 
-    *indices = malloc( ( (size_t)*triangle_count * 3 + 1 ) * sizeof **indices );
-    if ( *indices == NULL )
+    out->indices = malloc( ( (size_t)out->count * 3 + 1 ) * sizeof *out->indices );
+    if ( out->indices == NULL )
         return rf_gltf_no_memory( gltf, where );
-    for ( uint32_t t = 0; t < *triangle_count; ++t )
+    for ( uint32_t t = 0; t < out->count; ++t )
     {
         uint32_t corners[3];
         find_corners( mode, t, corners );
@@ -90,7 +90,7 @@ static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode
             if ( vertex >= vertex_count )
                 return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "index %u is %u, but there are %u vertices", corners[i],
                                      vertex, vertex_count );
-            ( *indices )[3 * (size_t)t + (size_t)i] = vertex;
+            out->indices[3 * (size_t)t + (size_t)i] = vertex;
         }
     }
     return RF_OK;
@@ -105,40 +105,25 @@ static bool spread( float** values, size_t components, const RfGltfPrimitive* p 
 {
     if ( *values == NULL )
         return true;
-    size_t corners = 3 * (size_t)p->triangle_count;
+    size_t corners = 3 * (size_t)p->t.count;
     float* out = malloc( ( corners * components + 1 ) * sizeof *out );
     if ( out == NULL )
         return false;
     for ( size_t i = 0; i < corners * components; ++i )
-        out[i] = ( *values )[p->indices[i / components] * components + i % components];
+        out[i] = ( *values )[p->t.indices[i / components] * components + i % components];
     free( *values );
     *values = out;
     return true;
 }
 
-// Zero for a degenerate triangle, which is dropped later.
-static void face_normal( const float* a, float out[9] )
-{
-    double u[3], v[3];
-    for ( int i = 0; i < 3; ++i )
-    {
-        u[i] = (double)a[3 + i] - (double)a[i];
-        v[i] = (double)a[6 + i] - (double)a[i];
-    }
-    double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
-    double length = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
-    for ( int i = 0; i < 9; ++i )
-        out[i] = length > 0.0 ? (float)( n[i % 3] / length ) : 0.0f;
-}
-
 static bool spread_sources( RfGltfPrimitive* p )
 {
-    size_t corners = 3 * (size_t)p->triangle_count;
+    size_t corners = 3 * (size_t)p->t.count;
     uint32_t* out = malloc( ( corners + 1 ) * sizeof *out );
     if ( out == NULL )
         return false;
     for ( size_t i = 0; i < corners; ++i )
-        out[i] = p->sources[p->indices[i]];
+        out[i] = p->sources[p->t.indices[i]];
     free( p->sources );
     p->sources = out;
     return true;
@@ -146,16 +131,23 @@ static bool spread_sources( RfGltfPrimitive* p )
 
 RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* p )
 {
-    size_t corners = 3 * (size_t)p->triangle_count;
-    p->normals = malloc( ( 3 * corners + 1 ) * sizeof *p->normals );
-    if ( p->normals == NULL || !spread_sources( p ) || !spread( &p->positions, 3, p ) || !spread( &p->uvs, 2, p ) ||
-         !spread( &p->uvs1, 2, p ) || !spread( &p->colors, 4, p ) )
+    size_t corners = 3 * (size_t)p->t.count;
+    bool room = spread_sources( p );
+    for ( int a = 0; room && a < RF_ATTRIBUTE_COUNT; ++a )
+        room = spread( rf_attribute( &p->t, a ), g_rf_attributes[a].components, p );
+    p->t.normals = room ? malloc( ( 3 * corners + 1 ) * sizeof *p->t.normals ) : NULL;
+    if ( p->t.normals == NULL )
         return rf_gltf_no_memory( gltf, where );
     for ( size_t i = 0; i < corners; ++i )
-        p->indices[i] = (uint32_t)i;
-    for ( size_t t = 0; t < p->triangle_count; ++t )
-        face_normal( p->positions + 9 * t, p->normals + 9 * t );
-    p->vertex_count = (uint32_t)corners;
+        p->t.indices[i] = (uint32_t)i;
+    for ( size_t t = 0; t < p->t.count; ++t )
+    {
+        float normal[3]; // zero for a degenerate triangle, which is dropped later
+        rf_face_normal( p->t.positions, p->t.indices + 3 * t, 0.0, normal );
+        for ( size_t c = 0; c < 3; ++c )
+            memcpy( p->t.normals + 9 * t + 3 * c, normal, sizeof normal );
+    }
+    p->t.vertex_count = (uint32_t)corners;
     p->flat = true;
     return RF_OK;
 }
@@ -166,18 +158,12 @@ RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimiti
 // Accessors of the supported attributes; −1 if missing.
 typedef struct Attributes
 {
-    int position, normal, uv, uv1, color, tangent;
+    int accessors[RF_ATTRIBUTE_COUNT];
 } Attributes;
 
 void rf_gltf_free_primitive( RfGltfPrimitive* primitive )
 {
-    free( primitive->positions );
-    free( primitive->normals );
-    free( primitive->uvs );
-    free( primitive->uvs1 );
-    free( primitive->colors );
-    free( primitive->tangents );
-    free( primitive->indices );
+    rf_destroy_triangles( &primitive->t );
     free( primitive->sources );
     memset( primitive, 0, sizeof *primitive );
 }
@@ -187,8 +173,6 @@ static RfResult open_attribute( RfGltf* gltf, const RfField* primitive, const ch
                                 int* index, uint32_t* count )
 {
     const RfGltfAccessor* accessor;
-    if ( gltf->error->code != RF_OK )
-        return gltf->error->code;
     RfResult result = rf_gltf_find_attribute( gltf, primitive, name, index );
     if ( result != RF_OK || *index < 0 )
         return result;
@@ -206,7 +190,7 @@ static RfResult open_attribute( RfGltf* gltf, const RfField* primitive, const ch
 static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
 {
     if ( index < 0 )
-        return gltf->error->code;
+        return RF_OK;
     const RfGltfAccessor* a = gltf->accessors + index;
     bool is_float = a->component_type == 5126;
     bool is_part = ( a->component_type == 5121 || a->component_type == 5123 ) && a->normalized;
@@ -217,24 +201,23 @@ static RfResult check_colors( const RfGltf* gltf, const char* where, int index )
 
 static RfResult open_attributes( RfGltf* gltf, const RfField* primitive, Attributes* out, uint32_t* count )
 {
+    static const char* const s_names[] = { "POSITION", "NORMAL", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0", "TANGENT" };
     const RfGltfAccessor* packed;
-    *out = ( Attributes ){ -1, -1, -1, -1, -1, -1 };
+    memset( out, 0xff, sizeof *out );
     *count = 0;
     rf_gltf_require( primitive, "attributes", NULL );
     const RfField attributes = rf_get_object( primitive, "attributes" );
     RfResult result = rf_json_result( primitive );
     if ( result == RF_OK ) // before its attributes are looked for, since it names the primitive in messages
         result = rf_gltf_packed_indices( gltf, primitive, &packed );
-    if ( result == RF_OK )
-        result = open_attribute( gltf, primitive, attributes.path, "POSITION", 3, &out->position, count );
-    if ( result != RF_OK || out->position < 0 )
-        return result;
-    open_attribute( gltf, primitive, attributes.path, "NORMAL", 3, &out->normal, count );
-    open_attribute( gltf, primitive, attributes.path, "TEXCOORD_0", 2, &out->uv, count );
-    open_attribute( gltf, primitive, attributes.path, "TEXCOORD_1", 2, &out->uv1, count );
-    open_attribute( gltf, primitive, attributes.path, "COLOR_0", 0, &out->color, count );
-    check_colors( gltf, attributes.path, out->color );
-    return open_attribute( gltf, primitive, attributes.path, "TANGENT", 4, &out->tangent, count );
+    for ( int a = 0; result == RF_OK && a < RF_ATTRIBUTE_COUNT && ( a == 0 || out->accessors[0] >= 0 ); ++a )
+    {
+        int components = a == RF_COLOR ? 0 : (int)g_rf_attributes[a].components;
+        result = open_attribute( gltf, primitive, attributes.path, s_names[a], components, out->accessors + a, count );
+        if ( result == RF_OK && a == RF_COLOR )
+            result = check_colors( gltf, attributes.path, out->accessors[a] );
+    }
+    return result;
 }
 
 static RfResult reserve_remap( RfGltf* gltf, const char* where, uint32_t count )
@@ -262,7 +245,7 @@ static RfResult compact( RfGltf* gltf, const char* where, uint32_t vertex_count,
     RfResult result = reserve_remap( gltf, where, vertex_count );
     if ( result != RF_OK )
         return result;
-    size_t corners = (size_t)out->triangle_count * 3;
+    size_t corners = (size_t)out->t.count * 3;
     size_t most = corners < vertex_count ? corners : vertex_count;
     *sources = malloc( ( most + 1 ) * sizeof **sources );
     if ( *sources == NULL )
@@ -270,73 +253,50 @@ static RfResult compact( RfGltf* gltf, const char* where, uint32_t vertex_count,
     uint32_t stamp = ++gltf->stamp;
     for ( size_t i = 0; i < corners; ++i )
     {
-        uint32_t vertex = out->indices[i];
+        uint32_t vertex = out->t.indices[i];
         if ( gltf->remap_stamp[vertex] != stamp )
         {
             gltf->remap_stamp[vertex] = stamp;
-            gltf->remap[vertex] = out->vertex_count;
-            ( *sources )[out->vertex_count++] = vertex;
+            gltf->remap[vertex] = out->t.vertex_count;
+            ( *sources )[out->t.vertex_count++] = vertex;
         }
-        out->indices[i] = gltf->remap[vertex];
+        out->t.indices[i] = gltf->remap[vertex];
     }
     return RF_OK;
 }
 
-static RfResult read_attribute( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources, uint32_t count,
-                                float** values )
+// Colours are RGB or RGBA in the file, and become RGBA in [0, 1].
+static RfResult read_attribute( const RfGltf* gltf, const char* where, int accessor, int attribute, RfGltfPrimitive* out )
 {
+    size_t components = g_rf_attributes[attribute].components;
+    float** values = rf_attribute( &out->t, attribute );
     if ( accessor < 0 )
         return RF_OK;
-    size_t components = (size_t)gltf->accessors[accessor].components;
-    *values = malloc( ( (size_t)count * components + 1 ) * sizeof **values );
+    *values = malloc( ( (size_t)out->t.vertex_count * components + 1 ) * sizeof **values );
     if ( *values == NULL )
         return rf_gltf_no_memory( gltf, where );
     RfResult result = RF_OK;
-    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
-        result = rf_gltf_read_floats( gltf, accessor, sources[i], *values + i * components );
-    return result;
-}
-
-// Converts RGB or RGBA to RGBA in [0, 1].
-static RfResult read_colors( const RfGltf* gltf, const char* where, int accessor, const uint32_t* sources, uint32_t count,
-                             float** values )
-{
-    if ( accessor < 0 )
-        return RF_OK;
-    *values = malloc( ( (size_t)count * 4 + 1 ) * sizeof **values );
-    if ( *values == NULL )
-        return rf_gltf_no_memory( gltf, where );
-    for ( uint32_t i = 0; i < count; ++i )
+    for ( uint32_t i = 0; result == RF_OK && i < out->t.vertex_count; ++i )
     {
-        float* rgba = *values + 4 * (size_t)i;
-        rgba[3] = 1.0f;
-        RfResult result = rf_gltf_read_floats( gltf, accessor, sources[i], rgba );
-        if ( result != RF_OK )
-            return result;
-        for ( int c = 0; c < 4; ++c )
-            rgba[c] = rf_clampf( rgba[c], 0.0f, 1.0f );
+        float* value = *values + i * components;
+        value[components - 1] = 1.0f;
+        result = rf_gltf_read_floats( gltf, accessor, out->sources[i], value );
+        for ( size_t c = 0; attribute == RF_COLOR && c < components; ++c )
+            value[c] = rf_clampf( value[c], 0.0f, 1.0f );
     }
-    return RF_OK;
+    return result;
 }
 
 static RfResult read_vertices( RfGltf* gltf, const char* where, const Attributes* attributes, uint32_t vertex_count,
                                RfGltfPrimitive* out )
 {
     RfResult result = compact( gltf, where, vertex_count, out, &out->sources );
-    const uint32_t* sources = out->sources;
-    if ( result == RF_OK )
-        result = read_attribute( gltf, where, attributes->position, sources, out->vertex_count, &out->positions );
-    if ( result == RF_OK )
-        result = read_attribute( gltf, where, attributes->normal, sources, out->vertex_count, &out->normals );
-    if ( result == RF_OK )
-        result = read_attribute( gltf, where, attributes->uv, sources, out->vertex_count, &out->uvs );
-    if ( result == RF_OK )
-        result = read_attribute( gltf, where, attributes->uv1, sources, out->vertex_count, &out->uvs1 );
-    if ( result == RF_OK )
-        result = read_colors( gltf, where, attributes->color, sources, out->vertex_count, &out->colors );
-    // glTF: tangents are ignored if there are no normals
-    if ( result == RF_OK && attributes->normal >= 0 )
-        result = read_attribute( gltf, where, attributes->tangent, sources, out->vertex_count, &out->tangents );
+    for ( int a = 0; result == RF_OK && a < RF_ATTRIBUTE_COUNT; ++a )
+    {
+        // glTF: tangents are ignored if there are no normals
+        if ( a != RF_TANGENT || attributes->accessors[RF_NORMAL] >= 0 )
+            result = read_attribute( gltf, where, attributes->accessors[a], a, out );
+    }
     return result;
 }
 
@@ -355,13 +315,13 @@ static RfResult add_tangents( RfGltf* gltf, const char* where, RfGltfPrimitive* 
 {
     const RfMaterial* material = gltf->scene->materials + out->material;
     const RfTextured* textured = material->textured;
-    if ( out->tangents != NULL || textured == NULL )
+    if ( out->t.tangents != NULL || textured == NULL )
         return RF_OK;
     RfTextureSlot slot = textured->refs[RF_TEXTURE_NORMAL].texture >= 0             ? RF_TEXTURE_NORMAL
                          : textured->refs[RF_TEXTURE_CLEARCOAT_NORMAL].texture >= 0 ? RF_TEXTURE_CLEARCOAT_NORMAL
                                                                                     : RF_TEXTURE_ANISOTROPY;
     const RfTextureRef* ref = textured->refs + slot; // without a texture: the first set
-    const float* uvs = ref->uv_set == 0 ? out->uvs : out->uvs1;
+    const float* uvs = ref->uv_set == 0 ? out->t.uvs : out->t.uvs1;
     bool anisotropic =
         rf_has_param( rf_bsdf_model( material->kind )->params, RF_PARAM_ANISOTROPY ) && material->anisotropy > 0.0f;
     if ( anisotropic && uvs == NULL )
@@ -371,19 +331,19 @@ static RfResult add_tangents( RfGltf* gltf, const char* where, RfGltfPrimitive* 
                         where, material->name );
     if ( uvs == NULL || ( ref->texture < 0 && !anisotropic ) )
         return RF_OK;
-    RfResult result = out->normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
+    RfResult result = out->t.normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
     return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
 }
 
-RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, RfGltfPrimitive* out )
+RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool survey, RfGltfPrimitive* out )
 {
     const char* where = primitive->path;
     *out = ( RfGltfPrimitive ){ 0 };
-    int64_t mode = 4;
+    int64_t mode = LIST;
     RfResult result = rf_get_integer( primitive, "mode", 0, 6, &mode );
     if ( result != RF_OK )
         return result;
-    if ( mode < 4 )
+    if ( mode < LIST )
     {
         rf_gltf_notice( gltf, RF_GLTF_POINTS_LINES, "points and lines are not drawn: %s is left out", where );
         return RF_OK;
@@ -393,7 +353,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, RfGltfP
     result = open_attributes( gltf, primitive, &attributes, &vertex_count );
     if ( result != RF_OK )
         return result;
-    if ( attributes.position < 0 )
+    if ( attributes.accessors[RF_POSITION] < 0 )
     {
         rf_gltf_notice( gltf, RF_GLTF_NO_POSITIONS, "%s has no POSITION: it is left out", where );
         return RF_OK;
@@ -401,34 +361,12 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, RfGltfP
 
     result = find_material( gltf, primitive, &out->material );
     if ( result == RF_OK )
-        result = read_triangles( gltf, primitive, (int)mode, vertex_count, &out->indices, &out->triangle_count );
-    if ( result == RF_OK && out->triangle_count > 0 )
+        result = read_triangles( gltf, primitive, (int)mode, vertex_count, survey, &out->t );
+    if ( result == RF_OK && out->t.count > 0 && !survey )
         result = read_vertices( gltf, where, &attributes, vertex_count, out );
-    if ( result == RF_OK && out->triangle_count > 0 )
+    if ( result == RF_OK && out->t.count > 0 && !survey )
         result = add_tangents( gltf, where, out );
     if ( result != RF_OK )
         rf_gltf_free_primitive( out );
-    return result;
-}
-
-RfResult rf_gltf_survey_primitive( RfGltf* gltf, const RfField* primitive, RfGltfSurvey* out )
-{
-    *out = ( RfGltfSurvey ){ 0 };
-    int64_t mode = LIST;
-    Attributes attributes = { .position = -1 };
-    const RfGltfAccessor* indices;
-    uint32_t vertex_count = 0;
-    RfResult result = rf_get_integer( primitive, "mode", 0, 6, &mode );
-    if ( result == RF_OK && mode >= LIST )
-        result = open_attributes( gltf, primitive, &attributes, &vertex_count );
-    if ( result != RF_OK || attributes.position < 0 )
-        return result;
-    int list = (int)mode;
-    result = find_material( gltf, primitive, &out->material );
-    if ( result == RF_OK )
-        result = open_indices( gltf, primitive, &list, &indices );
-    if ( result == RF_OK )
-        result =
-            count_triangles( gltf, primitive->path, list, indices != NULL ? indices->count : vertex_count, &out->triangle_count );
     return result;
 }

@@ -1,6 +1,8 @@
 // Meshes in their own space: all primitives of one, for what moves.
 #include "scene/gltf/gltf_geometry.h"
 
+#include "scene/merge.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,39 +24,15 @@ typedef struct Reader
     RfWhere first_degenerate;
 } Reader;
 
-// Appends an attribute; vertices of primitives without it get `fill`. One that no primitive has stays NULL.
-static bool append( float** all, size_t before, size_t more, size_t components, const float* values, float fill )
-{
-    if ( *all == NULL && values == NULL )
-        return true;
-    size_t start = *all == NULL ? 0 : before * components, at = before * components, end = ( before + more ) * components;
-    float* grown = realloc( *all, ( end + 1 ) * sizeof *grown );
-    if ( grown == NULL )
-        return false;
-    *all = grown;
-    for ( size_t i = start; i < ( values != NULL ? at : end ); ++i )
-        grown[i] = fill;
-    if ( values != NULL )
-        memcpy( grown + at, values, more * components * sizeof *grown );
-    return true;
-}
-
 static bool append_vertices( Reader* r, const RfGltfPrimitive* p )
 {
-    RfTriangles* t = &r->out->triangles;
-    size_t before = t->vertex_count, more = p->vertex_count;
-    bool* flat = realloc( r->flat, ( before + more + 1 ) * sizeof *flat );
+    size_t before = r->out->triangles.vertex_count;
+    bool* flat = realloc( r->flat, ( before + p->t.vertex_count + 1 ) * sizeof *flat );
     if ( flat == NULL )
         return false;
     r->flat = flat;
-    memset( flat + before, p->flat, more );
-    if ( !append( &t->positions, before, more, 3, p->positions, 0.0f ) ||
-         !append( &t->normals, before, more, 3, p->normals, 0.0f ) || !append( &t->uvs, before, more, 2, p->uvs, 0.0f ) ||
-         !append( &t->uvs1, before, more, 2, p->uvs1, 0.0f ) || !append( &t->colors, before, more, 4, p->colors, 1.0f ) ||
-         !append( &t->tangents, before, more, 4, p->tangents, 0.0f ) )
-        return false;
-    t->vertex_count += p->vertex_count;
-    return true;
+    memset( flat + before, p->flat, p->t.vertex_count );
+    return rf_append_vertices( &r->out->triangles, &p->t );
 }
 
 static void normalise( float* v ) { rf_normalise( ( const double[3] ){ (double)v[0], (double)v[1], (double)v[2] }, 1.0, v ); }
@@ -115,8 +93,8 @@ static void append_triangle( Reader* r, uint32_t base, const uint32_t* from, uin
 static RfResult append_triangles( Reader* r, uint32_t base, const RfGltfPrimitive* p, const char* where )
 {
     RfTriangles* t = &r->out->triangles;
-    size_t all = (size_t)t->count + p->triangle_count;
-    r->gltf->shape_triangles += p->triangle_count;
+    size_t all = (size_t)t->count + p->t.count;
+    r->gltf->shape_triangles += p->t.count;
     if ( r->gltf->shape_triangles > MAX_TRIANGLES )
         return rf_gltf_fail( r->gltf, RF_ERROR_UNSUPPORTED, where, "more than %llu triangles in all that moves: split the scene",
                              (unsigned long long)MAX_TRIANGLES );
@@ -126,8 +104,8 @@ static RfResult append_triangles( Reader* r, uint32_t base, const RfGltfPrimitiv
     t->material = material != NULL ? material : t->material;
     if ( indices == NULL || material == NULL )
         return rf_gltf_no_memory( r->gltf, where );
-    for ( size_t i = 0; i < p->triangle_count; ++i )
-        append_triangle( r, base, p->indices + 3 * i, p->material, where );
+    for ( size_t i = 0; i < p->t.count; ++i )
+        append_triangle( r, base, p->t.indices + 3 * i, p->material, where );
     for ( size_t v = base; v < t->vertex_count; ++v )
     {
         if ( is_zero( t->normals + 3 * v ) && !r->shape->deforms )
@@ -141,7 +119,7 @@ static RfResult add_primitive( Reader* r, const RfField* json, const RfGltfPrimi
     const char* where = json->path;
     RfMesh* mesh = r->out;
     uint32_t base = mesh->triangles.vertex_count;
-    if ( p->vertex_count > UINT32_MAX - base )
+    if ( p->t.vertex_count > UINT32_MAX - base )
         return rf_gltf_fail( r->gltf, RF_ERROR_UNSUPPORTED, where, "too many vertices in one mesh: split it" );
     if ( !append_vertices( r, p ) )
         return rf_gltf_no_memory( r->gltf, where );
@@ -152,7 +130,7 @@ static RfResult add_primitive( Reader* r, const RfField* json, const RfGltfPrimi
         result = rf_gltf_read_influences( r->gltf, json, p, base, mesh->deformation );
     if ( result == RF_OK )
         result = append_triangles( r, base, p, where );
-    if ( result == RF_OK && p->colors != NULL )
+    if ( result == RF_OK && p->t.colors != NULL )
         r->gltf->scene->materials[p->material].textured->vertex_colors = true;
     return result;
 }
@@ -163,13 +141,13 @@ static RfResult read_primitive( Reader* r, const RfField* json )
     RfGltfPrimitive p;
     if ( r->shape->changing_only && !rf_gltf_primitive_changes( r->gltf, json ) )
         return RF_OK;
-    RfResult result = rf_gltf_read_primitive( r->gltf, json, &p );
+    RfResult result = rf_gltf_read_primitive( r->gltf, json, false, &p );
     if ( result != RF_OK )
         return result;
     p.material = rf_gltf_tagged_material( r->gltf, r->shape->use, p.material );
-    if ( p.triangle_count > 0 && p.normals == NULL )
+    if ( p.t.count > 0 && p.t.normals == NULL )
         result = rf_gltf_make_flat( r->gltf, where, &p );
-    if ( result == RF_OK && p.triangle_count > 0 )
+    if ( result == RF_OK && p.t.count > 0 )
         result = add_primitive( r, json, &p );
     rf_gltf_free_primitive( &p );
     return result;

@@ -27,7 +27,7 @@ typedef struct Spaces
 // The coordinate set that the texture uses, before its transform.
 static const float* uvs_of( const RfGltfPrimitive* primitive, const RfTextureRef* ref )
 {
-    return ref->uv_set == 0 ? primitive->uvs : primitive->uvs1;
+    return ref->uv_set == 0 ? primitive->t.uvs : primitive->t.uvs1;
 }
 
 static void free_spaces( Spaces* s )
@@ -40,7 +40,7 @@ static void free_spaces( Spaces* s )
 
 static bool create_spaces( Spaces* s )
 {
-    size_t count = (size_t)s->primitive->vertex_count + 1;
+    size_t count = (size_t)s->primitive->t.vertex_count + 1;
     s->first = malloc( count * sizeof *s->first );
     s->sums = calloc( count, sizeof *s->sums );
     s->twin = malloc( count * sizeof *s->twin );
@@ -63,8 +63,8 @@ static Key key_of( const Spaces* s, uint32_t vertex )
     Key key;
     for ( size_t i = 0; i < 3; ++i )
     {
-        key.values[i] = p->positions[3 * (size_t)vertex + i] + 0.0f;
-        key.values[3 + i] = p->normals[3 * (size_t)vertex + i] + 0.0f;
+        key.values[i] = p->t.positions[3 * (size_t)vertex + i] + 0.0f;
+        key.values[3 + i] = p->t.normals[3 * (size_t)vertex + i] + 0.0f;
     }
     for ( size_t i = 0; i < 2; ++i )
         key.values[6 + i] = uvs_of( p, s->ref )[2 * (size_t)vertex + i] + 0.0f;
@@ -87,7 +87,7 @@ static size_t hash( const Key* key )
 // Fills `first`, by a hash table of twice as many slots as vertices.
 static bool find_same( Spaces* s )
 {
-    uint32_t count = s->primitive->vertex_count;
+    uint32_t count = s->primitive->t.vertex_count;
     size_t size = 16;
     while ( size < 2 * (size_t)count )
         size *= 2;
@@ -166,8 +166,8 @@ static int find_direction( const Spaces* s, const uint32_t corners[3], double al
     double det = du1 * dv2 - du2 * dv1;
     if ( !( fabs( det ) > 0.0 ) )
         return 0;
-    make_edge( s->primitive->positions, corners[0], corners[1], e1 );
-    make_edge( s->primitive->positions, corners[0], corners[2], e2 );
+    make_edge( s->primitive->t.positions, corners[0], corners[1], e1 );
+    make_edge( s->primitive->t.positions, corners[0], corners[2], e2 );
     for ( int i = 0; i < 3; ++i )
         along[i] = ( e1[i] * dv2 - e2[i] * dv1 ) * ( det < 0.0 ? -1.0 : 1.0 );
     return !normalize( along ) ? 0 : det < 0.0 ? 1 : -1;
@@ -176,9 +176,9 @@ static int find_direction( const Spaces* s, const uint32_t corners[3], double al
 static void add_corner( Spaces* s, const uint32_t corners[3], int corner, int side, const double along[3] )
 {
     uint32_t at = corners[corner];
-    const float* positions = s->primitive->positions;
+    const float* positions = s->primitive->t.positions;
     double n[3], t[3] = { along[0], along[1], along[2] }, a[3], b[3];
-    get3( s->primitive->normals, at, n );
+    get3( s->primitive->t.normals, at, n );
     make_edge( positions, at, corners[( corner + 1 ) % 3], a );
     make_edge( positions, at, corners[( corner + 2 ) % 3], b );
     if ( !normalize( n ) || !flatten( n, t ) || !flatten( n, a ) || !flatten( n, b ) )
@@ -193,10 +193,10 @@ static void add_corner( Spaces* s, const uint32_t corners[3], int corner, int si
 static uint32_t add_triangles( Spaces* s )
 {
     RfGltfPrimitive* p = s->primitive;
-    uint32_t count = p->vertex_count;
-    for ( size_t t = 0; t < p->triangle_count; ++t )
+    uint32_t count = p->t.vertex_count;
+    for ( size_t t = 0; t < p->t.count; ++t )
     {
-        uint32_t* corners = p->indices + 3 * t;
+        uint32_t* corners = p->t.indices + 3 * t;
         double along[3];
         int side = find_direction( s, corners, along );
         for ( int i = 0; side != 0 && i < 3; ++i )
@@ -234,33 +234,30 @@ static bool grow_sources( RfGltfPrimitive* p, size_t count )
     return grown != NULL;
 }
 
-// Assigns the duplicates to triangles of the second orientation.
+// Assigns the duplicates to triangles of the second orientation. Tangents have their room.
 static bool split( const Spaces* s, uint32_t count )
 {
     RfGltfPrimitive* p = s->primitive;
-    if ( !grow_sources( p, count ) || !grow( &p->positions, count, 3 ) || !grow( &p->normals, count, 3 ) ||
-         !grow( &p->uvs, count, 2 ) || !grow( &p->uvs1, count, 2 ) || !grow( &p->colors, count, 4 ) )
-        return false;
-    for ( uint32_t v = 0; v < p->vertex_count; ++v )
+    bool room = grow_sources( p, count );
+    for ( int a = 0; a < RF_TANGENT; ++a )
+        room = room && grow( rf_attribute( &p->t, a ), count, g_rf_attributes[a].components );
+    for ( uint32_t v = 0; room && v < p->t.vertex_count; ++v )
     {
         if ( s->twin[v] == NONE )
             continue;
-        copy( p->positions, s->twin[v], v, 3 );
-        copy( p->normals, s->twin[v], v, 3 );
-        copy( p->uvs, s->twin[v], v, 2 );
-        copy( p->uvs1, s->twin[v], v, 2 );
-        copy( p->colors, s->twin[v], v, 4 );
+        for ( int a = 0; a < RF_TANGENT; ++a )
+            copy( *rf_attribute( &p->t, a ), s->twin[v], v, g_rf_attributes[a].components );
         p->sources[s->twin[v]] = p->sources[v];
     }
-    return true;
+    return room;
 }
 
 static void renumber( Spaces* s )
 {
     RfGltfPrimitive* p = s->primitive;
-    for ( size_t t = 0; t < p->triangle_count; ++t )
+    for ( size_t t = 0; t < p->t.count; ++t )
     {
-        uint32_t* corners = p->indices + 3 * t;
+        uint32_t* corners = p->t.indices + 3 * t;
         double along[3];
         int side = find_direction( s, corners, along );
         for ( int i = 0; side != 0 && i < 3; ++i )
@@ -287,19 +284,19 @@ static RfResult make( Spaces* s, const RfGltf* gltf, const char* where )
     RfGltfPrimitive* p = s->primitive;
     if ( !create_spaces( s ) || !find_same( s ) )
         return rf_gltf_no_memory( gltf, where );
-    uint32_t before = p->vertex_count, after = add_triangles( s );
-    p->tangents = malloc( ( (size_t)after * 4 + 1 ) * sizeof *p->tangents );
-    if ( p->tangents == NULL || !split( s, after ) )
+    uint32_t before = p->t.vertex_count, after = add_triangles( s );
+    p->t.tangents = malloc( ( (size_t)after * 4 + 1 ) * sizeof *p->t.tangents );
+    if ( p->t.tangents == NULL || !split( s, after ) )
         return rf_gltf_no_memory( gltf, where );
     if ( after != before )
         renumber( s );
     for ( uint32_t v = 0; v < before; ++v )
     {
-        store( s, v, s->side[v], p->tangents + 4 * (size_t)v );
+        store( s, v, s->side[v], p->t.tangents + 4 * (size_t)v );
         if ( s->twin[v] != NONE )
-            store( s, v, -s->side[v], p->tangents + 4 * (size_t)s->twin[v] );
+            store( s, v, -s->side[v], p->t.tangents + 4 * (size_t)s->twin[v] );
     }
-    p->vertex_count = after;
+    p->t.vertex_count = after;
     return RF_OK;
 }
 
